@@ -1,0 +1,274 @@
+/* body.c - inertia, velocity-dependent forces and elimination of one modal body.
+ *
+ * With [R'' (resolved in the body frame), w', p''] the mass matrix is
+ *   [ m E   -S~   I3 ]
+ *   [       J     B  ]     J(p), B(p): Rantalainen 2007, eq. 3.49-3.67
+ *   [             E  ]
+ * D_j is half the derivative of J with respect to p_j; all p-dependence is one product E p.
+ */
+#include "internal.h"
+
+void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh)
+{
+    jo_body_set *s = &w->set[set];
+    int np = b->np;
+    for (int j = 0; j < np; j++) s->weight[j] = 1.0 / (1.0 + gh * b->D[j] + gh * gh * b->K[j]);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < np; j++) s->I3w[i * np + j] = b->I3[i * np + j] * s->weight[j];
+    jo_real *L = s->L11;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k <= i; k++) {
+            jo_real x = i == k ? b->mass[0] : 0.0;
+            for (int j = 0; j < np; j++) x -= s->I3w[i * np + j] * b->I3[k * np + j];
+            for (int j = 0; j < k; j++) x -= L[3 * i + j] * L[3 * k + j];
+            L[3 * i + k] = i == k ? 1.0 / jo_sqrt(x) : x * L[4 * k];
+        }
+}
+
+void jo_body_pose(const jo_body *b, jo_body_work *w, const jo_real *q)
+{
+    jo_rotation(w->A, q + 3);
+    for (int j = 0; j < b->n; j++) w->p[j] = q[7 + j];
+}
+
+/* y = y0 + E p in blocks of rows that stay in registers */
+static void contract_d(int blocks, int n, const jo_real *restrict E, const jo_real *restrict p,
+                       const jo_real *restrict y0, jo_real *restrict y)
+{
+    enum { COUNT = JO_ROW_D / JO_WIDTH };
+    for (int k = 0; k < blocks; k++) {
+        jo_lanes acc[COUNT];
+        for (int i = 0; i < COUNT; i++) acc[i] = JO_LOAD(y0 + i * JO_WIDTH);
+        for (int j = 0; j < n; j++) {
+            const jo_real pj = p[j];
+            for (int i = 0; i < COUNT; i++) acc[i] += pj * JO_LOAD(E + i * JO_WIDTH);
+            E += JO_ROW_D;
+        }
+        for (int i = 0; i < COUNT; i++) JO_STORE(y + i * JO_WIDTH) = acc[i];
+        y0 += JO_ROW_D;
+        y += JO_ROW_D;
+    }
+}
+
+/* y = y0 + E p and z = E r together, so that E is read once */
+static void contract_b(int blocks, int n, const jo_real *restrict E, const jo_real *restrict p,
+                       const jo_real *restrict r, const jo_real *restrict y0, jo_real *restrict y,
+                       jo_real *restrict z)
+{
+    enum { COUNT = JO_ROW_B / JO_WIDTH };
+    for (int k = 0; k < blocks; k++) {
+        jo_lanes acc[COUNT], dot[COUNT];
+        for (int i = 0; i < COUNT; i++) { acc[i] = JO_LOAD(y0 + i * JO_WIDTH); dot[i] = acc[i] - acc[i]; }
+        for (int j = 0; j < n; j++) {
+            const jo_real pj = p[j], rj = r[j];
+            for (int i = 0; i < COUNT; i++) {
+                const jo_lanes e = JO_LOAD(E + i * JO_WIDTH);
+                acc[i] += pj * e;
+                dot[i] += rj * e;
+            }
+            E += JO_ROW_B;
+        }
+        for (int i = 0; i < COUNT; i++) { JO_STORE(y + i * JO_WIDTH) = acc[i]; JO_STORE(z + i * JO_WIDTH) = dot[i]; }
+        y0 += JO_ROW_B;
+        y += JO_ROW_B;
+        z += JO_ROW_B;
+    }
+}
+
+void jo_body_twist(const jo_body *b, jo_body_work *w, const jo_real *v)
+{
+    jo_mul3t(w->V, w->A, v);
+    jo_set3(w->w, v + 3);
+    for (int j = 0; j < b->n; j++) w->pd[j] = v[6 + j];
+}
+
+/* out[i] += rows_i . x for rows of length np */
+static inline void dot_rows(const int count, const int np, const jo_real *restrict rows,
+                            const jo_real *restrict x, jo_real *restrict out)
+{
+    for (int i = 0; i < count; i++) {
+        jo_lanes s = {0};
+        JO_EACH(j, np) s += JO_LOAD(rows + i * np + j) * JO_LOAD(x + j);
+        out[i] += jo_sum(s);
+    }
+}
+
+/* J += sum (D0_j + D_j) p_j, half of J' = sum D_j p'_j */
+static inline void inertia(const int np, const jo_real *restrict D0, const jo_real *restrict D,
+                           const jo_real *restrict p, const jo_real *restrict pd, jo_real *restrict J,
+                           jo_real *restrict Jd)
+{
+    for (int c = 0; c < 6; c++, D0 += np, D += np) {
+        jo_lanes s = {0}, sd = {0};
+        JO_EACH(j, np) {
+            const jo_lanes x = JO_LOAD(D + j);
+            s += (JO_LOAD(D0 + j) + x) * JO_LOAD(p + j);
+            sd += x * JO_LOAD(pd + j);
+        }
+        J[c] += jo_sum(s);
+        Jd[c] += jo_sum(sd);
+    }
+}
+
+/* Q_p,j = w . D_j w - 2 w . int phi' x phi_j dm - K p - D p', and the power lost to damping */
+static inline jo_real modal_force(const jo_body *b, const jo_real *om, const jo_real *restrict D,
+                                  const jo_real *restrict G, const jo_real *restrict p, const jo_real *restrict pd,
+                                  const jo_real *restrict extra, jo_real *restrict fp)
+{
+    const int np = b->np;
+    const jo_real w0 = om[0], w1 = om[1], w2 = om[2];
+    const jo_real xx = w0 * w0, yy = w1 * w1, zz = w2 * w2;
+    const jo_real yz = 2.0 * w1 * w2, xz = 2.0 * w0 * w2, xy = 2.0 * w0 * w1;
+    const jo_real v0 = 2.0 * w0, v1 = 2.0 * w1, v2 = 2.0 * w2;
+    jo_lanes loss = {0};
+    JO_EACH(j, np) {
+        const jo_real *x = D + j, *g = G + j;
+        const jo_lanes damping = JO_LOAD(b->D + j) * JO_LOAD(pd + j);
+        JO_STORE(fp + j) = JO_LOAD(extra + j) - JO_LOAD(b->K + j) * JO_LOAD(p + j) - damping
+            + xx * JO_LOAD(x) + yy * JO_LOAD(x + np) + zz * JO_LOAD(x + 2 * np) + yz * JO_LOAD(x + 3 * np)
+            + xz * JO_LOAD(x + 4 * np) + xy * JO_LOAD(x + 5 * np)
+            - v0 * JO_LOAD(g) - v1 * JO_LOAD(g + np) - v2 * JO_LOAD(g + 2 * np);
+        loss += damping * JO_LOAD(pd + j);
+    }
+    return jo_sum(loss);
+}
+
+/* S, J, B, D at p, and the velocity-dependent and elastic forces */
+void jo_body_inertia(const jo_body *b, jo_body_work *w, jo_real *power)
+{
+    const int np = b->np;
+    const jo_real *om = w->w;
+    jo_real Ip[3] = {0}, Jd[6] = {0}, Bp[3] = {0}, t[3];
+    jo_set3(w->S, b->S0);
+    for (int c = 0; c < 6; c++) w->J[c] = b->J0[c];
+    if (b->n) {
+        contract_d(6 * np / JO_ROW_D, b->n, b->ED, w->p, b->D0, w->D);
+        contract_b(3 * np / JO_ROW_B, b->n, b->EB, w->p, w->pd, b->B0, w->B, w->G);
+        dot_rows(3, np, b->I3, w->p, w->S);
+        dot_rows(3, np, b->I3, w->pd, Ip);
+        dot_rows(3, np, w->B, w->pd, Bp);
+        inertia(np, b->D0, w->D, w->p, w->pd, w->J, Jd);
+        *power += modal_force(b, om, w->D, w->G, w->p, w->pd, w->extra, w->fp);
+    }
+    /* Q_R = -w x (w x S) - 2 w x I3 p' */
+    jo_cross(t, om, w->S);
+    for (int i = 0; i < 3; i++) t[i] += 2.0 * Ip[i];
+    jo_cross(w->fr, t, om);
+    /* Q_w = -w x (J w + B p') - J' w */
+    jo_sym3(t, w->J, om);
+    jo_add3(t, Bp);
+    jo_cross(w->fr + 3, t, om);
+    jo_sym3(t, Jd, om);
+    jo_axpy3(w->fr + 3, -2.0, t);
+}
+
+/* x = L^-1 x, L with inverse diagonal */
+void jo_body_forward(const jo_real *L, jo_real *x)
+{
+    for (int i = 0; i < 6; i++) {
+        jo_real s = x[i];
+        for (int k = 0; k < i; k++) s -= L[6 * i + k] * x[k];
+        x[i] = s * L[7 * i];
+    }
+}
+
+/* x = L^-T x */
+void jo_body_backward(const jo_real *L, jo_real *x)
+{
+    for (int i = 5; i >= 0; i--) {
+        jo_real s = x[i];
+        for (int k = i + 1; k < 6; k++) s -= L[6 * k + i] * x[k];
+        x[i] = s * L[7 * i];
+    }
+}
+
+/* Bw = B weight, IB = I3 Bw^T, BB = B Bw^T (lower triangle) */
+static inline void weigh(const int np, const jo_real *restrict B, const jo_real *restrict I3,
+                         const jo_real *restrict weight, jo_real *restrict Bw, jo_real *restrict IB,
+                         jo_real *restrict BB)
+{
+    for (int i = 0; i < 3; i++) {
+        jo_lanes ib0 = {0}, ib1 = {0}, ib2 = {0}, bb0 = {0}, bb1 = {0}, bb2 = {0};
+        JO_EACH(j, np) {
+            const jo_lanes x = JO_LOAD(B + i * np + j) * JO_LOAD(weight + j);
+            JO_STORE(Bw + i * np + j) = x;
+            ib0 += JO_LOAD(I3 + j) * x;
+            ib1 += JO_LOAD(I3 + np + j) * x;
+            ib2 += JO_LOAD(I3 + 2 * np + j) * x;
+            bb0 += JO_LOAD(B + j) * x;
+            bb1 += JO_LOAD(B + np + j) * x;
+            bb2 += JO_LOAD(B + 2 * np + j) * x;
+        }
+        IB[i] = jo_sum(ib0); IB[3 + i] = jo_sum(ib1); IB[6 + i] = jo_sum(ib2);
+        BB[i] = jo_sum(bb0); BB[3 + i] = jo_sum(bb1); BB[6 + i] = jo_sum(bb2);
+    }
+}
+
+/* Z = M_rr - M_rp weight M_pr = L L^T for [R'', w'] */
+int jo_body_factor(const jo_body *b, jo_body_work *w, int set)
+{
+    const int np = b->np;
+    const jo_body_set *s = &w->set[set];
+    jo_real IB[9] = {0}, BB[9] = {0}, *L = w->L;
+    if (b->n) weigh(np, w->B, b->I3, s->weight, w->Bw, IB, BB);
+    /* rows w, columns R of Z: (-S~)^T - (I3 weight B^T)^T; the block RR is constant and factored */
+    const jo_real *S = w->S, *J = w->J;
+    const jo_real Y[9] = {-IB[0], -S[2] - IB[3], S[1] - IB[6],
+                          S[2] - IB[1], -IB[4], -S[0] - IB[7],
+                          -S[1] - IB[2], S[0] - IB[5], -IB[8]};
+    const jo_real W[9] = {J[0] - BB[0], 0.0, 0.0, J[5] - BB[3], J[1] - BB[4], 0.0,
+                          J[4] - BB[6], J[3] - BB[7], J[2] - BB[8]};
+    const jo_real *K = s->L11;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k <= i; k++) L[6 * i + k] = K[3 * i + k];
+    for (int i = 0; i < 3; i++) {
+        jo_real *x = L + 6 * (3 + i);
+        x[0] = Y[3 * i] * K[0];
+        x[1] = (Y[3 * i + 1] - K[3] * x[0]) * K[4];
+        x[2] = (Y[3 * i + 2] - K[6] * x[0] - K[7] * x[1]) * K[8];
+    }
+    for (int i = 0; i < 3; i++) {
+        jo_real *x = L + 6 * (3 + i);
+        for (int k = 0; k <= i; k++) {
+            const jo_real *y = L + 6 * (3 + k);
+            jo_real t = W[3 * i + k];
+            for (int j = 0; j < 3 + k; j++) t -= x[j] * y[j];
+            if (k < i) {
+                x[3 + k] = t * y[3 + k];
+            } else {
+                if (!(JO_RE(t) > 1e-14 * JO_RE(W[4 * i]))) return JO_SINGULAR_BODY;
+                x[3 + i] = 1.0 / jo_sqrt(t);
+            }
+        }
+    }
+    return JO_OK;
+}
+
+/* z = L^-1 (f_r - M_rp weight f_p): L^-T z would be the rigid acceleration without joints */
+void jo_body_free(const jo_body *b, jo_body_work *w, int set)
+{
+    const int np = b->np;
+    jo_real t[6] = {0};
+    if (b->n) {
+        dot_rows(3, np, w->set[set].I3w, w->fp, t);
+        dot_rows(3, np, w->Bw, w->fp, t + 3);
+    }
+    for (int i = 0; i < 6; i++) w->z[i] = w->fr[i] - t[i];
+    jo_body_forward(w->L, w->z);
+}
+
+static inline void modal(const int np, const jo_real *restrict I3, const jo_real *restrict B, const jo_real *y,
+                         const jo_real *restrict weight, const jo_real *restrict fp, jo_real *restrict yp)
+{
+    const jo_real y0 = y[0], y1 = y[1], y2 = y[2], y3 = y[3], y4 = y[4], y5 = y[5];
+    JO_EACH(j, np)
+        JO_STORE(yp + j) = JO_LOAD(weight + j)
+            * (JO_LOAD(fp + j) - y0 * JO_LOAD(I3 + j) - y1 * JO_LOAD(I3 + np + j) - y2 * JO_LOAD(I3 + 2 * np + j)
+               - y3 * JO_LOAD(B + j) - y4 * JO_LOAD(B + np + j) - y5 * JO_LOAD(B + 2 * np + j));
+}
+
+/* y_p = weight (f_p - M_pr y) */
+void jo_body_modal(const jo_body *b, jo_body_work *w, int set)
+{
+    modal(b->np, b->I3, w->B, w->y, w->set[set].weight, w->fp, w->yp);
+}

@@ -1,0 +1,114 @@
+/* data.c - the state and workspace of one run: one allocation. */
+#include "internal.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* take n reals from the arena, aligned for vector loads; with no arena only count */
+typedef struct { char *base; size_t used; } arena;
+
+static void *take(arena *a, size_t bytes)
+{
+    size_t at = a->used;
+    a->used += (bytes + 63) & ~(size_t)63;
+    return a->base ? a->base + at : 0;
+}
+static jo_real *reals(arena *a, int n) { return take(a, (size_t)n * sizeof(jo_real)); }
+
+static jo_data *lay_out(const jo_model *m, arena *a)
+{
+    jo_data spare_data, *taken = take(a, sizeof(jo_data)), *d = taken ? taken : &spare_data;
+    d->q = reals(a, m->nq);
+    d->v = reals(a, m->nv);
+    d->a = reals(a, m->nv);
+    d->lam = reals(a, m->nrow);
+    d->q0 = reals(a, m->nq);
+    d->v0 = reals(a, m->nv);
+    d->dq = reals(a, m->nv);
+    d->dv = reals(a, m->nv);
+    d->rate = reals(a, m->nv);
+    d->acc = reals(a, m->nv);
+    d->S = reals(a, 36 * m->nblock);
+    for (int s = 0; s < 2; s++) d->gram[s] = reals(a, 36 * m->npair);
+    d->body = take(a, (size_t)m->nbody * sizeof(jo_body_work));
+    d->marker = take(a, (size_t)m->nmarker * sizeof(jo_marker_work));
+    d->joint = take(a, (size_t)m->njoint * sizeof(jo_joint_work));
+    for (int i = 0; i < m->nbody; i++) {
+        jo_body_work spare, *w = a->base ? &d->body[i] : &spare;
+        const int np = m->body[i].np;
+        w->p = reals(a, np);
+        w->pd = reals(a, np);
+        w->D = reals(a, 6 * np);
+        w->B = reals(a, 3 * np);
+        w->G = reals(a, 3 * np);
+        w->Bw = reals(a, 3 * np);
+        w->fp = reals(a, np);
+        w->yp = reals(a, np);
+        w->extra = reals(a, np);
+        for (int s = 0; s < 2; s++) {
+            w->set[s].weight = reals(a, np);
+            w->set[s].I3w = reals(a, 3 * np);
+        }
+    }
+    for (int i = 0; i < m->nactive; i++) {
+        jo_marker_work spare, *w = a->base ? &d->marker[i] : &spare;
+        const int np = m->marker[i].body < 0 ? 0 : m->body[m->marker[i].body].np;
+        for (int s = 0; s < 2; s++) {
+            w->set[s].Phiw = reals(a, 3 * np);
+            w->set[s].Psiw = reals(a, 3 * np);
+        }
+    }
+    return taken;
+}
+
+jo_data *jo_data_new(const jo_model *m)
+{
+    arena a = {0, 0};
+    lay_out(m, &a);
+    void *block = malloc(a.used + 64);
+    if (!block) return 0;
+    memset(block, 0, a.used + 64);
+    a.base = (char *)block + (64 - (size_t)block % 64);
+    a.used = 0;
+    jo_data *d = lay_out(m, &a);
+    d->arena = block;
+    d->gh = -1.0;
+    for (int i = 0; i < m->nbody; i++) {
+        d->q[m->body[i].iq + 3] = 1.0;
+        jo_body_setup(&m->body[i], &d->body[i], 0, 0.0);
+    }
+    jo_marker_setup(m, d, 0);
+    jo_joint_setup(m, d, 0);
+    for (int i = 0; i < m->nmarker; i++) {   /* ground markers stand still; gravity is a frame acceleration */
+        if (m->marker[i].body >= 0) continue;
+        jo_set3(d->marker[i].r, m->marker[i].u0);
+        memcpy(d->marker[i].A, m->marker[i].A0, sizeof d->marker[i].A);
+        for (int j = 0; j < 3; j++) d->marker[i].a[j] = -m->gravity[j];
+    }
+    return d;
+}
+
+void jo_data_free(jo_data *d) { if (d) free(d->arena); }
+
+jo_real *jo_data_q(jo_data *d) { return d->q; }
+jo_real *jo_data_v(jo_data *d) { return d->v; }
+jo_real *jo_data_a(jo_data *d) { return d->a; }
+jo_real *jo_data_lam(jo_data *d) { return d->lam; }
+jo_real *jo_data_time(jo_data *d) { return d->time; }
+jo_real *jo_data_work(jo_data *d) { return d->work; }
+int jo_data_error_index(const jo_data *d) { return d->error_index; }
+
+int jo_abi(void) { return JO_ABI; }
+
+int jo_cpu_level(void)
+{
+#if defined(__x86_64__) && defined(__GNUC__)
+    __builtin_cpu_init();
+    if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma") || !__builtin_cpu_supports("bmi2")) return 1;
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")
+        && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd"))
+        return 4;
+    return 3;
+#else
+    return 0;
+#endif
+}

@@ -1,0 +1,237 @@
+/* dynamics.c - accelerations and multipliers of the whole mechanism, and the projection onto its constraints. */
+#include "internal.h"
+
+/* constants for the effective modal mass E + g h D + (g h)^2 K */
+void jo_use_step(const jo_model *m, jo_data *d, double gh)
+{
+    if (d->gh == gh) return;
+    for (int i = 0; i < m->nbody; i++) jo_body_setup(&m->body[i], &d->body[i], 1, gh);
+    jo_marker_setup(m, d, 1);
+    jo_joint_setup(m, d, 1);
+    d->gh = gh;
+}
+
+/* a and lam at time, q, v; the modal mass is that of the set */
+int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
+{
+    d->set = set;
+    d->power[0] = d->power[1] = 0.0;
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        jo_body_pose(b, &d->body[i], d->q + b->iq);
+        jo_body_twist(b, &d->body[i], d->v + b->iv);
+    }
+    jo_marker_position(m, d, m->nactive);
+    jo_marker_velocity(m, d, m->nactive);
+    for (int i = 0; i < m->nbody; i++) jo_body_inertia(&m->body[i], &d->body[i], &d->power[0]);
+    if (m->nforce) jo_apply_forces(m, d);
+    for (int i = 0; i < m->nbody; i++) {
+        if (jo_body_factor(&m->body[i], &d->body[i], set) != JO_OK) {
+            d->error_index = i;
+            return JO_SINGULAR_BODY;
+        }
+        jo_body_free(&m->body[i], &d->body[i], set);
+    }
+    jo_marker_bias(m, d, m->nactive);
+    jo_marker_reduce(m, d, m->nactive);
+    if (s && (s->alpha != 0.0 || s->beta != 0.0)) {
+        jo_joint_residual(m, d);
+        jo_joint_residual_rate(m, d);
+    }
+    jo_joint_rows(m, d);
+    jo_joint_acceleration(m, d, s);
+    int status = jo_joint_factor(m, d);
+    if (status != JO_OK) return status;
+    jo_joint_solve(m, d);
+    jo_joint_apply(m, d);
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const jo_body_work *w = &d->body[i];
+        jo_real *a = d->a + b->iv;
+        jo_mul3(a, w->A, w->y);
+        jo_add3(a, m->gravity);   /* gravity is a frame acceleration */
+        jo_set3(a + 3, w->y + 3);
+        for (int j = 0; j < b->n; j++) a[6 + j] = w->yp[j];
+    }
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) d->lam[m->joint[i].row + r] = d->joint[i].x[r];
+    return JO_OK;
+}
+
+int jo_accelerations(const jo_model *m, jo_data *d)
+{
+    d->fresh = 0;
+    int status = jo_evaluate(m, d, 0, 0);
+    d->fresh = status == JO_OK;
+    return status;
+}
+
+/* q = q0 moved by increments [dR (world), dtheta (local), dp] */
+void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const jo_real *x = q0 + b->iq, *dx = increment + b->iv;
+        jo_real *y = q + b->iq;
+        for (int j = 0; j < 3; j++) y[j] = x[j] + dx[j];
+        for (int j = 0; j < 4; j++) y[3 + j] = x[3 + j];
+        jo_rotate(y + 3, dx + 3);
+        for (int j = 0; j < b->n; j++) y[7 + j] = x[7 + j] + dx[6 + j];
+    }
+}
+
+/* increment = -M^-1 Cq^T S^-1 c with the factors of the last evaluation */
+static void correction(const jo_model *m, jo_data *d, jo_real *increment)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        jo_body_work *w = &d->body[i];
+        for (int j = 0; j < 6; j++) w->z[j] = 0.0;
+        for (int j = 0; j < m->body[i].np; j++) w->fp[j] = 0.0;
+    }
+    jo_joint_solve(m, d);
+    jo_joint_apply(m, d);
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const jo_body_work *w = &d->body[i];
+        jo_real *x = increment + b->iv;
+        jo_mul3(x, w->A, w->y);
+        jo_set3(x + 3, w->y + 3);
+        for (int j = 0; j < b->n; j++) x[6 + j] = w->yp[j];
+    }
+}
+
+static void refresh(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        jo_body_pose(b, &d->body[i], d->q + b->iq);
+        jo_body_twist(b, &d->body[i], d->v + b->iv);
+    }
+    jo_marker_position(m, d, m->nactive);
+}
+
+/* one Newton step in the mass metric for C(q) = 0, one for Cq v = 0; factors of the last evaluation */
+void jo_project(const jo_model *m, jo_data *d)
+{
+    if (!m->njoint) return;
+    refresh(m, d);
+    jo_joint_residual(m, d);
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].c[r];
+    correction(m, d, d->rate);
+    jo_displace(m, d->q, d->q, d->rate);
+    refresh(m, d);
+    jo_marker_velocity(m, d, m->nactive);
+    jo_joint_residual_rate(m, d);
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].cdot[r];
+    correction(m, d, d->rate);
+    for (int i = 0; i < m->nv; i++) d->v[i] += d->rate[i];
+    d->fresh = 0;
+}
+
+/* close the joints: full Newton on positions, then velocities */
+int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance)
+{
+    jo_real residual[2];
+    for (int k = 0; k < iterations; k++) {
+        jo_residuals(m, d, residual);
+        if (k && JO_RE(residual[0]) < tolerance && JO_RE(residual[1]) < tolerance) break;
+        int status = jo_evaluate(m, d, 0, 0);
+        if (status != JO_OK) return status;
+        jo_project(m, d);
+    }
+    d->fresh = 0;
+    return JO_OK;
+}
+
+/* largest position and velocity residual */
+void jo_residuals(const jo_model *m, jo_data *d, jo_real *out)
+{
+    double c = 0.0, cdot = 0.0;
+    refresh(m, d);
+    jo_marker_velocity(m, d, m->nactive);
+    jo_joint_residual(m, d);
+    jo_joint_residual_rate(m, d);
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) {
+            c = fmax(c, fabs(JO_RE(d->joint[i].c[r])));
+            cdot = fmax(cdot, fabs(JO_RE(d->joint[i].cdot[r])));
+        }
+    out[0] = c;
+    out[1] = cdot;
+}
+
+void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot)
+{
+    jo_real unused[2];
+    jo_residuals(m, d, unused);
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) {
+            c[m->joint[i].row + r] = d->joint[i].c[r];
+            cdot[m->joint[i].row + r] = d->joint[i].cdot[r];
+        }
+}
+
+/* kinetic energy of a body: half of m V.V + 2 V.(w x S + I3 p') + w.(J w + 2 B p') + p'.p' */
+static jo_real kinetic(const jo_body *b, const jo_body_work *w)
+{
+    jo_real t[3], Jw[3], x = b->mass[0] * jo_dot3(w->V, w->V);
+    jo_cross(t, w->w, w->S);
+    jo_sym3(Jw, w->J, w->w);
+    for (int j = 0; j < b->n; j++) {
+        for (int i = 0; i < 3; i++) {
+            t[i] += b->I3[i * b->np + j] * w->pd[j];
+            Jw[i] += 2.0 * w->B[i * b->np + j] * w->pd[j];
+        }
+        x += w->pd[j] * w->pd[j];
+    }
+    return 0.5 * (x + 2.0 * jo_dot3(w->V, t) + jo_dot3(w->w, Jw));
+}
+
+void jo_energy(const jo_model *m, jo_data *d, jo_real *out)
+{
+    jo_real T = 0.0, U = 0.0, P = 0.0, unused = 0.0;
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        jo_body_work *w = &d->body[i];
+        jo_real centre[3];
+        jo_body_pose(b, w, d->q + b->iq);
+        jo_body_twist(b, w, d->v + b->iv);
+        jo_body_inertia(b, w, &unused);
+        T += kinetic(b, w);
+        for (int j = 0; j < b->n; j++) U += 0.5 * b->K[j] * w->p[j] * w->p[j];
+        jo_mul3(centre, w->A, w->S);
+        jo_axpy3(centre, b->mass[0], d->q + b->iq);
+        P -= jo_dot3(m->gravity, centre);
+    }
+    out[0] = T;
+    out[1] = U;
+    out[2] = P;
+}
+
+/* mass matrix of one body for [R'' (body frame), w', p''] at the present q */
+void jo_mass_matrix(const jo_model *m, jo_data *d, int body, jo_real *M)
+{
+    const jo_body *b = &m->body[body];
+    jo_body_work *w = &d->body[body];
+    const int n = 6 + b->n;
+    jo_real unused = 0.0;
+    jo_body_pose(b, w, d->q + b->iq);
+    jo_body_twist(b, w, d->v + b->iv);
+    jo_body_inertia(b, w, &unused);
+    for (int i = 0; i < n * n; i++) M[i] = 0.0;
+    for (int i = 0; i < 3; i++) M[i * n + i] = b->mass[0];
+    const jo_real *S = w->S, *J = w->J;
+    M[4] = S[2]; M[5] = -S[1]; M[n + 3] = -S[2]; M[n + 5] = S[0]; M[2 * n + 3] = S[1]; M[2 * n + 4] = -S[0];
+    M[3 * n + 3] = J[0]; M[4 * n + 4] = J[1]; M[5 * n + 5] = J[2];
+    M[3 * n + 4] = J[5]; M[3 * n + 5] = J[4]; M[4 * n + 5] = J[3];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < b->n; j++) {
+            M[i * n + 6 + j] = b->I3[i * b->np + j];
+            M[(3 + i) * n + 6 + j] = w->B[i * b->np + j];
+        }
+    for (int j = 0; j < b->n; j++) M[(6 + j) * n + 6 + j] = 1.0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++) M[i * n + j] = M[j * n + i];
+}

@@ -1,0 +1,111 @@
+/* internal.h - the workspace of a run and the stages of one evaluation, in pipeline order. */
+#ifndef JO_INTERNAL_H
+#define JO_INTERNAL_H
+
+#include "small.h"
+#include <stddef.h>
+
+/* Constants that depend on the effective modal mass E + g h D + (g h)^2 K: set 0 has g h = 0. */
+typedef struct {
+    jo_real *weight;        /* (np)     inverse effective modal mass */
+    jo_real *I3w;           /* (3 x np) I3 weighted */
+    jo_real L11[9];         /*          Cholesky factor of m E - I3 weight I3^T, inverse diagonal */
+} jo_body_set;
+
+typedef struct {
+    jo_real A[9];           /* orientation of the body frame */
+    jo_real V[3], w[3];     /* velocity of the frame origin and angular velocity, local */
+    jo_real S[3], J[6];     /* first moment, inertia tensor at p */
+    jo_real L[36];          /* Cholesky factor of the 6x6 Schur complement, inverse diagonal */
+    jo_real fr[6];          /* force on the rigid coordinates, local */
+    jo_real z[6], y[6];     /* L^-1 of the reduced force; acceleration of the rigid coordinates, local */
+    jo_real *p, *pd;        /* (np) modal coordinates and velocities, padded */
+    jo_real *D, *B, *G;     /* (6 x np) D_j(p), (3 x np) B_j(p), (3 x np) int phi' x phi_j dm */
+    jo_real *Bw;            /* (3 x np) B weighted */
+    jo_real *fp, *yp;       /* (np) force on the modal coordinates, their acceleration */
+    jo_real *extra;         /* (np) additional modal force of an implicit stage */
+    jo_body_set set[2];
+} jo_body_work;
+
+typedef struct {
+    jo_real *Phiw, *Psiw;   /* (3 x np) mode shapes weighted */
+    jo_real PhiI3[9], PsiI3[9];
+} jo_marker_set;
+
+typedef struct {
+    jo_real u[3];           /* position, local */
+    jo_real r[3];           /* position, world */
+    jo_real theta[3];       /* rotation vector Psi p, local */
+    jo_real T[9];           /* tangent operator: angular velocity relative to the body = T theta' */
+    jo_real A[9];           /* orientation, world */
+    jo_real v[3], om[3];    /* velocity and angular velocity, local */
+    jo_real bv[3], bom[3];  /* velocity-dependent accelerations, local */
+    jo_real Xt[18], Xr[18]; /* marker rows reduced to the six rigid coordinates */
+    jo_real a[6];           /* acceleration without that of the rigid coordinates, local */
+    jo_marker_set set[2];
+} jo_marker_work;
+
+typedef struct {
+    jo_real C[2][36];       /* (nrow x 6) rows of side a, b: [translation, rotation shape] local */
+    jo_real V[2][36];       /* (6 x 6) L^-1 of the rows reduced to the rigid coordinates, by columns */
+    jo_real axes[3][3];     /* world: a change of rotation dtheta_a - dtheta_b turns row r by axes[r] */
+    jo_real c[6], cdot[6];  /* constraint residuals */
+    jo_real x[6];           /* right-hand side, then multipliers */
+    double scale[6];        /* diagonal of S before elimination */
+} jo_joint_work;
+
+struct jo_data {
+    jo_real time[1], work[2], power[2];
+    jo_real *q, *v, *a, *lam;
+    jo_real *q0, *v0, *dq, *dv, *rate;   /* stages of a step: (nq) and (nv) */
+    jo_real *acc;           /* (nv) first stage of ROS2 */
+    jo_body_work *body;
+    jo_marker_work *marker;
+    jo_joint_work *joint;
+    jo_real *S;             /* (nblock x 36) */
+    jo_real *gram[2];       /* (npair x 36) */
+    double gh;              /* g h of set 1 */
+    int set;                /* set in use */
+    int fresh;              /* a and lam belong to the present time, q, v and set 0 */
+    int error_index;
+    void *arena;
+};
+
+/* body.c */
+void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh);
+void jo_body_pose(const jo_body *b, jo_body_work *w, const jo_real *q);
+void jo_body_twist(const jo_body *b, jo_body_work *w, const jo_real *v);
+void jo_body_inertia(const jo_body *b, jo_body_work *w, jo_real *power);
+int jo_body_factor(const jo_body *b, jo_body_work *w, int set);
+void jo_body_free(const jo_body *b, jo_body_work *w, int set);
+void jo_body_forward(const jo_real *L, jo_real *x);
+void jo_body_backward(const jo_real *L, jo_real *x);
+void jo_body_modal(const jo_body *b, jo_body_work *w, int set);
+
+/* marker.c */
+void jo_marker_setup(const jo_model *m, jo_data *d, int set);
+void jo_marker_position(const jo_model *m, jo_data *d, int count);
+void jo_marker_velocity(const jo_model *m, jo_data *d, int count);
+void jo_marker_bias(const jo_model *m, jo_data *d, int count);
+void jo_marker_reduce(const jo_model *m, jo_data *d, int count);
+
+/* joint.c */
+void jo_joint_setup(const jo_model *m, jo_data *d, int set);
+void jo_joint_residual(const jo_model *m, jo_data *d);
+void jo_joint_residual_rate(const jo_model *m, jo_data *d);
+void jo_joint_rows(const jo_model *m, jo_data *d);
+void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_solver *s);
+int jo_joint_factor(const jo_model *m, jo_data *d);
+void jo_joint_solve(const jo_model *m, jo_data *d);
+void jo_joint_apply(const jo_model *m, jo_data *d);
+
+/* force.c */
+void jo_apply_forces(const jo_model *m, jo_data *d);
+
+/* dynamics.c */
+int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set);
+void jo_use_step(const jo_model *m, jo_data *d, double gh);
+void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment);
+void jo_project(const jo_model *m, jo_data *d);
+
+#endif

@@ -1,0 +1,496 @@
+/* joint.c - constraint rows between markers, the block matrix S = Cq M^-1 Cq^T and its factor.
+ *
+ * Rows (Rantalainen 2007, eq. 3.90-3.96): r_b - r_a = 0 and (axis of a) . (axis of b) = 0.
+ * Multipliers: M a + Cq^T lam = Q, so the joint acts with -Cq^T lam on the bodies.
+ */
+#include "internal.h"
+
+static void axis(jo_real *x, const jo_real *A, int i) { x[0] = A[i]; x[1] = A[3 + i]; x[2] = A[6 + i]; }
+
+/* constants of the elimination: L_k weight L_l^T of every pair of joint sides on one flexible body */
+void jo_joint_setup(const jo_model *m, jo_data *d, int set)
+{
+    for (int i = 0; i < m->npair; i++) {
+        const jo_pair *p = &m->pair[i];
+        const jo_joint *k = &m->joint[p->joint_k], *l = &m->joint[p->joint_l];
+        const jo_marker *mk = &m->marker[p->side_k ? k->b : k->a], *ml = &m->marker[p->side_l ? l->b : l->a];
+        const int np = m->body[mk->body].np;
+        const jo_real *weight = d->body[mk->body].set[set].weight;
+        jo_real *gram = d->gram[set] + 36 * i;
+        for (int r = 0; r < 6; r++)
+            for (int c = 0; c < 6; c++) {
+                const jo_real *x = r < 3 ? mk->Phi : mk->Psi, *y = c < 3 ? ml->Phi : ml->Psi;
+                jo_real s = 0.0;
+                if (x && y)
+                    for (int j = 0; j < np; j++) s += x[(r % 3) * np + j] * weight[j] * y[(c % 3) * np + j];
+                gram[6 * r + c] = s;
+            }
+    }
+}
+
+void jo_joint_residual(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->njoint; i++) {
+        const jo_joint *k = &m->joint[i];
+        const jo_marker_work *a = &d->marker[k->a], *b = &d->marker[k->b];
+        jo_real *c = d->joint[i].c, x[3], y[3];
+        if (k->coincident) {
+            jo_set3(c, b->r);
+            jo_sub3(c, a->r);
+            c += 3;
+        }
+        for (int r = 0; r < k->nperp; r++) {
+            axis(x, a->A, k->perp_a[r]);
+            axis(y, b->A, k->perp_b[r]);
+            c[r] = jo_dot3(x, y);
+        }
+    }
+}
+
+/* world vector of a local one; ground is its own world */
+static void to_world(jo_real *y, const jo_model *m, const jo_data *d, int marker, const jo_real *x)
+{
+    int body = m->marker[marker].body;
+    if (body < 0) jo_set3(y, x);
+    else jo_mul3(y, d->body[body].A, x);
+}
+
+void jo_joint_residual_rate(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->njoint; i++) {
+        const jo_joint *k = &m->joint[i];
+        const jo_marker_work *a = &d->marker[k->a], *b = &d->marker[k->b];
+        jo_real *c = d->joint[i].cdot, x[3], y[3], s[3];
+        if (k->coincident) {
+            to_world(x, m, d, k->a, a->v);
+            to_world(c, m, d, k->b, b->v);
+            jo_sub3(c, x);
+            c += 3;
+        }
+        if (!k->nperp) continue;
+        jo_real rel[3];
+        to_world(rel, m, d, k->a, a->om);
+        to_world(y, m, d, k->b, b->om);
+        jo_sub3(rel, y);
+        for (int r = 0; r < k->nperp; r++) {   /* (om_a - om_b) . (x_a x y_b) */
+            axis(x, a->A, k->perp_a[r]);
+            axis(y, b->A, k->perp_b[r]);
+            jo_cross(s, x, y);
+            c[r] = jo_dot3(rel, s);
+        }
+    }
+}
+
+/* The work on small blocks is compiled for the row counts that occur, so that loops unroll. */
+#define JO_BY_ROWS(n, call)        \
+    switch (n) {                   \
+    case 3: call(3); break;        \
+    case 5: call(5); break;        \
+    case 6: call(6); break;        \
+    default: call(n); break;       \
+    }
+
+/* V = L^-1 V for n columns */
+static inline void forward(const jo_real *restrict L, jo_real *restrict V, const int n)
+{
+    for (int i = 0; i < 6; i++)
+        for (int r = 0; r < n; r++) {
+            jo_real x = V[6 * i + r];
+            for (int k = 0; k < i; k++) x -= L[6 * i + k] * V[6 * k + r];
+            V[6 * i + r] = x * L[7 * i];
+        }
+}
+
+/* rows C of both sides in body coordinates, V = L^-1 (reduced rows)^T */
+void jo_joint_rows(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->njoint; i++) {
+        const jo_joint *k = &m->joint[i];
+        jo_joint_work *w = &d->joint[i];
+        for (int r = 0; r < k->nperp; r++) {
+            jo_real x[3], y[3];
+            axis(x, d->marker[k->a].A, k->perp_a[r]);
+            axis(y, d->marker[k->b].A, k->perp_b[r]);
+            jo_cross(w->axes[r], x, y);
+        }
+        for (int side = 0; side < 2; side++) {
+            const int marker = side ? k->b : k->a;
+            const int body = m->marker[marker].body;
+            if (body < 0) continue;
+            const jo_marker_work *mw = &d->marker[marker];
+            const jo_real sign = side ? 1.0 : -1.0, *A = d->body[body].A;
+            jo_real *C = w->C[side], *V = w->V[side];
+            int first = 0;
+            if (k->coincident) {
+                const jo_real *X = mw->Xt;
+                for (int r = 0; r < 3; r++) {
+                    const jo_real c0 = sign * A[3 * r], c1 = sign * A[3 * r + 1], c2 = sign * A[3 * r + 2];
+                    C[6 * r] = c0; C[6 * r + 1] = c1; C[6 * r + 2] = c2;
+                    C[6 * r + 3] = C[6 * r + 4] = C[6 * r + 5] = 0.0;
+                    for (int j = 0; j < 6; j++) V[6 * j + r] = c0 * X[j] + c1 * X[6 + j] + c2 * X[12 + j];
+                }
+                first = 3;
+            }
+            for (int r = first; r < k->nrow; r++) {
+                const jo_real *X = mw->Xr;
+                jo_real t[3];
+                jo_mul3t(t, A, w->axes[r - first]);
+                for (int j = 0; j < 3; j++) t[j] *= -sign;
+                C[6 * r] = C[6 * r + 1] = C[6 * r + 2] = 0.0;
+                if (m->marker[marker].Psi) jo_mul3t(C + 6 * r + 3, mw->T, t);
+                else jo_set3(C + 6 * r + 3, t);
+                for (int j = 0; j < 6; j++) V[6 * j + r] = t[0] * X[j] + t[1] * X[6 + j] + t[2] * X[12 + j];
+            }
+#define CALL(n) forward(d->body[body].L, V, n)
+            JO_BY_ROWS(k->nrow, CALL)
+#undef CALL
+        }
+    }
+}
+
+/* x += V^T z, six rows */
+static inline void add_columns(jo_real *restrict x, const jo_real *restrict V, const jo_real *restrict z, const int n)
+{
+    for (int r = 0; r < n; r++) {
+        jo_real s = x[r];
+        for (int c = 0; c < 6; c++) s += V[6 * c + r] * z[c];
+        x[r] = s;
+    }
+}
+
+/* right-hand side x = Cq a_free + (Cq)' v, plus Baumgarte terms if asked for */
+void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_solver *solver)
+{
+    for (int i = 0; i < m->njoint; i++) {
+        const jo_joint *k = &m->joint[i];
+        const jo_marker_work *a = &d->marker[k->a], *b = &d->marker[k->b];
+        jo_joint_work *w = &d->joint[i];
+        jo_real *x = w->x;
+        if (k->coincident) {
+            jo_real t[3];
+            to_world(t, m, d, k->a, a->a);
+            to_world(x, m, d, k->b, b->a);
+            jo_sub3(x, t);
+            x += 3;
+        }
+        if (k->nperp) {
+            jo_real oma[3], omb[3], aa[3], ab[3];
+            to_world(oma, m, d, k->a, a->om);
+            to_world(omb, m, d, k->b, b->om);
+            to_world(aa, m, d, k->a, a->a + 3);
+            to_world(ab, m, d, k->b, b->a + 3);
+            jo_sub3(aa, ab);
+            for (int r = 0; r < k->nperp; r++) {
+                jo_real f[3], h[3], fd[3], hd[3], fdd[3], hdd[3];
+                axis(f, a->A, k->perp_a[r]);
+                axis(h, b->A, k->perp_b[r]);
+                jo_cross(fd, oma, f);
+                jo_cross(hd, omb, h);
+                jo_cross(fdd, oma, fd);
+                jo_cross(hdd, omb, hd);
+                x[r] = jo_dot3(aa, w->axes[r]) + jo_dot3(fdd, h) + 2.0 * jo_dot3(fd, hd) + jo_dot3(f, hdd);
+            }
+        }
+        for (int side = 0; side < 2; side++) {   /* rigid coordinates: C X Z^-1 z = V^T z */
+            const int body = m->marker[side ? k->b : k->a].body;
+            if (body < 0) continue;
+#define CALL(n) add_columns(w->x, w->V[side], d->body[body].z, n)
+            JO_BY_ROWS(k->nrow, CALL)
+#undef CALL
+        }
+        if (solver && (solver->alpha != 0.0 || solver->beta != 0.0))
+            for (int r = 0; r < k->nrow; r++)
+                w->x[r] += 2.0 * solver->alpha * w->cdot[r] + solver->beta * solver->beta * w->c[r];
+    }
+}
+
+/* S += X^T Y, six rows */
+static inline void add_product(jo_real *restrict S, const jo_real *restrict X, const int nx,
+                               const jo_real *restrict Y, const int ny)
+{
+    for (int i = 0; i < nx; i++)
+        for (int j = 0; j < ny; j++) {
+            jo_real s = 0.0;
+            for (int c = 0; c < 6; c++) s += X[6 * c + i] * Y[6 * c + j];
+            S[6 * i + j] += s;
+        }
+}
+
+/* S += C_k gram C_l^T for the translations of two coincidences */
+static inline void add_gram_translation(jo_real *restrict S, const jo_real *restrict Ck,
+                                        const jo_real *restrict Cl, const jo_real *restrict gram)
+{
+    for (int i = 0; i < 3; i++) {
+        jo_real h[3];
+        for (int j = 0; j < 3; j++)
+            h[j] = Ck[6 * i] * gram[j] + Ck[6 * i + 1] * gram[6 + j] + Ck[6 * i + 2] * gram[12 + j];
+        for (int j = 0; j < 3; j++) S[6 * i + j] += jo_dot3(h, Cl + 6 * j);
+    }
+}
+
+/* the same for all rows; the first rows see translations only, the others rotations only */
+static void add_gram(jo_real *S, const jo_joint *k, const jo_real *Ck, const jo_joint *l, const jo_real *Cl,
+                     const jo_real *gram)
+{
+    const int tk = k->coincident ? 3 : 0, tl = l->coincident ? 3 : 0;
+    for (int i = 0; i < k->nrow; i++) {
+        const int o = i < tk ? 0 : 3;
+        const jo_real *c = Ck + 6 * i + o, *g = gram + 6 * o;
+        jo_real h[6];
+        for (int j = 0; j < 6; j++) h[j] = c[0] * g[j] + c[1] * g[6 + j] + c[2] * g[12 + j];
+        for (int j = 0; j < tl; j++) S[6 * i + j] += jo_dot3(h, Cl + 6 * j);
+        for (int j = tl; j < l->nrow; j++) S[6 * i + j] += jo_dot3(h + 3, Cl + 6 * j + 3);
+    }
+}
+
+/* S = L L^T of a diagonal block, in place, inverse diagonal; a pivot that vanishes against the diagonal
+ * that the row had before elimination means that the row repeats others */
+static inline int factor_diagonal(jo_real *restrict S, const int n, const double *scale)
+{
+    int regular = 1;
+    for (int i = 0; i < n; i++) {
+        for (int k = 0; k < i; k++) {
+            jo_real x = S[6 * i + k];
+            for (int j = 0; j < k; j++) x -= S[6 * i + j] * S[6 * k + j];
+            S[6 * i + k] = x * S[7 * k];
+        }
+        jo_real x = S[7 * i];
+        for (int j = 0; j < i; j++) x -= S[6 * i + j] * S[6 * i + j];
+        if (!(JO_RE(x) > 1e-12 * scale[i])) regular = 0;
+        S[7 * i] = 1.0 / jo_sqrt(x);
+    }
+    return regular;
+}
+
+/* X = X L^-T */
+static inline void divide(jo_real *restrict X, const int rows, const jo_real *restrict L, const int n)
+{
+    for (int j = 0; j < n; j++)
+        for (int r = 0; r < rows; r++) {
+            jo_real x = X[6 * r + j];
+            for (int k = 0; k < j; k++) x -= L[6 * j + k] * X[6 * r + k];
+            X[6 * r + j] = x * L[7 * j];
+        }
+}
+
+/* T -= X Y^T over n columns */
+static inline void subtract_product(jo_real *restrict T, const jo_real *restrict X, const int nx,
+                                    const jo_real *restrict Y, const int ny, const int n)
+{
+    for (int r = 0; r < nx; r++)
+        for (int s = 0; s < ny; s++) {
+            jo_real x = T[6 * r + s];
+            for (int j = 0; j < n; j++) x -= X[6 * r + j] * Y[6 * s + j];
+            T[6 * r + s] = x;
+        }
+}
+
+static void assemble(const jo_model *m, jo_data *d)
+{
+    jo_real *S = d->S;
+    for (int i = 0; i < 36 * m->nblock; i++) S[i] = 0.0;
+    for (int i = 0; i < m->npair; i++) {
+        const jo_pair *p = &m->pair[i];
+        const jo_joint *k = &m->joint[p->joint_k], *l = &m->joint[p->joint_l];
+        const jo_joint_work *wk = &d->joint[p->joint_k], *wl = &d->joint[p->joint_l];
+        const jo_real *X = wk->V[p->side_k], *Y = wl->V[p->side_l];
+        jo_real *block = S + 36 * p->block;
+        const int body = m->marker[p->side_k ? k->b : k->a].body;
+        if (k->nrow == l->nrow) {
+#define CALL(n) add_product(block, X, n, Y, n)
+            JO_BY_ROWS(k->nrow, CALL)
+#undef CALL
+        } else {
+            add_product(block, X, k->nrow, Y, l->nrow);
+        }
+        if (!m->body[body].n) continue;
+        const jo_real *gram = d->gram[d->set] + 36 * i;
+        if (k->nperp || l->nperp) add_gram(block, k, wk->C[p->side_k], l, wl->C[p->side_l], gram);
+        else add_gram_translation(block, wk->C[p->side_k], wl->C[p->side_l], gram);
+    }
+}
+
+/* sparse block Cholesky in the fixed elimination order */
+int jo_joint_factor(const jo_model *m, jo_data *d)
+{
+    jo_real *S = d->S;
+    assemble(m, d);
+    for (int c = 0; c < m->ncolumn; c++)
+        for (int r = 0; r < JO_MAX_ROWS; r++) d->joint[m->column[c].joint].scale[r] = JO_RE(S[36 * c + 7 * r]);
+    for (int c = 0; c < m->ncolumn; c++) {
+        const jo_column *col = &m->column[c];
+        const int n = m->joint[col->joint].nrow;
+        jo_real *diag = S + 36 * c;
+        const double *scale = d->joint[col->joint].scale;
+        int regular;
+#define CALL(n) regular = factor_diagonal(diag, n, scale)
+        JO_BY_ROWS(n, CALL)
+#undef CALL
+        if (!regular) {
+            d->error_index = col->joint;
+            return JO_SINGULAR_JOINT;
+        }
+        for (int i = col->first; i < col->first + col->count; i++) {
+            jo_real *X = S + 36 * m->below[i].block;
+            const int rows = m->joint[m->below[i].joint].nrow;
+            if (rows == n) {
+#define CALL(n) divide(X, n, diag, n)
+                JO_BY_ROWS(n, CALL)
+#undef CALL
+            } else {
+                divide(X, rows, diag, n);
+            }
+        }
+        for (int u = m->update_first[c]; u < m->update_first[c + 1]; u++) {
+            const jo_update *up = &m->update[u];
+            jo_real *T = S + 36 * up->target;
+            const jo_real *X = S + 36 * up->left, *Y = S + 36 * up->right;
+            if (up->left_rows == n && up->right_rows == n) {
+#define CALL(n) subtract_product(T, X, n, Y, n, n)
+                JO_BY_ROWS(n, CALL)
+#undef CALL
+            } else {
+                subtract_product(T, X, up->left_rows, Y, up->right_rows, n);
+            }
+        }
+    }
+    return JO_OK;
+}
+
+static inline void solve_forward(const jo_real *restrict L, jo_real *restrict x, const int n)
+{
+    for (int i = 0; i < n; i++) {
+        jo_real s = x[i];
+        for (int k = 0; k < i; k++) s -= L[6 * i + k] * x[k];
+        x[i] = s * L[7 * i];
+    }
+}
+
+static inline void solve_backward(const jo_real *restrict L, jo_real *restrict x, const int n)
+{
+    for (int i = n - 1; i >= 0; i--) {
+        jo_real s = x[i];
+        for (int k = i + 1; k < n; k++) s -= L[6 * k + i] * x[k];
+        x[i] = s * L[7 * i];
+    }
+}
+
+/* y -= X x */
+static inline void subtract_left(jo_real *restrict y, const jo_real *restrict X, const jo_real *restrict x,
+                                 const int rows, const int n)
+{
+    for (int r = 0; r < rows; r++) {
+        jo_real s = y[r];
+        for (int k = 0; k < n; k++) s -= X[6 * r + k] * x[k];
+        y[r] = s;
+    }
+}
+
+/* x -= X^T y */
+static inline void subtract_right(jo_real *restrict x, const jo_real *restrict X, const jo_real *restrict y,
+                                  const int rows, const int n)
+{
+    for (int k = 0; k < n; k++) {
+        jo_real s = x[k];
+        for (int r = 0; r < rows; r++) s -= X[6 * r + k] * y[r];
+        x[k] = s;
+    }
+}
+
+/* S x = x for all joints */
+void jo_joint_solve(const jo_model *m, jo_data *d)
+{
+    for (int c = 0; c < m->ncolumn; c++) {
+        const jo_column *col = &m->column[c];
+        const int n = m->joint[col->joint].nrow;
+        jo_real *x = d->joint[col->joint].x;
+#define CALL(n) solve_forward(d->S + 36 * c, x, n)
+        JO_BY_ROWS(n, CALL)
+#undef CALL
+        for (int i = col->first; i < col->first + col->count; i++) {
+            const jo_real *X = d->S + 36 * m->below[i].block;
+            jo_real *y = d->joint[m->below[i].joint].x;
+            const int rows = m->joint[m->below[i].joint].nrow;
+            if (rows == n) {
+#define CALL(n) subtract_left(y, X, x, n, n)
+                JO_BY_ROWS(n, CALL)
+#undef CALL
+            } else {
+                subtract_left(y, X, x, rows, n);
+            }
+        }
+    }
+    for (int c = m->ncolumn - 1; c >= 0; c--) {
+        const jo_column *col = &m->column[c];
+        const int n = m->joint[col->joint].nrow;
+        jo_real *x = d->joint[col->joint].x;
+        for (int i = col->first; i < col->first + col->count; i++) {
+            const jo_real *X = d->S + 36 * m->below[i].block, *y = d->joint[m->below[i].joint].x;
+            const int rows = m->joint[m->below[i].joint].nrow;
+            if (rows == n) {
+#define CALL(n) subtract_right(x, X, y, n, n)
+                JO_BY_ROWS(n, CALL)
+#undef CALL
+            } else {
+                subtract_right(x, X, y, rows, n);
+            }
+        }
+#define CALL(n) solve_backward(d->S + 36 * c, x, n)
+        JO_BY_ROWS(n, CALL)
+#undef CALL
+    }
+}
+
+/* subtract P^T f from the modal forces */
+static inline void subtract_modal(jo_real *restrict fp, const jo_real *restrict P, const jo_real *f, int np)
+{
+    const jo_real f0 = f[0], f1 = f[1], f2 = f[2];
+    JO_EACH(j, np) JO_STORE(fp + j) -= f0 * JO_LOAD(P + j) + f1 * JO_LOAD(P + np + j) + f2 * JO_LOAD(P + 2 * np + j);
+}
+
+/* y -= V x, six rows */
+static inline void subtract_rows(jo_real *restrict y, const jo_real *restrict V, const jo_real *restrict x,
+                                 const int n)
+{
+    for (int j = 0; j < 6; j++) {
+        jo_real s = y[j];
+        for (int r = 0; r < n; r++) s -= V[6 * j + r] * x[r];
+        y[j] = s;
+    }
+}
+
+/* the joint forces act: f_p -= L_p^T C^T x, y = L^-T (z - V x), then the modal accelerations */
+void jo_joint_apply(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nbody; i++)
+        for (int j = 0; j < 6; j++) d->body[i].y[j] = d->body[i].z[j];
+    for (int i = 0; i < m->njoint; i++) {
+        const jo_joint *k = &m->joint[i];
+        const jo_joint_work *w = &d->joint[i];
+        for (int side = 0; side < 2; side++) {
+            const jo_marker *mk = &m->marker[side ? k->b : k->a];
+            if (mk->body < 0) continue;
+            jo_body_work *bw = &d->body[mk->body];
+            const jo_real *C = w->C[side], *V = w->V[side];
+            const int np = m->body[mk->body].np;
+#define CALL(n) subtract_rows(bw->y, V, w->x, n)
+            JO_BY_ROWS(k->nrow, CALL)
+#undef CALL
+            if (mk->Phi && k->coincident) {
+                jo_real f[3];
+                for (int j = 0; j < 3; j++) f[j] = C[j] * w->x[0] + C[6 + j] * w->x[1] + C[12 + j] * w->x[2];
+                subtract_modal(bw->fp, mk->Phi, f, np);
+            }
+            if (mk->Psi && k->nperp) {
+                jo_real f[3] = {0.0, 0.0, 0.0};
+                for (int r = k->nrow - k->nperp; r < k->nrow; r++) jo_axpy3(f, w->x[r], C + 6 * r + 3);
+                subtract_modal(bw->fp, mk->Psi, f, np);
+            }
+        }
+    }
+    for (int i = 0; i < m->nbody; i++) {
+        jo_body_work *bw = &d->body[i];
+        jo_body_backward(bw->L, bw->y);
+        if (m->body[i].n) jo_body_modal(&m->body[i], bw, d->set);
+    }
+}

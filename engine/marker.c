@@ -1,0 +1,214 @@
+/* marker.c - kinematics of a frame on a body.
+ *
+ * r = R + A (u0 + Phi p), orientation A exp((Psi p)~) A0. The angular velocity relative to the body is
+ * T(theta) theta', theta = Psi p; position, velocity, acceleration and virtual work all use the same T.
+ */
+#include "internal.h"
+
+/* y = M x for a (3 x np) array */
+static inline void modal3(jo_real *restrict y, const jo_real *restrict M, const jo_real *restrict x, int np)
+{
+    jo_lanes s0 = {0}, s1 = {0}, s2 = {0};
+    JO_EACH(j, np) {
+        const jo_lanes xj = JO_LOAD(x + j);
+        s0 += JO_LOAD(M + j) * xj;
+        s1 += JO_LOAD(M + np + j) * xj;
+        s2 += JO_LOAD(M + 2 * np + j) * xj;
+    }
+    y[0] = jo_sum(s0);
+    y[1] = jo_sum(s1);
+    y[2] = jo_sum(s2);
+}
+
+/* C = M N^T for (3 x np) arrays */
+static inline void modal33(jo_real *restrict C, const jo_real *restrict M, const jo_real *restrict N, int np)
+{
+    for (int i = 0; i < 3; i++) modal3(C + 3 * i, N, M + i * np, np);
+}
+
+void jo_marker_setup(const jo_model *m, jo_data *d, int set)
+{
+    for (int i = 0; i < m->nactive; i++) {
+        const jo_marker *k = &m->marker[i];
+        if (k->body < 0 || !m->body[k->body].n) continue;
+        const jo_body *b = &m->body[k->body];
+        const jo_body_set *s = &d->body[k->body].set[set];
+        jo_marker_set *w = &d->marker[i].set[set];
+        for (int c = 0; c < 3; c++)
+            for (int j = 0; j < b->np; j++) {
+                if (k->Phi) w->Phiw[c * b->np + j] = k->Phi[c * b->np + j] * s->weight[j];
+                if (k->Psi) w->Psiw[c * b->np + j] = k->Psi[c * b->np + j] * s->weight[j];
+            }
+        if (k->Phi) modal33(w->PhiI3, w->Phiw, b->I3, b->np);
+        if (k->Psi) modal33(w->PsiI3, w->Psiw, b->I3, b->np);
+    }
+}
+
+/* A = exp(theta~) A0 and the tangent operator T = E + f1 theta~ + f2 theta~ theta~ */
+static void elastic_rotation(jo_real *A, jo_real *T, const jo_real *theta, const jo_real *A0)
+{
+    const jo_real s = jo_dot3(theta, theta);
+    jo_real f[3], R[9];
+    jo_sinc(s, f);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            jo_real square = theta[i] * theta[j];   /* theta~ theta~ = theta theta^T - s E */
+            R[3 * i + j] = f[1] * square;
+            T[3 * i + j] = f[2] * square;
+        }
+    for (int i = 0; i < 3; i++) {
+        R[4 * i] += 1.0 - f[1] * s;
+        T[4 * i] += 1.0 - f[2] * s;
+    }
+    const jo_real x = theta[0], y = theta[1], z = theta[2];
+    R[1] -= f[0] * z; R[2] += f[0] * y; R[3] += f[0] * z; R[5] -= f[0] * x; R[6] -= f[0] * y; R[7] += f[0] * x;
+    T[1] -= f[1] * z; T[2] += f[1] * y; T[3] += f[1] * z; T[5] -= f[1] * x; T[6] -= f[1] * y; T[7] += f[1] * x;
+    jo_mul33(A, R, A0);
+}
+
+void jo_marker_position(const jo_model *m, jo_data *d, int count)
+{
+    for (int i = 0; i < count; i++) {
+        const jo_marker *k = &m->marker[i];
+        jo_marker_work *w = &d->marker[i];
+        if (k->body < 0) continue;   /* ground markers are set once */
+        const jo_body *b = &m->body[k->body];
+        const jo_body_work *bw = &d->body[k->body];
+        jo_set3(w->u, k->u0);
+        if (k->Phi) {
+            jo_real t[3];
+            modal3(t, k->Phi, bw->p, b->np);
+            jo_add3(w->u, t);
+        }
+        jo_mul3(w->r, bw->A, w->u);
+        jo_add3(w->r, d->q + b->iq);
+        if (!k->turns && i < m->nactive && count == m->nactive) continue;
+        if (k->Psi) {
+            jo_real local[9];
+            modal3(w->theta, k->Psi, bw->p, b->np);
+            elastic_rotation(local, w->T, w->theta, k->A0);
+            jo_mul33(w->A, bw->A, local);
+        } else {
+            jo_mul33(w->A, bw->A, k->A0);
+        }
+    }
+}
+
+/* v = V + w x u + Phi p', om = w + T Psi p' */
+void jo_marker_velocity(const jo_model *m, jo_data *d, int count)
+{
+    for (int i = 0; i < count; i++) {
+        const jo_marker *k = &m->marker[i];
+        jo_marker_work *w = &d->marker[i];
+        if (k->body < 0) continue;
+        const int np = m->body[k->body].np;
+        const jo_body_work *bw = &d->body[k->body];
+        jo_real t[3];
+        jo_cross(w->v, bw->w, w->u);
+        jo_add3(w->v, bw->V);
+        jo_set3(w->om, bw->w);
+        if (k->Phi) {
+            modal3(t, k->Phi, bw->pd, np);
+            jo_add3(w->v, t);
+        }
+        if (k->Psi) {
+            modal3(t, k->Psi, bw->pd, np);
+            jo_mul3(t, w->T, t);
+            jo_add3(w->om, t);
+        }
+    }
+}
+
+/* accelerations that remain when R'', w', p'' vanish */
+void jo_marker_bias(const jo_model *m, jo_data *d, int count)
+{
+    for (int i = 0; i < count; i++) {
+        const jo_marker *k = &m->marker[i];
+        jo_marker_work *w = &d->marker[i];
+        if (k->body < 0) continue;
+        const jo_body *b = &m->body[k->body];
+        const jo_body_work *bw = &d->body[k->body];
+        jo_real t[3], c[3];
+        /* w x (w x u) + 2 w x Phi p' = w x (v - V + Phi p') */
+        jo_set3(t, w->v);
+        jo_sub3(t, bw->V);
+        if (k->Phi) {
+            jo_cross(c, bw->w, w->u);   /* Phi p' = (v - V) - w x u */
+            for (int j = 0; j < 3; j++) t[j] = 2.0 * t[j] - c[j];
+        }
+        jo_cross(w->bv, bw->w, t);
+        if (!k->turns) continue;
+        w->bom[0] = w->bom[1] = w->bom[2] = 0.0;
+        if (k->Psi) {
+            /* w x T theta' + T' theta', T' = f1' theta~ + f1 theta'~ + f2' theta~^2 + f2 (theta'~ theta~ + theta~ theta'~) */
+            jo_real rate[3], f[3], df1, df2, tt[3], ttt[3];
+            modal3(rate, k->Psi, bw->pd, b->np);
+            const jo_real s = jo_dot3(w->theta, w->theta), ds = 2.0 * jo_dot3(w->theta, rate);
+            jo_sinc(s, f);
+            if (JO_RE(s) < 0.04) {
+                df1 = -1.0 / 24.0 + s * (1.0 / 360.0 - s * (1.0 / 13440.0 - s * (1.0 / 907200.0 - s * (1.0 / 95800320.0))));
+                df2 = -1.0 / 120.0 + s * (1.0 / 2520.0 - s * (1.0 / 120960.0 - s * (1.0 / 9979200.0 - s * (1.0 / 1245404160.0))));
+            } else {
+                df1 = (0.5 * f[0] - f[1]) / s;
+                df2 = (0.5 * f[1] - 1.5 * f[2]) / s;
+            }
+            jo_cross(tt, w->theta, rate);         /* theta x theta' */
+            jo_cross(ttt, w->theta, tt);          /* theta x (theta x theta') */
+            jo_cross(c, rate, tt);                /* theta' x (theta x theta') */
+            for (int j = 0; j < 3; j++) w->bom[j] = ds * (df1 * tt[j] + df2 * ttt[j]) + f[2] * c[j];
+            jo_set3(t, w->om);
+            jo_sub3(t, bw->w);
+            jo_cross(c, bw->w, t);
+            jo_add3(w->bom, c);
+        }
+    }
+}
+
+/* Rows of the joint markers with the modal coordinates eliminated: X = L_r - L_p weight M_pr, and
+ * the acceleration that the modal forces and the velocities cause while R'' = w' = 0 */
+void jo_marker_reduce(const jo_model *m, jo_data *d, int count)
+{
+    for (int i = 0; i < count; i++) {
+        const jo_marker *k = &m->marker[i];
+        jo_marker_work *w = &d->marker[i];
+        if (k->body < 0) continue;
+        const int np = m->body[k->body].np;
+        const jo_body_work *bw = &d->body[k->body];
+        const jo_marker_set *s = &w->set[d->set];
+        const jo_real *u = w->u;
+        jo_real *X = w->Xt, Q[9], t[3];
+        const jo_real rigid[18] = {1.0, 0.0, 0.0, 0.0, u[2], -u[1], 0.0, 1.0, 0.0, -u[2], 0.0, u[0],
+                                   0.0, 0.0, 1.0, u[1], -u[0], 0.0};
+        for (int j = 0; j < 18; j++) X[j] = rigid[j];
+        jo_set3(w->a, w->bv);
+        if (k->Phi) {
+            modal33(Q, s->Phiw, bw->B, np);
+            for (int r = 0; r < 3; r++)
+                for (int c = 0; c < 3; c++) {
+                    X[6 * r + c] -= s->PhiI3[3 * r + c];
+                    X[6 * r + 3 + c] -= Q[3 * r + c];
+                }
+            modal3(t, s->Phiw, bw->fp, np);
+            jo_add3(w->a, t);
+        }
+        if (!k->turns) continue;
+        X = w->Xr;
+        for (int j = 0; j < 18; j++) X[j] = 0.0;
+        jo_set3(w->a + 3, w->bom);
+        if (k->Psi) {
+            jo_real P[9];
+            modal33(Q, s->Psiw, bw->B, np);
+            jo_mul33(P, w->T, Q);
+            jo_mul33(Q, w->T, s->PsiI3);
+            for (int r = 0; r < 3; r++)
+                for (int c = 0; c < 3; c++) {
+                    X[6 * r + c] = -Q[3 * r + c];
+                    X[6 * r + 3 + c] = -P[3 * r + c];
+                }
+            modal3(t, s->Psiw, bw->fp, np);
+            jo_mul3(t, w->T, t);
+            jo_add3(w->a + 3, t);
+        }
+        X[3] += 1.0; X[10] += 1.0; X[17] += 1.0;
+    }
+}

@@ -1,0 +1,129 @@
+/* small.h - scalars, 3-vectors, 3x3 matrices, rotations. Matrices are row-major. */
+#ifndef JO_SMALL_H
+#define JO_SMALL_H
+
+#include "jousto.h"
+#include <math.h>
+
+#ifdef JO_COMPLEX
+#define JO_RE(x) creal(x)
+#define jo_sqrt csqrt
+#define jo_sin csin
+#define jo_cos ccos
+#else
+#define JO_RE(x) (x)
+#define jo_sqrt sqrt
+#define jo_sin sin
+#define jo_cos cos
+#endif
+
+/* Several modal coordinates at once: four where the compiler has vector types, else one. Modal arrays are
+ * padded, so that loops `for (j = 0; j < np; j += JO_WIDTH)` need no remainder. */
+#if defined(__GNUC__) && !defined(JO_COMPLEX)
+typedef double jo_lanes __attribute__((vector_size(32), aligned(8), may_alias));
+enum { JO_WIDTH = 4 };
+static inline jo_real jo_sum(const jo_lanes x) { return (x[0] + x[1]) + (x[2] + x[3]); }
+#else
+typedef jo_real jo_lanes;
+enum { JO_WIDTH = 1 };
+static inline jo_real jo_sum(const jo_lanes x) { return x; }
+#endif
+#define JO_LOAD(p) (*(const jo_lanes *)(p))
+#define JO_STORE(p) (*(jo_lanes *)(p))
+#define JO_EACH(j, np) for (int j = 0; j < (np); j += JO_WIDTH)
+
+static inline void jo_set3(jo_real *y, const jo_real *x) { y[0] = x[0]; y[1] = x[1]; y[2] = x[2]; }
+static inline void jo_add3(jo_real *y, const jo_real *x) { y[0] += x[0]; y[1] += x[1]; y[2] += x[2]; }
+static inline void jo_sub3(jo_real *y, const jo_real *x) { y[0] -= x[0]; y[1] -= x[1]; y[2] -= x[2]; }
+static inline void jo_axpy3(jo_real *y, jo_real s, const jo_real *x)
+{
+    y[0] += s * x[0]; y[1] += s * x[1]; y[2] += s * x[2];
+}
+static inline jo_real jo_dot3(const jo_real *a, const jo_real *b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+/* y = a x b */
+static inline void jo_cross(jo_real *y, const jo_real *a, const jo_real *b)
+{
+    jo_real y0 = a[1] * b[2] - a[2] * b[1], y1 = a[2] * b[0] - a[0] * b[2], y2 = a[0] * b[1] - a[1] * b[0];
+    y[0] = y0; y[1] = y1; y[2] = y2;
+}
+/* y = A x */
+static inline void jo_mul3(jo_real *y, const jo_real *A, const jo_real *x)
+{
+    jo_real y0 = jo_dot3(A, x), y1 = jo_dot3(A + 3, x), y2 = jo_dot3(A + 6, x);
+    y[0] = y0; y[1] = y1; y[2] = y2;
+}
+/* y = A^T x */
+static inline void jo_mul3t(jo_real *y, const jo_real *A, const jo_real *x)
+{
+    jo_real y0 = A[0] * x[0] + A[3] * x[1] + A[6] * x[2];
+    jo_real y1 = A[1] * x[0] + A[4] * x[1] + A[7] * x[2];
+    jo_real y2 = A[2] * x[0] + A[5] * x[1] + A[8] * x[2];
+    y[0] = y0; y[1] = y1; y[2] = y2;
+}
+/* C = A B */
+static inline void jo_mul33(jo_real *restrict C, const jo_real *restrict A, const jo_real *restrict B)
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            C[3 * i + j] = A[3 * i] * B[j] + A[3 * i + 1] * B[3 + j] + A[3 * i + 2] * B[6 + j];
+}
+/* y = J x, J symmetric: xx yy zz yz xz xy */
+static inline void jo_sym3(jo_real *y, const jo_real *J, const jo_real *x)
+{
+    jo_real y0 = J[0] * x[0] + J[5] * x[1] + J[4] * x[2];
+    jo_real y1 = J[5] * x[0] + J[1] * x[1] + J[3] * x[2];
+    jo_real y2 = J[4] * x[0] + J[3] * x[1] + J[2] * x[2];
+    y[0] = y0; y[1] = y1; y[2] = y2;
+}
+
+/* rotation matrix of unit Euler parameters (Rantalainen 2007, eq. 3.5 corrected) */
+static inline void jo_rotation(jo_real *A, const jo_real *e)
+{
+    jo_real e0 = e[0], e1 = e[1], e2 = e[2], e3 = e[3];
+    A[0] = 1.0 - 2.0 * (e2 * e2 + e3 * e3); A[1] = 2.0 * (e1 * e2 - e0 * e3); A[2] = 2.0 * (e1 * e3 + e0 * e2);
+    A[3] = 2.0 * (e1 * e2 + e0 * e3); A[4] = 1.0 - 2.0 * (e1 * e1 + e3 * e3); A[5] = 2.0 * (e2 * e3 - e0 * e1);
+    A[6] = 2.0 * (e1 * e3 - e0 * e2); A[7] = 2.0 * (e2 * e3 + e0 * e1); A[8] = 1.0 - 2.0 * (e1 * e1 + e2 * e2);
+}
+
+/* f[0..2] = sin(x)/x, (1 - cos x)/x^2, (x - sin x)/x^3 as functions of s = x^2, all smooth at 0 */
+static inline void jo_sinc(jo_real s, jo_real *f)
+{
+    if (JO_RE(s) < 0.04) {   /* Taylor series, error below 1e-17 */
+        f[0] = 1.0 + s * (-1.0 / 6.0 + s * (1.0 / 120.0 + s * (-1.0 / 5040.0 + s * (1.0 / 362880.0 - s * (1.0 / 39916800.0)))));
+        f[1] = 0.5 + s * (-1.0 / 24.0 + s * (1.0 / 720.0 + s * (-1.0 / 40320.0 + s * (1.0 / 3628800.0 - s * (1.0 / 479001600.0)))));
+        f[2] = 1.0 / 6.0 + s * (-1.0 / 120.0 + s * (1.0 / 5040.0 + s * (-1.0 / 362880.0 + s * (1.0 / 39916800.0 - s * (1.0 / 6227020800.0)))));
+    } else {
+        jo_real x = jo_sqrt(s), sx = jo_sin(x), cx = jo_cos(x);
+        f[0] = sx / x; f[1] = (1.0 - cx) / s; f[2] = (x - sx) / (s * x);
+    }
+}
+
+/* e = e o exp(theta), theta a local rotation vector; the norm is kept at 1 */
+static inline void jo_rotate(jo_real *e, const jo_real *theta)
+{
+    jo_real quarter = 0.25 * jo_dot3(theta, theta), f[3];
+    jo_sinc(quarter, f);
+    jo_real d0 = 1.0 - quarter * f[1];   /* cos(x/2) = 1 - (x/2)^2 (1 - cos)/(x/2)^2 */
+    jo_real d1 = 0.5 * f[0] * theta[0], d2 = 0.5 * f[0] * theta[1], d3 = 0.5 * f[0] * theta[2];
+    jo_real n0 = e[0] * d0 - e[1] * d1 - e[2] * d2 - e[3] * d3;
+    jo_real n1 = e[0] * d1 + e[1] * d0 + e[2] * d3 - e[3] * d2;
+    jo_real n2 = e[0] * d2 + e[2] * d0 + e[3] * d1 - e[1] * d3;
+    jo_real n3 = e[0] * d3 + e[3] * d0 + e[1] * d2 - e[2] * d1;
+    jo_real norm = 1.0 / jo_sqrt(n0 * n0 + n1 * n1 + n2 * n2 + n3 * n3);
+    e[0] = n0 * norm; e[1] = n1 * norm; e[2] = n2 * norm; e[3] = n3 * norm;
+}
+
+/* rate of the rotation vector theta of a frame e o exp(theta) that turns with w (local):
+ * theta' = w + theta x w / 2 + theta x (theta x w) / 12 + O(theta^4) */
+static inline void jo_rotation_rate(jo_real *rate, const jo_real *theta, const jo_real *w)
+{
+    jo_real c1[3], c2[3];
+    jo_cross(c1, theta, w);
+    jo_cross(c2, theta, c1);
+    for (int i = 0; i < 3; i++) rate[i] = w[i] + 0.5 * c1[i] + (1.0 / 12.0) * c2[i];
+}
+
+#endif

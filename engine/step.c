@@ -1,0 +1,158 @@
+/* step.c - time integration with a fixed step and fixed work.
+ *
+ * Positions move by increments [R' h, theta, p' h] from the start of the step; orientations are e o exp(theta).
+ */
+#include "internal.h"
+
+#define JO_LARGEST 1e15   /* no coordinate of a machine is as large, in any unit: the run has diverged */
+
+/* rate of the increments x at the velocities v */
+static void increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *v)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const int o = b->iv;
+        jo_set3(rate + o, v + o);
+        jo_rotation_rate(rate + o + 3, x + o + 3, v + o + 3);
+        for (int j = 6; j < 6 + b->n; j++) rate[o + j] = v[o + j];
+    }
+}
+
+/* classical Runge-Kutta (Rantalainen 2007, chapter 4) on the index-1 equations */
+static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    static const double node[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
+    const double h = s->step;
+    const jo_real t0 = d->time[0];
+    const int baumgarte = s->alpha != 0.0 || s->beta != 0.0;
+    for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
+    for (int i = 0; i < m->nv; i++) {
+        d->v0[i] = d->v[i];
+        d->dq[i] = d->dv[i] = d->rate[i] = d->acc[i] = 0.0;
+    }
+    for (int k = 0; k < 4; k++) {
+        if (k) {   /* rate and acc hold the previous stage */
+            const double c = node[k] * h;
+            for (int i = 0; i < m->nv; i++) {
+                d->rate[i] *= c;
+                d->v[i] = d->v0[i] + c * d->acc[i];
+            }
+            jo_displace(m, d->q, d->q0, d->rate);
+            d->time[0] = t0 + c;
+        }
+        if (k || !d->fresh || baumgarte) {
+            int status = jo_evaluate(m, d, s, 0);
+            if (status != JO_OK) return status;
+        }
+        increment_rate(m, d->rate, d->rate, d->v);
+        for (int i = 0; i < m->nv; i++) {
+            d->acc[i] = d->a[i];
+            d->dq[i] += weight[k] * h * d->rate[i];
+            d->dv[i] += weight[k] * h * d->a[i];
+        }
+        for (int i = 0; i < 2; i++) d->work[i] += weight[k] * h * d->power[i];
+    }
+    jo_displace(m, d->q, d->q0, d->dq);
+    for (int i = 0; i < m->nv; i++) d->v[i] = d->v0[i] + d->dv[i];
+    return JO_OK;
+}
+
+/* ROS2 (Verwer, Spee, Blom, Hundsdorfer 1999), a W-method of order 2: modal stiffness and damping implicit.
+ * With k2 = k2' - 2 k1 the step is y + (k1 + k2')/2. */
+static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    const double h = s->step, gh = (1.0 - 0.70710678118654752440) * h;
+    const jo_real t0 = d->time[0];
+    jo_use_step(m, d, gh);
+    for (int i = 0; i < m->nbody; i++) {   /* stage 1: extra = -g h K p' */
+        const jo_body *b = &m->body[i];
+        for (int j = 0; j < b->n; j++) d->body[i].extra[j] = -gh * b->K[j] * d->v[b->iv + 6 + j];
+    }
+    int status = jo_evaluate(m, d, s, 1);
+    if (status != JO_OK) return status;
+    for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
+    for (int i = 0; i < m->nv; i++) {
+        d->v0[i] = d->v[i];
+        d->acc[i] = d->a[i];
+        d->dq[i] = h * (d->v[i] + gh * d->a[i]);
+        d->v[i] += h * d->a[i];
+    }
+    for (int i = 0; i < 2; i++) d->work[i] += 0.5 * h * d->power[i];
+    jo_displace(m, d->q, d->q0, d->dq);
+    d->time[0] = t0 + h;
+    for (int i = 0; i < m->nbody; i++) {   /* stage 2: extra = -g h K (p' - 2 g h a1) + 2 g h (K (p0' + g h a1) + D a1) */
+        const jo_body *b = &m->body[i];
+        const jo_real *a1 = d->acc + b->iv + 6, *v0 = d->v0 + b->iv + 6, *v = d->v + b->iv + 6;
+        for (int j = 0; j < b->n; j++)
+            d->body[i].extra[j] = gh * (b->K[j] * (2.0 * v0[j] - v[j] + 4.0 * gh * a1[j]) + 2.0 * b->D[j] * a1[j]);
+    }
+    status = jo_evaluate(m, d, s, 1);
+    for (int i = 0; i < m->nbody; i++)
+        for (int j = 0; j < m->body[i].n; j++) d->body[i].extra[j] = 0.0;
+    if (status != JO_OK) return status;
+    increment_rate(m, d->rate, d->dq, d->v);
+    for (int i = 0; i < m->nv; i++) {
+        d->dq[i] = 0.5 * h * (d->v0[i] + d->rate[i] + gh * (d->a[i] - d->acc[i]));
+        d->v[i] = d->v0[i] + 0.5 * h * (d->acc[i] + d->a[i]);
+    }
+    for (int i = 0; i < 2; i++) d->work[i] += 0.5 * h * d->power[i];
+    jo_displace(m, d->q, d->q0, d->dq);
+    return JO_OK;
+}
+
+int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    int status = s->method == JO_RK4 ? step_rk4(m, d, s) : step_ros2(m, d, s);
+    d->fresh = 0;
+    if (status != JO_OK) return status;
+    if (s->projection) jo_project(m, d);
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        double sum = 0.0;
+        for (int j = 0; j < 6 + b->n; j++) sum += JO_RE(d->v[b->iv + j]) + JO_RE(d->q[b->iq + 1 + j]);
+        if (!(fabs(sum) < JO_LARGEST)) {
+            d->error_index = i;
+            return JO_NOT_FINITE;
+        }
+    }
+    return JO_OK;
+}
+
+int jo_row_size(const jo_model *m) { return 1 + m->nq + m->nv + m->nrow + 7 + m->nout; }
+
+int jo_row(const jo_model *m, jo_data *d, jo_real *row)
+{
+    int status = d->fresh ? JO_OK : jo_accelerations(m, d);
+    if (status != JO_OK) return status;
+    const jo_real power[2] = {d->power[0], d->power[1]};
+    *row++ = d->time[0];
+    for (int i = 0; i < m->nq; i++) *row++ = d->q[i];
+    for (int i = 0; i < m->nv; i++) *row++ = d->v[i];
+    for (int i = 0; i < m->nrow; i++) *row++ = d->lam[i];
+    jo_energy(m, d, row);
+    row[3] = d->work[0];
+    row[4] = d->work[1];
+    jo_residuals(m, d, row + 5);
+    jo_sensors(m, d, row + 7);
+    d->power[0] = power[0];
+    d->power[1] = power[1];
+    return JO_OK;
+}
+
+int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
+           long long *count, jo_real *rows)
+{
+    int written = 0;
+    for (long long i = 0; i < nsteps; i++) {
+        int status = jo_step(m, d, s);
+        if (status != JO_OK) return -status;
+        ++*count;
+        d->time[0] = (double)*count * s->step;
+        if (*count % every == 0) {
+            status = jo_row(m, d, rows + (size_t)written * (size_t)jo_row_size(m));
+            if (status != JO_OK) return -status;
+            written++;
+        }
+    }
+    return written;
+}

@@ -1,0 +1,7 @@
+"""COMPILE: a mechanism becomes flat arrays for the C engine."""
+
+from jousto.engine.compile import compile
+from jousto.engine.model import Model
+from jousto.engine.native import Engine
+
+__all__ = ["Engine", "Model", "compile"]

@@ -1,0 +1,340 @@
+"""Mechanism -> Model: from objects that refer to one another to flat arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.engine.model import (
+    BodyModel,
+    ForceModel,
+    JointModel,
+    MarkerModel,
+    Model,
+    SensorModel,
+    Shape,
+    SignalModel,
+)
+from jousto.engine.native import Engine
+from jousto.engine.ordering import eliminate
+from jousto.errors import warn
+from jousto.mechanism import (
+    AngularVelocitySensor,
+    FlexibleBody,
+    Force,
+    Harmonic,
+    Marker,
+    Mechanism,
+    ModalSensor,
+    OrientationSensor,
+    PositionSensor,
+    ReactionSensor,
+    RigidBody,
+    Step,
+    StressSensor,
+    Table,
+    VelocitySensor,
+    rotation_matrix,
+    skew,
+)
+
+Array = NDArray[np.float64]
+
+# constraint rows after the coincidence: (axis of a) . (axis of b) = 0; z is the joint's axis
+PERPENDICULAR = {
+    "Spherical": (),
+    "Revolute": ((0, 2), (1, 2)),
+    "Fixed": ((0, 2), (1, 2), (0, 1)),
+}
+MARKER_SENSORS = {
+    PositionSensor: ("position", 3),
+    VelocitySensor: ("velocity", 3),
+    OrientationSensor: ("orientation", 4),
+    AngularVelocitySensor: ("angular velocity", 3),
+}
+SYMMETRIC = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))  # xx yy zz yz xz xy
+
+
+def compile(mechanism: Mechanism) -> Model:
+    """Turn a mechanism into the flat arrays of the engine, with a consistent initial state.
+
+    Small gaps at joints are closed and the initial velocities made consistent by projection in
+    the mass metric.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        A checked mechanism.
+
+    Returns
+    -------
+    Model
+        Arrays only; it can be run many times.
+
+    Raises
+    ------
+    InputError
+        If a body's mass matrix is singular or a joint repeats what others already enforce.
+
+    Warns
+    -----
+    JoustoWarning
+        If initial velocities contradict the joints and had to be changed.
+    """
+    index = {id(body): i for i, body in enumerate(mechanism.bodies)}
+    bodies, q0, v0 = _bodies(mechanism)
+    markers = _Markers(index)
+    joints: list[JointModel] = []
+    for joint in mechanism.joints:
+        perpendicular = PERPENDICULAR[type(joint).__name__]
+        a, b = (markers.add(marker, bool(perpendicular)) for marker in joint.frames)
+        row = sum(other.rows for other in joints)
+        joints.append(JointModel(joint.name, a, b, True, perpendicular, row))
+    signals: list[SignalModel] = []
+    forces: list[ForceModel] = []
+    for load in mechanism.forces:
+        number = -1
+        if load.signal is not None:
+            number = len(signals)
+            signals.append(_signal(load.signal))
+        turns = load.follow or not isinstance(load, Force)
+        zero = np.zeros(3)
+        force, torque = (load.vector, zero) if isinstance(load, Force) else (zero, load.vector)
+        at = markers.add(load.marker, turns)
+        forces.append(ForceModel(load.name, at, load.follow, number, force, torque))
+    active = len(markers.models)
+    sensors = _sensors(mechanism, markers, index)
+    on_body: dict[int, list[int]] = {}
+    for k, jm in enumerate(joints):
+        for side in (jm.a, jm.b):
+            body = markers.models[side].body
+            if body >= 0:
+                on_body.setdefault(body, []).append(k)
+    model = Model(
+        name=mechanism.name,
+        gravity=np.array(mechanism.gravity, dtype=float),
+        bodies=bodies,
+        markers=tuple(markers.models),
+        active=active,
+        joints=tuple(joints),
+        signals=tuple(signals),
+        forces=tuple(forces),
+        sensors=sensors,
+        elimination=eliminate([joint.rows for joint in joints], on_body.values()),
+        q0=q0,
+        v0=v0,
+        shapes=tuple(_shape(body) for body in mechanism.bodies),
+    )
+    _make_consistent(model)
+    return model
+
+
+def _bodies(mechanism: Mechanism) -> tuple[tuple[BodyModel, ...], Array, Array]:
+    models: list[BodyModel] = []
+    q: list[Array] = []
+    v: list[Array] = []
+    iq = iv = 0
+    for body in mechanism.bodies:
+        if isinstance(body, FlexibleBody):
+            model = _flexible(body, iq, iv)
+        else:
+            model = _rigid(body, iq, iv)
+        models.append(model)
+        iq += 7 + model.n
+        iv += 6 + model.n
+        A = rotation_matrix(body.orientation)
+        q += [body.position, body.orientation, body.modal_coordinates]
+        v += [body.velocity, A.T @ body.angular_velocity, body.modal_velocities]
+    empty = np.zeros(0)
+    return tuple(models), np.concatenate([empty, *q]), np.concatenate([empty, *v])
+
+
+def _rigid(body: RigidBody, iq: int, iv: int) -> BodyModel:
+    c = skew(body.center)
+    J = body.inertia - body.mass * c @ c  # Steiner
+    return BodyModel(
+        name=body.name,
+        iq=iq,
+        iv=iv,
+        mass=np.array([body.mass]),
+        S0=body.mass * np.asarray(body.center),
+        J0=np.array([J[i, j] for i, j in SYMMETRIC]),
+        I3=np.zeros((3, 0)),
+        B0=np.zeros((3, 0)),
+        D0=np.zeros((6, 0)),
+        ED=np.zeros((6, 0, 0)),
+        EB=np.zeros((3, 0, 0)),
+        K=np.zeros(0),
+        D=np.zeros(0),
+    )
+
+
+def half_inertia_rate(N: Array) -> Array:
+    """Return ``tr(N) E - sym(N)`` as xx yy zz yz xz xy, first axis; N (..., 3, 3)."""
+    trace = np.trace(N, axis1=-2, axis2=-1)
+    return np.stack(
+        [(trace if i == j else 0.0) - 0.5 * (N[..., i, j] + N[..., j, i]) for i, j in SYMMETRIC]
+    )
+
+
+def axial(N: Array) -> Array:
+    """Return ``int a x b dm`` from ``N = int a b^T dm``, first axis; N (..., 3, 3)."""
+    return np.stack(
+        [
+            N[..., 1, 2] - N[..., 2, 1],
+            N[..., 2, 0] - N[..., 0, 2],
+            N[..., 0, 1] - N[..., 1, 0],
+        ]
+    )
+
+
+def _flexible(body: FlexibleBody, iq: int, iv: int) -> BodyModel:
+    inv = body.reduced.invariants
+    J = np.trace(inv.second_moment) * np.eye(3) - inv.second_moment
+    # N_j(p) = N0_j + sum_k p_k E_kj
+    E = np.swapaxes(inv.E, 0, 1)
+    ED, EB = half_inertia_rate(E), axial(E)
+    if "I9" in body.drop_invariants:
+        ED = np.zeros_like(ED)
+    if "I5" in body.drop_invariants:
+        EB = np.zeros_like(EB)
+    return BodyModel(
+        name=body.name,
+        iq=iq,
+        iv=iv,
+        mass=np.array([inv.mass], dtype=float),
+        S0=np.array(inv.first_moment, dtype=float),
+        J0=np.array([J[i, j] for i, j in SYMMETRIC]),
+        I3=np.array(inv.I3, dtype=float),
+        B0=axial(inv.N0),
+        D0=half_inertia_rate(inv.N0),
+        ED=ED,
+        EB=EB,
+        K=np.array(body.reduced.stiffness, dtype=float),
+        D=np.array(body.modal_damping, dtype=float),
+    )
+
+
+class _Markers:
+    """Engine markers, each frame once."""
+
+    def __init__(self, bodies: dict[int, int]) -> None:
+        self.bodies = bodies
+        self.models: list[MarkerModel] = []
+
+    def add(self, marker: Marker, turns: bool) -> int:
+        """Return the index of the frame; `turns` if its rotation matters."""
+        body = self.bodies.get(id(marker.body), -1)
+        Phi = Psi = None
+        if isinstance(marker.body, FlexibleBody):
+            Phi = np.array(marker.Phi, dtype=float)
+            Psi = np.array(marker.Psi, dtype=float) if turns else None
+            if Psi is not None and not np.any(Psi):
+                Psi = None
+        u0, A0 = np.array(marker.position_local, dtype=float), np.array(marker.axes, dtype=float)
+        self.models.append(MarkerModel(body, turns, u0, A0, Phi, Psi))
+        return len(self.models) - 1
+
+
+def _signal(signal: Any) -> SignalModel:
+    if isinstance(signal, Harmonic):
+        omega = 2 * np.pi * signal.frequency
+        return SignalModel(
+            "harmonic", np.array([signal.offset, signal.amplitude, omega, signal.phase])
+        )
+    if isinstance(signal, Step):
+        return SignalModel("step", np.array([signal.time, signal.before, signal.after]))
+    if isinstance(signal, Table):
+        return SignalModel("table", np.concatenate([signal.times, signal.values]))
+    raise TypeError(f"no engine signal for {type(signal).__name__}")
+
+
+def _sensors(
+    mechanism: Mechanism, markers: _Markers, index: dict[int, int]
+) -> tuple[SensorModel, ...]:
+    joints = {id(joint): i for i, joint in enumerate(mechanism.joints)}
+    models: list[SensorModel] = []
+    offset = 0
+    for sensor in mechanism.sensors:
+        rows = None
+        if type(sensor) in MARKER_SENSORS:
+            kind, count = MARKER_SENSORS[type(sensor)]
+            target = markers.add(sensor.marker, kind in ("orientation", "angular velocity"))  # type: ignore[union-attr]
+        elif isinstance(sensor, ModalSensor):
+            kind, count, target = "modal", 2 * sensor.body.n, index[id(sensor.body)]
+        elif isinstance(sensor, ReactionSensor):
+            kind, count, target = "reaction", 6, joints[id(sensor.joint)]
+        elif isinstance(sensor, StressSensor):
+            stress = sensor.body.reduced.stress
+            assert stress is not None
+            rows = np.vstack([stress.modes[i] for i in sensor.indices])
+            kind, count, target = "stress", len(rows), index[id(sensor.body)]
+        else:
+            raise TypeError(f"no engine sensor for {type(sensor).__name__}")
+        models.append(
+            SensorModel(
+                name=sensor.name,
+                kind=kind,
+                object=target,
+                offset=offset,
+                count=count,
+                unit=sensor.unit,
+                resolved_in=sensor.resolved_in,
+                description=sensor.description,
+                components=tuple(sensor.components),
+                rows=rows,
+            )
+        )
+        offset += count
+    return tuple(models)
+
+
+def _shape(body: RigidBody | FlexibleBody) -> Shape:
+    if isinstance(body, FlexibleBody):
+        reduced = body.reduced
+        return Shape(
+            "flexible",
+            np.array(reduced.nodes, dtype=float),
+            np.array(reduced.elements, dtype=np.int64),
+            np.array(reduced.modes, dtype=float),
+        )
+    points = body.outline
+    if points is None:  # a star from the centre of mass to the origin and the named points
+        points = np.vstack([body.center, np.zeros(3), *body.markers.values()])
+        elements = np.array([[0, i] for i in range(1, len(points))], dtype=np.int64)
+    else:
+        elements = np.array([[i, i + 1] for i in range(len(points) - 1)], dtype=np.int64)
+    nodes = np.array(points, dtype=float)
+    return Shape("rigid", nodes, elements.reshape(-1, 2), np.zeros((len(nodes), 3, 0)))
+
+
+def _make_consistent(model: Model) -> None:
+    """Close small gaps and remove velocities that the joints forbid, in place of q0 and v0."""
+    engine = Engine(model)
+    given = model.v0.copy()
+    engine.assemble()
+    model.q0[:] = engine.q
+    model.v0[:] = engine.v
+    engine.accelerations()  # singular bodies and redundant joints show here
+    model.q0.setflags(write=False)
+    model.v0.setflags(write=False)
+    scale = max(1.0, float(np.abs(given).max(initial=0.0)))
+    names = _changed(model, given, 1e-6 * scale)
+    if names:
+        warn(
+            f"mechanism {model.name!r}",
+            f"the initial velocities of {names} contradict the joints; "
+            "they were replaced by the nearest consistent ones",
+        )
+
+
+def _changed(model: Model, given: Array, tolerance: float) -> str:
+    names: Iterable[str] = (
+        f"'{body.name}'"
+        for body in model.bodies
+        if np.abs((model.v0 - given)[body.iv : body.iv + 6 + body.n]).max() > tolerance
+    )
+    return ", ".join(names)

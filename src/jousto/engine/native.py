@@ -1,0 +1,374 @@
+"""Engine: a Model in the memory layout of jousto.h, with one state to step."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.engine import library
+from jousto.engine.model import BodyModel, Model
+from jousto.errors import InputError, Problem, SimulationError
+
+Scalars = NDArray[Any]  # float64, or complex128 in the build for derivatives
+SIGNALS = {"constant": 0, "harmonic": 1, "table": 2, "step": 3}
+SENSORS = {
+    "position": 1,
+    "velocity": 2,
+    "orientation": 3,
+    "angular velocity": 4,
+    "modal": 5,
+    "reaction": 6,
+    "stress": 7,
+}
+OK, NOT_FINITE, SINGULAR_BODY, SINGULAR_JOINT, NO_MEMORY = range(5)
+
+
+class Engine:
+    """The compiled engine with the constants of one model and one state.
+
+    ``q``, ``v``, ``a``, ``lam`` and ``time`` are views of the engine's own memory; assign with
+    ``engine.q[:] = ...``.
+
+    Parameters
+    ----------
+    model : Model
+        The mechanism.
+    complex_scalars : bool
+        Use the build with complex numbers: an imaginary step of 1e-30 in any constant or
+        initial value gives derivatives to machine precision.
+    override : dict, optional
+        Replaces arrays of the model by name, for example
+        ``{("body", 0, "K"): perturbed_stiffness}``; for derivatives.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        *,
+        complex_scalars: bool = False,
+        override: dict[tuple[str, int, str], Any] | None = None,
+    ) -> None:
+        self.model = model
+        self.dtype = np.dtype(np.complex128 if complex_scalars else np.float64)
+        self._library = library.complex_library() if complex_scalars else library.real_library()
+        self._ffi = library.ffi()
+        self._keep: list[Any] = []
+        self._override = override or {}
+        self._model = self._native_model()
+        data = self._library.jo_data_new(self._model)
+        if data == self._ffi.NULL:
+            raise MemoryError("no memory for the engine's workspace")
+        self._data = self._ffi.gc(data, self._library.jo_data_free)
+        self.q = self._view(self._library.jo_data_q(data), model.nq)
+        self.v = self._view(self._library.jo_data_v(data), model.nv)
+        self.a = self._view(self._library.jo_data_a(data), model.nv)
+        self.lam = self._view(self._library.jo_data_lam(data), model.nrow)
+        self.time = self._view(self._library.jo_data_time(data), 1)
+        self.work = self._view(self._library.jo_data_work(data), 2)
+        self.row_size = int(self._library.jo_row_size(self._model))
+        self._count = self._ffi.new("long long *", 0)
+        self.q[:] = model.q0
+        self.v[:] = model.v0
+
+    # -- what the engine computes ---------------------------------------------------------
+
+    def accelerations(self) -> tuple[Scalars, Scalars]:
+        """Compute and return a (nv,) and lam (nrow,) at time, q, v."""
+        self._check(self._library.jo_accelerations(self._model, self._data))
+        return self.a, self.lam
+
+    def assemble(self, iterations: int = 20, tolerance: float = 1e-14) -> None:
+        """Close the joints by projecting q and v in the mass metric."""
+        scale = tolerance * max(1.0, float(np.abs(self.q).max(initial=0.0)))
+        self._check(self._library.jo_assemble(self._model, self._data, iterations, scale))
+
+    def step(self, solver: Any) -> None:
+        """Advance by one step of a native solver (see `native_solver`)."""
+        self._check(self._library.jo_step(self._model, self._data, solver))
+
+    def run(self, solver: Any, steps: int, every: int, rows: Scalars) -> int:
+        """Advance `steps` steps and fill `rows` (k, row_size) every `every` steps.
+
+        Returns
+        -------
+        int
+            Rows written, or the negative status of the engine.
+        """
+        return int(
+            self._library.jo_run(
+                self._model, self._data, solver, steps, every, self._count, self._pointer(rows)
+            )
+        )
+
+    def row(self) -> Scalars:
+        """Return the present state as one row of `run`."""
+        out = np.zeros(self.row_size, self.dtype)
+        self._check(self._library.jo_row(self._model, self._data, self._pointer(out)))
+        return out
+
+    @property
+    def steps_done(self) -> int:
+        """Steps taken by `run` so far."""
+        return int(self._count[0])
+
+    @property
+    def error_index(self) -> int:
+        """Body or joint of the last error."""
+        return int(self._library.jo_data_error_index(self._data))
+
+    def energy(self) -> Scalars:
+        """Return kinetic, strain and potential energy (3,), J."""
+        out = np.zeros(3, self.dtype)
+        self._library.jo_energy(self._model, self._data, self._pointer(out))
+        return out
+
+    def constraints(self) -> tuple[Scalars, Scalars]:
+        """Return C(q) and Cq v, both (nrow,)."""
+        c, cdot = np.zeros(self.model.nrow, self.dtype), np.zeros(self.model.nrow, self.dtype)
+        self._library.jo_constraints(self._model, self._data, self._pointer(c), self._pointer(cdot))
+        return c, cdot
+
+    def residuals(self) -> tuple[float, float]:
+        """Return the largest position and velocity residual."""
+        c, cdot = self.constraints()
+        return float(np.abs(c).max(initial=0.0)), float(np.abs(cdot).max(initial=0.0))
+
+    def mass_matrix(self, body: int) -> Scalars:
+        """Return the mass matrix (6+n, 6+n) of a body for [R'' (body frame), w', p'']."""
+        n = 6 + self.model.bodies[body].n
+        M = np.zeros((n, n), self.dtype)
+        self._library.jo_mass_matrix(self._model, self._data, body, self._pointer(M))
+        return M
+
+    def sensors(self) -> Scalars:
+        """Return all sensor values (nout,) at the state of the last `accelerations`."""
+        out = np.zeros(self.model.nout, self.dtype)
+        self._library.jo_sensors(self._model, self._data, self._pointer(out))
+        return out
+
+    def native_solver(
+        self, method: int, step: float, projection: bool, alpha: float = 0.0, beta: float = 0.0
+    ) -> Any:
+        """Return a jo_solver."""
+        return self._ffi.new("jo_solver *", (method, int(projection), step, alpha, beta))
+
+    # -- errors -----------------------------------------------------------------------------
+
+    def _check(self, status: int) -> None:
+        if status in (SINGULAR_BODY, SINGULAR_JOINT):
+            raise InputError(self.problem(status))
+        if status == NOT_FINITE:
+            name = self.model.bodies[self.error_index].name
+            raise SimulationError(
+                f"body '{name}' is no longer finite", time=float(self.time[0].real), body=name
+            )
+        if status != OK:
+            raise SimulationError(f"engine status {status}", time=float(self.time[0].real))
+
+    def problem(self, status: int) -> Problem:
+        """Return the sentence for a singular body or joint."""
+        index = self.error_index
+        if status == SINGULAR_BODY:
+            return Problem(
+                f"body '{self.model.bodies[index].name}'",
+                "its mass matrix is singular: there is no inertia about some axis (all mass on "
+                "one line or at one point); give the part rotary inertia (rotary_inertia=True) "
+                "or a point mass with inertia",
+            )
+        return Problem(
+            f"joint '{self.model.joints[index].name}'",
+            "repeats constraints that other joints already enforce, its reactions are not "
+            "unique; free one of them, for example replace a revolute or fixed joint of the "
+            "loop by a spherical one",
+        )
+
+    # -- memory layout ----------------------------------------------------------------------
+
+    def _pointer(self, array: Scalars) -> Any:
+        return self._ffi.cast("jo_real *", array.ctypes.data)
+
+    def _view(self, pointer: Any, count: int) -> Scalars:
+        if count == 0:
+            return np.zeros(0, self.dtype)
+        buffer = self._ffi.buffer(self._ffi.cast("char *", pointer), count * self.dtype.itemsize)
+        return np.frombuffer(buffer, self.dtype)
+
+    def _constant(self, array: Any, key: tuple[str, int, str] | None = None) -> Any:
+        """Copy an array to the engine's scalar type and keep it alive; None stays NULL."""
+        if key is not None and key in self._override:
+            array = self._override[key]
+        if array is None:
+            return self._ffi.NULL
+        flat = np.asarray(array, dtype=self.dtype).ravel()
+        room = np.zeros(flat.nbytes + 128, np.uint8)  # aligned to cache lines
+        start = -room.ctypes.data % 64
+        copy = room[start : start + max(flat.nbytes, self.dtype.itemsize)].view(self.dtype)
+        copy[: flat.size] = flat
+        self._keep.append(copy)
+        return self._pointer(copy)
+
+    def _structs(self, kind: str, count: int) -> Any:
+        array = self._ffi.new(f"{kind}[]", max(count, 1))
+        self._keep.append(array)
+        return array
+
+    def _native_model(self) -> Any:
+        m = self.model
+        model = self._ffi.new("jo_model *")
+        pairs = self._pairs()
+        updates = [u for column in m.elimination.updates for u in column]
+        belows = [b for column in m.elimination.below for b in column]
+        sizes = {
+            "nbody": len(m.bodies),
+            "nmarker": len(m.markers),
+            "nactive": m.active,
+            "njoint": len(m.joints),
+            "npair": len(pairs),
+            "ncolumn": len(m.joints),
+            "nupdate": len(updates),
+            "nblock": m.elimination.count,
+            "nforce": len(m.forces),
+            "nsensor": len(m.sensors),
+            "nq": m.nq,
+            "nv": m.nv,
+            "nrow": m.nrow,
+            "nout": m.nout,
+        }
+        for name, size in sizes.items():
+            setattr(model, name, size)
+        model.gravity = self._constant(m.gravity, ("model", 0, "gravity"))
+        model.body = self._bodies()
+        model.marker = self._markers()
+        model.joint = self._joints()
+        model.pair = self._fill("jo_pair", pairs)
+        starts = np.cumsum([0, *(len(c) for c in m.elimination.below)])
+        columns = [
+            (joint, int(starts[c]), len(m.elimination.below[c]))
+            for c, joint in enumerate(m.elimination.order)
+        ]
+        model.column = self._fill("jo_column", columns)
+        model.below = self._fill("jo_below", belows)
+        model.update = self._fill("jo_update", updates)
+        first = np.cumsum([0, *(len(c) for c in m.elimination.updates)])
+        model.update_first = self._fill("int", [int(i) for i in first])
+        model.signal = self._signals()
+        model.force = self._forces()
+        model.sensor = self._sensors()
+        return model
+
+    def _fill(self, kind: str, values: list[Any]) -> Any:
+        array = self._structs(kind, len(values))
+        for i, value in enumerate(values):
+            array[i] = value
+        return array
+
+    def _pairs(self) -> list[tuple[int, int, int, int, int]]:
+        """Pairs of joint sides on one body and the block of S that they contribute to."""
+        m = self.model
+        place = {joint: c for c, joint in enumerate(m.elimination.order)}
+        sides: dict[int, list[tuple[int, int]]] = {}
+        for k, joint in enumerate(m.joints):
+            for side, marker in enumerate((joint.a, joint.b)):
+                if m.markers[marker].body >= 0:
+                    sides.setdefault(m.markers[marker].body, []).append((k, side))
+        pairs = []
+        for body in sorted(sides):
+            for k, side_k in sides[body]:
+                for j, side_j in sides[body]:
+                    if place[k] >= place[j]:
+                        pairs.append((k, side_k, j, side_j, m.elimination.blocks[k, j]))
+        return pairs
+
+    def _bodies(self) -> Any:
+        pad, rows_d, rows_b = (
+            getattr(self._library, name) for name in ("JO_PAD", "JO_ROW_D", "JO_ROW_B")
+        )
+        structs = self._structs("jo_body", len(self.model.bodies))
+        for i, body in enumerate(self.model.bodies):
+            b = structs[i]
+            b.n, b.iq, b.iv = body.n, body.iq, body.iv
+            b.np = np_ = -(-body.n // pad) * pad
+            for name in ("mass", "S0", "J0"):
+                setattr(b, name, self._constant(getattr(body, name), ("body", i, name)))
+            for name in ("I3", "B0", "D0", "K", "D"):
+                array = self._override.get(("body", i, name), getattr(body, name))
+                setattr(b, name, self._constant(_padded(np.asarray(array), np_)))
+            b.ED = self._constant(self._blocked(body, i, "ED", np_, rows_d))
+            b.EB = self._constant(self._blocked(body, i, "EB", np_, rows_b))
+        return structs
+
+    def _blocked(self, body: BodyModel, i: int, name: str, np_: int, rows: int) -> Scalars:
+        """Order (c, j, k) as blocks of `rows` rows c*np+j, each (n, rows)."""
+        E = np.asarray(self._override.get(("body", i, name), getattr(body, name)))
+        if body.n == 0:
+            return E
+        padded = np.zeros((E.shape[0], np_, body.n), E.dtype)
+        padded[:, : body.n] = E
+        return np.ascontiguousarray(padded.reshape(-1, rows, body.n).swapaxes(1, 2))
+
+    def _markers(self) -> Any:
+        structs = self._structs("jo_marker", len(self.model.markers))
+        for i, marker in enumerate(self.model.markers):
+            s = structs[i]
+            s.body = marker.body
+            s.turns = int(marker.turns)
+            np_ = 0
+            if marker.body >= 0:
+                n, pad = self.model.bodies[marker.body].n, self._library.JO_PAD
+                np_ = -(-n // pad) * pad
+            for name in ("u0", "A0"):
+                setattr(s, name, self._constant(getattr(marker, name), ("marker", i, name)))
+            for name in ("Phi", "Psi"):
+                shapes = self._override.get(("marker", i, name), getattr(marker, name))
+                padded = _padded(np.asarray(shapes), np_) if shapes is not None and np_ else None
+                setattr(s, name, self._constant(padded))
+        return structs
+
+    def _joints(self) -> Any:
+        structs = self._structs("jo_joint", len(self.model.joints))
+        place = {joint: c for c, joint in enumerate(self.model.elimination.order)}
+        for i, joint in enumerate(self.model.joints):
+            s = structs[i]
+            s.a, s.b, s.coincident = joint.a, joint.b, int(joint.coincident)
+            s.nperp, s.nrow, s.row = len(joint.perpendicular), joint.rows, joint.row
+            s.order = place[i]
+            for r, (a, b) in enumerate(joint.perpendicular):
+                s.perp_a[r], s.perp_b[r] = a, b
+        return structs
+
+    def _signals(self) -> Any:
+        structs = self._structs("jo_signal", len(self.model.signals))
+        for i, signal in enumerate(self.model.signals):
+            count = len(signal.data) // 2 if signal.kind == "table" else len(signal.data)
+            structs[i].type, structs[i].count = SIGNALS[signal.kind], count
+            structs[i].data = self._constant(signal.data, ("signal", i, "data"))
+        return structs
+
+    def _forces(self) -> Any:
+        structs = self._structs("jo_force", len(self.model.forces))
+        for i, force in enumerate(self.model.forces):
+            s = structs[i]
+            s.marker, s.follow, s.signal = force.marker, int(force.follow), force.signal
+            s.force = self._constant(force.force, ("force", i, "force"))
+            s.torque = self._constant(force.torque, ("force", i, "torque"))
+        return structs
+
+    def _sensors(self) -> Any:
+        structs = self._structs("jo_sensor", len(self.model.sensors))
+        for i, sensor in enumerate(self.model.sensors):
+            s = structs[i]
+            s.type, s.object = SENSORS[sensor.kind], sensor.object
+            s.offset, s.count = sensor.offset, sensor.count
+            if sensor.rows is not None:
+                n, pad = self.model.bodies[sensor.object].n, self._library.JO_PAD
+                s.rows = self._constant(_padded(sensor.rows, -(-n // pad) * pad))
+        return structs
+
+
+def _padded(array: NDArray[Any], length: int) -> NDArray[Any]:
+    """Pad the last axis with zeros."""
+    out = np.zeros((*array.shape[:-1], length), array.dtype)
+    out[..., : array.shape[-1]] = array
+    return out

@@ -1,0 +1,150 @@
+"""Errors and warnings: every problem with its place, its value and the remedy."""
+
+from __future__ import annotations
+
+import difflib
+import warnings
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class JoustoError(Exception):
+    """Base class of everything jousto raises on purpose."""
+
+
+class JoustoWarning(UserWarning):
+    """A result is possible but probably not what was meant."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing wrong with the input.
+
+    Parameters
+    ----------
+    where : str
+        Name of the object or place in a file (``"body 'arm'"``, ``"boom.yaml:18: joints.0.b"``).
+    message : str
+        What was found and what would be right.
+    """
+
+    where: str
+    message: str
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.message}" if self.where else self.message
+
+
+class InputError(JoustoError):
+    """The input cannot be used; all problems found are reported together.
+
+    Attributes
+    ----------
+    problems : tuple of Problem
+        In the order in which they were found.
+    """
+
+    def __init__(self, problems: Sequence[Problem] | Problem) -> None:
+        self.problems = (problems,) if isinstance(problems, Problem) else tuple(problems)
+        super().__init__("\n".join(str(problem) for problem in self.problems))
+
+
+class SimulationError(JoustoError):
+    """A run failed; the results up to the failure are kept.
+
+    Attributes
+    ----------
+    time : float
+        Time of the failure in s.
+    body : str
+        Name of the body or joint that failed first, empty if none stands out.
+    """
+
+    def __init__(self, message: str, *, time: float, body: str = "") -> None:
+        self.time = time
+        self.body = body
+        super().__init__(message)
+
+
+class Problems:
+    """Collects problems so that all of them are reported at once.
+
+    Examples
+    --------
+    >>> problems = Problems()
+    >>> problems.add("body 'arm'", "mass is -1 kg, must be positive")
+    >>> problems.raise_if_any()
+    Traceback (most recent call last):
+        ...
+    jousto.errors.InputError: body 'arm': mass is -1 kg, must be positive
+    """
+
+    def __init__(self) -> None:
+        self.found: list[Problem] = []
+
+    def add(self, where: str, message: str) -> None:
+        """Note one problem."""
+        self.found.append(Problem(where, message))
+
+    def raise_if_any(self) -> None:
+        """Raise InputError with everything noted so far, if there is anything."""
+        if self.found:
+            raise InputError(self.found)
+
+    def positive(self, where: str, name: str, value: float, unit: str) -> None:
+        """Note a problem unless the value is a finite number above zero."""
+        if not np.isfinite(value) or value <= 0.0:
+            self.add(where, f"{name} is {value:g} {unit}, must be a positive number".rstrip())
+
+    def array(
+        self, where: str, name: str, value: Any, shape: tuple[int | None, ...]
+    ) -> NDArray[np.float64] | None:
+        """Return a read-only float copy, or note why it is not a finite array of that shape.
+
+        None in the shape allows any length.
+        """
+        wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
+        try:
+            array = np.array(value, dtype=np.float64)
+        except (TypeError, ValueError):
+            self.add(where, f"{name} is not an array of numbers of shape {wanted}")
+            return None
+        if array.ndim != len(shape) or any(
+            n is not None and n != m for n, m in zip(shape, array.shape, strict=True)
+        ):
+            self.add(where, f"{name} has shape {array.shape}, must be {wanted}")
+            return None
+        bad = np.argwhere(~np.isfinite(array))
+        if len(bad):
+            index = tuple(int(i) for i in bad[0])
+            self.add(where, f"{name}{list(index)} is {array[index]}, must be finite")
+            return None
+        array.setflags(write=False)
+        return array
+
+
+def suggest(name: str, candidates: Iterable[str]) -> str:
+    """Return the tail of an error sentence: the nearest known name, or all known names.
+
+    Examples
+    --------
+    >>> suggest("bom", ["boom", "ground"])
+    "; did you mean 'boom'?"
+    """
+    known = list(candidates)
+    near = difflib.get_close_matches(name, known, n=1)
+    if near:
+        return f"; did you mean '{near[0]}'?"
+    if not known:
+        return "; there are none"
+    shown = ", ".join(known[:8]) + (", ..." if len(known) > 8 else "")
+    return f"; known: {shown}"
+
+
+def warn(where: str, message: str) -> None:
+    """Issue a JoustoWarning that reads like a Problem and points at the caller's code."""
+    warnings.warn(JoustoWarning(f"{where}: {message}" if where else message), stacklevel=3)
