@@ -1,0 +1,241 @@
+"""Solution: the results of a run, read from its file when asked for."""
+
+from __future__ import annotations
+
+import shutil
+import weakref
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.errors import InputError, Problem, suggest
+from jousto.simulation.results import open_results
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Energy:
+    """Energy balance of a run, each (nt,) in J."""
+
+    kinetic: Array
+    strain: Array
+    potential: Array
+    dissipated: Array
+    work: Array
+
+    @property
+    def total(self) -> Array:
+        """Kinetic, strain and potential energy."""
+        return self.kinetic + self.strain + self.potential
+
+    @property
+    def error(self) -> Array:
+        """What the balance misses: total - total(0) + dissipated - work."""
+        total = self.total
+        return np.asarray(total - total[0] + self.dissipated - self.work)
+
+
+@dataclass(frozen=True, eq=False)
+class Residuals:
+    """Largest constraint residuals, each (nt,): |C| and |Cq v|."""
+
+    position: Array
+    velocity: Array
+
+
+@dataclass(frozen=True, eq=False)
+class BodyShape:
+    """How to draw a body and where its state is.
+
+    Attributes
+    ----------
+    name, kind : str
+        Name; "rigid" or "flexible".
+    q_offset, v_offset, n : int
+        Its place in q and v, number of modes.
+    nodes : (nn, 3) array
+        Undeformed positions, body frame, m.
+    elements : (ne, m) int array
+        Nodes of each element.
+    modes : (nn, 3, n) array
+        Translation mode shapes.
+    """
+
+    name: str
+    kind: str
+    q_offset: int
+    v_offset: int
+    n: int
+    nodes: Array
+    elements: NDArray[np.int64]
+    modes: Array
+
+
+class Solution:
+    """The results of a run.
+
+    Arrays are read from the file when asked for; a run that is still going on or was killed is
+    readable up to its last written piece.
+
+    Parameters
+    ----------
+    path : path
+        The results file.
+    temporary : bool
+        Remove the file's folder with this object.
+
+    Attributes
+    ----------
+    path : Path
+        The results file.
+    attributes : dict
+        Facts about the run: solver, step, wall_time (s), real_time_factor, ended, complete ...
+    """
+
+    def __init__(self, path: str | Path, *, temporary: bool = False) -> None:
+        self.path = Path(path)
+        with open_results(self.path) as file:
+            self.attributes: dict[str, Any] = {
+                key: value.item() if isinstance(value, np.generic) else value
+                for key, value in file.attrs.items()
+            }
+            self._sensors = {
+                dataset.attrs["name"]: name for name, dataset in file["sensors"].items()
+            }
+            # a killed run may have written one dataset further than another
+            lengths = [len(file["time"])]
+            lengths += [len(d) for d in file["diagnostics"].values()]
+            lengths += [len(d) for d in file["sensors"].values()]
+            lengths += [len(d) for d in file["state"].values() if d.shape[1]]
+            self._length = min(lengths)
+        if temporary:
+            self._remove = weakref.finalize(
+                self, shutil.rmtree, self.path.parent, ignore_errors=True
+            )
+
+    def __repr__(self) -> str:
+        end = self.time[-1] if len(self) else 0.0
+        state = "" if self.complete else ", incomplete"
+        return f"<Solution {self.name!r}: {len(self)} instants to {end:g} s{state}>"
+
+    def __len__(self) -> int:
+        return self._length
+
+    def _read(self, name: str) -> Array:
+        with open_results(self.path) as file:
+            dataset = file[name]
+            if dataset.shape[0] == 0 and dataset.ndim == 2:
+                return np.zeros((self._length, dataset.shape[1]))
+            return np.asarray(dataset[: self._length])
+
+    @property
+    def name(self) -> str:
+        """Name of the mechanism."""
+        return str(self.attributes["name"])
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run reached its end."""
+        return bool(self.attributes["complete"])
+
+    @property
+    def time(self) -> Array:
+        """Instants (nt,), s."""
+        return self._read("time")
+
+    @property
+    def q(self) -> Array:
+        """Positions (nt, nq): [R e p] body after body."""
+        return self._read("state/q")
+
+    @property
+    def v(self) -> Array:
+        """Velocities (nt, nv): [R' w_local p'] body after body."""
+        return self._read("state/v")
+
+    @property
+    def multipliers(self) -> Array:
+        """Lagrange multipliers (nt, nrow), N or N m."""
+        return self._read("state/multipliers")
+
+    @property
+    def energy(self) -> Energy:
+        """Energy balance."""
+        names = ("kinetic", "strain", "potential", "dissipated", "work")
+        return Energy(**{name: self._read(f"diagnostics/{name}") for name in names})
+
+    @property
+    def residuals(self) -> Residuals:
+        """Constraint residuals."""
+        return Residuals(
+            self._read("diagnostics/position_residual"), self._read("diagnostics/velocity_residual")
+        )
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """Names of the sensors."""
+        return tuple(self._sensors)
+
+    @property
+    def model_text(self) -> str:
+        """Text of the model file, empty if the model was made in Python."""
+        with open_results(self.path) as file:
+            return str(file["model"].asstr()[()])
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._sensors
+
+    def _dataset(self, name: str) -> str:
+        if name not in self._sensors:
+            raise InputError(
+                Problem(str(self.path), f"no sensor '{name}'{suggest(name, self._sensors)}")
+            )
+        return f"sensors/{self._sensors[name]}"
+
+    def __getitem__(self, name: str) -> Array:
+        """Return the values of a sensor, (nt, k)."""
+        return self._read(self._dataset(name))
+
+    def about(self, name: str) -> dict[str, Any]:
+        """Return unit, resolved_in, description and components of a sensor."""
+        with open_results(self.path) as file:
+            attrs = file[self._dataset(name)].attrs
+            return {
+                "unit": str(attrs["unit"]),
+                "resolved_in": str(attrs["resolved_in"]),
+                "description": str(attrs["description"]),
+                "components": tuple(str(c) for c in attrs["components"]),
+            }
+
+    @property
+    def bodies(self) -> tuple[BodyShape, ...]:
+        """Bodies with what is needed to draw them."""
+        with open_results(self.path) as file:
+            return tuple(
+                BodyShape(
+                    name=str(group.attrs["name"]),
+                    kind=str(group.attrs["kind"]),
+                    q_offset=int(group.attrs["q_offset"]),
+                    v_offset=int(group.attrs["v_offset"]),
+                    n=int(group.attrs["modes"]),
+                    nodes=np.asarray(group["nodes"]),
+                    elements=np.asarray(group["elements"]),
+                    modes=np.asarray(group["mode_shapes"]),
+                )
+                for group in file["bodies"].values()
+            )
+
+
+def load(path: str | Path) -> Solution:
+    """Open a results file.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it is damaged, or it is not a results file.
+    """
+    return Solution(path)
