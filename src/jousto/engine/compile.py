@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -137,9 +138,14 @@ def _bodies(mechanism: Mechanism) -> tuple[tuple[BodyModel, ...], Array, Array]:
     q: list[Array] = []
     v: list[Array] = []
     iq = iv = 0
+    parts: dict[tuple[int, frozenset[str]], BodyModel] = {}
     for body in mechanism.bodies:
         if isinstance(body, FlexibleBody):
-            model = _flexible(body, iq, iv)
+            kind = (id(body.reduced), body.drop_invariants)
+            if kind not in parts:  # bodies of one part share its arrays
+                parts[kind] = _flexible(body, 0, 0)
+            D = np.array(body.modal_damping, dtype=float)
+            model = replace(parts[kind], name=body.name, iq=iq, iv=iv, D=D)
         else:
             model = _rigid(body, iq, iv)
         models.append(model)
@@ -214,7 +220,7 @@ def _flexible(body: FlexibleBody, iq: int, iv: int) -> BodyModel:
         ED=ED,
         EB=EB,
         K=np.array(body.reduced.stiffness, dtype=float),
-        D=np.array(body.modal_damping, dtype=float),
+        D=np.zeros(len(body.reduced.stiffness)),
     )
 
 

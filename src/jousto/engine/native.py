@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine import library
-from jousto.engine.model import BodyModel, Model
+from jousto.engine.model import Model
 from jousto.errors import InputError, Problem, SimulationError
 
 Scalars = NDArray[Any]  # float64, or complex128 in the build for derivatives
@@ -55,6 +55,7 @@ class Engine:
         self._library = library.complex_library() if complex_scalars else library.real_library()
         self._ffi = library.ffi()
         self._keep: list[Any] = []
+        self._shared: dict[int, tuple[Any, Any]] = {}
         self._override = override or {}
         self._model = self._native_model()
         data = self._library.jo_data_new(self._model)
@@ -195,18 +196,28 @@ class Engine:
         buffer = self._ffi.buffer(self._ffi.cast("char *", pointer), count * self.dtype.itemsize)
         return np.frombuffer(buffer, self.dtype)
 
-    def _constant(self, array: Any, key: tuple[str, int, str] | None = None) -> Any:
-        """Copy an array to the engine's scalar type and keep it alive; None stays NULL."""
+    def _constant(
+        self, array: Any, key: tuple[str, int, str] | None = None, shared: Any = None
+    ) -> Any:
+        """Copy an array to the engine's scalar type and keep it alive; None stays NULL.
+
+        Arrays made of the same object `shared` are copied once: bodies of one reduced part use
+        the same memory, and the processor's cache holds them all.
+        """
         if key is not None and key in self._override:
             array = self._override[key]
         if array is None:
             return self._ffi.NULL
+        if shared is not None and id(shared) in self._shared:
+            return self._shared[id(shared)][1]
         flat = np.asarray(array, dtype=self.dtype).ravel()
         room = np.zeros(flat.nbytes + 128, np.uint8)  # aligned to cache lines
         start = -room.ctypes.data % 64
         copy = room[start : start + max(flat.nbytes, self.dtype.itemsize)].view(self.dtype)
         copy[: flat.size] = flat
         self._keep.append(copy)
+        if shared is not None:
+            self._shared[id(shared)] = (shared, self._pointer(copy))
         return self._pointer(copy)
 
     def _structs(self, kind: str, count: int) -> Any:
@@ -294,19 +305,13 @@ class Engine:
                 setattr(b, name, self._constant(getattr(body, name), ("body", i, name)))
             for name in ("I3", "B0", "D0", "K", "D"):
                 array = self._override.get(("body", i, name), getattr(body, name))
-                setattr(b, name, self._constant(_padded(np.asarray(array), np_)))
-            b.ED = self._constant(self._blocked(body, i, "ED", np_, rows_d))
-            b.EB = self._constant(self._blocked(body, i, "EB", np_, rows_b))
+                setattr(b, name, self._constant(_padded(np.asarray(array), np_), shared=array))
+            for name, rows in (("ED", rows_d), ("EB", rows_b)):
+                array = self._override.get(("body", i, name), getattr(body, name))
+                setattr(
+                    b, name, self._constant(_blocked(np.asarray(array), np_, rows), shared=array)
+                )
         return structs
-
-    def _blocked(self, body: BodyModel, i: int, name: str, np_: int, rows: int) -> Scalars:
-        """Order (c, j, k) as blocks of `rows` rows c*np+j, each (n, rows)."""
-        E = np.asarray(self._override.get(("body", i, name), getattr(body, name)))
-        if body.n == 0:
-            return E
-        padded = np.zeros((E.shape[0], np_, body.n), E.dtype)
-        padded[:, : body.n] = E
-        return np.ascontiguousarray(padded.reshape(-1, rows, body.n).swapaxes(1, 2))
 
     def _markers(self) -> Any:
         structs = self._structs("jo_marker", len(self.model.markers))
@@ -365,6 +370,32 @@ class Engine:
                 n, pad = self.model.bodies[sensor.object].n, self._library.JO_PAD
                 s.rows = self._constant(_padded(sensor.rows, -(-n // pad) * pad))
         return structs
+
+
+def displaced(model: Model, q: Scalars, increment: Scalars) -> Scalars:
+    """Return q (nq,) moved by increments (nv,): dR (world), dtheta (body frame), dp."""
+    out = np.array(q, dtype=np.result_type(q, increment))
+    for body in model.bodies:
+        dx = increment[body.iv : body.iv + 6 + body.n]
+        out[body.iq : body.iq + 3] += dx[:3]
+        e0, e = out[body.iq + 3], out[body.iq + 4 : body.iq + 7].copy()
+        half = 0.5 * dx[3:6]
+        angle = np.sqrt(half @ half)
+        d0, d = np.cos(angle), half * (np.sin(angle) / angle if angle != 0.0 else 1.0)
+        out[body.iq + 3] = e0 * d0 - e @ d
+        out[body.iq + 4 : body.iq + 7] = e0 * d + d0 * e + np.cross(e, d)
+        out[body.iq + 7 : body.iq + 7 + body.n] += dx[6:]
+    return out
+
+
+def _blocked(E: NDArray[Any], padded_n: int, rows: int) -> NDArray[Any]:
+    """Order (c, j, k) as blocks of `rows` rows c*np+j, each (n, rows)."""
+    n = E.shape[2]
+    if n == 0:
+        return E
+    padded = np.zeros((E.shape[0], padded_n, n), E.dtype)
+    padded[:, :n] = E
+    return np.ascontiguousarray(padded.reshape(-1, rows, n).swapaxes(1, 2))
 
 
 def _padded(array: NDArray[Any], length: int) -> NDArray[Any]:

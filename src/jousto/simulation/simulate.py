@@ -16,7 +16,8 @@ from jousto.errors import InputError, Problem, Problems, SimulationError, warn
 from jousto.simulation.progress import Report, reporter
 from jousto.simulation.results import ResultsWriter
 from jousto.simulation.solution import Solution
-from jousto.simulation.solver import ROS2, SOLVERS, Solver, stability_warning
+from jousto.simulation.solver import ROS2, SOLVERS, Solver
+from jousto.simulation.stability import stability_warning
 
 logger = logging.getLogger(__name__)
 
@@ -118,7 +119,8 @@ def simulate(
         "t_end": float(t_end),
         "evaluations_per_step": solver.evaluations,
     }
-    writer = ResultsWriter(target, model, attributes, model_text)
+    rows = schedule.steps // schedule.every + 1
+    writer = ResultsWriter(target, model, rows, attributes, model_text)
     started = clock.perf_counter()
     ended = "completed"
     failure: tuple[str, str] | None = None
@@ -138,12 +140,12 @@ def simulate(
     reached = float(engine.time[0].real)
     try:
         writer.close(
+            ended == "completed",
             {
-                "complete": int(ended == "completed"),
                 "ended": ended,
                 "wall_time": wall,
                 "real_time_factor": reached / wall if wall > 0 else 0.0,
-            }
+            },
         )
         solution: Solution | None = Solution(target, temporary=path is None)
     except (OSError, InputError) as error:

@@ -100,18 +100,10 @@ class Solution:
         self.path = Path(path)
         with open_results(self.path) as file:
             self.attributes: dict[str, Any] = {
-                key: value.item() if isinstance(value, np.generic) else value
-                for key, value in file.attrs.items()
+                key: _plain(value) for key, value in file.attrs.items()
             }
-            self._sensors = {
-                dataset.attrs["name"]: name for name, dataset in file["sensors"].items()
-            }
-            # a killed run may have written one dataset further than another
-            lengths = [len(file["time"])]
-            lengths += [len(d) for d in file["diagnostics"].values()]
-            lengths += [len(d) for d in file["sensors"].values()]
-            lengths += [len(d) for d in file["state"].values() if d.shape[1]]
-            self._length = min(lengths)
+            self._sensors = tuple(file["sensors"])
+            self._length = min(int(file["rows"][()]), len(file["time"]))
         if temporary:
             self._remove = weakref.finalize(
                 self, shutil.rmtree, self.path.parent, ignore_errors=True
@@ -128,8 +120,6 @@ class Solution:
     def _read(self, name: str) -> Array:
         with open_results(self.path) as file:
             dataset = file[name]
-            if dataset.shape[0] == 0 and dataset.ndim == 2:
-                return np.zeros((self._length, dataset.shape[1]))
             return np.asarray(dataset[: self._length])
 
     @property
@@ -178,7 +168,7 @@ class Solution:
     @property
     def sensors(self) -> tuple[str, ...]:
         """Names of the sensors."""
-        return tuple(self._sensors)
+        return self._sensors
 
     @property
     def model_text(self) -> str:
@@ -194,7 +184,7 @@ class Solution:
             raise InputError(
                 Problem(str(self.path), f"no sensor '{name}'{suggest(name, self._sensors)}")
             )
-        return f"sensors/{self._sensors[name]}"
+        return f"sensors/{name}"
 
     def __getitem__(self, name: str) -> Array:
         """Return the values of a sensor, (nt, k)."""
@@ -217,7 +207,7 @@ class Solution:
         with open_results(self.path) as file:
             return tuple(
                 BodyShape(
-                    name=str(group.attrs["name"]),
+                    name=name,
                     kind=str(group.attrs["kind"]),
                     q_offset=int(group.attrs["q_offset"]),
                     v_offset=int(group.attrs["v_offset"]),
@@ -226,8 +216,14 @@ class Solution:
                     elements=np.asarray(group["elements"]),
                     modes=np.asarray(group["mode_shapes"]),
                 )
-                for group in file["bodies"].values()
+                for name, group in file["bodies"].items()
             )
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, bytes):
+        return value.decode(errors="replace").rstrip()
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def load(path: str | Path) -> Solution:

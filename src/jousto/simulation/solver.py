@@ -8,7 +8,6 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.engine import Model
 from jousto.errors import Problems
 
 
@@ -148,61 +147,3 @@ def _check(solver: RK4 | ROS2) -> None:
     if not isinstance(baumgarte, Baumgarte | None):
         problems.add(where, f"baumgarte is {baumgarte!r}, must be Baumgarte(alpha, beta)")
     problems.raise_if_any()
-
-
-def body_eigenvalues(model: Model, body: int) -> NDArray[np.complex128]:
-    """Return the eigenvalues lambda of a free body's modal motion at p = 0, 1/s.
-
-    ``(lambda^2 M + lambda D + K) y = 0`` with the rigid coordinates eliminated. Joints can only
-    lower the highest of them (Cauchy interlacing), so they bound the stable step.
-    """
-    b = model.bodies[body]
-    if b.n == 0:
-        return np.zeros(0, dtype=np.complex128)
-    S, J = b.S0, b.J0
-    skew = np.array([[0.0, -S[2], S[1]], [S[2], 0.0, -S[0]], [-S[1], S[0], 0.0]])
-    inertia = np.array([[J[0], J[5], J[4]], [J[5], J[1], J[3]], [J[4], J[3], J[2]]])
-    Mrr = np.block([[b.mass[0] * np.eye(3), -skew], [skew, inertia]])
-    Mrp = np.vstack([b.I3, b.B0])
-    M = np.eye(b.n) - Mrp.T @ np.linalg.lstsq(Mrr, Mrp, rcond=None)[0]
-    companion = np.block(
-        [
-            [np.zeros((b.n, b.n)), np.eye(b.n)],
-            [-np.linalg.solve(M, np.diag(b.K)), -np.linalg.solve(M, np.diag(b.D))],
-        ]
-    )
-    return np.asarray(np.linalg.eigvals(companion), dtype=np.complex128)
-
-
-def stability_warning(model: Model, solver: Solver, step: float) -> str:
-    """Return a sentence if the step is too large for the model's modes, else an empty string."""
-    worst: tuple[float, int] | None = None
-    for i in range(len(model.bodies)):
-        eigenvalues = body_eigenvalues(model, i)
-        bad = eigenvalues[solver.unstable(step, eigenvalues)]
-        if len(bad) and (worst is None or np.abs(bad).max() > worst[0]):
-            worst = (float(np.abs(bad).max()), i)
-    if worst is None:
-        return ""
-    omega, i = worst
-    limit = largest_stable_step(model, solver, step)
-    return (
-        f"body '{model.bodies[i].name}' has a mode of {omega / (2 * np.pi):.4g} Hz, for which "
-        f"{type(solver).__name__} needs a step below {limit:.2g} s (it is {step:.3g} s); "
-        "take a smaller step, fewer modes, or ROS2"
-    )
-
-
-def largest_stable_step(model: Model, solver: Solver, step: float) -> float:
-    """Return the largest stable step not above `step`, found by bisection, s."""
-    eigenvalues = np.concatenate(
-        [np.zeros(0), *(body_eigenvalues(model, i) for i in range(len(model.bodies)))]
-    ).astype(np.complex128)
-    low, high = 0.0, step
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if solver.unstable(middle, eigenvalues).any():
-            high = middle
-        else:
-            low = middle
-    return low

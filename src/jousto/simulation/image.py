@@ -1,0 +1,92 @@
+"""A file in memory that is mostly holes, for laying out HDF5 before any of its data exists."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from typing import Any
+
+PAGE = 4096
+
+
+class SparseImage(io.RawIOBase):
+    """A seekable file that keeps only the pages that were written.
+
+    HDF5 crashes the process when the disk fills up while it writes. So it writes here, where
+    nothing can fail, and plain file calls, whose errors are exceptions, copy the pages to disk.
+
+    Examples
+    --------
+    >>> image = SparseImage()
+    >>> image.truncate(10**12)
+    1000000000000
+    >>> image.seek(5 * 10**11), image.write(b"here")
+    (500000000000, 4)
+    >>> sum(len(page) for _, page in image.pages())
+    4096
+    """
+
+    def __init__(self) -> None:
+        self._pages: dict[int, bytearray] = {}
+        self._at = 0
+        self.size = 0
+
+    def readable(self) -> bool:
+        """Return True."""
+        return True
+
+    def writable(self) -> bool:
+        """Return True."""
+        return True
+
+    def seekable(self) -> bool:
+        """Return True."""
+        return True
+
+    def tell(self) -> int:
+        """Return the position."""
+        return self._at
+
+    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
+        """Move to an offset from the start, the position or the end."""
+        self._at = offset + {io.SEEK_SET: 0, io.SEEK_CUR: self._at, io.SEEK_END: self.size}[whence]
+        return self._at
+
+    def truncate(self, size: int | None = None) -> int:
+        """Set the length."""
+        self.size = self._at if size is None else size
+        return self.size
+
+    def write(self, data: Any) -> int:
+        """Write bytes at the position."""
+        view = memoryview(data).cast("B")
+        done = 0
+        while done < len(view):
+            number, start = divmod(self._at + done, PAGE)
+            count = min(PAGE - start, len(view) - done)
+            page = self._pages.setdefault(number, bytearray(PAGE))
+            page[start : start + count] = view[done : done + count]
+            done += count
+        self._at += done
+        self.size = max(self.size, self._at)
+        return done
+
+    def readinto(self, buffer: Any) -> int:
+        """Read bytes at the position; holes read as zeros."""
+        view = memoryview(buffer).cast("B")
+        length = max(0, min(len(view), self.size - self._at))
+        done = 0
+        while done < length:
+            number, start = divmod(self._at + done, PAGE)
+            count = min(PAGE - start, length - done)
+            page = self._pages.get(number, bytes(PAGE))
+            view[done : done + count] = page[start : start + count]
+            done += count
+        self._at += done
+        return done
+
+    def pages(self) -> Iterator[tuple[int, bytes]]:
+        """Yield (offset, bytes) of what was written, in order."""
+        for number in sorted(self._pages):
+            start = number * PAGE
+            yield start, bytes(self._pages[number][: max(0, self.size - start)])

@@ -1,0 +1,117 @@
+"""Is the step small enough? Asked before the run, of the body modes and of the mechanism."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse.linalg
+from numpy.typing import NDArray
+
+from jousto.engine import Engine, Model
+from jousto.engine.native import displaced
+from jousto.simulation.solver import Solver
+
+Array = NDArray[np.float64]
+Eigenvalues = NDArray[np.complex128]
+DENSE = 300  # states up to which all eigenvalues are computed
+DIFFERENCE = 1e-6  # relative step of the central differences
+
+
+def body_eigenvalues(model: Model, body: int) -> Eigenvalues:
+    """Return the eigenvalues lambda of a free body's modal motion at p = 0, 1/s.
+
+    ``(lambda^2 M + lambda D + K) y = 0`` with the rigid coordinates eliminated. Joints can only
+    lower the highest of them (Cauchy interlacing), so they are on the safe side.
+    """
+    b = model.bodies[body]
+    if b.n == 0:
+        return np.zeros(0, dtype=np.complex128)
+    S, J = b.S0, b.J0
+    skew = np.array([[0.0, -S[2], S[1]], [S[2], 0.0, -S[0]], [-S[1], S[0], 0.0]])
+    inertia = np.array([[J[0], J[5], J[4]], [J[5], J[1], J[3]], [J[4], J[3], J[2]]])
+    Mrr = np.block([[b.mass[0] * np.eye(3), -skew], [skew, inertia]])
+    Mrp = np.vstack([b.I3, b.B0])
+    M = np.eye(b.n) - Mrp.T @ np.linalg.lstsq(Mrr, Mrp, rcond=None)[0]
+    companion = np.block(
+        [
+            [np.zeros((b.n, b.n)), np.eye(b.n)],
+            [-np.linalg.solve(M, np.diag(b.K)), -np.linalg.solve(M, np.diag(b.D))],
+        ]
+    )
+    return np.asarray(np.linalg.eigvals(companion), dtype=np.complex128)
+
+
+def mechanism_eigenvalues(model: Model) -> Eigenvalues:
+    """Return the largest eigenvalues of the linearised mechanism at its initial state, 1/s.
+
+    Central differences of the engine's accelerations in the increments of q and v, scaled so that
+    both are of one size. All eigenvalues of small mechanisms, else the four of largest magnitude
+    (Arnoldi iteration).
+    """
+    engine = Engine(model)
+    scale = max(
+        1.0,
+        *(np.abs(body_eigenvalues(model, i)).max(initial=0.0) for i in range(len(model.bodies))),
+    )
+    nv = model.nv
+
+    def rate(x: Array) -> Array:
+        engine.q[:] = displaced(model, model.q0, x[:nv])
+        engine.v[:] = model.v0 + scale * x[nv:]
+        a, _ = engine.accelerations()
+        return np.concatenate([engine.v, a / scale])
+
+    def product(x: Array) -> Array:
+        size = DIFFERENCE / max(float(np.abs(x).max()), 1e-300)
+        return (rate(size * x.ravel()) - rate(-size * x.ravel())) / (2.0 * size)
+
+    if 2 * nv <= DENSE:
+        matrix = np.stack([product(column) for column in np.eye(2 * nv)], axis=1)
+        return np.asarray(np.linalg.eigvals(matrix), dtype=np.complex128)
+    operator = scipy.sparse.linalg.LinearOperator((2 * nv, 2 * nv), matvec=product, dtype=float)
+    start = np.random.default_rng(0).normal(size=2 * nv)
+    values = scipy.sparse.linalg.eigs(
+        operator, k=4, ncv=40, v0=start, tol=1e-3, maxiter=100, return_eigenvectors=False
+    )
+    return np.asarray(values, dtype=np.complex128)
+
+
+def stability_warning(model: Model, solver: Solver, step: float) -> str:
+    """Return a sentence if the step is too large for the mechanism's modes, else nothing.
+
+    The modes of the free bodies decide if the step suits them all; otherwise the mechanism itself
+    is asked, since its joints lower the frequencies.
+    """
+    eigenvalues = [body_eigenvalues(model, i) for i in range(len(model.bodies))]
+    largest = [np.abs(e[solver.unstable(step, e)]).max(initial=0.0) for e in eigenvalues]
+    if not any(largest):
+        return ""
+    body = model.bodies[int(np.argmax(largest))].name
+    try:
+        joined = mechanism_eigenvalues(model)
+    except scipy.sparse.linalg.ArpackNoConvergence:
+        joined = np.concatenate(eigenvalues)  # on the safe side
+    # the undamped motions of a mechanism may grow slowly on their own (an upright pendulum)
+    modes = joined[np.abs(joined) * step > 1.0]
+    bad = modes[solver.unstable(step, modes)]
+    if not len(bad):
+        return ""
+    limit = largest_stable_step(modes, solver, step)
+    return (
+        f"the mechanism has a mode of {np.abs(bad).max() / (2 * np.pi):.4g} Hz (stiffest body "
+        f"'{body}'), for which {type(solver).__name__} needs a step below {limit:.2g} s (it is "
+        f"{step:.3g} s); take a smaller step, fewer modes, or ROS2"
+    )
+
+
+def largest_stable_step(eigenvalues: Eigenvalues, solver: Solver, step: float) -> float:
+    """Return the largest stable step not above `step`, found by bisection, s."""
+    if not solver.unstable(step, eigenvalues).any():
+        return step
+    low, high = 0.0, step
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if solver.unstable(middle, eigenvalues).any():
+            high = middle
+        else:
+            low = middle
+    return low

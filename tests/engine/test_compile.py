@@ -1,0 +1,94 @@
+"""compile: consistent starts, sentences for singular models, shared arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import jousto as jo
+from jousto.engine import library
+
+
+def rigid(name, **kwargs):
+    return jo.RigidBody(name, 2.0, (0.02, 0.2, 0.2), markers={"tip": (1, 0, 0)}, **kwargs)
+
+
+def test_small_gaps_are_closed_before_the_run():
+    body = rigid("rod", position=(0, 3e-8, 0))
+    with pytest.warns(jo.JoustoWarning, match="nothing will move"):
+        mechanism = jo.Mechanism(body, jo.Spherical("p", jo.ground["origin"], body["origin"]))
+    model = jo.compile(mechanism)
+    assert jo.Engine(model).residuals()[0] < 1e-15
+    assert not model.q0.flags.writeable
+
+
+def test_contradicting_velocities_are_replaced_with_a_warning():
+    body = rigid("rod", velocity=(1, 0, 0), angular_velocity=(0, 0, 2))
+    mechanism = jo.Mechanism(body, jo.Spherical("p", jo.ground["origin"], body["origin"]))
+    with pytest.warns(jo.JoustoWarning, match="velocities of 'rod' contradict the joints"):
+        model = jo.compile(mechanism)
+    np.testing.assert_allclose(model.v0[:3], 0.0, atol=1e-14)
+    assert jo.Engine(model).residuals()[1] < 1e-14
+
+
+def test_consistent_velocities_are_kept_silently():
+    body = rigid("rod", angular_velocity=(0, 3, 2))
+    mechanism = jo.Mechanism(body, jo.Spherical("p", jo.ground["origin"], body["origin"]))
+    model = jo.compile(mechanism)
+    np.testing.assert_allclose(model.v0, [0, 0, 0, 0, 3, 2], atol=1e-14)
+
+
+def test_redundant_joints_are_named_with_a_remedy():
+    body = rigid("door", angular_velocity=(1, 0, 0))
+    upper = jo.Revolute("upper", jo.ground["origin"], body["origin"], axis=(1, 0, 0))
+    lower = jo.Revolute("lower", jo.ground.at((1, 0, 0)), body["tip"], axis=(1, 0, 0))
+    with pytest.warns(jo.JoustoWarning, match="10 constraint rows for 6 coordinates"):
+        mechanism = jo.Mechanism(body, upper, lower)
+    with pytest.raises(jo.InputError, match=r"joint '(upper|lower)': repeats constraints.*spheri"):
+        jo.compile(mechanism)
+
+
+def test_bodies_of_one_part_share_their_arrays():
+    part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.02), 4, jo.Material(E=2e11, nu=0.3, rho=7850))
+    rod = jo.reduce(part, jo.CraigBampton(interfaces=("start", "end"), modes=2))
+    a = jo.FlexibleBody("a", rod, damping=0.01)
+    b = jo.FlexibleBody("b", rod, position=(1, 0, 0), damping=0.02)
+    mechanism = jo.Mechanism(
+        a,
+        b,
+        jo.Spherical("p", jo.ground["origin"], a["start"]),
+        jo.Spherical("q", a["end"], b["start"]),
+        jo.Gravity((0, 0, -9.81)),
+    )
+    first, second = jo.compile(mechanism).bodies
+    assert first.ED is second.ED
+    assert not np.array_equal(first.D, second.D)
+
+
+def test_every_build_of_the_engine_gives_the_same_motion():
+    """Only instructions and therefore round-off differ between the builds."""
+    body = rigid("rod", angular_velocity=(0, 3, 2))
+    mechanism = jo.Mechanism(
+        body,
+        jo.Spherical("p", jo.ground["origin"], body["origin"]),
+        jo.Gravity((0, 0, -9.81)),
+    )
+    model = jo.compile(mechanism)
+    level = library.real_library().jo_cpu_level()
+    results = []
+    for name, needed in (("", 0), ("_v3", 3), ("_v4", 4)):
+        if level < needed or library._path("jousto_engine" + name) is None:
+            continue
+        engine = jo.Engine(model)
+        engine._library = library._open("jousto_engine" + name)
+        solver = engine.native_solver(1, 1e-3, True)
+        for _ in range(200):
+            engine.step(solver)
+        results.append(engine.q.copy())
+    for other in results[1:]:
+        np.testing.assert_allclose(other, results[0], atol=1e-12)
+
+
+def test_the_header_read_by_python_is_the_one_that_was_compiled():
+    assert library.ffi().typeof("jo_model").fields
+    assert library.real_library().jo_abi() == 1

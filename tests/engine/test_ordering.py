@@ -1,0 +1,64 @@
+"""Elimination order: a factor of the right pattern, no fill where none is needed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jousto.engine.ordering import eliminate
+
+
+def factor_pattern(count, cliques):
+    """Pattern of the Cholesky factor of a random matrix with these cliques, and the order."""
+    plan = eliminate([1] * count, cliques)
+    rng = np.random.default_rng(0)
+    S = np.zeros((count, count))
+    for clique in cliques:
+        x = rng.normal(size=(len(clique), 3))
+        S[np.ix_(clique, clique)] += x @ x.T
+    S += 10.0 * np.eye(count)
+    order = list(plan.order)
+    L = np.linalg.cholesky(S[np.ix_(order, order)])
+    return plan, S, order, np.abs(L) > 1e-14
+
+
+@given(st.data())
+def test_the_planned_blocks_hold_the_numeric_factor(data):
+    count = data.draw(st.integers(1, 9))
+    joints = st.lists(st.integers(0, count - 1), min_size=1, max_size=4, unique=True)
+    cliques = data.draw(st.lists(joints, max_size=12))
+    plan, _, order, nonzero = factor_pattern(count, cliques)
+    planned = {(order.index(i), order.index(j)) for i, j in plan.blocks}
+    assert sorted(plan.order) == list(range(count))
+    assert {(i, j) for i, j in np.argwhere(nonzero).tolist()} <= planned
+
+
+@given(st.integers(2, 30), st.integers(0, 2**32 - 1))
+def test_trees_have_no_fill(bodies, seed):
+    """Joint k holds body k on an earlier body or the ground; the joints of a body touch."""
+    rng = np.random.default_rng(seed)
+    on_body = {k: [k] for k in range(bodies)}
+    for k in range(1, bodies):
+        on_body[int(rng.integers(0, k))].append(k)
+    assert eliminate([3] * bodies, on_body.values()).fill == 0
+
+
+@pytest.mark.parametrize("count", [3, 4, 10])
+def test_a_ring_fills_one_block_for_every_joint_beyond_three(count):
+    ring = [(k, (k + 1) % count) for k in range(count)]
+    assert eliminate([3] * count, ring).fill == count - 3
+
+
+def test_update_rows_are_those_of_the_joints():
+    plan = eliminate([3, 5, 6], [(0, 1), (0, 2), (1, 2)])
+    rows = {plan.blocks[i, j]: [3, 5, 6][i] for i, j in plan.blocks}
+    for column in plan.updates:
+        for _, left, right, left_rows, right_rows in column:
+            assert (left_rows, right_rows) == (rows[left], rows[right])
+
+
+def test_a_thousand_joints_are_ordered_quickly():
+    chain = [(k, k + 1) for k in range(999)]
+    assert eliminate([3] * 1000, chain).count == 1999

@@ -1,0 +1,318 @@
+"""simulate: schedule, results file, failures that keep what was computed."""
+
+from __future__ import annotations
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+
+import h5py
+import numpy as np
+import pytest
+
+import jousto as jo
+from jousto.simulation import describe, results
+from jousto.simulation.stability import (
+    body_eigenvalues,
+    largest_stable_step,
+    mechanism_eigenvalues,
+)
+
+# -- schedule -----------------------------------------------------------------------------------
+
+
+def test_outputs_and_end_fall_on_steps(pendulum):
+    run = jo.simulate(pendulum, 0.1, solver=jo.ROS2(3e-3), output_step=0.01)
+    np.testing.assert_allclose(run.time, np.linspace(0, 0.1, 11), atol=1e-15)
+    assert run.attributes["step"] == pytest.approx(0.0025)
+
+
+def test_without_output_step_every_step_is_stored(pendulum):
+    run = jo.simulate(pendulum, 0.1, solver=jo.ROS2(3e-3))
+    assert len(run) == 35
+    assert run.time[-1] == pytest.approx(0.1, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ({"t_end": -1.0}, "t_end is -1 s, must be a positive number"),
+        ({"t_end": float("nan")}, "t_end is nan s"),
+        ({"t_end": 1.0, "output_step": 0.3}, "not a multiple of output_step = 0.3 s"),
+        ({"t_end": 1.0, "output_step": 0.0}, "output_step is 0 s"),
+        ({"t_end": 1.0, "solver": "RK4"}, "solver is 'RK4', must be one of RK4, ROS2"),
+    ],
+)
+def test_impossible_schedules(pendulum, arguments, sentence):
+    with pytest.raises(jo.InputError) as error:
+        jo.simulate(pendulum, **arguments)
+    assert sentence in str(error.value)
+
+
+def test_a_mechanism_is_not_yet_a_model():
+    body = jo.RigidBody("b", 1.0, (1, 1, 1), angular_velocity=(1, 0, 0))
+    with pytest.warns(jo.JoustoWarning, match="not connected"):
+        mechanism = jo.Mechanism(body)
+    with pytest.raises(jo.InputError, match="compile it first"):
+        jo.simulate(mechanism, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: jo.RK4(step=0.0), "step is 0.0, must be a positive number of seconds"),
+        (lambda: jo.ROS2(step=float("inf")), "step is inf"),
+        (lambda: jo.RK4(step="1e-3"), "step is '1e-3'"),
+        (lambda: jo.RK4(1e-3, projection=1), "projection is 1, must be True or False"),
+        (lambda: jo.RK4(1e-3, baumgarte=5.0), "baumgarte is 5.0, must be Baumgarte"),
+        (lambda: jo.Baumgarte(-1.0, 1.0), "alpha is -1.0, must be 0 or more"),
+    ],
+)
+def test_impossible_solvers(make, sentence):
+    with pytest.raises(jo.InputError) as error:
+        make()
+    assert sentence in str(error.value)
+
+
+# -- results ------------------------------------------------------------------------------------
+
+
+def test_the_results_file_keeps_its_contract(pendulum, tmp_path):
+    path = tmp_path / "run.h5"
+    run = jo.simulate(pendulum, 0.05, output_step=0.01, path=path, model_text="name: pendulum\n")
+    with h5py.File(path) as file:
+        assert file.attrs["complete"] == 1
+        assert file["time"].shape == (6,)
+        assert file["state/q"].shape == (6, pendulum.nq)
+        assert file["state/v"].shape == (6, pendulum.nv)
+        assert file["state/multipliers"].shape == (6, 3)
+        assert file["sensors/tip"].attrs["unit"] == "m"
+        assert file["sensors/tip"].attrs["resolved_in"] == "world"
+        assert "position of arm.end" in file["sensors/tip"].attrs["description"]
+        assert file["model"].asstr()[()] == "name: pendulum\n"
+        assert file["bodies/arm/nodes"].shape == (5, 3)
+    assert run.model_text == "name: pendulum\n"
+    assert jo.load(path).about("reaction")["components"][0] == "Fx"
+    assert run.sensors == ("tip", "reaction")
+    assert describe(run)["ended"] == "completed"
+
+
+def test_unknown_sensors_get_a_suggestion(pendulum):
+    run = jo.simulate(pendulum, 0.01)
+    with pytest.raises(jo.InputError, match="no sensor 'tipp'; did you mean 'tip'"):
+        run["tipp"]
+
+
+def test_a_temporary_results_file_goes_with_its_solution(pendulum):
+    run = jo.simulate(pendulum, 0.01)
+    folder = run.path.parent
+    assert folder.exists()
+    del run
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize(
+    ("write", "sentence"),
+    [
+        (lambda p: p.write_bytes(b"not HDF5"), "damaged or another kind of file"),
+        (lambda p: h5py.File(p, "w").close(), "not a results file; it is some other HDF5 file"),
+        (lambda p: None, "no such results file"),
+    ],
+)
+def test_unreadable_results(tmp_path, write, sentence):
+    path = tmp_path / "run.h5"
+    write(path)
+    with pytest.raises(jo.InputError) as error:
+        jo.load(path)
+    assert sentence in str(error.value)
+
+
+def test_truncated_and_outdated_results(pendulum, tmp_path):
+    path = tmp_path / "run.h5"
+    jo.simulate(pendulum, 0.05, path=path)
+    half = tmp_path / "half.h5"
+    half.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with pytest.raises(jo.InputError, match="damaged"):
+        jo.load(half)
+    with h5py.File(path, "r+") as file:
+        file.attrs["format_version"] = 99
+    with pytest.raises(jo.InputError, match="results format 99, this version reads 1"):
+        jo.load(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [("missing/run.h5", "does not exist; create it first"), (".", "it is a folder")],
+)
+def test_unwritable_places_are_refused_before_the_run(pendulum, tmp_path, name, sentence):
+    with pytest.raises(jo.InputError) as error:
+        jo.simulate(pendulum, 1.0, path=tmp_path / name)
+    assert sentence in str(error.value)
+
+
+# -- stability and divergence ---------------------------------------------------------------------
+
+
+def test_a_step_too_large_for_rk4_is_predicted_and_diagnosed(pendulum, highest_frequency):
+    step = 6.0 / (2 * np.pi * highest_frequency)
+    with (
+        pytest.warns(jo.JoustoWarning, match=r"will probably diverge: the mechanism has a mode of"),
+        pytest.raises(jo.RunFailed, match=r"body 'arm' diverged; likely cause: .*RK4") as error,
+    ):
+        jo.simulate(pendulum, 1.0, solver=jo.RK4(step))
+    assert 0.0 < error.value.time < 1.0
+    assert error.value.body == "arm"
+    solution = error.value.solution
+    assert not solution.complete
+    assert len(solution) > 2
+    assert np.isfinite(solution.q).all()
+
+
+def test_the_predicted_limit_is_sharp(pendulum):
+    """Just below the limit the energy stays, just above it the run diverges."""
+    eigenvalues = mechanism_eigenvalues(pendulum)
+    omega = abs(eigenvalues).max()
+    assert omega < abs(body_eigenvalues(pendulum, 0)).max()  # the joint lowers it
+    limit = largest_stable_step(eigenvalues[abs(eigenvalues) > 100.0], jo.RK4(1.0), 1.0)
+    assert limit * omega == pytest.approx(2 * np.sqrt(2), rel=1e-6)  # |R(iy)| = 1 of RK4
+    run = jo.simulate(pendulum, 2000 * limit * 0.95, solver=jo.RK4(0.95 * limit))
+    assert run.complete
+    with pytest.warns(jo.JoustoWarning), pytest.raises(jo.RunFailed):
+        jo.simulate(pendulum, 2000 * limit * 1.1, solver=jo.RK4(1.1 * limit))
+
+
+def test_ros2_runs_where_rk4_cannot(pendulum, highest_frequency):
+    step = 6.0 / (2 * np.pi * highest_frequency)
+    assert jo.simulate(pendulum, 0.5, solver=jo.ROS2(step)).complete
+
+
+def test_an_inaccurate_run_is_pointed_out(pendulum):
+    with pytest.warns(jo.JoustoWarning, match="energy balance misses"):
+        jo.simulate(pendulum, 9.0, solver=jo.ROS2(step=0.3))
+
+
+# -- interruption ---------------------------------------------------------------------------------
+
+
+def test_ctrl_c_keeps_a_valid_file(pendulum, tmp_path):
+    def stop(now, wall):
+        if now > 0.0:
+            raise KeyboardInterrupt
+
+    with pytest.raises(jo.RunInterrupted) as error:
+        jo.simulate(pendulum, 1e4, path=tmp_path / "run.h5", progress=stop)
+    run = jo.load(tmp_path / "run.h5")
+    assert not run.complete
+    assert run.attributes["ended"] == "interrupted"
+    assert len(run) == len(error.value.solution) > 1
+
+
+SCRIPT = """
+    import sys
+    import jousto as jo
+    body = jo.RigidBody("rod", 2.0, (0.02, 0.2, 0.2), center=(1, 0, 0))
+    pivot = jo.Spherical("p", jo.ground["origin"], body["origin"])
+    gravity = jo.Gravity((0, 0, -9.81))
+    tip = jo.PositionSensor("tip", body["center"])
+    model = jo.compile(jo.Mechanism(body, pivot, gravity, tip))
+    {limit}
+    jo.simulate(model, 1e6, path=sys.argv[1], progress=lambda now, wall: print(now, flush=True))
+"""
+
+
+def start(tmp_path, limit=""):
+    script = tmp_path / "run.py"
+    script.write_text(textwrap.dedent(SCRIPT.format(limit=limit)))
+    return subprocess.Popen(
+        [sys.executable, str(script), str(tmp_path / "run.h5")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
+def test_a_killed_run_leaves_a_readable_file(tmp_path):
+    process = start(tmp_path)
+    for _ in range(8):
+        reached = float(process.stdout.readline())
+    running = jo.load(tmp_path / "run.h5")  # readable while it grows
+    assert running.time[-1] > 0.0
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    process.stdout.close()
+    process.stderr.close()
+    run = jo.load(tmp_path / "run.h5")
+    assert not run.complete
+    assert run.time[-1] >= reached - 1e-9
+    assert np.isfinite(run["tip"]).all()
+    np.testing.assert_allclose(np.linalg.norm(run["tip"], axis=1), 1.0, atol=1e-10)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no file size limit")
+def test_no_room_for_the_results_is_said_before_the_run(tmp_path):
+    limit = (
+        "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN); "
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 20, 1 << 20))"
+    )
+    process = start(tmp_path, limit)
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == 1
+    assert "InputError" in errors
+    assert "cannot write the results here: File too large" in errors
+
+
+def test_a_disk_that_fills_up_stops_the_run_with_a_sentence(pendulum, tmp_path, monkeypatch):
+    real = results._write
+    full = []
+
+    def write(file, offset, data):
+        if full:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        real(file, offset, data)
+
+    monkeypatch.setattr(results, "_write", write)
+    with pytest.raises(jo.RunFailed, match="cannot write.*No space left.*free some space") as error:
+        jo.simulate(
+            pendulum, 1e3, path=tmp_path / "run.h5", progress=lambda now, wall: full.append(now)
+        )
+    run = jo.load(tmp_path / "run.h5")
+    assert len(run) == len(error.value.solution) > 1
+    assert run.attributes["ended"] == "failed: cannot write"
+    assert np.isfinite(run["tip"]).all()
+    assert list(tmp_path.iterdir()) == [tmp_path / "run.h5"]
+
+
+def test_a_run_that_ends_early_is_cut_to_its_length(pendulum, tmp_path):
+    def stop(now, wall):
+        raise KeyboardInterrupt
+
+    with pytest.raises(jo.RunInterrupted):
+        jo.simulate(pendulum, 1e6, path=tmp_path / "run.h5", progress=stop)
+    with h5py.File(tmp_path / "run.h5") as file:
+        assert len(file["time"]) == len(file["sensors/tip"]) == file["rows"][()] < 1e5
+        np.testing.assert_allclose(np.diff(file["time"]), 1e-3, atol=1e-12)
+    assert (tmp_path / "run.h5").stat().st_size < 1e8
+
+
+def test_progress_reports_simulated_and_wall_time(pendulum):
+    seen = []
+    began = time.perf_counter()
+    jo.simulate(pendulum, 0.5, progress=lambda now, wall: seen.append((now, wall)))
+    took = time.perf_counter() - began
+    times = [now for now, _ in seen]
+    assert times == sorted(times)
+    assert times[-1] == pytest.approx(0.5)
+    assert 0.0 < seen[-1][1] <= took
+
+
+def test_the_bar_of_progress_true_goes_to_standard_error(pendulum, capsys):
+    jo.simulate(pendulum, 0.1, progress=True)
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert "real time" in captured.err
