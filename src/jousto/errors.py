@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import sys
 import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -146,5 +147,12 @@ def suggest(name: str, candidates: Iterable[str]) -> str:
 
 
 def warn(where: str, message: str) -> None:
-    """Issue a JoustoWarning that reads like a Problem and points at the caller's code."""
-    warnings.warn(JoustoWarning(f"{where}: {message}" if where else message), stacklevel=3)
+    """Issue a JoustoWarning that reads like a Problem and points at the code that uses jousto."""
+    level = 2
+    frame = sys._getframe(1)
+    while frame.f_back and frame.f_globals.get("__name__", "").split(".")[0] == __package__:
+        frame = frame.f_back
+        level += 1
+    warnings.warn(
+        JoustoWarning(f"{where}: {message}" if where else message), stacklevel=max(level - 1, 2)
+    )

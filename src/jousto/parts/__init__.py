@@ -1,0 +1,39 @@
+"""Parts: what a flexible body is made of, before it is reduced."""
+
+from jousto.parts.beam import EulerBernoulli, Theory, Timoshenko
+from jousto.parts.mass import MassPoints, PointMass
+from jousto.parts.material import Material
+from jousto.parts.members import Member
+from jousto.parts.part import Part
+from jousto.parts.profiles import Box, IBeam
+from jousto.parts.section import (
+    Circle,
+    GeneralSection,
+    Rectangle,
+    Section,
+    SectionPoint,
+    Tube,
+    polar_moment,
+)
+from jousto.parts.stress import StressOperator
+
+__all__ = [
+    "Box",
+    "Circle",
+    "EulerBernoulli",
+    "GeneralSection",
+    "IBeam",
+    "MassPoints",
+    "Material",
+    "Member",
+    "Part",
+    "PointMass",
+    "Rectangle",
+    "Section",
+    "SectionPoint",
+    "StressOperator",
+    "Theory",
+    "Timoshenko",
+    "Tube",
+    "polar_moment",
+]

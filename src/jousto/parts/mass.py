@@ -1,0 +1,204 @@
+"""The mass of a part as points: the one description from which M and all inertia integrals come."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from jousto.errors import Problems
+from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, node_dofs, read_only, scatter, skew
+
+
+@dataclass(frozen=True)
+class PointMass:
+    """A rigid mass fixed to a node.
+
+    Parameters
+    ----------
+    node : int or str
+        Node index (from 0) or the name of a node set with one node (``"node1"``, ``"end"``).
+    mass : float
+        Mass in kg, zero or positive.
+    inertia : (3,) or (3, 3) array_like, optional
+        Moments of inertia, or inertia tensor, about the mass's own centre in kg m^2, part axes.
+    offset : (3,) array_like, optional
+        From the node to the centre of the mass in m, part frame.
+
+    Raises
+    ------
+    InputError
+        If a value is not finite, the mass is negative or the inertia is not that of a body
+        (symmetric, no moment above the sum of the two others).
+
+    Examples
+    --------
+    >>> PointMass("end", 2.5, inertia=(0.1, 0.2, 0.2)).mass
+    2.5
+    """
+
+    node: int | str
+    mass: float
+    inertia: Any = None
+    offset: Any = None
+
+    def __post_init__(self) -> None:
+        where = f"point mass at node {self.node!r}"
+        problems = Problems()
+        if not (np.isfinite(self.mass) and self.mass >= 0.0):
+            problems.add(where, f"mass is {self.mass:g} kg, must be zero or positive")
+        offset = (0.0, 0.0, 0.0) if self.offset is None else self.offset
+        object.__setattr__(self, "offset", problems.array(where, "offset", offset, (3,)))
+
+        J = np.zeros(3) if self.inertia is None else self.inertia
+        J = problems.array(where, "inertia", J, (3,) if np.ndim(J) == 1 else (3, 3))
+        if J is not None:
+            J = np.diag(J) if J.ndim == 1 else J
+            scale = np.abs(J).max()
+            if np.abs(J - J.T).max() > 1e-9 * scale:
+                problems.add(where, "inertia is not symmetric")
+            elif np.linalg.eigvalsh(second_moment(J)).min() < -1e-9 * scale:
+                moments = ", ".join(f"{x:.6g}" for x in np.linalg.eigvalsh(J))
+                problems.add(
+                    where,
+                    f"principal moments of inertia are {moments} kg m^2; they must not be negative"
+                    " and none may exceed the sum of the two others",
+                )
+            J = read_only(J)
+        object.__setattr__(self, "inertia", J)
+        problems.raise_if_any()
+
+
+def second_moment(J: Floats) -> Floats:
+    """Return G = int s s^T dm from inertia tensors J = tr(G) E - G; shape (..., 3, 3)."""
+    half_trace = 0.5 * np.trace(J, axis1=-2, axis2=-1)
+    G: Floats = half_trace[..., None, None] * np.eye(3) - J
+    return G
+
+
+def inertia_tensor(G: Floats) -> Floats:
+    """Return J = tr(G) E - G from second moments G = int s s^T dm; shape (..., 3, 3)."""
+    J: Floats = np.trace(G, axis1=-2, axis2=-1)[..., None, None] * np.eye(3) - G
+    return J
+
+
+@dataclass(frozen=True, eq=False)
+class MassPoints:
+    """The mass of a part as k points that move and turn with the nodes.
+
+    The particles of point i lie at ``position_i + s`` and move, for nodal displacements d, by
+    ``N_i d + (N_rot_i d) cross s``, where ``int s dm = 0`` and ``int s s^T dm = second_moment_i``.
+
+    Parameters
+    ----------
+    mass : (k,) ndarray
+        Masses in kg.
+    position : (k, 3) ndarray
+        Undeformed positions of the points' centres in m, part frame.
+    second_moment : (k, 3, 3) ndarray
+        ``int s s^T dm`` about each point's own centre in kg m^2, part axes.
+    N : (3 k, ndof) sparse array
+        Translations of the centres from nodal displacements, part axes.
+    N_rot : (3 k, ndof) sparse array
+        Rotation vectors of the points from nodal displacements, part axes.
+    """
+
+    mass: Floats
+    position: Floats
+    second_moment: Floats
+    N: Sparse
+    N_rot: Sparse
+
+    def __post_init__(self) -> None:
+        for name in ("mass", "position", "second_moment"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+        object.__setattr__(self, "N", as_csr(self.N))
+        object.__setattr__(self, "N_rot", as_csr(self.N_rot))
+
+    def __len__(self) -> int:
+        return len(self.mass)
+
+    @property
+    def inertia(self) -> Floats:
+        """Inertia tensors of the points about their own centres in kg m^2, (k, 3, 3)."""
+        return inertia_tensor(self.second_moment)
+
+    def matrix(self) -> Sparse:
+        """Return the mass matrix ``N^T diag(m) N + N_rot^T blkdiag(J) N_rot``, (ndof, ndof)."""
+        m = np.repeat(self.mass, 3)
+        i = np.arange(len(m))
+        D: Sparse = sp.csr_array((m, (i, i)), shape=(len(m), len(m)))
+        M = self.N.T @ (D @ self.N)
+        turning = np.flatnonzero(np.any(self.second_moment != 0.0, axis=(1, 2)))
+        if len(turning):
+            rows = node_dofs(np.arange(len(turning))[:, None], 3)
+            size = 3 * len(turning)
+            J = scatter(self.inertia[turning], rows, rows, (size, size))
+            N_rot = self.N_rot[node_dofs(turning[:, None], 3).ravel()]
+            M = M + N_rot.T @ (J @ N_rot)
+        return as_csr((M + M.T) * 0.5)
+
+
+def rigid_points(
+    node: Ints, mass: Floats, offset: Floats, moment: Floats, nodes: Floats
+) -> MassPoints:
+    """Merge masses that are fixed to nodes into one mass point per node.
+
+    Parameters
+    ----------
+    node : (m,) ndarray
+        Node index of each mass.
+    mass : (m,) ndarray
+        Masses in kg.
+    offset : (m, 3) ndarray
+        From the node to the centre of each mass in m, part frame.
+    moment : (m, 3, 3) ndarray
+        Second moments about the centres of the masses in kg m^2, part axes.
+    nodes : (nn, 3) ndarray
+        Node positions in m; every node has six degrees of freedom.
+
+    Returns
+    -------
+    MassPoints
+        One point for each node that carries mass or rotary inertia, in node order.
+    """
+    nn = len(nodes)
+    m = np.zeros(nn)
+    np.add.at(m, node, mass)
+    first = np.zeros((nn, 3))
+    np.add.at(first, node, mass[:, None] * offset)
+    c = first / np.where(m > 0.0, m, 1.0)[:, None]
+
+    # parallel-axis terms about the common centre
+    arm = offset - c[node]
+    G = np.zeros((nn, 3, 3))
+    np.add.at(G, node, moment + mass[:, None, None] * arm[:, :, None] * arm[:, None, :])
+
+    used = np.flatnonzero((m > 0.0) | np.any(G != 0.0, axis=(1, 2)))
+    rows = node_dofs(np.arange(len(used))[:, None], 3)
+    columns = node_dofs(used[:, None], 6)
+    E = np.broadcast_to(np.eye(3), (len(used), 3, 3))
+    shape = (3 * len(used), 6 * nn)
+    return MassPoints(
+        mass=m[used],
+        position=nodes[used] + c[used],
+        second_moment=G[used],
+        N=scatter(np.concatenate([E, -skew(c[used])], axis=2), rows, columns, shape),
+        N_rot=scatter(E, rows, columns[:, 3:], shape),
+    )
+
+
+def joined(parts: Sequence[MassPoints]) -> MassPoints:
+    """Return all mass points of several descriptions over the same degrees of freedom."""
+    if len(parts) == 1:
+        return parts[0]
+    return MassPoints(
+        mass=np.concatenate([p.mass for p in parts]),
+        position=np.concatenate([p.position for p in parts]),
+        second_moment=np.concatenate([p.second_moment for p in parts]),
+        N=as_csr(sp.vstack([p.N for p in parts], format="csr")),
+        N_rot=as_csr(sp.vstack([p.N_rot for p in parts], format="csr")),
+    )

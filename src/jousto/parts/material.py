@@ -1,0 +1,75 @@
+"""Linear elastic, isotropic material."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+
+from jousto.errors import JoustoWarning, Problems
+
+
+@dataclass(frozen=True)
+class Material:
+    """Linear elastic, isotropic material.
+
+    Parameters
+    ----------
+    E : float
+        Young's modulus in Pa.
+    nu : float
+        Poisson's ratio, above -1 and at most 0.5.
+    rho : float
+        Density in kg/m^3; zero makes a massless member.
+    name : str
+        Shown in messages.
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or outside its physical range (all of them together).
+
+    Warns
+    -----
+    JoustoWarning
+        If E or rho looks like another system of units (MPa, t/mm^3, g/cm^3).
+
+    Examples
+    --------
+    >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> round(steel.G / 1e9, 2)
+    80.77
+    """
+
+    E: float
+    nu: float
+    rho: float
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        where = f"material '{self.name}'" if self.name else "material"
+        problems = Problems()
+        problems.positive(where, "Young's modulus E", self.E, "Pa")
+        if not -1.0 < self.nu <= 0.5:
+            problems.add(where, f"Poisson's ratio nu is {self.nu:g}, must be in (-1, 0.5]")
+        if not (math.isfinite(self.rho) and self.rho >= 0.0):
+            problems.add(where, f"density rho is {self.rho:g} kg/m^3, must be zero or positive")
+        problems.raise_if_any()
+
+        # values that are legal numbers but most likely in other units
+        hints = []
+        if self.E < 1e9:
+            hints.append(f"E = {self.E:g} Pa is softer than most plastics; was it given in MPa?")
+        elif self.E > 2e12:
+            hints.append(f"E = {self.E:g} Pa is stiffer than diamond; SI needs Pa")
+        if self.rho > 5e4:
+            hints.append(f"rho = {self.rho:g} kg/m^3 is denser than any metal; SI needs kg/m^3")
+        elif 0.0 < self.rho < 1.0:
+            hints.append(f"rho = {self.rho:g} kg/m^3 is lighter than air; was it given in t/mm^3?")
+        for hint in hints:
+            warnings.warn(JoustoWarning(f"{where}: {hint}"), stacklevel=3)
+
+    @property
+    def G(self) -> float:
+        """Shear modulus E / (2 (1 + nu)) in Pa."""
+        return self.E / (2.0 * (1.0 + self.nu))

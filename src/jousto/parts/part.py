@@ -1,0 +1,400 @@
+"""Part: one flexible component as nodes, elements, mass and stiffness."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from jousto.errors import InputError, Problem, Problems
+from jousto.parts._arrays import Floats, Ints, Sparse, read_only, skew, times
+from jousto.parts.beam import Theory, Timoshenko
+from jousto.parts.frame import BeamOptions, Frame, assemble, check_frame
+from jousto.parts.mass import MassPoints, PointMass
+from jousto.parts.material import Material
+from jousto.parts.matrices import check_matrices, points_from_blocks, rigid_modes
+from jousto.parts.members import Member, join_members
+from jousto.parts.section import Section
+from jousto.parts.sets import node_index, read_elements, read_sets
+from jousto.parts.stress import StressOperator
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Part:
+    """A flexible component before reduction, in its own part frame, free of supports.
+
+    Made by :meth:`beam`, :meth:`frame`, :meth:`from_members` or :meth:`from_matrices`.
+
+    Parameters
+    ----------
+    name : str
+        Name of the part.
+    nodes : (nn, 3) ndarray
+        Undeformed positions in m, part frame.
+    elements : (ne, m) ndarray of int
+        Node indices from 0; for drawing, and two columns for beams.
+    dofs_per_node : int
+        6: ``[ux uy uz rx ry rz]`` for each node, or 3: ``[ux uy uz]``; node after node.
+    M, K : (ndof, ndof) sparse array
+        Mass and stiffness matrix in SI units, part axes.
+    node_sets : mapping of str to tuple of int
+        Named nodes; ``node1`` .. ``nodeN`` (counted from 1) are added up to 10000 nodes.
+    mass_points : MassPoints, optional
+        The description from which M was computed.
+    stress : StressOperator, optional
+        Stress from nodal displacements.
+    """
+
+    name: str
+    nodes: Floats
+    elements: Ints
+    dofs_per_node: int
+    M: Sparse
+    K: Sparse
+    node_sets: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    mass_points: MassPoints | None = None
+    stress: StressOperator | None = None
+
+    def __post_init__(self) -> None:
+        where, problems = f"part '{self.name}'", Problems()
+        nodes = problems.array(where, "nodes", self.nodes, (None, 3))
+        if nodes is not None:
+            object.__setattr__(self, "nodes", nodes)
+            elements: Ints | None = np.zeros((0, 2), dtype=np.int64)
+            if np.size(self.elements):
+                elements = read_elements(problems, where, self.elements, len(nodes), None)
+            object.__setattr__(self, "elements", elements)
+            sets = read_sets(problems, where, self.node_sets, len(nodes))
+            object.__setattr__(self, "node_sets", sets)
+            ndof = len(nodes) * self.dofs_per_node
+            if self.dofs_per_node not in (3, 6):
+                problems.add(where, f"dofs_per_node is {self.dofs_per_node}, must be 3 or 6")
+            for letter, matrix in (("M", self.M), ("K", self.K)):
+                if matrix.shape != (ndof, ndof):
+                    problems.add(
+                        where,
+                        f"{letter} has shape {matrix.shape}, must be {(ndof, ndof)} for"
+                        f" {len(nodes)} nodes with {self.dofs_per_node} degrees of freedom",
+                    )
+        problems.raise_if_any()
+
+    @classmethod
+    def beam(
+        cls,
+        length: float,
+        section: Section,
+        elements: int,
+        material: Material,
+        *,
+        lumped: bool = False,
+        rotary_inertia: bool = True,
+        theory: Theory | None = None,
+        orientation: Any = None,
+        point_masses: Sequence[PointMass] = (),
+        name: str = "beam",
+    ) -> Part:
+        """Return a straight beam along +x from the origin, with node sets "start" and "end".
+
+        Parameters
+        ----------
+        length : float
+            Length in m.
+        section : Section
+            Cross section; its y axis is the part's y unless ``orientation`` turns it.
+        elements : int
+            Number of elements of equal length.
+        material : Material
+        lumped, rotary_inertia, theory
+            See :meth:`frame`.
+        orientation : (3,) array_like, optional
+            Vector near the section's z axis, part frame; (0, 0, 1) if not given.
+        point_masses : sequence of PointMass
+            Rigid masses on nodes.
+        name : str
+
+        Raises
+        ------
+        InputError
+            With everything that is wrong.
+
+        Examples
+        --------
+        >>> from jousto.parts import Rectangle, Tube
+        >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
+        >>> part = Part.beam(2.0, Rectangle(0.1, 0.1), 4, steel, lumped=True)
+        >>> part.mass_points.mass
+        array([19.625, 39.25 , 39.25 , 39.25 , 19.625])
+        """
+        where, problems = f"part '{name}'", Problems()
+        problems.positive(where, "length", length, "m")
+        if elements != int(elements) or elements < 1:
+            problems.add(where, f"elements is {elements}, must be a whole number from 1")
+        problems.raise_if_any()
+        n = int(elements)
+        nodes = np.zeros((n + 1, 3))
+        nodes[:, 0] = np.linspace(0.0, length, n + 1)
+        return cls.frame(
+            nodes,
+            np.stack([np.arange(n), np.arange(1, n + 1)], axis=1),
+            sections=section,
+            materials=material,
+            orientations=orientation,
+            lumped=lumped,
+            rotary_inertia=rotary_inertia,
+            theory=theory,
+            point_masses=point_masses,
+            node_sets={"start": (0,), "end": (n,)},
+            name=name,
+        )
+
+    @classmethod
+    def frame(
+        cls,
+        nodes: Any,
+        elements: Any,
+        *,
+        sections: Any,
+        materials: Any,
+        orientations: Any = None,
+        offsets: Any = None,
+        lumped: bool = False,
+        rotary_inertia: bool = True,
+        theory: Theory | None = None,
+        point_masses: Sequence[PointMass] = (),
+        node_sets: Mapping[str, Any] | None = None,
+        name: str = "frame",
+    ) -> Part:
+        """Return a frame of beams in space from arrays.
+
+        Parameters
+        ----------
+        nodes : (nn, 3) array_like
+            Positions in m, part frame.
+        elements : (ne, 2) array_like of int
+            Nodes of the ends a and b of each element, indices from 0.
+        sections : Section or sequence of Section
+            One for all elements or one for each.
+        materials : Material or sequence of Material
+            One for all elements or one for each.
+        orientations : (3,) or (ne, 3) array_like, optional
+            Vector near the local z axis of the element, part frame. If not given: (0, 0, 1), and
+            (1, 0, 0) for members parallel to z.
+        offsets : (ne, 2, 3) array_like, optional
+            Rigid arms from the nodes to the ends of the beam in m, part frame.
+        lumped : bool
+            Half of each element's mass at each of its ends, instead of the consistent mass.
+        rotary_inertia : bool
+            Whether sections have rotary inertia (torsion and bending). Without it and with lumped
+            mass the rotations have no mass at all unless offsets or point masses give it.
+        theory : EulerBernoulli or Timoshenko, optional
+            Timoshenko() if not given.
+        point_masses : sequence of PointMass
+            Rigid masses on nodes.
+        node_sets : mapping of str to node indices, optional
+        name : str
+
+        Raises
+        ------
+        InputError
+            With everything that is wrong.
+
+        Examples
+        --------
+        >>> from jousto.parts import Rectangle, Tube
+        >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
+        >>> part = Part.frame([[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 1], [1, 2]],
+        ...                   sections=Tube(0.05, 0.002), materials=steel)
+        >>> f"{part.mass:.4f} kg"
+        '4.7351 kg'
+        """
+        return cls._from_frame(
+            check_frame(
+                name,
+                nodes,
+                elements,
+                sections=sections,
+                materials=materials,
+                orientations=orientations,
+                offsets=offsets,
+                options=BeamOptions(theory or Timoshenko(), lumped, rotary_inertia),
+                point_masses=point_masses,
+                node_sets=node_sets,
+            )
+        )
+
+    @classmethod
+    def from_members(
+        cls,
+        members: Sequence[Member],
+        *,
+        points: Mapping[str, Any] | None = None,
+        lumped: bool = False,
+        rotary_inertia: bool = True,
+        theory: Theory | None = None,
+        point_masses: Sequence[PointMass] = (),
+        name: str = "frame",
+    ) -> Part:
+        """Return a frame of straight members, joined where their ends meet a node.
+
+        A member named "leg" gives the node sets "leg" (all its nodes), "leg.start" and "leg.end".
+
+        Parameters
+        ----------
+        members : sequence of Member
+        points : mapping of str to (3,) array_like, optional
+            Names for the nodes at these positions in m, part frame.
+        lumped, rotary_inertia, theory, point_masses
+            See :meth:`frame`.
+        name : str
+
+        Raises
+        ------
+        InputError
+            With everything that is wrong.
+
+        Examples
+        --------
+        >>> from jousto.parts import Rectangle, Tube
+        >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
+        >>> tube = Tube(0.05, 0.002)
+        >>> part = Part.from_members(
+        ...     [Member((0, 0, 0), (1, 0, 0), tube, steel, elements=4, name="boom"),
+        ...      Member((1, 0, 0), (1, 0, 1), tube, steel, elements=3)],
+        ...     points={"tip": (1, 0, 1)})
+        >>> len(part.nodes), part.node("tip"), part.node_sets["boom.end"]
+        (8, 7, (4,))
+        """
+        arrays = join_members(name, members, points or {})
+        return cls.frame(
+            arrays.nodes,
+            arrays.elements,
+            sections=arrays.sections,
+            materials=arrays.materials,
+            orientations=arrays.orientations,
+            offsets=arrays.offsets,
+            lumped=lumped,
+            rotary_inertia=rotary_inertia,
+            theory=theory,
+            point_masses=point_masses,
+            node_sets=arrays.node_sets,
+            name=name,
+        )
+
+    @classmethod
+    def _from_frame(cls, frame: Frame) -> Part:
+        K, M, points, stress = assemble(frame)
+        return cls(
+            name=frame.name,
+            nodes=frame.nodes,
+            elements=frame.elements,
+            dofs_per_node=6,
+            M=M,
+            K=K,
+            node_sets=frame.node_sets,
+            mass_points=points,
+            stress=stress,
+        )
+
+    @classmethod
+    def from_matrices(
+        cls,
+        M: Any,
+        K: Any,
+        nodes: Any,
+        *,
+        dofs_per_node: int | None = None,
+        node_sets: Mapping[str, Any] | None = None,
+        elements: Any = None,
+        name: str = "part",
+    ) -> Part:
+        """Return a part from the matrices of another program.
+
+        Parameters
+        ----------
+        M, K : (ndof, ndof) array_like or sparse
+            Mass and stiffness of the unsupported component, SI units, node after node.
+        nodes : (nn, 3) array_like
+            Positions in m, part frame.
+        dofs_per_node : int, optional
+            3 or 6; from the sizes if not given.
+        node_sets : mapping of str to node indices, optional
+        elements : (ne, m) array_like of int, optional
+            For drawing only.
+        name : str
+
+        Raises
+        ------
+        InputError
+            If a matrix is not square, symmetric and finite, does not fit the nodes, M is not
+            positive semidefinite, a node has neither mass nor stiffness, or K falls into pieces.
+
+        Warns
+        -----
+        JoustoWarning
+            If a rigid motion stores strain energy, that is, K is not free of supports.
+
+        Examples
+        --------
+        >>> from jousto.parts import Rectangle
+        >>> beam = Part.beam(1.0, Rectangle(0.1, 0.1), 2, Material(2e11, 0.3, 7850.0))
+        >>> Part.from_matrices(beam.M, beam.K, beam.nodes).dofs_per_node
+        6
+        """
+        mass, stiff, xyz, dofs = check_matrices(name, M, K, nodes, dofs_per_node)
+        return cls(
+            name=name,
+            nodes=xyz,
+            elements=np.zeros((0, 2), dtype=np.int64) if elements is None else elements,
+            dofs_per_node=dofs,
+            M=mass,
+            K=stiff,
+            node_sets=node_sets or {},
+            mass_points=points_from_blocks(mass, xyz, dofs),
+        )
+
+    def node(self, name: str) -> int:
+        """Return the index of the node of a one-node set.
+
+        Raises
+        ------
+        InputError
+            If there is no such set or it has several nodes.
+        """
+        try:
+            return node_index(name, self.node_sets)
+        except KeyError as error:
+            raise InputError(Problem(f"part '{self.name}'", str(error.args[0]))) from None
+
+    def rigid_modes(self) -> Floats:
+        """Return the rigid motions (ndof, 6) of the nodes.
+
+        Three unit translations, then three unit rotations about the origin of the part frame.
+        """
+        return rigid_modes(self.nodes, self.dofs_per_node)
+
+    @cached_property
+    def _rigid_mass(self) -> Floats:
+        R = self.rigid_modes()
+        return read_only(R.T @ times(self.M, R))
+
+    @property
+    def mass(self) -> float:
+        """Total mass in kg."""
+        return float(np.trace(self._rigid_mass[:3, :3])) / 3.0
+
+    @property
+    def centre(self) -> Floats:
+        """Centre of mass in m, part frame, (3,)."""
+        first = self._rigid_mass[3:, :3]
+        S = 0.5 * (first - first.T)
+        return np.array([S[2, 1], S[0, 2], S[1, 0]]) / self.mass
+
+    @property
+    def inertia(self) -> Floats:
+        """Inertia tensor about the centre of mass in kg m^2, part axes, (3, 3)."""
+        c = skew(self.centre)
+        J: Floats = self._rigid_mass[3:, 3:] + self.mass * c @ c
+        return 0.5 * (J + J.T)
