@@ -1,0 +1,23 @@
+"""REDUCE: a part with a mesh becomes a few modes, invariants and modal stress."""
+
+from __future__ import annotations
+
+from jousto.reduction.damping import Damping, Rayleigh, modal_damping
+from jousto.reduction.invariants import Invariants
+from jousto.reduction.methods import CraigBampton, FreeFree, Method
+from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.reducer import reduce
+from jousto.reduction.stress import StressModes
+
+__all__ = [
+    "CraigBampton",
+    "Damping",
+    "FreeFree",
+    "Invariants",
+    "Method",
+    "Rayleigh",
+    "ReducedPart",
+    "StressModes",
+    "modal_damping",
+    "reduce",
+]

@@ -1,0 +1,373 @@
+"""Eigenproblems in flexibility form, ``M y = mu K y``: exact for massless degrees of freedom.
+
+Vibration modes solve ``K y = omega^2 M y``. A lumped mass matrix without rotary inertia is
+singular, so the roles are swapped: K is positive definite once the body is held, and
+``mu = 1 / omega^2`` is zero for every motion that moves no mass. Those are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+import scipy.sparse.linalg as spl
+from numpy.typing import NDArray
+
+from jousto.errors import InputError, Problem, warn
+
+Array = NDArray[np.float64]
+
+DENSE_LIMIT = 500
+"""Problems up to this size are solved densely, with all modes."""
+
+ALL_LIMIT = 6000
+"""Problems above this size are not solved densely, whatever is asked for."""
+
+MASSLESS = 1e-12
+"""Modes with mu below this fraction of the largest one (a million times its frequency) move no
+mass."""
+
+CLUSTER = 1e-8
+"""Relative difference of mu below which frequencies count as equal."""
+
+PIVOT = 1e-14
+"""Least pivot of the scaled stiffness matrix."""
+
+
+class Solver(Protocol):
+    """Solves ``K x = f`` for a held body."""
+
+    def __call__(self, f: Array, /) -> Array:
+        """Return x for right-hand sides f (n,) or (n, m)."""
+        ...
+
+
+def factorise(K: sp.csc_array, where: str, dof_name: Callable[[int], str]) -> Solver:
+    """Factorise a sparse symmetric positive definite matrix.
+
+    Raises
+    ------
+    InputError
+        K is not positive definite; `dof_name` names the degree of freedom that is loose.
+    """
+    n = K.shape[0]
+    diagonal = K.diagonal()
+    if n == 0:
+        return lambda f: f
+    if diagonal.min() <= 0.0:
+        raise _not_held(where, dof_name(int(np.argmin(diagonal))))
+    # unit diagonal: translations and rotations become comparable
+    scale = 1.0 / np.sqrt(diagonal)
+    scaled = sp.csc_array(sp.diags_array(scale) @ K @ sp.diags_array(scale))
+    try:
+        lu = spl.splu(
+            scaled,
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+    except RuntimeError:
+        raise _not_held(where, dof_name(_loosest(scaled))) from None
+    if lu.U.diagonal().min() < PIVOT:
+        raise _not_held(where, dof_name(_loosest(scaled)))
+
+    def solve(f: Array, /) -> Array:
+        s = scale if f.ndim == 1 else scale[:, None]
+        return np.asarray(s * lu.solve(np.ascontiguousarray(s * f)), dtype=np.float64)
+
+    return solve
+
+
+def _loosest(scaled: sp.csc_array) -> int:
+    # a small shift makes the matrix regular; its solution then is the motion without stiffness
+    n = scaled.shape[0]
+    lu = spl.splu(sp.csc_array(scaled + sp.diags_array(np.full(n, 1e-10))))
+    motion = lu.solve(np.random.default_rng(20070607).standard_normal(n))
+    return int(np.argmax(np.abs(motion)))
+
+
+def _not_held(where: str, dof: str) -> InputError:
+    return InputError(
+        Problem(
+            where,
+            "the stiffness matrix lets the body move without force even where it is held; "
+            f"{dof} moves most: are all elements connected, and does every node have stiffness in "
+            "all its degrees of freedom?",
+        )
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Flexibility:
+    """A held body in coordinates y: stiffness B, positive definite, and displacements ``X0 y``.
+
+    Parameters
+    ----------
+    size : int
+        Length of y.
+    lift : callable
+        ``y (size, m) -> X0 y (ndof, m)``, the displacements of all degrees of freedom.
+    lower : callable
+        ``f (ndof, m) -> X0^T f (size, m)``.
+    B : (size, size) array or sparse array
+        Stiffness.
+    solve : Solver or None
+        Solves with B; None if the problem is small enough for dense matrices.
+    """
+
+    size: int
+    lift: Callable[[Array], Array]
+    lower: Callable[[Array], Array]
+    B: Array | sp.csc_array
+    solve: Solver | None
+
+
+def spectrum(
+    problem: Flexibility,
+    M: sp.csr_array,
+    *,
+    modes: int | None,
+    frequency_limit: float | None,
+    where: str,
+) -> tuple[Array, Array]:
+    """Solve ``X0^T M X0 y = mu B y`` for at least the softest modes asked for.
+
+    Parameters
+    ----------
+    problem : Flexibility
+        The pair to solve.
+    M : (ndof, ndof) sparse array
+        Mass matrix of the lifted displacements.
+    modes : int or None
+        How many are wanted.
+    frequency_limit : float or None
+        All below this frequency are wanted, Hz.
+    where : str
+        Name for errors.
+
+    Returns
+    -------
+    mu : (m,) array
+        ``1 / omega^2``, s2, descending; only modes that move mass.
+    X : (ndof, m) array
+        Modes normalised to unit stiffness, ``X^T K X = E``.
+
+    Raises
+    ------
+    InputError
+        The mass matrix is not positive semidefinite.
+    """
+    if problem.size == 0:
+        return np.zeros(0), problem.lift(np.zeros((0, 0)))
+    count = modes if modes is not None else 20
+    if problem.solve is None or problem.size <= DENSE_LIMIT or count + 8 > problem.size // 3:
+        mu, Y = _dense(problem, M, where)
+    else:
+        mu, Y = _lanczos(problem, problem.solve, M, count + 4)
+        wanted = 0.0 if frequency_limit is None else 1.0 / (2.0 * np.pi * frequency_limit) ** 2
+        # without a number, double until the limit is passed
+        while modes is None and mu[-1] > max(wanted, MASSLESS * mu[0]):
+            count *= 2
+            if count + 8 > problem.size // 3:
+                mu, Y = _dense(problem, M, where)
+                break
+            mu, Y = _lanczos(problem, problem.solve, M, count + 4)
+    if mu[-1] < -1e-9 * abs(mu[0]):
+        raise InputError(
+            Problem(
+                where,
+                "the mass matrix is not positive semidefinite: some motion has negative kinetic "
+                f"energy ({mu[-1] / mu[0]:.1e} of the largest)",
+            )
+        )
+    moving = mu > MASSLESS * mu[0]
+    return polish(problem.lift(Y[:, moving]), M)
+
+
+def _dense(problem: Flexibility, M: sp.csr_array, where: str) -> tuple[Array, Array]:
+    if problem.size > ALL_LIMIT:
+        raise InputError(
+            Problem(
+                where,
+                f"more than a third of all {problem.size} modes are asked for; ask for fewer modes "
+                "or a lower frequency_limit",
+            )
+        )
+    X0 = problem.lift(np.eye(problem.size))
+    A = X0.T @ (M @ X0)
+    B = problem.B if isinstance(problem.B, np.ndarray) else problem.B.toarray()
+    # unit diagonal of B: Cholesky then sees no units
+    scale = 1.0 / np.sqrt(np.diag(B))
+    mu, Y = scipy.linalg.eigh(scale[:, None] * A * scale, scale[:, None] * B * scale)
+    return mu[::-1], (scale[:, None] * Y)[:, ::-1]
+
+
+def _lanczos(
+    problem: Flexibility, solve: Solver, M: sp.csr_array, count: int
+) -> tuple[Array, Array]:
+    n = problem.size
+    B = sp.csc_array(problem.B)
+    # a fixed start makes the result repeatable
+    random = np.random.default_rng(20070607)
+
+    def apply(y: Array) -> Array:
+        column = y.reshape(n, 1)
+        return problem.lower(np.asarray(M @ problem.lift(column))).reshape(n)
+
+    def largest(k: int, found: Array) -> tuple[Array, Array]:
+        # the operator without what is found already
+        held = B @ found
+
+        def deflated(y: Array) -> Array:
+            y = y.reshape(n)
+            f = apply(y - found @ (held.T @ y))
+            return f - held @ (found.T @ f)
+
+        mu, Y = spl.eigsh(
+            spl.LinearOperator((n, n), matvec=deflated, dtype=np.float64),
+            k=k,
+            M=B,
+            Minv=spl.LinearOperator((n, n), matvec=solve, dtype=np.float64),
+            which="LA",
+            v0=solve(deflated(random.standard_normal(n))),
+        )
+        return mu, Y
+
+    mu, Y = largest(count, np.zeros((n, 0)))
+    # one vector at a time may miss one of several equal frequencies: look again without the found
+    while len(mu) < n // 2:
+        more, y = largest(1, Y)
+        if more[0] <= mu.min() * (1.0 + 1e-9):
+            break
+        mu, Y = np.append(mu, more), np.column_stack([Y, y])
+    order = np.argsort(mu)[::-1]
+    return mu[order], Y[:, order]
+
+
+def polish(X: Array, M: sp.csr_array) -> tuple[Array, Array]:
+    """Return mu and modes with exact digits also where mu is small.
+
+    An eigensolver leaves an error of ``eps * mu[0]`` in every mu. Recomputing ``A = X^T M X`` has
+    errors of ``eps * sqrt(mu_i mu_j)`` only, and simultaneous Jacobi rotations by
+    ``theta_ij = atan(2 A_ij / (mu_j - mu_i)) / 2``, which keep ``X^T K X = E``, remove what is left
+    off its diagonal. Equal frequencies are left to `canonical`.
+    """
+    for _ in range(8):
+        A = X.T @ (M @ X)
+        mu = np.diag(A)
+        scale = np.sqrt(np.multiply.outer(mu, mu))
+        gap = mu[None, :] - mu[:, None]
+        apart = np.abs(gap) > CLUSTER * scale
+        if np.abs(np.where(apart, A / scale, 0.0)).max(initial=0.0) < 1e-14:
+            break
+        theta = np.where(apart, 0.5 * np.arctan(2.0 * A / np.where(apart, gap, 1.0)), 0.0)
+        half = 0.25 * (theta - theta.T)
+        # Cayley transform: exactly orthogonal
+        E = np.eye(len(mu))
+        X = X @ np.linalg.solve(E - half, E + half)
+    mu = np.einsum("ij,ij->j", X, M @ X)
+    order = np.argsort(-mu, kind="stable")
+    return mu[order], X[:, order]
+
+
+def clusters(mu: Array) -> list[slice]:
+    """Return runs of equal frequencies.
+
+    Examples
+    --------
+    >>> clusters(np.array([4.0, 4.0, 1.0]))
+    [slice(0, 2, None), slice(2, 3, None)]
+    """
+    edges = np.flatnonzero(np.abs(np.diff(mu)) > CLUSTER * mu[:-1]) + 1
+    bounds = [0, *(int(e) for e in edges), len(mu)]
+    return [slice(a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True) if b > a]
+
+
+DIRECTION_WEIGHTS = np.array([1.0, 2.0, 4.37, 10.1, 13.3, 17.9])
+
+
+def canonical(
+    mu: Array, X: Array, M: sp.csr_array, dofs_per_node: int, length: float
+) -> tuple[Array, Array]:
+    """Make modes of equal frequency and all signs unique.
+
+    Within a cluster the modes are turned until they diagonalise the kinetic energy weighted by
+    direction, ``sum_a w_a (D_a X)^T M (D_a X)``: the two bending modes of a square beam become
+    planar. The largest translation (rotation, if nothing translates) of each mode is positive.
+
+    Parameters
+    ----------
+    mu : (n,) array
+        ``1 / omega^2``, descending.
+    X : (ndof, n) array
+        Modes with ``X^T K X = E``.
+    M : (ndof, ndof) sparse array
+        Mass matrix.
+    dofs_per_node : int
+        3 or 6.
+    length : float
+        Size of the body, m, to compare rotations with translations.
+    """
+    X = X.copy()
+    kind = np.arange(X.shape[0]) % dofs_per_node
+    for c in clusters(mu):
+        if c.stop - c.start > 1:
+            # exactly mass-orthogonal first
+            A = X[:, c].T @ (M @ X[:, c])
+            values, vectors = np.linalg.eigh(0.5 * (A + A.T))
+            block = X[:, c] @ (vectors / np.sqrt(values / values.mean())) @ vectors.T
+            W = np.zeros_like(A)
+            for a in range(dofs_per_node):
+                part = np.where((kind == a)[:, None], block, 0.0)
+                W += DIRECTION_WEIGHTS[a] * (part.T @ (M @ part))
+            X[:, c] = block @ np.linalg.eigh(W)[1]
+    for j in range(X.shape[1]):
+        X[:, j] *= _sign(X[:, j], kind, length)
+    mu = np.einsum("ij,ij->j", X, M @ X)
+    return mu, X
+
+
+def _sign(x: Array, kind: NDArray[np.int_], length: float) -> float:
+    size = np.abs(x)
+    translation = np.where(kind < 3, size, 0.0)
+    rotation = np.where(kind >= 3, size * length, 0.0)
+    chosen = translation if translation.max() > 1e-6 * rotation.max() else rotation
+    # the first of equally large values decides
+    first = int(np.argmax(chosen >= (1.0 - 1e-6) * chosen.max()))
+    return -1.0 if x[first] < 0.0 else 1.0
+
+
+def select(
+    mu: Array, X: Array, modes: int | None, frequency_limit: float | None, kind: str, where: str
+) -> tuple[Array, Array]:
+    """Return the lowest modes, by number or up to a frequency.
+
+    Raises
+    ------
+    InputError
+        There are not as many modes as asked for.
+    """
+    if modes is not None and modes > len(mu):
+        raise InputError(
+            Problem(
+                where,
+                f"{modes} {kind} modes asked for, but there are only {len(mu)}: motions that move "
+                "no mass (rotations of nodes without rotary inertia) have no frequency; ask for "
+                "fewer modes, use more elements, or give rotary_inertia=True",
+            )
+        )
+    count = len(mu) if modes is None else modes
+    if frequency_limit is not None:
+        frequency = 1.0 / (2.0 * np.pi * np.sqrt(mu))
+        count = min(count, int(np.searchsorted(frequency, frequency_limit, side="right")))
+    if 0 < count < len(mu) and mu[count - 1] - mu[count] < 1e-6 * mu[count]:
+        warn(
+            where,
+            f"{kind} modes {count} and {count + 1} have the same frequency and only the first is "
+            "kept: a symmetric body becomes unsymmetric; ask for one mode more or less",
+        )
+    return mu[:count], X[:, :count]

@@ -1,0 +1,273 @@
+"""The reduced part: everything the simulation of a flexible body needs, and nothing of the mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.errors import InputError, Problem, Problems, suggest
+from jousto.reduction.invariants import Invariants
+from jousto.reduction.rigid import length_scale
+from jousto.reduction.stress import StressModes
+
+if TYPE_CHECKING:
+    from jousto.parts import Part
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedPart:
+    """A flexible body described by n modes in its floating frame.
+
+    The frame is that of the part's nodes. Modes are mass-normalised, so that the modal mass matrix
+    is the identity and the modal stiffness is ``diag((2 pi f)^2)``. Made by `reduce`.
+
+    Parameters
+    ----------
+    name : str
+        Name of the part.
+    nodes : (nn, 3) array
+        Undeformed positions, part frame, m.
+    elements : (ne, m) int array
+        Node numbers of each element, from 0.
+    node_sets : mapping of str to tuple of int
+        Named nodes, from 0.
+    modes : (nn, 3, n) array
+        Nodal translation of each mode, part frame, kg^-0.5.
+    rotations : (nn, 3, n) array or None
+        Nodal rotation of each mode, kg^-0.5/m; None where nodes do not rotate.
+    frequencies : (n,) array
+        Hz.
+    invariants : Invariants
+        Mass integrals.
+    stress : StressModes or None
+        Stress of each mode at the places the part knows.
+    interfaces : tuple of str
+        Node sets whose static deformation the modes hold exactly.
+    provenance : mapping of str to str
+        Method, versions and hash of the input.
+
+    Raises
+    ------
+    InputError
+        Arrays that do not belong together or are not finite; all problems at once.
+    """
+
+    name: str
+    nodes: Array
+    elements: NDArray[np.intp]
+    node_sets: Mapping[str, tuple[int, ...]]
+    modes: Array
+    rotations: Array | None
+    frequencies: Array
+    invariants: Invariants
+    stress: StressModes | None = None
+    interfaces: tuple[str, ...] = ()
+    provenance: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        where = f"reduced part '{self.name}'"
+        problems = Problems()
+        nodes = problems.array(where, "nodes", self.nodes, (None, 3))
+        nn = 0 if nodes is None else len(nodes)
+        f = problems.array(where, "frequencies", self.frequencies, (None,))
+        n = 0 if f is None else len(f)
+        modes = problems.array(where, "modes", self.modes, (nn, 3, n))
+        rotations = self.rotations
+        if rotations is not None:
+            rotations = problems.array(where, "rotations", rotations, (nn, 3, n))
+        if f is not None and n == 0:
+            problems.add(where, "there are no modes; use a RigidBody")
+        if f is not None and n and f.min() <= 0.0:
+            problems.add(where, f"a frequency is {f.min():g} Hz, must be positive")
+        if self.invariants.n != n:
+            problems.add(where, f"invariants are of {self.invariants.n} modes, frequencies of {n}")
+        if self.stress is not None and self.stress.modes.shape[2] != n:
+            problems.add(where, f"stress is of {self.stress.modes.shape[2]} modes, must be {n}")
+
+        # node numbers of elements and sets
+        elements = np.array(self.elements, dtype=np.intp)
+        if elements.ndim != 2:
+            problems.add(where, f"elements has shape {elements.shape}, must be (any, any)")
+        elif elements.size and not (0 <= elements.min() and elements.max() < nn):
+            problems.add(where, f"elements name nodes outside 0..{nn - 1}")
+        sets = {str(k): tuple(int(i) for i in v) for k, v in self.node_sets.items()}
+        for key, members in sets.items():
+            if any(not 0 <= i < nn for i in members):
+                problems.add(where, f"node set '{key}' names nodes outside 0..{nn - 1}")
+        for key in self.interfaces:
+            if key not in sets:
+                problems.add(where, f"interface '{key}' is not a node set{suggest(key, sets)}")
+        problems.raise_if_any()
+
+        elements.setflags(write=False)
+        object.__setattr__(self, "nodes", nodes)
+        object.__setattr__(self, "elements", elements)
+        object.__setattr__(self, "node_sets", MappingProxyType(sets))
+        object.__setattr__(self, "modes", modes)
+        object.__setattr__(self, "rotations", rotations)
+        object.__setattr__(self, "frequencies", f)
+        object.__setattr__(self, "interfaces", tuple(self.interfaces))
+        object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
+
+    @property
+    def n(self) -> int:
+        """Number of modes."""
+        return len(self.frequencies)
+
+    @property
+    def stiffness(self) -> Array:
+        """Diagonal of the modal stiffness matrix, ``omega_j^2`` (n,), 1/s2."""
+        return np.asarray((2.0 * np.pi * self.frequencies) ** 2)
+
+    def node(self, name: str) -> int:
+        """Return the number of the node with this name, from 0.
+
+        Raises
+        ------
+        InputError
+            No such node set, or one with several nodes.
+        """
+        members = self.node_sets.get(name)
+        where = f"reduced part '{self.name}'"
+        if members is None:
+            raise InputError(Problem(where, f"no node '{name}'{suggest(name, self.node_sets)}"))
+        if len(members) != 1:
+            raise InputError(
+                Problem(where, f"node set '{name}' has {len(members)} nodes; name a single node")
+            )
+        return members[0]
+
+    def keep(self, indices: Sequence[int] | NDArray[Any]) -> ReducedPart:
+        """Return the part with only these modes, in the order given.
+
+        Parameters
+        ----------
+        indices : sequence of int, or boolean array (n,)
+            Modes to keep, from 0, each once.
+
+        Raises
+        ------
+        InputError
+            No mode, a mode that does not exist, or one named twice.
+
+        Examples
+        --------
+        ``rod.keep(rod.in_plane("xy"))`` leaves the modes of plane motion.
+        """
+        where = f"reduced part '{self.name}'"
+        array = np.asarray(indices)
+        if array.dtype == bool and array.shape == (self.n,):
+            array = np.flatnonzero(array)
+        if array.ndim != 1 or not len(array):
+            raise InputError(Problem(where, "keep needs the numbers of one mode or more"))
+        if not np.issubdtype(array.dtype, np.integer):
+            raise InputError(Problem(where, "keep needs whole numbers of modes, from 0"))
+        chosen = array.astype(np.intp)
+        if chosen.min() < 0 or chosen.max() >= self.n:
+            outside = [int(i) for i in chosen if not 0 <= i < self.n]
+            raise InputError(Problem(where, f"there are modes 0..{self.n - 1}, not {outside}"))
+        if len(set(chosen.tolist())) != len(chosen):
+            raise InputError(Problem(where, "keep names a mode more than once"))
+        return replace(
+            self,
+            modes=self.modes[:, :, chosen],
+            rotations=None if self.rotations is None else self.rotations[:, :, chosen],
+            frequencies=self.frequencies[chosen],
+            invariants=self.invariants.keep(chosen),
+            stress=None if self.stress is None else self.stress.keep(chosen),
+        )
+
+    def in_plane(self, plane: str, *, tolerance: float = 1e-3) -> tuple[int, ...]:
+        """Return the numbers of the modes that move in a coordinate plane only.
+
+        A mode is in the plane if its translations out of it and its rotations about axes in it
+        stay below the tolerance (root mean square over the nodes, rotations times body size).
+
+        Parameters
+        ----------
+        plane : str
+            ``"xy"``, ``"yz"`` or ``"xz"`` of the part frame.
+        tolerance : float
+            Largest part of the motion out of the plane.
+
+        Raises
+        ------
+        InputError
+            No such plane.
+        """
+        normals = {"xy": 2, "yx": 2, "yz": 0, "zy": 0, "xz": 1, "zx": 1}
+        if plane not in normals:
+            where = f"reduced part '{self.name}'"
+            raise InputError(Problem(where, f"plane is {plane!r}, must be 'xy', 'yz' or 'xz'"))
+        normal = normals[plane]
+        tangents = [a for a in range(3) if a != normal]
+        total = np.einsum("kaj,kaj->j", self.modes, self.modes)
+        outside = np.einsum("kj,kj->j", self.modes[:, normal], self.modes[:, normal])
+        if self.rotations is not None:
+            turns = self.rotations * length_scale(self.nodes)
+            total = total + np.einsum("kaj,kaj->j", turns, turns)
+            outside = outside + np.einsum("kaj,kaj->j", turns[:, tangents], turns[:, tangents])
+        return tuple(int(j) for j in np.flatnonzero(outside <= tolerance**2 * total))
+
+    def save(self, path: str | Path) -> None:
+        """Write the part to an HDF5 file; an older file is replaced only when all is written.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written there.
+        """
+        from jousto.reduction.storage import save
+
+        save(self, Path(path))
+
+    @classmethod
+    def load(cls, path: str | Path) -> ReducedPart:
+        """Read a part written by `save`.
+
+        Raises
+        ------
+        InputError
+            No such file, not a reduced part, another version of the format, or damaged.
+        """
+        from jousto.reduction.storage import load
+
+        return load(Path(path))
+
+    @classmethod
+    def from_modes(cls, part: Part, modes: ArrayLike, frequencies: ArrayLike) -> ReducedPart:
+        """Return a reduced part with given mode shapes, such as a printed table.
+
+        The modal mass matrix is taken as the identity whatever the digits of the table; degrees of
+        freedom that are not known may be zero.
+
+        Parameters
+        ----------
+        part : Part
+            Where nodes, mass and stress come from.
+        modes : (ndof, n) array
+            Mode shapes, mass-normalised, in the part's order of degrees of freedom.
+        frequencies : (n,) array
+            Hz.
+
+        Raises
+        ------
+        InputError
+            Wrong shapes or values.
+
+        Warns
+        -----
+        JoustoWarning
+            The modes are not mass-orthonormal within 1e-3.
+        """
+        from jousto.reduction.reducer import from_modes
+
+        return from_modes(part, modes, frequencies)

@@ -1,0 +1,228 @@
+"""Reduced parts in HDF5 files: complete or not there at all, checked when read."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.errors import InputError, Problem
+from jousto.reduction.invariants import Invariants
+from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.stress import StressModes
+
+FORMAT = "jousto reduced part"
+VERSION = 1
+AGAIN = "reduce the part again and save it"
+
+UNITS = {
+    "nodes": "m",
+    "frequencies": "Hz",
+    "modes": "kg^-0.5",
+    "rotations": "kg^-0.5 m^-1",
+    "invariants/mass": "kg",
+    "invariants/first_moment": "kg m",
+    "invariants/second_moment": "kg m^2",
+    "invariants/I3": "kg^0.5",
+    "invariants/N0": "kg^0.5 m",
+    "invariants/E": "1",
+    "stress/positions": "m",
+    "stress/modes": "Pa kg^-0.5 m^-1",
+}
+
+Arrays = dict[str, NDArray[Any]]
+
+
+def save(part: ReducedPart, path: Path) -> None:
+    """Write a reduced part; see `ReducedPart.save`."""
+    arrays = _arrays(part)
+    header = json.dumps(
+        {
+            "name": part.name,
+            "interfaces": list(part.interfaces),
+            "node_sets": {k: list(v) for k, v in part.node_sets.items()},
+            "labels": None if part.stress is None else list(part.stress.labels),
+            "provenance": dict(part.provenance),
+        },
+        ensure_ascii=False,
+    )
+    # the file is made in memory: HDF5 may crash the process where a disk is full
+    with h5py.File("memory", "w", driver="core", backing_store=False) as file:
+        file.attrs["format"] = FORMAT
+        file.attrs["version"] = VERSION
+        file.attrs["checksum"] = _checksum(header, arrays)
+        # bytes, so that its length has no limit and any character is allowed
+        file["header"] = np.frombuffer(header.encode(), dtype=np.uint8)
+        for key, array in arrays.items():
+            dataset = file.create_dataset(key, data=array)
+            if key in UNITS:
+                dataset.attrs["unit"] = UNITS[key]
+        file.flush()
+        image = file.id.get_file_image()
+    # in the same folder, so that the rename cannot cross a file system
+    temporary = path.parent / f".{path.name}.{os.getpid()}.part"
+    try:
+        with temporary.open("wb") as target:
+            target.write(image)
+            target.flush()
+            os.fsync(target.fileno())
+        os.replace(temporary, path)
+    except OSError as error:
+        reason = error.strerror or _short(error)
+        raise InputError(
+            Problem(
+                str(path),
+                f"cannot write the reduced part: {reason}; check that the folder exists, may be "
+                "written to and has space",
+            )
+        ) from error
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink()
+
+
+def load(path: Path) -> ReducedPart:
+    """Read a reduced part; see `ReducedPart.load`."""
+    where = str(path)
+    if path.is_dir():
+        raise InputError(Problem(where, "is a folder, not a reduced part"))
+    if not path.exists():
+        raise InputError(Problem(where, f"there is no such file; {AGAIN}"))
+    try:
+        with h5py.File(path, "r") as file:
+            _check_version(file, where)
+            header = bytes(np.asarray(file["header"])).decode()
+            arrays = _read(file)
+            checksum = str(file.attrs["checksum"])
+    except PermissionError as error:
+        raise InputError(Problem(where, f"cannot be read: {error.strerror}")) from error
+    except OSError as error:
+        kind = "damaged or cut short" if _looks_like_hdf5(path) else "not an HDF5 file"
+        raise InputError(Problem(where, f"is {kind} ({_short(error)}); {AGAIN}")) from error
+    except (KeyError, RuntimeError, ValueError, TypeError) as error:
+        raise InputError(
+            Problem(where, f"is incomplete or damaged ({_short(error)}); {AGAIN}")
+        ) from error
+    try:
+        part = _part(header, arrays)
+    except InputError as error:
+        raise InputError(
+            [Problem(where, f"{problem.message}; {AGAIN}") for problem in error.problems]
+        ) from error
+    except KeyError as error:
+        raise InputError(Problem(where, f"{error.args[0]} is missing; {AGAIN}")) from error
+    except (ValueError, TypeError, AttributeError) as error:
+        raise InputError(Problem(where, f"is damaged ({_short(error)}); {AGAIN}")) from error
+    if checksum != _checksum(header, arrays):
+        raise InputError(
+            Problem(where, f"its content was changed after writing (checksum); {AGAIN}")
+        )
+    return part
+
+
+def _arrays(part: ReducedPart) -> Arrays:
+    v = part.invariants
+    arrays: Arrays = {
+        "nodes": part.nodes,
+        "elements": part.elements.astype(np.int64),
+        "frequencies": part.frequencies,
+        "modes": part.modes,
+        "invariants/mass": np.array(v.mass),
+        "invariants/first_moment": v.first_moment,
+        "invariants/second_moment": v.second_moment,
+        "invariants/I3": v.I3,
+        "invariants/N0": v.N0,
+        "invariants/E": v.E,
+    }
+    if part.rotations is not None:
+        arrays["rotations"] = part.rotations
+    if part.stress is not None:
+        arrays["stress/positions"] = part.stress.positions
+        arrays["stress/axes"] = part.stress.axes
+        arrays["stress/modes"] = part.stress.modes
+    return arrays
+
+
+def _part(header: str, arrays: Arrays) -> ReducedPart:
+    text = json.loads(header)
+    stress = None
+    if text["labels"] is not None:
+        stress = StressModes(
+            tuple(text["labels"]),
+            arrays["stress/positions"],
+            arrays["stress/axes"],
+            arrays["stress/modes"],
+        )
+    return ReducedPart(
+        name=text["name"],
+        nodes=arrays["nodes"],
+        elements=arrays["elements"].astype(np.intp),
+        node_sets={k: tuple(v) for k, v in text["node_sets"].items()},
+        modes=arrays["modes"],
+        rotations=arrays.get("rotations"),
+        frequencies=arrays["frequencies"],
+        invariants=Invariants(
+            float(arrays["invariants/mass"]),
+            arrays["invariants/first_moment"],
+            arrays["invariants/second_moment"],
+            arrays["invariants/I3"],
+            arrays["invariants/N0"],
+            arrays["invariants/E"],
+        ),
+        stress=stress,
+        interfaces=tuple(text["interfaces"]),
+        provenance=text["provenance"],
+    )
+
+
+def _check_version(file: h5py.File, where: str) -> None:
+    found = file.attrs.get("format")
+    if found != FORMAT:
+        shown = f"its format is {found!r}" if found is not None else "it names no format"
+        raise InputError(Problem(where, f"is not a reduced part: {shown}; {AGAIN}"))
+    version = file.attrs.get("version")
+    if version != VERSION:
+        raise InputError(
+            Problem(
+                where,
+                f"has version {version} of the format, this jousto reads version {VERSION}; "
+                f"{AGAIN}",
+            )
+        )
+
+
+def _read(file: h5py.File) -> Arrays:
+    arrays: Arrays = {}
+
+    def visit(name: str, item: h5py.Group | h5py.Dataset) -> None:
+        if isinstance(item, h5py.Dataset) and name != "header":
+            arrays[name] = np.asarray(item[()])
+
+    file.visititems(visit)
+    return arrays
+
+
+def _checksum(header: str, arrays: Arrays) -> str:
+    digest = hashlib.sha256(header.encode())
+    for key in sorted(arrays):
+        array = np.ascontiguousarray(arrays[key])
+        digest.update(f"{key} {array.shape} {array.dtype.str}".encode())
+        digest.update(array.tobytes())
+    return digest.hexdigest()
+
+
+def _looks_like_hdf5(path: Path) -> bool:
+    with path.open("rb") as file:
+        return file.read(8) == b"\x89HDF\r\n\x1a\n"
+
+
+def _short(error: Exception) -> str:
+    text = str(error.args[0]) if error.args else type(error).__name__
+    return text if len(text) <= 120 else text[:117] + "..."
