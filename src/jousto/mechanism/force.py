@@ -1,0 +1,139 @@
+"""Gravity, point forces and torques."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from numpy.typing import ArrayLike
+
+from jousto.errors import InputError, Problems
+from jousto.mechanism.fields import check_name, set_fields
+from jousto.mechanism.marker import Marker, as_marker
+from jousto.mechanism.orientation import Array
+from jousto.mechanism.signal import SIGNALS, Signal
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Gravity:
+    """The acceleration of free fall, the same for all bodies.
+
+    Parameters
+    ----------
+    acceleration : (3,) array_like
+        World frame, m/s2, for example ``(0, -9.81, 0)``.
+    """
+
+    acceleration: Array
+
+    def __init__(self, acceleration: ArrayLike) -> None:
+        problems = Problems()
+        g = problems.array("gravity", "acceleration", acceleration, (3,))
+        problems.raise_if_any()
+        set_fields(self, acceleration=g)
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Force:
+    """A force at a marker: ``Q_R = F``, ``Q_w = u~ A^T F``, ``Q_p = Phi^T A^T F``.
+
+    Parameters
+    ----------
+    name : str
+        Name, unique among forces and torques.
+    marker : Marker
+        Where it acts.
+    vector : (3,) array_like
+        Force F, N: in the world frame, or in the marker's axes if `follow`.
+    follow : bool
+        Whether the force turns with the marker.
+    signal : Signal, optional
+        Factor on the force as a function of time; None for 1.
+    """
+
+    name: str
+    marker: Marker
+    vector: Array
+    follow: bool
+    signal: Signal | None
+
+    def __init__(
+        self,
+        name: str,
+        marker: Marker,
+        vector: ArrayLike,
+        *,
+        follow: bool = False,
+        signal: Signal | None = None,
+    ) -> None:
+        init_force(self, "force", name, marker, vector, follow, signal)
+
+    def __repr__(self) -> str:
+        return f"<Force {self.name!r} at {self.marker.label}>"
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Torque:
+    """A torque at a marker: ``Q_w = A^T T``, ``Q_p = Psi^T A^T T``.
+
+    Parameters
+    ----------
+    name : str
+        Name, unique among forces and torques.
+    marker : Marker
+        Where it acts.
+    vector : (3,) array_like
+        Torque T, N m: in the world frame, or in the marker's axes if `follow`.
+    follow : bool
+        Whether the torque turns with the marker.
+    signal : Signal, optional
+        Factor on the torque as a function of time; None for 1.
+    """
+
+    name: str
+    marker: Marker
+    vector: Array
+    follow: bool
+    signal: Signal | None
+
+    def __init__(
+        self,
+        name: str,
+        marker: Marker,
+        vector: ArrayLike,
+        *,
+        follow: bool = False,
+        signal: Signal | None = None,
+    ) -> None:
+        init_force(self, "torque", name, marker, vector, follow, signal)
+
+    def __repr__(self) -> str:
+        return f"<Torque {self.name!r} at {self.marker.label}>"
+
+
+Load: TypeAlias = Force | Torque
+LOADS: tuple[type[Load], ...] = (Force, Torque)
+
+
+def init_force(
+    load: Load,
+    kind: str,
+    name: str,
+    marker: Marker,
+    vector: ArrayLike,
+    follow: bool,
+    signal: Signal | None,
+) -> None:
+    """Check what forces and torques have in common and set the fields."""
+    problems = Problems()
+    where = check_name(problems, kind, name)
+    try:
+        as_marker(where, "marker", marker)
+    except InputError as error:
+        problems.found.extend(error.problems)
+    F = problems.array(where, "vector", vector, (3,))
+    if signal is not None and not isinstance(signal, SIGNALS):
+        known = ", ".join(s.__name__ for s in SIGNALS)
+        problems.add(where, f"signal is {signal!r}, must be one of {known} or None")
+    problems.raise_if_any()
+    set_fields(load, name=name, marker=marker, vector=F, follow=bool(follow), signal=signal)

@@ -1,0 +1,223 @@
+"""Orientations: what a user may write, Euler parameters and rotation matrices.
+
+Euler parameters e are scalar first with unit norm: ``e0 = cos(phi/2)``,
+``e1..3 = n sin(phi/2)`` for a turn by phi about the unit axis n.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.errors import Problems
+from jousto.mechanism.fields import number, set_fields
+
+Array = NDArray[np.float64]
+
+UNIT_TOLERANCE = 1e-6
+
+
+def readonly(array: ArrayLike) -> Array:
+    """Return a read-only float copy."""
+    copy = np.array(array, dtype=np.float64)
+    copy.setflags(write=False)
+    return copy
+
+
+def skew(x: ArrayLike) -> Array:
+    """Return the skew matrix x~ with ``x~ y = x cross y``.
+
+    Examples
+    --------
+    >>> skew([1, 2, 3]) @ [0, 0, 1]
+    array([ 2., -1.,  0.])
+    """
+    x1, x2, x3 = np.asarray(x, dtype=np.float64)
+    return np.array([[0.0, -x3, x2], [x3, 0.0, -x1], [-x2, x1, 0.0]])
+
+
+def rotation_matrix(e: ArrayLike) -> Array:
+    """Return A (3, 3) of Euler parameters e (4,): local to world (Rantalainen 2007, eq. 3.5).
+
+    Examples
+    --------
+    >>> rotation_matrix([0.5**0.5, 0, 0, 0.5**0.5]).round(12) @ [1, 0, 0]  # 90 deg about z
+    array([0., 1., 0.])
+    """
+    e0, e1, e2, e3 = np.asarray(e, dtype=np.float64)
+    return np.array(
+        [
+            [1 - 2 * (e2 * e2 + e3 * e3), 2 * (e1 * e2 - e0 * e3), 2 * (e1 * e3 + e0 * e2)],
+            [2 * (e1 * e2 + e0 * e3), 1 - 2 * (e1 * e1 + e3 * e3), 2 * (e2 * e3 - e0 * e1)],
+            [2 * (e1 * e3 - e0 * e2), 2 * (e2 * e3 + e0 * e1), 1 - 2 * (e1 * e1 + e2 * e2)],
+        ]
+    )
+
+
+def euler_parameters(A: ArrayLike) -> Array:
+    """Return the unit Euler parameters (4,) of a rotation matrix, largest component first found.
+
+    Shepperd's method: divide by the largest of the four components, so that no turn is
+    badly conditioned. The sign is chosen so that e0 is not negative.
+    """
+    A = np.asarray(A, dtype=np.float64)
+    trace = np.trace(A)
+    squares = np.array([trace, A[0, 0], A[1, 1], A[2, 2]])
+    k = int(np.argmax(squares))
+    if k == 0:
+        e = np.array([1 + trace, A[2, 1] - A[1, 2], A[0, 2] - A[2, 0], A[1, 0] - A[0, 1]])
+    else:
+        i = k - 1
+        j, m = (i + 1) % 3, (i + 2) % 3
+        e = np.empty(4)
+        e[0] = A[m, j] - A[j, m]
+        e[1 + i] = 1 + 2 * A[i, i] - trace
+        e[1 + j] = A[j, i] + A[i, j]
+        e[1 + m] = A[m, i] + A[i, m]
+    e /= np.linalg.norm(e)
+    return -e if e[0] < 0.0 else e
+
+
+def exp_rotation(theta: ArrayLike) -> Array:
+    """Return exp(theta~), the rotation by ``|theta|`` rad about theta (Rodrigues).
+
+    Examples
+    --------
+    >>> exp_rotation([0, 0, np.pi / 2]).round(12) @ [1, 0, 0]
+    array([0., 1., 0.])
+    """
+    theta = np.asarray(theta, dtype=np.float64)
+    angle = float(np.linalg.norm(theta))
+    W = skew(theta)
+    # sinc keeps both coefficients exact for small angles
+    a = np.sinc(angle / np.pi)
+    b = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
+    return np.asarray(np.eye(3) + a * W + b * (W @ W))
+
+
+def turn_onto(A: ArrayLike, axis: ArrayLike) -> Array:
+    """Return the frame A (3, 3) turned by the smallest rotation that puts its z axis on `axis`."""
+    A = np.asarray(A, dtype=np.float64)
+    h = np.asarray(axis, dtype=np.float64)
+    h = h / np.linalg.norm(h)
+    z = A[:, 2]
+    cross = np.cross(z, h)
+    sine, cosine = float(np.linalg.norm(cross)), float(z @ h)
+    if sine < 1e-12:
+        # parallel: nothing to do; opposite: half a turn about x
+        return A.copy() if cosine > 0 else np.asarray(A @ np.diag([1.0, -1.0, -1.0]))
+    return np.asarray(exp_rotation(cross / sine * np.arctan2(sine, cosine)) @ A)
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Rotate:
+    """A turn about an axis.
+
+    Parameters
+    ----------
+    axis : (3,) array_like
+        Direction of the axis, any length above zero.
+    angle_deg : float
+        Angle in degrees, right-handed about the axis.
+
+    Raises
+    ------
+    InputError
+        If the axis is zero or anything is not a finite number.
+
+    Examples
+    --------
+    >>> Rotate((0, 0, 1), 90).matrix.round(12) @ [1, 0, 0]
+    array([0., 1., 0.])
+    """
+
+    axis: Array
+    angle_deg: float
+
+    def __init__(self, axis: ArrayLike, angle_deg: float) -> None:
+        problems = Problems()
+        direction = problems.array("Rotate", "axis", axis, (3,))
+        angle = number(problems, "Rotate", "angle_deg", angle_deg)
+        if direction is not None and not np.any(direction):
+            problems.add("Rotate", "axis is (0, 0, 0), must have a direction")
+        problems.raise_if_any()
+        set_fields(self, axis=direction, angle_deg=angle)
+
+    @property
+    def euler_parameters(self) -> Array:
+        """Euler parameters (4,), scalar first."""
+        half = np.radians(self.angle_deg) / 2
+        n = self.axis / np.linalg.norm(self.axis)
+        return np.concatenate([[np.cos(half)], n * np.sin(half)])
+
+    @property
+    def matrix(self) -> Array:
+        """Rotation matrix (3, 3)."""
+        return rotation_matrix(self.euler_parameters)
+
+
+def parse_orientation(problems: Problems, where: str, name: str, value: Any) -> Array | None:
+    """Return the Euler parameters (4,) of any accepted way to write an orientation.
+
+    Parameters
+    ----------
+    problems : Problems
+        Collects what is wrong.
+    where, name : str
+        Object and argument for the message.
+    value : None, Rotate, (4,) or (3, 3) array_like, scipy Rotation
+        None is no rotation; four numbers are Euler parameters, scalar first; columns of a
+        (3, 3) matrix are the turned axes.
+
+    Returns
+    -------
+    (4,) read-only array or None if there was a problem
+    """
+    if value is None:
+        return readonly([1.0, 0.0, 0.0, 0.0])
+    if isinstance(value, Rotate):
+        return readonly(value.euler_parameters)
+    if hasattr(value, "as_matrix"):
+        value = value.as_matrix()
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.shape not in ((4,), (3, 3)):
+        found = f"has shape {array.shape}" if array.size else f"is {value!r}"
+        problems.add(
+            where,
+            f"{name} {found}; must be four Euler parameters (scalar first), a (3, 3) rotation "
+            "matrix, a scipy Rotation or Rotate(axis, angle_deg)",
+        )
+        return None
+    if not np.all(np.isfinite(array)):
+        problems.add(where, f"{name} is {array.tolist()}, must be finite")
+        return None
+    if array.shape == (4,):
+        norm = float(np.linalg.norm(array))
+        if abs(norm - 1) > UNIT_TOLERANCE:
+            problems.add(
+                where,
+                f"{name} {array.tolist()} has length {norm:g}; Euler parameters (scalar first) "
+                "must have length 1",
+            )
+            return None
+        return readonly(array / norm)
+    error = float(np.abs(array.T @ array - np.eye(3)).max())
+    if error > UNIT_TOLERANCE:
+        problems.add(
+            where,
+            f"{name} is not a rotation matrix: its columns are not orthonormal "
+            f"(largest error of A^T A is {error:.1e})",
+        )
+        return None
+    if np.linalg.det(array) < 0:
+        problems.add(
+            where, f"{name} is a reflection (determinant -1), must be a right-handed rotation"
+        )
+        return None
+    return readonly(euler_parameters(array))

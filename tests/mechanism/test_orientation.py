@@ -1,0 +1,105 @@
+"""Orientations: every form means the same rotation; wrong ones say why."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.linalg import expm
+from scipy.spatial.transform import Rotation
+
+from jousto.errors import InputError
+from jousto.mechanism import (
+    RigidBody,
+    Rotate,
+    euler_parameters,
+    exp_rotation,
+    rotation_matrix,
+    skew,
+)
+from jousto.mechanism.orientation import turn_onto
+
+number = st.floats(-10, 10)
+vector = st.tuples(number, number, number)
+
+
+def body(orientation: object) -> RigidBody:
+    return RigidBody("b", 1.0, (1, 1, 1), orientation=orientation)
+
+
+@given(vector)
+def test_euler_parameters_and_matrix_are_inverse_and_agree_with_scipy(theta):
+    expected = Rotation.from_rotvec(theta)
+    e = euler_parameters(expected.as_matrix())
+    assert abs(np.linalg.norm(e) - 1) < 1e-14
+    assert e[0] >= 0
+    np.testing.assert_allclose(rotation_matrix(e), expected.as_matrix(), atol=1e-14)
+
+
+@pytest.mark.parametrize("axis", np.vstack([np.eye(3), -np.eye(3), [[1, 1, 0], [1, -2, 3]]]))
+def test_half_turns_are_well_conditioned(axis):
+    A = Rotation.from_rotvec(np.pi * axis / np.linalg.norm(axis)).as_matrix()
+    np.testing.assert_allclose(rotation_matrix(euler_parameters(A)), A, atol=1e-15)
+
+
+@given(vector, st.sampled_from([1.0, 1e-3, 1e-9, 1e-200, 0.0]))
+def test_exponential_is_the_matrix_exponential(theta, scale):
+    theta = scale * np.array(theta)
+    np.testing.assert_allclose(exp_rotation(theta), expm(skew(theta)), atol=2e-14)
+
+
+@given(vector, vector)
+def test_turn_onto_is_the_smallest_rotation_onto_the_axis(theta, axis):
+    if np.linalg.norm(axis) < 1e-3:
+        return
+    A = exp_rotation(theta)
+    turned = turn_onto(A, axis)
+    h = np.array(axis) / np.linalg.norm(axis)
+    np.testing.assert_allclose(turned[:, 2], h, atol=1e-11)
+    np.testing.assert_allclose(turned.T @ turned, np.eye(3), atol=1e-13)
+    # the angle of the turn is the angle between the old and the new z axis
+    cosine = (np.trace(turned @ A.T) - 1) / 2
+    assert abs(cosine - A[:, 2] @ h) < 1e-12
+
+
+def test_all_forms_mean_the_same():
+    reference = Rotation.from_rotvec(np.radians(40) * np.array([0.6, 0.0, 0.8]))
+    forms = [
+        reference,
+        reference.as_matrix(),
+        reference.as_quat(scalar_first=True),
+        Rotate((3, 0, 4), 40),
+        reference.as_matrix().tolist(),
+    ]
+    for form in forms:
+        np.testing.assert_allclose(
+            rotation_matrix(body(form).orientation), reference.as_matrix(), atol=1e-15
+        )
+    np.testing.assert_array_equal(body(None).orientation, [1, 0, 0, 0])
+
+
+@pytest.mark.parametrize(
+    ("orientation", "sentence"),
+    [
+        ([1, 0, 0], "orientation has shape (3,); must be four Euler parameters"),
+        ("north", "orientation is 'north'; must be four Euler parameters"),
+        ([2, 0, 0, 0], "orientation [2.0, 0.0, 0.0, 0.0] has length 2; Euler parameters"),
+        ([1, 0, 0, np.nan], "orientation is [1.0, 0.0, 0.0, nan], must be finite"),
+        (2 * np.eye(3), "columns are not orthonormal (largest error of A^T A is 3.0e+00)"),
+        (np.diag([1, 1, -1]), "orientation is a reflection (determinant -1)"),
+    ],
+)
+def test_wrong_orientations_say_why(orientation, sentence):
+    with pytest.raises(InputError) as error:
+        body(orientation)
+    assert sentence in str(error.value)
+
+
+def test_rotate_needs_an_axis_and_a_finite_angle():
+    with pytest.raises(InputError) as error:
+        Rotate((0, 0, 0), np.inf)
+    assert [p.message for p in error.value.problems] == [
+        "angle_deg is inf, must be finite",
+        "axis is (0, 0, 0), must have a direction",
+    ]
