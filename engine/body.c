@@ -75,6 +75,64 @@ static void contract_b(int blocks, int n, const jo_real *restrict E, const jo_re
     }
 }
 
+/* y[v] += E p[v] for a symmetric or antisymmetric (np x np) matrix, given as the tiles of 4 columns x 4 rows on
+ * and below the diagonal: half the memory traffic, which is what large bodies wait for */
+static inline void contract_tiles(const int np, const jo_real sign, const int vectors, const jo_real *restrict E,
+                                  const jo_real *const *p, jo_real *const *y)
+{
+    for (int k = 0; k < np; k += 4) {
+        jo_lanes column[2][4];
+        jo_real pk[2][4];
+        for (int v = 0; v < vectors; v++)
+            for (int c = 0; c < 4; c++) {
+                const jo_lanes zero = {0};
+                column[v][c] = zero;
+                pk[v][c] = p[v][k + c];
+            }
+        for (int v = 0; v < vectors; v++)
+            for (int l = 0; l < 4; l += JO_WIDTH)
+                for (int c = 0; c < 4; c++) JO_STORE(y[v] + k + l) += pk[v][c] * JO_LOAD(E + 4 * c + l);
+        E += 16;
+        for (int j = k + 4; j < np; j += 4, E += 16)
+            for (int l = 0; l < 4; l += JO_WIDTH)
+                for (int v = 0; v < vectors; v++) {
+                    const jo_lanes pj = JO_LOAD(p[v] + j + l);
+                    jo_lanes yj = JO_LOAD(y[v] + j + l);
+                    for (int c = 0; c < 4; c++) {
+                        const jo_lanes e = JO_LOAD(E + 4 * c + l);
+                        yj += pk[v][c] * e;
+                        column[v][c] += e * pj;
+                    }
+                    JO_STORE(y[v] + j + l) = yj;
+                }
+        for (int v = 0; v < vectors; v++)
+            for (int c = 0; c < 4; c++) y[v][k + c] += sign * jo_sum(column[v][c]);
+    }
+}
+
+/* D = D0 + ED p, B = B0 + EB p, G = EB p' in the layout of the body */
+static void contract(const jo_body *b, jo_body_work *w)
+{
+    const int np = b->np;
+    if (np <= JO_DENSE) {
+        contract_d(6 * np / JO_ROW_D, b->n, b->ED, w->p, b->D0, w->D);
+        contract_b(3 * np / JO_ROW_B, b->n, b->EB, w->p, w->pd, b->B0, w->B, w->G);
+        return;
+    }
+    const int tiles = np * (np + 4) / 2;   /* reals of one component */
+    const jo_real *const p[2] = {w->p, w->pd};
+    for (int i = 0; i < 6 * np; i++) w->D[i] = b->D0[i];
+    for (int i = 0; i < 3 * np; i++) { w->B[i] = b->B0[i]; w->G[i] = 0.0; }
+    for (int c = 0; c < 6; c++) {
+        jo_real *const y[1] = {w->D + c * np};
+        contract_tiles(np, 1.0, 1, b->ED + c * tiles, p, y);
+    }
+    for (int c = 0; c < 3; c++) {
+        jo_real *const y[2] = {w->B + c * np, w->G + c * np};
+        contract_tiles(np, -1.0, 2, b->EB + c * tiles, p, y);
+    }
+}
+
 void jo_body_twist(const jo_body *b, jo_body_work *w, const jo_real *v)
 {
     jo_mul3t(w->V, w->A, v);
@@ -142,8 +200,7 @@ void jo_body_inertia(const jo_body *b, jo_body_work *w, jo_real *power)
     jo_set3(w->S, b->S0);
     for (int c = 0; c < 6; c++) w->J[c] = b->J0[c];
     if (b->n) {
-        contract_d(6 * np / JO_ROW_D, b->n, b->ED, w->p, b->D0, w->D);
-        contract_b(3 * np / JO_ROW_B, b->n, b->EB, w->p, w->pd, b->B0, w->B, w->G);
+        contract(b, w);
         dot_rows(3, np, b->I3, w->p, w->S);
         dot_rows(3, np, b->I3, w->pd, Ip);
         dot_rows(3, np, w->B, w->pd, Bp);

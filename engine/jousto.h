@@ -25,6 +25,7 @@ enum { JO_ABI = 1 };           /* raised whenever a struct or a meaning below ch
 enum { JO_PAD = 4 };           /* modal coordinates are padded to a multiple of this */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
+enum { JO_DENSE = 32 };        /* np up to which ED, EB are blocks of rows, above it triangles of tiles */
 enum { JO_MAX_ROWS = 6 };      /* constraint rows of one joint */
 
 typedef enum { JO_OK = 0, JO_NOT_FINITE = 1, JO_SINGULAR_BODY = 2, JO_SINGULAR_JOINT = 3, JO_NO_MEMORY = 4 } jo_status;
@@ -43,8 +44,10 @@ typedef struct {
     const jo_real *I3;      /* (3 x np)  int phi dm */
     const jo_real *B0;      /* (3 x np)  I4: int u0 x phi_j dm */
     const jo_real *D0;      /* (6 x np)  half the derivative of J with respect to p_j at p = 0 */
-    const jo_real *ED;      /* (blocks of JO_ROW_D rows x n)  d D_j / d p_k */
-    const jo_real *EB;      /* (blocks of JO_ROW_B rows x n)  int phi_k x phi_j dm */
+    /* np <= JO_DENSE: rows c np + j in blocks of JO_ROW_D or JO_ROW_B, each block (n x rows).
+     * Else for every component c the tiles [k][j] of 4 x 4 with j-block >= k-block, k-block after k-block. */
+    const jo_real *ED;      /* (6 np x n) d D_j / d p_k, symmetric in j, k */
+    const jo_real *EB;      /* (3 np x n) int phi_k x phi_j dm, antisymmetric */
     const jo_real *K;       /* (np)      modal stiffness omega^2, rad^2/s^2 */
     const jo_real *D;       /* (np)      modal damping 2 zeta omega, 1/s */
 } jo_body;

@@ -293,8 +293,8 @@ class Engine:
         return pairs
 
     def _bodies(self) -> Any:
-        pad, rows_d, rows_b = (
-            getattr(self._library, name) for name in ("JO_PAD", "JO_ROW_D", "JO_ROW_B")
+        pad, rows_d, rows_b, dense = (
+            getattr(self._library, name) for name in ("JO_PAD", "JO_ROW_D", "JO_ROW_B", "JO_DENSE")
         )
         structs = self._structs("jo_body", len(self.model.bodies))
         for i, body in enumerate(self.model.bodies):
@@ -309,7 +309,9 @@ class Engine:
             for name, rows in (("ED", rows_d), ("EB", rows_b)):
                 array = self._override.get(("body", i, name), getattr(body, name))
                 setattr(
-                    b, name, self._constant(_blocked(np.asarray(array), np_, rows), shared=array)
+                    b,
+                    name,
+                    self._constant(_blocked(np.asarray(array), np_, rows, dense), shared=array),
                 )
         return structs
 
@@ -388,14 +390,21 @@ def displaced(model: Model, q: Scalars, increment: Scalars) -> Scalars:
     return out
 
 
-def _blocked(E: NDArray[Any], padded_n: int, rows: int) -> NDArray[Any]:
-    """Order (c, j, k) as blocks of `rows` rows c*np+j, each (n, rows)."""
+def _blocked(E: NDArray[Any], padded_n: int, rows: int, dense: int) -> NDArray[Any]:
+    """Order (c, j, k) as jousto.h says: blocks of rows, or for large n triangles of tiles."""
     n = E.shape[2]
     if n == 0:
         return E
-    padded = np.zeros((E.shape[0], padded_n, n), E.dtype)
-    padded[:, :n] = E
-    return np.ascontiguousarray(padded.reshape(-1, rows, n).swapaxes(1, 2))
+    if padded_n <= dense:
+        padded = np.zeros((E.shape[0], padded_n, n), E.dtype)
+        padded[:, :n] = E
+        return np.ascontiguousarray(padded.reshape(-1, rows, n).swapaxes(1, 2))
+    padded = np.zeros((E.shape[0], padded_n, padded_n), E.dtype)
+    padded[:, :n, :n] = E
+    count = padded_n // 4
+    tiles = padded.reshape(-1, count, 4, count, 4).transpose(0, 3, 1, 4, 2)  # c, kb, jb, k, j
+    kb, jb = np.triu_indices(count)
+    return np.ascontiguousarray(tiles[:, kb, jb])
 
 
 def _padded(array: NDArray[Any], length: int) -> NDArray[Any]:
