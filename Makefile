@@ -50,10 +50,12 @@ $(VENV)/.made: pyproject.toml
 	@$(call install,-e '.[dev]')
 	@touch $@
 
-$(VENV)/.engine: $(VENV)/.made $(ENGINE)
+LIB := src/jousto/engine/lib
+$(LIB)/.built: $(VENV)/.made $(ENGINE)
+	@mkdir -p build
 	@$(BIN)/cmake -S . -B build/engine -G Ninja -DCMAKE_MAKE_PROGRAM="$$(pwd)/$(BIN)/ninja" \
 	  -DCMAKE_BUILD_TYPE=Release -DJOUSTO_INPLACE=ON >build/engine.log 2>&1 || { cat build/engine.log; exit 1; }
-	@$(BIN)/cmake --build build/engine
+	@$(BIN)/cmake --build build/engine | grep -v Building
 	@touch $@
 
 $(VENV)/.docs: $(VENV)/.made
@@ -65,20 +67,19 @@ $(VENV)/.bench: $(VENV)/.made
 	@touch $@
 
 .PHONY: install engine
-install: $(VENV)/.engine  ## environment in .venv with jousto (editable) and all tools
-engine: $(VENV)/.engine  ## the C engine, built into src/jousto/engine/lib
+install: $(LIB)/.built  ## environment in .venv with jousto (editable) and all tools
+engine: $(LIB)/.built  ## the C engine, built into src/jousto/engine/lib
 
 # ---- what it can do --------------------------------------------------------------------------------
 
 .PHONY: demo bench docs
-demo: $(VENV)/.engine  ## the flexible pendulum against its reference; plot and animation in build/demo
-	@mkdir -p build/demo
-	@cd build/demo && ../../$(PY) ../../$(EXAMPLE)
+demo: $(LIB)/.built  ## the flexible pendulum against its reference; plot and animation in out/
+	@$(PY) $(EXAMPLE)
 
-bench: $(VENV)/.engine $(VENV)/.bench  ## speed side by side with EXUDYN
+bench: $(LIB)/.built $(VENV)/.bench  ## speed side by side with EXUDYN
 	@OMP_NUM_THREADS=1 $(PY) benchmarks/speed.py
 
-docs: $(VENV)/.engine $(VENV)/.docs  ## documentation in build/docs, warnings are errors
+docs: $(LIB)/.built $(VENV)/.docs  ## documentation in build/docs, warnings are errors
 	@$(PY) -m sphinx -W --keep-going -q -b html docs build/docs
 	@echo "build/docs/index.html"
 
@@ -98,10 +99,10 @@ layers: $(VENV)/.made
 	@$(BIN)/lint-imports
 
 # tests, doctests and examples
-unit: $(VENV)/.engine
+unit: $(LIB)/.built
 	@$(PY) -m pytest -q $(PYTEST_ARGS)
 
-slow: $(VENV)/.engine  ## the long verification runs
+slow: $(LIB)/.built  ## the long verification runs
 	@$(PY) -m pytest -q -m slow $(PYTEST_ARGS) || [ $$? -eq 5 ]
 
 format: $(VENV)/.made  ## reformat and repair what can be repaired

@@ -36,16 +36,22 @@ void jo_apply_forces(const jo_model *m, jo_data *d)
         const jo_marker_work *w = &d->marker[f->marker];
         jo_body_work *bw = &d->body[k->body];
         const int np = m->body[k->body].np;
-        const jo_real factor = f->signal < 0 ? 1.0 : evaluate_signal(&m->signal[f->signal], d->time[0]);
-        jo_real F[3], T[3], t[3];
-        for (int j = 0; j < 3; j++) { F[j] = factor * f->force[j]; T[j] = factor * f->torque[j]; }
+        const jo_signal *signal = f->signal < 0 ? 0 : &m->signal[f->signal];
+        const jo_real factor = signal ? evaluate_signal(signal, d->time[0] + d->lead) : 1.0;
+        const jo_real now = signal && d->lead != 0.0 ? evaluate_signal(signal, d->time[0]) : factor;
+        jo_real F[3], T[3], t[3], power;
+        jo_set3(F, f->force);
+        jo_set3(T, f->torque);
         if (f->follow) {
             jo_mul3(F, w->A, F);
             jo_mul3(T, w->A, T);
         }
         jo_mul3t(F, bw->A, F);
         jo_mul3t(T, bw->A, T);
-        d->power[1] += jo_dot3(F, w->v) + jo_dot3(T, w->om);
+        power = jo_dot3(F, w->v);
+        if (k->turns) power += jo_dot3(T, w->om);
+        d->power[1] += now * power;
+        for (int j = 0; j < 3; j++) { F[j] *= factor; T[j] *= factor; }
         jo_add3(bw->fr, F);
         jo_cross(t, w->u, F);
         jo_add3(bw->fr + 3, t);

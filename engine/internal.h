@@ -55,7 +55,11 @@ typedef struct {
 } jo_joint_work;
 
 struct jo_data {
-    jo_real time[1], work[2], power[2];
+    jo_real time[1];
+    jo_real work[2], power[2];      /* lost to damping, done by forces: energy so far, rate at the last evaluation */
+    jo_real power0[2];      /* rate at the start of the last step, whose half is not yet in work */
+    double waiting;         /* length of that step, or 0 */
+    double lead;            /* forces act as they will be so much later: the time derivative in ROS2 */
     jo_real *q, *v, *a, *lam;
     jo_real *q0, *v0, *dq, *dv, *rate;   /* stages of a step: (nq) and (nv) */
     jo_real *acc;           /* (nv) first stage of ROS2 */

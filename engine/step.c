@@ -57,6 +57,14 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s)
     return JO_OK;
 }
 
+/* the last step's work by the trapezoidal rule between states, now that the power at its end is known; the
+ * stages in between say little about modes that the step does not resolve */
+static void add_work(jo_data *d)
+{
+    for (int i = 0; i < 2; i++) d->work[i] += 0.5 * d->waiting * (d->power0[i] + d->power[i]);
+    d->waiting = 0.0;
+}
+
 /* ROS2 (Verwer, Spee, Blom, Hundsdorfer 1999), a W-method of order 2: modal stiffness and damping implicit.
  * With k2 = k2' - 2 k1 the step is y + (k1 + k2')/2. */
 static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
@@ -68,7 +76,9 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
         const jo_body *b = &m->body[i];
         for (int j = 0; j < b->n; j++) d->body[i].extra[j] = -gh * b->K[j] * d->v[b->iv + 6 + j];
     }
+    d->lead = gh;   /* the matrix of the W-method knows the time derivative of the forces */
     int status = jo_evaluate(m, d, s, 1);
+    d->lead = 0.0;
     if (status != JO_OK) return status;
     for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
     for (int i = 0; i < m->nv; i++) {
@@ -77,7 +87,9 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
         d->dq[i] = h * (d->v[i] + gh * d->a[i]);
         d->v[i] += h * d->a[i];
     }
-    for (int i = 0; i < 2; i++) d->work[i] += 0.5 * h * d->power[i];
+    add_work(d);
+    d->waiting = h;
+    for (int i = 0; i < 2; i++) d->power0[i] = d->power[i];
     jo_displace(m, d->q, d->q0, d->dq);
     d->time[0] = t0 + h;
     for (int i = 0; i < m->nbody; i++) {   /* stage 2: extra = -g h K (p' - 2 g h a1) + 2 g h (K (p0' + g h a1) + D a1) */
@@ -86,7 +98,9 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
         for (int j = 0; j < b->n; j++)
             d->body[i].extra[j] = gh * (b->K[j] * (2.0 * v0[j] - v[j] + 4.0 * gh * a1[j]) + 2.0 * b->D[j] * a1[j]);
     }
+    d->lead = -gh;
     status = jo_evaluate(m, d, s, 1);
+    d->lead = 0.0;
     for (int i = 0; i < m->nbody; i++)
         for (int j = 0; j < m->body[i].n; j++) d->body[i].extra[j] = 0.0;
     if (status != JO_OK) return status;
@@ -95,7 +109,6 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
         d->dq[i] = 0.5 * h * (d->v0[i] + d->rate[i] + gh * (d->a[i] - d->acc[i]));
         d->v[i] = d->v0[i] + 0.5 * h * (d->acc[i] + d->a[i]);
     }
-    for (int i = 0; i < 2; i++) d->work[i] += 0.5 * h * d->power[i];
     jo_displace(m, d->q, d->q0, d->dq);
     return JO_OK;
 }
@@ -125,6 +138,7 @@ int jo_row(const jo_model *m, jo_data *d, jo_real *row)
     int status = d->fresh ? JO_OK : jo_accelerations(m, d);
     if (status != JO_OK) return status;
     const jo_real power[2] = {d->power[0], d->power[1]};
+    add_work(d);
     *row++ = d->time[0];
     for (int i = 0; i < m->nq; i++) *row++ = d->q[i];
     for (int i = 0; i < m->nv; i++) *row++ = d->v[i];

@@ -99,7 +99,8 @@ class Problems:
     def positive(self, where: str, name: str, value: float, unit: str) -> None:
         """Note a problem unless the value is a finite number above zero."""
         if not np.isfinite(value) or value <= 0.0:
-            self.add(where, f"{name} is {value:g} {unit}, must be a positive number".rstrip())
+            found = f"{value:g} {unit}".rstrip()
+            self.add(where, f"{name} is {found}, must be a positive number")
 
     def array(
         self, where: str, name: str, value: Any, shape: tuple[int | None, ...]

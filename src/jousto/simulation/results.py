@@ -28,6 +28,7 @@ DIAGNOSTICS = (
     ("position_residual", "m or 1", "largest position constraint residual |C|"),
     ("velocity_residual", "m/s or 1/s", "largest velocity constraint residual |Cq v|"),
 )
+CONTENTS = ("rows", "time", "state", "diagnostics", "sensors", "bodies", "model")
 ENDED = 240  # bytes kept for the sentence that says how a run ended
 PIECE_BYTES = 1 << 24
 
@@ -270,5 +271,11 @@ def open_results(path: Path) -> h5py.File:
                 f"results format {written}, this version reads {FORMAT_VERSION}; written by "
                 f"jousto {by}: run the model again",
             )
+        )
+    missing = [name for name in CONTENTS if name not in file]
+    if missing:
+        file.close()
+        raise InputError(
+            Problem(str(path), f"damaged: {', '.join(missing)} missing; run the model again")
         )
     return file

@@ -117,6 +117,7 @@ def simulate(
         "solver": repr(solver),
         "step": schedule.step,
         "t_end": float(t_end),
+        "gravity": model.gravity,
         "evaluations_per_step": solver.evaluations,
     }
     rows = schedule.steps // schedule.every + 1

@@ -1,0 +1,8 @@
+"""SHOW: plots, pictures and films of a run. matplotlib is imported with this package only."""
+
+from jousto.output.animate import animate, still
+from jousto.output.plot import plot
+from jousto.output.style import COLORS, STYLE
+from jousto.output.view import View
+
+__all__ = ["COLORS", "STYLE", "View", "animate", "plot", "still"]

@@ -1,0 +1,279 @@
+"""A moving mechanism as lines in a picture: the part that films and stills share."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from jousto.errors import Problems, suggest
+from jousto.output.lines import Outline, outline
+from jousto.output.style import COLORS, MUTED, Picture
+from jousto.output.view import View, choose_view
+from jousto.recovery import positions
+from jousto.simulation import Solution
+
+Array = NDArray[np.float64]
+
+WIDTH = 7.2  # inch
+MARGIN = 0.07
+FLATTEST, TALLEST = 0.35, 1.0  # height of a picture by its width
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Everything that is in the picture at some instants.
+
+    Attributes
+    ----------
+    times : (nt,) array
+        Instants, s.
+    bodies : tuple of (Outline, (nt, nn, 3) array)
+        Lines of each body and the projected positions of its nodes: right, up, nearness, m.
+    trails : tuple of (nt', 3) arrays
+        Projected paths of sensors, m, at the instants `trail_times`.
+    view : View
+        From where it is seen.
+    box : (2, 2) array
+        Lower left and upper right corner of the picture, m.
+    corners : (2, 3) array
+        Opposite corners of the box around everything in the world frame, m.
+    level, step : float
+        Height and spacing of the grid on the floor, m; there is none in a plane view.
+    grid : tuple of (2, 2) arrays
+        Its projected lines, m.
+    """
+
+    times: Array
+    bodies: tuple[tuple[Outline, Array], ...]
+    trails: tuple[Array, ...]
+    trail_times: Array
+    view: View
+    box: Array
+    corners: Array
+    level: float
+    step: float
+    grid: tuple[Array, ...]
+
+    @property
+    def flat(self) -> bool:
+        """Whether a coordinate plane is seen straight on."""
+        return bool(self.view.plane)
+
+
+def make_scene(
+    run: Solution,
+    times: Array,
+    *,
+    scale: float,
+    view: View | str | None,
+    trail: Sequence[str] | str | None,
+) -> Scene:
+    """Return the scene of a run at some instants.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to draw, a trail is not of a position sensor, or the scale is no number.
+    """
+    problems = Problems()
+    problems.positive("animate", "scale", float(scale), "")
+    names = () if trail is None else (trail,) if isinstance(trail, str) else tuple(trail)
+    for name in names:
+        if name not in run:
+            problems.add("trail", f"no sensor '{name}'{suggest(name, run.sensors)}")
+        elif run.about(name)["unit"] != "m":
+            problems.add("trail", f"sensor '{name}' is not a position but in {_unit(run, name)}")
+    shapes = run.bodies
+    if not shapes:
+        problems.add(str(run.path), "there are no bodies to draw")
+    problems.raise_if_any()
+
+    world = [positions(run, shape, times, scale=scale) for shape in shapes]
+    within = (run.time >= times[0]) & (run.time <= times[-1])
+    trail_times = run.time[within]
+    every = max(1, len(trail_times) // 4000)
+    paths = [run[name][within][::every] for name in names]
+    ends = [f(x.reshape(-1, 3), axis=0) for x in (*world, *paths) for f in (np.min, np.max)]
+    low, high = np.min(ends, axis=0), np.max(ends, axis=0)
+    # the world origin belongs to the picture unless it is far away
+    size = max(float(np.max(high - low)), 1e-9)
+    if np.all(np.abs(np.clip(0.0, low, high)) <= size):
+        low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
+    chosen = choose_view(view, np.stack([low, high]), run.attributes.get("gravity"))
+    bodies = tuple(
+        (outline(shape), chosen.project(x)) for shape, x in zip(shapes, world, strict=True)
+    )
+    trails = tuple(chosen.project(path) for path in paths)
+    corners = np.stack([low, high])
+    level, step, grid = (0.0, 0.0, ()) if chosen.plane else _floor(chosen, corners)
+    return Scene(
+        times=times,
+        bodies=bodies,
+        trails=trails,
+        trail_times=trail_times[::every],
+        view=chosen,
+        box=_box(bodies, trails, grid, _has_origin(corners)),
+        corners=corners,
+        level=level,
+        step=step,
+        grid=grid,
+    )
+
+
+def _has_origin(corners: Array) -> bool:
+    return bool(np.all(corners[0] <= 0.0) and np.all(corners[1] >= 0.0))
+
+
+def _unit(run: Solution, name: str) -> str:
+    return str(run.about(name)["unit"])
+
+
+def _box(
+    bodies: tuple[tuple[Outline, Array], ...],
+    trails: tuple[Array, ...],
+    grid: tuple[Array, ...],
+    origin: bool,
+) -> Array:
+    """Return the corners of the picture, neither a slit nor a tower, around all that is in it."""
+    clouds = [x.reshape(-1, 3)[:, :2] for _, x in bodies] + [x[:, :2] for x in trails] + list(grid)
+    if origin:
+        clouds.append(np.zeros((1, 2)))
+    low = np.min([c.min(axis=0) for c in clouds], axis=0)
+    high = np.max([c.max(axis=0) for c in clouds], axis=0)
+    size = np.maximum(high - low, 1e-9) * (1.0 + 2.0 * MARGIN)
+    size = np.maximum(size, [size[1] / TALLEST, size[0] * FLATTEST])
+    middle = 0.5 * (low + high)
+    return np.stack([middle - 0.5 * size, middle + 0.5 * size])
+
+
+def _floor(view: View, corners: Array) -> tuple[float, float, tuple[Array, ...]]:
+    """Return level and spacing in m of a grid under the scene, and its projected lines (2, 2)."""
+    up = view.up
+    a, b = (i for i in range(3) if i != up)
+    level = float(corners[0 if view.axes[1][up] > 0 else 1][up])
+    step = _round_step(float(max(np.ptp(corners[:, a]), np.ptp(corners[:, b]))) / 6.0)
+    lows, highs = np.floor(corners[0] / step), np.ceil(corners[1] / step)
+    highs = np.maximum(highs, lows + 1.0)
+    lines = []
+    for across, along in ((a, b), (b, a)):
+        for value in np.arange(lows[across], highs[across] + 1.0) * step:
+            line = np.full((2, 3), level)
+            line[:, across] = value
+            line[:, along] = lows[along] * step, highs[along] * step
+            lines.append(view.project(line)[:, :2])
+    return level, step, tuple(lines)
+
+
+def _round_step(value: float) -> float:
+    power = 10.0 ** np.floor(np.log10(max(value, 1e-12)))
+    return float(power * min((1.0, 2.0, 5.0, 10.0), key=lambda f: abs(f - value / power)))
+
+
+# -- the picture ----------------------------------------------------------------------------
+
+
+def new_picture(
+    scene: Scene, title: str, note: str, *, width: float = WIDTH
+) -> tuple[Picture, Axes]:
+    """Return a figure with everything in it that does not move."""
+    size = scene.box[1] - scene.box[0]
+    left, right, bottom, top = (0.62, 0.2, 0.55, 0.5) if scene.flat else (0.15, 0.15, 0.15, 0.5)
+    inner = width - left - right
+    height = inner * size[1] / size[0]
+    total = height + bottom + top
+    figure = Picture(figsize=(width, total))
+    ax = figure.add_axes((left / width, bottom / total, inner / width, height / total))
+    ax.set_xlim(scene.box[0, 0], scene.box[1, 0])
+    ax.set_ylim(scene.box[0, 1], scene.box[1, 1])
+    if scene.flat:
+        _rulers(ax, scene.view)
+    else:
+        ax.axis("off")
+        _draw_floor(ax, scene)
+    _origin(ax, scene)
+    figure.text(left / width, 1 - 0.3 / total, title, fontsize=10.5, fontweight="bold", va="center")
+    if note:
+        x = 1 - right / width
+        figure.text(x, 0.14 / total, note, color=MUTED, fontsize=8.5, ha="right", va="center")
+    return figure, ax
+
+
+def _rulers(ax: Axes, view: View) -> None:
+    for spine in ax.spines.values():
+        spine.set_visible(False)
+    ax.tick_params(length=0)
+    ax.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 2.5, 5, 10]))
+    ax.yaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 2.5, 5, 10]))
+    ax.set_xlabel(f"{view.plane[0]} (m)")
+    ax.set_ylabel(f"{view.plane[1]} (m)")
+    # an axis may point to the left or down
+    for axis, row in ((ax.xaxis, view.axes[0]), (ax.yaxis, view.axes[1])):
+        if row.sum() < 0:
+            axis.set_major_formatter(lambda value, _: f"{0.0 - value:g}")
+
+
+def _draw_floor(ax: Axes, scene: Scene) -> None:
+    lines = LineCollection(scene.grid, colors="#DDE1E6", linewidths=0.8, zorder=0)
+    ax.add_collection(lines)
+    note = f"grid {scene.step:g} m"
+    ax.annotate(note, (0, 0), xycoords="axes fraction", color=MUTED, fontsize=8.5)
+
+
+def _origin(ax: Axes, scene: Scene) -> None:
+    """Draw the world frame: a support in a plane view, else three short arrows with letters."""
+    if not _has_origin(scene.corners):
+        return
+    if scene.flat:
+        ax.plot(0, 0, marker="+", markersize=13, markeredgewidth=1.2, color=MUTED, zorder=1)
+        return
+    length = 0.09 * float(np.max(scene.corners[1] - scene.corners[0]))
+    for name, axis in zip("xyz", scene.view.axes.T, strict=True):
+        x, y = length * axis[0], length * axis[1]
+        ax.plot([0, x], [0, y], color=MUTED, linewidth=1.0, zorder=1)
+        ax.text(
+            1.35 * x, 1.35 * y, name, color=MUTED, fontsize=8, ha="center", va="center", zorder=1
+        )
+
+
+def body_color(k: int) -> str:
+    """Return the colour of body k."""
+    return COLORS[k % len(COLORS)]
+
+
+def body_lines(scene: Scene, instant: int) -> list[tuple[list[Array], Array]]:
+    """Return the polylines (k, 2) and the dots (m, 2) of each body at an instant, m."""
+    found = []
+    for shape, x in scene.bodies:
+        lines = [chain.weights @ x[instant, chain.nodes, :2] for chain in shape.chains]
+        found.append((lines, x[instant, shape.dots, :2]))
+    return found
+
+
+def shadow_lines(scene: Scene, instant: int) -> list[Array]:
+    """Return the polylines of all bodies projected straight down onto the floor, m."""
+    axes, up = scene.view.axes, scene.view.up
+    found = []
+    for shape, x in scene.bodies:
+        for chain in shape.chains:
+            world = chain.weights @ x[instant, chain.nodes] @ axes
+            world[:, up] = scene.level
+            found.append(scene.view.project(world)[:, :2])
+    return found
+
+
+def nearness(scene: Scene, instant: int) -> list[int]:
+    """Return the numbers of the bodies, the farthest from the eye first."""
+    depth = [float(x[instant, :, 2].mean()) for _, x in scene.bodies]
+    return sorted(range(len(depth)), key=depth.__getitem__)
+
+
+def line_width(scene: Scene) -> float:
+    """Return the width of the bodies' lines in points: thinner where there are many."""
+    count = sum(len(shape.chains) for shape, _ in scene.bodies)
+    return float(np.clip(7.0 - 1.1 * np.log2(max(count, 1)), 1.0, 6.0))

@@ -1,0 +1,177 @@
+"""plot: what is drawn, named and refused."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from PIL import Image
+
+import jousto as jo
+from jousto.output.plot import spread
+from jousto.output.series import STEPS, envelope, pick, thin
+from output.runs import swing
+
+
+def test_a_sensor_is_one_panel_with_unit_and_names() -> None:
+    figure = jo.plot(swing(), "tip")
+    (ax,) = figure.axes
+    assert ax.get_ylabel() == "m"
+    assert ax.get_xlabel() == "time (s)"
+    assert ax.get_title(loc="left") == "tip"
+    texts = [text.get_text() for text in ax.texts]
+    assert texts == ["position of hand.center, world frame", "x", "y", "z"]
+    for k, line in enumerate(ax.get_lines()):
+        np.testing.assert_array_equal(line.get_xdata(), swing().time)
+        np.testing.assert_array_equal(line.get_ydata(), swing()["tip"][:, k])
+
+
+@pytest.mark.parametrize(
+    ("name", "sensor", "components"),
+    [
+        ("tip", "tip", ["x", "y", "z"]),
+        ("tip.y", "tip", ["y"]),
+        ("tip:z", "tip", ["z"]),
+        ("tip.speed", "tip.speed", ["x", "y", "z"]),  # a name with a dot is a name first
+        ("tip.speed.x", "tip.speed", ["x"]),
+        ("modes.p2'", "modes", ["p2'"]),
+        ("stress.e1.a.top:s11", "stress", ["e1.a.top:s11"]),
+        ("stress:e1.a.top", "stress", [f"e1.a.top:s{s}" for s in (11, 22, 33, 12, 23, 13)]),
+    ],
+)
+def test_names(name: str, sensor: str, components: list[str]) -> None:
+    found, indices = pick(swing(), name)
+    assert found == sensor
+    assert [swing().about(sensor)["components"][i] for i in indices] == components
+
+
+def test_all_unknown_names_at_once_with_suggestions() -> None:
+    with pytest.raises(jo.InputError) as error:
+        jo.plot(swing(), "tpi", "tip.w", "enrgy")
+    messages = [problem.message for problem in error.value.problems]
+    assert messages == [
+        "no sensor 'tpi'; did you mean 'tip'?",
+        "sensor 'tip' has no component 'w'; known: x, y, z",
+        "no sensor 'enrgy'; did you mean 'energy'?",
+    ]
+
+
+def test_without_names_all_sensors_and_two_units_two_panels() -> None:
+    figure = jo.plot(swing())
+    # powers of ten aside, which long units have in front
+    units = [re.sub(r"^10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+ ", "", ax.get_ylabel()) for ax in figure.axes]
+    assert units == ["m", "m/s", "√kg m", "√kg m/s", "N", "N m", "kPa"]
+    assert [ax.get_title(loc="left") for ax in figure.axes][2:4] == ["modes", "modes"]
+
+
+def test_stress_panels_leave_out_zero_components() -> None:
+    (ax,) = jo.plot(swing(), "stress").axes
+    assert len(ax.get_lines()) < 12
+    assert "e1.a.top s11" in [text.get_text() for text in ax.texts]
+
+
+def test_numbers_are_short_by_prefix() -> None:
+    (ax,) = jo.plot(swing(), "stress.e1.a.top:s11").axes
+    largest = np.abs(swing()["stress"][:, 0]).max()
+    assert 1e4 < largest
+    assert ax.get_ylabel() == "kPa"
+    assert ax.yaxis.get_major_formatter()(2500.0, 0) == "2.5"
+    assert ax.yaxis.get_major_formatter()(-2500.0, 0) == "\N{MINUS SIGN}2.5"
+
+
+def test_energy_and_residuals() -> None:
+    above, below, last = jo.plot(swing(), "energy", "residuals").axes
+    assert [text.get_text() for text in above.texts[1:]] == [
+        "kinetic",
+        "strain",
+        "potential",
+        "total",
+    ]
+    np.testing.assert_array_equal(below.get_lines()[0].get_ydata(), swing().energy.error)
+    assert last.get_yscale() == "log"
+    assert all(np.all(line.get_ydata() > 0) for line in last.get_lines())
+
+
+def test_several_runs_lie_over_one_another() -> None:
+    figure = jo.plot({"1 ms": swing(), "0.5 ms": swing(5e-4)}, "tip.x")
+    (ax,) = figure.axes
+    first, second = ax.get_lines()
+    assert first.get_linewidth() > 2 * second.get_linewidth()
+    assert to_hex(first.get_color()) != to_hex(second.get_color())
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["1 ms", "0.5 ms"]
+    with pytest.raises(jo.InputError, match="no run to draw"):
+        jo.plot({}, "tip")
+
+
+def test_no_global_state() -> None:
+    import matplotlib.pyplot as plt
+
+    before = dict(matplotlib.rcParams)
+    jo.plot(swing(), "tip")
+    assert dict(matplotlib.rcParams) == before
+    assert plt.get_fignums() == []
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf", "jpg", "webp"])
+def test_formats_and_repeatability(suffix: str, tmp_path: Path) -> None:
+    paths = [tmp_path / f"{k}.{suffix}" for k in "ab"]
+    for path in paths:
+        jo.plot(swing(), "tip", path=path)
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+    assert paths[0].stat().st_size > 5000
+
+
+def test_picture_in_notebooks() -> None:
+    assert jo.plot(swing(), "tip")._repr_png_().startswith(b"\x89PNG")
+
+
+def test_bad_targets_are_refused_before_drawing(tmp_path: Path) -> None:
+    with pytest.raises(jo.InputError, match=r"'.bmp' is not a format to write here; known: .png"):
+        jo.plot(swing(), path=tmp_path / "a.bmp")
+    with pytest.raises(jo.InputError, match="there is no suffix"):
+        jo.plot(swing(), path=tmp_path / "a")
+    with pytest.raises(jo.InputError, match="does not exist; create it first"):
+        jo.plot(swing(), path=tmp_path / "no" / "a.png")
+    (tmp_path / "b.png").mkdir()
+    with pytest.raises(jo.InputError, match="is a folder"):
+        jo.plot(swing(), path=tmp_path / "b.png")
+    with pytest.raises(jo.InputError, match="cannot write: .*choose another place"):
+        jo.plot(swing(), "tip", path=tmp_path / f"{'x' * 300}.png")
+
+
+def test_long_runs_are_thinned_to_their_extremes(rng: np.random.Generator) -> None:
+    t = np.linspace(0.0, 1.0, 100_001)
+    y = rng.normal(size=len(t))
+    few_t, few_y = thin(t, y)
+    assert len(few_t) < 3500
+    assert (few_y.min(), few_y.max()) == (y.min(), y.max())
+    assert (few_t[0], few_t[-1]) == (0.0, 1.0)
+    assert np.all(np.diff(few_t) > 0)
+    same_t, same_y = thin(t[:100], y[:100])
+    np.testing.assert_array_equal(same_y, y[:100])
+    steps_t, steps_y = envelope(t, y)
+    assert len(steps_t) == len(steps_y) == 2 * STEPS
+    assert steps_y.max() == y.max()
+
+
+def test_labels_keep_their_distance_and_order(rng: np.random.Generator) -> None:
+    wanted = rng.uniform(0.3, 0.5, size=8)
+    places = spread(wanted, 0.05)
+    assert np.all(np.argsort(places) == np.argsort(wanted))
+    assert np.diff(np.sort(places)).min() > 0.05 - 1e-12
+    far = np.array([0.9, 0.1])
+    np.testing.assert_allclose(spread(far, 0.05), far)
+
+
+def test_the_picture_is_not_empty(tmp_path: Path) -> None:
+    jo.plot(swing(), "tip", path=tmp_path / "a.png")
+    with Image.open(tmp_path / "a.png") as picture:
+        pixels = np.asarray(picture.convert("RGB"))
+    assert pixels[0, 0].tolist() == [255, 255, 255]
+    blue = np.all(pixels == (0x1C, 0x5F, 0xA8), axis=2)
+    assert blue.sum() > 500
