@@ -1,67 +1,165 @@
 # the public names; __init__.py loads them from here when they are first used
-from .engine import Engine as Engine, Model as Model, compile as compile
+from .engine import Engine as Engine
+from .engine import Model as Model
+from .engine import compile as compile
 from .errors import (
     InputError as InputError,
+)
+from .errors import (
     JoustoError as JoustoError,
+)
+from .errors import (
     JoustoWarning as JoustoWarning,
+)
+from .errors import (
     Problem as Problem,
+)
+from .errors import (
     SimulationError as SimulationError,
 )
 from .mechanism import (
     AngularVelocitySensor as AngularVelocitySensor,
+)
+from .mechanism import (
     Fixed as Fixed,
+)
+from .mechanism import (
     FlexibleBody as FlexibleBody,
+)
+from .mechanism import (
     Force as Force,
+)
+from .mechanism import (
     Gravity as Gravity,
+)
+from .mechanism import (
     Harmonic as Harmonic,
+)
+from .mechanism import (
     Mechanism as Mechanism,
+)
+from .mechanism import (
     ModalSensor as ModalSensor,
+)
+from .mechanism import (
     OrientationSensor as OrientationSensor,
+)
+from .mechanism import (
     PositionSensor as PositionSensor,
+)
+from .mechanism import (
     ReactionSensor as ReactionSensor,
+)
+from .mechanism import (
     Revolute as Revolute,
+)
+from .mechanism import (
     RigidBody as RigidBody,
+)
+from .mechanism import (
     Rotate as Rotate,
+)
+from .mechanism import (
     Spherical as Spherical,
+)
+from .mechanism import (
     Step as Step,
+)
+from .mechanism import (
     StressSensor as StressSensor,
+)
+from .mechanism import (
     Table as Table,
+)
+from .mechanism import (
     Torque as Torque,
+)
+from .mechanism import (
     VelocitySensor as VelocitySensor,
+)
+from .mechanism import (
     ground as ground,
 )
-from .output import animate as animate, plot as plot, still as still
+from .output import animate as animate
+from .output import plot as plot
+from .output import still as still
 from .parts import (
     Box as Box,
+)
+from .parts import (
     Circle as Circle,
+)
+from .parts import (
     EulerBernoulli as EulerBernoulli,
+)
+from .parts import (
     GeneralSection as GeneralSection,
+)
+from .parts import (
     IBeam as IBeam,
+)
+from .parts import (
     Material as Material,
+)
+from .parts import (
     Member as Member,
+)
+from .parts import (
     Part as Part,
+)
+from .parts import (
     PointMass as PointMass,
+)
+from .parts import (
     Rectangle as Rectangle,
+)
+from .parts import (
     SectionPoint as SectionPoint,
+)
+from .parts import (
     Timoshenko as Timoshenko,
+)
+from .parts import (
     Tube as Tube,
 )
 from .reduction import (
     CraigBampton as CraigBampton,
+)
+from .reduction import (
     FreeFree as FreeFree,
+)
+from .reduction import (
     Rayleigh as Rayleigh,
+)
+from .reduction import (
     ReducedPart as ReducedPart,
+)
+from .reduction import (
     reduce as reduce,
 )
 from .schema import read_model as read_model
 from .simulation import (
     RK4 as RK4,
+)
+from .simulation import (
     ROS2 as ROS2,
+)
+from .simulation import (
     Baumgarte as Baumgarte,
+)
+from .simulation import (
     RunFailed as RunFailed,
+)
+from .simulation import (
     RunInterrupted as RunInterrupted,
+)
+from .simulation import (
     Solution as Solution,
+)
+from .simulation import (
     load as load,
+)
+from .simulation import (
     simulate as simulate,
 )
 

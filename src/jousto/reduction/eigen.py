@@ -287,7 +287,7 @@ def clusters(mu: Array) -> list[slice]:
     return [slice(a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True) if b > a]
 
 
-ROUND_OFF = 1e-14  # of the largest movement of a mode
+ROUND_OFF = 1e-14  # of the largest translation or rotation of a mode
 DIRECTION_WEIGHTS = np.array([1.0, 2.0, 4.37, 10.1, 13.3, 17.9])
 
 
@@ -298,7 +298,8 @@ def canonical(
 
     Within a cluster the modes are turned until they diagonalise the kinetic energy weighted by
     direction, ``sum_a w_a (D_a X)^T M (D_a X)``: the two bending modes of a square beam become
-    planar, and what they move by round-off only becomes zero. The largest translation (rotation, if nothing translates) of each mode is positive.
+    planar, and what they move by round-off only becomes zero. The largest translation (rotation,
+    if nothing translates) of each mode is positive.
 
     Parameters
     ----------
@@ -329,8 +330,11 @@ def canonical(
     for j in range(X.shape[1]):
         X[:, j] *= _sign(X[:, j], kind, length)
     # round-off out of a plane would grow where nothing resists it: make it exactly zero
-    size = np.abs(X) * np.where(kind < 3, 1.0, length)[:, None]
-    X[size < ROUND_OFF * size.max(axis=0)] = 0.0
+    for rows in (kind < 3, kind >= 3):
+        block = X[rows]
+        X[rows] = np.where(
+            np.abs(block) < ROUND_OFF * np.abs(block).max(axis=0, initial=0.0), 0.0, block
+        )
     mu = np.einsum("ij,ij->j", X, M @ X)
     return mu, X
 

@@ -1,0 +1,421 @@
+"""The command line: check, run, info, plot, reduce, animate, schema.
+
+Exit codes: 0 success, 1 the run failed, 2 bad input. Problems and warnings go to stderr, one
+line each. Everything heavy is imported inside the commands.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TextIO
+
+import typer
+from rich.console import Console
+
+from jousto.errors import InputError, JoustoWarning, Problem, SimulationError
+
+if TYPE_CHECKING:
+    from jousto.reduction import ReducedPart
+    from jousto.schema import ModelFile
+
+P = ParamSpec("P")
+
+FAILED, BAD_INPUT = 1, 2
+
+app = typer.Typer(
+    name="jousto",
+    help="Simulate mechanisms with flexible bodies.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Model = Annotated[Path, typer.Argument(metavar="MODEL", help="Model file (YAML or JSON).")]
+Result = Annotated[Path, typer.Argument(metavar="RESULT", help="Results file (HDF5).")]
+Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Output file.")]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+
+
+# -- messages and exit codes ----------------------------------------------------------------
+
+
+def say(text: str, *, error: bool = False, style: str = "") -> None:
+    """Print one line as it is: not wrapped, not interpreted, coloured on a terminal only."""
+    console = Console(stderr=error, soft_wrap=True, markup=False, highlight=False, emoji=False)
+    console.print(text, style=style)
+
+
+@contextlib.contextmanager
+def shown_warnings() -> Iterator[None]:
+    """Print each JoustoWarning as one yellow line on stderr."""
+    shown: set[str] = set()
+
+    def show(
+        message: Warning | str,
+        category: type[Warning],
+        filename: str,
+        lineno: int,
+        file: TextIO | None = None,
+        line: str | None = None,
+    ) -> None:
+        if not issubclass(category, JoustoWarning):
+            default(message, category, filename, lineno, file, line)
+        elif str(message) not in shown:
+            shown.add(str(message))
+            say(f"warning: {message}", error=True, style="yellow")
+
+    with warnings.catch_warnings():
+        default = warnings.showwarning
+        warnings.simplefilter("always", JoustoWarning)
+        warnings.showwarning = show
+        yield
+
+
+def command(function: Callable[P, None]) -> Callable[P, None]:
+    """Turn the errors of a command into lines on stderr and exit codes."""
+
+    @functools.wraps(function)
+    def guarded(*args: P.args, **kwargs: P.kwargs) -> None:
+        debug = bool(kwargs.get("debug"))
+        try:
+            with shown_warnings():
+                function(*args, **kwargs)
+        except (InputError, SimulationError, KeyboardInterrupt, OSError) as error:
+            if debug:
+                raise
+            raise typer.Exit(report(error)) from None
+        except (typer.Exit, typer.Abort):
+            raise
+        except Exception as error:
+            if debug:
+                raise
+            text = f"{type(error).__name__}: {error}".splitlines()[0]
+            say(f"internal error, {text}", error=True, style="red")
+            say("this is a bug of jousto; run again with --debug to see where", error=True)
+            raise typer.Exit(FAILED) from None
+
+    return guarded
+
+
+def report(error: BaseException) -> int:
+    """Print an error and return the exit code."""
+    if isinstance(error, InputError):
+        for problem in error.problems:
+            say(str(problem), error=True, style="red")
+        return BAD_INPUT
+    if isinstance(error, OSError):
+        name = f"{error.filename}: " if error.filename else ""
+        say(f"{name}{error.strerror or error}", error=True, style="red")
+        return BAD_INPUT
+    say(str(error) or "interrupted", error=True, style="red")
+    solution = getattr(error, "solution", None)
+    if isinstance(error, SimulationError) and solution is not None:
+        say(f"the results up to then are in {solution.path}", error=True)
+    return FAILED
+
+
+def facts(rows: list[tuple[str, str]], title: str = "") -> None:
+    """Print lines of names and values in two columns."""
+    if title:
+        say(title, style="bold")
+    width = max((len(name) for name, _ in rows), default=0)
+    for name, value in rows:
+        say(f"  {name:<{width}}  {value}".rstrip())
+
+
+# -- commands -------------------------------------------------------------------------------
+
+
+def _version(value: bool) -> None:
+    if value:
+        import importlib.metadata
+
+        try:
+            version = importlib.metadata.version("jousto")
+        except importlib.metadata.PackageNotFoundError:
+            version = "(not installed)"
+        say(f"jousto {version}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    """Simulate mechanisms with flexible bodies."""
+
+
+@app.command()
+@command
+def check(model: Model, debug: Debug = False) -> None:
+    """Read a model file, check everything and say what is in it."""
+    from jousto.schema import read_model
+
+    file = read_model(model)
+    describe_model(file)
+    compiled = compile_model(file)
+    if file.simulation is not None and file.simulation.solver is not None:
+        from jousto.simulation.stability import stability_warning
+
+        solver = file.simulation.solver
+        sentence = stability_warning(compiled, solver, solver.step)
+        if sentence:
+            warnings.warn(JoustoWarning(f"{model.name}: simulation: {sentence}"), stacklevel=1)
+    say(f"{model.name}: ok", style="green")
+
+
+@app.command()
+@command
+def run(
+    model: Model,
+    output: Output = None,
+    t_end: Annotated[
+        str | None,
+        typer.Option("--t-end", metavar="TIME", help="End of the run such as 2 or '500 ms'."),
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no summary.")] = False,
+    debug: Debug = False,
+) -> None:
+    """Simulate a model; the results go to MODEL.h5 unless -o says otherwise."""
+    from jousto.schema import read_model
+    from jousto.schema.targets import output_path
+
+    target = output_path(output, model, ".h5", keep="jousto reduced part")
+    end = None if t_end is None else end_time(t_end)
+    file = read_model(model)
+    settings = file.simulation
+    if end is None:
+        if settings is None:
+            raise InputError(
+                Problem(
+                    model.name,
+                    "does not say how long to simulate; add simulation: {t_end: 10 s}, "
+                    "or give --t-end",
+                )
+            )
+        end = settings.t_end
+    from jousto.simulation import describe, simulate
+
+    solution = simulate(
+        compile_model(file),
+        end,
+        path=target,
+        progress=not quiet and sys.stderr.isatty(),
+        model_text=file.text,
+        **(settings.given() if settings is not None else {}),
+    )
+    if not quiet:
+        facts([(name, plain(value)) for name, value in describe(solution).items()])
+        say(f"results in {target}", style="green")
+
+
+@app.command()
+@command
+def info(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Model, results or reduced part.")],
+    debug: Debug = False,
+) -> None:
+    """Say what is in a model file, a results file or a reduced part."""
+    from jousto.schema.document import is_hdf5
+    from jousto.schema.targets import hdf5_format
+
+    if not is_hdf5(file):
+        if file.suffix.lower() in (".h5", ".hdf5") and file.is_file():
+            raise InputError(Problem(str(file), "is not an HDF5 file, or it is damaged"))
+        from jousto.schema import read_model
+
+        describe_model(read_model(file))
+    elif hdf5_format(file) == "jousto reduced part":
+        from jousto.reduction import ReducedPart
+
+        describe_part(ReducedPart.load(file))
+    else:
+        describe_result(file)
+
+
+@app.command()
+@command
+def plot(
+    result: Result,
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="NAME...", help="Sensors (middle, middle.y), energy, residuals; all if none."
+        ),
+    ] = None,
+    output: Output = None,
+    debug: Debug = False,
+) -> None:
+    """Plot sensors over time; the picture goes to RESULT.png unless -o says otherwise."""
+    from jousto.schema.targets import output_path
+
+    target = output_path(output, result, ".png")
+    from jousto.output import plot as draw
+    from jousto.simulation import load
+
+    draw(load(result), *(names or ()), path=target)
+    say(f"plot in {target}", style="green")
+
+
+@app.command(name="reduce")
+@command
+def reduce_part(
+    part: Annotated[
+        Path, typer.Argument(metavar="PART", help="YAML file of a part, or a model file.")
+    ],
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME]", help="Which of the model's parts.")
+    ] = None,
+    output: Output = None,
+    debug: Debug = False,
+) -> None:
+    """Reduce a part to modes; it goes to NAME.h5 next to the file unless -o says otherwise."""
+    from jousto.schema import read_part
+    from jousto.schema.targets import output_path
+
+    # a wrong output should not cost a reduction
+    if output is not None:
+        output_path(output, part, ".h5", keep="jousto results")
+    reduced = read_part(part, name)
+    target = output_path(output, part, f"{reduced.name}.h5", keep="jousto results")
+    reduced.save(target)
+    describe_part(reduced)
+    say(f"reduced part in {target}", style="green")
+
+
+@app.command()
+@command
+def animate(
+    result: Result,
+    output: Output = None,
+    speed: Annotated[
+        float, typer.Option("--speed", help="Simulated per shown second; 0.1 is slow motion.")
+    ] = 1.0,
+    fps: Annotated[float, typer.Option("--fps", help="Frames per second.")] = 25.0,
+    scale: Annotated[float, typer.Option("--scale", help="Factor on the deformation.")] = 1.0,
+    view: Annotated[
+        str | None, typer.Option("--view", metavar="xy|xz|yz", help="Plane to look at.")
+    ] = None,
+    trail: Annotated[
+        list[str] | None,
+        typer.Option("--trail", metavar="SENSOR", help="Position sensor that leaves a trail."),
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Film the motion; it goes to RESULT.gif unless -o says otherwise.
+
+    The ending of the file says what is made: .gif, .mp4 or .html films, .png, .svg or .pdf
+    pictures of several instants.
+    """
+    from jousto.schema.targets import output_path
+
+    target = output_path(output, result, ".gif")
+    from jousto.output import animate as draw
+    from jousto.simulation import load
+
+    with progress_bar("drawing") as report:
+        draw(
+            load(result),
+            target,
+            speed=speed,
+            fps=fps,
+            scale=scale,
+            view=view,
+            trail=trail,
+            progress=report,
+        )
+    say(f"animation in {target}", style="green")
+
+
+@app.command()
+@command
+def schema(debug: Debug = False) -> None:
+    """Print the JSON schema of the model file, for editors."""
+    import json
+
+    from jousto.schema import model_schema
+
+    sys.stdout.write(json.dumps(model_schema(), indent=1, ensure_ascii=False) + "\n")
+
+
+# -- what the commands need -----------------------------------------------------------------
+
+
+def compile_model(file: ModelFile) -> Any:
+    """Return the compiled model of a model file."""
+    from jousto.engine import compile
+
+    return compile(file.mechanism)
+
+
+def end_time(text: str) -> float:
+    """Return the end time of an option, s."""
+    from jousto.schema.units import UnitError, quantity
+
+    try:
+        value = quantity(text, "s")
+    except UnitError as error:
+        raise InputError(Problem("--t-end", str(error))) from None
+    if value <= 0:
+        raise InputError(Problem("--t-end", f"is {value:g} s, must be positive"))
+    return value
+
+
+@contextlib.contextmanager
+def progress_bar(text: str) -> Iterator[Callable[[int, int], None] | None]:
+    """Show a bar on a terminal; yields a function of what is done and the total."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(text, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+def plain(value: Any) -> str:
+    """Return a value for people."""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def describe_model(file: ModelFile) -> None:
+    """Print what is in a model."""
+    from jousto.schema.summary import model_facts
+
+    facts(model_facts(file), file.mechanism.name)
+
+
+def describe_part(part: ReducedPart) -> None:
+    """Print what is in a reduced part."""
+    from jousto.schema.summary import part_facts
+
+    facts(part_facts(part), f"reduced part {part.name}")
+
+
+def describe_result(path: Path) -> None:
+    """Print what is in a results file."""
+    from jousto.schema.summary import count
+    from jousto.simulation import describe, load
+
+    solution = load(path)
+    facts([(name, plain(value)) for name, value in describe(solution).items()], path.name)
+    rows = []
+    for name in solution.sensors:
+        values = solution[name]
+        about, width = solution.about(name), values.shape[1] if values.ndim > 1 else 1
+        rows.append((f"sensor {name}", f"{about['description']}, {count(width, 'value')}"))
+    facts(rows)
+
+
+def main() -> None:
+    """Run the command line; the entry point of the ``jousto`` command."""
+    app(prog_name="jousto")

@@ -1,0 +1,402 @@
+"""From validated entries to parts, bodies and a mechanism, through the Python constructors."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from jousto import mechanism as jm
+from jousto.errors import InputError, JoustoWarning, Problem, suggest
+from jousto.schema import model as sm
+from jousto.schema import parts as sp
+from jousto.schema.document import Document, Loc
+from jousto.schema.entries import Entry, MarkerEntry, RotateEntry
+from jousto.schema.files import read_matrix, read_points
+
+T = TypeVar("T")
+
+JOINTS = {"spherical": jm.Spherical, "revolute": jm.Revolute, "fixed": jm.Fixed}
+LOADS = {"force": jm.Force, "torque": jm.Torque}
+SIGNALS = {"harmonic": jm.Harmonic, "table": jm.Table, "step": jm.Step}
+MARKER_SENSORS = {
+    "position": jm.PositionSensor,
+    "velocity": jm.VelocitySensor,
+    "orientation": jm.OrientationSensor,
+    "angular-velocity": jm.AngularVelocitySensor,
+}
+
+
+class Builder:
+    """Builds the objects of one document and collects problems with their lines.
+
+    Parameters
+    ----------
+    document : Document
+        For lines, and the folder of files it refers to.
+    broken : iterable of (str, str or None)
+        Sections and names of entries that failed before; references to them are not reported
+        again. None stands for any name.
+    """
+
+    def __init__(self, document: Document, broken: Iterable[tuple[str, str | None]] = ()) -> None:
+        self.document = document
+        self.broken = set(broken)
+        self.found: list[tuple[Loc, Problem]] = []
+        self.warnings: list[str] = []
+
+    # -- placing problems -------------------------------------------------------------------
+
+    def note(self, loc: Loc, message: str) -> None:
+        """Note a problem at a place of the document."""
+        problem = Problem(self.document.where(loc), message)
+        if all(problem != other for _, other in self.found):
+            self.found.append((loc, problem))
+
+    def make(self, loc: Loc, make: Callable[..., T], /, *args: Any, **kwargs: Any) -> T | None:
+        """Return ``make(*args, **kwargs)``; None with the problems noted if it fails."""
+        own = {str(loc[-1]).lower() if loc else "", make.__name__.lower(), make.__qualname__}
+        name = kwargs.get("name", args[0] if args else None)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            try:
+                return make(*args, **kwargs)
+            except InputError as error:
+                for problem in error.problems:
+                    message = shorten(problem.where, problem.message, own, name)
+                    place = self.refine(loc, problem.message)
+                    self.note(place, message.removeprefix(f"{place[-1]}: " if place else ""))
+                return None
+            finally:
+                for item in caught:
+                    self.warn(loc, item, own, name)
+
+    def warn(
+        self, loc: Loc, item: warnings.WarningMessage, own: set[str], name: Any = None
+    ) -> None:
+        """Keep a warning with its place, pass on those that are not jousto's."""
+        if not issubclass(item.category, JoustoWarning):
+            warnings.warn_explicit(item.message, item.category, item.filename, item.lineno)
+            return
+        where, colon, message = str(item.message).partition(": ")
+        if colon:
+            message = shorten(where, message, own, name)
+        text = f"{self.document.where(loc)}: {message if colon else where}"
+        if text not in self.warnings:
+            self.warnings.append(text)
+
+    def refine(self, loc: Loc, message: str) -> Loc:
+        """Return the path of the field that a message of a constructor begins with."""
+        for word in re.findall(r"[A-Za-z_]\w*", message)[:4]:
+            if (*loc, word) in self.document.lines:
+                return (*loc, word)
+        return loc
+
+    # -- parts ------------------------------------------------------------------------------
+
+    def file(self, name: str) -> Path:
+        """Return a file name of the document, relative to the document's folder."""
+        return self.document.folder / name
+
+    def reduced(self, loc: Loc, name: str, entry: Any) -> Any:
+        """Return the ReducedPart of an entry of parts, None if anything is wrong with it."""
+        from jousto.reduction import CraigBampton, FreeFree, ReducedPart, reduce
+
+        if entry.in_plane is not None and entry.keep is not None:
+            self.note((*loc, "keep"), "give either keep or in_plane, not both")
+            return None
+        reduced: Any
+        if isinstance(entry, sp.ReducedEntry):
+            reduced = self.make((*loc, "file"), ReducedPart.load, self.file(entry.file))
+        else:
+            part = self.part(loc, name, entry)
+            here = (*loc, "reduce")
+            craig = isinstance(entry.reduce, sp.CraigBamptonEntry)
+            kind: Any = CraigBampton if craig else FreeFree
+            method = self.make(here, kind, **entry.reduce.given())
+            if part is None or method is None:
+                return None
+            reduced = self.make(here, reduce, part, method)
+        if reduced is not None and entry.in_plane is not None:
+            modes = reduced.in_plane(entry.in_plane)
+            reduced = self.make((*loc, "in_plane"), reduced.keep, modes)
+        elif reduced is not None and entry.keep is not None:
+            reduced = self.make((*loc, "keep"), reduced.keep, entry.keep)
+        return reduced
+
+    def part(self, loc: Loc, name: str, entry: Any) -> Any:
+        """Return the Part of an entry with a mesh, None if anything is wrong with it."""
+        from jousto.parts import Part
+
+        before = len(self.found)
+        values = entry.given("reduce", "in_plane", "keep")
+        if isinstance(entry, sp.MatricesEntry):
+            for key in ("M", "K"):
+                values[key] = self.make((*loc, key), read_matrix, self.file(values[key]))
+            if isinstance(entry.nodes, str):
+                values["nodes"] = self.make((*loc, "nodes"), read_points, self.file(entry.nodes))
+            make: Callable[..., Any] = Part.from_matrices
+        else:
+            self.beams(loc, values)
+            makers: dict[Any, Any] = {
+                sp.BeamEntry: Part.beam,
+                sp.MembersEntry: Part.from_members,
+                sp.FrameEntry: Part.frame,
+            }
+            make = makers[type(entry)]
+        if len(self.found) > before:
+            return None
+        return self.make(loc, make, **values, name=name)
+
+    def beams(self, loc: Loc, values: dict[str, Any]) -> None:
+        """Replace the entries in the arguments of a part made of beams by objects."""
+        from jousto import parts as jp
+
+        for key, value in values.items():
+            here = (*loc, key)
+            if key in ("section", "sections"):
+                values[key] = self.each(here, value, self.section)
+            elif key in ("material", "materials"):
+                values[key] = self.each(here, value, self.material)
+            elif key == "theory":
+                timoshenko = isinstance(value, sp.TimoshenkoEntry)
+                theory: Any = jp.Timoshenko if timoshenko else jp.EulerBernoulli
+                values[key] = self.make(here, theory, **value.given())
+            elif key == "point_masses":
+                values[key] = self.each(
+                    here, value, lambda at, e: self.make(at, jp.PointMass, **e.given())
+                )
+            elif key == "members":
+                values[key] = self.each(here, value, self.member)
+
+    def each(self, loc: Loc, value: Any, build: Callable[[Loc, Any], Any]) -> Any:
+        """Return the object of an entry, or the list of objects of a list of entries."""
+        if isinstance(value, Entry):
+            return build(loc, value)
+        return [build((*loc, i), item) for i, item in enumerate(value)]
+
+    def material(self, loc: Loc, entry: sp.MaterialEntry) -> Any:
+        """Return the Material of an entry."""
+        from jousto.parts import Material
+
+        return self.make(loc, Material, **entry.given())
+
+    def section(self, loc: Loc, entry: Any) -> Any:
+        """Return the section of an entry."""
+        from jousto import parts as jp
+
+        values = entry.given()
+        if "points" in values:
+            points = self.each(
+                (*loc, "points"),
+                values["points"],
+                lambda at, e: self.make(at, jp.SectionPoint, **e.given()),
+            )
+            values["points"] = tuple(points)
+        makers: dict[type, Any] = {
+            sp.RectangleEntry: jp.Rectangle,
+            sp.CircleEntry: jp.Circle,
+            sp.TubeEntry: jp.Tube,
+            sp.BoxEntry: jp.Box,
+            sp.IBeamEntry: jp.IBeam,
+            sp.GeneralSectionEntry: jp.GeneralSection,
+        }
+        return self.make(loc, makers[type(entry)], **values)
+
+    def member(self, loc: Loc, entry: sp.MemberEntry) -> Any:
+        """Return the Member of an entry."""
+        from jousto.parts import Member
+
+        values = entry.given()
+        self.beams(loc, values)
+        if values["section"] is None or values["material"] is None:
+            return None
+        return self.make(loc, Member, **values)
+
+    # -- mechanism --------------------------------------------------------------------------
+
+    def body(self, loc: Loc, entry: Any, parts: dict[str, Any]) -> Any:
+        """Return the body of an entry, None if anything is wrong with it."""
+        values = self.orientations(loc, entry.given("part"))
+        if isinstance(entry, sm.RigidBodyEntry):
+            return self.make(loc, jm.RigidBody, **values)
+        if isinstance(entry.damping, sm.RayleighEntry):
+            from jousto.reduction import Rayleigh
+
+            values["damping"] = self.make((*loc, "damping"), Rayleigh, **entry.damping.given())
+        reduced = parts.get(entry.part)
+        if reduced is None:
+            self.unknown((*loc, "part"), "parts", "part", entry.part, parts)
+        if reduced is None or ("damping" in values and values["damping"] is None):
+            return None
+        return self.make(loc, jm.FlexibleBody, reduced=reduced, **values)
+
+    def orientations(self, loc: Loc, values: dict[str, Any]) -> dict[str, Any]:
+        """Replace turns about an axis by `Rotate` objects."""
+        for key in ("orientation", "axes"):
+            if isinstance(values.get(key), RotateEntry):
+                entry = values[key]
+                values[key] = self.make((*loc, key), jm.Rotate, entry.axis, entry.angle_deg)
+        return values
+
+    def unknown(self, loc: Loc, section: str, kind: str, name: str, known: Iterable[str]) -> None:
+        """Note a reference to nothing, unless it is to an entry that failed itself."""
+        if not {(section, name), (section, None)} & self.broken:
+            known = [
+                *known,
+                *(str(n) for s, n in sorted(self.broken, key=str) if s == section and n),
+            ]
+            self.note(loc, f"no {kind} {name!r}{suggest(name, known)}")
+
+    def marker(self, loc: Loc, entry: Any, bodies: dict[str, Any]) -> Any:
+        """Return the marker of an entry, None if anything is wrong with it."""
+        if isinstance(entry, MarkerEntry):
+            name, point, place = entry.body, entry.point, (*loc, "body")
+        else:
+            name, _, point = entry.partition(".")
+            place = loc
+        body = jm.ground if name == "ground" else bodies.get(name)
+        if body is None:
+            self.unknown(place, "bodies", "body", name, [*bodies, "ground"])
+            return None
+        marker: Any
+        if isinstance(entry, MarkerEntry) and entry.at is not None:
+            if isinstance(body, jm.FlexibleBody):
+                self.note((*loc, "at"), f"{name!r} is flexible, give point: and the name of a node")
+                return None
+            marker = self.make((*loc, "at"), body.at, entry.at)
+        else:
+            point_place = (*loc, "point") if isinstance(entry, MarkerEntry) else loc
+            marker = self.make(point_place, body.__getitem__, point)
+        if marker is None or not isinstance(entry, MarkerEntry) or entry.axes is None:
+            return marker
+        axes = self.orientations(loc, {"axes": entry.axes})["axes"]
+        return None if axes is None else self.make((*loc, "axes"), marker.turned, axes)
+
+    def joint(self, loc: Loc, entry: Any, bodies: dict[str, Any]) -> Any:
+        """Return the joint of an entry, None if anything is wrong with it."""
+        values = entry.given()
+        for key in ("a", "b"):
+            values[key] = self.marker((*loc, key), values[key], bodies)
+        if values["a"] is None or values["b"] is None:
+            return None
+        return self.make(loc, JOINTS[entry.type], **values)
+
+    def load(self, loc: Loc, entry: Any, bodies: dict[str, Any]) -> Any:
+        """Return the force or torque of an entry, None if anything is wrong with it."""
+        values = entry.given()
+        values["marker"] = self.marker((*loc, "marker"), entry.marker, bodies)
+        if entry.signal is not None:
+            signal: Any = SIGNALS[entry.signal.type]
+            values["signal"] = self.make((*loc, "signal"), signal, **entry.signal.given())
+            if values["signal"] is None:
+                return None
+        if values["marker"] is None:
+            return None
+        return self.make(loc, LOADS[entry.type], **values)
+
+    def sensor(self, loc: Loc, entry: Any, bodies: dict[str, Any], joints: dict[str, Any]) -> Any:
+        """Return the sensor of an entry, None if anything is wrong with it."""
+        values = entry.given()
+        if isinstance(entry, sm.MarkerSensorEntry):
+            values["marker"] = self.marker((*loc, "marker"), entry.marker, bodies)
+            make: Any = MARKER_SENSORS[entry.type]
+            return None if values["marker"] is None else self.make(loc, make, **values)
+        if isinstance(entry, sm.ReactionSensorEntry):
+            values["joint"] = joints.get(entry.joint)
+            if values["joint"] is None:
+                self.unknown((*loc, "joint"), "joints", "joint", entry.joint, joints)
+                return None
+            return self.make(loc, jm.ReactionSensor, **values)
+        values["body"] = bodies.get(entry.body)
+        if values["body"] is None:
+            self.unknown((*loc, "body"), "bodies", "body", entry.body, bodies)
+            return None
+        make = jm.ModalSensor if isinstance(entry, sm.ModalSensorEntry) else jm.StressSensor
+        return self.make(loc, make, **values)
+
+    def section_items(
+        self, key: str, entries: Any, index: list[int], build: Callable[[Loc, Any], Any]
+    ) -> list[tuple[Loc, Any]]:
+        """Return the objects of a list of entries that could be built, with their paths."""
+        items: list[tuple[Loc, Any]] = []
+        for i, entry in zip(index, entries or (), strict=True):
+            item = build((key, i), entry)
+            if item is None:
+                self.broken.add((key, entry.name))
+            else:
+                items.append(((key, i), item))
+        return items
+
+    def mechanism(self, entry: sm.ModelEntry, index: dict[str, list[int]]) -> Any:
+        """Return the Mechanism of a file; None if anything is wrong.
+
+        Parameters
+        ----------
+        entry : ModelEntry
+            The validated file, or what is left of it without invalid entries.
+        index : dict
+            For each list the places of its entries in the file.
+        """
+        parts: dict[str, Any] = {}
+        for name, part in (entry.parts or {}).items():
+            reduced = self.reduced(("parts", name), name, part)
+            if reduced is None:
+                self.broken.add(("parts", name))
+            else:
+                parts[name] = reduced
+
+        def named(items: list[tuple[Loc, Any]]) -> dict[str, Any]:
+            return {item.name: item for _, item in items}
+
+        def listed(key: str, build: Callable[[Loc, Any], Any]) -> list[tuple[Loc, Any]]:
+            return self.section_items(key, getattr(entry, key), index[key], build)
+
+        bodies = listed("bodies", lambda at, e: self.body(at, e, parts))
+        by_name = named(bodies)
+        joints = listed("joints", lambda at, e: self.joint(at, e, by_name))
+        loads = listed("forces", lambda at, e: self.load(at, e, by_name))
+        sensors = listed("sensors", lambda at, e: self.sensor(at, e, by_name, named(joints)))
+        items = [*bodies, *joints, *loads, *sensors]
+        if not bodies and (self.found or self.broken):
+            return None
+        gravity = [] if entry.gravity is None else [jm.Gravity(entry.gravity)]
+        name = entry.name or "mechanism"
+        return self.checked(items, gravity, name)
+
+    def checked(self, items: list[tuple[Loc, Any]], gravity: list[Any], name: str) -> Any:
+        """Return the Mechanism; note its problems at the entries they belong to."""
+        from jousto.mechanism.mechanism import where
+
+        places = {where(item): loc for loc, item in items}
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            try:
+                made = jm.Mechanism(
+                    *(item for _, item in items),
+                    *gravity,
+                    name=name,
+                )
+            except InputError as error:
+                for problem in error.problems:
+                    loc = places.get(problem.where, ())
+                    text = problem.message if loc else str(problem)
+                    self.note(self.refine(loc, problem.message) if loc else loc, text)
+                return None
+        # what is broken would only cause wrong warnings
+        if not (self.found or self.broken):
+            for item in caught:
+                text = str(item.message)
+                place = next((p for p in places if text.startswith(f"{p}: ")), "")
+                self.warn(places.get(place, ()), item, {place.lower()})
+        return made
+
+
+def shorten(where: str, message: str, own: set[str], name: Any) -> str:
+    """Return the sentence of a constructor without the name of the object it is about."""
+    head = where.lower()
+    if not where or head in own or head.endswith((f" {name!r}".lower(), f" '{name}'".lower())):
+        return message
+    return f"{where}: {message}"

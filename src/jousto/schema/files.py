@@ -1,0 +1,57 @@
+"""Reading the matrices and tables that a model file refers to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.errors import InputError, Problem
+
+
+def read_matrix(path: Path) -> Any:
+    """Return a matrix from a Matrix Market (.mtx), scipy sparse (.npz) or NumPy (.npy) file.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, its ending is unknown or its content is no matrix.
+    """
+    import scipy.io
+    import scipy.sparse
+
+    readers = {".mtx": scipy.io.mmread, ".npz": scipy.sparse.load_npz, ".npy": np.load}
+    return _read(path, readers)
+
+
+def read_points(path: Path) -> NDArray[np.float64]:
+    """Return the rows of a table of positions from a .npy, .csv or .txt file.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, its ending is unknown or its content is no table of numbers.
+    """
+
+    def table(file: Path) -> NDArray[np.float64]:
+        comma = "," in file.read_text(encoding="utf-8")
+        return np.loadtxt(file, delimiter="," if comma else None, ndmin=2)
+
+    return np.asarray(_read(path, {".npy": np.load, ".csv": table, ".txt": table}))
+
+
+def _read(path: Path, readers: dict[str, Any]) -> Any:
+    reader = readers.get(path.suffix.lower())
+    if reader is None:
+        raise InputError(
+            Problem("", f"{path.name!r} cannot be read, must end with {', '.join(readers)}")
+        )
+    if not path.is_file():
+        raise InputError(Problem("", f"no such file {str(path)!r}"))
+    try:
+        return reader(path)
+    except Exception as error:
+        # the readers raise whatever their parsers do
+        raise InputError(Problem("", f"{path.name!r} cannot be read: {error}")) from None

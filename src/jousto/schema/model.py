@@ -1,0 +1,290 @@
+"""The model file: bodies, joints, forces, sensors and the simulation."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import Field, Tag
+
+from jousto.schema.entries import (
+    Acceleration3,
+    Angle,
+    AngularVelocity3,
+    Direction,
+    Duration,
+    Entry,
+    Flag,
+    Force3,
+    Frequency,
+    InertiaTensor,
+    Marker,
+    Mass,
+    Number,
+    Orientation,
+    Position,
+    Rate,
+    Text,
+    Time,
+    Torque3,
+    Velocity3,
+    by_form,
+    tagged,
+)
+from jousto.schema.parts import PartEntry
+
+# -- bodies ---------------------------------------------------------------------------------
+
+
+class Posed(Entry):
+    """Initial pose and velocity of a body frame, resolved in the world."""
+
+    name: Text
+    position: Position | None = None
+    orientation: Orientation | None = None
+    velocity: Velocity3 | None = Field(None, description="Of the body frame's origin")
+    angular_velocity: AngularVelocity3 | None = None
+
+
+class RigidBodyEntry(Posed):
+    """`RigidBody`."""
+
+    type: Literal["rigid"] = "rigid"
+    mass: Mass
+    inertia: InertiaTensor = Field(
+        description="About the centre of mass in body axes: three moments or a 3 x 3 tensor"
+    )
+    center: Position | None = Field(None, description="Centre of mass in the body frame")
+    markers: dict[Text, Position] | None = Field(None, description="Named points, body frame")
+    outline: tuple[Position, ...] | None = Field(None, description="Polyline to draw the body")
+
+
+class RayleighEntry(Entry):
+    """`Rayleigh`: damping proportional to mass and stiffness."""
+
+    type: Literal["rayleigh"]
+    alpha: Rate
+    beta: Time
+
+
+DampingEntry: TypeAlias = Annotated[
+    Annotated[Number, Tag("scalar")]
+    | Annotated[tuple[Number, ...], Tag("list")]
+    | Annotated[RayleighEntry, Tag("mapping")],
+    by_form(),
+]
+
+
+class FlexibleBodyEntry(Posed):
+    """`FlexibleBody`: a part in a floating frame."""
+
+    type: Literal["flexible"] = "flexible"
+    part: Text = Field(description="Name of an entry of parts")
+    damping: DampingEntry | None = Field(
+        None, description="Damping ratio of all modes, one for each mode, or Rayleigh damping"
+    )
+    modal_coordinates: tuple[Number, ...] | None = Field(None, description="kg^0.5 m")
+    modal_velocities: tuple[Number, ...] | None = Field(None, description="kg^0.5 m/s")
+    drop_invariants: tuple[Literal["I5", "I9"], ...] | None = None
+
+
+def _kind_of_body(data: dict[str, Any]) -> str | None:
+    if "part" in data:
+        return "flexible"
+    return "rigid" if "mass" in data or "inertia" in data else None
+
+
+BodyEntry: TypeAlias = Annotated[
+    Annotated[RigidBodyEntry, Tag("rigid")] | Annotated[FlexibleBodyEntry, Tag("flexible")],
+    tagged(_kind_of_body),
+]
+
+# -- joints ---------------------------------------------------------------------------------
+
+
+class SphericalEntry(Entry):
+    """`Spherical`: the markers share a point."""
+
+    type: Literal["spherical"]
+    name: Text
+    a: Marker
+    b: Marker
+
+
+class RevoluteEntry(Entry):
+    """`Revolute`: the markers share a point and an axis."""
+
+    type: Literal["revolute"]
+    name: Text
+    a: Marker
+    b: Marker
+    axis: Direction | None = Field(
+        None, description="In the world at the initial pose; the z axis of a if not given"
+    )
+
+
+class FixedEntry(Entry):
+    """`Fixed`: the markers do not move against each other."""
+
+    type: Literal["fixed"]
+    name: Text
+    a: Marker
+    b: Marker
+
+
+JointEntry: TypeAlias = Annotated[
+    Annotated[SphericalEntry, Tag("spherical")]
+    | Annotated[RevoluteEntry, Tag("revolute")]
+    | Annotated[FixedEntry, Tag("fixed")],
+    tagged(),
+]
+
+# -- forces ---------------------------------------------------------------------------------
+
+
+class HarmonicEntry(Entry):
+    """`Harmonic`: offset + amplitude sin(2 pi frequency t + phase)."""
+
+    type: Literal["harmonic"]
+    frequency: Frequency
+    amplitude: Number | None = None
+    phase: Angle | None = None
+    offset: Number | None = None
+
+
+class TableEntry(Entry):
+    """`Table`: linear interpolation, held constant outside."""
+
+    type: Literal["table"]
+    times: tuple[Time, ...]
+    values: tuple[Number, ...]
+
+
+class StepEntry(Entry):
+    """`Step`: a jump from before to after."""
+
+    type: Literal["step"]
+    time: Time
+    before: Number | None = None
+    after: Number | None = None
+
+
+SignalEntry: TypeAlias = Annotated[
+    Annotated[HarmonicEntry, Tag("harmonic")]
+    | Annotated[TableEntry, Tag("table")]
+    | Annotated[StepEntry, Tag("step")],
+    tagged(),
+]
+
+
+class ForceEntry(Entry):
+    """`Force` at a marker."""
+
+    type: Literal["force"]
+    name: Text
+    marker: Marker
+    vector: Force3
+    follow: Flag | None = Field(None, description="Whether it turns with the marker")
+    signal: SignalEntry | None = Field(None, description="Factor as a function of time")
+
+
+class TorqueEntry(Entry):
+    """`Torque` at a marker."""
+
+    type: Literal["torque"]
+    name: Text
+    marker: Marker
+    vector: Torque3
+    follow: Flag | None = Field(None, description="Whether it turns with the marker")
+    signal: SignalEntry | None = Field(None, description="Factor as a function of time")
+
+
+LoadEntry: TypeAlias = Annotated[
+    Annotated[ForceEntry, Tag("force")] | Annotated[TorqueEntry, Tag("torque")], tagged()
+]
+
+# -- sensors --------------------------------------------------------------------------------
+
+
+class MarkerSensorEntry(Entry):
+    """`PositionSensor`, `VelocitySensor`, `OrientationSensor`, `AngularVelocitySensor`."""
+
+    type: Literal["position", "velocity", "orientation", "angular-velocity"]
+    name: Text
+    marker: Marker
+
+
+class ModalSensorEntry(Entry):
+    """`ModalSensor`: modal coordinates and velocities of a flexible body."""
+
+    type: Literal["modal"]
+    name: Text
+    body: Text
+
+
+class ReactionSensorEntry(Entry):
+    """`ReactionSensor`: force and moment of a joint."""
+
+    type: Literal["reaction"]
+    name: Text
+    joint: Text
+
+
+class StressSensorEntry(Entry):
+    """`StressSensor`: stress at section points of a flexible body."""
+
+    type: Literal["stress"]
+    name: Text
+    body: Text
+    sites: tuple[Text, ...] | None = Field(None, description="Such as e3.a.top; all if not given")
+
+
+SensorEntry: TypeAlias = Annotated[
+    Annotated[MarkerSensorEntry, Tag("position")]
+    | Annotated[MarkerSensorEntry, Tag("velocity")]
+    | Annotated[MarkerSensorEntry, Tag("orientation")]
+    | Annotated[MarkerSensorEntry, Tag("angular-velocity")]
+    | Annotated[ModalSensorEntry, Tag("modal")]
+    | Annotated[ReactionSensorEntry, Tag("reaction")]
+    | Annotated[StressSensorEntry, Tag("stress")],
+    tagged(),
+]
+
+# -- simulation and the whole file ----------------------------------------------------------
+
+
+class BaumgarteEntry(Entry):
+    """`Baumgarte`: stabilisation of the constraints."""
+
+    alpha: Rate
+    beta: Rate
+
+
+class SolverEntry(Entry):
+    """`RK4` or `ROS2` with a fixed step."""
+
+    type: Literal["RK4", "ROS2"]
+    step: Duration | None = Field(None, description="Step size, 1 ms if not given")
+    projection: Flag | None = Field(None, description="Project onto the constraints every step")
+    baumgarte: BaumgarteEntry | None = None
+
+
+class SimulationEntry(Entry):
+    """Arguments of `simulate`."""
+
+    t_end: Duration
+    solver: SolverEntry | None = None
+    output_step: Duration | None = Field(None, description="Distance of the recorded times")
+
+
+class ModelEntry(Entry):
+    """A jousto model."""
+
+    schema_: Text | None = Field(None, alias="$schema", description="For editors, not used")
+    name: Text | None = None
+    parts: dict[Text, PartEntry] | None = None
+    bodies: tuple[BodyEntry, ...]
+    joints: tuple[JointEntry, ...] | None = None
+    forces: tuple[LoadEntry, ...] | None = None
+    gravity: Acceleration3 | None = None
+    sensors: tuple[SensorEntry, ...] | None = None
+    simulation: SimulationEntry | None = None

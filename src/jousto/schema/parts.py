@@ -1,0 +1,302 @@
+"""Parts in the model file: beams, frames, matrices, their materials, sections and reduction."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import Field, Tag
+
+from jousto.schema.entries import (
+    Area,
+    Count,
+    Density,
+    Direction,
+    Entry,
+    Flag,
+    Frequency,
+    InertiaTensor,
+    Length,
+    Mass,
+    Number,
+    Position,
+    Pressure,
+    SecondMoment,
+    Text,
+    Vector,
+    by_form,
+    tagged,
+)
+
+
+class MaterialEntry(Entry):
+    """`Material`: linear elastic, isotropic."""
+
+    E: Pressure = Field(description="Young's modulus")
+    nu: Number = Field(description="Poisson's ratio")
+    rho: Density = Field(description="Density")
+    name: Text | None = None
+
+
+# -- sections -------------------------------------------------------------------------------
+
+
+class RectangleEntry(Entry):
+    """`Rectangle`: solid, width along y and height along z."""
+
+    type: Literal["rectangle"]
+    width: Length
+    height: Length
+
+
+class CircleEntry(Entry):
+    """`Circle`: solid."""
+
+    type: Literal["circle"]
+    diameter: Length
+
+
+class TubeEntry(Entry):
+    """`Tube`: circular and hollow."""
+
+    type: Literal["tube"]
+    outer_diameter: Length
+    wall: Length
+
+
+class BoxEntry(Entry):
+    """`Box`: rectangular and hollow."""
+
+    type: Literal["box"]
+    width: Length
+    height: Length
+    web: Length = Field(description="Thickness of the two walls along z")
+    flange: Length | None = Field(None, description="Thickness of the two walls along y")
+
+
+class IBeamEntry(Entry):
+    """`IBeam`: double symmetric."""
+
+    type: Literal["i-beam"]
+    height: Length
+    width: Length
+    web: Length = Field(description="Thickness of the web")
+    flange: Length = Field(description="Thickness of the flanges")
+    fillet: Length | None = Field(None, description="Radius between web and flange")
+
+
+ShearRow: TypeAlias = Annotated[tuple[Number, Number, Number], Vector(3)]
+
+
+class SectionPointEntry(Entry):
+    """`SectionPoint`: where stress is recovered."""
+
+    name: Text
+    y: Length
+    z: Length
+    shear: Annotated[tuple[ShearRow, ShearRow], Vector(2)] | None = Field(
+        None, description="Rows s12 and s13, columns for unit Vy, Vz (1/m2) and torque (1/m3)"
+    )
+
+
+class GeneralSectionEntry(Entry):
+    """`GeneralSection`: given by its constants."""
+
+    type: Literal["general"]
+    A: Area
+    Iy: SecondMoment
+    Iz: SecondMoment
+    J: SecondMoment = Field(description="Torsion constant")
+    ky: Number | None = Field(None, description="Shear coefficient along y")
+    kz: Number | None = Field(None, description="Shear coefficient along z")
+    points: tuple[SectionPointEntry, ...] | None = None
+
+
+SectionEntry: TypeAlias = Annotated[
+    Annotated[RectangleEntry, Tag("rectangle")]
+    | Annotated[CircleEntry, Tag("circle")]
+    | Annotated[TubeEntry, Tag("tube")]
+    | Annotated[BoxEntry, Tag("box")]
+    | Annotated[IBeamEntry, Tag("i-beam")]
+    | Annotated[GeneralSectionEntry, Tag("general")],
+    tagged(),
+]
+
+# -- how parts are modelled and reduced -----------------------------------------------------
+
+
+class TimoshenkoEntry(Entry):
+    """`Timoshenko`: with shear deformation, the default."""
+
+    type: Literal["timoshenko"]
+    ky: Number | None = None
+    kz: Number | None = None
+
+
+class EulerBernoulliEntry(Entry):
+    """`EulerBernoulli`: without shear deformation."""
+
+    type: Literal["euler-bernoulli"]
+
+
+TheoryEntry: TypeAlias = Annotated[
+    Annotated[TimoshenkoEntry, Tag("timoshenko")]
+    | Annotated[EulerBernoulliEntry, Tag("euler-bernoulli")],
+    tagged(),
+]
+
+
+class PointMassEntry(Entry):
+    """`PointMass`: a rigid mass fixed to a node."""
+
+    node: Text = Field(description="Name of a node such as end or node3")
+    mass: Mass
+    inertia: InertiaTensor | None = Field(
+        None, description="About its own centre, part axes: three moments or a 3 x 3 tensor"
+    )
+    offset: Position | None = Field(None, description="From the node to the centre of the mass")
+
+
+class CraigBamptonEntry(Entry):
+    """`CraigBampton`: fixed-interface modes plus constraint modes of the interface nodes."""
+
+    type: Literal["craig-bampton"]
+    interfaces: tuple[Text, ...] = Field(description="Node sets where joints and forces act")
+    modes: Count | None = Field(None, description="Number of fixed-interface modes")
+    frequency_limit: Frequency | None = Field(None, description="Highest frequency kept")
+
+
+class FreeFreeEntry(Entry):
+    """`FreeFree`: elastic modes of the whole, unsupported part."""
+
+    type: Literal["free-free"]
+    modes: Count | None = Field(None, description="Number of elastic modes")
+    frequency_limit: Frequency | None = Field(None, description="Highest frequency kept")
+
+
+MethodEntry: TypeAlias = Annotated[
+    Annotated[CraigBamptonEntry, Tag("craig-bampton")] | Annotated[FreeFreeEntry, Tag("free-free")],
+    tagged(),
+]
+
+
+class ModeChoice(Entry):
+    """Which of the computed modes to keep; at most one of the two."""
+
+    in_plane: Literal["xy", "yz", "xz"] | None = Field(
+        None, description="Keep the modes that move in this plane only"
+    )
+    keep: tuple[Count, ...] | None = Field(None, description="Keep these modes, counted from 0")
+
+
+class FePart(ModeChoice):
+    """What all parts with a mesh have."""
+
+    reduce: MethodEntry
+
+
+class BeamOptionsEntry(FePart):
+    """What all parts made of beams have."""
+
+    lumped: Flag | None = Field(None, description="Half of each element's mass at each end")
+    rotary_inertia: Flag | None = Field(None, description="Rotary inertia of the sections")
+    theory: TheoryEntry | None = None
+    point_masses: tuple[PointMassEntry, ...] | None = None
+
+
+# -- parts ----------------------------------------------------------------------------------
+
+
+class BeamEntry(BeamOptionsEntry):
+    """`Part.beam`: straight along +x from the origin, with the nodes start and end."""
+
+    type: Literal["beam"]
+    length: Length
+    section: SectionEntry
+    elements: Count = Field(description="Number of elements")
+    material: MaterialEntry
+    orientation: Direction | None = Field(None, description="Vector near the section's z axis")
+
+
+class MemberEntry(Entry):
+    """`Member`: a straight member between two points."""
+
+    name: Text | None = None
+    start: Position
+    end: Position
+    section: SectionEntry
+    material: MaterialEntry
+    elements: Count | None = Field(None, description="Number of elements, 1 if not given")
+    orientation: Direction | None = Field(None, description="Vector near the section's z axis")
+    start_offset: Position | None = Field(None, description="Rigid arm at the start")
+    end_offset: Position | None = Field(None, description="Rigid arm at the end")
+
+
+class MembersEntry(BeamOptionsEntry):
+    """`Part.from_members`: straight members, joined where their ends meet."""
+
+    type: Literal["members"]
+    members: tuple[MemberEntry, ...]
+    points: dict[Text, Position] | None = Field(None, description="Names for nodes, by position")
+
+
+Pair: TypeAlias = Annotated[tuple[Count, Count], Vector(2)]
+Offsets: TypeAlias = Annotated[tuple[Position, Position], Vector(2)]
+
+
+Sections: TypeAlias = Annotated[
+    Annotated[SectionEntry, Tag("mapping")] | Annotated[tuple[SectionEntry, ...], Tag("list")],
+    by_form(),
+]
+Materials: TypeAlias = Annotated[
+    Annotated[MaterialEntry, Tag("mapping")] | Annotated[tuple[MaterialEntry, ...], Tag("list")],
+    by_form(),
+]
+Nodes: TypeAlias = Annotated[
+    Annotated[Text, Tag("scalar")] | Annotated[tuple[Position, ...], Tag("list")], by_form()
+]
+
+
+class FrameEntry(BeamOptionsEntry):
+    """`Part.frame`: beams between nodes given by arrays."""
+
+    type: Literal["frame"]
+    nodes: tuple[Position, ...]
+    elements: tuple[Pair, ...] = Field(description="Two nodes each, counted from 0")
+    sections: Sections = Field(description="One for all elements or one for each")
+    materials: Materials = Field(description="One for all elements or one for each")
+    orientations: tuple[Direction, ...] | None = Field(
+        None, description="Vector near the local z axis of each element"
+    )
+    offsets: tuple[Offsets, ...] | None = Field(None, description="Rigid arms at both ends")
+    node_sets: dict[Text, tuple[Count, ...]] | None = Field(None, description="Counted from 0")
+
+
+class MatricesEntry(FePart):
+    """`Part.from_matrices`: mass and stiffness from another program, in SI units."""
+
+    type: Literal["matrices"]
+    M: Text = Field(description="File of the mass matrix: .mtx, .npz (scipy sparse) or .npy")
+    K: Text = Field(description="File of the stiffness matrix")
+    nodes: Nodes = Field(
+        description="Positions, or a file with three columns in m: .npy, .csv or .txt"
+    )
+    dofs_per_node: Count | None = Field(None, description="3 or 6, from the sizes if not given")
+    node_sets: dict[Text, tuple[Count, ...]] | None = Field(None, description="Counted from 0")
+    elements: tuple[tuple[Count, ...], ...] | None = Field(None, description="For drawing only")
+
+
+class ReducedEntry(ModeChoice):
+    """`ReducedPart.load`: a part reduced before, in an HDF5 file."""
+
+    type: Literal["reduced"] = "reduced"
+    file: Text
+
+
+PartEntry: TypeAlias = Annotated[
+    Annotated[BeamEntry, Tag("beam")]
+    | Annotated[MembersEntry, Tag("members")]
+    | Annotated[FrameEntry, Tag("frame")]
+    | Annotated[MatricesEntry, Tag("matrices")]
+    | Annotated[ReducedEntry, Tag("reduced")],
+    tagged(lambda data: "reduced" if "file" in data else None),
+]

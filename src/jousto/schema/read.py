@@ -1,0 +1,253 @@
+"""Model files: read, validate, build; everything that is wrong is reported at once."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from jousto.errors import InputError, JoustoWarning, Problem, suggest
+from jousto.mechanism import Mechanism
+from jousto.schema.build import Builder
+from jousto.schema.document import Document, Loc, parse_document, read_document
+from jousto.schema.explain import explain
+from jousto.schema.model import ModelEntry, SimulationEntry
+from jousto.schema.parts import PartEntry
+
+LISTS = ("bodies", "joints", "forces", "sensors")
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """How the file wants to be simulated: the arguments of `simulate`.
+
+    Parameters
+    ----------
+    t_end : float
+        End time, s.
+    solver : RK4 or ROS2 or None
+        The integrator; None for the default of `simulate`.
+    output_step : float or None
+        Distance of the recorded times, s; None for the default of `simulate`.
+    """
+
+    t_end: float
+    solver: Any = None
+    output_step: float | None = None
+
+    def given(self) -> dict[str, Any]:
+        """Return the keyword arguments of `simulate` that the file gives, without `t_end`."""
+        values = {"solver": self.solver, "output_step": self.output_step}
+        return {key: value for key, value in values.items() if value is not None}
+
+
+@dataclass(frozen=True, eq=False)
+class ModelFile:
+    """What a model file says.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Bodies, joints, forces and sensors.
+    simulation : Simulation or None
+        How to simulate it, if the file says so.
+    text : str
+        The text of the file, to be kept with the results.
+    """
+
+    mechanism: Mechanism
+    simulation: Simulation | None = None
+    text: str = ""
+
+
+def read_model(path: str | Path) -> ModelFile:
+    """Read a YAML or JSON model file.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; file names in it are relative to its folder.
+
+    Raises
+    ------
+    InputError
+        Everything that is wrong with the file, with lines.
+
+    Warns
+    -----
+    JoustoWarning
+        What the constructors warn about, with lines.
+    """
+    return build_model(read_document(path))
+
+
+def parse_model(text: str, *, name: str = "model", folder: Path | None = None) -> ModelFile:
+    """Read a model from text, see `read_model`.
+
+    Examples
+    --------
+    >>> model = parse_model('''
+    ... bodies: [{name: ball, mass: 500 g, inertia: [1e-4, 1e-4, 1e-4], center: [0, -1 m, 0]}]
+    ... joints: [{type: spherical, name: pivot, a: ground.origin, b: ball.origin}]
+    ... gravity: [0, -9.81, 0]
+    ... ''')
+    >>> model.mechanism
+    <Mechanism 'mechanism': 1 body, 1 joint, 0 forces, 0 sensors>
+    """
+    return build_model(parse_document(text, name=name, folder=folder))
+
+
+def build_model(document: Document) -> ModelFile:
+    """Validate and build a document; see `read_model`."""
+    entry, index, invalid, broken = validate(document)
+    builder = Builder(document, broken)
+    mechanism, simulation = None, None
+    if entry is not None:
+        mechanism = builder.mechanism(entry, index)
+        if entry.simulation is not None:
+            simulation = build_simulation(builder, entry.simulation)
+    finish(document, [*invalid, *builder.found], builder.warnings)
+    assert mechanism is not None
+    return ModelFile(mechanism, simulation, document.text)
+
+
+def finish(document: Document, found: list[tuple[Loc, Problem]], messages: list[str]) -> None:
+    """Issue the warnings, then raise the problems in the order of the file."""
+    for message in messages:
+        warnings.warn(JoustoWarning(message), stacklevel=4)
+    if found:
+        found = sorted(found, key=lambda pair: document.line(pair[0]))
+        raise InputError([problem for _, problem in found])
+
+
+def validate(
+    document: Document,
+) -> tuple[ModelEntry | None, dict[str, list[int]], list[tuple[Loc, Problem]], list[Any]]:
+    """Return what is valid of a document.
+
+    Returns
+    -------
+    entry : ModelEntry or None
+        The file without its invalid entries; None if that cannot be read either.
+    index : dict
+        For each list the places in the file of the entries that are left.
+    problems : list of (path, Problem)
+        What is wrong with the others.
+    broken : list of (section, name)
+        Names of the entries that were left out; None if any name may be missing.
+    """
+    data = document.data
+    lists = {key: data[key] for key in LISTS if isinstance(data.get(key), list)}
+    index = {key: list(range(len(lists.get(key, ())))) for key in LISTS}
+    classes: dict[int, Any] = {}
+    try:
+        return ModelEntry.model_validate(data, context=classes), index, [], []
+    except ValidationError as error:
+        problems = explain(error, document, classes)
+    # leave out what is wrong, so that references and the rest can be checked all the same
+    rest: dict[str, Any] = dict(data)
+    broken: list[Any] = []
+    for path in {loc[:2] for loc, _ in problems if loc}:
+        key: Any = path[0]
+        place: Any = path[1] if len(path) > 1 else None
+        if key == "parts" and place is not None:
+            broken.append((key, place))
+            rest[key] = {k: v for k, v in rest[key].items() if k != place}
+        elif key in lists and place is not None:
+            item = data[key][place]
+            broken.append((key, item.get("name") if isinstance(item, dict) else None))
+            index[key] = [i for i in index[key] if i != place]
+        else:
+            # whatever the section should have defined
+            broken.append((key, None))
+            index[key] = []
+            rest.pop(key, None)
+    for key, items in lists.items():
+        if key in rest:
+            rest[key] = [items[i] for i in index[key]]
+    if "bodies" not in rest:
+        rest["bodies"] = []
+        broken.append(("bodies", None))
+    try:
+        return ModelEntry.model_validate(rest, context=classes), index, problems, broken
+    except ValidationError:
+        return None, index, problems, broken
+
+
+def build_simulation(builder: Builder, entry: SimulationEntry) -> Simulation | None:
+    """Return the settings with a solver object, None if anything is wrong with them."""
+    here: Loc = ("simulation",)
+    before = len(builder.found)
+    solver = None
+    if entry.solver is not None:
+        from jousto import simulation
+
+        make: Any = getattr(simulation, entry.solver.type)
+        values = entry.solver.given()
+        if entry.solver.baumgarte is not None:
+            place = (*here, "solver", "baumgarte")
+            rates = entry.solver.baumgarte.given()
+            values["baumgarte"] = builder.make(place, simulation.Baumgarte, **rates)
+        if len(builder.found) == before:
+            solver = builder.make((*here, "solver"), make, **values)
+    if len(builder.found) > before:
+        return None
+    return Simulation(entry.t_end, solver, entry.output_step)
+
+
+# -- parts alone and the schema -------------------------------------------------------------
+
+
+def read_part(path: str | Path, name: str | None = None) -> Any:
+    """Return the ReducedPart of a file with one part, or of one entry of a model's parts.
+
+    Parameters
+    ----------
+    path : str or Path
+        YAML file whose top level is a part (``type: beam`` ...), or a model file.
+    name : str, optional
+        Name of the part in a model file; not needed if there is only one.
+
+    Raises
+    ------
+    InputError
+        Everything that is wrong with the part, with lines.
+    """
+    document = read_document(path)
+    loc: Loc = ()
+    data: Any = document.data
+    if isinstance(data.get("parts"), dict):
+        names = list(data["parts"])
+        if name is None and len(names) != 1:
+            known = ", ".join(names)
+            raise InputError(Problem(document.where(("parts",)), f"which part? there are: {known}"))
+        name = names[0] if name is None else name
+        if name not in names:
+            raise InputError(
+                Problem(document.where(("parts",)), f"no part {name!r}{suggest(name, names)}")
+            )
+        loc = ("parts", name)
+        data = data["parts"][name]
+    name = Path(path).stem if name is None else name
+    classes: dict[int, Any] = {}
+    builder = Builder(document)
+    try:
+        entry: Any = TypeAdapter(PartEntry).validate_python(data, context=classes)
+    except ValidationError as error:
+        finish(document, explain(error, document, classes, prefix=loc), [])
+    reduced = builder.reduced(loc, name, entry)
+    finish(document, builder.found, builder.warnings)
+    return reduced
+
+
+def model_schema() -> dict[str, Any]:
+    """Return the JSON schema of the model file, for editors."""
+    schema = ModelEntry.model_json_schema(by_alias=True)
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **schema,
+        "title": "jousto model",
+    }

@@ -1,0 +1,64 @@
+"""What is in a model or a reduced part, as lines of names and values for people."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeAlias
+
+from jousto.mechanism import FlexibleBody
+
+if TYPE_CHECKING:
+    from jousto.reduction import ReducedPart
+    from jousto.schema.read import ModelFile
+
+Facts: TypeAlias = list[tuple[str, str]]
+
+
+def model_facts(file: ModelFile) -> Facts:
+    """Return what is in a model."""
+    mechanism = file.mechanism
+    rows: Facts = []
+    for body in mechanism.bodies:
+        if isinstance(body, FlexibleBody):
+            f, mass = body.reduced.frequencies, body.reduced.invariants.mass
+            text = f"flexible, {mass:.6g} kg, {count(len(f), 'mode')}, {f[0]:.6g}"
+            text += f" to {f[-1]:.6g} Hz" if len(f) > 1 else " Hz"
+        else:
+            text = f"rigid, {body.mass:.6g} kg"
+        rows.append((f"body {body.name}", text))
+    for joint in mechanism.joints:
+        kind = type(joint).__name__.lower()
+        rows.append((f"joint {joint.name}", f"{kind}, {joint.a.label} to {joint.b.label}"))
+    for force in mechanism.forces:
+        kind = type(force).__name__.lower()
+        rows.append((f"{kind} {force.name}", f"at {force.marker.label}"))
+    rows += [(f"sensor {s.name}", f"{s.description}, {s.unit}") for s in mechanism.sensors]
+    rows.append(("gravity", " ".join(f"{g:g}" for g in mechanism.gravity) + " m/s2"))
+    if file.simulation is not None:
+        solver = file.simulation.solver
+        text = f"{file.simulation.t_end:g} s" + (f" with {solver}" if solver else "")
+        rows.append(("simulation", text))
+    return rows
+
+
+def part_facts(part: ReducedPart) -> Facts:
+    """Return what is in a reduced part."""
+    sets = [s for s in part.node_sets if not (s.startswith("node") and s[4:].isdigit())]
+    frequencies = [f"{f:.6g}" for f in part.frequencies]
+    if len(frequencies) > 12:
+        frequencies = [*frequencies[:10], "...", frequencies[-1]]
+    stress = "none" if part.stress is None else count(len(part.stress.labels), "site")
+    return [
+        ("mass", f"{part.invariants.mass:.6g} kg"),
+        ("nodes", str(len(part.nodes))),
+        ("named nodes", ", ".join(sets)),
+        ("interfaces", ", ".join(part.interfaces) or "none"),
+        ("modes", str(part.n)),
+        ("frequencies", ", ".join(frequencies) + " Hz"),
+        ("stress", stress),
+        *((str(k), str(v)) for k, v in part.provenance.items()),
+    ]
+
+
+def count(number: int, noun: str) -> str:
+    """Return ``1 mode`` or ``2 modes``."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"

@@ -1,0 +1,423 @@
+"""The command line: outputs, exit codes, one line per problem, files that are kept."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import h5py
+import pytest
+from typer.testing import CliRunner
+
+from jousto import cli
+from jousto.cli import app
+
+MODEL = """\
+name: pendulum
+parts:
+  rod:
+    type: beam
+    length: 2 m
+    section: {type: rectangle, width: 100 mm, height: 0.1}
+    material: {E: 2.1 GPa, nu: 0.3, rho: 7850}
+    elements: 4
+    reduce: {type: craig-bampton, interfaces: [start], modes: 4}
+    in_plane: xy
+bodies:
+  - {name: arm, part: rod}
+joints:
+  - {type: spherical, name: pivot, a: ground.origin, b: arm.start}
+gravity: [0, -9.81, 0]
+sensors:
+  - {type: position, name: middle, marker: arm.node3}
+  - {type: reaction, name: force, joint: pivot}
+simulation: {t_end: 0.2 s, solver: {type: ROS2, step: 1e-3}, output_step: 0.01}
+"""
+
+
+class Result:
+    def __init__(self, code: int, out: str, err: str) -> None:
+        self.code, self.out, self.err = code, out, err
+
+
+def jousto(*args: object) -> Result:
+    result = CliRunner().invoke(app, [str(arg) for arg in args])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return Result(result.exit_code, result.stdout, result.stderr)
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    path = tmp_path / "pendulum.yaml"
+    path.write_text(MODEL)
+    return path
+
+
+@pytest.fixture
+def result(model: Path) -> Path:
+    assert jousto("run", "-q", model).code == 0
+    return model.with_suffix(".h5")
+
+
+def replace(path: Path, old: str, new: str) -> Path:
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    return path
+
+
+# -- check ----------------------------------------------------------------------------------
+
+
+def test_check_says_what_is_in_the_model(model):
+    found = jousto("check", model)
+    assert (found.code, found.err) == (0, "")
+    lines = [line.split() for line in found.out.splitlines()]
+    assert lines[0] == ["pendulum"]
+    assert ["joint", "pivot", "spherical,", "ground.origin", "to", "arm.start"] in lines
+    assert "flexible, 157 kg, 2 modes" in found.out
+    assert found.out.endswith("pendulum.yaml: ok\n")
+
+
+def test_check_reports_every_problem_in_one_line_on_stderr(model):
+    replace(model, "b: arm.start", "b: amr.start")
+    replace(model, "elements: 4", "elements: 4\n    lumpd: true")
+    found = jousto("check", model)
+    assert (found.code, found.out) == (2, "")
+    assert found.err.splitlines() == [
+        "pendulum.yaml:9: parts.rod.lumpd: unknown key 'lumpd'; did you mean 'lumped'?",
+        "pendulum.yaml:15: joints.0.b: no body 'amr'; did you mean 'arm'?",
+    ]
+
+
+def test_long_lines_are_not_wrapped(model):
+    replace(model, "name: arm", "name: " + 200 * "x")
+    found = jousto("check", model)
+    assert len(found.err.splitlines()) == 2
+    assert max(map(len, found.err.splitlines())) > 200
+
+
+def test_warnings_are_one_line_each_and_no_python_warnings(model):
+    replace(model, "2.1 GPa", "2.1e8")
+    found = jousto("check", model)
+    assert found.code == 0
+    assert found.err.splitlines() == [
+        "warning: pendulum.yaml:7: parts.rod.material: E = 2.1e+08 Pa is softer than most "
+        "plastics; was it given in MPa?"
+    ]
+
+
+def test_check_predicts_an_unstable_step(model):
+    replace(model, "{type: ROS2, step: 1e-3}", "{type: RK4, step: 0.02}")
+    found = jousto("check", model)
+    assert found.code == 0
+    (line,) = found.err.splitlines()
+    assert line.startswith("warning: pendulum.yaml: simulation: ")
+    assert "Hz" in line and "RK4 needs a step below" in line
+
+
+def test_missing_files_and_folders(tmp_path):
+    for command in ("check", "run", "info", "reduce", "plot", "animate"):
+        found = jousto(command, tmp_path / "no.yaml")
+        assert (found.code, found.out) == (2, ""), command
+        assert re.search("no such (results )?file", found.err), command
+        assert len(found.err.splitlines()) == 1, command
+
+
+# -- run ------------------------------------------------------------------------------------
+
+
+def test_run_writes_next_to_the_model_with_its_text(model):
+    found = jousto("run", model)
+    assert (found.code, found.err) == (0, "")
+    assert "ended                      completed" in found.out
+    assert found.out.splitlines()[-1].endswith("pendulum.h5")
+    with h5py.File(model.with_suffix(".h5")) as file:
+        assert file.attrs["complete"] == 1
+        assert file["model"][()].decode() == MODEL
+        assert file["time"].shape == (21,)
+        assert set(file["sensors"]) == {"middle", "force"}
+
+
+def test_run_with_output_and_end_time(model, tmp_path):
+    target = tmp_path / "other.h5"
+    found = jousto("run", model, "-o", target, "--t-end", "50 ms", "-q")
+    assert (found.code, found.out, found.err) == (0, "", "")
+    with h5py.File(target) as file:
+        assert file["time"][-1] == pytest.approx(0.05)
+    assert not model.with_suffix(".h5").exists()
+
+
+@pytest.mark.parametrize(
+    ("args", "sentence"),
+    [
+        (("--t-end", "3 m"), "--t-end: expects a time (s), got 3 m (a length)"),
+        (("--t-end", "0"), "--t-end: is 0 s, must be positive"),
+        (("-o", "{folder}/pendulum.yaml"), "is the input, it would be overwritten; give -o FILE"),
+        (("-o", "{folder}"), "is a folder, must be a file"),
+        (("-o", "{folder}/no/x.h5"), "there is no folder"),
+    ],
+)
+def test_bad_options_of_run(model, args, sentence):
+    found = jousto("run", model, *(arg.format(folder=model.parent) for arg in args))
+    assert (found.code, found.out) == (2, "")
+    assert sentence in found.err
+    assert len(found.err.splitlines()) == 1
+    assert model.read_text() == MODEL
+
+
+def test_the_input_is_found_behind_a_link(model, tmp_path):
+    link = tmp_path / "link.h5"
+    link.symlink_to(model)
+    assert "is the input" in jousto("run", model, "-o", link).err
+    assert model.read_text() == MODEL
+
+
+def test_run_does_not_overwrite_a_reduced_part(model):
+    assert jousto("reduce", model, "rod").code == 0
+    part = model.with_name("rod.h5")
+    before = part.read_bytes()
+    found = jousto("run", model, "-o", part)
+    assert found.code == 2
+    assert found.err == f"{part}: holds a reduced part; give -o FILE\n"
+    assert part.read_bytes() == before
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="root may write anywhere")
+def test_unwritable_folder(model):
+    model.parent.chmod(0o555)
+    try:
+        found = jousto("run", model)
+    finally:
+        model.parent.chmod(0o755)
+    assert found.code == 2
+    assert "must not be written to" in found.err
+
+
+def test_a_model_without_a_simulation_needs_an_end_time(model):
+    model.write_text("\n".join(MODEL.splitlines()[:-1]))
+    found = jousto("run", model)
+    assert found.code == 2
+    assert found.err == (
+        "pendulum.yaml: does not say how long to simulate; add simulation: {t_end: 10 s}, "
+        "or give --t-end\n"
+    )
+    assert jousto("run", "-q", model, "--t-end", "0.01").code == 0
+
+
+def test_a_run_that_diverges_fails_with_time_cause_and_kept_results(model):
+    replace(model, "{type: ROS2, step: 1e-3}", "{type: RK4, step: 0.1}")
+    replace(model, "t_end: 0.2 s", "t_end: 100 s")
+    replace(model, "output_step: 0.01", "output_step: 0.1")
+    replace(model, "2.1 GPa", "210 GPa")
+    found = jousto("run", model)
+    assert found.code == 1
+    assert found.out == ""
+    lines = found.err.splitlines()
+    assert re.match(r"warning: .*the run will probably diverge", lines[0])
+    assert re.match(r"the run stopped at [\d.e+-]+ s: body 'arm' diverged; likely cause", lines[1])
+    assert lines[2] == f"the results up to then are in {model.with_suffix('.h5')}"
+    with h5py.File(model.with_suffix(".h5")) as file:
+        assert file.attrs["complete"] == 0
+
+
+# -- info, plot, animate --------------------------------------------------------------------
+
+
+def test_info_of_model_result_and_part(model, result):
+    assert "joint pivot" in jousto("info", model).out
+    found = jousto("info", result)
+    assert found.code == 0
+    assert "sensor middle  position of arm.node3, 3 values" in found.out
+    assert jousto("reduce", model).code == 0
+    found = jousto("info", model.with_name("rod.h5"))
+    assert found.code == 0
+    assert "reduced part rod" in found.out
+    assert "interfaces   start" in found.out
+    assert "named nodes  start, end\n" in found.out
+
+
+def test_info_of_damaged_and_foreign_files(tmp_path, result):
+    text = tmp_path / "text.h5"
+    text.write_text("rubbish")
+    assert jousto("info", text).err == f"{text}: is not an HDF5 file, or it is damaged\n"
+    cut = tmp_path / "cut.h5"
+    cut.write_bytes(result.read_bytes()[:3000])
+    found = jousto("info", cut)
+    assert found.code == 2
+    assert found.err.startswith(f"{cut}: ")
+    assert len(found.err.splitlines()) == 1
+    with h5py.File(tmp_path / "foreign.h5", "w") as file:
+        file["x"] = 1
+    found = jousto("info", tmp_path / "foreign.h5")
+    assert found.code == 2
+    assert "not" in found.err
+
+
+def test_plot_writes_a_picture(result, tmp_path):
+    found = jousto("plot", result, "middle.y", "energy")
+    assert (found.code, found.err) == (0, "")
+    assert result.with_suffix(".png").read_bytes().startswith(b"\x89PNG")
+    assert jousto("plot", result, "-o", tmp_path / "p.svg").code == 0
+    assert "<svg" in (tmp_path / "p.svg").read_text()
+
+
+def test_plot_of_an_unknown_sensor(result):
+    found = jousto("plot", result, "midle")
+    assert (found.code, found.out) == (2, "")
+    assert found.err == f"{result}: no sensor 'midle'; did you mean 'middle'?\n"
+
+
+def test_plot_and_animate_do_not_overwrite_the_result(result):
+    before = result.read_bytes()
+    for command in (("plot", result, "middle"), ("animate", result)):
+        found = jousto(*command, "-o", result)
+        assert found.code == 2
+        assert "is the input" in found.err
+    assert result.read_bytes() == before
+
+
+def test_animate_writes_a_film_or_a_picture(result, tmp_path):
+    found = jousto("animate", result, "--fps", "10", "--trail", "middle", "--view", "xy")
+    assert (found.code, found.err) == (0, "")
+    assert result.with_suffix(".gif").read_bytes().startswith(b"GIF")
+    assert jousto("animate", result, "-o", tmp_path / "a.png").code == 0
+    found = jousto("animate", result, "-o", tmp_path / "a.doc")
+    assert found.code == 2
+    assert "'.doc' is not a format" in found.err
+
+
+# -- reduce ---------------------------------------------------------------------------------
+
+
+def test_reduce_a_part_of_a_model_or_a_part_file(model, tmp_path):
+    found = jousto("reduce", model, "rod")
+    assert (found.code, found.err) == (0, "")
+    assert "modes        2" in found.out
+    alone = tmp_path / "beam.yaml"
+    alone.write_text("\n".join(line[4:] for line in MODEL.splitlines()[3:10]))
+    assert jousto("reduce", alone).code == 0
+    assert (tmp_path / "beam.h5").exists()
+    target = tmp_path / "x.h5"
+    assert jousto("reduce", model, "-o", target).code == 0
+    # and the model can use it
+    replace(model, MODEL[MODEL.index("    type: beam") : MODEL.index("bodies")], "    file: x.h5\n")
+    assert jousto("check", model).code == 0
+
+
+def test_reduce_with_a_wrong_name_or_over_a_result(model, result):
+    found = jousto("reduce", model, "rdo")
+    assert found.code == 2
+    assert found.err == "pendulum.yaml:2: parts: no part 'rdo'; did you mean 'rod'?\n"
+    found = jousto("reduce", model, "-o", result)
+    assert found.err == f"{result}: holds results; give -o FILE\n"
+
+
+# -- schema, version, debug -----------------------------------------------------------------
+
+
+def test_schema_is_json_and_the_published_one():
+    found = jousto("schema")
+    assert found.code == 0
+    published = Path(__file__).parents[2] / "docs" / "model.schema.json"
+    assert json.loads(found.out)["title"] == "jousto model"
+    assert found.out == published.read_text(encoding="utf-8")
+
+
+def test_version():
+    found = jousto("--version")
+    assert found.code == 0
+    assert re.fullmatch(r"jousto \S+\n", found.out)
+
+
+def test_no_command_shows_the_help_and_a_wrong_one_is_bad_input():
+    assert "Simulate mechanisms" in jousto().out
+    assert jousto("simulate").code == 2
+    assert jousto("check").code == 2
+
+
+def test_errors_have_no_traceback_unless_debug_asks_for_it(model, monkeypatch):
+    from jousto.errors import InputError
+
+    replace(model, "b: arm.start", "b: amr.start")
+    assert "Traceback" not in jousto("check", model).err
+    result = CliRunner().invoke(app, ["check", str(model), "--debug"])
+    assert isinstance(result.exception, InputError)
+
+
+def test_a_bug_is_reported_as_one(model, monkeypatch):
+    def broken(file):
+        raise ZeroDivisionError("oh no")
+
+    monkeypatch.setattr(cli, "describe_model", broken)
+    found = jousto("check", model)
+    assert found.code == 1
+    assert found.err.splitlines() == [
+        "internal error, ZeroDivisionError: oh no",
+        "this is a bug of jousto; run again with --debug to see where",
+    ]
+
+
+# -- the real thing -------------------------------------------------------------------------
+
+
+def test_a_real_process_checks_runs_and_fails(model):
+    def run(*args: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", "jousto", *args]
+        return subprocess.run(command, cwd=model.parent, capture_output=True, text=True)
+
+    done = run("check", "pendulum.yaml")
+    assert (done.returncode, done.stderr) == (0, "")
+    done = run("run", "pendulum.yaml")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.endswith("results in pendulum.h5\n")
+    replace(model, "arm.start", "amr.start")
+    done = run("check", "pendulum.yaml")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == ("pendulum.yaml:14: joints.0.b: no body 'amr'; did you mean 'arm'?\n")
+
+
+def test_check_imports_nothing_that_only_pictures_need(model):
+    code = (
+        "import sys; from jousto.cli import app\n"
+        f"try: app(['check', {str(model)!r}])\n"
+        "except SystemExit as end: assert end.code == 0\n"
+        "heavy = {'matplotlib', 'scipy.stats', 'scipy.signal', 'rich.progress'}\n"
+        "print(heavy & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "set()"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals")
+def test_ctrl_c_leaves_a_readable_file(model):
+    command = [sys.executable, "-m", "jousto", "run", "-q", str(model), "--t-end", "100000"]
+    # a test that runs in the background must not hand its deafness to Ctrl-C on
+    process = subprocess.Popen(
+        command,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    target = model.with_suffix(".h5")
+    deadline = time.monotonic() + 30
+    try:
+        while not (target.exists() and target.stat().st_size > 20_000):
+            assert process.poll() is None and time.monotonic() < deadline
+            time.sleep(0.05)
+        time.sleep(0.5)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=30)
+    finally:
+        process.kill()
+    assert process.returncode == 1
+    assert re.match(r"stopped at [\d.]+ s; the results up to then are in .*pendulum.h5\n$", err)
+    with h5py.File(target) as file:
+        assert file.attrs["complete"] == 0
+        assert file["time"][-1] > 0

@@ -1,0 +1,305 @@
+"""Model files say the same as the Python constructors, exactly."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.io
+import scipy.sparse
+
+import jousto.mechanism as jm
+import jousto.parts as jp
+import jousto.reduction as jr
+from jousto.errors import InputError, JoustoWarning
+from jousto.mechanism.force import LOADS
+from jousto.schema import build as schema_build
+from jousto.schema import model_schema, parse_model, read_model, read_part
+from jousto.simulation import RK4, ROS2, SOLVERS, Baumgarte
+from schema.models import EVERYTHING, PENDULUM, same
+
+ROOT = Path(__file__).parents[2]
+
+# -- the same as in Python ------------------------------------------------------------------
+
+
+def steel() -> jp.Material:
+    return jp.Material(E=210e9, nu=0.3, rho=7850.0)
+
+
+def test_pendulum_equals_the_python_constructors():
+    part = jp.Part.beam(
+        2.0, jp.Rectangle(0.1, 0.1), 4, steel(), lumped=True, theory=jp.EulerBernoulli(), name="rod"
+    )
+    rod = jr.reduce(part, jr.CraigBampton(interfaces=("start",), modes=4))
+    arm = jm.FlexibleBody("arm", rod, damping=0.0)
+    expected = jm.Mechanism(
+        arm,
+        jm.Spherical("pivot", jm.ground["origin"], arm["start"]),
+        jm.Gravity((0.0, -9.81, 0.0)),
+        jm.PositionSensor("middle", arm["node3"]),
+        name="flexible pendulum",
+    )
+    model = parse_model(PENDULUM)
+    same(model.mechanism, expected)
+    assert model.simulation.t_end == 10.0
+    assert model.simulation.given() == {"solver": RK4(step=1e-3), "output_step": 0.01}
+    assert model.text == PENDULUM
+
+
+def everything() -> jm.Mechanism:
+    """Return the same mechanism, written in Python."""
+    metal = jp.Material(210e9, 0.3, 7850.0, name="steel")
+    boom = jp.Part.from_members(
+        [
+            jp.Member(
+                (0, 0, 0), (1, 0, 0), jp.Tube(0.06, 0.003), metal, elements=3,
+                orientation=(0, 1, 0), end_offset=(-0.01, 0, 0), name="leg",
+            ),
+            jp.Member(
+                (1, 0, 0), (1, 1, 0), jp.IBeam(0.1, 0.05, 0.005, 0.006, fillet=0.002), metal
+            ),
+        ],
+        points={"tip": (1, 1, 0)},
+        theory=jp.Timoshenko(0.8, 0.9),
+        rotary_inertia=True,
+        point_masses=[jp.PointMass("tip", 2.0, inertia=(0.1, 0.1, 0.1), offset=(0, 0, 0.1))],
+        name="boom",
+    )  # fmt: skip
+    boom = jr.reduce(boom, jr.CraigBampton(("leg.start", "tip"), frequency_limit=500.0))
+    plane = jp.Part.frame(
+        [[0, 0, 0], [1, 0, 0], [2, 0, 0]],
+        [[0, 1], [1, 2]],
+        sections=[jp.Circle(0.03), jp.Box(0.04, 0.03, 0.002, flange=0.003)],
+        materials=metal,
+        orientations=[[0, 0, 1], [0, 1, 0]],
+        offsets=[[[0, 0, 0], [0, 0, 0.01]], [[0, 0, 0.01], [0, 0, 0]]],
+        lumped=False,
+        node_sets={"hub": (0,)},
+        name="plane",
+    )
+    plane = jr.reduce(plane, jr.FreeFree(modes=8)).keep((0, 2, 3))
+    points = (
+        jp.SectionPoint("top", 0.0, 0.01, ((1, 2, 3), (4, 5, 6))),
+        jp.SectionPoint("side", 1.0, 0.0),
+    )
+    general = jp.GeneralSection(2e-4, 1e-8, 2e-8, 1.5e-8, ky=0.8, kz=0.8, points=points)
+    flat = jp.Part.beam(1.0, general, 3, metal, orientation=(0, 1, 0), name="flat")
+    flat = jr.reduce(flat, jr.CraigBampton("start", modes=6))
+    flat = flat.keep(flat.in_plane("xy"))
+    crank = jm.RigidBody(
+        "crank", 0.5, (1e-3, 2e-3, 2e-3), center=(0.1, 0, 0),
+        markers={"pin": (0.2, 0, 0), "eye": (0, 0, 0)}, orientation=jm.Rotate((0, 0, 1), 30),
+        angular_velocity=(0, 0, 2 * np.pi), outline=[[0, 0, 0], [0.2, 0, 0]],
+    )  # fmt: skip
+    block = jm.RigidBody(
+        "block", 1, [[2, -0.1, 0], [-0.1, 2, 0], [0, 0, 2]], position=(5, 0, 0),
+        orientation=(0, 1, 0, 0), velocity=(1, 0, 0),
+    )  # fmt: skip
+    arm = jm.FlexibleBody(
+        "arm", boom, position=(10, 0, 0), orientation=[[0, -1, 0], [1, 0, 0], [0, 0, 1]],
+        damping=jr.Rayleigh(0.5, 1e-3), drop_invariants=("I5", "I9"),
+    )  # fmt: skip
+    wing = jm.FlexibleBody(
+        "wing", plane, position=(20, 0, 0), damping=(0.01, 0.02, 0.03),
+        modal_coordinates=(1e-3, 0, 0), modal_velocities=(0, 1e-3, 0),
+    )  # fmt: skip
+    tail = jm.FlexibleBody("tail", flat, damping=0.01, position=(30, 0, 0))
+    hinge = jm.Revolute("hinge", jm.ground["origin"], crank["eye"], axis=(0, 0, 1))
+    turned = jm.ground.at((5, 0, 0)).turned(jm.Rotate((1, 0, 0), 90))
+    return jm.Mechanism(
+        crank, block, arm, wing, tail, hinge,
+        jm.Revolute("bare", turned, block["origin"]),
+        jm.Fixed("clamp", jm.ground.at((10, 0, 0)), arm["leg.start"]),
+        jm.Spherical("ball", jm.ground.at((30, 0, 0)), tail["start"]),
+        jm.Force(
+            "push", crank["pin"], (0, 1000, 0), follow=True,
+            signal=jm.Harmonic(frequency=2, amplitude=3, phase=np.pi / 2, offset=1),
+        ),
+        jm.Torque("twist", arm["tip"], (0, 0, 5), signal=jm.Table((0, 0.5, 1), (0, 1, 0))),
+        jm.Force("pull", arm["tip"], (0, 0, 1), signal=jm.Step(1, 2, 3)),
+        jm.Gravity((0, 0, -9.80665)),
+        jm.PositionSensor("s1", crank["pin"]),
+        jm.VelocitySensor("s2", crank["pin"]),
+        jm.OrientationSensor("s3", crank["pin"]),
+        jm.AngularVelocitySensor("s4", crank["pin"]),
+        jm.ModalSensor("s5", wing),
+        jm.ReactionSensor("s6", hinge),
+        jm.StressSensor("s7", arm, sites=("e1.a.top", "e2.b.left")),
+        jm.StressSensor("s8", tail),
+        name="everything",
+    )  # fmt: skip
+
+
+def test_everything_equals_the_python_constructors():
+    with pytest.warns(JoustoWarning, match="wing"):
+        expected = everything()
+    line = EVERYTHING.splitlines().index("  - name: wing") + 1
+    with pytest.warns(JoustoWarning, match=f"m.yaml:{line}: bodies.3: is not connected"):
+        model = parse_model(EVERYTHING, name="m.yaml")
+    same(model.mechanism, expected)
+    assert model.simulation.solver == ROS2(2e-3, projection=False, baumgarte=Baumgarte(50.0, 50.0))
+
+
+def test_every_class_can_be_said_in_a_file():
+    """A new joint, force, signal, sensor, solver or section must be added to the file too."""
+    assert set(schema_build.JOINTS.values()) == set(jm.JOINTS)
+    assert set(schema_build.LOADS.values()) == set(LOADS)
+    assert set(schema_build.SIGNALS.values()) == set(jm.SIGNALS)
+    sensors = {*schema_build.MARKER_SENSORS.values(), jm.ModalSensor, jm.ReactionSensor}
+    assert {*sensors, jm.StressSensor} == set(jm.SENSORS)
+    definitions = model_schema()["$defs"]
+    assert set(definitions["SolverEntry"]["properties"]["type"]["enum"]) == {
+        s.__name__ for s in SOLVERS
+    }
+    for cls in (
+        jp.Rectangle, jp.Circle, jp.Tube, jp.Box, jp.IBeam, jp.GeneralSection, jp.SectionPoint,
+        jp.Material, jp.PointMass, jp.Timoshenko, jp.EulerBernoulli, jp.Member,
+        jr.CraigBampton, jr.FreeFree, jr.Rayleigh, *jm.JOINTS, *LOADS, *jm.SIGNALS,
+        jm.ModalSensor, jm.ReactionSensor, jm.StressSensor, jm.RigidBody, Baumgarte,
+    ):  # fmt: skip
+        import inspect
+
+        keys = set(definitions[f"{cls.__name__}Entry"]["properties"]) - {"type"}
+        assert keys == set(inspect.signature(cls).parameters), cls
+
+
+def test_json_says_the_same_as_yaml(tmp_path):
+    from jousto.schema.document import parse_document
+
+    path = tmp_path / "m.json"
+    path.write_text(json.dumps(parse_document(PENDULUM).data, indent="\t"))
+    same(read_model(path).mechanism, parse_model(PENDULUM).mechanism)
+
+
+# -- files that a model refers to -----------------------------------------------------------
+
+
+def test_reduced_parts_and_matrices_are_read_from_files(tmp_path):
+    part = jp.Part.beam(2.0, jp.Rectangle(0.1, 0.05), 4, steel(), name="rod")
+    reduced = jr.reduce(part, jr.CraigBampton("start", modes=6))
+    reduced.save(tmp_path / "rod.h5")
+    scipy.io.mmwrite(tmp_path / "K.mtx", part.K, symmetry="general", precision=17)
+    scipy.sparse.save_npz(tmp_path / "M.npz", scipy.sparse.csr_matrix(part.M))
+    np.save(tmp_path / "M.npy", part.M.toarray())
+    np.savetxt(tmp_path / "nodes.csv", part.nodes, delimiter=",", fmt="%.17g")
+    text = """
+parts:
+  a: {file: rod.h5}
+  b: {type: reduced, file: rod.h5, in_plane: xz}
+  c: {type: matrices, M: M.npz, K: K.mtx, nodes: nodes.csv, node_sets: {start: [0]},
+      reduce: {type: craig-bampton, interfaces: [start], modes: 6}}
+  d: {type: matrices, M: M.npy, K: K.mtx, dofs_per_node: 6, node_sets: {start: [0]},
+      nodes: [[0, 0, 0], [0.5, 0, 0], [1, 0, 0], [1.5, 0, 0], [2, 0, 0]],
+      elements: [[0, 1], [1, 2], [2, 3], [3, 4]],
+      reduce: {type: craig-bampton, interfaces: [start], modes: 6}}
+bodies:
+  - {name: a, part: a}
+  - {name: b, part: b}
+  - {name: c, part: c}
+  - {name: d, part: d}
+joints:
+  - {type: fixed, name: a, a: ground.origin, b: a.start}
+  - {type: fixed, name: b, a: ground.origin, b: b.start}
+  - {type: fixed, name: c, a: ground.origin, b: c.start}
+  - {type: fixed, name: d, a: ground.origin, b: d.start}
+gravity: [0, 0, -9.81]
+"""
+    (tmp_path / "m.yaml").write_text(text)
+    a, b, c, d = read_model(tmp_path / "m.yaml").mechanism.bodies
+    same(a.reduced, reduced)
+    same(b.reduced, reduced.keep(reduced.in_plane("xz")))
+    np.testing.assert_allclose(c.reduced.frequencies, reduced.frequencies, rtol=1e-8)
+    np.testing.assert_allclose(d.reduced.frequencies, reduced.frequencies, rtol=1e-8)
+    np.testing.assert_array_equal(d.reduced.elements, part.elements)
+
+
+@pytest.mark.parametrize(
+    ("part", "sentence"),
+    [
+        ("{file: no.h5}", "m.yaml:2: parts.a.file: {folder}/no.h5: there is no such file"),
+        ("{file: m.yaml}", "m.yaml:2: parts.a.file: {folder}/m.yaml: is not an HDF5 file"),
+        (
+            "{type: matrices, M: M.dat, K: K.mtx, nodes: n.csv, "
+            "reduce: {type: free-free, modes: 1}}",
+            "m.yaml:2: parts.a.M: 'M.dat' cannot be read, must end with .mtx, .npz, .npy\n"
+            "m.yaml:2: parts.a.K: no such file '{folder}/K.mtx'\n"
+            "m.yaml:2: parts.a.nodes: no such file '{folder}/n.csv'",
+        ),
+        (
+            "{type: matrices, M: bad.npy, K: bad.mtx, nodes: bad.csv, "
+            "reduce: {type: free-free, modes: 1}}",
+            "m.yaml:2: parts.a.M: 'bad.npy' cannot be read: ",
+        ),
+    ],
+)
+def test_missing_and_damaged_files_have_their_place(tmp_path, part, sentence):
+    for name in ("bad.npy", "bad.mtx", "bad.csv"):
+        (tmp_path / name).write_text("rubbish")
+    path = tmp_path / "m.yaml"
+    path.write_text(f"parts:\n  a: {part}\nbodies:\n  - {{name: a, part: a}}\n")
+    with pytest.raises(InputError) as error:
+        read_model(path)
+    assert str(error.value).startswith(sentence.format(folder=tmp_path))
+
+
+def test_degrees_of_an_angle_are_those_written():
+    for text in ("30", "30 deg", "'30'"):
+        model = parse_model(
+            "bodies: [{name: a, mass: 1, inertia: [1, 1, 1], velocity: [1, 0, 0], "
+            f"orientation: {{axis: [0, 0, 1], angle_deg: {text}}}}}]\n"
+            "joints: [{type: spherical, name: j, a: ground.origin, b: a.origin}]"
+        )
+        expected = jm.Rotate((0, 0, 1), 30).euler_parameters
+        np.testing.assert_array_equal(model.mechanism.bodies[0].orientation, expected)
+
+
+# -- parts alone ----------------------------------------------------------------------------
+
+
+def test_a_part_is_read_alone_or_out_of_a_model(tmp_path):
+    model = tmp_path / "m.yaml"
+    model.write_text(PENDULUM)
+    expected = parse_model(PENDULUM).mechanism.bodies[0].reduced
+    same(read_part(model), expected)
+    same(read_part(model, "rod"), expected)
+    with pytest.raises(InputError) as error:
+        read_part(model, "rdo")
+    assert str(error.value) == "m.yaml:2: parts: no part 'rdo'; did you mean 'rod'?"
+
+    alone = tmp_path / "rod.yaml"
+    lines = [line[4:] for line in PENDULUM.splitlines()[3:11]]
+    alone.write_text("\n".join(lines))
+    same(read_part(alone), expected)
+    alone.write_text("\n".join(lines).replace("elements: 4", "elements: 0\nnmae: x"))
+    with pytest.raises(InputError) as error:
+        read_part(alone)
+    assert str(error.value).startswith("rod.yaml:6: nmae: unknown key 'nmae'; known: ")
+
+    model.write_text(EVERYTHING)
+    with pytest.raises(InputError) as error:
+        read_part(model)
+    assert str(error.value) == "m.yaml:3: parts: which part? there are: boom, plane, flat"
+
+
+# -- the published schema -------------------------------------------------------------------
+
+
+def test_the_published_schema_is_the_one_of_the_program():
+    path = ROOT / "docs" / "model.schema.json"
+    assert json.loads(path.read_text(encoding="utf-8")) == model_schema(), (
+        "run: jousto schema > docs/model.schema.json"
+    )
+
+
+def test_the_schema_knows_every_key_of_the_file():
+    schema = model_schema()
+    assert set(schema["properties"]) == {
+        "$schema", "name", "parts", "bodies", "joints", "forces", "gravity", "sensors",
+        "simulation",
+    }  # fmt: skip
+    assert schema["required"] == ["bodies"]
+    assert schema["additionalProperties"] is False
+    assert all(d.get("additionalProperties") is False for d in schema["$defs"].values())
