@@ -110,23 +110,38 @@ static void refresh(const jo_model *m, jo_data *d)
     jo_marker_position(m, d, m->nactive);
 }
 
-/* one Newton step in the mass metric for C(q) = 0, one for Cq v = 0; factors of the last evaluation */
-void jo_project(const jo_model *m, jo_data *d)
+/* Newton in the mass metric for C(q) = 0, then Cq v = 0, with the factors of the last evaluation. One correction
+ * nearly always suffices; at most JO_CORRECTIONS keep the work of a step bounded. */
+void jo_project(const jo_model *m, jo_data *d, double step)
 {
+    enum { JO_CORRECTIONS = 4 };
     if (!m->njoint) return;
+    const double small = 1e-12 * m->size, small_rate = 1e-13 * m->size / step;
+    double before, after, contraction = 0.0;
     refresh(m, d);
-    jo_joint_residual(m, d);
-    for (int i = 0; i < m->njoint; i++)
-        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].c[r];
-    correction(m, d, d->rate);
-    jo_displace(m, d->q, d->q, d->rate);
-    refresh(m, d);
-    jo_marker_velocity(m, d, m->nactive);
-    jo_joint_residual_rate(m, d);
-    for (int i = 0; i < m->njoint; i++)
-        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].cdot[r];
-    correction(m, d, d->rate);
-    for (int i = 0; i < m->nv; i++) d->v[i] += d->rate[i];
+    after = jo_joint_residual(m, d);
+    for (int k = 0; k < JO_CORRECTIONS; k++) {
+        before = after;
+        for (int i = 0; i < m->njoint; i++)
+            for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].c[r];
+        correction(m, d, d->rate);
+        jo_displace(m, d->q, d->q, d->rate);
+        refresh(m, d);
+        after = jo_joint_residual(m, d);
+        if (k == 0 && before > 0.0) contraction = after / before;
+        if (after <= small) break;
+    }
+    for (int k = 0; k < JO_CORRECTIONS; k++) {
+        jo_marker_velocity(m, d, m->nactive);
+        before = jo_joint_residual_rate(m, d);
+        if (k && before <= small_rate) break;
+        for (int i = 0; i < m->njoint; i++)
+            for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].cdot[r];
+        correction(m, d, d->rate);
+        for (int i = 0; i < m->nv; i++) d->v[i] += d->rate[i];
+        if (contraction * before <= 0.1 * small_rate) break;   /* as much as the positions showed: no need to look */
+        for (int i = 0; i < m->nbody; i++) jo_body_twist(&m->body[i], &d->body[i], d->v + m->body[i].iv);
+    }
     d->fresh = 0;
 }
 
@@ -139,7 +154,7 @@ int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance)
         if (k && JO_RE(residual[0]) < tolerance && JO_RE(residual[1]) < tolerance) break;
         int status = jo_evaluate(m, d, 0, 0);
         if (status != JO_OK) return status;
-        jo_project(m, d);
+        jo_project(m, d, 1.0);
     }
     d->fresh = 0;
     return JO_OK;
@@ -148,18 +163,10 @@ int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance)
 /* largest position and velocity residual */
 void jo_residuals(const jo_model *m, jo_data *d, jo_real *out)
 {
-    double c = 0.0, cdot = 0.0;
     refresh(m, d);
     jo_marker_velocity(m, d, m->nactive);
-    jo_joint_residual(m, d);
-    jo_joint_residual_rate(m, d);
-    for (int i = 0; i < m->njoint; i++)
-        for (int r = 0; r < m->joint[i].nrow; r++) {
-            c = fmax(c, fabs(JO_RE(d->joint[i].c[r])));
-            cdot = fmax(cdot, fabs(JO_RE(d->joint[i].cdot[r])));
-        }
-    out[0] = c;
-    out[1] = cdot;
+    out[0] = jo_joint_residual(m, d);
+    out[1] = jo_joint_residual_rate(m, d);
 }
 
 void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot)

@@ -95,8 +95,8 @@ void jo_marker_reduce(const jo_model *m, jo_data *d, int count);
 
 /* joint.c */
 void jo_joint_setup(const jo_model *m, jo_data *d, int set);
-void jo_joint_residual(const jo_model *m, jo_data *d);
-void jo_joint_residual_rate(const jo_model *m, jo_data *d);
+double jo_joint_residual(const jo_model *m, jo_data *d);         /* fills c, returns the largest */
+double jo_joint_residual_rate(const jo_model *m, jo_data *d);    /* the same for cdot */
 void jo_joint_rows(const jo_model *m, jo_data *d);
 void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_solver *s);
 int jo_joint_factor(const jo_model *m, jo_data *d);
@@ -110,6 +110,6 @@ void jo_apply_forces(const jo_model *m, jo_data *d);
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set);
 void jo_use_step(const jo_model *m, jo_data *d, double gh);
 void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment);
-void jo_project(const jo_model *m, jo_data *d);
+void jo_project(const jo_model *m, jo_data *d, double step);
 
 #endif

@@ -28,8 +28,16 @@ void jo_joint_setup(const jo_model *m, jo_data *d, int set)
     }
 }
 
-void jo_joint_residual(const jo_model *m, jo_data *d)
+static double largest(const jo_real *c, int count)
 {
+    double x = 0.0;
+    for (int r = 0; r < count; r++) x = fmax(x, fabs(JO_RE(c[r])));
+    return x;
+}
+
+double jo_joint_residual(const jo_model *m, jo_data *d)
+{
+    double worst = 0.0;
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
         const jo_marker_work *a = &d->marker[k->a], *b = &d->marker[k->b];
@@ -44,7 +52,9 @@ void jo_joint_residual(const jo_model *m, jo_data *d)
             axis(y, b->A, k->perp_b[r]);
             c[r] = jo_dot3(x, y);
         }
+        worst = fmax(worst, largest(d->joint[i].c, k->nrow));
     }
+    return worst;
 }
 
 /* world vector of a local one; ground is its own world */
@@ -55,8 +65,9 @@ static void to_world(jo_real *y, const jo_model *m, const jo_data *d, int marker
     else jo_mul3(y, d->body[body].A, x);
 }
 
-void jo_joint_residual_rate(const jo_model *m, jo_data *d)
+double jo_joint_residual_rate(const jo_model *m, jo_data *d)
 {
+    double worst = 0.0;
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
         const jo_marker_work *a = &d->marker[k->a], *b = &d->marker[k->b];
@@ -67,18 +78,21 @@ void jo_joint_residual_rate(const jo_model *m, jo_data *d)
             jo_sub3(c, x);
             c += 3;
         }
-        if (!k->nperp) continue;
-        jo_real rel[3];
-        to_world(rel, m, d, k->a, a->om);
-        to_world(y, m, d, k->b, b->om);
-        jo_sub3(rel, y);
+        jo_real rel[3] = {0};
+        if (k->nperp) {
+            to_world(rel, m, d, k->a, a->om);
+            to_world(y, m, d, k->b, b->om);
+            jo_sub3(rel, y);
+        }
         for (int r = 0; r < k->nperp; r++) {   /* (om_a - om_b) . (x_a x y_b) */
             axis(x, a->A, k->perp_a[r]);
             axis(y, b->A, k->perp_b[r]);
             jo_cross(s, x, y);
             c[r] = jo_dot3(rel, s);
         }
+        worst = fmax(worst, largest(d->joint[i].cdot, k->nrow));
     }
+    return worst;
 }
 
 /* The work on small blocks is compiled for the row counts that occur, so that loops unroll. */

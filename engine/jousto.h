@@ -106,6 +106,7 @@ typedef struct {
 typedef struct {
     int nbody, nmarker, nactive, njoint, npair, ncolumn, nupdate, nblock, nforce, nsensor;
     int nq, nv, nrow, nout;
+    double size;            /* m, of the mechanism: measure of what is small */
     const jo_real *gravity; /* (3) m/s^2 */
     const jo_body *body;
     const jo_marker *marker;   /* the first nactive belong to joints and forces, the rest to sensors */

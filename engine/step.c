@@ -118,7 +118,7 @@ int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
     int status = s->method == JO_RK4 ? step_rk4(m, d, s) : step_ros2(m, d, s);
     d->fresh = 0;
     if (status != JO_OK) return status;
-    if (s->projection) jo_project(m, d);
+    if (s->projection) jo_project(m, d, s->step);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         double sum = 0.0;

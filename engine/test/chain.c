@@ -176,7 +176,7 @@ int main(void)
     m.nbody = BODIES; m.nmarker = 8; m.nactive = 7; m.njoint = JOINTS; m.npair = 7; m.ncolumn = JOINTS;
     m.nupdate = 2; m.nblock = 5; m.nforce = 4; m.nsensor = 7;
     m.nq = 21 + 2 * N; m.nv = 18 + 2 * N; m.nrow = 14; m.nout = 35;
-    m.gravity = gravity; m.body = body; m.marker = marker; m.joint = joint; m.pair = pair; m.column = column;
+    m.size = 1.0; m.gravity = gravity; m.body = body; m.marker = marker; m.joint = joint; m.pair = pair; m.column = column;
     m.below = below; m.update = update; m.update_first = update_first; m.signal = signal; m.force = force; m.sensor = sensor;
 
     jo_solver rk4 = {JO_RK4, 1, 2e-3, 0, 0}, ros2 = {JO_ROS2, 1, 2e-3, 0, 0};

@@ -24,7 +24,7 @@ def pendulum(rod):
         jo.Mechanism(
             arm,
             pivot,
-            jo.Gravity((0, -9.81, 0)),
+            jo.Gravity((0.5, -9.81, 1.0)),
             jo.PositionSensor("tip", arm["end"]),
             jo.ReactionSensor("reaction", pivot),
             name="pendulum",

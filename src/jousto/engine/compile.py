@@ -128,6 +128,7 @@ def compile(mechanism: Mechanism) -> Model:
         q0=q0,
         v0=v0,
         shapes=tuple(_shape(body) for body in mechanism.bodies),
+        size=mechanism.size,
     )
     _make_consistent(model)
     return model

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -154,6 +154,8 @@ class Model:
         Consistent initial state: [R e p] and [R' w_local p'] body after body.
     shapes : tuple of Shape
         One for each body.
+    size : float
+        Size of the mechanism, m; constraints are closed to 1e-12 of it.
     """
 
     name: str
@@ -168,7 +170,8 @@ class Model:
     elimination: Elimination
     q0: Array
     v0: Array
-    shapes: tuple[Shape, ...] = field(default=())
+    shapes: tuple[Shape, ...] = ()
+    size: float = 1.0
 
     @property
     def nq(self) -> int:

@@ -249,6 +249,7 @@ class Engine:
         }
         for name, size in sizes.items():
             setattr(model, name, size)
+        model.size = m.size
         model.gravity = self._constant(m.gravity, ("model", 0, "gravity"))
         model.body = self._bodies()
         model.marker = self._markers()
