@@ -5,11 +5,13 @@ from __future__ import annotations
 import logging
 import tempfile
 import time as clock
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jousto.engine import Engine, Model
 from jousto.errors import InputError, Problem, Problems, SimulationError, warn
@@ -18,6 +20,8 @@ from jousto.simulation.results import ResultsWriter
 from jousto.simulation.solution import Solution
 from jousto.simulation.solver import ROS2, SOLVERS, Solver
 from jousto.simulation.stability import stability_warning
+
+Record = Callable[[NDArray[np.float64]], None]
 
 logger = logging.getLogger(__name__)
 
@@ -122,13 +126,19 @@ def simulate(
     }
     rows = schedule.steps // schedule.every + 1
     writer = ResultsWriter(target, model, rows, attributes, model_text)
+    watch = EnergyWatch(model)
+
+    def record(rows: NDArray[np.float64]) -> None:
+        writer.append(rows)
+        watch.see(rows)
+
     started = clock.perf_counter()
     ended = "completed"
     failure: tuple[str, str] | None = None
     interrupted = False
     try:
         with reporter(progress, float(t_end)) as report:
-            failure = _loop(engine, solver, schedule, writer, report)
+            failure = _loop(engine, solver, schedule, record, report)
         if failure:
             ended = f"failed: {failure[0]}"
     except KeyboardInterrupt:
@@ -161,7 +171,7 @@ def simulate(
         raise RunFailed(
             f"the run stopped at {reached:.6g} s: {message}", solution, time=reached, body=body
         )
-    _check_energy(model, solution)
+    watch.judge()
     return solution
 
 
@@ -202,7 +212,7 @@ def _schedule(model: Any, t_end: float, solver: Any, output_step: float | None) 
 
 
 def _loop(
-    engine: Engine, solver: Solver, schedule: Schedule, writer: ResultsWriter, report: Report
+    engine: Engine, solver: Solver, schedule: Schedule, record: Record, report: Report
 ) -> tuple[str, str] | None:
     """Step to the end in calls of about a tenth of a second; return what went wrong and where."""
     model = engine.model
@@ -213,7 +223,7 @@ def _loop(
     capacity = max(1, min(4096, BUFFER_BYTES // (8 * engine.row_size)))
     rows = np.zeros((capacity, engine.row_size))
     rows[0] = engine.row()
-    writer.append(rows[:1])
+    record(rows[:1])
     started = clock.perf_counter()
     call = 1
     done = 0
@@ -225,9 +235,9 @@ def _loop(
         now = clock.perf_counter()
         if written < 0:
             kept = engine.steps_done // schedule.every - done // schedule.every
-            writer.append(rows[: max(kept, 0)])
+            record(rows[: max(kept, 0)])
             return _cause(model, solver, schedule, engine, -written)
-        writer.append(rows[:written])
+        record(rows[:written])
         done += count
         report(float(engine.time[0].real), now - started)
         spent = max(now - before, 1e-6)
@@ -251,16 +261,39 @@ def _cause(
     return f"body '{body}' diverged; likely cause: {sentence}", body
 
 
-def _check_energy(model: Model, solution: Solution) -> None:
-    energy = solution.energy
-    exchanged = float(np.ptp(energy.kinetic) + np.ptp(energy.strain) + np.ptp(energy.potential))
-    missed = float(np.abs(energy.error).max())
-    if missed > ENERGY_LIMIT * exchanged and missed > 1e-9 * float(np.abs(energy.kinetic).max()):
-        warn(
-            f"simulate {model.name!r}",
-            f"the energy balance misses {missed:.3g} J of {exchanged:.3g} J exchanged "
-            f"({100 * missed / max(exchanged, 1e-300):.2g} %); a smaller step is more accurate",
-        )
+class EnergyWatch:
+    """What the energy balance missed so far, in fixed memory."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._first = 1 + model.nq + model.nv + model.nrow
+        self._low = np.full(3, np.inf)
+        self._high = np.full(3, -np.inf)
+        self._start: float | None = None
+        self.missed = 0.0
+
+    def see(self, rows: NDArray[np.float64]) -> None:
+        """Look at rows of the engine."""
+        if not len(rows):
+            return
+        terms = rows[:, self._first : self._first + 5]
+        balance = terms[:, :3].sum(axis=1) + terms[:, 3] - terms[:, 4]
+        if self._start is None:
+            self._start = float(balance[0])
+        self.missed = max(self.missed, float(np.abs(balance - self._start).max()))
+        self._low = np.minimum(self._low, terms[:, :3].min(axis=0))
+        self._high = np.maximum(self._high, terms[:, :3].max(axis=0))
+
+    def judge(self) -> None:
+        """Warn if the balance misses a noticeable share of the energy exchanged."""
+        exchanged = float((self._high - self._low).sum())
+        if self.missed > ENERGY_LIMIT * exchanged and self.missed > 1e-9 * self._high[0]:
+            warn(
+                f"simulate {self._model.name!r}",
+                f"the energy balance misses {self.missed:.3g} J of {exchanged:.3g} J exchanged "
+                f"({100 * self.missed / max(exchanged, 1e-300):.2g} %); a smaller step is more "
+                "accurate",
+            )
 
 
 def describe(solution: Solution) -> dict[str, Any]:

@@ -41,7 +41,7 @@ class Energy:
 
 @dataclass(frozen=True, eq=False)
 class Residuals:
-    """Largest constraint residuals, each (nt,): |C| and |Cq v|."""
+    """Largest constraint residuals, each (nt,): ``|C|`` and ``|Cq v|``."""
 
     position: Array
     velocity: Array
