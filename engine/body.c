@@ -293,7 +293,8 @@ int jo_body_factor(const jo_body *b, jo_body_work *w, int set)
             if (k < i) {
                 x[3 + k] = t * y[3 + k];
             } else {
-                if (!(JO_RE(t) > 1e-14 * JO_RE(W[4 * i]))) return JO_SINGULAR_BODY;
+                if (!(JO_RE(t) > 1e-14 * JO_RE(W[4 * i])))
+                    return isfinite(JO_RE(t)) ? JO_SINGULAR_BODY : JO_NOT_FINITE;
                 x[3 + i] = 1.0 / jo_sqrt(t);
             }
         }

@@ -11,24 +11,34 @@ void jo_use_step(const jo_model *m, jo_data *d, double gh)
     d->gh = gh;
 }
 
-/* a and lam at time, q, v; the modal mass is that of the set */
-int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
+/* poses and velocities of the bodies and positions of the markers at q, v */
+static void refresh(const jo_model *m, jo_data *d)
 {
-    d->set = set;
-    d->power[0] = d->power[1] = 0.0;
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         jo_body_pose(b, &d->body[i], d->q + b->iq);
         jo_body_twist(b, &d->body[i], d->v + b->iv);
     }
     jo_marker_position(m, d, m->nactive);
-    jo_marker_velocity(m, d, m->nactive);
+}
+
+/* a and lam at time, q, v; the modal mass is that of the set */
+int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
+{
+    d->set = set;
+    d->power[0] = d->power[1] = 0.0;
+    if (!d->current) {
+        refresh(m, d);
+        jo_marker_velocity(m, d, m->nactive);
+    }
+    d->current = 0;
     for (int i = 0; i < m->nbody; i++) jo_body_inertia(&m->body[i], &d->body[i], &d->power[0]);
     if (m->nforce) jo_apply_forces(m, d);
     for (int i = 0; i < m->nbody; i++) {
-        if (jo_body_factor(&m->body[i], &d->body[i], set) != JO_OK) {
+        int regular = jo_body_factor(&m->body[i], &d->body[i], set);
+        if (regular != JO_OK) {
             d->error_index = i;
-            return JO_SINGULAR_BODY;
+            return regular;
         }
         jo_body_free(&m->body[i], &d->body[i], set);
     }
@@ -60,7 +70,7 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
 
 int jo_accelerations(const jo_model *m, jo_data *d)
 {
-    d->fresh = 0;
+    d->fresh = d->current = 0;
     int status = jo_evaluate(m, d, 0, 0);
     d->fresh = status == JO_OK;
     return status;
@@ -100,49 +110,36 @@ static void correction(const jo_model *m, jo_data *d, jo_real *increment)
     }
 }
 
-static void refresh(const jo_model *m, jo_data *d)
-{
-    for (int i = 0; i < m->nbody; i++) {
-        const jo_body *b = &m->body[i];
-        jo_body_pose(b, &d->body[i], d->q + b->iq);
-        jo_body_twist(b, &d->body[i], d->v + b->iv);
-    }
-    jo_marker_position(m, d, m->nactive);
-}
-
 /* Newton in the mass metric for C(q) = 0, then Cq v = 0, with the factors of the last evaluation. One correction
  * nearly always suffices; at most JO_CORRECTIONS keep the work of a step bounded. */
-void jo_project(const jo_model *m, jo_data *d, double step)
+void jo_project(const jo_model *m, jo_data *d)
 {
     enum { JO_CORRECTIONS = 4 };
     if (!m->njoint) return;
-    const double small = 1e-12 * m->size, small_rate = 1e-13 * m->size / step;
-    double before, after, contraction = 0.0;
+    const double small = 1e-12 * m->size, small_rate = 1e-10 * m->size;   /* m, m/s */
     refresh(m, d);
-    after = jo_joint_residual(m, d);
+    jo_joint_residual(m, d);
     for (int k = 0; k < JO_CORRECTIONS; k++) {
-        before = after;
         for (int i = 0; i < m->njoint; i++)
             for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].c[r];
         correction(m, d, d->rate);
         jo_displace(m, d->q, d->q, d->rate);
         refresh(m, d);
-        after = jo_joint_residual(m, d);
-        if (k == 0 && before > 0.0) contraction = after / before;
-        if (after <= small) break;
+        if (jo_joint_residual(m, d) <= small) break;
     }
+    jo_marker_velocity(m, d, m->nactive);
+    jo_joint_residual_rate(m, d);
     for (int k = 0; k < JO_CORRECTIONS; k++) {
-        jo_marker_velocity(m, d, m->nactive);
-        before = jo_joint_residual_rate(m, d);
-        if (k && before <= small_rate) break;
         for (int i = 0; i < m->njoint; i++)
             for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].cdot[r];
         correction(m, d, d->rate);
         for (int i = 0; i < m->nv; i++) d->v[i] += d->rate[i];
-        if (contraction * before <= 0.1 * small_rate) break;   /* as much as the positions showed: no need to look */
         for (int i = 0; i < m->nbody; i++) jo_body_twist(&m->body[i], &d->body[i], d->v + m->body[i].iv);
+        jo_marker_velocity(m, d, m->nactive);
+        if (jo_joint_residual_rate(m, d) <= small_rate) break;
     }
     d->fresh = 0;
+    d->current = 1;
 }
 
 /* close the joints: full Newton on positions, then velocities */
@@ -152,11 +149,12 @@ int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance)
     for (int k = 0; k < iterations; k++) {
         jo_residuals(m, d, residual);
         if (k && JO_RE(residual[0]) < tolerance && JO_RE(residual[1]) < tolerance) break;
+        d->current = 0;
         int status = jo_evaluate(m, d, 0, 0);
         if (status != JO_OK) return status;
-        jo_project(m, d, 1.0);
+        jo_project(m, d);
     }
-    d->fresh = 0;
+    d->fresh = d->current = 0;
     return JO_OK;
 }
 

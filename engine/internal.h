@@ -70,6 +70,7 @@ struct jo_data {
     jo_real *gram[2];       /* (npair x 36) */
     double gh;              /* g h of set 1 */
     int set;                /* set in use */
+    int current;            /* bodies and active markers stand at the present q, v */
     int fresh;              /* a and lam belong to the present time, q, v and set 0 */
     int error_index;
     void *arena;
@@ -110,6 +111,6 @@ void jo_apply_forces(const jo_model *m, jo_data *d);
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set);
 void jo_use_step(const jo_model *m, jo_data *d, double gh);
 void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment);
-void jo_project(const jo_model *m, jo_data *d, double step);
+void jo_project(const jo_model *m, jo_data *d);
 
 #endif

@@ -258,7 +258,7 @@ static void add_gram(jo_real *S, const jo_joint *k, const jo_real *Ck, const jo_
 }
 
 /* S = L L^T of a diagonal block, in place, inverse diagonal; a pivot that vanishes against the diagonal
- * that the row had before elimination means that the row repeats others */
+ * that the row had before elimination means that the row repeats others. 1, 0: singular, -1: not finite */
 static inline int factor_diagonal(jo_real *restrict S, const int n, const double *scale)
 {
     int regular = 1;
@@ -270,7 +270,7 @@ static inline int factor_diagonal(jo_real *restrict S, const int n, const double
         }
         jo_real x = S[7 * i];
         for (int j = 0; j < i; j++) x -= S[6 * i + j] * S[6 * i + j];
-        if (!(JO_RE(x) > 1e-12 * scale[i])) regular = 0;
+        if (regular == 1 && !(JO_RE(x) > 1e-12 * scale[i])) regular = isfinite(JO_RE(x)) ? 0 : -1;
         S[7 * i] = 1.0 / jo_sqrt(x);
     }
     return regular;
@@ -340,9 +340,11 @@ int jo_joint_factor(const jo_model *m, jo_data *d)
 #define CALL(n) regular = factor_diagonal(diag, n, scale)
         JO_BY_ROWS(n, CALL)
 #undef CALL
-        if (!regular) {
-            d->error_index = col->joint;
-            return JO_SINGULAR_JOINT;
+        if (regular != 1) {
+            const jo_joint *k = &m->joint[col->joint];
+            const int body = m->marker[k->b].body;
+            d->error_index = regular == 0 ? col->joint : body < 0 ? m->marker[k->a].body : body;
+            return regular == 0 ? JO_SINGULAR_JOINT : JO_NOT_FINITE;
         }
         for (int i = col->first; i < col->first + col->count; i++) {
             jo_real *X = S + 36 * m->below[i].block;

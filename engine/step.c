@@ -113,12 +113,12 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
     return JO_OK;
 }
 
-int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
+static int step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     int status = s->method == JO_RK4 ? step_rk4(m, d, s) : step_ros2(m, d, s);
-    d->fresh = 0;
+    d->fresh = d->current = 0;
     if (status != JO_OK) return status;
-    if (s->projection) jo_project(m, d, s->step);
+    if (s->projection) jo_project(m, d);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         double sum = 0.0;
@@ -129,6 +129,12 @@ int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
         }
     }
     return JO_OK;
+}
+
+int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    d->current = d->fresh = 0;   /* the caller may have changed the state */
+    return step(m, d, s);
 }
 
 int jo_row_size(const jo_model *m) { return 1 + m->nq + m->nv + m->nrow + 7 + m->nout; }
@@ -157,8 +163,9 @@ int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, 
            long long *count, jo_real *rows)
 {
     int written = 0;
+    d->current = 0;
     for (long long i = 0; i < nsteps; i++) {
-        int status = jo_step(m, d, s);
+        int status = step(m, d, s);
         if (status != JO_OK) return -status;
         ++*count;
         d->time[0] = (double)*count * s->step;

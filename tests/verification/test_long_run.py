@@ -37,15 +37,7 @@ CASES = {
 }
 
 
-LOOSE = pytest.mark.xfail(
-    strict=True, reason="the projection stops at 1e-13 size / step, 3e-9 m/s here"
-)
-
-
-@pytest.mark.parametrize(
-    "case",
-    [pytest.param(case, marks=[LOOSE] if case == "steel chain, ROS2" else []) for case in CASES],
-)
+@pytest.mark.parametrize("case", CASES)
 def test_a_million_steps(case):
     mechanism, solver, drift = CASES[case]
     run = march(jo.compile(mechanism()), solver, MILLION * solver.step, 1000 * solver.step)
@@ -86,7 +78,6 @@ def peak_memory(steps, folder):
     return int(done.stdout) * (1 if sys.platform == "darwin" else 1024)
 
 
-@pytest.mark.xfail(strict=True, reason="the energy check after a run reads all of it, 35 B a row")
 def test_memory_does_not_grow_with_the_length_of_the_run(tmp_path):
     # every step is stored: 1e6 rows of 46 numbers are 370 MB in the file
     pytest.importorskip("resource")

@@ -74,7 +74,9 @@ class Force:
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Torque:
-    """A torque at a marker: ``Q_w = A^T T``, ``Q_p = Psi^T A^T T``.
+    """A torque at a marker: ``Q_w = A^T T``, ``Q_p = (T(theta) Psi)^T A^T T``.
+
+    T(theta) is the tangent operator of the marker's elastic rotation theta = Psi p.
 
     Parameters
     ----------

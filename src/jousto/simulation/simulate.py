@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine import Engine, Model
+from jousto.engine.native import NOT_FINITE
 from jousto.errors import InputError, Problem, Problems, SimulationError, warn
 from jousto.simulation.progress import Report, reporter
 from jousto.simulation.results import ResultsWriter
@@ -248,17 +249,20 @@ def _loop(
 def _cause(
     model: Model, solver: Solver, schedule: Schedule, engine: Engine, status: int
 ) -> tuple[str, str]:
-    if status != 1:
+    sentence = stability_warning(model, solver, schedule.step)
+    if status != NOT_FINITE and not sentence:
         problem = engine.problem(status)
         return f"{problem} (it was regular at the start: a singular position was reached)", ""
-    body = model.bodies[engine.error_index].name
-    sentence = stability_warning(model, solver, schedule.step)
+    body = ""
+    if status == NOT_FINITE:
+        body = model.bodies[engine.error_index].name
     if not sentence:
         sentence = (
             f"the step of {schedule.step:.3g} s may be too large for this motion, try half; or "
             "forces, masses or stiffnesses have the wrong unit"
         )
-    return f"body '{body}' diverged; likely cause: {sentence}", body
+    what = f"body '{body}'" if body else "the motion"
+    return f"{what} diverged; likely cause: {sentence}", body
 
 
 class EnergyWatch:

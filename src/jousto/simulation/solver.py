@@ -100,8 +100,8 @@ class ROS2:
     """Linearly implicit W-method of order 2 with the modal stiffness and damping implicit.
 
     ROS2 of Verwer, Spee, Blom and Hundsdorfer (SIAM J. Sci. Comput. 20, 1999) with
-    gamma = 1 - 1/sqrt 2. Two evaluations a step, no iteration: the work of a step is fixed. High
-    modal frequencies do not limit the step; modes that the step cannot resolve are damped.
+    gamma = 1 - 1/sqrt 2. Two evaluations a step and no iteration but the projection, which is one
+    correction, rarely more and never more than four: the work of a step is bounded. High modal frequencies do not limit the step; modes that the step cannot resolve are damped.
 
     Parameters
     ----------

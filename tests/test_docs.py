@@ -1,0 +1,135 @@
+"""The code in the documentation runs and prints what is printed there.
+
+Blocks are executed page by page in their order, in an empty folder:
+
+* ``python``: warnings of jousto and the error that ends a block are part of its output; a ``text``
+  block that follows at once is that output.
+* ``yaml`` with a first line ``# NAME.yaml``: written to that file and checked by ``jousto check``;
+  ``# NAME.yml`` is a part alone, which ``jousto reduce`` must accept.
+* ``console``: lines after ``$ jousto ...`` are its output, ``$ echo $?`` asks for its exit code.
+
+In outputs ``...`` stands for anything.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import doctest
+import io
+import re
+import shlex
+import traceback
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import jousto as jo
+from jousto.cli import app
+
+ROOT = Path(__file__).parent.parent
+PAGES = ["README.md", *(f"docs/{path.name}" for path in sorted((ROOT / "docs").glob("*.md")))]
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.M | re.S)
+FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+
+
+def blocks(page: str) -> Iterator[tuple[str, str, int, bool]]:
+    """Yield language, text, line and whether the block follows the one before at once."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    end = 0
+    for match in BLOCK.finditer(text):
+        line = text.count("\n", 0, match.start()) + 1
+        yield match[1], match[2], line, end > 0 and not text[end : match.start()].strip()
+        end = match.end()
+
+
+def same(expected: str, found: str, where: str) -> None:
+    checker = doctest.OutputChecker()
+    if not checker.check_output(expected.rstrip() + "\n", found.rstrip() + "\n", FLAGS):
+        pytest.fail(f"{where} prints\n{found}\nbut the page says\n{expected}")
+
+
+def run_python(code: str, where: str, names: dict[str, object]) -> tuple[str, bool]:
+    """Return what a block prints, and whether that includes a warning or an error."""
+    out, noted = io.StringIO(), False
+    with warnings.catch_warnings(record=True) as caught, contextlib.redirect_stdout(out):
+        warnings.simplefilter("always")
+        try:
+            exec(compile(code, where, "exec"), names)
+        except jo.JoustoError as error:
+            # first the warnings, then what ended the block
+            ended = f"{type(error).__name__}: {error}\n"
+        except Exception:
+            pytest.fail(f"{where}\n{traceback.format_exc()}")
+        else:
+            ended = ""
+        for item in caught:
+            assert issubclass(item.category, jo.JoustoWarning), f"{where}: {item.message}"
+            out.write(f"JoustoWarning: {item.message}\n")
+            noted = True
+        out.write(ended)
+    return out.getvalue(), noted or bool(ended)
+
+
+def run_console(text: str, where: str) -> None:
+    """Run the commands of a console block and compare their output."""
+    code, prompt = 0, re.compile(r"^\$ (.*)\n((?:(?!\$ ).*\n)*)", re.M)
+    asked = True
+    for command, expected in prompt.findall(text):
+        words = shlex.split(command)
+        if words == ["echo", "$?"]:
+            asked = True
+            assert str(code) == expected.strip(), f"{where}: exit code {code}"
+        elif words[0] == "jousto":
+            assert asked or code == 0, f"{where}: exit code {code}, not shown"
+            result = CliRunner().invoke(app, words[1:], prog_name="jousto")
+            code, asked = result.exit_code, False
+            if expected.strip():
+                same(expected, result.output, f"{where}: {command}")
+            else:
+                assert code == 0, f"{where}: {command}\n{result.output}"
+    assert asked or code == 0, f"{where}: exit code {code}, not shown"
+
+
+@pytest.mark.filterwarnings("default")
+@pytest.mark.parametrize("page", PAGES)
+def test_code_of_the_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {"__name__": "page"}
+    printed, noted, where = None, False, page
+    for language, text, line, follows in blocks(page):
+        if noted and not (language == "text" and follows):
+            pytest.fail(f"{where}: not shown on the page:\n{printed}")
+        if language == "text" and follows and printed is not None:
+            same(text, printed, where)
+        printed, noted, where = None, False, f"{page}:{line}"
+        if language == "python":
+            printed, noted = run_python(text, where, names)
+        elif language == "yaml" and (name := re.match(r"# (\S+\.ya?ml)\n", text)):
+            Path(name[1]).write_text(text, encoding="utf-8")
+            command = "check" if name[1].endswith(".yaml") else "reduce"
+            result = CliRunner().invoke(app, [command, name[1]], prog_name="jousto")
+            # a file with errors is followed by the console block that shows them
+            right = 2 if name[1].startswith("bad") else 0
+            assert result.exit_code == right, f"{where}: {result.output}"
+        elif language == "console":
+            run_console(text, where)
+    assert not noted, f"{where}: not shown on the page:\n{printed}"
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_links_and_pictures_of_the_page_exist(page: str) -> None:
+    text = (ROOT / page).read_text(encoding="utf-8")
+    for target in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text):
+        if not re.match(r"[a-z]+:", target):
+            assert (ROOT / page).parent.joinpath(target).exists(), f"{page}: {target}"
+
+
+def test_these_tests_see_a_wrong_output() -> None:
+    with pytest.raises(pytest.fail.Exception, match="but the page says"):
+        same("1.0\n", "2.0\n", "here")
+    same("a ... c\n", "a b c\n", "here")
+    assert run_python("print(1)", "here", {}) == ("1\n", False)
+    assert run_python("import jousto as jo; jo.Material(1e5, 0.3, 7850)", "here", {})[1]
