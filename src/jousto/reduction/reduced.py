@@ -117,6 +117,11 @@ class ReducedPart:
         object.__setattr__(self, "interfaces", tuple(self.interfaces))
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
 
+    def __repr__(self) -> str:
+        known = ", ".join(f"{f:.5g}" for f in self.frequencies[:4])
+        more = ", ..." if self.n > 4 else ""
+        return f"<ReducedPart {self.name!r}: {self.n} modes, {known}{more} Hz>"
+
     @property
     def n(self) -> int:
         """Number of modes."""

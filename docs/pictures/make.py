@@ -1,0 +1,67 @@
+"""Make the pictures of the documentation from the examples, small enough to be committed.
+
+    .venv/bin/python docs/pictures/make.py
+
+Every example writes its pictures; those that the documentation shows are scaled down and reduced
+to few colours.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from PIL import Image, ImageSequence
+
+HERE = Path(__file__).parent
+EXAMPLES = HERE.parent.parent / "examples"
+COLOURS = 128
+WIDTHS = {  # pixels
+    "pendulum.png": 1000,
+    "pendulum_still.png": 700,
+    "chain_still.png": 700,
+    "chain_order.png": 800,
+    "chain.png": 1000,
+    "chain.gif": 420,
+    "cantilever_stress.png": 1100,
+    "split_still.png": 900,
+    "split.png": 900,
+}
+
+
+def shrink(source: Path, target: Path, width: int) -> None:
+    """Write a smaller copy of a picture or film."""
+    with Image.open(source) as image:
+        size = (width, round(width * image.height / image.width))
+        frames = [
+            frame.convert("RGB")
+            .resize(size, Image.Resampling.LANCZOS)
+            .quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+            for frame in ImageSequence.Iterator(image)
+        ]
+        if target.suffix == ".gif":
+            # every second frame is enough
+            settings = {"duration": 2 * image.info.get("duration", 40), "loop": 0}
+            frames[0].save(target, save_all=True, append_images=frames[2::2], **settings)
+        else:
+            frames[0].save(target, optimize=True)
+
+
+def main() -> int:
+    """Run the examples and keep what is shown."""
+    with tempfile.TemporaryDirectory() as folder:
+        for script in sorted(EXAMPLES.glob("*.py")):
+            subprocess.run([sys.executable, str(script), folder], check=True)
+        for name, width in WIDTHS.items():
+            shrink(Path(folder) / name, HERE / name, width)
+    sizes = {path.name: path.stat().st_size for path in HERE.iterdir() if path.name in WIDTHS}
+    for name, size in sizes.items():
+        print(f"{name:24}{size / 1000:8.0f} kB")
+    print(f"{'together':24}{sum(sizes.values()) / 1000:8.0f} kB")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
