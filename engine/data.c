@@ -98,6 +98,7 @@ jo_real *jo_data_work(jo_data *d) { return d->work; }
 int jo_data_error_index(const jo_data *d) { return d->error_index; }
 
 int jo_abi(void) { return JO_ABI; }
+int jo_model_size(void) { return (int)sizeof(jo_model); }
 
 int jo_cpu_level(void)
 {

@@ -118,14 +118,16 @@ void jo_project(const jo_model *m, jo_data *d)
     if (!m->njoint) return;
     const double small = 1e-12 * m->size, small_rate = 1e-10 * m->size;   /* m, m/s */
     refresh(m, d);
-    jo_joint_residual(m, d);
+    double residual = jo_joint_residual(m, d);
     for (int k = 0; k < JO_CORRECTIONS; k++) {
+        const double before = residual;
         for (int i = 0; i < m->njoint; i++)
             for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].c[r];
         correction(m, d, d->rate);
         jo_displace(m, d->q, d->q, d->rate);
         refresh(m, d);
-        if (jo_joint_residual(m, d) <= small) break;
+        residual = jo_joint_residual(m, d);
+        if (residual <= small || !(residual < 0.5 * before)) break;   /* closed, or no use */
     }
     jo_marker_velocity(m, d, m->nactive);
     jo_joint_residual_rate(m, d);

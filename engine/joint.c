@@ -31,7 +31,10 @@ void jo_joint_setup(const jo_model *m, jo_data *d, int set)
 static double largest(const jo_real *c, int count)
 {
     double x = 0.0;
-    for (int r = 0; r < count; r++) x = fmax(x, fabs(JO_RE(c[r])));
+    for (int r = 0; r < count; r++) {
+        const double y = fabs(JO_RE(c[r]));
+        if (!(y <= x)) x = y;   /* a NaN stays */
+    }
     return x;
 }
 
@@ -52,7 +55,8 @@ double jo_joint_residual(const jo_model *m, jo_data *d)
             axis(y, b->A, k->perp_b[r]);
             c[r] = jo_dot3(x, y);
         }
-        worst = fmax(worst, largest(d->joint[i].c, k->nrow));
+        const double gap = largest(d->joint[i].c, k->nrow);
+        if (!(gap <= worst)) worst = gap;
     }
     return worst;
 }
@@ -90,7 +94,8 @@ double jo_joint_residual_rate(const jo_model *m, jo_data *d)
             jo_cross(s, x, y);
             c[r] = jo_dot3(rel, s);
         }
-        worst = fmax(worst, largest(d->joint[i].cdot, k->nrow));
+        const double rate = largest(d->joint[i].cdot, k->nrow);
+        if (!(rate <= worst)) worst = rate;
     }
     return worst;
 }

@@ -21,7 +21,7 @@ typedef double jo_real;
 #endif
 
 /* BEGIN */
-enum { JO_ABI = 1 };           /* raised whenever a struct or a meaning below changes */
+enum { JO_ABI = 2 };           /* raised whenever a struct or a meaning below changes */
 enum { JO_PAD = 4 };           /* modal coordinates are padded to a multiple of this */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -131,6 +131,7 @@ typedef struct {
 typedef struct jo_data jo_data;
 
 int jo_abi(void);
+int jo_model_size(void);                         /* bytes of a jo_model, to compare with the caller's */
 int jo_cpu_level(void);                          /* x86-64 level of this processor (1, 3, 4); 0 elsewhere */
 jo_data *jo_data_new(const jo_model *m);         /* 0 if there is no memory */
 void jo_data_free(jo_data *d);
@@ -153,9 +154,9 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out);     /* (nout), aft
 
 /* Advance nsteps; whenever the step count is a multiple of `every` write one row
  * [time q v lam kinetic strain potential dissipated work |C| |Cq v| sensors] to rows.
- * `count` holds the steps done before and is advanced. Returns the rows written, or -jo_status. */
+ * `count` holds the steps done before and is advanced, `written` the rows. Returns a jo_status. */
 int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
-           long long *count, jo_real *rows);
+           long long *count, int *written, jo_real *rows);
 int jo_row(const jo_model *m, jo_data *d, jo_real *row);   /* one such row of the present state */
 int jo_row_size(const jo_model *m);
 /* END */

@@ -65,6 +65,12 @@ static void add_work(jo_data *d)
     d->waiting = 0.0;
 }
 
+static void no_extra(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nbody; i++)
+        for (int j = 0; j < m->body[i].n; j++) d->body[i].extra[j] = 0.0;
+}
+
 /* ROS2 (Verwer, Spee, Blom, Hundsdorfer 1999), a W-method of order 2: modal stiffness and damping implicit.
  * With k2 = k2' - 2 k1 the step is y + (k1 + k2')/2. */
 static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
@@ -79,7 +85,10 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
     d->lead = gh;   /* the matrix of the W-method knows the time derivative of the forces */
     int status = jo_evaluate(m, d, s, 1);
     d->lead = 0.0;
-    if (status != JO_OK) return status;
+    if (status != JO_OK) {
+        no_extra(m, d);
+        return status;
+    }
     for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
     for (int i = 0; i < m->nv; i++) {
         d->v0[i] = d->v[i];
@@ -101,8 +110,7 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
     d->lead = -gh;
     status = jo_evaluate(m, d, s, 1);
     d->lead = 0.0;
-    for (int i = 0; i < m->nbody; i++)
-        for (int j = 0; j < m->body[i].n; j++) d->body[i].extra[j] = 0.0;
+    no_extra(m, d);
     if (status != JO_OK) return status;
     increment_rate(m, d->rate, d->dq, d->v);
     for (int i = 0; i < m->nv; i++) {
@@ -122,8 +130,9 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         double sum = 0.0;
-        for (int j = 0; j < 6 + b->n; j++) sum += JO_RE(d->v[b->iv + j]) + JO_RE(d->q[b->iq + 1 + j]);
-        if (!(fabs(sum) < JO_LARGEST)) {
+        for (int j = 0; j < 6 + b->n; j++) sum += fabs(JO_RE(d->v[b->iv + j]));
+        for (int j = 0; j < 7 + b->n; j++) sum += fabs(JO_RE(d->q[b->iq + j]));
+        if (!(sum < JO_LARGEST)) {
             d->error_index = i;
             return JO_NOT_FINITE;
         }
@@ -139,7 +148,7 @@ int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
 
 int jo_row_size(const jo_model *m) { return 1 + m->nq + m->nv + m->nrow + 7 + m->nout; }
 
-int jo_row(const jo_model *m, jo_data *d, jo_real *row)
+static int write_row(const jo_model *m, jo_data *d, jo_real *row)
 {
     int status = d->fresh ? JO_OK : jo_accelerations(m, d);
     if (status != JO_OK) return status;
@@ -159,21 +168,27 @@ int jo_row(const jo_model *m, jo_data *d, jo_real *row)
     return JO_OK;
 }
 
-int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
-           long long *count, jo_real *rows)
+int jo_row(const jo_model *m, jo_data *d, jo_real *row)
 {
-    int written = 0;
-    d->current = 0;
+    d->current = d->fresh = 0;
+    return write_row(m, d, row);
+}
+
+int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
+           long long *count, int *written, jo_real *rows)
+{
+    *written = 0;
+    d->current = d->fresh = 0;   /* the caller may have changed the state */
     for (long long i = 0; i < nsteps; i++) {
         int status = step(m, d, s);
-        if (status != JO_OK) return -status;
+        if (status != JO_OK) return status;
         ++*count;
         d->time[0] = (double)*count * s->step;
         if (*count % every == 0) {
-            status = jo_row(m, d, rows + (size_t)written * (size_t)jo_row_size(m));
-            if (status != JO_OK) return -status;
-            written++;
+            status = write_row(m, d, rows + (size_t)*written * (size_t)jo_row_size(m));
+            if (status != JO_OK) return status;
+            ++*written;
         }
     }
-    return written;
+    return JO_OK;
 }

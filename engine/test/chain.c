@@ -115,7 +115,9 @@ static double drift(const jo_model *m, jo_solver s)
     int width = jo_row_size(m), steps = (int)(1.0 / s.step + 0.5);
     double *rows = malloc(sizeof(double) * (size_t)width * (size_t)(steps / 10));
     long long count = 0;
-    CHECK(jo_run(m, d, &s, steps, 10, &count, rows) == steps / 10 && count == steps);
+    int written = 0;
+    CHECK(jo_run(m, d, &s, steps, 10, &count, &written, rows) == JO_OK);
+    CHECK(written == steps / 10 && count == steps);
     for (int i = 0; i < steps / 10; i++) {
         const double *e = rows + i * width + 1 + m->nq + m->nv + m->nrow;
         worst = fmax(worst, fabs(e[0] + e[1] + e[2] + e[3] - e[4] - start));

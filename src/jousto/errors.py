@@ -112,7 +112,7 @@ class Problems:
         wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
         try:
             array = np.array(value, dtype=np.float64)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             self.add(where, f"{name} is not an array of numbers of shape {wanted}")
             return None
         if array.ndim != len(shape) or any(
@@ -123,13 +123,14 @@ class Problems:
         bad = np.argwhere(~np.isfinite(array))
         if len(bad):
             index = tuple(int(i) for i in bad[0])
-            self.add(where, f"{name}{list(index)} is {array[index]}, must be finite")
+            place = list(index) if index else ""
+            self.add(where, f"{name}{place} is {array[index]}, must be finite")
             return None
         array.setflags(write=False)
         return array
 
 
-def suggest(name: str, candidates: Iterable[str]) -> str:
+def suggest(name: object, candidates: Iterable[str]) -> str:
     """Return the tail of an error sentence: the nearest known name, or all known names.
 
     Examples
@@ -138,7 +139,7 @@ def suggest(name: str, candidates: Iterable[str]) -> str:
     "; did you mean 'boom'?"
     """
     known = list(candidates)
-    near = difflib.get_close_matches(name, known, n=1)
+    near = difflib.get_close_matches(str(name), known, n=1)
     if near:
         return f"; did you mean '{near[0]}'?"
     if not known:

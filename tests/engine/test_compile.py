@@ -7,6 +7,7 @@ import pytest
 
 import jousto as jo
 from jousto.engine import library
+from jousto.engine.ordering import eliminate
 
 
 def rigid(name, **kwargs):
@@ -91,4 +92,53 @@ def test_every_build_of_the_engine_gives_the_same_motion():
 
 def test_the_header_read_by_python_is_the_one_that_was_compiled():
     assert library.ffi().typeof("jo_model").fields
-    assert library.real_library().jo_abi() == 1
+    assert library.real_library().jo_abi() == library.real_library().JO_ABI
+
+
+def test_views_of_the_state_outlive_the_engine():
+    body = rigid("rod", angular_velocity=(0, 3, 2))
+    pivot = jo.Spherical("p", jo.ground["origin"], body["origin"])
+    q = jo.Engine(jo.compile(jo.Mechanism(body, pivot))).q
+    np.testing.assert_array_equal(q, [0, 0, 0, 1, 0, 0, 0])
+
+
+def test_the_engine_refuses_what_would_overrun_its_memory():
+    body = rigid("rod", angular_velocity=(0, 3, 2))
+    pivot = jo.Spherical("p", jo.ground["origin"], body["origin"])
+    engine = jo.Engine(jo.compile(jo.Mechanism(body, pivot)))
+    solver = engine.native_solver(1, 1e-3, True)
+    good = np.zeros((10, engine.row_size))
+    for steps, every, rows in (
+        (11, 1, good),
+        (1, 0, good),
+        (1, 1, good.astype("f4")),
+        (1, 1, good[:, :-1]),
+    ):
+        with pytest.raises(ValueError, match="contiguous"):
+            engine.run(solver, steps, every, rows)
+    with pytest.raises(IndexError):
+        engine.mass_matrix(1)
+    assert engine.run(solver, 10, 1, good) == (0, 10)
+
+
+def test_a_changed_state_is_seen_at_once():
+    body = rigid("rod", angular_velocity=(0, 3, 2))
+    pivot = jo.Spherical("p", jo.ground["origin"], body["origin"])
+    gravity = jo.Gravity((0, 0, -9.81))
+    model = jo.compile(jo.Mechanism(body, pivot, gravity))
+    used, new = jo.Engine(model), jo.Engine(model)
+    used.accelerations()
+    for engine in (used, new):
+        engine.v[3:] = (1.0, 2.0, 3.0)
+    np.testing.assert_array_equal(used.row(), new.row())
+    rows = np.zeros((1, new.row_size))
+    solver = new.native_solver(1, 1e-3, True)
+    used.accelerations()
+    used.v[3:] = new.v[3:] = (3.0, 1.0, 1.0)
+    for engine in (used, new):
+        engine.run(solver, 1, 1, rows)
+    np.testing.assert_array_equal(used.v, new.v)
+
+
+def test_two_hundred_joints_on_one_body_are_ordered_quickly():
+    assert eliminate([3] * 200, [range(200)]).fill == 0

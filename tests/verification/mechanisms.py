@@ -202,8 +202,9 @@ def march(model: Any, solver: Any, t_end: float, output_step: float | None = Non
     native = engine.native_solver(solver.method, solver.step, solver.projection, alpha, beta)
     rows = np.zeros((1 + steps // every, engine.row_size))
     rows[0] = engine.row()
-    written = engine.run(native, steps, every, rows[1:])
-    assert written == steps // every, f"the engine stopped with status {-written}"
+    status, written = engine.run(native, steps, every, rows[1:])
+    assert status == 0, f"the engine stopped with status {status}"
+    assert written == steps // every
     cuts = np.cumsum([1, model.nq, model.nv, model.nrow, 5, 2])
     time, q, v, lam, energy, residuals, out = np.split(rows, cuts, axis=1)
     sensors = {s.name: out[:, s.offset : s.offset + s.count] for s in model.sensors}

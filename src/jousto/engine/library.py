@@ -50,10 +50,12 @@ def _open(name: str) -> Any:
             "install jousto again with a C compiler at hand (pip install .)"
         )
     library = ffi().dlopen(str(path))
-    wanted = 1
-    if library.jo_abi() != wanted:
+    found = (library.jo_abi(), library.jo_model_size())
+    wanted = (library.JO_ABI, ffi().sizeof("jo_model"))
+    if found != wanted:
         raise JoustoError(
-            f"{path} is of another version ({library.jo_abi()}, not {wanted}); install jousto again"
+            f"{path} does not fit this version (interface and size {found}, not {wanted}); "
+            "install jousto again"
         )
     return library
 

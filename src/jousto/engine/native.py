@@ -89,19 +89,34 @@ class Engine:
         """Advance by one step of a native solver (see `native_solver`)."""
         self._check(self._library.jo_step(self._model, self._data, solver))
 
-    def run(self, solver: Any, steps: int, every: int, rows: Scalars) -> int:
+    def run(self, solver: Any, steps: int, every: int, rows: Scalars) -> tuple[int, int]:
         """Advance `steps` steps and fill `rows` (k, row_size) every `every` steps.
 
         Returns
         -------
-        int
-            Rows written, or the negative status of the engine.
+        status : int
+            0, or what the engine could not do (see `problem`).
+        written : int
+            Rows written.
+
+        Raises
+        ------
+        ValueError
+            If `rows` is not a contiguous array of the engine's scalars with enough rows.
         """
-        return int(
-            self._library.jo_run(
-                self._model, self._data, solver, steps, every, self._count, self._pointer(rows)
+        needed = (self.steps_done % max(every, 1) + steps) // max(every, 1)
+        good = rows.ndim == 2 and rows.shape[0] >= needed and rows.shape[1] == self.row_size
+        if not (good and every >= 1 and rows.dtype == self.dtype and rows.flags.c_contiguous):
+            raise ValueError(
+                f"rows must be a contiguous ({needed} or more, {self.row_size}) array of "
+                f"{self.dtype}, and every at least 1"
             )
+        written = self._ffi.new("int *", 0)
+        pointer = self._pointer(rows)
+        status = self._library.jo_run(
+            self._model, self._data, solver, steps, every, self._count, written, pointer
         )
+        return int(status), int(written[0])
 
     def row(self) -> Scalars:
         """Return the present state as one row of `run`."""
@@ -138,6 +153,7 @@ class Engine:
 
     def mass_matrix(self, body: int) -> Scalars:
         """Return the mass matrix (6+n, 6+n) of a body for [R'' (body frame), w', p'']."""
+        body = range(len(self.model.bodies))[body]  # an index out of range is an IndexError
         n = 6 + self.model.bodies[body].n
         M = np.zeros((n, n), self.dtype)
         self._library.jo_mass_matrix(self._model, self._data, body, self._pointer(M))
@@ -182,7 +198,8 @@ class Engine:
             f"joint '{self.model.joints[index].name}'",
             "repeats constraints that other joints already enforce, its reactions are not "
             "unique; free one of them, for example replace a revolute or fixed joint of the "
-            "loop by a spherical one",
+            "loop by a spherical one. (Or a body is lighter than its neighbours by a factor of "
+            "1e12 or more: join it with one of them)",
         )
 
     # -- memory layout ----------------------------------------------------------------------
@@ -193,8 +210,8 @@ class Engine:
     def _view(self, pointer: Any, count: int) -> Scalars:
         if count == 0:
             return np.zeros(0, self.dtype)
-        buffer = self._ffi.buffer(self._ffi.cast("char *", pointer), count * self.dtype.itemsize)
-        return np.frombuffer(buffer, self.dtype)
+        address = int(self._ffi.cast("uintptr_t", pointer))
+        return np.asarray(_Memory(self._data, address, count, self.dtype))
 
     def _constant(
         self, array: Any, key: tuple[str, int, str] | None = None, shared: Any = None
@@ -373,6 +390,19 @@ class Engine:
                 n, pad = self.model.bodies[sensor.object].n, self._library.JO_PAD
                 s.rows = self._constant(_padded(sensor.rows, -(-n // pad) * pad))
         return structs
+
+
+class _Memory:
+    """Engine memory for NumPy; keeps the workspace alive as long as a view of it."""
+
+    def __init__(self, owner: Any, address: int, count: int, dtype: np.dtype[Any]) -> None:
+        self._owner = owner
+        self.__array_interface__ = {
+            "version": 3,
+            "shape": (count,),
+            "typestr": dtype.str,
+            "data": (address, False),
+        }
 
 
 def displaced(model: Model, q: Scalars, increment: Scalars) -> Scalars:

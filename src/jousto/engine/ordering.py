@@ -66,37 +66,33 @@ def eliminate(rows: Sequence[int], cliques: Iterable[Sequence[int]]) -> Eliminat
             near[i].update(j for j in clique if j != i)
     entries = sum(len(n) for n in near) // 2
 
-    def cost(i: int) -> tuple[int, int, int]:
-        around = sorted(near[i])
-        missing = sum(b not in near[a] for k, a in enumerate(around) for b in around[k + 1 :])
-        return missing, len(around), i
+    def missing(i: int) -> int:
+        """Pairs of neighbours that do not touch yet: the fill if i were eliminated now."""
+        return sum(len(near[i] - near[a]) - 1 for a in near[i]) // 2
 
-    heap = [cost(i) for i in range(count)]
+    known = [missing(i) for i in range(count)]
+    heap = [(known[i], len(near[i]), i) for i in range(count)]
     heapq.heapify(heap)
     order: list[int] = []
     later: list[list[int]] = []
     done = [False] * count
     while heap:
-        entry = heapq.heappop(heap)
-        i = entry[2]
-        if done[i]:
-            continue
-        now = cost(i)
-        if now > entry:  # the neighbourhood has changed since
-            heapq.heappush(heap, now)
-            continue
+        fills, _, i = heapq.heappop(heap)
+        if done[i] or fills != known[i]:
+            continue  # an entry of an earlier neighbourhood
         done[i] = True
         order.append(i)
         around = sorted(near[i])
         later.append(around)
-        touched = set(around)
+        touched = {a for a in around if known[a]}
         for a in around:
             near[a].discard(i)
-            near[a].update(b for b in around if b != a)
-            touched |= near[a]
+            if fills:
+                near[a].update(b for b in around if b != a)
+                touched |= near[a]
         for a in touched:
-            if not done[a]:
-                heapq.heappush(heap, cost(a))
+            known[a] = missing(a)
+            heapq.heappush(heap, (known[a], len(near[a]), a))
     place = {joint: c for c, joint in enumerate(order)}
     blocks = {(joint, joint): c for c, joint in enumerate(order)}
     below: list[tuple[tuple[int, int], ...]] = []

@@ -13,7 +13,7 @@ class SparseImage(io.RawIOBase):
     """A seekable file that keeps only the pages that were written.
 
     HDF5 crashes the process when the disk fills up while it writes. So it writes here, where
-    nothing can fail, and plain file calls, whose errors are exceptions, copy the pages to disk.
+    nothing can fail, and plain file calls, whose errors are exceptions, copy the pieces to disk.
 
     Examples
     --------
@@ -22,12 +22,13 @@ class SparseImage(io.RawIOBase):
     1000000000000
     >>> image.seek(5 * 10**11), image.write(b"here")
     (500000000000, 4)
-    >>> sum(len(page) for _, page in image.pages())
-    4096
+    >>> list(image.pieces())
+    [(500000000000, b'here')]
     """
 
     def __init__(self) -> None:
         self._pages: dict[int, bytearray] = {}
+        self._written: list[tuple[int, int]] = []
         self._at = 0
         self.size = 0
 
@@ -67,6 +68,7 @@ class SparseImage(io.RawIOBase):
             page = self._pages.setdefault(number, bytearray(PAGE))
             page[start : start + count] = view[done : done + count]
             done += count
+        self._written.append((self._at, done))
         self._at += done
         self.size = max(self.size, self._at)
         return done
@@ -85,8 +87,12 @@ class SparseImage(io.RawIOBase):
         self._at += done
         return done
 
-    def pages(self) -> Iterator[tuple[int, bytes]]:
-        """Yield (offset, bytes) of what was written, in order."""
-        for number in sorted(self._pages):
-            start = number * PAGE
-            yield start, bytes(self._pages[number][: max(0, self.size - start)])
+    def pieces(self) -> Iterator[tuple[int, bytes]]:
+        """Yield (offset, bytes) of exactly what was written, in order."""
+        end = 0
+        for start, length in sorted(self._written):
+            if start + length > end:
+                first = max(start, end)
+                end = start + length
+                self.seek(first)
+                yield first, self.read(end - first)

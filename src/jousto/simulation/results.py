@@ -2,8 +2,16 @@
 
 from __future__ import annotations
 
+import errno
 import importlib.metadata
 import os
+import shutil
+import signal
+import sys
+import threading
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -17,6 +25,7 @@ from jousto.errors import InputError, Problem
 from jousto.simulation.image import SparseImage
 
 Array = NDArray[np.float64]
+Facts = dict[str, Any]  # how a run ended: ended, wall_time, real_time_factor
 FORMAT = "jousto results"
 FORMAT_VERSION = 1
 DIAGNOSTICS = (
@@ -55,53 +64,83 @@ class ResultsWriter:
     ) -> None:
         self.path = path
         self.written = 0
-        self._arguments = (model, attributes, text)
+        self._rows = rows
+        self._about = (model, {**attributes, "run": uuid.uuid4().hex}, text)
+        running: Facts = {"ended": "running or killed", "wall_time": np.nan}
+        image, self._places = self._image(rows, False, running)
+        needed, free = image.size, _free_bytes(path)
+        if needed > free:
+            raise InputError(
+                Problem(
+                    str(path),
+                    f"{rows} instants need {needed / 1e9:.3g} GB and {free / 1e9:.3g} GB are free; "
+                    "give a larger output_step",
+                )
+            )
         try:
-            self._file, self._places = self._lay_out(path, rows)
+            with uninterrupted():
+                self._file = self._lay_out(path, image)
         except OSError as error:
             raise InputError(
                 Problem(str(path), f"cannot write the results here: {_reason(error, path)}")
             ) from error
 
-    def _lay_out(self, path: Path, rows: int) -> tuple[BinaryIO, list[Place]]:
+    def _image(self, rows: int, complete: bool, facts: Facts) -> tuple[SparseImage, list[Place]]:
         image = SparseImage()
         with h5py.File(image, "w") as file:
-            places = _describe(file, rows, *self._arguments)
-        target = open(path, "wb", buffering=0)
+            places = _describe(file, rows, complete, facts, *self._about)
+        return image, places
+
+    @staticmethod
+    def _lay_out(path: Path, image: SparseImage) -> BinaryIO:
+        if path.is_file():
+            path.unlink()  # whoever has the old file open keeps it
+        target = open(path, "wb", buffering=0)  # stays open for the run
         try:
             target.truncate(image.size)
-            for offset, page in image.pages():
-                _write(target, offset, page)
-        except OSError:
+            for offset, piece in image.pieces():
+                _write(target, offset, piece)
+        except BaseException:
             target.close()
+            path.unlink(missing_ok=True)
             raise
-        return target, places
+        return target
 
     def append(self, rows: Array) -> None:
         """Add rows (k, row_size) of the engine."""
         if not len(rows):
             return
-        _put(self._file, self._places, rows, self.written)
+        for place in self._places[1:]:
+            block = rows[:, place.first : place.first + place.width]
+            offset = place.offset + 8 * place.width * self.written
+            _write(self._file, offset, block.astype("<f8").tobytes())
         self.written += len(rows)
-        _write(self._file, self._places[0].offset, np.array(self.written, "<i8").tobytes())
+        self._count(self._file, self._places)
 
-    def close(self, complete: bool, facts: dict[str, float | str]) -> None:
-        """Close the file, cut it if the run ended early, and note how it ended."""
-        self._file.close()
-        if not complete:
-            self._cut()
-        with h5py.File(self.path, "r+", locking=False) as file:
-            file.attrs.modify("complete", int(complete))
-            for key, value in facts.items():
-                kept = np.bytes_(value.encode()[:ENDED]) if isinstance(value, str) else value
-                file.attrs.modify(key, kept)
+    def _count(self, file: BinaryIO, places: list[Place]) -> None:
+        _write(file, places[0].offset, np.array(self.written, "<i8").tobytes())
 
-    def _cut(self) -> None:
-        """Copy what was written into a file of its length; on a full disk leave it long."""
+    def close(self, complete: bool, facts: Facts) -> None:
+        """Note how the run ended, cut the file if it ended early, and close it."""
+        with uninterrupted(), self._file:
+            if not complete and self._cut(facts):
+                return
+            # the same layout with other values: only they change
+            image, _ = self._image(self._rows, complete, facts)
+            try:
+                for offset, piece in image.pieces():
+                    _write(self._file, offset, piece)
+                self._count(self._file, self._places)
+            except OSError:
+                if complete:
+                    raise
+
+    def _cut(self, facts: Facts) -> bool:
+        """Put a file of its own length in place; False if the disk has no room for it."""
         short = self.path.with_name(self.path.name + ".cut")
+        image, places = self._image(self.written, False, facts)
         try:
-            target, places = self._lay_out(short, self.written)
-            with target, open(self.path, "rb") as source:
+            with self._lay_out(short, image) as target, open(self.path, "rb") as source:
                 for new, old in zip(places[1:], self._places[1:], strict=True):
                     source.seek(old.offset)
                     left, at = new.width * 8 * self.written, new.offset
@@ -110,10 +149,37 @@ class ResultsWriter:
                         _write(target, at, piece)
                         at += len(piece)
                         left -= len(piece)
-                _write(target, places[0].offset, np.array(self.written, "<i8").tobytes())
+                self._count(target, places)
+            self._file.close()
             os.replace(short, self.path)
         except OSError:
             short.unlink(missing_ok=True)
+            return False
+        return True
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Let Ctrl-C wait for the end of the block (in the main thread, which alone gets it)."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    pressed: list[Any] = []
+    before = signal.signal(signal.SIGINT, lambda *event: pressed.append(event))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if pressed:
+        raise KeyboardInterrupt
+
+
+def _free_bytes(path: Path) -> int:
+    """Return the room on the disk of the file, boundless if the folder does not exist."""
+    try:
+        return shutil.disk_usage(path.parent).free
+    except (OSError, ValueError):
+        return sys.maxsize
 
 
 @dataclass(frozen=True)
@@ -132,23 +198,23 @@ def _write(file: BinaryIO, offset: int, data: bytes) -> None:
         view = view[file.write(view) :]
 
 
-def _put(file: BinaryIO, places: list[Place], rows: Array, start: int) -> None:
-    for place in places[1:]:
-        block = rows[:, place.first : place.first + place.width]
-        _write(file, place.offset + 8 * place.width * start, block.astype("<f8").tobytes())
-
-
 def _describe(
-    file: h5py.File, rows: int, model: Model, attributes: dict[str, Any], text: str
+    file: h5py.File,
+    rows: int,
+    complete: bool,
+    facts: Facts,
+    model: Model,
+    attributes: dict[str, Any],
+    text: str,
 ) -> list[Place]:
     """Create all groups, datasets and attributes; return the places, that of `rows` first."""
     file.attrs["format"] = FORMAT
     file.attrs["format_version"] = FORMAT_VERSION
-    file.attrs["complete"] = 0
+    file.attrs["complete"] = int(complete)
     file.attrs["name"] = model.name
-    file.attrs["ended"] = np.bytes_("running or killed".ljust(ENDED))
-    file.attrs["wall_time"] = np.nan
-    file.attrs["real_time_factor"] = np.nan
+    file.attrs["ended"] = np.bytes_(str(facts["ended"]).encode()[:ENDED].ljust(ENDED))
+    file.attrs["wall_time"] = float(facts["wall_time"])
+    file.attrs["real_time_factor"] = float(facts.get("real_time_factor", np.nan))
     for key, value in attributes.items():
         file.attrs[key] = value
     file["model"] = text
@@ -201,6 +267,7 @@ def _describe(
     for name, unit, description in DIAGNOSTICS:
         column(f"diagnostics/{name}", None, unit=unit, description=description)
     file.create_group("sensors", track_order=True)
+    file.create_group("components", track_order=True)
     for sensor in model.sensors:
         column(
             f"sensors/{sensor.name}",
@@ -208,8 +275,10 @@ def _describe(
             unit=sensor.unit,
             resolved_in=sensor.resolved_in,
             description=sensor.description,
-            components=list(sensor.components),
         )
+        # a dataset, since attributes may not exceed 64 kB
+        names = np.array([c.encode() for c in sensor.components])
+        file.create_dataset(f"components/{sensor.name}", data=names)
     bodies = file.create_group("bodies", track_order=True)
     for body, shape in zip(model.bodies, model.shapes, strict=True):
         group = bodies.create_group(body.name)
@@ -237,10 +306,13 @@ def _reason(error: OSError, path: Path) -> str:
         return "it is a folder; give a file name"
     if not path.parent.exists():
         return f"the folder {path.parent} does not exist; create it first"
+    if error.errno in (errno.ENOSPC, errno.EDQUOT):
+        return f"{error.strerror}; free some space"
     return f"{error.strerror or error}; choose another place"
 
 
-def open_results(path: Path) -> h5py.File:
+@contextmanager
+def open_results(path: Path) -> Iterator[h5py.File]:
     """Open a results file for reading, also one whose run is going on or was killed.
 
     Raises
@@ -251,20 +323,34 @@ def open_results(path: Path) -> h5py.File:
     if not path.is_file():
         raise InputError(Problem(str(path), "no such results file"))
     try:
-        file = h5py.File(path, "r", locking=False)
+        with _open(path) as file:
+            _check_kind(file, path)
+            yield file
     except OSError as error:
         raise InputError(
             Problem(str(path), f"not readable as HDF5, damaged or another kind of file ({error})")
         ) from error
+    except (KeyError, RuntimeError, ValueError, TypeError) as error:
+        raise InputError(Problem(str(path), f"damaged: {error}; run the model again")) from error
+
+
+def _open(path: Path) -> h5py.File:
+    try:
+        return h5py.File(path, "r", locking=False)
+    except OSError as error:
+        if "locking flag" not in str(error):
+            raise
+        return h5py.File(path, "r")  # the process has it open with locking
+
+
+def _check_kind(file: h5py.File, path: Path) -> None:
     found = file.attrs.get("format", "")
     if found != FORMAT:
-        file.close()
         kind = f"it is a file of {found!r}" if found else "it is some other HDF5 file"
         raise InputError(Problem(str(path), f"not a results file; {kind}"))
     written = int(file.attrs["format_version"])
     if written != FORMAT_VERSION:
         by = file["model"].attrs.get("version", "unknown")
-        file.close()
         raise InputError(
             Problem(
                 str(path),
@@ -274,8 +360,6 @@ def open_results(path: Path) -> h5py.File:
         )
     missing = [name for name in CONTENTS if name not in file]
     if missing:
-        file.close()
         raise InputError(
             Problem(str(path), f"damaged: {', '.join(missing)} missing; run the model again")
         )
-    return file

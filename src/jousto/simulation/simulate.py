@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import logging
+import shutil
 import tempfile
 import time as clock
 from collections.abc import Callable
@@ -28,6 +30,8 @@ logger = logging.getLogger(__name__)
 
 WALL_PER_CALL = 0.1  # s between looks at the clock, the bar and Ctrl-C
 BUFFER_BYTES = 4 << 20
+MOST_STEPS = 1e12
+GAP_LIMIT = 1e-9  # of the size of the mechanism, with projection
 ENERGY_LIMIT = 0.05  # share of the exchanged energy that the balance may miss unnoticed
 
 
@@ -112,71 +116,105 @@ def simulate(
         balance misses more than 5 %.
     """
     solver = ROS2() if solver is None else solver
-    schedule = _schedule(model, t_end, solver, output_step)
-    sentence = stability_warning(model, solver, schedule.step)
-    if sentence:
-        warn(f"simulate {model.name!r}", f"the run will probably diverge: {sentence}")
+    plan = schedule(model, t_end, solver, output_step)
+    for sentence in cautions(model, solver, plan):
+        warn(f"simulate {model.name!r}", sentence)
     engine = Engine(model)
-    target = Path(tempfile.mkdtemp(prefix="jousto-")) / "run.h5" if path is None else Path(path)
-    attributes = {
-        "solver": repr(solver),
-        "step": schedule.step,
-        "t_end": float(t_end),
-        "gravity": model.gravity,
-        "evaluations_per_step": solver.evaluations,
-    }
-    rows = schedule.steps // schedule.every + 1
-    writer = ResultsWriter(target, model, rows, attributes, model_text)
-    watch = EnergyWatch(model)
+    folder = Path(tempfile.mkdtemp(prefix="jousto-")) if path is None else None
+    try:
+        target = folder / "run.h5" if folder else Path(path or "")
+        attributes = {
+            "solver": repr(solver),
+            "step": plan.step,
+            "t_end": float(t_end),
+            "gravity": model.gravity,
+            "evaluations_per_step": solver.evaluations,
+        }
+        rows = plan.steps // plan.every + 1
+        writer = ResultsWriter(target, model, rows, attributes, str(model_text))
+        return _run(engine, solver, plan, writer, progress, temporary=path is None)
+    except BaseException as error:
+        if folder and getattr(error, "solution", None) is None:
+            shutil.rmtree(folder, ignore_errors=True)
+        raise
+
+
+def _run(
+    engine: Engine,
+    solver: Solver,
+    plan: Schedule,
+    writer: ResultsWriter,
+    progress: bool | Report | None,
+    *,
+    temporary: bool,
+) -> Solution:
+    """Step, write, and leave a closed file with how it ended whatever happens."""
+    watch = RunWatch(engine.model, projected=solver.projection)
 
     def record(rows: NDArray[np.float64]) -> None:
-        writer.append(rows)
+        try:
+            writer.append(rows)
+        except OSError as error:  # the disk is full or gone
+            raise _DiskError(f"cannot write {writer.path}: {error}{_remedy(error)}") from error
         watch.see(rows)
 
     started = clock.perf_counter()
-    ended = "completed"
-    failure: tuple[str, str] | None = None
-    interrupted = False
+
+    def close(ended: str) -> Solution:
+        wall = clock.perf_counter() - started
+        reached = float(engine.time[0].real)
+        factor = reached / wall if wall > 0 else 0.0
+        facts = {"ended": ended, "wall_time": wall, "real_time_factor": factor}
+        try:
+            writer.close(ended == "completed", facts)
+        except OSError as error:
+            message = f"cannot write {writer.path}: {error}{_remedy(error)}"
+            raise RunFailed(message, None, time=reached, body="") from error
+        return Solution(writer.path, temporary=temporary)
+
+    failure: tuple[str, str] | None
     try:
-        with reporter(progress, float(t_end)) as report:
-            failure = _loop(engine, solver, schedule, record, report)
-        if failure:
-            ended = f"failed: {failure[0]}"
+        with reporter(progress, plan.step * plan.steps) as report:
+            failure = _loop(engine, solver, plan, record, report)
     except KeyboardInterrupt:
-        interrupted = True
-        ended = "interrupted"
-    except OSError as error:  # the disk is full or gone
-        failure = (f"cannot write {target}: {error}; free some space and run again", "")
-        ended = "failed: cannot write"
-    wall = clock.perf_counter() - started
-    reached = float(engine.time[0].real)
-    try:
-        writer.close(
-            ended == "completed",
-            {
-                "ended": ended,
-                "wall_time": wall,
-                "real_time_factor": reached / wall if wall > 0 else 0.0,
-            },
-        )
-        solution: Solution | None = Solution(target, temporary=path is None)
-    except (OSError, InputError) as error:
-        solution = None
-        failure = failure or (f"cannot write {target}: {error}; free some space and run again", "")
-    if interrupted and solution is not None:
+        solution = close("interrupted")
         raise RunInterrupted(
-            f"stopped at {reached:g} s; the results up to then are in {target}", solution
-        )
-    if failure is not None or solution is None:
-        message, body = failure or ("interrupted", "")
+            f"stopped at {engine.time[0]:g} s; the results up to then are in {writer.path}",
+            solution,
+        ) from None
+    except _DiskError as error:
+        failure = (str(error), "")
+    except BaseException as error:
+        close(f"failed: {type(error).__name__} in the progress function")
+        raise
+    solution = close("completed" if failure is None else f"failed: {failure[0]}")
+    if failure is not None:
+        time = float(engine.time[0].real)
+        message, body = failure
         raise RunFailed(
-            f"the run stopped at {reached:.6g} s: {message}", solution, time=reached, body=body
+            f"the run stopped at {time:.6g} s: {message}", solution, time=time, body=body
         )
     watch.judge()
     return solution
 
 
-def _schedule(model: Any, t_end: float, solver: Any, output_step: float | None) -> Schedule:
+class _DiskError(Exception):
+    """The results could not be written."""
+
+
+def _remedy(error: OSError) -> str:
+    full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+    return "; free some space and run again" if full else ""
+
+
+def schedule(model: Any, t_end: Any, solver: Any, output_step: Any = None) -> Schedule:
+    """Return the steps of a run.
+
+    Raises
+    ------
+    InputError
+        If the model, the solver or the times make no sense.
+    """
     problems = Problems()
     where = "simulate"
     if not isinstance(model, Model):
@@ -188,39 +226,75 @@ def _schedule(model: Any, t_end: float, solver: Any, output_step: float | None) 
     if not isinstance(solver, SOLVERS):
         known = ", ".join(s.__name__ for s in SOLVERS)
         problems.add(where, f"solver is {solver!r}, must be one of {known}, e.g. ROS2(step=1e-3)")
-        problems.raise_if_any()
-    problems.positive(where, "t_end", float(t_end), "s")
-    if output_step is not None:
-        problems.positive(where, "output_step", float(output_step), "s")
+    times = [("t_end", t_end)] + ([] if output_step is None else [("output_step", output_step)])
+    for name, value in times:
+        if problems.array(where, name, value, ()) is not None:
+            problems.positive(where, name, float(value), "s")
     problems.raise_if_any()
-    unit = float(t_end) if output_step is None else float(output_step)
+    end = float(t_end)
+    unit = end if output_step is None else float(output_step)
+    if end / min(solver.step, unit) > MOST_STEPS:
+        raise InputError(
+            Problem(
+                where,
+                f"{end:g} s in steps of {solver.step:g} s are {end / solver.step:.3g} steps, more "
+                f"than {MOST_STEPS:g}; check the units of t_end, step and output_step",
+            )
+        )
     pieces = max(1, int(np.ceil(unit / solver.step * (1.0 - 1e-12))))
     step = unit / pieces
     if abs(step - solver.step) > 1e-9 * solver.step:
         logger.info("step shortened from %g to %g s", solver.step, step)
     if output_step is None:
         return Schedule(step, pieces, 1)
-    rows = round(float(t_end) / unit)
-    if rows < 1 or abs(rows * unit - t_end) > 1e-9 * t_end:
+    rows = round(end / unit)
+    if rows < 1 or abs(rows * unit - end) > 1e-9 * end:
         raise InputError(
             Problem(
                 where,
-                f"t_end = {t_end:g} s is not a multiple of output_step = {unit:g} s; "
+                f"t_end = {end:g} s is not a multiple of output_step = {unit:g} s; "
                 f"for example t_end = {max(rows, 1) * unit:g} s fits",
             )
         )
     return Schedule(step, rows * pieces, pieces)
 
 
+def cautions(model: Model, solver: Solver, plan: Schedule) -> list[str]:
+    """Return what is probably wrong with a run, known before it starts."""
+    found = []
+    sentence = stability_warning(model, solver, plan.step)
+    if sentence:
+        found.append(f"the run will probably diverge: {sentence}")
+    for force in model.forces:
+        if force.signal < 0:
+            continue
+        signal = model.signals[force.signal]
+        if signal.kind == "harmonic" and signal.data[2] * plan.step > 0.2 * np.pi:
+            frequency = signal.data[2] / (2 * np.pi)
+            found.append(
+                f"load '{force.name}' oscillates with {frequency:.4g} Hz, the step of "
+                f"{plan.step:.3g} s does not resolve it; take {0.05 / frequency:.2g} s or less"
+            )
+        elif signal.kind == "table":
+            times = signal.data[: len(signal.data) // 2]
+            shortest = float(np.diff(times).min(initial=np.inf))
+            if shortest < plan.step:
+                found.append(
+                    f"load '{force.name}' has table points {shortest:.3g} s apart, the step of "
+                    f"{plan.step:.3g} s may jump over them; take {shortest:.2g} s or less"
+                )
+    return found
+
+
 def _loop(
-    engine: Engine, solver: Solver, schedule: Schedule, record: Record, report: Report
+    engine: Engine, solver: Solver, plan: Schedule, record: Record, report: Report
 ) -> tuple[str, str] | None:
     """Step to the end in calls of about a tenth of a second; return what went wrong and where."""
     model = engine.model
     alpha, beta = (
         (solver.baumgarte.alpha, solver.baumgarte.beta) if solver.baumgarte else (0.0, 0.0)
     )
-    native = engine.native_solver(solver.method, schedule.step, solver.projection, alpha, beta)
+    native = engine.native_solver(solver.method, plan.step, solver.projection, alpha, beta)
     capacity = max(1, min(4096, BUFFER_BYTES // (8 * engine.row_size)))
     rows = np.zeros((capacity, engine.row_size))
     rows[0] = engine.row()
@@ -228,17 +302,15 @@ def _loop(
     started = clock.perf_counter()
     call = 1
     done = 0
-    while done < schedule.steps:
-        room = (capacity - 1) * schedule.every
-        count = min(call, schedule.steps - done, max(room, schedule.every))
+    while done < plan.steps:
+        room = (capacity - 1) * plan.every
+        count = min(call, plan.steps - done, max(room, plan.every))
         before = clock.perf_counter()
-        written = engine.run(native, count, schedule.every, rows)
+        status, written = engine.run(native, count, plan.every, rows)
         now = clock.perf_counter()
-        if written < 0:
-            kept = engine.steps_done // schedule.every - done // schedule.every
-            record(rows[: max(kept, 0)])
-            return _cause(model, solver, schedule, engine, -written)
         record(rows[:written])
+        if status:
+            return _cause(model, solver, plan, engine, status)
         done += count
         report(float(engine.time[0].real), now - started)
         spent = max(now - before, 1e-6)
@@ -247,10 +319,14 @@ def _loop(
 
 
 def _cause(
-    model: Model, solver: Solver, schedule: Schedule, engine: Engine, status: int
+    model: Model, solver: Solver, plan: Schedule, engine: Engine, status: int
 ) -> tuple[str, str]:
-    sentence = stability_warning(model, solver, schedule.step)
-    if status != NOT_FINITE and not sentence:
+    """Return why the run cannot go on, and which body shows it."""
+    sentence = stability_warning(model, solver, plan.step)
+    gap = engine.residuals()[0]
+    fast = float(np.abs(engine.v).max()) > 1e6 * max(1.0, float(np.abs(model.v0).max(initial=0.0)))
+    diverged = bool(sentence) or not gap < 1e-3 * model.size or fast
+    if status != NOT_FINITE and not diverged:
         problem = engine.problem(status)
         return f"{problem} (it was regular at the start: a singular position was reached)", ""
     body = ""
@@ -258,23 +334,25 @@ def _cause(
         body = model.bodies[engine.error_index].name
     if not sentence:
         sentence = (
-            f"the step of {schedule.step:.3g} s may be too large for this motion, try half; or "
+            f"the step of {plan.step:.3g} s may be too large for this motion, try half; or "
             "forces, masses or stiffnesses have the wrong unit"
         )
     what = f"body '{body}'" if body else "the motion"
     return f"{what} diverged; likely cause: {sentence}", body
 
 
-class EnergyWatch:
-    """What the energy balance missed so far, in fixed memory."""
+class RunWatch:
+    """What the energy balance missed and how far the joints opened so far, in fixed memory."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, *, projected: bool) -> None:
         self._model = model
+        self._projected = projected
         self._first = 1 + model.nq + model.nv + model.nrow
-        self._low = np.full(3, np.inf)
-        self._high = np.full(3, -np.inf)
+        self._low = np.full(5, np.inf)
+        self._high = np.full(5, -np.inf)
         self._start: float | None = None
-        self.missed = 0.0
+        self._missed = 0.0
+        self._gap = 0.0
 
     def see(self, rows: NDArray[np.float64]) -> None:
         """Look at rows of the engine."""
@@ -284,19 +362,30 @@ class EnergyWatch:
         balance = terms[:, :3].sum(axis=1) + terms[:, 3] - terms[:, 4]
         if self._start is None:
             self._start = float(balance[0])
-        self.missed = max(self.missed, float(np.abs(balance - self._start).max()))
-        self._low = np.minimum(self._low, terms[:, :3].min(axis=0))
-        self._high = np.maximum(self._high, terms[:, :3].max(axis=0))
+        self._missed = max(self._missed, float(np.abs(balance - self._start).max()))
+        self._low = np.minimum(self._low, terms.min(axis=0))
+        self._high = np.maximum(self._high, terms.max(axis=0))
+        self._gap = max(self._gap, float(rows[:, self._first + 5].max()))
 
     def judge(self) -> None:
         """Warn if the balance misses a noticeable share of the energy exchanged."""
-        exchanged = float((self._high - self._low).sum())
-        if self.missed > ENERGY_LIMIT * exchanged and self.missed > 1e-9 * self._high[0]:
+        where = f"simulate {self._model.name!r}"
+        exchanged = float((self._high - self._low)[:3].sum())
+        # shares of what moves only by round-off mean nothing
+        level = np.maximum(np.abs(self._high), np.abs(self._low))
+        small = max(1e-6 * float(level[[0, 1, 3, 4]].max()), 1e-12 * float(level[2]))
+        if self._missed > ENERGY_LIMIT * exchanged and self._missed > small:
             warn(
-                f"simulate {self._model.name!r}",
-                f"the energy balance misses {self.missed:.3g} J of {exchanged:.3g} J exchanged "
-                f"({100 * self.missed / max(exchanged, 1e-300):.2g} %); a smaller step is more "
+                where,
+                f"the energy balance misses {self._missed:.3g} J of {exchanged:.3g} J exchanged "
+                f"({100 * self._missed / max(exchanged, 1e-300):.2g} %); a smaller step is more "
                 "accurate",
+            )
+        if self._projected and self._gap > GAP_LIMIT * self._model.size:
+            warn(
+                where,
+                f"joints opened by up to {self._gap:.3g} (m, or rad) in spite of the projection; "
+                "take a smaller step",
             )
 
 

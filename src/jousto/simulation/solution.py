@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import shutil
 import weakref
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -117,8 +119,21 @@ class Solution:
     def __len__(self) -> int:
         return self._length
 
-    def _read(self, name: str) -> Array:
+    @contextmanager
+    def _open(self) -> Iterator[Any]:
         with open_results(self.path) as file:
+            if file.attrs["run"] != self.attributes["run"]:
+                raise InputError(
+                    Problem(
+                        str(self.path),
+                        "was overwritten by another run; open it again, load(path), or give every "
+                        "run its own file",
+                    )
+                )
+            yield file
+
+    def _read(self, name: str) -> Array:
+        with self._open() as file:
             dataset = file[name]
             return np.asarray(dataset[: self._length])
 
@@ -173,7 +188,7 @@ class Solution:
     @property
     def model_text(self) -> str:
         """Text of the model file, empty if the model was made in Python."""
-        with open_results(self.path) as file:
+        with self._open() as file:
             return str(file["model"].asstr()[()])
 
     def __contains__(self, name: object) -> bool:
@@ -192,19 +207,21 @@ class Solution:
 
     def about(self, name: str) -> dict[str, Any]:
         """Return unit, resolved_in, description and components of a sensor."""
-        with open_results(self.path) as file:
-            attrs = file[self._dataset(name)].attrs
+        with self._open() as file:
+            place = self._dataset(name)
+            attrs = file[place].attrs
+            names = file[place.replace("sensors/", "components/", 1)][()]
             return {
                 "unit": str(attrs["unit"]),
                 "resolved_in": str(attrs["resolved_in"]),
                 "description": str(attrs["description"]),
-                "components": tuple(str(c) for c in attrs["components"]),
+                "components": tuple(c.decode() for c in names),
             }
 
     @property
     def bodies(self) -> tuple[BodyShape, ...]:
         """Bodies with what is needed to draw them."""
-        with open_results(self.path) as file:
+        with self._open() as file:
             return tuple(
                 BodyShape(
                     name=name,

@@ -33,6 +33,9 @@ class Solver(Protocol):
     def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
         """Which linear oscillations ``y' = lambda y`` grow at this step."""
 
+    def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
+        """Growth in a step of terms that the method treats explicitly, z = step * lambda."""
+
 
 @dataclass(frozen=True)
 class Baumgarte:
@@ -89,10 +92,12 @@ class RK4:
         _check(self)
 
     def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
-        """Return where ``|1 + z + z^2/2 + z^3/6 + z^4/24| > 1``, z = step * eigenvalue."""
-        z = step * eigenvalues
-        growth = np.abs(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0))))
-        return np.asarray(growth > 1.0 + 1e-12)
+        """Return where the explicit growth exceeds 1, z = step * eigenvalue."""
+        return np.asarray(self.explicit_growth(step * eigenvalues) > 1.0 + 1e-12)
+
+    def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
+        """Return ``|1 + z + z^2/2 + z^3/6 + z^4/24|``."""
+        return np.asarray(np.abs(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0)))))
 
 
 @dataclass(frozen=True)
@@ -101,7 +106,8 @@ class ROS2:
 
     ROS2 of Verwer, Spee, Blom and Hundsdorfer (SIAM J. Sci. Comput. 20, 1999) with
     gamma = 1 - 1/sqrt 2. Two evaluations a step and no iteration but the projection, which is one
-    correction, rarely more and never more than four: the work of a step is bounded. High modal frequencies do not limit the step; modes that the step cannot resolve are damped.
+    correction, rarely more and never more than four: the work of a step is bounded. High modal
+    frequencies do not limit the step; modes that the step cannot resolve are damped.
 
     Parameters
     ----------
@@ -126,6 +132,10 @@ class ROS2:
     def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
         """Return False everywhere: the method is L-stable for the modal equations."""
         return np.zeros(len(eigenvalues), dtype=bool)
+
+    def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
+        """Return ``|1 + z + z^2/2|``, what happens to all but the modal terms."""
+        return np.asarray(np.abs(1.0 + z * (1.0 + z / 2.0)))
 
 
 SOLVERS: tuple[type[RK4] | type[ROS2], ...] = (RK4, ROS2)

@@ -81,6 +81,9 @@ def stability_warning(model: Model, solver: Solver, step: float) -> str:
     The modes of the free bodies decide if the step suits them all; otherwise the mechanism itself
     is asked, since its joints lower the frequencies.
     """
+    sentence = _baumgarte_warning(solver, step)
+    if sentence:
+        return sentence
     eigenvalues = [body_eigenvalues(model, i) for i in range(len(model.bodies))]
     largest = [np.abs(e[solver.unstable(step, e)]).max(initial=0.0) for e in eigenvalues]
     if not any(largest):
@@ -100,6 +103,20 @@ def stability_warning(model: Model, solver: Solver, step: float) -> str:
         f"the mechanism has a mode of {np.abs(bad).max() / (2 * np.pi):.4g} Hz (stiffest body "
         f"'{body}'), for which {type(solver).__name__} needs a step below {limit:.2g} s (it is "
         f"{step:.3g} s); take a smaller step, fewer modes, or ROS2"
+    )
+
+
+def _baumgarte_warning(solver: Solver, step: float) -> str:
+    """Return a sentence if ``lambda^2 + 2 alpha lambda + beta^2 = 0`` is too fast for the step."""
+    terms = solver.baumgarte
+    if terms is None:
+        return ""
+    roots = np.roots([1.0, 2.0 * terms.alpha, terms.beta**2]).astype(np.complex128)
+    if not (solver.explicit_growth(step * roots) > 1.0 + 1e-12).any():
+        return ""
+    return (
+        f"{terms} is too stiff for a step of {step:.3g} s; take values of about "
+        f"{0.1 / step:.3g} 1/s, or projection instead"
     )
 
 
