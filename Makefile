@@ -77,7 +77,7 @@ demo: $(LIB)/.built  ## the flexible pendulum against its reference; plot and an
 	@$(PY) $(EXAMPLE)
 
 bench: $(LIB)/.built $(VENV)/.bench  ## speed side by side with EXUDYN
-	@OMP_NUM_THREADS=1 $(PY) benchmarks/speed.py
+	@$(PY) benchmarks/speed.py
 
 docs: $(LIB)/.built $(VENV)/.docs  ## documentation in build/docs, warnings are errors
 	@$(PY) -m sphinx -W --keep-going -q -b html docs build/docs

@@ -54,7 +54,6 @@ def say(text: str, *, error: bool = False, style: str = "") -> None:
 @contextlib.contextmanager
 def shown_warnings() -> Iterator[None]:
     """Print each JoustoWarning as one yellow line on stderr."""
-    shown: set[str] = set()
 
     def show(
         message: Warning | str,
@@ -66,8 +65,7 @@ def shown_warnings() -> Iterator[None]:
     ) -> None:
         if not issubclass(category, JoustoWarning):
             default(message, category, filename, lineno, file, line)
-        elif str(message) not in shown:
-            shown.add(str(message))
+        else:
             say(f"warning: {message}", error=True, style="yellow")
 
     with warnings.catch_warnings():
@@ -162,11 +160,15 @@ def check(model: Model, debug: Debug = False) -> None:
     file = read_model(model)
     describe_model(file)
     compiled = compile_model(file)
-    if file.simulation is not None and file.simulation.solver is not None:
+    settings = file.simulation
+    if settings is not None:
+        from jousto.simulation import ROS2
+        from jousto.simulation.simulate import schedule
         from jousto.simulation.stability import stability_warning
 
-        solver = file.simulation.solver
-        sentence = stability_warning(compiled, solver, solver.step)
+        solver = settings.solver or ROS2()
+        steps = schedule(compiled, settings.t_end, solver, settings.output_step)
+        sentence = stability_warning(compiled, solver, steps.step)
         if sentence:
             warnings.warn(JoustoWarning(f"{model.name}: simulation: {sentence}"), stacklevel=1)
     say(f"{model.name}: ok", style="green")
@@ -186,9 +188,9 @@ def run(
 ) -> None:
     """Simulate a model; the results go to MODEL.h5 unless -o says otherwise."""
     from jousto.schema import read_model
-    from jousto.schema.targets import output_path
+    from jousto.schema.targets import RESULTS, output_path
 
-    target = output_path(output, model, ".h5", keep="jousto reduced part")
+    target = output_path(output, model, ".h5", kind=RESULTS)
     end = None if t_end is None else end_time(t_end)
     file = read_model(model)
     settings = file.simulation
@@ -225,7 +227,7 @@ def info(
 ) -> None:
     """Say what is in a model file, a results file or a reduced part."""
     from jousto.schema.document import is_hdf5
-    from jousto.schema.targets import hdf5_format
+    from jousto.schema.targets import REDUCED_PART, hdf5_format
 
     if not is_hdf5(file):
         if file.suffix.lower() in (".h5", ".hdf5") and file.is_file():
@@ -233,7 +235,7 @@ def info(
         from jousto.schema import read_model
 
         describe_model(read_model(file))
-    elif hdf5_format(file) == "jousto reduced part":
+    elif hdf5_format(file) == REDUCED_PART:
         from jousto.reduction import ReducedPart
 
         describe_part(ReducedPart.load(file))
@@ -279,13 +281,13 @@ def reduce_part(
 ) -> None:
     """Reduce a part to modes; it goes to NAME.h5 next to the file unless -o says otherwise."""
     from jousto.schema import read_part
-    from jousto.schema.targets import output_path
+    from jousto.schema.targets import REDUCED_PART, output_path
 
     # a wrong output should not cost a reduction
     if output is not None:
-        output_path(output, part, ".h5", keep="jousto results")
+        output_path(output, part, ".h5", kind=REDUCED_PART)
     reduced = read_part(part, name)
-    target = output_path(output, part, f"{reduced.name}.h5", keep="jousto results")
+    target = output_path(output, part, f"{reduced.name}.h5", kind=REDUCED_PART)
     reduced.save(target)
     describe_part(reduced)
     say(f"reduced part in {target}", style="green")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 import sys
 import warnings
 from collections.abc import Iterable, Sequence
@@ -138,7 +139,8 @@ def suggest(name: object, candidates: Iterable[str]) -> str:
     >>> suggest("bom", ["boom", "ground"])
     "; did you mean 'boom'?"
     """
-    known = list(candidates)
+    # the names that the user gave come before those that number the nodes
+    known = sorted(candidates, key=lambda known: bool(re.fullmatch(r"node\d+", known)))
     near = difflib.get_close_matches(str(name), known, n=1)
     if near:
         return f"; did you mean '{near[0]}'?"
@@ -155,6 +157,4 @@ def warn(where: str, message: str) -> None:
     while frame.f_back and frame.f_globals.get("__name__", "").split(".")[0] == __package__:
         frame = frame.f_back
         level += 1
-    warnings.warn(
-        JoustoWarning(f"{where}: {message}" if where else message), stacklevel=max(level - 1, 2)
-    )
+    warnings.warn(JoustoWarning(f"{where}: {message}" if where else message), stacklevel=level)

@@ -108,18 +108,51 @@ def test_warnings_are_one_line_each_and_no_python_warnings(model):
     found = jousto("check", model)
     assert found.code == 0
     assert found.err.splitlines() == [
-        "warning: pendulum.yaml:7: parts.rod.material: E = 2.1e+08 Pa is softer than most "
+        "warning: pendulum.yaml:7: parts.rod.material.E: E = 2.1e+08 Pa is softer than most "
         "plastics; was it given in MPa?"
     ]
 
 
 def test_check_predicts_an_unstable_step(model):
     replace(model, "{type: ROS2, step: 1e-3}", "{type: RK4, step: 0.02}")
+    replace(model, "output_step: 0.01", "output_step: 0.02")
     found = jousto("check", model)
     assert found.code == 0
     (line,) = found.err.splitlines()
     assert line.startswith("warning: pendulum.yaml: simulation: ")
     assert "Hz" in line and "RK4 needs a step below" in line
+
+
+def test_check_judges_the_step_that_run_takes(model):
+    # shortened to the output step of 0.01 s, which suits the modes
+    replace(model, "{type: ROS2, step: 1e-3}", "{type: RK4, step: 0.02}")
+    assert jousto("check", model).err == ""
+    replace(model, "solver: {type: RK4, step: 0.02}, output_step: 0.01", "output_step: 0.02")
+    assert jousto("check", model).code == 0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ("output_step: 0.01", "output_step: 0.03", "is not a multiple of output_step = 0.03 s"),
+        ("t_end: 0.2 s", "t_end: 1e300", "check the units of t_end, step and output_step"),
+    ],
+)
+def test_check_refuses_the_times_that_run_refuses(model, old, new, sentence):
+    replace(model, old, new)
+    checked, ran = jousto("check", model), jousto("run", model)
+    assert (checked.code, ran.code) == (2, 2)
+    assert sentence in checked.err
+    assert checked.err == ran.err
+
+
+def test_a_folder_is_no_input(model, monkeypatch):
+    monkeypatch.chdir(model.parent)
+    for command in ("check", "run", "info", "reduce", "plot", "animate"):
+        for folder in (".", "..", model.parent):
+            found = jousto(command, folder)
+            assert (found.code, found.out) == (2, ""), command
+            assert found.err == f"{folder}: is a folder, must be a file\n"
 
 
 def test_missing_files_and_folders(tmp_path):
@@ -187,6 +220,28 @@ def test_run_does_not_overwrite_a_reduced_part(model):
     assert found.code == 2
     assert found.err == f"{part}: holds a reduced part; give -o FILE\n"
     assert part.read_bytes() == before
+
+
+@pytest.mark.parametrize("command", ["run", "reduce"])
+def test_only_files_of_the_same_kind_are_overwritten(model, tmp_path, command):
+    text, foreign = tmp_path / "precious.yaml", tmp_path / "foreign.h5"
+    text.write_text("years of work")
+    with h5py.File(foreign, "w") as file:
+        file["x"] = 1
+    for path in (text, foreign):
+        before = path.read_bytes()
+        found = jousto(command, model, "-o", path)
+        content = "results" if command == "run" else "a reduced part"
+        assert (found.code, found.out) == (2, "")
+        assert found.err == f"{path}: holds something other than {content}; give -o FILE\n"
+        assert path.read_bytes() == before
+    # its own kind, what a killed run left and an empty file
+    target = tmp_path / "target.h5"
+    target.touch()
+    assert jousto(command, model, "-o", target).code == 0
+    assert jousto(command, model, "-o", target).code == 0
+    target.write_bytes(target.read_bytes()[:2000])
+    assert jousto(command, model, "-o", target).code == 0
 
 
 @pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="root may write anywhere")
@@ -281,6 +336,19 @@ def test_plot_and_animate_do_not_overwrite_the_result(result):
         assert found.code == 2
         assert "is the input" in found.err
     assert result.read_bytes() == before
+
+
+def test_plot_and_animate_do_not_overwrite_models_and_data(model, result, tmp_path):
+    (tmp_path / "data.json").write_text("{}")
+    part = tmp_path / "part.png"
+    assert jousto("reduce", model, "-o", part).code == 0
+    for path in (model, tmp_path / "data.json", part):
+        before = path.read_bytes()
+        for command in (("plot", result, "middle"), ("animate", result)):
+            found = jousto(*command, "-o", path)
+            assert found.code == 2
+            assert found.err == f"{path}: holds data, not a picture; give -o FILE\n"
+        assert path.read_bytes() == before
 
 
 def test_animate_writes_a_film_or_a_picture(result, tmp_path):

@@ -113,6 +113,7 @@ BAD_RIGID = [
     ({"name": "a.b"}, "body 'a.b': name must not contain '.'"),
     ({"name": "a/b"}, "body 'a/b': name must not contain '/'"),
     ({"name": " "}, "body ' ': name must not be empty or start or end with a blank"),
+    ({"name": ""}, "body '': name must not be empty or start or end with a blank"),
     ({"name": 3}, "body 3: name must be a string"),
 ]
 
@@ -280,3 +281,55 @@ def test_ground_is_one_object_and_rotation_matrix_of_a_body_is_orthonormal():
     A = rotation_matrix(body.orientation)
     np.testing.assert_allclose(A.T @ A, np.eye(3), atol=1e-15)
     assert type(copy.deepcopy(ground)) is type(pickle.loads(pickle.dumps(ground)))
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("a\0b", "name must not contain control characters"),
+        ("a\nb", "name must not contain control characters"),
+        ("a\x7f", "name must not contain control characters"),
+        ("a\ud800", "name must not contain control characters"),
+        ("/", "name must not contain '/'"),
+    ],
+)
+def test_names_that_no_file_can_hold(name, sentence):
+    expected = [f"body {name!r}: {sentence}"]
+    assert messages(lambda: RigidBody(name, 1, (1, 1, 1))) == expected
+
+
+def test_names_in_any_script_are_fine():
+    for name in ("Stößel", "曲柄", "rod 2", "a-b_c"):
+        assert RigidBody(name, 1, (1, 1, 1)).name == name
+
+
+def test_numbers_that_no_float_can_hold():
+    huge = 10**400
+    assert messages(lambda: RigidBody("b", huge, (1, 1, huge))) == [
+        f"body 'b': mass is {huge}, must be a number",
+        "body 'b': inertia is not an array of numbers of shape (3)",
+    ]
+
+
+def test_markers_of_a_flexible_body_are_its_nodes(rod):
+    arm = FlexibleBody("arm", rod)
+    assert messages(lambda: arm.at((1, 0, 0))) == [
+        "body 'arm': is flexible, its markers sit on nodes: use a name such as body[\"node7\"], "
+        "and .turned(axes) for other axes"
+    ]
+    (message,) = messages(lambda: arm[0])
+    assert message.startswith("body 'arm': no node '0'; ")
+
+
+def test_drop_invariants_must_be_names(rod):
+    assert messages(lambda: FlexibleBody("arm", rod, drop_invariants=5)) == [
+        "body 'arm': drop_invariants is 5, must be names such as 'I5'"
+    ]
+
+
+def test_only_a_part_can_be_reduced():
+    from jousto.reduction import FreeFree, reduce
+
+    assert messages(lambda: reduce(None, FreeFree(modes=1))) == [
+        "reduce: part is None, must be a Part such as Part.beam(...)"
+    ]

@@ -398,3 +398,29 @@ def test_as_many_rows_as_coordinates_is_a_warning():
     b = ball()
     with pytest.warns(JoustoWarning, match="6 constraint rows for 6 coordinates: it cannot move"):
         Mechanism(b, Fixed("weld", ground["origin"], b["origin"]), G)
+
+
+def test_a_force_on_the_ground_is_a_warning():
+    body = ball()
+    with pytest.warns(JoustoWarning) as caught:
+        Mechanism(body, pivot(body), Torque("wind", ground["origin"], (0, 0, 1)))
+    assert [str(item.message) for item in caught] == [
+        "torque 'wind': acts on the ground, it has no effect",
+        "mechanism 'mechanism': no gravity, no force and no initial velocity: nothing will move",
+    ]
+
+
+@pytest.mark.parametrize("name", [".", ".."])
+def test_names_that_mean_a_folder(name):
+    with pytest.raises(InputError, match="name must not be '.' or '..'"):
+        pivot(ball(), name)
+
+
+def test_the_length_of_the_axis_of_a_joint(recwarn):
+    body = ball()
+    joint = Revolute("j", ground["origin"], body["origin"], axis=(0, 3e-149, 4e-149))
+    np.testing.assert_allclose(joint.axis_world, [0, 0.6, 0.8], atol=1e-15)
+    np.testing.assert_allclose(joint.frames[0].A[:, 2], [0, 0.6, 0.8], atol=1e-15)
+    with pytest.raises(InputError, match="must have a direction"):
+        Revolute("j", ground["origin"], body["origin"], axis=(1e-300, 0, 0))
+    assert not recwarn.list

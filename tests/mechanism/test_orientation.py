@@ -103,3 +103,17 @@ def test_rotate_needs_an_axis_and_a_finite_angle():
         "angle_deg is inf, must be finite",
         "axis is (0, 0, 0), must have a direction",
     ]
+
+
+def test_the_length_of_an_axis_does_not_matter_however_extreme():
+    for size in (1e-149, 1e-3, 1e300):
+        axis = size * np.array([2.0, -1.0, 2.0])
+        e = Rotate(axis, 180).euler_parameters
+        np.testing.assert_allclose(e, [0, 2 / 3, -1 / 3, 2 / 3], atol=1e-15)
+        np.testing.assert_allclose(turn_onto(np.eye(3), axis)[:, 2], e[1:], atol=1e-15)
+
+
+def test_an_axis_too_short_for_a_direction():
+    with pytest.raises(InputError) as error:
+        Rotate((1e-300, 0, 0), 90)
+    assert error.value.problems[0].message == "axis is (1e-300, 0, 0), must have a direction"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 
 import pytest
 
@@ -103,6 +104,26 @@ def test_json_with_tabs_is_read_with_lines():
 )
 def test_broken_files_say_where_and_why(text, expected):
     assert problems(text) == expected
+
+
+def test_aliases_that_repeat_without_end():
+    """Nine levels of ten aliases each are 1e9 entries in 0.4 kB."""
+    levels = [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, 10)]
+    (message,) = problems("\n".join(["a0: &a0 [x]", *levels]))
+    assert re.fullmatch(r"m.yaml:[678]: too many entries, aliases repeat too often", message)
+
+
+@pytest.mark.parametrize("text", ["a: " + 1000 * "[", 1500 * "{a: " + "1" + 1500 * "}"])
+def test_nested_too_deeply(text):
+    assert problems(text) == ["m.yaml: is nested too deeply"]
+
+
+def test_a_tree_that_the_parser_can_read_but_not_the_reader(monkeypatch):
+    def deep(self, node, loc):
+        raise RecursionError
+
+    monkeypatch.setattr("jousto.schema.document._Reader.value", deep)
+    assert problems("a: 1") == ["m.yaml: is nested too deeply"]
 
 
 def test_files_that_cannot_be_read(tmp_path):

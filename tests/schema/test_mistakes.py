@@ -31,6 +31,7 @@ def changed(*changes: tuple[str, str]) -> list[str]:
 
 SINGLE = [
     # (old, new, line, rest of the sentence)
+    ("name: flexible pendulum", "name: ''", 1, "name: is empty"),
     ("name: flexible pendulum", "name: 3", 1, "name: expects text, got 3; put it in quotes"),
     ("type: beam", "type: baem", 4, "parts.rod.type: no part type 'baem'; did you mean 'beam'?"),
     ("    type: beam\n", "", 3, "parts.rod: 'type' of the part is missing"),
@@ -164,6 +165,34 @@ def test_all_kinds_of_mistakes_are_reported_at_once_in_the_order_of_the_file():
     ]
 
 
+def test_what_stands_beside_a_mistake_is_checked_in_its_own_place():
+    part = """\
+  other:
+    type: beam
+    length: long
+bodies:
+  - {name: lost, part: other}
+"""
+    joint = """\
+  - {type: fxied, name: weld, a: ground.origin, b: arm.start}
+  - {type: spherical, name: hook, a: ground.origin, b: lost.start}
+"""
+    found = changed(
+        ("bodies:\n", part),
+        ("b: arm.start", "b: arm.strat"),
+        ("joints:\n", f"joints:\n{joint}"),
+    )
+    assert found == [
+        "m.yaml:12: parts.other: 'reduce' is missing",
+        "m.yaml:12: parts.other: 'section' is missing",
+        "m.yaml:12: parts.other: 'elements' is missing",
+        "m.yaml:12: parts.other: 'material' is missing",
+        "m.yaml:14: parts.other.length: expects a length such as 3 or '3 m', got 'long'",
+        "m.yaml:19: joints.0.type: no joint type 'fxied'; did you mean 'fixed'?",
+        "m.yaml:21: joints.2.b: body 'arm': no node 'strat'; did you mean 'start'?",
+    ]
+
+
 def test_problems_of_the_whole_mechanism_are_placed_too():
     found = changed(
         ("gravity:", "  - {type: spherical, name: pivot, a: ground.origin, b: arm.end}\ngravity:")
@@ -228,6 +257,28 @@ def test_warnings_have_their_line():
     with pytest.warns(JoustoWarning) as caught:
         parse_model(text, name="m.yaml")
     assert [str(w.message) for w in caught] == [
-        "m.yaml:7: parts.rod.material: E = 210000 Pa is softer than most plastics; was it given "
+        "m.yaml:7: parts.rod.material.E: E = 210000 Pa is softer than most plastics; was it given "
         "in MPa?"
+    ]
+    text = PENDULUM.replace("damping: 0.0", "damping: 2")
+    with pytest.warns(JoustoWarning) as caught:
+        parse_model(text, name="m.yaml")
+    assert [str(w.message) for w in caught] == [
+        "m.yaml:13: bodies.0.damping: the ratio 2 is above 1 (is it in per cent?)"
+    ]
+
+
+def test_an_unknown_key_beside_all_known_ones_lists_them():
+    text = "  - {type: position, name: middle, marker: arm.node3}"
+    assert changed((text, text.replace("}", ", extra: 1}"))) == [
+        "m.yaml:18: sensors.0.extra: unknown key 'extra'; known: type, name, marker"
+    ]
+
+
+def test_a_force_on_the_ground_is_a_warning_with_its_line():
+    force = "forces:\n  - {type: force, name: push, marker: ground.origin, vector: [1, 0, 0]}\n"
+    with pytest.warns(JoustoWarning) as caught:
+        parse_model(PENDULUM.replace("sensors:\n", force + "sensors:\n"), name="m.yaml")
+    assert [str(item.message) for item in caught] == [
+        "m.yaml:18: forces.0: acts on the ground, it has no effect"
     ]

@@ -245,15 +245,18 @@ def test_missing_and_damaged_files_have_their_place(tmp_path, part, sentence):
     assert str(error.value).startswith(sentence.format(folder=tmp_path))
 
 
-def test_degrees_of_an_angle_are_those_written():
-    for text in ("30", "30 deg", "'30'"):
-        model = parse_model(
-            "bodies: [{name: a, mass: 1, inertia: [1, 1, 1], velocity: [1, 0, 0], "
-            f"orientation: {{axis: [0, 0, 1], angle_deg: {text}}}}}]\n"
-            "joints: [{type: spherical, name: j, a: ground.origin, b: a.origin}]"
-        )
-        expected = jm.Rotate((0, 0, 1), 30).euler_parameters
-        np.testing.assert_array_equal(model.mechanism.bodies[0].orientation, expected)
+@pytest.mark.parametrize(
+    ("text", "degrees"),
+    [("30", 30), ("30 deg", 30), ("'30'", 30), ("30°", 30), ("0.5 rad", np.degrees(0.5))],
+)
+def test_degrees_of_an_angle_are_those_written(text, degrees):
+    model = parse_model(
+        "bodies: [{name: a, mass: 1, inertia: [1, 1, 1], velocity: [1, 0, 0], "
+        f"orientation: {{axis: [0, 0, 1], angle_deg: {text}}}}}]\n"
+        "joints: [{type: spherical, name: j, a: ground.origin, b: a.origin}]"
+    )
+    expected = jm.Rotate((0, 0, 1), degrees).euler_parameters
+    np.testing.assert_array_equal(model.mechanism.bodies[0].orientation, expected)
 
 
 # -- parts alone ----------------------------------------------------------------------------
@@ -277,6 +280,11 @@ def test_a_part_is_read_alone_or_out_of_a_model(tmp_path):
     with pytest.raises(InputError) as error:
         read_part(alone)
     assert str(error.value).startswith("rod.yaml:6: nmae: unknown key 'nmae'; known: ")
+
+    model.write_text(PENDULUM.replace("2 m\n", "2 kg\n"))
+    with pytest.raises(InputError) as error:
+        read_part(model, "rod")
+    assert str(error.value).startswith("m.yaml:5: parts.rod.length: expects a length")
 
     model.write_text(EVERYTHING)
     with pytest.raises(InputError) as error:

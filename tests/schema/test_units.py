@@ -40,6 +40,14 @@ from jousto.schema.units import KINDS, UnitError, parse_unit, quantity
         ("12 Nmm", "N m", 0.012),
         ("3 kg m^2", "kg m2", 3.0),
         ("3 kg mm2", "kg m2", 3e-6),
+        ("1 kg m/s2", "N", 1.0),
+        ("1 N/m2", "Pa", 1.0),
+        ("1 bar", "Pa", 1e5),
+        ("1 psi", "Pa", 6894.757293168361336723),
+        ("1 ksi", "Pa", 6894757.293168361336723),
+        ("1 lbf", "N", 4.4482216152605),
+        ("1 lb", "kg", 0.45359237),
+        ("2 h", "s", 7200.0),
         ("50 Hz", "Hz", 50.0),
         ("60 rpm", "Hz", 1.0),
         ("3 1/s", "1/s", 3.0),
@@ -53,6 +61,7 @@ from jousto.schema.units import KINDS, UnitError, parse_unit, quantity
         # with pi, correctly rounded
         ("180 deg", "rad", math.pi),
         ("90°", "rad", math.pi / 2),
+        ("1 turn", "rad", 2 * math.pi),
         ("60 rpm", "rad/s", 2 * math.pi),
         ("1 Hz", "rad/s", 2 * math.pi),
         ("360 deg/s", "rad/s", 2 * math.pi),
@@ -87,6 +96,8 @@ def test_conversion_is_exact(text, unit, expected):
         ("nan", "m", "is nan, must be finite"),
         ("1e999", "m", "is inf, must be finite"),
         ("1e999 mm", "m", "is inf, must be finite"),
+        (10**400, "kg", "is too large, must be below 1e308"),
+        ("1e999999999999999999999 g", "kg", "is too large, must be below 1e308"),
     ],
 )
 def test_wrong_quantities_say_why(value, unit, sentence):

@@ -57,6 +57,7 @@ PARAMETERS = {
     "modal stiffness": (("body", 0, "K"), 0, 30.0),
     "modal damping": (("body", 0, "D"), 1, 1e-1),
     "mass": (("body", 0, "mass"), 0, 1e-2),
+    "frequency of a load": (("signal", 0, "data"), 2, 3e-2),
     "interface mode shape": (("marker", 1, "Phi"), (1, 0), 1e-4),
 }
 
@@ -65,7 +66,8 @@ def constant(model, key):
     kind, i, name = key
     if kind == "model":
         return np.array(getattr(model, name))
-    return np.array(getattr({"body": model.bodies, "marker": model.markers}[kind][i], name))
+    tables = {"body": model.bodies, "marker": model.markers, "signal": model.signals}
+    return np.array(getattr(tables[kind][i], name))
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -117,6 +119,33 @@ def test_derivatives_of_the_end_state_with_respect_to_initial_velocities(mechani
 
     by_difference = differences(with_change, 1e-3)
     compare(with_change(1j * H), with_change(0.0), by_difference, 1e-3, model.nq + model.nv)
+
+
+@pytest.mark.parametrize("size", [0.01, 0.3], ids=["slightly bent", "strongly bent"])
+def test_derivatives_of_accelerations_with_respect_to_the_state(size):
+    # the rotation of a marker has a series for small angles and sines for large ones (0.2 rad)
+    model = jo.compile(chain("fixed", loads=True))
+    rng = np.random.default_rng(11)
+    q0, v0 = model.q0.copy(), model.v0 + rng.normal(size=model.nv)
+    direction = np.zeros(model.nq)
+    for b in model.bodies:
+        q0[b.iq + 7 : b.iq + 7 + b.n] = size * rng.uniform(0.5, 1.0, b.n) / (1 + np.arange(b.n))
+        direction[b.iq + 7 : b.iq + 7 + b.n] = rng.normal(size=b.n)
+    angles = [np.linalg.norm(m.Psi @ q0[7:15]) for m in model.markers if m.Psi is not None]
+    assert max(angles) < 0.1 if size < 0.1 else max(angles) > 1.0  # rad
+
+    def accelerations(change):
+        engine = jo.Engine(model, complex_scalars=isinstance(change, complex))
+        engine.q[:], engine.v[:] = q0 + change * direction, v0
+        return np.concatenate([x.copy() for x in engine.accelerations()])
+
+    compare(
+        accelerations(1j * H),
+        accelerations(0.0),
+        differences(accelerations, 1e-4),
+        1e-4,
+        model.nv,
+    )
 
 
 def oscillator(zeta):

@@ -235,7 +235,9 @@ class FlexibleBody:
     reduced : ReducedPart
         Modes, invariants and nodes; may be shared by several bodies.
     damping : float, sequence of float or Rayleigh
-        Modal damping ratio for all modes, one for each mode, or Rayleigh coefficients.
+        Modal damping ratio for all modes, one for each mode, or Rayleigh coefficients. The ratio
+        is that of the modes of the free body (``reduced.frequencies``): a vibration that joints
+        lower to a frequency f has less. For a ratio zeta at f use ``Rayleigh(0, zeta/(pi f))``.
     position, orientation : (3,) array_like, orientation
         Initial pose of the floating frame (the part's frame) in the world, m.
     velocity, angular_velocity : (3,) array_like
@@ -288,7 +290,11 @@ class FlexibleBody:
         problems = Problems()
         where = check_name(problems, "body", name)
         values = initial_pose(problems, where, position, orientation, velocity, angular_velocity)
-        dropped = (drop_invariants,) if isinstance(drop_invariants, str) else tuple(drop_invariants)
+        names: Any = (drop_invariants,) if isinstance(drop_invariants, str) else drop_invariants
+        if not isinstance(names, Iterable):
+            problems.add(where, f"drop_invariants is {names!r}, must be names such as 'I5'")
+            names = ()
+        dropped = tuple(names)
         for invariant in dropped:
             if invariant not in DROPPABLE:
                 problems.add(
@@ -340,6 +346,16 @@ class FlexibleBody:
             ) from None
         return Marker(
             self, str(point), readonly(self.reduced.nodes[node]), node, readonly(np.eye(3))
+        )
+
+    def at(self, position: ArrayLike, axes: Any = None, name: str | None = None) -> Marker:
+        """Raise InputError: the markers of a flexible body sit on its nodes, see above."""
+        raise InputError(
+            Problem(
+                f"body {self.name!r}",
+                'is flexible, its markers sit on nodes: use a name such as body["node7"], and '
+                ".turned(axes) for other axes",
+            )
         )
 
     @property

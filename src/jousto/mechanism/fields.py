@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,10 @@ def check_name(problems: Problems, kind: str, name: Any) -> str:
         forbidden = [c for c in ("./" if kind == "body" else "/") if c in name]
         if forbidden:
             problems.add(where, f"name must not contain {forbidden[0]!r}")
+        elif name in (".", ".."):
+            problems.add(where, "name must not be '.' or '..'")
+        elif any(unicodedata.category(c) in ("Cc", "Cs") for c in name):
+            problems.add(where, "name must not contain control characters")
         elif kind == "body" and name == "ground":
             problems.add(where, "the name 'ground' is taken by the ground")
     return where
@@ -38,7 +43,7 @@ def number(problems: Problems, where: str, name: str, value: Any) -> float | Non
     """Return a finite float, or note why the value is none."""
     try:
         array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         array = np.empty(0)
     if array.shape != ():
         problems.add(where, f"{name} is {value!r}, must be a number")

@@ -10,13 +10,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.errors import InputError, Problems
 from jousto.mechanism.fields import check_name, set_fields
 from jousto.mechanism.marker import Marker, as_marker
-from jousto.mechanism.orientation import Array, readonly, turn_onto
+from jousto.mechanism.orientation import (
+    Array,
+    parse_direction,
+    readonly,
+    turn_onto,
+    unit_vector,
+)
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -76,9 +81,7 @@ class Revolute:
         problems = Problems()
         direction = None
         if axis is not None:
-            direction = problems.array(f"joint {name!r}", "axis", axis, (3,))
-            if direction is not None and not np.any(direction):
-                problems.add(f"joint {name!r}", "axis is (0, 0, 0), must have a direction")
+            direction = parse_direction(problems, f"joint {name!r}", "axis", axis)
         init_joint(self, name, a, b, {"axis": direction}, problems)
 
     def __repr__(self) -> str:
@@ -89,7 +92,7 @@ class Revolute:
         """Unit vector (3,) of the axis at the initial pose, world frame."""
         if self.axis is None:
             return readonly(self.a.A[:, 2])
-        return readonly(self.axis / np.linalg.norm(self.axis))
+        return readonly(unit_vector(self.axis))
 
     @property
     def frames(self) -> tuple[Marker, Marker]:

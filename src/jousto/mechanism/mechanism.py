@@ -138,6 +138,7 @@ class Mechanism:
         problems.raise_if_any()
         warn_unconnected(self)
         warn_mobility(self)
+        warn_ground_loads(self)
         warn_at_rest(self)
 
 
@@ -319,6 +320,13 @@ def warn_mobility(mechanism: Mechanism) -> None:
         )
 
 
+def warn_ground_loads(mechanism: Mechanism) -> None:
+    """Warn about forces and torques on the ground."""
+    for load in mechanism.forces:
+        if isinstance(load.marker.body, Ground):
+            warn(where(load), "acts on the ground, it has no effect")
+
+
 def warn_at_rest(mechanism: Mechanism) -> None:
     """Warn if nothing can start to move."""
     moving = any(
@@ -328,7 +336,8 @@ def warn_at_rest(mechanism: Mechanism) -> None:
         or np.any(body.modal_coordinates)
         for body in mechanism.bodies
     )
-    if not (moving or mechanism.forces or np.any(mechanism.gravity)):
+    loads = any(not isinstance(load.marker.body, Ground) for load in mechanism.forces)
+    if not (moving or loads or np.any(mechanism.gravity)):
         warn(
             f"mechanism {mechanism.name!r}",
             "no gravity, no force and no initial velocity: nothing will move",

@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 
 UNIT_TOLERANCE = 1e-6
 
+# largest component of the shortest vector that has a direction
+SHORTEST = 1e-150
+
 
 def readonly(array: ArrayLike) -> Array:
     """Return a read-only float copy."""
@@ -98,11 +101,33 @@ def exp_rotation(theta: ArrayLike) -> Array:
     return np.asarray(np.eye(3) + a * W + b * (W @ W))
 
 
+def unit_vector(direction: ArrayLike) -> Array:
+    """Return a vector (3,) of any length at length 1; its square may over- or underflow.
+
+    Examples
+    --------
+    >>> unit_vector([0, 3e200, 4e200]).round(12)
+    array([0. , 0.6, 0.8])
+    """
+    d = np.asarray(direction, dtype=np.float64)
+    d = d / np.abs(d).max()
+    return np.asarray(d / np.linalg.norm(d))
+
+
+def parse_direction(problems: Problems, where: str, name: str, value: Any) -> Array | None:
+    """Return a vector (3,) that has a direction, or note why it has none."""
+    direction = problems.array(where, name, value, (3,))
+    if direction is not None and np.abs(direction).max() < SHORTEST:
+        found = ", ".join(f"{x:g}" for x in direction)
+        problems.add(where, f"{name} is ({found}), must have a direction")
+        return None
+    return direction
+
+
 def turn_onto(A: ArrayLike, axis: ArrayLike) -> Array:
     """Return the frame A (3, 3) turned by the smallest rotation that puts its z axis on `axis`."""
     A = np.asarray(A, dtype=np.float64)
-    h = np.asarray(axis, dtype=np.float64)
-    h = h / np.linalg.norm(h)
+    h = unit_vector(axis)
     z = A[:, 2]
     cross = np.cross(z, h)
     sine, cosine = float(np.linalg.norm(cross)), float(z @ h)
@@ -139,10 +164,8 @@ class Rotate:
 
     def __init__(self, axis: ArrayLike, angle_deg: float) -> None:
         problems = Problems()
-        direction = problems.array("Rotate", "axis", axis, (3,))
         angle = number(problems, "Rotate", "angle_deg", angle_deg)
-        if direction is not None and not np.any(direction):
-            problems.add("Rotate", "axis is (0, 0, 0), must have a direction")
+        direction = parse_direction(problems, "Rotate", "axis", axis)
         problems.raise_if_any()
         set_fields(self, axis=direction, angle_deg=angle)
 
@@ -150,8 +173,7 @@ class Rotate:
     def euler_parameters(self) -> Array:
         """Euler parameters (4,), scalar first."""
         half = np.radians(self.angle_deg) / 2
-        n = self.axis / np.linalg.norm(self.axis)
-        return np.concatenate([[np.cos(half)], n * np.sin(half)])
+        return np.concatenate([[np.cos(half)], unit_vector(self.axis) * np.sin(half)])
 
     @property
     def matrix(self) -> Array:
@@ -184,7 +206,7 @@ def parse_orientation(problems: Problems, where: str, name: str, value: Any) -> 
         value = value.as_matrix()
     try:
         array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         array = np.empty(0)
     if array.shape not in ((4,), (3, 3)):
         found = f"has shape {array.shape}" if array.size else f"is {value!r}"

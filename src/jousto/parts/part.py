@@ -380,6 +380,12 @@ class Part:
         R = self.rigid_modes()
         return read_only(R.T @ times(self.M, R))
 
+    def __repr__(self) -> str:
+        return (
+            f"<Part {self.name!r}: {len(self.nodes)} nodes, {len(self.elements)} elements, "
+            f"{self.mass:.6g} kg>"
+        )
+
     @property
     def mass(self) -> float:
         """Total mass in kg."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 import hashlib
 import importlib.metadata
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import InputError, Problem, Problems, warn
+from jousto.parts import Part
 from jousto.reduction import eigen
 from jousto.reduction.invariants import (
     Invariants,
@@ -30,9 +30,6 @@ from jousto.reduction.rigid import (
     mass_orthonormal_rigid_modes,
 )
 from jousto.reduction.stress import StressModes
-
-if TYPE_CHECKING:
-    from jousto.parts import Part
 
 Array = NDArray[np.float64]
 
@@ -65,6 +62,10 @@ def reduce(part: Part, method: Method) -> ReducedPart:
         The stiffness matrix is not free or lets the held body move, all mass lies on a line, an
         interface is unknown or does not hold the body, or there are fewer modes than asked for.
     """
+    body: object = part
+    if not isinstance(body, Part):
+        message = f"part is {body!r}, must be a Part such as Part.beam(...)"
+        raise InputError(Problem("reduce", message))
     where = f"part '{part.name}'"
     given: object = method
     if not isinstance(given, (CraigBampton, FreeFree)):

@@ -59,19 +59,21 @@ class Builder:
         """Return ``make(*args, **kwargs)``; None with the problems noted if it fails."""
         own = {str(loc[-1]).lower() if loc else "", make.__name__.lower(), make.__qualname__}
         name = kwargs.get("name", args[0] if args else None)
+        result, errors = None, None
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             try:
-                return make(*args, **kwargs)
+                result = make(*args, **kwargs)
             except InputError as error:
-                for problem in error.problems:
-                    message = shorten(problem.where, problem.message, own, name)
-                    place = self.refine(loc, problem.message)
-                    self.note(place, message.removeprefix(f"{place[-1]}: " if place else ""))
-                return None
-            finally:
-                for item in caught:
-                    self.warn(loc, item, own, name)
+                errors = error
+        # outside of the block, or what is passed on would be caught again without end
+        for item in caught:
+            self.warn(loc, item, own, name)
+        for problem in errors.problems if errors else ():
+            message = shorten(problem.where, problem.message, own, name)
+            place = self.refine(loc, problem.message)
+            self.note(place, message.removeprefix(f"{place[-1]}: " if place else ""))
+        return result
 
     def warn(
         self, loc: Loc, item: warnings.WarningMessage, own: set[str], name: Any = None
@@ -83,7 +85,9 @@ class Builder:
         where, colon, message = str(item.message).partition(": ")
         if colon:
             message = shorten(where, message, own, name)
-        text = f"{self.document.where(loc)}: {message if colon else where}"
+        place = self.refine(loc, message)
+        message = message.removeprefix(f"{place[-1]}: " if place else "")
+        text = f"{self.document.where(place)}: {message if colon else where}"
         if text not in self.warnings:
             self.warnings.append(text)
 

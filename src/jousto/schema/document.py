@@ -12,6 +12,10 @@ from jousto.errors import InputError, Problem, Problems
 
 Loc: TypeAlias = tuple[int | str, ...]
 
+# entries of a file with its aliases written out
+MOST_ENTRIES = 1_000_000
+TOO_DEEP = "is nested too deeply"
+
 
 @dataclass(frozen=True, eq=False)
 class Document:
@@ -66,7 +70,7 @@ def read_document(path: str | Path) -> Document:
     ------
     InputError
         If there is no such file or it is not text, syntax errors with their line, keys given
-        twice, and content that is not a mapping.
+        twice, content that is not a mapping, is nested too deeply or has too many entries.
     """
     path = Path(path)
     try:
@@ -98,21 +102,24 @@ def parse_document(text: str, *, name: str = "model", folder: Path | None = None
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
-    # JSON may be indented with tabs, which YAML forbids
-    source = text.replace("\t", "  ") if name.endswith(".json") else text
     try:
-        root = YAML(typ="rt", pure=True).compose(source)
+        root = YAML(typ="rt", pure=True).compose(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = mark.line + 1 if mark is not None else 1
-        raise InputError(Problem(f"{name}:{line}", syntax_hint(error, source, line))) from None
+        raise InputError(Problem(f"{name}:{line}", syntax_hint(error, text, line))) from None
     except YAMLError as error:
         raise InputError(Problem(name, f"cannot be read: {error}")) from None
+    except RecursionError:
+        raise InputError(Problem(name, TOO_DEEP)) from None
     if root is None:
         raise InputError(Problem(name, "is empty"))
     problems = Problems()
     reader = _Reader(name, problems)
-    data = reader.value(root, ())
+    try:
+        data = reader.value(root, ())
+    except RecursionError:
+        raise InputError(Problem(name, TOO_DEEP)) from None
     problems.raise_if_any()
     if not isinstance(data, dict):
         raise InputError(
@@ -146,8 +153,15 @@ class _Reader:
         self.problems = problems
         self.lines: dict[Loc, int] = {}
         self.open: set[int] = set()
+        self.count = 0
 
     def value(self, node: Any, loc: Loc) -> Any:
+        self.count += 1
+        if self.count > MOST_ENTRIES:
+            line = self.lines[loc[:1]]
+            raise InputError(
+                Problem(f"{self.name}:{line}", "too many entries, aliases repeat too often")
+            )
         self.lines.setdefault(loc, node.start_mark.line + 1)
         if id(node) in self.open:
             self.note(node, loc, "refers to itself")

@@ -16,7 +16,7 @@ from jousto.schema.units import describe
 def explain(
     error: ValidationError, document: Document, classes: Mapping[int, Any], prefix: Loc = ()
 ) -> list[tuple[Loc, Problem]]:
-    """Return the problems of a validation with their paths, in the order of the file.
+    """Return the problems of a validation with their paths.
 
     Parameters
     ----------
@@ -36,7 +36,6 @@ def explain(
         problem = Problem(document.where(loc), message)
         if (loc, problem) not in found:
             found.append((loc, problem))
-    found.sort(key=lambda pair: document.line(pair[0]))
     return found
 
 
@@ -68,8 +67,9 @@ def sentence(item: Any, document: Document, classes: Mapping[int, Any]) -> tuple
         return loc[:-1], f"{str(loc[-1])!r} is missing"
     if extra:
         cls = classes.get(id(document.at(loc[:-1])))
-        known = [] if cls is None else [k for k in cls.keys() if k not in document.at(loc[:-1])]
-        return loc, f"unknown key {str(loc[-1])!r}{suggest(str(loc[-1]), known)}"
+        known = [] if cls is None else cls.keys()
+        unused = [k for k in known if k not in document.at(loc[:-1])]
+        return loc, f"unknown key {str(loc[-1])!r}{suggest(str(loc[-1]), unused or known)}"
     if kind == "union_tag_not_found":
         if not isinstance(value, dict):
             return loc, f"expects a mapping with a type, got {describe(value)}"

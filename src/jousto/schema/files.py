@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,11 @@ def read_matrix(path: Path) -> Any:
     import scipy.io
     import scipy.sparse
 
-    readers = {".mtx": scipy.io.mmread, ".npz": scipy.sparse.load_npz, ".npy": np.load}
+    readers = {
+        ".mtx": functools.partial(scipy.io.mmread, spmatrix=False),
+        ".npz": scipy.sparse.load_npz,
+        ".npy": np.load,
+    }
     return _read(path, readers)
 
 

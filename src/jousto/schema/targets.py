@@ -8,8 +8,15 @@ from pathlib import Path
 from jousto.errors import InputError, Problem
 from jousto.schema.document import is_hdf5
 
+RESULTS, REDUCED_PART = "jousto results", "jousto reduced part"
+DAMAGED = "damaged"
+WORDS = {RESULTS: "results", REDUCED_PART: "a reduced part"}
 
-def output_path(given: Path | None, source: Path, name: str, *, keep: str = "") -> Path:
+# what may be in the way of a picture and is not to be lost
+DATA = (".yaml", ".yml", ".json", ".h5", ".hdf5")
+
+
+def output_path(given: Path | None, source: Path, name: str, *, kind: str = "") -> Path:
     """Return where to write, next to the input by default, never over an input.
 
     Parameters
@@ -20,16 +27,22 @@ def output_path(given: Path | None, source: Path, name: str, *, keep: str = "") 
         The input file.
     name : str
         Default file name, or ending such as ``.h5`` for the name of the input.
-    keep : str
-        Format of HDF5 files that must not be overwritten.
+    kind : str
+        Format of the HDF5 file that will be written, `RESULTS` or `REDUCED_PART`; empty for
+        pictures. Only files of that kind are overwritten.
 
     Raises
     ------
     InputError
-        If it is the input, a folder, in a folder that does not exist, or holds other data.
+        If it is the input, a folder, in a folder that does not exist, or holds other data; if
+        the input is a folder.
     """
-    default = source.with_suffix(name) if name.startswith(".") else source.with_name(name)
-    path = default if given is None else given
+    if source.is_dir():
+        raise InputError(Problem(str(source), "is a folder, must be a file"))
+    if given is not None:
+        path = given
+    else:
+        path = source.with_suffix(name) if name.startswith(".") else source.parent / name
     if path.exists() and source.exists() and path.samefile(source):
         raise InputError(Problem(str(path), "is the input, it would be overwritten; give -o FILE"))
     if path.is_dir():
@@ -38,10 +51,22 @@ def output_path(given: Path | None, source: Path, name: str, *, keep: str = "") 
         raise InputError(Problem(str(path), f"there is no folder {str(path.parent)!r}"))
     if not os.access(path if path.exists() else path.parent, os.W_OK):
         raise InputError(Problem(str(path), "must not be written to (no permission)"))
-    if keep and path.is_file() and hdf5_format(path) == keep:
-        content = keep.removeprefix("jousto ").replace("reduced", "a reduced")
+    content = worth_keeping(path, kind)
+    if content:
         raise InputError(Problem(str(path), f"holds {content}; give -o FILE"))
     return path
+
+
+def worth_keeping(path: Path, kind: str) -> str:
+    """Return what a file holds that output of a kind must not replace, empty if nothing."""
+    if not path.is_file() or not path.stat().st_size:
+        return ""
+    if not kind:
+        return "data, not a picture" if path.suffix.lower() in DATA or is_hdf5(path) else ""
+    found = hdf5_format(path)
+    if found in (kind, DAMAGED):
+        return ""
+    return WORDS.get(found, f"something other than {WORDS[kind]}")
 
 
 def hdf5_format(path: Path) -> str:
@@ -54,4 +79,4 @@ def hdf5_format(path: Path) -> str:
         with h5py.File(path, "r") as file:
             return str(file.attrs.get("format", ""))
     except OSError:
-        return ""
+        return DAMAGED

@@ -83,6 +83,7 @@ COMMON = ("mm", "cm", "m", "g", "kg", "t", "ms", "s", "min", "rad", "deg", "rpm"
 NUMBER = re.compile(
     r"\s*([-+]?(?:\d[\d_]*\.?[\d_]*|\.\d[\d_]*)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$", re.S
 )
+TOO_LARGE = "is too large, must be below 1e308"
 SUPERSCRIPTS = str.maketrans("⁻¹²³⁴", "-1234")
 
 
@@ -160,15 +161,19 @@ def quantity(value: Any, unit: str) -> float:
             raise UnitError(f"is {value}, must be finite")
         if match is None:
             raise UnitError(f"expects {kind}{example}, got {value!r}")
-        number, unit_text = match.groups()
+        digits, unit_text = match.groups()
         if unit_text:
-            return _convert(value.strip(), number, unit_text, unit)
-        value = float(number)
+            return _convert(value.strip(), digits, unit_text, unit)
+        value = float(digits)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise UnitError(f"expects {kind}{example}, got {describe(value)}")
-    if not math.isfinite(value):
-        raise UnitError(f"is {value}, must be finite")
-    return float(value)
+    try:
+        number = float(value)
+    except OverflowError:
+        raise UnitError(TOO_LARGE) from None
+    if not math.isfinite(number):
+        raise UnitError(f"is {number}, must be finite")
+    return number
 
 
 def _convert(text: str, number: str, unit_text: str, unit: str) -> float:
@@ -182,7 +187,10 @@ def _convert(text: str, number: str, unit_text: str, unit: str) -> float:
             found = "no unit at all"
         got = f"got {text}" + (f" ({found})" if found else "")
         raise UnitError(f"expects {KINDS[unit]}{'' if unit == '1' else f' ({unit})'}, {got}")
-    value = float(registry().convert(Decimal(number.replace("_", "")), source, target))
+    try:
+        value = float(registry().convert(Decimal(number.replace("_", "")), source, target))
+    except ArithmeticError:
+        raise UnitError(TOO_LARGE) from None
     if not math.isfinite(value):
         raise UnitError(f"is {value}, must be finite")
     return value
