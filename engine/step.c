@@ -152,7 +152,6 @@ static int write_row(const jo_model *m, jo_data *d, jo_real *row)
 {
     int status = d->fresh ? JO_OK : jo_accelerations(m, d);
     if (status != JO_OK) return status;
-    const jo_real power[2] = {d->power[0], d->power[1]};
     add_work(d);
     *row++ = d->time[0];
     for (int i = 0; i < m->nq; i++) *row++ = d->q[i];
@@ -163,8 +162,6 @@ static int write_row(const jo_model *m, jo_data *d, jo_real *row)
     row[4] = d->work[1];
     jo_residuals(m, d, row + 5);
     jo_sensors(m, d, row + 7);
-    d->power[0] = power[0];
-    d->power[1] = power[1];
     return JO_OK;
 }
 
@@ -179,11 +176,12 @@ int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, 
 {
     *written = 0;
     d->current = d->fresh = 0;   /* the caller may have changed the state */
+    const jo_real start = d->time[0] - (double)*count * s->step;
     for (long long i = 0; i < nsteps; i++) {
         int status = step(m, d, s);
         if (status != JO_OK) return status;
         ++*count;
-        d->time[0] = (double)*count * s->step;
+        d->time[0] = start + (double)*count * s->step;
         if (*count % every == 0) {
             status = write_row(m, d, rows + (size_t)*written * (size_t)jo_row_size(m));
             if (status != JO_OK) return status;

@@ -142,3 +142,13 @@ def test_a_changed_state_is_seen_at_once():
 
 def test_two_hundred_joints_on_one_body_are_ordered_quickly():
     assert eliminate([3] * 200, [range(200)]).fill == 0
+
+
+def test_a_run_starts_at_the_time_of_the_state():
+    body = rigid("rod", angular_velocity=(0, 3, 2))
+    pivot = jo.Spherical("p", jo.ground["origin"], body["origin"])
+    engine = jo.Engine(jo.compile(jo.Mechanism(body, pivot)))
+    engine.time[:] = 1.0
+    rows = np.zeros((3, engine.row_size))
+    engine.run(engine.native_solver(1, 1e-3, True), 3, 1, rows)
+    np.testing.assert_allclose(rows[:, 0], [1.001, 1.002, 1.003], atol=1e-15)

@@ -21,6 +21,14 @@ from verification.mechanisms import chain, loop
 
 STEP = 2.0**-12  # s; a power of two, so that every output step gives the same step
 
+SOLVERS = {
+    "RK4": jo.RK4(step=STEP),
+    "ROS2": jo.ROS2(step=STEP),
+    "RK4, not projected": jo.RK4(step=STEP, projection=False),
+    "ROS2, not projected": jo.ROS2(step=STEP, projection=False),
+    "RK4, Baumgarte": jo.RK4(step=STEP, projection=False, baumgarte=jo.Baumgarte(50.0, 50.0)),
+}
+
 
 def build():
     return jo.compile(chain("fixed", loads=True, damping=0.01))
@@ -39,7 +47,7 @@ def contents(path):
     return found
 
 
-@pytest.mark.parametrize("solver", [jo.RK4(step=STEP), jo.ROS2(step=STEP)], ids=["RK4", "ROS2"])
+@pytest.mark.parametrize("solver", SOLVERS.values(), ids=SOLVERS.keys())
 def test_two_runs_give_the_same_bytes(tmp_path, solver):
     model = build()
     jo.simulate(model, 0.25, solver=solver, path=tmp_path / "a.h5")
@@ -53,7 +61,7 @@ def test_two_runs_give_the_same_bytes(tmp_path, solver):
     assert [name for name in a if a[name] != b[name]] == []
 
 
-@pytest.mark.parametrize("solver", [jo.RK4(step=STEP), jo.ROS2(step=STEP)], ids=["RK4", "ROS2"])
+@pytest.mark.parametrize("solver", SOLVERS.values(), ids=SOLVERS.keys())
 @pytest.mark.parametrize(
     "mechanism",
     [partial(chain, "spherical", loads=True, damping=0.01), loop],

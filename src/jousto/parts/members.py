@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from jousto.errors import Problems
 from jousto.parts._arrays import Floats, Ints, some
@@ -139,6 +138,8 @@ def join_members(name: str, members: Sequence[Member], points: Mapping[str, Any]
     every = np.concatenate([ends, *inner])
     size = float(np.ptp(every, axis=0).max())
     owner = np.arange(len(every))
+    from scipy.spatial import cKDTree  # slow to import and rarely needed
+
     for i, j in sorted(cKDTree(every).query_pairs(MERGE * size)):
         if i < len(ends):
             owner[j] = min(owner[j], owner[i])
@@ -204,6 +205,8 @@ def _name_points(
     sets: dict[str, tuple[int, ...]],
 ) -> None:
     """Add a one-node set for each named position."""
+    from scipy.spatial import cKDTree
+
     tree, size = cKDTree(xyz), float(np.ptp(xyz, axis=0).max())
     for name, value in points.items():
         label = f"point '{name}'"

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from jousto.errors import Problems, suggest
 from jousto.parts._arrays import Floats, Ints, some
@@ -116,6 +115,8 @@ def pieces(problems: Problems, where: str, xyz: Floats, graph: Any) -> None:
         return
     one = label == label[0]
     inside, outside = np.flatnonzero(one), np.flatnonzero(~one)
+    from scipy.spatial import cKDTree  # slow to import and rarely needed
+
     distance, nearest = cKDTree(xyz[inside]).query(xyz[outside])
     distance, nearest = np.atleast_1d(distance), np.atleast_1d(nearest)
     k = int(np.argmin(distance))
