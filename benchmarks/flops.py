@@ -99,7 +99,9 @@ class Counter:
                 text = re.sub(r"/\* BEGIN \*/", 'extern "C" {', text)
                 text = re.sub(r"/\* END \*/", "}", text)
             text = text.replace("#define JO_RE(x) (x)", "#define JO_RE(x) ((double)(x))")
-            text = text.replace("#if defined(__GNUC__) && !defined(JO_COMPLEX)", "#if 0")
+            text = re.sub(
+                r"#(el)?if defined\(__GNUC__\) && !defined\(JO_COMPLEX\).*", r"#\1if 0", text
+            )
             name = path.name if path.suffix == ".h" else path.stem + ".cpp"
             (folder / name).write_text(text)
         (folder / "count.cpp").write_text('extern "C" { long long jo_flops = 0; }\n')

@@ -17,9 +17,14 @@
 #define jo_cos cos
 #endif
 
-/* Several modal coordinates at once: four where the compiler has vector types, else one. Modal arrays are
+/* Several modal coordinates at once: four or two, as the processor's registers hold, where the compiler has
+ * vector types, else one. Modal arrays are
  * padded, so that loops `for (j = 0; j < np; j += JO_WIDTH)` need no remainder. */
-#if defined(__GNUC__) && !defined(JO_COMPLEX)
+#if defined(__GNUC__) && !defined(JO_COMPLEX) && !defined(__AVX__)
+typedef double jo_lanes __attribute__((vector_size(16), aligned(8), may_alias));
+enum { JO_WIDTH = 2 };
+static inline jo_real jo_sum(const jo_lanes x) { return x[0] + x[1]; }
+#elif defined(__GNUC__) && !defined(JO_COMPLEX)
 typedef double jo_lanes __attribute__((vector_size(32), aligned(8), may_alias));
 enum { JO_WIDTH = 4 };
 static inline jo_real jo_sum(const jo_lanes x) { return (x[0] + x[1]) + (x[2] + x[3]); }
