@@ -132,13 +132,9 @@ def facts(rows: list[tuple[str, str]], title: str = "") -> None:
 
 def _version(value: bool) -> None:
     if value:
-        import importlib.metadata
+        from jousto import __version__
 
-        try:
-            version = importlib.metadata.version("jousto")
-        except importlib.metadata.PackageNotFoundError:
-            version = "(not installed)"
-        say(f"jousto {version}")
+        say(f"jousto {__version__}")
         raise typer.Exit
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import importlib.metadata
 import os
 import shutil
 import signal
@@ -20,6 +19,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto import __version__
 from jousto.engine import Model
 from jousto.errors import InputError, Problem
 from jousto.simulation.image import SparseImage
@@ -40,14 +40,6 @@ DIAGNOSTICS = (
 CONTENTS = ("rows", "time", "state", "diagnostics", "sensors", "bodies", "model")
 ENDED = 240  # bytes kept for the sentence that says how a run ended
 PIECE_BYTES = 1 << 24
-
-
-def version() -> str:
-    """Return the version of the installed package."""
-    try:
-        return importlib.metadata.version("jousto")
-    except importlib.metadata.PackageNotFoundError:
-        return "unknown"
 
 
 class ResultsWriter:
@@ -218,7 +210,7 @@ def _describe(
     for key, value in attributes.items():
         file.attrs[key] = value
     file["model"] = text
-    file["model"].attrs["version"] = version()
+    file["model"].attrs["version"] = __version__
     datasets: list[tuple[h5py.Dataset, int, int]] = []
     at = 0
 
