@@ -32,6 +32,18 @@ static jo_data *lay_out(const jo_model *m, arena *a)
     d->body = take(a, (size_t)m->nbody * sizeof(jo_body_work));
     d->marker = take(a, (size_t)m->nmarker * sizeof(jo_marker_work));
     d->joint = take(a, (size_t)m->njoint * sizeof(jo_joint_work));
+    for (int i = 0; i < m->njoint; i++) {
+        jo_joint_work spare, *w = a->base ? &d->joint[i] : &spare;
+        w->C = take(a, (size_t)m->joint[i].nside * sizeof *w->C);
+        w->V = take(a, (size_t)m->joint[i].nside * sizeof *w->V);
+    }
+    d->coordinate = take(a, (size_t)m->ncoordinate * sizeof(jo_coordinate_work));
+    d->force = take(a, (size_t)m->nforce * sizeof(jo_force_work));
+    d->turn = reals(a, m->nturn);
+    d->input = reals(a, m->ninput);
+    d->locked = take(a, (size_t)m->nlock * sizeof(int));
+    d->slip = take(a, (size_t)m->nfriction * sizeof(int));
+    d->happened = take(a, (size_t)m->nevent * sizeof(int));
     for (int i = 0; i < m->nbody; i++) {
         jo_body_work spare, *w = a->base ? &d->body[i] : &spare;
         const int np = m->body[i].np;
@@ -95,6 +107,12 @@ jo_real *jo_data_a(jo_data *d) { return d->a; }
 jo_real *jo_data_lam(jo_data *d) { return d->lam; }
 jo_real *jo_data_time(jo_data *d) { return d->time; }
 jo_real *jo_data_work(jo_data *d) { return d->work; }
+jo_real *jo_data_input(jo_data *d) { return d->input; }
+jo_real *jo_data_turn(jo_data *d) { return d->turn; }
+int *jo_data_locked(jo_data *d) { return d->locked; }
+int *jo_data_slip(jo_data *d) { return d->slip; }
+int *jo_data_happened(jo_data *d) { return d->happened; }
+long long *jo_data_counts(jo_data *d) { return d->counts; }
 int jo_data_error_index(const jo_data *d) { return d->error_index; }
 
 int jo_abi(void) { return JO_ABI; }

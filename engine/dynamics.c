@@ -20,20 +20,26 @@ static void refresh(const jo_model *m, jo_data *d)
         jo_body_twist(b, &d->body[i], d->v + b->iv);
     }
     jo_marker_position(m, d, m->nactive);
+    if (m->ncoordinate) jo_coordinates(m, d, m->ncoordinate);
 }
 
 /* a and lam at time, q, v; the modal mass is that of the set */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
 {
     d->set = set;
-    d->power[0] = d->power[1] = 0.0;
+    d->power[0] = d->power[1] = d->power[2] = 0.0;
+    d->counts[0]++;
     if (!d->current) {
         refresh(m, d);
         jo_marker_velocity(m, d, m->nactive);
     }
     d->current = 0;
     for (int i = 0; i < m->nbody; i++) jo_body_inertia(&m->body[i], &d->body[i], &d->power[0]);
-    if (m->nforce) jo_apply_forces(m, d);
+    if (m->ncoordinate) jo_coordinates_rate(m, d, m->ncoordinate);
+    if (m->nforce) {
+        const int applied = jo_apply_forces(m, d);
+        if (applied != JO_OK) return applied;
+    }
     for (int i = 0; i < m->nbody; i++) {
         int regular = jo_body_factor(&m->body[i], &d->body[i], set);
         if (regular != JO_OK) {
@@ -215,6 +221,8 @@ void jo_energy(const jo_model *m, jo_data *d, jo_real *out)
     out[0] = T;
     out[1] = U;
     out[2] = P;
+    out[3] = 0.0;   /* as of the last evaluation */
+    for (int i = 0; i < m->nforce; i++) out[3] += d->force[i].stored;
 }
 
 /* mass matrix of one body for [R'' (body frame), w', p''] at the present q */

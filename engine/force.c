@@ -1,68 +1,79 @@
-/* force.c - signals of time, and forces and torques at markers (Rantalainen 2007, eq. 3.68-3.83). */
+/* force.c - what pushes the bodies: loads at markers, springs, bushings, modal loads, user functions.
+ *
+ * Force F and torque T (world) at a marker: Q_R = F, Q_w = u x A^T F + A^T T, Q_p = Phi^T A^T F + (T(theta) Psi)^T A^T T
+ * (Rantalainen 2007, eq. 3.68-3.83, corrected).
+ */
 #include "internal.h"
 
-static jo_real evaluate_signal(const jo_signal *s, jo_real time)
+/* add force F and torque T, resolved in the body frame, to the body of the marker */
+static void push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T)
 {
-    const jo_real *x = s->data;
-    const double t = JO_RE(time);
-    switch (s->type) {
-    case JO_HARMONIC:
-        return x[0] + x[1] * jo_sin(x[2] * time + x[3]);
-    case JO_STEP:
-        return t < JO_RE(x[0]) ? x[1] : x[2];
-    case JO_TABLE: {
-        const jo_real *f = x + s->count;
-        int low = 0, high = s->count - 1;
-        if (t <= JO_RE(x[low])) return f[low];
-        if (t >= JO_RE(x[high])) return f[high];
-        while (high - low > 1) {
-            int middle = (low + high) / 2;
-            if (t < JO_RE(x[middle])) high = middle;
-            else low = middle;
-        }
-        return f[low] + (f[high] - f[low]) * (time - x[low]) / (x[high] - x[low]);
-    }
-    default:
-        return 1.0;
+    const jo_marker *k = &m->marker[marker];
+    if (k->body < 0) return;
+    const jo_marker_work *w = &d->marker[marker];
+    jo_body_work *bw = &d->body[k->body];
+    const int np = m->body[k->body].np;
+    jo_real t[3];
+    jo_add3(bw->fr, F);
+    jo_cross(t, w->u, F);
+    jo_add3(bw->fr + 3, t);
+    jo_add3(bw->fr + 3, T);
+    if (k->Phi)
+        for (int j = 0; j < np; j++)
+            bw->fp[j] += k->Phi[j] * F[0] + k->Phi[np + j] * F[1] + k->Phi[2 * np + j] * F[2];
+    if (k->Psi) {
+        jo_mul3t(t, w->T, T);
+        for (int j = 0; j < np; j++)
+            bw->fp[j] += k->Psi[j] * t[0] + k->Psi[np + j] * t[1] + k->Psi[2 * np + j] * t[2];
     }
 }
 
-void jo_apply_forces(const jo_model *m, jo_data *d)
+/* the same from the world frame */
+void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T)
+{
+    const int body = m->marker[marker].body;
+    jo_real f[3], t[3];
+    if (body < 0) return;
+    jo_mul3t(f, d->body[body].A, F);
+    jo_mul3t(t, d->body[body].A, T);
+    push(m, d, marker, f, t);
+}
+
+static void load(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work *y)
+{
+    const jo_marker_work *w = &d->marker[f->b];
+    jo_real F[3], T[3], v[3], om[3], factor = 1.0, now = 1.0;
+    if (f->signal >= 0) {
+        factor = jo_signal_at(m, d, f->signal, d->time[0] + d->lead).value;
+        now = d->lead != 0.0 ? jo_signal_at(m, d, f->signal, d->time[0]).value : factor;
+    }
+    jo_set3(F, f->data);
+    jo_set3(T, f->data + 3);
+    if (f->follow) {
+        jo_mul3(F, w->A, F);
+        jo_mul3(T, w->A, T);
+    }
+    jo_to_world(v, m, d, f->b, w->v);
+    d->power[2] += now * jo_dot3(F, v);
+    if (m->marker[f->b].turns) {
+        jo_to_world(om, m, d, f->b, w->om);
+        d->power[2] += now * jo_dot3(T, om);
+    }
+    for (int j = 0; j < 3; j++) {
+        y->y[j] = F[j] *= factor;
+        y->y[3 + j] = T[j] *= factor;
+    }
+    jo_push(m, d, f->b, F, T);
+}
+
+int jo_apply_forces(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nforce; i++) {
         const jo_force *f = &m->force[i];
-        const jo_marker *k = &m->marker[f->marker];
-        if (k->body < 0) continue;
-        const jo_marker_work *w = &d->marker[f->marker];
-        jo_body_work *bw = &d->body[k->body];
-        const int np = m->body[k->body].np;
-        const jo_signal *signal = f->signal < 0 ? 0 : &m->signal[f->signal];
-        const jo_real factor = signal ? evaluate_signal(signal, d->time[0] + d->lead) : 1.0;
-        const jo_real now = signal && d->lead != 0.0 ? evaluate_signal(signal, d->time[0]) : factor;
-        jo_real F[3], T[3], t[3], power;
-        jo_set3(F, f->force);
-        jo_set3(T, f->torque);
-        if (f->follow) {
-            jo_mul3(F, w->A, F);
-            jo_mul3(T, w->A, T);
-        }
-        jo_mul3t(F, bw->A, F);
-        jo_mul3t(T, bw->A, T);
-        power = jo_dot3(F, w->v);
-        if (k->turns) power += jo_dot3(T, w->om);
-        d->power[1] += now * power;
-        for (int j = 0; j < 3; j++) { F[j] *= factor; T[j] *= factor; }
-        jo_add3(bw->fr, F);
-        jo_cross(t, w->u, F);
-        jo_add3(bw->fr + 3, t);
-        jo_add3(bw->fr + 3, T);
-        if (k->Phi)
-            for (int j = 0; j < np; j++)
-                bw->fp[j] += k->Phi[j] * F[0] + k->Phi[np + j] * F[1] + k->Phi[2 * np + j] * F[2];
-        if (k->Psi) {
-            jo_mul3t(T, w->T, T);
-            for (int j = 0; j < np; j++)
-                bw->fp[j] += k->Psi[j] * T[0] + k->Psi[np + j] * T[1] + k->Psi[2 * np + j] * T[2];
+        switch (f->type) {
+        case JO_LOAD: load(m, d, f, &d->force[i]); break;
+        default: break;
         }
     }
+    return JO_OK;
 }

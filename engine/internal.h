@@ -45,9 +45,25 @@ typedef struct {
     jo_marker_set set[2];
 } jo_marker_work;
 
+/* A coordinate and its derivatives: s' = along . (v_b - v_a) + turn_a . om_a + turn_b . om_b, all in the world frame;
+ * s'' the same with accelerations, plus bias. */
 typedef struct {
-    jo_real C[2][36];       /* (nrow x 6) rows of side a, b: [translation, rotation shape] local */
-    jo_real V[2][36];       /* (6 x 6) L^-1 of the rows reduced to the rigid coordinates, by columns */
+    jo_real value, rate, bias;
+    jo_real along[3], turn_a[3], turn_b[3];
+} jo_coordinate_work;
+
+typedef struct {
+    jo_real value, rate, second;   /* and its derivatives with respect to time */
+} jo_signal_work;
+
+typedef struct {
+    jo_real y[6];           /* force and torque on b, world; ALONG_COORDINATE: the force first */
+    jo_real stored;         /* J in its springs */
+} jo_force_work;
+
+typedef struct {
+    jo_real (*C)[36];       /* nside of (nrow x 6): rows of every side: [translation, rotation shape] local */
+    jo_real (*V)[36];       /* nside of (6 x 6): L^-1 of the rows reduced to the rigid coordinates, by columns */
     jo_real axes[3][3];     /* world: a change of rotation dtheta_a - dtheta_b turns row r by axes[r] */
     jo_real c[6], cdot[6];  /* constraint residuals */
     jo_real x[6];           /* right-hand side, then multipliers */
@@ -56,8 +72,8 @@ typedef struct {
 
 struct jo_data {
     jo_real time[1];
-    jo_real work[2], power[2];      /* lost to damping, done by forces: energy so far, rate at the last evaluation */
-    jo_real power0[2];      /* rate at the start of the last step, whose half is not yet in work */
+    jo_real work[3], power[3];      /* lost to damping, to friction, done by forces: energy so far, rate at the last evaluation */
+    jo_real power0[3];      /* rate at the start of the last step, whose half is not yet in work */
     double waiting;         /* length of that step, or 0 */
     double lead;            /* forces act as they will be so much later: the time derivative in ROS2 */
     jo_real *q, *v, *a, *lam;
@@ -65,7 +81,13 @@ struct jo_data {
     jo_real *acc;           /* (nv) first stage of ROS2 */
     jo_body_work *body;
     jo_marker_work *marker;
+    jo_coordinate_work *coordinate;
     jo_joint_work *joint;
+    jo_force_work *force;
+    jo_real *turn;          /* (nturn) last accepted values of the angles */
+    jo_real *input;         /* (ninput) */
+    int *locked, *slip, *happened;
+    long long counts[4];    /* evaluations, Newton iterations, factorisations, rejected steps */
     jo_real *S;             /* (nblock x 36) */
     jo_real *gram[2];       /* (npair x 36) */
     double gh;              /* g h of set 1 */
@@ -94,6 +116,15 @@ void jo_marker_velocity(const jo_model *m, jo_data *d, int count);
 void jo_marker_bias(const jo_model *m, jo_data *d, int count);
 void jo_marker_reduce(const jo_model *m, jo_data *d, int count);
 
+/* signal.c */
+jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_real time);
+
+/* coordinate.c */
+void jo_coordinates(const jo_model *m, jo_data *d, int count);     /* value, gradient */
+void jo_coordinates_rate(const jo_model *m, jo_data *d, int count);   /* rate, bias */
+void jo_count_turns(const jo_model *m, jo_data *d);                /* the present angles are accepted */
+void jo_to_world(jo_real *y, const jo_model *m, const jo_data *d, int marker, const jo_real *x);
+
 /* joint.c */
 void jo_joint_setup(const jo_model *m, jo_data *d, int set);
 double jo_joint_residual(const jo_model *m, jo_data *d);         /* fills c, returns the largest */
@@ -105,7 +136,8 @@ void jo_joint_solve(const jo_model *m, jo_data *d);
 void jo_joint_apply(const jo_model *m, jo_data *d);
 
 /* force.c */
-void jo_apply_forces(const jo_model *m, jo_data *d);
+int jo_apply_forces(const jo_model *m, jo_data *d);
+void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T);
 
 /* dynamics.c */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set);

@@ -13,7 +13,7 @@ void jo_joint_setup(const jo_model *m, jo_data *d, int set)
     for (int i = 0; i < m->npair; i++) {
         const jo_pair *p = &m->pair[i];
         const jo_joint *k = &m->joint[p->joint_k], *l = &m->joint[p->joint_l];
-        const jo_marker *mk = &m->marker[p->side_k ? k->b : k->a], *ml = &m->marker[p->side_l ? l->b : l->a];
+        const jo_marker *mk = &m->marker[k->side[p->side_k]], *ml = &m->marker[l->side[p->side_l]];
         const int np = m->body[mk->body].np;
         const jo_real *weight = d->body[mk->body].set[set].weight;
         jo_real *gram = d->gram[set] + 36 * i;
@@ -43,7 +43,7 @@ double jo_joint_residual(const jo_model *m, jo_data *d)
     double worst = 0.0;
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
-        const jo_marker_work *a = &d->marker[k->a], *b = &d->marker[k->b];
+        const jo_marker_work *a = &d->marker[k->side[0]], *b = &d->marker[k->side[1]];
         jo_real *c = d->joint[i].c, x[3], y[3];
         if (k->coincident) {
             jo_set3(c, b->r);
@@ -61,31 +61,23 @@ double jo_joint_residual(const jo_model *m, jo_data *d)
     return worst;
 }
 
-/* world vector of a local one; ground is its own world */
-static void to_world(jo_real *y, const jo_model *m, const jo_data *d, int marker, const jo_real *x)
-{
-    int body = m->marker[marker].body;
-    if (body < 0) jo_set3(y, x);
-    else jo_mul3(y, d->body[body].A, x);
-}
-
 double jo_joint_residual_rate(const jo_model *m, jo_data *d)
 {
     double worst = 0.0;
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
-        const jo_marker_work *a = &d->marker[k->a], *b = &d->marker[k->b];
+        const jo_marker_work *a = &d->marker[k->side[0]], *b = &d->marker[k->side[1]];
         jo_real *c = d->joint[i].cdot, x[3], y[3], s[3];
         if (k->coincident) {
-            to_world(x, m, d, k->a, a->v);
-            to_world(c, m, d, k->b, b->v);
+            jo_to_world(x, m, d, k->side[0], a->v);
+            jo_to_world(c, m, d, k->side[1], b->v);
             jo_sub3(c, x);
             c += 3;
         }
         jo_real rel[3] = {0};
         if (k->nperp) {
-            to_world(rel, m, d, k->a, a->om);
-            to_world(y, m, d, k->b, b->om);
+            jo_to_world(rel, m, d, k->side[0], a->om);
+            jo_to_world(y, m, d, k->side[1], b->om);
             jo_sub3(rel, y);
         }
         for (int r = 0; r < k->nperp; r++) {   /* (om_a - om_b) . (x_a x y_b) */
@@ -128,12 +120,12 @@ void jo_joint_rows(const jo_model *m, jo_data *d)
         jo_joint_work *w = &d->joint[i];
         for (int r = 0; r < k->nperp; r++) {
             jo_real x[3], y[3];
-            axis(x, d->marker[k->a].A, k->perp_a[r]);
-            axis(y, d->marker[k->b].A, k->perp_b[r]);
+            axis(x, d->marker[k->side[0]].A, k->perp_a[r]);
+            axis(y, d->marker[k->side[1]].A, k->perp_b[r]);
             jo_cross(w->axes[r], x, y);
         }
-        for (int side = 0; side < 2; side++) {
-            const int marker = side ? k->b : k->a;
+        for (int side = 0; side < k->nside; side++) {
+            const int marker = k->side[side];
             const int body = m->marker[marker].body;
             if (body < 0) continue;
             const jo_marker_work *mw = &d->marker[marker];
@@ -182,22 +174,22 @@ void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_solver *solve
 {
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
-        const jo_marker_work *a = &d->marker[k->a], *b = &d->marker[k->b];
+        const jo_marker_work *a = &d->marker[k->side[0]], *b = &d->marker[k->side[1]];
         jo_joint_work *w = &d->joint[i];
         jo_real *x = w->x;
         if (k->coincident) {
             jo_real t[3];
-            to_world(t, m, d, k->a, a->a);
-            to_world(x, m, d, k->b, b->a);
+            jo_to_world(t, m, d, k->side[0], a->a);
+            jo_to_world(x, m, d, k->side[1], b->a);
             jo_sub3(x, t);
             x += 3;
         }
         if (k->nperp) {
             jo_real oma[3], omb[3], aa[3], ab[3];
-            to_world(oma, m, d, k->a, a->om);
-            to_world(omb, m, d, k->b, b->om);
-            to_world(aa, m, d, k->a, a->a + 3);
-            to_world(ab, m, d, k->b, b->a + 3);
+            jo_to_world(oma, m, d, k->side[0], a->om);
+            jo_to_world(omb, m, d, k->side[1], b->om);
+            jo_to_world(aa, m, d, k->side[0], a->a + 3);
+            jo_to_world(ab, m, d, k->side[1], b->a + 3);
             jo_sub3(aa, ab);
             for (int r = 0; r < k->nperp; r++) {
                 jo_real f[3], h[3], fd[3], hd[3], fdd[3], hdd[3];
@@ -210,8 +202,8 @@ void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_solver *solve
                 x[r] = jo_dot3(aa, w->axes[r]) + jo_dot3(fdd, h) + 2.0 * jo_dot3(fd, hd) + jo_dot3(f, hdd);
             }
         }
-        for (int side = 0; side < 2; side++) {   /* rigid coordinates: C X Z^-1 z = V^T z */
-            const int body = m->marker[side ? k->b : k->a].body;
+        for (int side = 0; side < k->nside; side++) {   /* rigid coordinates: C X Z^-1 z = V^T z */
+            const int body = m->marker[k->side[side]].body;
             if (body < 0) continue;
 #define CALL(n) add_columns(w->x, w->V[side], d->body[body].z, n)
             JO_BY_ROWS(k->nrow, CALL)
@@ -314,7 +306,7 @@ static void assemble(const jo_model *m, jo_data *d)
         const jo_joint_work *wk = &d->joint[p->joint_k], *wl = &d->joint[p->joint_l];
         const jo_real *X = wk->V[p->side_k], *Y = wl->V[p->side_l];
         jo_real *block = S + 36 * p->block;
-        const int body = m->marker[p->side_k ? k->b : k->a].body;
+        const int body = m->marker[k->side[p->side_k]].body;
         if (k->nrow == l->nrow) {
 #define CALL(n) add_product(block, X, n, Y, n)
             JO_BY_ROWS(k->nrow, CALL)
@@ -347,8 +339,8 @@ int jo_joint_factor(const jo_model *m, jo_data *d)
 #undef CALL
         if (regular != 1) {
             const jo_joint *k = &m->joint[col->joint];
-            const int body = m->marker[k->b].body;
-            d->error_index = regular == 0 ? col->joint : body < 0 ? m->marker[k->a].body : body;
+            const int body = m->marker[k->side[1]].body;
+            d->error_index = regular == 0 ? col->joint : body < 0 ? m->marker[k->side[0]].body : body;
             return regular == 0 ? JO_SINGULAR_JOINT : JO_NOT_FINITE;
         }
         for (int i = col->first; i < col->first + col->count; i++) {
@@ -488,8 +480,8 @@ void jo_joint_apply(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
         const jo_joint_work *w = &d->joint[i];
-        for (int side = 0; side < 2; side++) {
-            const jo_marker *mk = &m->marker[side ? k->b : k->a];
+        for (int side = 0; side < k->nside; side++) {
+            const jo_marker *mk = &m->marker[k->side[side]];
             if (mk->body < 0) continue;
             jo_body_work *bw = &d->body[mk->body];
             const jo_real *C = w->C[side], *V = w->V[side];

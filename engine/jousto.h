@@ -21,18 +21,35 @@ typedef double jo_real;
 #endif
 
 /* BEGIN */
-enum { JO_ABI = 2 };           /* raised whenever a struct or a meaning below changes */
+enum { JO_ABI = 3 };           /* raised whenever a struct or a meaning below changes */
 enum { JO_PAD = 4 };           /* modal coordinates are padded to a multiple of this */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
 enum { JO_DENSE = 32 };        /* np up to which ED, EB are blocks of rows, above it triangles of tiles */
 enum { JO_MAX_ROWS = 6 };      /* constraint rows of one joint */
 
-typedef enum { JO_OK = 0, JO_NOT_FINITE = 1, JO_SINGULAR_BODY = 2, JO_SINGULAR_JOINT = 3, JO_NO_MEMORY = 4 } jo_status;
-typedef enum { JO_RK4 = 1, JO_ROS2 = 2 } jo_method;
-typedef enum { JO_CONSTANT = 0, JO_HARMONIC = 1, JO_TABLE = 2, JO_STEP = 3 } jo_signal_type;
+enum { JO_MAX_SIDES = 4 };     /* markers of one joint: two, or those of two coupled coordinates */
+enum { JO_BALANCE = 11 };      /* entries of a row of results between the multipliers and the sensors */
+
+typedef enum { JO_OK = 0, JO_NOT_FINITE = 1, JO_SINGULAR_BODY = 2, JO_SINGULAR_JOINT = 3, JO_NO_MEMORY = 4,
+               JO_CALLBACK_FAILED = 5,    /* error_index: force */
+               JO_NO_CONVERGENCE = 6,     /* Newton's iteration of a step; error_index: body of the largest residual */
+               JO_FRICTION_FAILED = 7,    /* no reaction agrees with its own friction; error_index: friction */
+               JO_EVENT = 8,              /* the state stands at an event; error_index: event */
+               JO_STEP_TOO_SMALL = 9 } jo_status;
+typedef enum { JO_RK4 = 1, JO_ROS2 = 2, JO_ALPHA = 3, JO_DOPRI = 4 } jo_method;
+typedef enum { JO_CONSTANT = 0, JO_HARMONIC = 1, JO_TABLE = 2, JO_STEP = 3,
+               JO_PIECES = 4, JO_SUM = 5, JO_PRODUCT = 6, JO_INPUT = 7, JO_SWITCHED = 8 } jo_signal_type;
+typedef enum { JO_AXES = 1,        /* (axis_a of a) . (axis_b of b) */
+               JO_ALONG = 2,       /* (axis_a of a) . (r_b - r_a), m */
+               JO_DISTANCE = 3,    /* |r_b - r_a|, m */
+               JO_ANGLE = 4        /* turn of b against a about z of a, rad, without jumps of 2 pi */
+} jo_coordinate_type;
+typedef enum { JO_LOAD = 1, JO_ALONG_COORDINATE = 2, JO_BUSHING = 3, JO_MODAL_LOAD = 4, JO_USER = 5 } jo_force_type;
 typedef enum { JO_POSITION = 1, JO_VELOCITY = 2, JO_ORIENTATION = 3, JO_ANGULAR_VELOCITY = 4,
-               JO_MODAL = 5, JO_REACTION = 6, JO_STRESS = 7 } jo_sensor_type;
+               JO_MODAL = 5, JO_REACTION = 6, JO_STRESS = 7, JO_ACCELERATION = 8, JO_ANGULAR_ACCELERATION = 9,
+               JO_COORDINATE = 10, JO_RATE = 11, JO_MULTIPLIER = 12, JO_ELEMENT = 13, JO_ENERGY = 14,
+               JO_SIGNAL = 15, JO_VON_MISES = 16 } jo_sensor_type;
 
 /* A rigid (n = 0) or modal body: displacement field u = u0 + Phi p in a floating frame. */
 typedef struct {
@@ -50,6 +67,7 @@ typedef struct {
     const jo_real *EB;      /* (3 np x n) int phi_k x phi_j dm, antisymmetric */
     const jo_real *K;       /* (np)      modal stiffness omega^2, rad^2/s^2 */
     const jo_real *D;       /* (np)      modal damping 2 zeta omega, 1/s */
+    const jo_real *X;       /* (3 np x n) int chi_jk dm of the quadratic displacement chi(p, p) / 2; 0 without stiffening */
 } jo_body;
 
 /* A frame on a body: at a node with translation and rotation mode shapes, or rigid. */
@@ -60,16 +78,36 @@ typedef struct {
     const jo_real *A0;      /* (9)       undeformed orientation, local, row-major */
     const jo_real *Phi;     /* (3 x np)  translation mode shapes, 0 where rigid */
     const jo_real *Psi;     /* (3 x np)  rotation mode shapes, 0 where rigid or not needed */
+    const jo_real *chi;     /* (3 np x n) quadratic displacement chi_jk, 0 without stiffening */
 } jo_marker;
 
-/* Constraint rows between marker a and marker b. The first three rows, if coincident, are
- * r_b - r_a = 0; then nperp rows  (axis perp_a of a) . (axis perp_b of b) = 0. */
+/* A scalar function of two frames a, b. */
 typedef struct {
-    int a, b;
-    int coincident, nperp;
+    int type;               /* jo_coordinate_type */
+    int a, b;               /* markers */
+    int axis_a, axis_b;     /* AXES, ALONG */
+    int turn;               /* ANGLE: its place among the counted turns, else -1 */
+} jo_coordinate;
+
+/* One row: sum over i of factor_i coordinate_i - offset - signal(t) = 0. */
+typedef struct {
+    int count;              /* 1 or 2 coordinates */
+    int coordinate[2];
+    int side[2];            /* side of the joint that is marker a of the coordinate; b is the next */
+    int signal;             /* -1: none */
+    const jo_real *data;    /* (3) offset factor_0 factor_1 */
+} jo_line;
+
+/* Constraint rows. The first three, if coincident, are r_b - r_a = 0 between sides 0 and 1; then nperp rows
+ * (axis perp_a of side 0) . (axis perp_b of side 1) = 0; then nline rows of jo_line. */
+typedef struct {
+    int nside;              /* 2 or 4 */
+    int side[4];            /* markers */
+    int coincident, nperp, nline;
     int perp_a[3], perp_b[3];
+    int line;               /* first of its lines */
     int nrow, row;          /* rows, and offset in lam */
-    int order;              /* place in the elimination order */
+    int lock;               /* the rows exist only while jo_data_locked()[lock] is not 0; -1: always */
 } jo_joint;
 
 /* Two joint sides on one body: their contribution to one block of S = Cq M^-1 Cq^T. */
@@ -85,32 +123,73 @@ typedef struct { int target, left, right, left_rows, right_rows; } jo_update;   
 
 typedef struct {
     int type;               /* jo_signal_type */
-    int count;
-    const jo_real *data;    /* HARMONIC: offset amplitude omega phase; STEP: time before after; TABLE: t.., f.. */
+    int count;              /* TABLE, PIECES: times; INPUT: its place among the inputs; SWITCHED: event */
+    int degree;             /* PIECES: of the polynomials */
+    int child[2];           /* SUM, PRODUCT: signals; SWITCHED: before and after the event */
+    const jo_real *data;    /* CONSTANT: value; HARMONIC: offset amplitude omega phase; STEP: time before after; TABLE: t.., f..;
+                             * PIECES: t.., then (count - 1) x (degree + 1) coefficients of (t - t_k)^0, ^1, ..; held outside */
 } jo_signal;
 
-/* Force and torque at a marker, fixed in the world or following the marker. */
+/* y (6) = force and torque on b, resolved in a, from x (18) = [r_b - r_a (3), orientation of b (9, row-major),
+ * velocity (3), angular velocity (3)] of b against a, resolved in a. Returns 0, or not 0 for an error. */
+typedef int (*jo_callback)(double time, const double *x, double *y, void *user);
+
+/* Where something pushes. Data:
+ * LOAD, at b:        (6) force torque, in the world or following b, times signal
+ * ALONG_COORDINATE:  (5) stiffness damping free preload limit: f = stiffness (reference - s) + damping (reference' - s')
+ *                    + preload signal(t) + spring(s) + damper(s'), reference = free + its signal; limited to +-limit if limit > 0
+ * BUSHING:           (78) K (36), D (36), preload (6): [force, torque] on b, resolved in a, from [r_b - r_a, rotation vector]
+ * MODAL_LOAD:        (6 + np) on [R, w, p] of the body, local, times signal
+ * USER:              callback */
 typedef struct {
-    int marker, follow, signal;   /* signal: -1 for constant */
-    const jo_real *force;   /* (3) N */
-    const jo_real *torque;  /* (3) N m */
+    int type;               /* jo_force_type */
+    int a, b;               /* markers, -1 where not used */
+    int coordinate, body;   /* -1 where not used */
+    int follow, active;     /* active: its power counts as work, nothing as stored or dissipated */
+    int signal, reference, spring, damper;   /* signals, -1: none; spring and damper take s and s' instead of time */
+    const jo_real *data;
+    jo_callback function;
+    void *user;
 } jo_force;
+
+/* Friction of a joint along one of its coordinates, pressed by the joint's own reaction. Normal forces: revolute
+ * (coordinate an angle): N = |F_xy| + |M_xy| / bearing at the pin radius, |F_z| at the collar radius; prismatic (coordinate a
+ * displacement along z): N = |F_xy| + |M_xy| / bearing + |M_z| / collar. */
+typedef struct {
+    int joint, coordinate;
+    int law;                /* 0: regularised, 1: stick-slip */
+    int lock;               /* stick-slip: joint whose one row holds the coordinate while it sticks */
+    const jo_real *data;    /* (7) mu_kinetic mu_static velocity radius bearing collar preload (N or N m) */
+} jo_friction;
+
+/* A sensor value crosses a threshold. */
+typedef struct {
+    int output;             /* place in the sensor vector */
+    int direction;          /* 1 rising, -1 falling, 0 both */
+    int stop;               /* jo_run returns JO_EVENT */
+    double threshold;
+} jo_event;
 
 typedef struct {
     int type;               /* jo_sensor_type */
-    int object;             /* marker, body or joint */
+    int object;             /* marker, body, joint, coordinate, force, signal, or kind of energy */
+    int other, frame;       /* markers: measured against, resolved in; -1: the world */
     int offset, count;      /* place in the sensor vector */
-    const jo_real *rows;    /* STRESS: (count x np), row-major */
+    const jo_real *rows;    /* STRESS: (count x np), VON_MISES: (6 count x np), row-major */
 } jo_sensor;
 
 typedef struct {
-    int nbody, nmarker, nactive, njoint, npair, ncolumn, nupdate, nblock, nforce, nsensor;
+    int nbody, nmarker, nactive, ncoordinate, njoint, nline, npair, ncolumn, nblock, nsignal, nforce, nfriction, nevent, nsensor;
+    int nturn, nlock, ninput;
     int nq, nv, nrow, nout;
+    int redundant;          /* rows repeat one another: multipliers of least norm */
     double size;            /* m, of the mechanism: measure of what is small */
     const jo_real *gravity; /* (3) m/s^2 */
     const jo_body *body;
     const jo_marker *marker;   /* the first nactive belong to joints and forces, the rest to sensors */
+    const jo_coordinate *coordinate;
     const jo_joint *joint;
+    const jo_line *line;
     const jo_pair *pair;
     const jo_column *column;
     const jo_below *below;
@@ -118,6 +197,8 @@ typedef struct {
     const int *update_first;   /* (ncolumn + 1) range of updates made by each column */
     const jo_signal *signal;
     const jo_force *force;
+    const jo_friction *friction;
+    const jo_event *event;
     const jo_sensor *sensor;
 } jo_model;
 
@@ -126,6 +207,12 @@ typedef struct {
     int projection;         /* positions and velocities are projected after every step */
     double step;            /* s */
     double alpha, beta;     /* Baumgarte: C'' + 2 alpha C' + beta^2 C = 0; 0 = off */
+    double alpha_m, alpha_f, newmark_beta, newmark_gamma;   /* ALPHA */
+    double tolerance;       /* ALPHA: Newton, relative; DOPRI: relative error of a step */
+    double absolute;        /* DOPRI: absolute error of a step */
+    double largest;         /* DOPRI: largest step, s */
+    int iterations;         /* ALPHA: most iterations of a step */
+    int modified;           /* ALPHA: keep the factors while they converge */
 } jo_solver;
 
 typedef struct jo_data jo_data;
@@ -140,20 +227,26 @@ jo_real *jo_data_v(jo_data *d);                  /* (nv) */
 jo_real *jo_data_a(jo_data *d);                  /* (nv) */
 jo_real *jo_data_lam(jo_data *d);                /* (nrow) */
 jo_real *jo_data_time(jo_data *d);               /* (1) s */
-jo_real *jo_data_work(jo_data *d);               /* (2) J: dissipated by damping, done by forces */
+jo_real *jo_data_work(jo_data *d);               /* (3) J: dissipated by damping, by friction, done by forces and drives */
+jo_real *jo_data_input(jo_data *d);              /* (ninput) external inputs */
+jo_real *jo_data_turn(jo_data *d);               /* (nturn) last accepted value of every unwrapped angle, rad */
+int *jo_data_locked(jo_data *d);                 /* (nlock) optional joints that hold now */
+int *jo_data_slip(jo_data *d);                   /* (nfriction) stick-slip: 0 sticks, +-1 slips this way */
+int *jo_data_happened(jo_data *d);               /* (nevent) how often each event has happened */
+long long *jo_data_counts(jo_data *d);           /* (4) evaluations, Newton iterations, factorisations, rejected steps */
 int jo_data_error_index(const jo_data *d);       /* body or joint of the last error */
 
 int jo_accelerations(const jo_model *m, jo_data *d);          /* a, lam from time, q, v */
 int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance);
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s);
-void jo_energy(const jo_model *m, jo_data *d, jo_real *out);      /* (3) kinetic strain potential */
+void jo_energy(const jo_model *m, jo_data *d, jo_real *out);      /* (4) kinetic strain potential springs */
 void jo_residuals(const jo_model *m, jo_data *d, jo_real *out);   /* (2) largest |C|, |Cq v| */
 void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot);   /* (nrow) each */
 void jo_mass_matrix(const jo_model *m, jo_data *d, int body, jo_real *M);        /* (6+n)^2, local */
 void jo_sensors(const jo_model *m, jo_data *d, jo_real *out);     /* (nout), after jo_accelerations */
 
 /* Advance nsteps; whenever the step count is a multiple of `every` write one row
- * [time q v lam kinetic strain potential dissipated work |C| |Cq v| sensors] to rows.
+ * [time q v lam kinetic strain potential springs dissipated friction work |C| |Cq v| evaluations iterations sensors].
  * `count` holds the steps done before and is advanced, `written` the rows. Returns a jo_status. */
 int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
            long long *count, int *written, jo_real *rows);

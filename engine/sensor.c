@@ -23,7 +23,7 @@ static void quaternion(jo_real *e, const jo_real *A)
 static void reaction(const jo_model *m, const jo_data *d, int joint, jo_real *y)
 {
     const jo_joint *k = &m->joint[joint];
-    const jo_real *lam = d->lam + k->row, *Aa = d->marker[k->a].A, *Ab = d->marker[k->b].A;
+    const jo_real *lam = d->lam + k->row, *Aa = d->marker[k->side[0]].A, *Ab = d->marker[k->side[1]].A;
     for (int i = 0; i < 6; i++) y[i] = 0.0;
     if (k->coincident) {
         for (int i = 0; i < 3; i++) y[i] = -lam[i];

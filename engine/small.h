@@ -35,6 +35,7 @@ static inline jo_real jo_sum(const jo_lanes x) { return x; }
 #endif
 #define JO_LOAD(p) (*(const jo_lanes *)(p))
 #define JO_STORE(p) (*(jo_lanes *)(p))
+#define JO_PI 3.14159265358979323846
 #define JO_EACH(j, np) for (int j = 0; j < (np); j += JO_WIDTH)
 
 static inline void jo_set3(jo_real *y, const jo_real *x) { y[0] = x[0]; y[1] = x[1]; y[2] = x[2]; }

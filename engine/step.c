@@ -50,7 +50,7 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s)
             d->dq[i] += weight[k] * h * d->rate[i];
             d->dv[i] += weight[k] * h * d->a[i];
         }
-        for (int i = 0; i < 2; i++) d->work[i] += weight[k] * h * d->power[i];
+        for (int i = 0; i < 3; i++) d->work[i] += weight[k] * h * d->power[i];
     }
     jo_displace(m, d->q, d->q0, d->dq);
     for (int i = 0; i < m->nv; i++) d->v[i] = d->v0[i] + d->dv[i];
@@ -61,7 +61,7 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s)
  * stages in between say little about modes that the step does not resolve */
 static void add_work(jo_data *d)
 {
-    for (int i = 0; i < 2; i++) d->work[i] += 0.5 * d->waiting * (d->power0[i] + d->power[i]);
+    for (int i = 0; i < 3; i++) d->work[i] += 0.5 * d->waiting * (d->power0[i] + d->power[i]);
     d->waiting = 0.0;
 }
 
@@ -98,7 +98,7 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
     }
     add_work(d);
     d->waiting = h;
-    for (int i = 0; i < 2; i++) d->power0[i] = d->power[i];
+    for (int i = 0; i < 3; i++) d->power0[i] = d->power[i];
     jo_displace(m, d->q, d->q0, d->dq);
     d->time[0] = t0 + h;
     for (int i = 0; i < m->nbody; i++) {   /* stage 2: extra = -g h K (p' - 2 g h a1) + 2 g h (K (p0' + g h a1) + D a1) */
@@ -127,6 +127,10 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
     d->fresh = d->current = 0;
     if (status != JO_OK) return status;
     if (s->projection) jo_project(m, d);
+    if (m->nturn) {   /* without projection the coordinates are those of the last stage, near enough to count */
+        if (!s->projection) jo_coordinates(m, d, m->ncoordinate);
+        jo_count_turns(m, d);
+    }
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         double sum = 0.0;
@@ -146,7 +150,7 @@ int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
     return step(m, d, s);
 }
 
-int jo_row_size(const jo_model *m) { return 1 + m->nq + m->nv + m->nrow + 7 + m->nout; }
+int jo_row_size(const jo_model *m) { return 1 + m->nq + m->nv + m->nrow + JO_BALANCE + m->nout; }
 
 static int write_row(const jo_model *m, jo_data *d, jo_real *row)
 {
@@ -158,10 +162,11 @@ static int write_row(const jo_model *m, jo_data *d, jo_real *row)
     for (int i = 0; i < m->nv; i++) *row++ = d->v[i];
     for (int i = 0; i < m->nrow; i++) *row++ = d->lam[i];
     jo_energy(m, d, row);
-    row[3] = d->work[0];
-    row[4] = d->work[1];
-    jo_residuals(m, d, row + 5);
-    jo_sensors(m, d, row + 7);
+    for (int i = 0; i < 3; i++) row[4 + i] = d->work[i];
+    jo_residuals(m, d, row + 7);
+    row[9] = (double)d->counts[0];
+    row[10] = (double)d->counts[1];
+    jo_sensors(m, d, row + JO_BALANCE);
     return JO_OK;
 }
 

@@ -96,9 +96,9 @@ static void make_body(void)
 
 static double energy(const jo_model *m, jo_data *d)
 {
-    double e[3];
+    double e[4];
     jo_energy(m, d, e);
-    return e[0] + e[1] + e[2] + jo_data_work(d)[0] - jo_data_work(d)[1];
+    return e[0] + e[1] + e[2] + e[3] + jo_data_work(d)[0] + jo_data_work(d)[1] - jo_data_work(d)[2];
 }
 
 /* largest change of the energy balance over a second */
@@ -120,8 +120,8 @@ static double drift(const jo_model *m, jo_solver s)
     CHECK(written == steps / 10 && count == steps);
     for (int i = 0; i < steps / 10; i++) {
         const double *e = rows + i * width + 1 + m->nq + m->nv + m->nrow;
-        worst = fmax(worst, fabs(e[0] + e[1] + e[2] + e[3] - e[4] - start));
-        CHECK(e[5] < 1e-10 && e[6] < 1e-9);
+        worst = fmax(worst, fabs(e[0] + e[1] + e[2] + e[3] + e[4] + e[5] - e[6] - start));
+        CHECK(e[7] < 1e-10 && e[8] < 1e-9);
         for (int j = 0; j < width; j++) CHECK(isfinite(rows[i * width + j]));
     }
     jo_residuals(m, d, residual);
@@ -136,7 +136,8 @@ int main(void)
     make_body();
     static const double E[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, origin[3] = {0}, end[3] = {1, 0, 0};
     static const double rigid_mass[1] = {2}, rigid_S[3] = {1, 0, 0}, rigid_J[6] = {0.1, 0.8, 0.8, 0, 0, 0};
-    static const double gravity[3] = {0, -9.81, 0}, push[3] = {1, 2, 3}, twist[3] = {0.1, 0.2, -0.1};
+    static const double gravity[3] = {0, -9.81, 0}, push[6] = {1, 2, 3, 0, 0, 0};
+    static const double screw[6] = {1, 2, 3, 0.1, 0.2, -0.1}, twist[6] = {0, 0, 0, 0.1, 0.2, -0.1};
     static double near[3 * NP], far[3 * NP], turn[3 * NP], rows[6 * NP];
     for (int c = 0; c < 3; c++)
         for (int j = 0; j < N; j++) {
@@ -145,18 +146,18 @@ int main(void)
             turn[c * NP + j] = 0.1 * random_number();
         }
     jo_body body[BODIES] = {
-        {N, NP, 0, 0, mass, S0, J0, I3, B0, D0, ED, EB, K, D},
-        {0, 0, 7 + N, 6 + N, rigid_mass, rigid_S, rigid_J, none, none, none, none, none, none, none},
-        {N, NP, 14 + N, 12 + N, mass, S0, J0, I3, B0, D0, ED, EB, K, D},
+        {N, NP, 0, 0, mass, S0, J0, I3, B0, D0, ED, EB, K, D, 0},
+        {0, 0, 7 + N, 6 + N, rigid_mass, rigid_S, rigid_J, none, none, none, none, none, none, none, 0},
+        {N, NP, 14 + N, 12 + N, mass, S0, J0, I3, B0, D0, ED, EB, K, D, 0},
     };
     jo_marker marker[] = {
-        {-1, 0, origin, E, 0, 0},  {0, 1, origin, E, near, turn}, {0, 1, end, E, far, turn}, {1, 1, origin, E, 0, 0},
-        {1, 0, end, E, 0, 0},      {2, 0, origin, E, near, 0},    {2, 1, end, E, far, turn}, {2, 1, end, E, far, turn},
+        {-1, 0, origin, E, 0, 0, 0},  {0, 1, origin, E, near, turn, 0}, {0, 1, end, E, far, turn, 0}, {1, 1, origin, E, 0, 0, 0},
+        {1, 0, end, E, 0, 0, 0},      {2, 0, origin, E, near, 0, 0},    {2, 1, end, E, far, turn, 0}, {2, 1, end, E, far, turn, 0},
     };
     jo_joint joint[JOINTS] = {
-        {0, 1, 1, 2, {0, 1, 0}, {2, 2, 0}, 5, 0, 0},
-        {2, 3, 1, 3, {0, 1, 0}, {2, 2, 1}, 6, 5, 2},
-        {4, 5, 1, 0, {0, 0, 0}, {0, 0, 0}, 3, 11, 1},
+        {2, {0, 1}, 1, 2, 0, {0, 1, 0}, {2, 2, 0}, 0, 5, 0, -1},
+        {2, {2, 3}, 1, 3, 0, {0, 1, 0}, {2, 2, 1}, 0, 6, 5, -1},
+        {2, {4, 5}, 1, 0, 0, {0, 0, 0}, {0, 0, 0}, 0, 3, 11, -1},
     };
     /* elimination order revolute, spherical, fixed: blocks 3 = (fixed, revolute), 4 = (fixed, spherical) */
     jo_pair pair[] = {
@@ -167,21 +168,29 @@ int main(void)
     jo_update update[] = {{2, 3, 3, 6, 6}, {2, 4, 4, 6, 6}};
     int update_first[] = {0, 1, 2, 2};
     static const double harmonic[4] = {1, 2, 3, 0.5}, table[6] = {0, 0.5, 2, 0, 1, 0.5}, jump[3] = {5, 1, 2};
-    jo_signal signal[] = {{JO_HARMONIC, 4, harmonic}, {JO_TABLE, 3, table}, {JO_STEP, 3, jump}};
-    jo_force force[] = {{6, 0, 0, push, origin}, {6, 1, 1, push, twist}, {4, 0, 2, push, origin}, {6, 0, -1, origin, twist}};
+    jo_signal signal[] = {{JO_HARMONIC, 0, 0, {0, 0}, harmonic}, {JO_TABLE, 3, 0, {0, 0}, table}, {JO_STEP, 0, 0, {0, 0}, jump}};
+    jo_force force[] = {
+        {JO_LOAD, -1, 6, -1, -1, 0, 0, 0, -1, -1, -1, push, 0, 0},     {JO_LOAD, -1, 6, -1, -1, 1, 0, 1, -1, -1, -1, screw, 0, 0},
+        {JO_LOAD, -1, 4, -1, -1, 0, 0, 2, -1, -1, -1, push, 0, 0},     {JO_LOAD, -1, 6, -1, -1, 0, 0, -1, -1, -1, -1, twist, 0, 0},
+    };
     jo_sensor sensor[] = {
-        {JO_POSITION, 7, 0, 3, 0}, {JO_VELOCITY, 7, 3, 3, 0}, {JO_ORIENTATION, 7, 6, 4, 0}, {JO_ANGULAR_VELOCITY, 7, 10, 3, 0},
-        {JO_MODAL, 2, 13, 2 * N, 0}, {JO_REACTION, 1, 23, 6, 0}, {JO_STRESS, 0, 29, 6, rows},
+        {JO_POSITION, 7, -1, -1, 0, 3, 0},          {JO_VELOCITY, 7, -1, -1, 3, 3, 0},   {JO_ORIENTATION, 7, -1, -1, 6, 4, 0},
+        {JO_ANGULAR_VELOCITY, 7, -1, -1, 10, 3, 0}, {JO_MODAL, 2, -1, -1, 13, 2 * N, 0}, {JO_REACTION, 1, -1, -1, 23, 6, 0},
+        {JO_STRESS, 0, -1, -1, 29, 6, rows},
     };
     jo_model m;
     memset(&m, 0, sizeof m);
     m.nbody = BODIES; m.nmarker = 8; m.nactive = 7; m.njoint = JOINTS; m.npair = 7; m.ncolumn = JOINTS;
-    m.nupdate = 2; m.nblock = 5; m.nforce = 4; m.nsensor = 7;
+    m.nblock = 5; m.nforce = 4; m.nsignal = 3; m.nsensor = 7;
     m.nq = 21 + 2 * N; m.nv = 18 + 2 * N; m.nrow = 14; m.nout = 35;
     m.size = 1.0; m.gravity = gravity; m.body = body; m.marker = marker; m.joint = joint; m.pair = pair; m.column = column;
     m.below = below; m.update = update; m.update_first = update_first; m.signal = signal; m.force = force; m.sensor = sensor;
 
-    jo_solver rk4 = {JO_RK4, 1, 2e-3, 0, 0}, ros2 = {JO_ROS2, 1, 2e-3, 0, 0};
+    jo_solver rk4, ros2;
+    memset(&rk4, 0, sizeof rk4);
+    rk4.method = JO_RK4; rk4.projection = 1; rk4.step = 2e-3;
+    ros2 = rk4;
+    ros2.method = JO_ROS2;
     double coarse = drift(&m, rk4), fine;
     rk4.step = 1e-3;
     fine = drift(&m, rk4);

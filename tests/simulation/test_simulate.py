@@ -142,7 +142,7 @@ def test_truncated_and_outdated_results(pendulum, tmp_path):
         jo.load(half)
     with h5py.File(path, "r+") as file:
         file.attrs["format_version"] = 99
-    with pytest.raises(jo.InputError, match="results format 99, this version reads 1"):
+    with pytest.raises(jo.InputError, match="results format 99, this version reads 2"):
         jo.load(path)
 
 

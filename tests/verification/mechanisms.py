@@ -175,14 +175,14 @@ class Rows:
     q: Array
     v: Array
     lam: Array
-    energy: Array  # kinetic, strain, potential, dissipated, work
+    energy: Array  # kinetic, strain, potential, springs, dissipated, friction, work
     residuals: Array  # |C|, |Cq v|
     sensors: dict[str, Array]
 
     @property
     def balance(self) -> Array:
-        total = self.energy[:, :3].sum(axis=1)
-        return total - total[0] + self.energy[:, 3] - self.energy[:, 4]
+        total = self.energy[:, :4].sum(axis=1)
+        return total - total[0] + self.energy[:, 4:6].sum(axis=1) - self.energy[:, 6]
 
     @property
     def state(self) -> Array:
@@ -205,8 +205,8 @@ def march(model: Any, solver: Any, t_end: float, output_step: float | None = Non
     status, written = engine.run(native, steps, every, rows[1:])
     assert status == 0, f"the engine stopped with status {status}"
     assert written == steps // every
-    cuts = np.cumsum([1, model.nq, model.nv, model.nrow, 5, 2])
-    time, q, v, lam, energy, residuals, out = np.split(rows, cuts, axis=1)
+    cuts = np.cumsum([1, model.nq, model.nv, model.nrow, 7, 2, 2])
+    time, q, v, lam, energy, residuals, _, out = np.split(rows, cuts, axis=1)
     sensors = {s.name: out[:, s.offset : s.offset + s.count] for s in model.sensors}
     return Rows(time[:, 0], q, v, lam, energy, residuals, sensors)
 

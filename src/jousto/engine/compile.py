@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.engine.builder import Builder
 from jousto.engine.model import (
     BodyModel,
-    ForceModel,
-    JointModel,
-    MarkerModel,
     Model,
     SensorModel,
     Shape,
-    SignalModel,
 )
 from jousto.engine.native import Engine
 from jousto.engine.ordering import eliminate
@@ -25,18 +21,13 @@ from jousto.errors import warn
 from jousto.mechanism import (
     AngularVelocitySensor,
     FlexibleBody,
-    Force,
-    Harmonic,
-    Marker,
     Mechanism,
     ModalSensor,
     OrientationSensor,
     PositionSensor,
     ReactionSensor,
     RigidBody,
-    Step,
     StressSensor,
-    Table,
     VelocitySensor,
     rotation_matrix,
     skew,
@@ -44,12 +35,6 @@ from jousto.mechanism import (
 
 Array = NDArray[np.float64]
 
-# constraint rows after the coincidence: (axis of a) . (axis of b) = 0; z is the joint's axis
-PERPENDICULAR = {
-    "Spherical": (),
-    "Revolute": ((0, 2), (1, 2)),
-    "Fixed": ((0, 2), (1, 2), (0, 1)),
-}
 MARKER_SENSORS = {
     PositionSensor: ("position", 3),
     VelocitySensor: ("velocity", 3),
@@ -87,48 +72,37 @@ def compile(mechanism: Mechanism) -> Model:
     """
     index = {id(body): i for i, body in enumerate(mechanism.bodies)}
     bodies, q0, v0 = _bodies(mechanism)
-    markers = _Markers(index)
-    joints: list[JointModel] = []
+    builder = Builder(index)
     for joint in mechanism.joints:
-        perpendicular = PERPENDICULAR[type(joint).__name__]
-        a, b = (markers.add(marker, bool(perpendicular)) for marker in joint.frames)
-        row = sum(other.rows for other in joints)
-        joints.append(JointModel(joint.name, a, b, True, perpendicular, row))
-    signals: list[SignalModel] = []
-    forces: list[ForceModel] = []
+        builder.joint(joint)
     for load in mechanism.forces:
-        number = -1
-        if load.signal is not None:
-            number = len(signals)
-            signals.append(_signal(load.signal))
-        turns = load.follow or not isinstance(load, Force)
-        zero = np.zeros(3)
-        force, torque = (load.vector, zero) if isinstance(load, Force) else (zero, load.vector)
-        at = markers.add(load.marker, turns)
-        forces.append(ForceModel(load.name, at, load.follow, number, force, torque))
-    active = len(markers.models)
-    sensors = _sensors(mechanism, markers, index)
+        builder.force(load)
+    active = len(builder.markers)
+    sensors = _sensors(mechanism, builder, index)
     on_body: dict[int, list[int]] = {}
-    for k, jm in enumerate(joints):
-        for side in (jm.a, jm.b):
-            body = markers.models[side].body
-            if body >= 0:
-                on_body.setdefault(body, []).append(k)
+    for k, jm in enumerate(builder.joints):
+        for side in jm.sides:
+            body = builder.markers[side].body
+            if body >= 0 and k not in on_body.setdefault(body, []):
+                on_body[body].append(k)
     model = Model(
         name=mechanism.name,
         gravity=np.array(mechanism.gravity, dtype=float),
         bodies=bodies,
-        markers=tuple(markers.models),
+        markers=tuple(builder.markers),
         active=active,
-        joints=tuple(joints),
-        signals=tuple(signals),
-        forces=tuple(forces),
+        joints=tuple(builder.joints),
+        signals=tuple(builder.signals),
+        forces=tuple(builder.forces),
         sensors=sensors,
-        elimination=eliminate([joint.rows for joint in joints], on_body.values()),
+        elimination=eliminate([joint.rows for joint in builder.joints], on_body.values()),
         q0=q0,
         v0=v0,
         shapes=tuple(_shape(body) for body in mechanism.bodies),
         size=mechanism.size,
+        coordinates=tuple(builder.coordinates),
+        frictions=tuple(builder.frictions),
+        events=tuple(builder.events),
     )
     _make_consistent(model)
     return model
@@ -225,42 +199,8 @@ def _flexible(body: FlexibleBody, iq: int, iv: int) -> BodyModel:
     )
 
 
-class _Markers:
-    """Engine markers, each frame once."""
-
-    def __init__(self, bodies: dict[int, int]) -> None:
-        self.bodies = bodies
-        self.models: list[MarkerModel] = []
-
-    def add(self, marker: Marker, turns: bool) -> int:
-        """Return the index of the frame; `turns` if its rotation matters."""
-        body = self.bodies.get(id(marker.body), -1)
-        Phi = Psi = None
-        if isinstance(marker.body, FlexibleBody):
-            Phi = np.array(marker.Phi, dtype=float)
-            Psi = np.array(marker.Psi, dtype=float) if turns else None
-            if Psi is not None and not np.any(Psi):
-                Psi = None
-        u0, A0 = np.array(marker.position_local, dtype=float), np.array(marker.axes, dtype=float)
-        self.models.append(MarkerModel(body, turns, u0, A0, Phi, Psi))
-        return len(self.models) - 1
-
-
-def _signal(signal: Any) -> SignalModel:
-    if isinstance(signal, Harmonic):
-        omega = 2 * np.pi * signal.frequency
-        return SignalModel(
-            "harmonic", np.array([signal.offset, signal.amplitude, omega, signal.phase])
-        )
-    if isinstance(signal, Step):
-        return SignalModel("step", np.array([signal.time, signal.before, signal.after]))
-    if isinstance(signal, Table):
-        return SignalModel("table", np.concatenate([signal.times, signal.values]))
-    raise TypeError(f"no engine signal for {type(signal).__name__}")
-
-
 def _sensors(
-    mechanism: Mechanism, markers: _Markers, index: dict[int, int]
+    mechanism: Mechanism, builder: Builder, index: dict[int, int]
 ) -> tuple[SensorModel, ...]:
     joints = {id(joint): i for i, joint in enumerate(mechanism.joints)}
     models: list[SensorModel] = []
@@ -269,7 +209,8 @@ def _sensors(
         rows = None
         if type(sensor) in MARKER_SENSORS:
             kind, count = MARKER_SENSORS[type(sensor)]
-            target = markers.add(sensor.marker, kind in ("orientation", "angular velocity"))  # type: ignore[union-attr]
+            turns = kind in ("orientation", "angular velocity")
+            target = builder.marker(sensor.marker, turns, shared=False)  # type: ignore[union-attr]
         elif isinstance(sensor, ModalSensor):
             kind, count, target = "modal", 2 * sensor.body.n, index[id(sensor.body)]
         elif isinstance(sensor, ReactionSensor):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,8 @@ class BodyModel:
         ``dD_j/dp_k`` and ``dB_j/dp_k``, index order component, j, k.
     K, D : arrays (n,)
         omega^2 in rad2/s2 and 2 zeta omega in 1/s.
+    X : array (3, n, n) or None
+        ``int chi_jk dm`` of the quadratic displacement, with stiffening.
     """
 
     name: str
@@ -50,6 +53,7 @@ class BodyModel:
     EB: Array
     K: Array
     D: Array
+    X: Array | None = None
 
     @property
     def n(self) -> int:
@@ -61,7 +65,8 @@ class BodyModel:
 class MarkerModel:
     """A frame on body `body` (-1: ground); mode shapes (3, n) or None where rigid.
 
-    `turns` tells that its orientation matters in every evaluation, not only for sensors.
+    `turns` tells that its orientation matters in every evaluation, not only for sensors; `chi`
+    (3, n, n) is its quadratic displacement, with stiffening.
     """
 
     body: int
@@ -70,43 +75,135 @@ class MarkerModel:
     A0: Array
     Phi: Array | None
     Psi: Array | None
+    chi: Array | None = None
+
+
+@dataclass(frozen=True)
+class CoordinateModel:
+    """A scalar function of the markers a and b: "axes", "along", "distance" or "angle"."""
+
+    name: str
+    kind: str
+    a: int
+    b: int
+    axis_a: int = 2
+    axis_b: int = 2
+
+
+@dataclass(frozen=True, eq=False)
+class LineModel:
+    """One constraint row: sum of factor times coordinate - offset - signal = 0.
+
+    Attributes
+    ----------
+    coordinates : tuple of int
+        One or two coordinates.
+    factors : tuple of float
+        Their factors.
+    offset : float
+        Constant.
+    signal : int
+        Signal of time, -1 for none.
+    """
+
+    coordinates: tuple[int, ...]
+    factors: tuple[float, ...]
+    offset: float = 0.0
+    signal: int = -1
 
 
 @dataclass(frozen=True)
 class JointModel:
-    """Constraint rows between markers a and b: coincidence, then perpendicular axis pairs."""
+    """Constraint rows: coincidence and perpendicular axis pairs of the first two sides, then lines.
+
+    Attributes
+    ----------
+    name : str
+        Name of the joint, coupling, drive or friction.
+    sides : tuple of int
+        Markers: a and b, or the two pairs of coupled coordinates.
+    coincident : bool
+        Whether the origins of sides 0 and 1 coincide (three rows).
+    perpendicular : tuple of (int, int)
+        Axes of side 0 and side 1 that stay perpendicular (a row each).
+    lines : tuple of LineModel
+        Further rows.
+    row : int
+        Offset of its rows among the multipliers.
+    lock : int
+        Place among the optional joints, -1 if the rows hold always.
+    """
 
     name: str
-    a: int
-    b: int
+    sides: tuple[int, ...]
     coincident: bool
     perpendicular: tuple[tuple[int, int], ...]
     row: int
+    lines: tuple[LineModel, ...] = ()
+    lock: int = -1
 
     @property
     def rows(self) -> int:
         """Number of constraint rows."""
-        return 3 * self.coincident + len(self.perpendicular)
+        return 3 * self.coincident + len(self.perpendicular) + len(self.lines)
 
 
 @dataclass(frozen=True, eq=False)
 class SignalModel:
-    """A factor of time; kind and data as in jousto.h."""
+    """A function of time; kind and data as in jousto.h.
+
+    `count` is the number of times of a table, the place of an input or the event of a switch.
+    """
 
     kind: str
     data: Array
+    count: int = 0
+    degree: int = 0
+    children: tuple[int, int] = (-1, -1)
+    name: str = ""
 
 
 @dataclass(frozen=True, eq=False)
 class ForceModel:
-    """Force and torque at a marker."""
+    """What pushes: "load", "along", "bushing", "modal load" or "user"; data as in jousto.h."""
 
     name: str
-    marker: int
-    follow: bool
-    signal: int
-    force: Array
-    torque: Array
+    kind: str
+    data: Array
+    a: int = -1
+    b: int = -1
+    coordinate: int = -1
+    body: int = -1
+    follow: bool = False
+    active: bool = False
+    signal: int = -1
+    reference: int = -1
+    spring: int = -1
+    damper: int = -1
+    function: Any = None
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionModel:
+    """Friction of a joint along a coordinate; data as in jousto.h."""
+
+    name: str
+    joint: int
+    coordinate: int
+    sticks: bool
+    lock: int
+    data: Array
+
+
+@dataclass(frozen=True)
+class EventModel:
+    """Crossing of a threshold by the sensor value at place `output`."""
+
+    name: str
+    output: int
+    threshold: float
+    direction: int
+    stop: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +220,8 @@ class SensorModel:
     description: str
     components: tuple[str, ...]
     rows: Array | None = None
+    other: int = -1
+    frame: int = -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,9 +244,9 @@ class Model:
         Name of the mechanism.
     gravity : (3,) array
         m/s2, world.
-    bodies, markers, joints, signals, forces, sensors : tuples
+    bodies, markers, joints, signals, forces, sensors, coordinates, frictions, events : tuples
         The objects, referring to one another by index; the first `active` markers belong to
-        joints and forces.
+        joints and forces; joints holds couplings, drives and sticking friction too.
     elimination : Elimination
         Block pattern of the constraint matrix.
     q0, v0 : arrays (nq,), (nv,)
@@ -156,6 +255,8 @@ class Model:
         One for each body.
     size : float
         Size of the mechanism, m; constraints are closed to 1e-12 of it.
+    redundant : bool
+        Rows repeat one another; the multipliers are those of least norm.
     """
 
     name: str
@@ -172,6 +273,10 @@ class Model:
     v0: Array
     shapes: tuple[Shape, ...] = ()
     size: float = 1.0
+    coordinates: tuple[CoordinateModel, ...] = ()
+    frictions: tuple[FrictionModel, ...] = ()
+    events: tuple[EventModel, ...] = ()
+    redundant: bool = False
 
     @property
     def nq(self) -> int:
@@ -187,6 +292,12 @@ class Model:
     def nrow(self) -> int:
         """Number of constraint rows."""
         return sum(joint.rows for joint in self.joints)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the external inputs, in the engine's order."""
+        signals = [signal for signal in self.signals if signal.kind == "input"]
+        return tuple(signal.name for signal in sorted(signals, key=lambda signal: signal.count))
 
     @property
     def nout(self) -> int:

@@ -12,7 +12,19 @@ from jousto.engine.model import Model
 from jousto.errors import InputError, Problem, SimulationError
 
 Scalars = NDArray[Any]  # float64, or complex128 in the build for derivatives
-SIGNALS = {"constant": 0, "harmonic": 1, "table": 2, "step": 3}
+SIGNALS = {
+    "constant": 0,
+    "harmonic": 1,
+    "table": 2,
+    "step": 3,
+    "pieces": 4,
+    "sum": 5,
+    "product": 6,
+    "input": 7,
+    "switched": 8,
+}
+COORDINATES = {"axes": 1, "along": 2, "distance": 3, "angle": 4}
+FORCES = {"load": 1, "along": 2, "bushing": 3, "modal load": 4, "user": 5}
 SENSORS = {
     "position": 1,
     "velocity": 2,
@@ -21,8 +33,19 @@ SENSORS = {
     "modal": 5,
     "reaction": 6,
     "stress": 7,
+    "acceleration": 8,
+    "angular acceleration": 9,
+    "coordinate": 10,
+    "rate": 11,
+    "multiplier": 12,
+    "element": 13,
+    "energy": 14,
+    "signal": 15,
+    "von mises": 16,
 }
 OK, NOT_FINITE, SINGULAR_BODY, SINGULAR_JOINT, NO_MEMORY = range(5)
+CALLBACK_FAILED, NO_CONVERGENCE, FRICTION_FAILED, EVENT, STEP_TOO_SMALL = range(5, 10)
+BALANCE = 11  # entries of a row between the multipliers and the sensors
 
 
 class Engine:
@@ -67,7 +90,15 @@ class Engine:
         self.a = self._view(self._library.jo_data_a(data), model.nv)
         self.lam = self._view(self._library.jo_data_lam(data), model.nrow)
         self.time = self._view(self._library.jo_data_time(data), 1)
-        self.work = self._view(self._library.jo_data_work(data), 2)
+        self.work = self._view(self._library.jo_data_work(data), 3)
+        self.input = self._view(self._library.jo_data_input(data), len(model.inputs))
+        turns = sum(c.kind == "angle" for c in model.coordinates)
+        self.turn = self._view(self._library.jo_data_turn(data), turns)
+        locks = sum(joint.lock >= 0 for joint in model.joints)
+        self.locked = self._view(self._library.jo_data_locked(data), locks, np.intc)
+        self.slip = self._view(self._library.jo_data_slip(data), len(model.frictions), np.intc)
+        self.happened = self._view(self._library.jo_data_happened(data), len(model.events), np.intc)
+        self.counts = self._view(self._library.jo_data_counts(data), 4, np.longlong)
         self.row_size = int(self._library.jo_row_size(self._model))
         self._count = self._ffi.new("long long *", 0)
         self.q[:] = model.q0
@@ -135,8 +166,8 @@ class Engine:
         return int(self._library.jo_data_error_index(self._data))
 
     def energy(self) -> Scalars:
-        """Return kinetic, strain and potential energy (3,), J."""
-        out = np.zeros(3, self.dtype)
+        """Return kinetic, strain, potential energy and that of the springs (4,), J."""
+        out = np.zeros(4, self.dtype)
         self._library.jo_energy(self._model, self._data, self._pointer(out))
         return out
 
@@ -166,10 +197,21 @@ class Engine:
         return out
 
     def native_solver(
-        self, method: int, step: float, projection: bool, alpha: float = 0.0, beta: float = 0.0
+        self,
+        method: int,
+        step: float,
+        projection: bool,
+        alpha: float = 0.0,
+        beta: float = 0.0,
+        **options: Any,
     ) -> Any:
-        """Return a jo_solver."""
-        return self._ffi.new("jo_solver *", (method, int(projection), step, alpha, beta))
+        """Return a jo_solver; the options are its further fields."""
+        solver = self._ffi.new("jo_solver *")
+        solver.method, solver.projection, solver.step = method, int(projection), step
+        solver.alpha, solver.beta = alpha, beta
+        for name, value in options.items():
+            setattr(solver, name, value)
+        return solver
 
     # -- errors -----------------------------------------------------------------------------
 
@@ -207,11 +249,12 @@ class Engine:
     def _pointer(self, array: Scalars) -> Any:
         return self._ffi.cast("jo_real *", array.ctypes.data)
 
-    def _view(self, pointer: Any, count: int) -> Scalars:
+    def _view(self, pointer: Any, count: int, kind: Any = None) -> Scalars:
+        dtype = self.dtype if kind is None else np.dtype(kind)
         if count == 0:
-            return np.zeros(0, self.dtype)
+            return np.zeros(0, dtype)
         address = int(self._ffi.cast("uintptr_t", pointer))
-        return np.asarray(_Memory(self._data, address, count, self.dtype))
+        return np.asarray(_Memory(self._data, address, count, dtype))
 
     def _constant(
         self, array: Any, key: tuple[str, int, str] | None = None, shared: Any = None
@@ -252,13 +295,21 @@ class Engine:
             "nbody": len(m.bodies),
             "nmarker": len(m.markers),
             "nactive": m.active,
+            "ncoordinate": len(m.coordinates),
             "njoint": len(m.joints),
+            "nline": sum(len(joint.lines) for joint in m.joints),
             "npair": len(pairs),
             "ncolumn": len(m.joints),
-            "nupdate": len(updates),
             "nblock": m.elimination.count,
+            "nsignal": len(m.signals),
             "nforce": len(m.forces),
+            "nfriction": len(m.frictions),
+            "nevent": len(m.events),
             "nsensor": len(m.sensors),
+            "nturn": sum(c.kind == "angle" for c in m.coordinates),
+            "nlock": sum(joint.lock >= 0 for joint in m.joints),
+            "ninput": len(m.inputs),
+            "redundant": int(m.redundant),
             "nq": m.nq,
             "nv": m.nv,
             "nrow": m.nrow,
@@ -270,7 +321,9 @@ class Engine:
         model.gravity = self._constant(m.gravity, ("model", 0, "gravity"))
         model.body = self._bodies()
         model.marker = self._markers()
+        model.coordinate = self._coordinates()
         model.joint = self._joints()
+        model.line = self._lines()
         model.pair = self._fill("jo_pair", pairs)
         starts = np.cumsum([0, *(len(c) for c in m.elimination.below)])
         columns = [
@@ -284,6 +337,10 @@ class Engine:
         model.update_first = self._fill("int", [int(i) for i in first])
         model.signal = self._signals()
         model.force = self._forces()
+        model.friction = self._frictions()
+        model.event = self._fill(
+            "jo_event", [(e.output, e.direction, int(e.stop), e.threshold) for e in m.events]
+        )
         model.sensor = self._sensors()
         return model
 
@@ -299,7 +356,7 @@ class Engine:
         place = {joint: c for c, joint in enumerate(m.elimination.order)}
         sides: dict[int, list[tuple[int, int]]] = {}
         for k, joint in enumerate(m.joints):
-            for side, marker in enumerate((joint.a, joint.b)):
+            for side, marker in enumerate(joint.sides):
                 if m.markers[marker].body >= 0:
                     sides.setdefault(m.markers[marker].body, []).append((k, side))
         pairs = []
@@ -351,14 +408,44 @@ class Engine:
                 setattr(s, name, self._constant(padded))
         return structs
 
+    def _coordinates(self) -> Any:
+        structs = self._structs("jo_coordinate", len(self.model.coordinates))
+        turn = 0
+        for s, coordinate in zip(structs, self.model.coordinates, strict=False):
+            s.type, s.a, s.b = COORDINATES[coordinate.kind], coordinate.a, coordinate.b
+            s.axis_a, s.axis_b, s.turn = coordinate.axis_a, coordinate.axis_b, -1
+            if coordinate.kind == "angle":
+                s.turn, turn = turn, turn + 1
+        return structs
+
+    def _lines(self) -> Any:
+        lines = [(joint, line) for joint in self.model.joints for line in joint.lines]
+        structs = self._structs("jo_line", len(lines))
+        for i, (joint, line) in enumerate(lines):
+            s = structs[i]
+            s.count, s.signal = len(line.coordinates), line.signal
+            for k, index in enumerate(line.coordinates):
+                coordinate = self.model.coordinates[index]
+                s.coordinate[k] = index
+                pairs = list(zip(joint.sides[::2], joint.sides[1::2], strict=True))
+                s.side[k] = 2 * pairs.index((coordinate.a, coordinate.b))
+            data = np.zeros(3)
+            data[0] = line.offset
+            data[1 : 1 + len(line.factors)] = line.factors
+            s.data = self._constant(data, ("line", i, "data"))
+        return structs
+
     def _joints(self) -> Any:
         structs = self._structs("jo_joint", len(self.model.joints))
-        place = {joint: c for c, joint in enumerate(self.model.elimination.order)}
+        line = 0
         for i, joint in enumerate(self.model.joints):
             s = structs[i]
-            s.a, s.b, s.coincident = joint.a, joint.b, int(joint.coincident)
+            s.nside, s.coincident = len(joint.sides), int(joint.coincident)
+            for k, marker in enumerate(joint.sides):
+                s.side[k] = marker
             s.nperp, s.nrow, s.row = len(joint.perpendicular), joint.rows, joint.row
-            s.order = place[i]
+            s.nline, s.line, s.lock = len(joint.lines), line, joint.lock
+            line += len(joint.lines)
             for r, (a, b) in enumerate(joint.perpendicular):
                 s.perp_a[r], s.perp_b[r] = a, b
         return structs
@@ -366,18 +453,30 @@ class Engine:
     def _signals(self) -> Any:
         structs = self._structs("jo_signal", len(self.model.signals))
         for i, signal in enumerate(self.model.signals):
-            count = len(signal.data) // 2 if signal.kind == "table" else len(signal.data)
-            structs[i].type, structs[i].count = SIGNALS[signal.kind], count
-            structs[i].data = self._constant(signal.data, ("signal", i, "data"))
+            s = structs[i]
+            s.type, s.count, s.degree = SIGNALS[signal.kind], signal.count, signal.degree
+            s.child[0], s.child[1] = signal.children
+            s.data = self._constant(signal.data, ("signal", i, "data"))
         return structs
 
     def _forces(self) -> Any:
         structs = self._structs("jo_force", len(self.model.forces))
         for i, force in enumerate(self.model.forces):
             s = structs[i]
-            s.marker, s.follow, s.signal = force.marker, int(force.follow), force.signal
-            s.force = self._constant(force.force, ("force", i, "force"))
-            s.torque = self._constant(force.torque, ("force", i, "torque"))
+            s.type, s.a, s.b = FORCES[force.kind], force.a, force.b
+            s.coordinate, s.body = force.coordinate, force.body
+            s.follow, s.active, s.signal = int(force.follow), int(force.active), force.signal
+            s.reference, s.spring, s.damper = force.reference, force.spring, force.damper
+            s.data = self._constant(force.data, ("force", i, "data"))
+        return structs
+
+    def _frictions(self) -> Any:
+        structs = self._structs("jo_friction", len(self.model.frictions))
+        for i, friction in enumerate(self.model.frictions):
+            s = structs[i]
+            s.joint, s.coordinate = friction.joint, friction.coordinate
+            s.law, s.lock = int(friction.sticks), friction.lock
+            s.data = self._constant(friction.data, ("friction", i, "data"))
         return structs
 
     def _sensors(self) -> Any:
@@ -385,6 +484,7 @@ class Engine:
         for i, sensor in enumerate(self.model.sensors):
             s = structs[i]
             s.type, s.object = SENSORS[sensor.kind], sensor.object
+            s.other, s.frame = sensor.other, sensor.frame
             s.offset, s.count = sensor.offset, sensor.count
             if sensor.rows is not None:
                 n, pad = self.model.bodies[sensor.object].n, self._library.JO_PAD

@@ -15,6 +15,7 @@ from jousto.simulation import Solution
 Array = NDArray[np.float64]
 
 DIAGNOSTICS = ("energy", "residuals")
+TERMS = ("kinetic", "strain", "potential", "springs", "dissipated", "friction", "work")
 MANY = 8  # more curves than this: leave out those that are always zero
 POINTS = 3000  # a picture has no room for more
 STEPS = 200  # intervals of an envelope
@@ -150,9 +151,9 @@ def _energy(runs: Mapping[str, Solution]) -> list[Panel]:
     terms, errors = [], []
     for label, run in runs.items():
         t, energy = run.time, run.energy
-        for name in ("kinetic", "strain", "potential", "dissipated", "work", "total"):
+        for name in (*TERMS, "total"):
             y = getattr(energy, name)
-            if name not in ("strain", "potential", "dissipated", "work") or y.any():
+            if name in ("kinetic", "total") or y.any():
                 terms.append(Curve(name, label, *thin(t, y)))
         errors.append(Curve("error", label, *thin(t, energy.error)))
     return [

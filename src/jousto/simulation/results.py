@@ -27,15 +27,19 @@ from jousto.simulation.image import SparseImage
 Array = NDArray[np.float64]
 Facts = dict[str, Any]  # how a run ended: ended, wall_time, real_time_factor
 FORMAT = "jousto results"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 DIAGNOSTICS = (
     ("kinetic", "J", "kinetic energy"),
     ("strain", "J", "strain energy of the modes"),
     ("potential", "J", "potential energy in the field of gravity"),
-    ("dissipated", "J", "energy lost to modal damping since the start"),
-    ("work", "J", "work done by forces and torques since the start"),
+    ("springs", "J", "energy stored in springs and bushings"),
+    ("dissipated", "J", "energy lost to modal damping and dampers since the start"),
+    ("friction", "J", "energy lost to friction since the start"),
+    ("work", "J", "work done by forces, torques and drives since the start"),
     ("position_residual", "m or 1", "largest position constraint residual |C|"),
     ("velocity_residual", "m/s or 1/s", "largest velocity constraint residual |Cq v|"),
+    ("evaluations", "1", "evaluations of the accelerations since the start"),
+    ("iterations", "1", "iterations of Newton's method since the start"),
 )
 CONTENTS = ("rows", "time", "state", "diagnostics", "sensors", "bodies", "model")
 ENDED = 240  # bytes kept for the sentence that says how a run ended

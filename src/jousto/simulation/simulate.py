@@ -348,8 +348,8 @@ class RunWatch:
         self._model = model
         self._projected = projected
         self._first = 1 + model.nq + model.nv + model.nrow
-        self._low = np.full(5, np.inf)
-        self._high = np.full(5, -np.inf)
+        self._low = np.full(7, np.inf)
+        self._high = np.full(7, -np.inf)
         self._start: float | None = None
         self._missed = 0.0
         self._gap = 0.0
@@ -358,22 +358,22 @@ class RunWatch:
         """Look at rows of the engine."""
         if not len(rows):
             return
-        terms = rows[:, self._first : self._first + 5]
-        balance = terms[:, :3].sum(axis=1) + terms[:, 3] - terms[:, 4]
+        terms = rows[:, self._first : self._first + 7]
+        balance = terms[:, :6].sum(axis=1) - terms[:, 6]
         if self._start is None:
             self._start = float(balance[0])
         self._missed = max(self._missed, float(np.abs(balance - self._start).max()))
         self._low = np.minimum(self._low, terms.min(axis=0))
         self._high = np.maximum(self._high, terms.max(axis=0))
-        self._gap = max(self._gap, float(rows[:, self._first + 5].max()))
+        self._gap = max(self._gap, float(rows[:, self._first + 7].max()))
 
     def judge(self) -> None:
         """Warn if the balance misses a noticeable share of the energy exchanged."""
         where = f"simulate {self._model.name!r}"
-        exchanged = float((self._high - self._low)[:3].sum())
+        exchanged = float((self._high - self._low)[:4].sum())
         # shares of what moves only by round-off mean nothing
         level = np.maximum(np.abs(self._high), np.abs(self._low))
-        small = max(1e-6 * float(level[[0, 1, 3, 4]].max()), 1e-12 * float(level[2]))
+        small = max(1e-6 * float(level[[0, 1, 3, 4, 5, 6]].max()), 1e-12 * float(level[2]))
         if self._missed > ENERGY_LIMIT * exchanged and self._missed > small:
             warn(
                 where,

@@ -26,19 +26,21 @@ class Energy:
     kinetic: Array
     strain: Array
     potential: Array
+    springs: Array
     dissipated: Array
+    friction: Array
     work: Array
 
     @property
     def total(self) -> Array:
-        """Kinetic, strain and potential energy."""
-        return self.kinetic + self.strain + self.potential
+        """Kinetic, strain and potential energy and that of the springs."""
+        return self.kinetic + self.strain + self.potential + self.springs
 
     @property
     def error(self) -> Array:
-        """What the balance misses: total - total(0) + dissipated - work."""
+        """What the balance misses: total - total(0) + dissipated + friction - work."""
         total = self.total
-        return np.asarray(total - total[0] + self.dissipated - self.work)
+        return np.asarray(total - total[0] + self.dissipated + self.friction - self.work)
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +172,15 @@ class Solution:
     @property
     def energy(self) -> Energy:
         """Energy balance."""
-        names = ("kinetic", "strain", "potential", "dissipated", "work")
+        names = (
+            "kinetic",
+            "strain",
+            "potential",
+            "springs",
+            "dissipated",
+            "friction",
+            "work",
+        )
         return Energy(**{name: self._read(f"diagnostics/{name}") for name in names})
 
     @property

@@ -1,0 +1,74 @@
+/* signal.c - functions of time with their first and second derivatives. */
+#include "internal.h"
+
+/* the last interval [x_k, x_k+1] that starts at or before t */
+static int interval(const jo_real *x, int count, double t)
+{
+    int low = 0, high = count - 1;
+    while (high - low > 1) {
+        int middle = (low + high) / 2;
+        if (t < JO_RE(x[middle])) high = middle;
+        else low = middle;
+    }
+    return low;
+}
+
+/* value, rate and second derivative of a signal whose children are known, at `time` */
+jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_real time)
+{
+    const jo_signal *s = &m->signal[signal];
+    const jo_real *x = s->data;
+    const double t = JO_RE(time);
+    jo_signal_work y = {0.0, 0.0, 0.0};
+    switch (s->type) {
+    case JO_CONSTANT: y.value = x[0]; break;
+    case JO_HARMONIC: {
+        const jo_real sine = jo_sin(x[2] * time + x[3]), cosine = jo_cos(x[2] * time + x[3]);
+        y.value = x[0] + x[1] * sine;
+        y.rate = x[1] * x[2] * cosine;
+        y.second = -x[1] * x[2] * x[2] * sine;
+        break;
+    }
+    case JO_STEP: y.value = t < JO_RE(x[0]) ? x[1] : x[2]; break;
+    case JO_TABLE: {
+        const jo_real *f = x + s->count;
+        if (t <= JO_RE(x[0])) { y.value = f[0]; break; }
+        if (t >= JO_RE(x[s->count - 1])) { y.value = f[s->count - 1]; break; }
+        const int k = interval(x, s->count, t);
+        y.rate = (f[k + 1] - f[k]) / (x[k + 1] - x[k]);
+        y.value = f[k] + y.rate * (time - x[k]);
+        break;
+    }
+    case JO_PIECES: {   /* Horner, outside held at the ends */
+        const int order = s->degree + 1, before = t < JO_RE(x[0]), after = t >= JO_RE(x[s->count - 1]);
+        const int k = before ? 0 : interval(x, s->count, t);
+        const jo_real *c = x + s->count + k * order;
+        const jo_real u = before ? 0.0 : after ? x[s->count - 1] - x[k] : time - x[k];
+        for (int i = s->degree; i >= 0; i--) {
+            y.second = y.second * u + 2.0 * y.rate;
+            y.rate = y.rate * u + y.value;
+            y.value = y.value * u + c[i];
+        }
+        if (before || after) y.rate = y.second = 0.0;
+        break;
+    }
+    case JO_SUM: {
+        const jo_signal_work a = jo_signal_at(m, d, s->child[0], time), b = jo_signal_at(m, d, s->child[1], time);
+        y.value = a.value + b.value;
+        y.rate = a.rate + b.rate;
+        y.second = a.second + b.second;
+        break;
+    }
+    case JO_PRODUCT: {
+        const jo_signal_work a = jo_signal_at(m, d, s->child[0], time), b = jo_signal_at(m, d, s->child[1], time);
+        y.value = a.value * b.value;
+        y.rate = a.rate * b.value + a.value * b.rate;
+        y.second = a.second * b.value + 2.0 * a.rate * b.rate + a.value * b.second;
+        break;
+    }
+    case JO_INPUT: y.value = d->input[s->count]; break;
+    case JO_SWITCHED: return jo_signal_at(m, d, s->child[d->happened[s->count] > 0], time);
+    default: break;
+    }
+    return y;
+}
