@@ -1,0 +1,57 @@
+"""Cases of the IFToMM benchmark library, see `iftomm`."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from verification import iftomm
+
+# A02 with N = 2, B0 at 10 s: position, velocity, as printed for generalised-alpha with steps of
+# 0.25 and 0.125 ms (Gerstmayr, test model fourBarMechanismIftomm.py of EXUDYN, 2021)
+PRINTED = np.array(
+    [
+        [0.3284552113, 0.9445195467, 1.423045728, -0.4948619021],
+        [0.3284573768, 0.9445187937, 1.423050003, -0.4948670827],
+    ]
+)
+
+
+def upright_at(t):
+    """B0 and its velocity from one angle, whatever N."""
+    q, v = iftomm.upright(2).run(np.array([np.pi / 2]), np.array([-1.0]), np.array([0.0, t]))
+    (angle,), (rate,) = q[-1], v[-1]
+    x, y = np.cos(angle), np.sin(angle)
+    return np.array([x, y, -y * rate, x * rate])
+
+
+@pytest.mark.slow
+def test_a02_reference_is_the_limit_of_the_printed_values():
+    limit = PRINTED[1] + (PRINTED[1] - PRINTED[0]) / 3  # the printed errors are of second order
+    np.testing.assert_allclose(upright_at(10.0), limit, rtol=1e-7)
+
+
+def test_a04_is_a_mechanism_although_its_bars_are_counted_out():
+    # 5 angles, 5 closing equations, rank 4: Arponen, Piipponen, Tuomela, Kinematic analysis of
+    # Bricard's mechanism, Nonlinear Dynamics 56 (2009), find a smooth closed curve
+    from verification.minimal import slopes
+
+    q, _ = iftomm.BRICARD.run(np.zeros(5), np.zeros(5), np.array([0.0, 0.2, 0.4]))
+    for state in q:
+        singular = np.linalg.svd(slopes(iftomm.bricard_close, state), compute_uv=False)
+        assert singular[3] > 0.1
+        assert singular[4] < 1e-9
+    assert np.abs(q[-1]).max() > 0.1
+
+
+def test_spatial_slider_crank_has_the_published_energy_and_motion():
+    # Latussek, Kinon, Betsch (arXiv 2512.19408, 2026), data of their example 3: total energy, and
+    # slider positions computed with a step of 10 ms and second order
+    spatial = iftomm.SPATIAL
+    start, rate = np.zeros(1), np.array([6.0])
+    assert abs(spatial.energy(start, rate) - 0.76643568) < 5e-9
+    times = np.array([0.0, 0.01, 0.05, 0.1, 0.2])
+    q, _ = spatial.run(start, rate, times)
+    slider = iftomm.spatial_frames(q)[1][:, 0]
+    published = [0.2, 0.202421536, 0.212588737, 0.226793672, 0.263053351]
+    np.testing.assert_allclose(slider, published, atol=1.5e-5)
