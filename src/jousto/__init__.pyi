@@ -18,7 +18,34 @@ from .errors import (
     SimulationError as SimulationError,
 )
 from .mechanism import (
+    Angle as Angle,
+)
+from .mechanism import (
     AngularVelocitySensor as AngularVelocitySensor,
+)
+from .mechanism import (
+    Constant as Constant,
+)
+from .mechanism import (
+    ConstantOrientation as ConstantOrientation,
+)
+from .mechanism import (
+    Coupling as Coupling,
+)
+from .mechanism import (
+    Cylindrical as Cylindrical,
+)
+from .mechanism import (
+    Displacement as Displacement,
+)
+from .mechanism import (
+    Distance as Distance,
+)
+from .mechanism import (
+    Drive as Drive,
+)
+from .mechanism import (
+    Event as Event,
 )
 from .mechanism import (
     Fixed as Fixed,
@@ -30,10 +57,16 @@ from .mechanism import (
     Force as Force,
 )
 from .mechanism import (
+    Gear as Gear,
+)
+from .mechanism import (
     Gravity as Gravity,
 )
 from .mechanism import (
     Harmonic as Harmonic,
+)
+from .mechanism import (
+    Input as Input,
 )
 from .mechanism import (
     Mechanism as Mechanism,
@@ -45,7 +78,28 @@ from .mechanism import (
     OrientationSensor as OrientationSensor,
 )
 from .mechanism import (
+    Planar as Planar,
+)
+from .mechanism import (
+    PointOnLine as PointOnLine,
+)
+from .mechanism import (
+    PointOnPlane as PointOnPlane,
+)
+from .mechanism import (
     PositionSensor as PositionSensor,
+)
+from .mechanism import (
+    Prismatic as Prismatic,
+)
+from .mechanism import (
+    Product as Product,
+)
+from .mechanism import (
+    Rack as Rack,
+)
+from .mechanism import (
+    Ramp as Ramp,
 )
 from .mechanism import (
     ReactionSensor as ReactionSensor,
@@ -57,7 +111,16 @@ from .mechanism import (
     RigidBody as RigidBody,
 )
 from .mechanism import (
+    Rod as Rod,
+)
+from .mechanism import (
     Rotate as Rotate,
+)
+from .mechanism import (
+    Screw as Screw,
+)
+from .mechanism import (
+    SCurve as SCurve,
 )
 from .mechanism import (
     Spherical as Spherical,
@@ -69,10 +132,19 @@ from .mechanism import (
     StressSensor as StressSensor,
 )
 from .mechanism import (
+    Sum as Sum,
+)
+from .mechanism import (
+    Switched as Switched,
+)
+from .mechanism import (
     Table as Table,
 )
 from .mechanism import (
     Torque as Torque,
+)
+from .mechanism import (
+    Universal as Universal,
 )
 from .mechanism import (
     VelocitySensor as VelocitySensor,

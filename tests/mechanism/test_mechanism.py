@@ -93,11 +93,14 @@ def test_both_frames_of_a_joint_agree_at_the_initial_pose(rod, make, expected):
 
 def test_every_joint_load_sensor_and_signal_is_exported_and_in_its_tuple():
     classes = {name: getattr(jm, name) for name in jm.__all__}
-    tuples = (*jm.JOINTS, *jm.SENSORS, *jm.SIGNALS, *LOADS)
+    tuples = (*jm.JOINTS, *jm.COUPLINGS, *jm.SENSORS, *jm.SIGNALS, *LOADS)
     for cls in tuples:
         assert classes[cls.__name__] is cls
     kinds = {c for c in classes.values() if isinstance(c, type)}
     others = {jm.Ground, jm.RigidBody, jm.FlexibleBody, jm.Marker, jm.Mechanism, jm.Rotate, Gravity}
+    # what they have in common, and what they refer to
+    others |= {jm.Joint, jm.Coupler, jm.Signal, jm.Line, jm.Event}
+    others |= {jm.Coordinate, jm.Angle, jm.Displacement, jm.Distance}
     assert kinds == set(tuples) | others
 
 
@@ -294,7 +297,7 @@ def test_nodes_without_rotations_can_only_be_translated(solid):
          "force 'f': vector[1] is nan, must be finite"),
         (lambda b: Torque("t", b["tip"], (0, 0)), "torque 't': vector has shape (2,), must be (3)"),
         (lambda b: Force("f", b["tip"], (0, 1, 0), signal=3),
-         "force 'f': signal is 3, must be one of Harmonic, Table, Step or None"),
+         "force 'f': signal is 3, must be a signal such as Step(1.0)"),
         (lambda b: Gravity((0, -9.81)), "gravity: acceleration has shape (2,), must be (3)"),
         (lambda b: PositionSensor("s/t", b["tip"]),
          "sensor 's/t': name must not contain '/'"),

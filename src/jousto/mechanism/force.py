@@ -11,7 +11,7 @@ from jousto.errors import InputError, Problems
 from jousto.mechanism.fields import check_name, set_fields
 from jousto.mechanism.marker import Marker, as_marker
 from jousto.mechanism.orientation import Array
-from jousto.mechanism.signal import SIGNALS, Signal
+from jousto.mechanism.signals import Signal, check_factor
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -134,8 +134,6 @@ def init_force(
     except InputError as error:
         problems.found.extend(error.problems)
     F = problems.array(where, "vector", vector, (3,))
-    if signal is not None and not isinstance(signal, SIGNALS):
-        known = ", ".join(s.__name__ for s in SIGNALS)
-        problems.add(where, f"signal is {signal!r}, must be one of {known} or None")
+    factor = None if signal is None else check_factor(problems, where, "signal", signal)
     problems.raise_if_any()
-    set_fields(load, name=name, marker=marker, vector=F, follow=bool(follow), signal=signal)
+    set_fields(load, name=name, marker=marker, vector=F, follow=bool(follow), signal=factor)

@@ -130,3 +130,11 @@ def as_marker(where: str, name: str, value: Any) -> Marker:
     else:
         hint = f'is {value!r}, must be a marker such as body["point"] or ground["origin"]'
     raise InputError(Problem(where, f"{name} {hint}"))
+
+
+def check_marker(problems: Problems, where: str, name: str, value: Any) -> None:
+    """Note a problem unless `value` is a marker."""
+    try:
+        as_marker(where, name, value)
+    except InputError as error:
+        problems.found.extend(error.problems)

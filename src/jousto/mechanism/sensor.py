@@ -12,7 +12,7 @@ from typing import Any, ClassVar, TypeAlias
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.mechanism.body import FlexibleBody
 from jousto.mechanism.fields import check_name, set_fields
-from jousto.mechanism.joint import JOINTS, Joint
+from jousto.mechanism.joints import JOINTS, Joint
 from jousto.mechanism.marker import Marker, as_marker
 
 XYZ = ("x", "y", "z")

@@ -1,0 +1,277 @@
+"""Checks of a mechanism as a whole: errors, all of them together, and warnings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from jousto.errors import Problems, suggest, warn
+from jousto.mechanism.body import FlexibleBody, Ground, RigidBody
+from jousto.mechanism.coordinate import Coordinate, Distance
+from jousto.mechanism.coupling import Coupler
+from jousto.mechanism.force import LOADS, Gravity, Torque
+from jousto.mechanism.joints import Joint
+from jousto.mechanism.marker import Marker
+from jousto.mechanism.sensor import (
+    SENSORS,
+    AngularVelocitySensor,
+    ModalSensor,
+    OrientationSensor,
+    ReactionSensor,
+    StressSensor,
+)
+
+if TYPE_CHECKING:
+    from jousto.mechanism.mechanism import Mechanism
+
+# largest gap at a joint, relative to the size of the mechanism, that projection may close
+GAP_TOLERANCE = 1e-6
+
+
+def kind_of(item: Any) -> str:
+    """Return the kind of an item for messages."""
+    if isinstance(item, RigidBody | FlexibleBody):
+        return "body"
+    if isinstance(item, Joint | Coupler):
+        return item.kind
+    if isinstance(item, LOADS):
+        return "torque" if isinstance(item, Torque) else "force"
+    return "sensor"
+
+
+def where(item: Any) -> str:
+    """Return the place of an item for messages, ``joint 'pivot'``."""
+    return f"{kind_of(item)} {item.name!r}"
+
+
+def check_items(problems: Problems, items: tuple[Any, ...]) -> None:
+    """Note items that are no part of a mechanism, given twice, or too many."""
+    seen: set[int] = set()
+    for i, item in enumerate(items):
+        place = f"item {i + 1}"
+        if isinstance(item, (RigidBody, FlexibleBody, Joint, Coupler, *LOADS, *SENSORS, Gravity)):
+            if id(item) in seen:
+                name = "gravity" if isinstance(item, Gravity) else where(item)
+                problems.add(name, "given twice, leave one out")
+            seen.add(id(item))
+        elif isinstance(item, Ground):
+            problems.add(place, "the ground is always there, leave it out")
+        elif isinstance(item, list | tuple):
+            problems.add(place, f"is a {type(item).__name__}; write Mechanism(*items)")
+        elif isinstance(item, Marker):
+            problems.add(place, f"is the marker {item.label}; give its body instead")
+        elif hasattr(item, "invariants"):
+            problems.add(place, "is a ReducedPart; make a body of it, FlexibleBody(name, reduced)")
+        else:
+            problems.add(
+                place, f"is a {type(item).__name__}; must be a body, joint, force or sensor"
+            )
+    different = {id(x) for x in items if isinstance(x, Gravity)}
+    if len(different) > 1:
+        problems.add("gravity", f"{len(different)} Gravity items, only one makes sense")
+    if not any(isinstance(x, RigidBody | FlexibleBody) for x in items):
+        problems.add("mechanism", "has no bodies")
+
+
+def check_names(problems: Problems, mechanism: Mechanism) -> None:
+    """Note names that several items of a kind share."""
+    groups: dict[str, tuple[Any, ...]] = {
+        "bodies": mechanism.bodies,
+        "joints and couplings": (*mechanism.joints, *mechanism.couplings),
+        "forces": mechanism.forces,
+        "sensors": mechanism.sensors,
+    }
+    for group, items in groups.items():
+        first: dict[str, Any] = {}
+        reported: set[str] = set()
+        for item in items:
+            other = first.setdefault(item.name, item)
+            if other is not item and item.name not in reported:
+                reported.add(item.name)
+                count = len({id(x) for x in items if x.name == item.name})
+                kinds = {kind_of(x) for x in items if x.name == item.name}
+                plural = "joints" if kinds == {"joint"} else group
+                problems.add(where(item), f"{count} {plural} have this name, names must differ")
+
+
+def coordinates_of(item: Any) -> tuple[Coordinate, ...]:
+    """Return the coordinates an item uses."""
+    found = getattr(item, "coordinates", None) or (getattr(item, "coordinate", None),)
+    return tuple(s for s in found if isinstance(s, Coordinate))
+
+
+def markers_of(item: Any) -> Iterator[tuple[str, Marker]]:
+    """Yield the markers an item uses with the name of the argument."""
+    if isinstance(item, Joint):
+        yield "a", item.a
+        yield "b", item.b
+        return
+    if hasattr(item, "marker"):
+        yield "marker", item.marker
+    for s in coordinates_of(item):
+        yield s.name, s.a
+        yield s.name, s.b
+
+
+def check_members(problems: Problems, mechanism: Mechanism) -> None:
+    """Note items that refer to bodies or joints that are not in the mechanism."""
+    bodies = {body.name: body for body in mechanism.bodies}
+    ids = {id(body) for body in mechanism.bodies}
+
+    def missing(item: Any, argument: str, body: Any) -> None:
+        if isinstance(body, Ground) or id(body) in ids:
+            return
+        if body.name in bodies:
+            text = "is another body of that name than the one in the mechanism"
+        else:
+            text = f"is not in the mechanism{suggest(body.name, bodies)}"
+        problems.add(where(item), f"{argument}: body {body.name!r} {text}")
+
+    items = (*mechanism.joints, *mechanism.couplings, *mechanism.forces, *mechanism.sensors)
+    for item in items:
+        for argument, marker in markers_of(item):
+            missing(item, argument, marker.body)
+        if isinstance(item, ModalSensor | StressSensor):
+            missing(item, "body", item.body)
+        if isinstance(item, ReactionSensor) and all(item.joint is not j for j in mechanism.joints):
+            names = [joint.name for joint in mechanism.joints]
+            if item.joint.name in names:
+                text = "is another joint of that name than the one in the mechanism"
+            else:
+                text = f"is not in the mechanism{suggest(item.joint.name, names)}"
+            problems.add(where(item), f"joint {item.joint.name!r} {text}")
+
+
+def check_joints(problems: Problems, mechanism: Mechanism) -> None:
+    """Note joints that connect nothing and joints that are open at the initial pose."""
+    tolerance = GAP_TOLERANCE * mechanism.size
+    for joint in mechanism.joints:
+        a, b = joint.a, joint.b
+        if isinstance(a.body, Ground) and isinstance(b.body, Ground):
+            problems.add(where(joint), f"both markers are on the ground, {a.label} and {b.label}")
+        elif a.body is b.body:
+            if np.array_equal(a.position_local, b.position_local) and a.node == b.node:
+                problems.add(where(joint), f"connects {a.label} with itself")
+            else:
+                problems.add(
+                    where(joint),
+                    f"both markers are on body {a.body.name!r}, {a.label} and {b.label}; "
+                    "a joint connects two bodies",
+                )
+        else:
+            check_gap(problems, joint, tolerance)
+
+
+def check_gap(problems: Problems, joint: Joint, tolerance: float) -> None:
+    """Note that a joint is open at the initial pose, unless that pose may be rough."""
+    a, b = joint.a, joint.b
+    at = f"{a.label} is at {world_point(a)}, {b.label} at {world_point(b)} m"
+    distances = [line for line in joint.lines if isinstance(line.coordinates[0], Distance)]
+    if any(line.coordinates[0].initial <= tolerance for line in distances):
+        problems.add(
+            where(joint), f"has no length: {at}; a rod needs two points apart, Spherical joins them"
+        )
+    if not joint.as_placed:
+        return
+    if joint.coincident:
+        gap = float(np.linalg.norm(b.r - a.r))
+        remedy = "move a body until they meet"
+    else:
+        off = [line.initial - line.offset for line in joint.lines]
+        gap = float(np.linalg.norm(off))
+        remedy = {
+            1: "move a body until the point is on the plane",
+            2: "move a body until the point is on the axis",
+        }.get(len(off), "move a body")
+        if distances:
+            remedy = "move a body, correct the length or leave it out"
+    if gap > tolerance:
+        if joint.coincident:
+            hint = remedy
+        else:
+            hint = f"{remedy}, or let as_placed=False do it"
+        problems.add(where(joint), f"initial gap of {1e3 * gap:.6g} mm: {at}; {hint}")
+
+
+def world_point(marker: Marker) -> str:
+    """Return the initial world position of a marker for messages, ``(1, 0, 0)``."""
+    return "(" + ", ".join(f"{x:.9g}" for x in marker.r + 0.0) + ")"
+
+
+def turning(item: Any) -> Iterator[tuple[str, Marker]]:
+    """Yield the markers whose orientation an item needs, with the name of the argument."""
+    if isinstance(item, Joint):
+        yield from (
+            (key, marker)
+            for key, marker, turns in zip("ab", (item.a, item.b), item.turns, strict=True)
+            if turns
+        )
+    elif isinstance(item, Torque | OrientationSensor | AngularVelocitySensor) or (
+        isinstance(item, LOADS) and item.follow
+    ):
+        yield "marker", item.marker
+    for s in () if isinstance(item, Joint) else coordinates_of(item):
+        if s.turns_a:
+            yield s.name, s.a
+        if s.turns_b:
+            yield s.name, s.b
+
+
+def check_rotations(problems: Problems, mechanism: Mechanism) -> None:
+    """Note items that need the rotation of a node whose part has translations only."""
+    items = (*mechanism.joints, *mechanism.couplings, *mechanism.forces, *mechanism.sensors)
+    for item in items:
+        for argument, marker in turning(item):
+            if isinstance(marker.body, FlexibleBody) and marker.body.reduced.rotations is None:
+                problems.add(
+                    where(item),
+                    f"{argument}: {marker.label} has no rotation mode shapes "
+                    "(three degrees of freedom per node), only translations can be used",
+                )
+
+
+def warn_unconnected(mechanism: Mechanism) -> None:
+    """Warn about bodies without a joint."""
+    connections = (*mechanism.joints, *mechanism.couplings)
+    joined = {id(marker.body) for item in connections for _, marker in markers_of(item)}
+    for body in mechanism.bodies:
+        if id(body) not in joined:
+            warn(where(body), "is not connected to anything, it moves freely")
+
+
+def warn_mobility(mechanism: Mechanism) -> None:
+    """Warn if there are as many constraint rows as coordinates."""
+    coordinates = sum(6 + len(body.modal_coordinates) for body in mechanism.bodies)
+    rows = sum(joint.rows for joint in mechanism.joints) + len(mechanism.couplings)
+    if rows >= coordinates:
+        warn(
+            f"mechanism {mechanism.name!r}",
+            f"{rows} constraint rows for {coordinates} coordinates: it cannot move, or joints "
+            "repeat each other's rows",
+        )
+
+
+def warn_ground_loads(mechanism: Mechanism) -> None:
+    """Warn about forces and torques on the ground."""
+    for load in mechanism.forces:
+        if isinstance(load.marker.body, Ground):
+            warn(where(load), "acts on the ground, it has no effect")
+
+
+def warn_at_rest(mechanism: Mechanism) -> None:
+    """Warn if nothing can start to move."""
+    moving = any(
+        np.any(body.velocity)
+        or np.any(body.angular_velocity)
+        or np.any(body.modal_velocities)
+        or np.any(body.modal_coordinates)
+        for body in mechanism.bodies
+    )
+    loads = any(not isinstance(load.marker.body, Ground) for load in mechanism.forces)
+    if not (moving or loads or np.any(mechanism.gravity)):
+        warn(
+            f"mechanism {mechanism.name!r}",
+            "no gravity, no force and no initial velocity: nothing will move",
+        )

@@ -1,0 +1,210 @@
+"""What all joints share: markers, frames with the joint's axes, rows declared as data.
+
+A joint is a composition of few constraint rows, in this order:
+
+* coincidence, ``r_b - r_a = 0`` (3 rows, world axes);
+* perpendicular pairs, ``(axis i of a) . (axis j of b) = 0`` (1 row each);
+* lines, relations that are linear in coordinates of the joint (1 row each).
+
+A new joint is one class: two tuples and, where it slides, its lines.
+"""
+
+from __future__ import annotations
+
+from abc import ABC
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from jousto.errors import Problems
+from jousto.mechanism.coordinate import AXES, Angle, Coordinate, Displacement, Line
+from jousto.mechanism.fields import check_name, set_fields
+from jousto.mechanism.marker import Marker, check_marker
+from jousto.mechanism.orientation import Array, parse_direction, readonly, turn_onto
+
+# perpendicular pairs (axis of a, axis of b): x, y, z = 0, 1, 2
+PARALLEL = ((0, 2), (1, 2))
+NO_TURN = ((0, 2), (1, 2), (0, 1))
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Joint(ABC):
+    """Constraint rows between marker a and marker b, both full frames.
+
+    Parameters
+    ----------
+    name : str
+        Name, unique among joints, couplings and drives.
+    a, b : Marker
+        Markers on two different bodies.
+    as_placed : bool
+        True: the joint takes the directions as they stand at the initial pose, where its
+        markers have to fit already. False: it uses the markers' own axes, z for its axis, and
+        a rough initial pose is moved and turned until they fit.
+
+    Attributes
+    ----------
+    coincident : bool
+        Whether the origins stay together (3 rows).
+    perpendicular : tuple of (int, int)
+        Pairs (axis of a, axis of b) of the frames that stay perpendicular (1 row each).
+    lines : tuple of Line
+        Linear relations of coordinates (1 row each).
+    frames : tuple of two Marker
+        The markers with the joint's axes.
+    rows : int
+        Number of constraint rows.
+    """
+
+    kind: ClassVar[str] = "joint"
+    coincident: ClassVar[bool] = False
+    perpendicular: ClassVar[tuple[tuple[int, int], ...]] = ()
+    name: str
+    a: Marker
+    b: Marker
+    as_placed: bool
+
+    def __init__(self, name: str, a: Marker, b: Marker, *, as_placed: bool = True) -> None:
+        init_joint(self, name, a, b, as_placed)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.name!r}: {self.a.label} - {self.b.label}>"
+
+    @property
+    def direction(self) -> Array | None:
+        """World direction (3,) of the z axes at the initial pose; None for the z axis of a."""
+        return None
+
+    @cached_property
+    def frames(self) -> tuple[Marker, Marker]:
+        """The markers with the joint's axes, equal at the initial pose if `as_placed`."""
+        if not self.as_placed:
+            return self.a, self.b
+        frame = self.a.A if self.direction is None else turn_onto(self.a.A, self.direction)
+        return aligned(self.a, frame), aligned(self.b, frame)
+
+    @cached_property
+    def lines(self) -> tuple[Line, ...]:
+        """Linear relations of coordinates."""
+        return ()
+
+    @property
+    def rows(self) -> int:
+        """Number of constraint rows."""
+        return 3 * self.coincident + len(self.perpendicular) + len(self.lines)
+
+    @property
+    def row_names(self) -> tuple[str, ...]:
+        """What each row prevents, for messages: ``"turn about x"``, ``"displacement y"``."""
+        names = [f"displacement {x}" for x in AXES] if self.coincident else []
+        # the row of axes i and j prevents the turn about the third axis
+        names += [f"turn about {AXES[3 - i - j]}" for i, j in self.perpendicular if i != j]
+        names += ["turn about the normal of both axes" for i, j in self.perpendicular if i == j]
+        for line in self.lines:
+            parts = [s.name.removeprefix(f"{self.name}.") for s in line.coordinates]
+            names.append(" with ".join(parts))
+        return tuple(names)
+
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The coordinates that the joint leaves free and gives by name."""
+        return ()
+
+    @property
+    def turns(self) -> tuple[bool, bool]:
+        """Whether the orientations of a and b matter to the rows."""
+        used = [s for line in self.lines for s in line.coordinates]
+        both = bool(self.perpendicular)
+        return both or any(s.turns_a for s in used), both or any(s.turns_b for s in used)
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class AxisJoint(Joint):
+    """A joint whose z axis may be given.
+
+    Parameters
+    ----------
+    name, a, b, as_placed
+        As for every joint.
+    axis : (3,) array_like, optional
+        Axis in the world frame at the initial pose; None for the z axis of marker a. Only
+        without `as_placed` the axis is that of each marker, and this is left out.
+    """
+
+    axis: Array | None
+
+    def __init__(
+        self,
+        name: str,
+        a: Marker,
+        b: Marker,
+        axis: ArrayLike | None = None,
+        *,
+        as_placed: bool = True,
+    ) -> None:
+        init_joint(self, name, a, b, as_placed, axis=axis)
+
+    @property
+    def direction(self) -> Array | None:
+        """World direction (3,) of the axis at the initial pose; None for the z axis of a."""
+        return self.axis
+
+    @property
+    def axis_world(self) -> Array:
+        """Unit vector (3,) of the axis at the initial pose, world frame."""
+        return readonly(self.frames[0].A[:, 2])
+
+
+def free_angle(joint: Joint) -> Angle:
+    """Return the angle of a joint about the z axis of its frames."""
+    return Angle(*joint.frames, name=f"{joint.name}.angle", joint=joint)
+
+
+def along(joint: Joint, axis: str, name: str | None = None) -> Displacement:
+    """Return the displacement of a joint along an axis of its frames."""
+    return Displacement(*joint.frames, axis, name=f"{joint.name}.{name or axis}", joint=joint)
+
+
+def held(joint: Joint, *axes: str) -> tuple[Line, ...]:
+    """Return the lines that keep the displacement along axes of the frames at zero."""
+    return tuple(Line((along(joint, axis),), (1.0,)) for axis in axes)
+
+
+def aligned(marker: Marker, frame: Array) -> Marker:
+    """Return the marker with the world axes `frame` (3, 3) at the initial pose."""
+    axes = readonly(marker.carrier.T @ frame)
+    return Marker(marker.body, marker.point, marker.position_local, marker.node, axes)
+
+
+def init_joint(
+    joint: Joint,
+    name: str,
+    a: Marker,
+    b: Marker,
+    as_placed: Any,
+    problems: Problems | None = None,
+    **directions: ArrayLike | None,
+) -> None:
+    """Check what all joints have in common and set the fields; raise if there are problems."""
+    problems = problems or Problems()
+    where = check_name(problems, "joint", name)
+    check_marker(problems, where, "a", a)
+    check_marker(problems, where, "b", b)
+    if not isinstance(as_placed, bool | np.bool_):
+        problems.add(where, f"as_placed is {as_placed!r}, must be True or False")
+    values: dict[str, Any] = {}
+    for key, direction in directions.items():
+        values[key] = None
+        if direction is not None:
+            values[key] = parse_direction(problems, where, key, direction)
+            if not as_placed:
+                problems.add(
+                    where,
+                    f"{key} is a direction at the initial pose; with as_placed=False the z axes "
+                    f"of the markers count, leave {key} out and turn the markers",
+                )
+    problems.raise_if_any()
+    set_fields(joint, name=name, a=a, b=b, as_placed=bool(as_placed), **values)

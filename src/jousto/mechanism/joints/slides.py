@@ -1,0 +1,149 @@
+"""Joints that keep turns: fixed, constant orientation, prismatic and planar."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+from numpy.typing import ArrayLike
+
+from jousto.mechanism.coordinate import Angle, Coordinate, Displacement, Line
+from jousto.mechanism.joints.base import (
+    NO_TURN,
+    PARALLEL,
+    AxisJoint,
+    Joint,
+    along,
+    free_angle,
+    held,
+    init_joint,
+)
+from jousto.mechanism.marker import Marker
+from jousto.mechanism.orientation import Array
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Fixed(Joint):
+    """The markers keep their relative orientation: 6 rows, nothing free.
+
+    ``r_b - r_a = 0`` and three perpendicular rows (Rantalainen 2007, eq. 3.95 and 3.90)
+
+    Parameters
+    ----------
+    name, a, b, as_placed
+        As for every joint; the markers are at one world position at the start, and keep the
+        orientation of the initial pose, or get equal axes without `as_placed`.
+    """
+
+    coincident: ClassVar[bool] = True
+    perpendicular: ClassVar[tuple[tuple[int, int], ...]] = NO_TURN
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class ConstantOrientation(Joint):
+    """The markers keep their relative orientation and move freely: 3 rows.
+
+    ``f_a . h_b = g_a . h_b = f_a . g_b = 0`` (Rantalainen 2007, eq. 3.90)
+
+    Parameters
+    ----------
+    name, a, b, as_placed
+        As for every joint; the orientation kept is that of the initial pose, or equal axes
+        without `as_placed`.
+    """
+
+    perpendicular: ClassVar[tuple[tuple[int, int], ...]] = NO_TURN
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Prismatic(AxisJoint):
+    """A slide without any turn: 5 rows, the displacement along the axis is free.
+
+    ``f_a . h_b = g_a . h_b = f_a . g_b = 0``, ``f_a . d = g_a . d = 0`` with d = r_b - r_a
+    (Rantalainen 2007, eq. 3.90, 3.96 and 3.97)
+
+    Parameters
+    ----------
+    name, a, b, as_placed
+        As for every joint; b is on the axis through a at the start.
+    axis : (3,) array_like, optional
+        Axis in the world frame at the initial pose; None for the z axis of marker a.
+    """
+
+    perpendicular: ClassVar[tuple[tuple[int, int], ...]] = NO_TURN
+
+    @cached_property
+    def lines(self) -> tuple[Line, ...]:
+        """No displacement along x and y of a."""
+        return held(self, "x", "y")
+
+    @cached_property
+    def displacement(self) -> Displacement:
+        """Displacement of b along the axis, m; 0 where the origins meet."""
+        return along(self, "z", "displacement")
+
+    @property
+    def coordinates(self) -> tuple[Displacement]:
+        """The displacement."""
+        return (self.displacement,)
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Planar(Joint):
+    """Two planes stay on each other: 3 rows, 2 displacements and the turn in them are free.
+
+    ``f_a . h_b = g_a . h_b = 0``, ``h_a . (r_b - r_a) = 0`` (Rantalainen 2007, eq. 3.96, 3.92)
+
+    Parameters
+    ----------
+    name, a, b, as_placed
+        As for every joint; b is on the plane through a at the start.
+    normal : (3,) array_like, optional
+        Normal of the planes in the world frame at the initial pose; None for the z axis of
+        marker a.
+    """
+
+    perpendicular: ClassVar[tuple[tuple[int, int], ...]] = PARALLEL
+    normal: Array | None
+
+    def __init__(
+        self,
+        name: str,
+        a: Marker,
+        b: Marker,
+        normal: ArrayLike | None = None,
+        *,
+        as_placed: bool = True,
+    ) -> None:
+        init_joint(self, name, a, b, as_placed, normal=normal)
+
+    @property
+    def direction(self) -> Array | None:
+        """World direction (3,) of the normal at the initial pose; None for the z axis of a."""
+        return self.normal
+
+    @cached_property
+    def lines(self) -> tuple[Line, ...]:
+        """No displacement along the normal."""
+        return held(self, "z")
+
+    @cached_property
+    def x(self) -> Displacement:
+        """Displacement of b along the x axis of the frame of a, m."""
+        return along(self, "x")
+
+    @cached_property
+    def y(self) -> Displacement:
+        """Displacement of b along the y axis of the frame of a, m."""
+        return along(self, "y")
+
+    @cached_property
+    def angle(self) -> Angle:
+        """Turn of b against a about the normal, rad; 0 at the initial pose if `as_placed`."""
+        return free_angle(self)
+
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The displacements and the angle."""
+        return self.x, self.y, self.angle

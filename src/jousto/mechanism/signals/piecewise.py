@@ -1,0 +1,360 @@
+"""Signals made of polynomials between points: step, ramp, table and S-curve.
+
+Between the times t_i and t_i+1 each is ``sum_j c_ji (t - t_i)^(m-j)``; before the first time
+and after the last it is constant.
+"""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
+
+from jousto.errors import InputError, Problem, Problems, suggest
+from jousto.mechanism.fields import number, set_fields
+from jousto.mechanism.orientation import Array
+from jousto.mechanism.signals.base import Jet, Signal
+
+INTERPOLATIONS = ("linear", "cubic")
+
+
+@dataclass(frozen=True, init=False)
+class Step(Signal):
+    """A jump: `before` for t < time, `after` from then on.
+
+    Examples
+    --------
+    >>> Step(1.0)([0.999, 1.0])
+    array([0., 1.])
+    """
+
+    time: float
+    before: float
+    after: float
+
+    def __init__(self, time: float, before: float = 0.0, after: float = 1.0) -> None:
+        set_numbers(self, time=time, before=before, after=after)
+
+    def jet(self, t: Array) -> Jet:
+        """Return value, rate and acceleration; the last two are zero."""
+        zero = np.zeros(t.shape)
+        return zero + np.where(t < self.time, self.before, self.after), zero, zero
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        """The time of the jump, s."""
+        return () if self.before == self.after else (self.time,)
+
+
+@dataclass(frozen=True, init=False)
+class Ramp(Signal):
+    """A straight line from `before` at the time start to `after` at the time end.
+
+    It is constant before and after.
+
+    Parameters
+    ----------
+    start, end : float
+        Times, s; end after start.
+    before, after : float
+        Values until start and from end on.
+
+    Examples
+    --------
+    >>> Ramp(1.0, 3.0, after=10.0)([0.0, 2.0, 5.0])
+    array([ 0.,  5., 10.])
+    """
+
+    start: float
+    end: float
+    before: float
+    after: float
+
+    def __init__(self, start: float, end: float, before: float = 0.0, after: float = 1.0) -> None:
+        set_numbers(self, start=start, end=end, before=before, after=after)
+        if self.end <= self.start:
+            raise InputError(
+                Problem("Ramp", f"end is {self.end:g} s, must be after start, {self.start:g} s")
+            )
+
+    def jet(self, t: Array) -> Jet:
+        """Return value, rate and acceleration."""
+        slope = (self.after - self.before) / (self.end - self.start)
+        share = np.clip((t - self.start) / (self.end - self.start), 0.0, 1.0)
+        inside = (t >= self.start) & (t < self.end)
+        # exact at both ends
+        value = self.before * (1 - share) + self.after * share
+        return value, np.where(inside, slope, 0.0), np.zeros(t.shape)
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Start and end, s."""
+        return () if self.before == self.after else (self.start, self.end)
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Table(Signal):
+    """Interpolation between points, held constant before the first and after the last.
+
+    Parameters
+    ----------
+    times : (k,) array_like
+        Strictly increasing times, s.
+    values : (k,) array_like
+        Values at these times.
+    interpolation : {"linear", "cubic"}
+        Straight lines, or a cubic spline whose third derivative is continuous at the second
+        and the last but one point; the cubic has two continuous derivatives between the ends.
+
+    Examples
+    --------
+    >>> Table((0, 1, 2), (0, 10, 0))([0.5, 5.0])
+    array([5., 0.])
+    >>> Table((0, 1, 2, 3), (0, 1, 8, 27), "cubic")(2.5)
+    np.float64(15.625)
+    """
+
+    times: Array
+    values: Array
+    interpolation: str
+
+    def __init__(self, times: ArrayLike, values: ArrayLike, interpolation: str = "linear") -> None:
+        problems = Problems()
+        t, y = points(problems, "Table", times, values)
+        if interpolation not in INTERPOLATIONS:
+            problems.add(
+                "Table", f"interpolation is {interpolation!r}, must be 'linear' or 'cubic'"
+            )
+        problems.raise_if_any()
+        set_fields(self, times=t, values=y, interpolation=interpolation)
+
+    @classmethod
+    def from_csv(
+        cls,
+        path: str | Path,
+        *,
+        time: str | int = 0,
+        value: str | int = 1,
+        delimiter: str | None = None,
+        interpolation: str = "linear",
+    ) -> Table:
+        """Return the table of two columns of a text file.
+
+        Parameters
+        ----------
+        path : str or Path
+            File with one point in each line; empty lines and lines that start with # are
+            skipped. The first line may hold the names of the columns.
+        time, value : str or int
+            Column of the times, s, and of the values: its name in the first line or its
+            number from 0.
+        delimiter : str, optional
+            What separates the columns; None for a semicolon, tab, comma or blank, whichever
+            of these comes first in that order in the first line.
+        interpolation : {"linear", "cubic"}
+            As for a table of arrays.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, a column is missing or an entry is no number.
+        """
+        t, y = read_columns(Path(path), (time, value), delimiter)
+        return cls(t, y, interpolation)
+
+    @property
+    def coefficients(self) -> Array:
+        """Coefficients (m+1, k-1) of the polynomials in t - t_i, highest power first."""
+        t, y = self.times, self.values
+        if len(t) == 1:
+            return np.zeros((2, 0))
+        if self.interpolation == "cubic" and len(t) > 2:
+            return np.asarray(CubicSpline(t, y).c, dtype=np.float64)
+        return np.stack([np.diff(y) / np.diff(t), y[:-1]])
+
+    def jet(self, t: Array) -> Jet:
+        """Return value, rate and acceleration."""
+        return piecewise(self.times, self.values, self.coefficients, t)
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Points at which the slope jumps, s."""
+        c = self.coefficients
+        if not c.shape[1]:
+            return ()
+        h = np.diff(self.times)
+        powers = np.arange(len(c) - 1, -1, -1)
+        # slopes at the end and at the start of each piece
+        at_end = sum(p * c[j] * h ** (p - 1) for j, p in enumerate(powers) if p)
+        left = np.concatenate([[0.0], np.atleast_1d(at_end)])
+        right = np.concatenate([c[-2], [0.0]])
+        scale = np.maximum(np.abs(left), np.abs(right)).max()
+        return tuple(float(x) for x in self.times[np.abs(right - left) > 1e-9 * scale])
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class SCurve(Signal):
+    """Smooth moves between points, at rest at each of them: the usual motion of a machine axis.
+
+    ``y_i + (y_i+1 - y_i) (10 s^3 - 15 s^4 + 6 s^5)`` with ``s = (t - t_i) / (t_i+1 - t_i)``:
+    rate and acceleration are zero at every point, so both are continuous everywhere. The
+    largest rate is 15/8 of the mean one, the largest acceleration 10/sqrt(3) dy/dt^2.
+
+    Parameters
+    ----------
+    times : (k,) array_like
+        Strictly increasing times, s.
+    values : (k,) array_like
+        Values at these times.
+
+    Examples
+    --------
+    >>> lift = SCurve((0.0, 2.0), (0.0, 1.0))
+    >>> lift([0.0, 1.0, 2.0]), lift.rate(1.0)
+    (array([0. , 0.5, 1. ]), np.float64(0.9375))
+    """
+
+    times: Array
+    values: Array
+
+    def __init__(self, times: ArrayLike, values: ArrayLike) -> None:
+        problems = Problems()
+        t, y = points(problems, "SCurve", times, values)
+        if t is not None and len(t) == 1:
+            problems.add("SCurve", "has one point, must have at least two")
+        problems.raise_if_any()
+        set_fields(self, times=t, values=y)
+
+    @property
+    def coefficients(self) -> Array:
+        """Coefficients (6, k-1) of the polynomials in t - t_i, highest power first."""
+        h, dy = np.diff(self.times), np.diff(self.values)
+        zero = np.zeros(len(h))
+        return np.stack(
+            [6 * dy / h**5, -15 * dy / h**4, 10 * dy / h**3, zero, zero, self.values[:-1]]
+        )
+
+    def jet(self, t: Array) -> Jet:
+        """Return value, rate and acceleration."""
+        # in s, not in t: exact at the end of every move
+        i = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)
+        h, y = np.diff(self.times)[i], self.values
+        s = np.clip((t - self.times[i]) / h, 0.0, 1.0)
+        dy = y[i + 1] - y[i]
+        blend = s**3 * (10 + s * (6 * s - 15))
+        rate = 30 * s**2 * (1 - s) ** 2 / h
+        acceleration = 60 * s * (1 - s) * (1 - 2 * s) / h**2
+        value = np.where(s < 1, y[i] + dy * blend, y[i + 1])
+        return value, dy * rate, dy * acceleration
+
+
+def piecewise(times: Array, values: Array, c: Array, t: Array) -> Jet:
+    """Return value and two derivatives of polynomials with coefficients c (m+1, k-1)."""
+    last = len(times) - 2
+    inside = (t >= times[0]) & (t < times[-1])
+    held = np.where(t < times[0], values[0], values[-1])
+    f, df, ddf = (np.zeros(t.shape) for _ in range(3))
+    if last >= 0:
+        i = np.clip(np.searchsorted(times, t, side="right") - 1, 0, last)
+        x = t - times[i]
+        # Horner's scheme for the polynomial and its derivatives
+        for row in c:
+            ddf = ddf * x + 2 * df
+            df = df * x + f
+            f = f * x + row[i]
+    return np.where(inside, f, held), np.where(inside, df, 0.0), np.where(inside, ddf, 0.0)
+
+
+def set_numbers(target: Signal, **values: float) -> None:
+    """Check that all values are finite numbers and set them as fields."""
+    problems = Problems()
+    kind = type(target).__name__
+    found = {key: number(problems, kind, key, value) for key, value in values.items()}
+    problems.raise_if_any()
+    set_fields(target, **found)
+
+
+def points(
+    problems: Problems, kind: str, times: ArrayLike, values: ArrayLike
+) -> tuple[Array | None, Array | None]:
+    """Return times that increase and as many values, or note what is wrong."""
+    t = problems.array(kind, "times", times, (None,))
+    y = problems.array(kind, "values", values, (None,))
+    if t is None:
+        return t, y
+    if len(t) == 0:
+        problems.add(kind, "times is empty, must have at least one point")
+    elif y is not None and len(t) != len(y):
+        problems.add(kind, f"{len(t)} times but {len(y)} values, must be as many")
+    back = np.flatnonzero(np.diff(t) <= 0)
+    if len(back):
+        i = int(back[0])
+        problems.add(
+            kind,
+            f"times must increase: times[{i}] = {t[i]:g} s, times[{i + 1}] = {t[i + 1]:g} s",
+        )
+    return t, y
+
+
+def read_columns(
+    path: Path, columns: tuple[str | int, ...], delimiter: str | None
+) -> list[list[float]]:
+    """Return columns of numbers of a text file; see `Table.from_csv`."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(Problem(f"Table: {path}", f"cannot be read: {error}")) from None
+    lines = [
+        (i, line)
+        for i, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    where = f"Table: {path}"
+    if not lines:
+        raise InputError(Problem(where, "has no lines with numbers"))
+    if delimiter is None:
+        delimiter = next((c for c in ";\t," if c in lines[0][1]), " ")
+    rows = [
+        (i, [cell.strip() for cell in next(csv.reader([line.strip()], delimiter=delimiter,
+                                                     skipinitialspace=True))])
+        for i, line in lines
+    ]  # fmt: skip
+    header = rows[0][1]
+    named = any(as_float(cell) is None for cell in header)
+    problems = Problems()
+    places: list[int] = []
+    for column in columns:
+        if isinstance(column, int) and 0 <= column < len(header):
+            places.append(column)
+        elif isinstance(column, int):
+            problems.add(where, f"no column {column}: there are {len(header)}, counted from 0")
+        elif named and column in header:
+            places.append(header.index(column))
+        else:
+            known = suggest(column, header) if named else "; the first line has no names"
+            problems.add(where, f"no column {column!r}{known}")
+    problems.raise_if_any()
+    found: list[list[float]] = [[] for _ in columns]
+    for i, row in rows[1:] if named else rows:
+        for out, place in zip(found, places, strict=True):
+            cell = row[place] if place < len(row) else ""
+            x = as_float(cell)
+            if x is None:
+                problems.add(f"{where}:{i}", f"column {place} is {cell!r}, must be a number")
+            else:
+                out.append(x)
+    problems.raise_if_any()
+    return found
+
+
+def as_float(cell: Any) -> float | None:
+    """Return the number a cell holds, or None."""
+    try:
+        return float(cell)
+    except ValueError:
+        return None
