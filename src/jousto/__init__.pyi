@@ -220,6 +220,12 @@ from .simulation import (
     Baumgarte as Baumgarte,
 )
 from .simulation import (
+    LinearModel as LinearModel,
+)
+from .simulation import (
+    MechanismModes as MechanismModes,
+)
+from .simulation import (
     RunFailed as RunFailed,
 )
 from .simulation import (
@@ -229,7 +235,19 @@ from .simulation import (
     Solution as Solution,
 )
 from .simulation import (
+    State as State,
+)
+from .simulation import (
+    equilibrium as equilibrium,
+)
+from .simulation import (
+    linearise as linearise,
+)
+from .simulation import (
     load as load,
+)
+from .simulation import (
+    modes as modes,
 )
 from .simulation import (
     simulate as simulate,

@@ -1,8 +1,10 @@
 """SIMULATE: run a model, stream its results, read them."""
 
+from jousto.simulation.linear import LinearModel, MechanismModes, State, linearise, modes
 from jousto.simulation.simulate import RunFailed, RunInterrupted, describe, simulate
 from jousto.simulation.solution import BodyShape, Energy, Residuals, Solution, load
 from jousto.simulation.solver import RK4, ROS2, SOLVERS, Baumgarte, Solver
+from jousto.simulation.statics import equilibrium
 
 __all__ = [
     "RK4",
@@ -11,12 +13,18 @@ __all__ = [
     "Baumgarte",
     "BodyShape",
     "Energy",
+    "LinearModel",
+    "MechanismModes",
     "Residuals",
     "RunFailed",
     "RunInterrupted",
     "Solution",
     "Solver",
+    "State",
     "describe",
+    "equilibrium",
+    "linearise",
     "load",
+    "modes",
     "simulate",
 ]

@@ -1,0 +1,344 @@
+"""linearise and modes: small motions of a mechanism about a state, in minimal coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from jousto.engine import Engine, Model
+from jousto.engine.native import displaced
+from jousto.errors import InputError, Problem
+
+Array = NDArray[np.float64]
+Eigenvalues = NDArray[np.complex128]
+IMAGINARY = 1e-30  # imaginary step: derivatives to round-off
+RANK = 1e-10  # of the largest singular value of the scaled constraint matrix
+SYMMETRIC = 1e-8  # relative asymmetry of a stiffness that is taken as round-off
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Positions q (nq,), velocities v (nv,), multipliers lam (nrow,) at a time in s."""
+
+    q: Array
+    v: Array
+    lam: Array
+    time: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class LinearModel:
+    """``x' = A x + B u``, ``y = C x + D u`` about a state.
+
+    Attributes
+    ----------
+    A, B, C, D : arrays (2f, 2f), (2f, nu), (ny, 2f), (ny, nu)
+        f = mobility; x = [free positions, free velocities], deviations from the state.
+    input_names, output_names, state_names : tuples of str
+        Inputs by name; sensor components ``sensor.component``; ``y0..`` and ``u0..``.
+    """
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    input_names: tuple[str, ...]
+    output_names: tuple[str, ...]
+    state_names: tuple[str, ...]
+
+    @property
+    def eigenvalues(self) -> Eigenvalues:
+        """Eigenvalues of A, 1/s."""
+        return np.asarray(np.linalg.eigvals(self.A), dtype=np.complex128)
+
+
+@dataclass(frozen=True, eq=False)
+class MechanismModes:
+    """Natural modes of a mechanism about a state, the slowest first.
+
+    Attributes
+    ----------
+    frequencies : (k,) array
+        Imaginary part of the eigenvalue over 2 pi, Hz; 0 for a motion that does not oscillate.
+    damping : (k,) array
+        Damping ratios ``-Re(lambda) / |lambda|``; 0 where lambda is 0.
+    eigenvalues : (k,) array
+        1/s, of each conjugate pair the one with positive imaginary part.
+    increments : (nv, k) array
+        Shapes as increments of R (body frame), rotation (body frame) and p of every body.
+    shapes : dict
+        Body name to nodal displacements (k, nodes, 3), world frame; largest of a mode is 1.
+    """
+
+    frequencies: Array
+    damping: Array
+    eigenvalues: Eigenvalues
+    increments: NDArray[Any]
+    shapes: dict[str, NDArray[Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class Tangent:
+    """First derivatives of the motion at a state, translations resolved in body frames.
+
+    With the free positions y and velocities u: ``dq = N y``, ``dv = P y + N u``,
+    ``y' = drift y + u``, ``u' = Ay y + Au u + Bu input``; P keeps the velocities consistent.
+    """
+
+    N: Array
+    P: Array
+    drift: Array
+    Ay: Array
+    Au: Array
+    Bu: Array
+    Cy: Array
+    Cu: Array
+    Du: Array
+    a: Array
+    lam: Array
+    M: Array
+
+
+def rotations(model: Model, q: Array) -> Array:
+    """Return the orientation matrices (nbody, 3, 3) of the body frames from Euler parameters."""
+    out = np.empty((len(model.bodies), 3, 3))
+    for k, body in enumerate(model.bodies):
+        e = q[body.iq + 3 : body.iq + 7] / np.linalg.norm(q[body.iq + 3 : body.iq + 7])
+        W = skew(e[1:])
+        out[k] = np.eye(3) + 2.0 * e[0] * W + 2.0 * W @ W
+    return out
+
+
+def skew(x: Array) -> Array:
+    """Return the matrix of the cross product x times."""
+    return np.array([[0.0, -x[2], x[1]], [x[2], 0.0, -x[0]], [-x[1], x[0], 0.0]])
+
+
+def turning(model: Model, q: Array) -> Array:
+    """Return T (nv, nv): increments with body-frame translations to those of the engine."""
+    T = np.eye(model.nv)
+    for body, A in zip(model.bodies, rotations(model, q), strict=True):
+        T[body.iv : body.iv + 3, body.iv : body.iv + 3] = A
+    return T
+
+
+def tangent(model: Model, state: State | None = None) -> Tangent:
+    """Return the exact tangent of the motion at a state, by complex steps of the engine.
+
+    Translations are resolved in the frame of their body, so that the matrices of a steadily
+    turning mechanism are constant. The null space of the constraint matrix gives the free
+    coordinates; repeated rows do no harm.
+
+    Raises
+    ------
+    InputError
+        If a body or joint is singular at the state.
+    """
+    q, v, time = (model.q0, model.v0, 0.0) if state is None else (state.q, state.v, state.time)
+    nv, T = model.nv, turning(model, q)
+    engine, steps = Engine(model), Engine(model, complex_scalars=True)
+    engine.q[:], engine.v[:], engine.time[0] = q, v, time
+    a, lam = (np.array(x) for x in engine.accelerations())
+    M = np.zeros((nv, nv))
+    for k, body in enumerate(model.bodies):
+        own = slice(body.iv, body.iv + 6 + body.n)
+        M[own, own] = engine.mass_matrix(k)
+
+    def slopes(dq: Array, dv: Array, du: Array) -> tuple[Array, Array, Array, Array]:
+        """Directional derivatives of C, C', a (body frames) and sensors."""
+        steps.q[:] = displaced(model, q, 1j * IMAGINARY * (T @ dq))
+        steps.v[:] = v + 1j * IMAGINARY * (T @ dv)
+        steps.input[:] = engine.input + 1j * IMAGINARY * du
+        steps.time[0] = time
+        c, cdot = steps.constraints()
+        acceleration, _ = steps.accelerations()
+        sensors = steps.sensors()
+        parts = (c, cdot, T.T @ acceleration, sensors)
+        return tuple(np.array(part.imag) / IMAGINARY for part in parts)  # type: ignore[return-value]
+
+    nu, unit = len(model.inputs), np.eye(nv)
+    none, still = np.zeros(nv), np.zeros(nu)
+    by_q = [_columns(rows) for rows in zip(*(slopes(e, none, still) for e in unit), strict=True)]
+    by_v = [_columns(rows) for rows in zip(*(slopes(none, e, still) for e in unit), strict=True)]
+    by_u = [slopes(none, none, e) for e in np.eye(nu)]
+    Cq, Cdot = by_q[0], by_q[1]
+    N, pseudo = _free(Cq)
+    P = -pseudo @ (Cdot @ N)
+    # rates seen from the turning body frames
+    frames, spins = np.zeros((nv, nv)), np.zeros((nv, nv))
+    for body in model.bodies:
+        W = skew(v[body.iv + 3 : body.iv + 6])
+        for first in (body.iv, body.iv + 3):
+            frames[first : first + 3, first : first + 3] = -W
+        spins[body.iv : body.iv + 3, body.iv : body.iv + 3] = -W
+    aq, av = by_q[2], by_v[2] + spins
+    return Tangent(
+        N=N,
+        P=P,
+        drift=N.T @ frames @ N,
+        Ay=N.T @ (aq @ N + av @ P),
+        Au=N.T @ av @ N,
+        Bu=np.array([N.T @ column[2] for column in by_u]).T.reshape(N.shape[1], nu),
+        Cy=by_q[3] @ N + by_v[3] @ P,
+        Cu=by_v[3] @ N,
+        Du=np.array([column[3] for column in by_u]).T.reshape(model.nout, nu),
+        a=T.T @ a,
+        lam=lam,
+        M=M,
+    )
+
+
+def _columns(rows: Sequence[Array]) -> Array:
+    return np.array(rows).T
+
+
+def _free(Cq: Array) -> tuple[Array, Array]:
+    """Return the null space N (nv, f), orthonormal, and the pseudoinverse of Cq."""
+    if not Cq.size:
+        return np.eye(Cq.shape[1]), np.zeros(Cq.shape[::-1])
+    U, s, Vt = np.linalg.svd(Cq)
+    rank = int((s > RANK * s[0]).sum())
+    return Vt[rank:].T, Vt[:rank].T @ (U[:, :rank] / s[:rank]).T
+
+
+def linearise(
+    model: Model,
+    state: State | None = None,
+    inputs: Sequence[str] | None = None,
+    outputs: Sequence[str] | None = None,
+) -> LinearModel:
+    """Linearise a mechanism about a state, exactly, in minimal coordinates.
+
+    Parameters
+    ----------
+    model : Model
+        From `compile`.
+    state : State, optional
+        Where; None is the initial state.
+    inputs : names, optional
+        External inputs to keep; None keeps all.
+    outputs : names, optional
+        Sensors to keep; None keeps all.
+
+    Raises
+    ------
+    InputError
+        If a name is not known, or a body or joint is singular at the state.
+    """
+    sensors = [sensor.name for sensor in model.sensors]
+    chosen = _known("input", model.inputs, inputs)
+    kept = _known("sensor", sensors, outputs)
+    t = tangent(model, state)
+    f = t.N.shape[1]
+    places = [model.inputs.index(name) for name in chosen]
+    rows, names = [], []
+    for name in kept:
+        sensor = model.sensors[sensors.index(name)]
+        for k in range(sensor.count):
+            rows.append(sensor.offset + k)
+            part = sensor.components[k] if k < len(sensor.components) else str(k)
+            names.append(name if sensor.count == 1 else f"{name}.{part}")
+    return LinearModel(
+        A=np.block([[t.drift, np.eye(f)], [t.Ay, t.Au]]),
+        B=np.vstack([np.zeros((f, len(places))), t.Bu[:, places]]),
+        C=np.hstack([t.Cy, t.Cu])[rows],
+        D=t.Du[np.ix_(rows, places)],
+        input_names=tuple(chosen),
+        output_names=tuple(names),
+        state_names=tuple([f"y{k}" for k in range(f)] + [f"u{k}" for k in range(f)]),
+    )
+
+
+def _known(kind: str, names: Sequence[str], wanted: Sequence[str] | None) -> list[str]:
+    """Return the wanted names, all if None; refuse those that do not exist."""
+    if wanted is None:
+        return list(names)
+    unknown = [name for name in wanted if name not in names]
+    if unknown:
+        have = ", ".join(names) or "none"
+        raise InputError(Problem("linearise", f"no {kind} {unknown[0]!r}; there are: {have}"))
+    return list(wanted)
+
+
+def modes(model: Model, state: State | None = None, *, damped: bool = False) -> MechanismModes:
+    """Compute the natural modes of a mechanism about a state.
+
+    Undamped: ``K x = omega^2 M x`` in the free coordinates with all velocities zero, where K is
+    the exact derivative of the static forces (gravity, loads and prestress included). Damped:
+    eigenvalues of the linearised motion at the velocities of the state, gyroscopic terms included.
+
+    Parameters
+    ----------
+    model : Model
+        From `compile`.
+    state : State, optional
+        Where, usually from `equilibrium`; None is the initial state.
+    damped : bool
+        Whether damping and velocities count.
+
+    Raises
+    ------
+    InputError
+        If a body or joint is singular at the state.
+    """
+    state = State(model.q0, model.v0, np.zeros(model.nrow)) if state is None else state
+    if damped:
+        t = tangent(model, state)
+        f = t.N.shape[1]
+        values, vectors = np.linalg.eig(np.block([[t.drift, np.eye(f)], [t.Ay, t.Au]]))
+        keep = values.imag >= 0.0
+        eigenvalues, free = values[keep].astype(np.complex128), vectors[:f, keep]
+    else:
+        t = tangent(model, State(state.q, np.zeros(model.nv), state.lam, state.time))
+        squares, free = stiffness_modes(t)
+        roots = np.sqrt(-squares.astype(np.complex128))
+        eigenvalues = np.where(roots.imag < 0.0, -roots, roots)
+    size = np.abs(eigenvalues)
+    order = np.argsort(size, kind="stable")
+    eigenvalues, size, increments = eigenvalues[order], size[order], t.N @ free[:, order]
+    damping = np.divide(-eigenvalues.real, size, out=np.zeros_like(size), where=size > 0.0)
+    return MechanismModes(
+        np.abs(eigenvalues.imag) / (2 * np.pi),
+        damping,
+        eigenvalues,
+        increments,
+        _pictures(model, state.q, increments),
+    )
+
+
+def stiffness_modes(t: Tangent) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return omega^2 (f,) and shapes (f, f) of ``K x = omega^2 M x``, K = -M du'/dy."""
+    M = t.N.T @ t.M @ t.N
+    K = -M @ t.Ay
+    if not K.size:
+        return np.zeros(0), np.zeros((0, 0))
+    if np.abs(K - K.T).max() <= SYMMETRIC * np.abs(K).max():
+        values, vectors = scipy.linalg.eigh(0.5 * (K + K.T), 0.5 * (M + M.T))
+        return values, vectors
+    values, vectors = scipy.linalg.eig(K, M)  # follower loads, or away from equilibrium
+    return values, vectors
+
+
+def _pictures(model: Model, q: Array, increments: NDArray[Any]) -> dict[str, NDArray[Any]]:
+    """Nodal displacements (k, nodes, 3) of every body, world frame, scaled to 1 by mode."""
+    out: dict[str, NDArray[Any]] = {}
+    for body, shape, A in zip(model.bodies, model.shapes, rotations(model, q), strict=True):
+        dx = increments[body.iv : body.iv + 6 + body.n].T
+        u = shape.nodes
+        flexible = np.zeros((len(dx), *u.shape), dtype=dx.dtype)
+        if body.n:
+            u = u + shape.modes @ q[body.iq + 7 : body.iq + 7 + body.n]
+            flexible = np.einsum("icj,kj->kic", shape.modes, dx[:, 6:])
+        local = dx[:, None, :3] + np.cross(dx[:, None, 3:6], u[None]) + flexible
+        out[body.name] = local @ A.T
+    largest = np.zeros(increments.shape[1])
+    for moved in out.values():
+        if moved.size:
+            largest = np.maximum(largest, np.abs(moved).max(axis=(1, 2)))
+    scale = np.where(largest > 0.0, largest, 1.0)
+    return {name: moved / scale[:, None, None] for name, moved in out.items()}

@@ -1,0 +1,89 @@
+"""equilibrium: where a mechanism rests."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jousto.engine import Engine, Model
+from jousto.engine.native import displaced
+from jousto.errors import SimulationError
+from jousto.simulation.linear import State, stiffness_modes, tangent, turning
+
+ITERATIONS = 200
+TURN = 0.5  # largest rotation of an iteration, rad
+TRAVEL = 0.3  # largest translation of an iteration, of the size of the mechanism
+FREE = 1e-12  # omega^2 below this share of the largest: a free direction
+
+
+def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 1e-10) -> State:
+    """Find a static equilibrium near a state by a damped Newton iteration.
+
+    The forces on the free coordinates, ``N^T M a`` at v = 0, are brought to zero by steps
+    ``sum_i x_i (x_i . N^T M a) / |omega_i^2|`` over the modes x_i of the exact stiffness. The
+    absolute value leads downhill, so that a hanging pendulum is found, not an upright one (a start
+    exactly in an unstable equilibrium stays there). Steps are bounded in turn and travel and the
+    joints are closed after each.
+
+    Parameters
+    ----------
+    model : Model
+        From `compile`.
+    state : State, optional
+        Start; None is the initial state. Time counts for signals.
+    tolerance : float
+        Largest remaining force, relative to all forces that act on the free coordinates.
+
+    Raises
+    ------
+    SimulationError
+        If there is none: some free direction is pushed, named by its body.
+    InputError
+        If a body or joint is singular at some position on the way.
+    """
+    time = 0.0 if state is None else state.time
+    q = np.array(model.q0 if state is None else state.q)
+    rest = np.zeros(model.nv)
+    engine = Engine(model)
+    bound, largest = 1.0, 0.0
+    body = ""
+    for _ in range(ITERATIONS):
+        t = tangent(model, State(q, rest, np.zeros(model.nrow), time))
+        if t.N.shape[1] == 0:
+            return State(q, rest, t.lam, time)
+        force = t.N.T @ t.M @ t.a
+        squares, shapes = stiffness_modes(t)
+        # reach of the forces: a stiff direction at its round-off must not keep the others waiting
+        push = np.real(shapes.T @ force)
+        norms = np.einsum("ij,ij->j", shapes, t.N.T @ t.M @ t.N @ shapes)
+        push = push / np.maximum(np.abs(norms), 1e-300)
+        rates = np.abs(squares)
+        amounts = push / np.maximum(rates, FREE * max(float(rates.max()), 1.0))
+        step = t.N @ np.real(shapes @ amounts)
+        largest = max(largest, float(np.abs(t.a).max()), float(np.linalg.norm(model.gravity)))
+        moves = [np.abs(step[b.iv : b.iv + 3]).max() for b in model.bodies]
+        turns = [np.abs(step[b.iv + 3 : b.iv + 6]).max() for b in model.bodies]
+        reach = max(max(moves) / (TRAVEL * model.size), max(turns) / TURN)
+        body = model.bodies[int(np.argmax(np.array(moves) / model.size + np.array(turns)))].name
+        small = np.abs(t.a).max() <= tolerance * max(largest, 1e-300)
+        if small or reach < 1e-13:
+            return State(q, rest, t.lam, time)
+        before = float(force @ force)
+        factor = min(1.0, bound / reach)
+        engine.time[0] = time
+        engine.q[:] = displaced(model, q, turning(model, q) @ (factor * step))
+        engine.v[:] = 0.0
+        engine.assemble()
+        q = np.array(engine.q)
+        engine.v[:] = 0.0
+        a, _ = engine.accelerations()
+        # went past the bottom and climbed higher on the other side: shorter steps
+        after = t.N.T @ t.M @ (turning(model, q).T @ a)
+        if float(after @ force) < 0.0 and float(after @ after) > before:
+            bound *= 0.5
+    raise SimulationError(
+        f"no static equilibrium found in {ITERATIONS} iterations: body '{body}' is pushed in a "
+        "direction in which nothing holds it; add a joint, or take the load away that pushes it, "
+        "or start nearer to the rest position",
+        time=time,
+        body=body,
+    )
