@@ -24,6 +24,9 @@ from .mechanism import (
     AngularVelocitySensor as AngularVelocitySensor,
 )
 from .mechanism import (
+    Bushing as Bushing,
+)
+from .mechanism import (
     Constant as Constant,
 )
 from .mechanism import (
@@ -57,6 +60,9 @@ from .mechanism import (
     Force as Force,
 )
 from .mechanism import (
+    Friction as Friction,
+)
+from .mechanism import (
     Gear as Gear,
 )
 from .mechanism import (
@@ -69,7 +75,13 @@ from .mechanism import (
     Input as Input,
 )
 from .mechanism import (
+    JointForce as JointForce,
+)
+from .mechanism import (
     Mechanism as Mechanism,
+)
+from .mechanism import (
+    ModalLoad as ModalLoad,
 )
 from .mechanism import (
     ModalSensor as ModalSensor,
@@ -105,6 +117,9 @@ from .mechanism import (
     ReactionSensor as ReactionSensor,
 )
 from .mechanism import (
+    Regularised as Regularised,
+)
+from .mechanism import (
     Revolute as Revolute,
 )
 from .mechanism import (
@@ -123,10 +138,19 @@ from .mechanism import (
     SCurve as SCurve,
 )
 from .mechanism import (
+    Servo as Servo,
+)
+from .mechanism import (
     Spherical as Spherical,
 )
 from .mechanism import (
+    Spring as Spring,
+)
+from .mechanism import (
     Step as Step,
+)
+from .mechanism import (
+    StickSlip as StickSlip,
 )
 from .mechanism import (
     StressSensor as StressSensor,
@@ -145,6 +169,9 @@ from .mechanism import (
 )
 from .mechanism import (
     Universal as Universal,
+)
+from .mechanism import (
+    UserForce as UserForce,
 )
 from .mechanism import (
     VelocitySensor as VelocitySensor,

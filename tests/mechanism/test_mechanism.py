@@ -93,13 +93,14 @@ def test_both_frames_of_a_joint_agree_at_the_initial_pose(rod, make, expected):
 
 def test_every_joint_load_sensor_and_signal_is_exported_and_in_its_tuple():
     classes = {name: getattr(jm, name) for name in jm.__all__}
-    tuples = (*jm.JOINTS, *jm.COUPLINGS, *jm.SENSORS, *jm.SIGNALS, *LOADS)
+    tuples = (*jm.JOINTS, *jm.COUPLINGS, *jm.SENSORS, *jm.SIGNALS, *jm.ELEMENTS, *LOADS)
     for cls in tuples:
         assert classes[cls.__name__] is cls
     kinds = {c for c in classes.values() if isinstance(c, type)}
     others = {jm.Ground, jm.RigidBody, jm.FlexibleBody, jm.Marker, jm.Mechanism, jm.Rotate, Gravity}
     # what they have in common, and what they refer to
-    others |= {jm.Joint, jm.Coupler, jm.Signal, jm.Line, jm.Event}
+    others |= {jm.Joint, jm.Coupler, jm.Signal, jm.Line, jm.Event, jm.Friction}
+    others |= {jm.Regularised, jm.StickSlip}
     others |= {jm.Coordinate, jm.Angle, jm.Displacement, jm.Distance}
     assert kinds == set(tuples) | others
 

@@ -16,7 +16,7 @@ from jousto.engine.model import (
     MarkerModel,
     SignalModel,
 )
-from jousto.mechanism import FlexibleBody, Force, Harmonic, Marker, Step, Table
+from jousto.mechanism import FlexibleBody, Force, Harmonic, Marker, Step, Table, Torque
 
 # constraint rows after the coincidence: (axis of a) . (axis of b) = 0; z is the joint's axis
 PERPENDICULAR: dict[str, tuple[tuple[int, int], ...]] = {
@@ -84,6 +84,8 @@ class Builder:
 
     def joint(self, joint: Any) -> int:
         """Return the index of a joint."""
+        if type(joint).__name__ not in PERPENDICULAR:
+            raise TypeError(f"no engine rows for {type(joint).__name__}")
         perpendicular = PERPENDICULAR[type(joint).__name__]
         sides = tuple(self.marker(marker, bool(perpendicular)) for marker in joint.frames)
         row = sum(other.rows for other in self.joints)
@@ -103,6 +105,8 @@ class Builder:
 
     def force(self, load: Any) -> int:
         """Return the index of what pushes."""
+        if not isinstance(load, Force | Torque):
+            raise TypeError(f"no engine force for {type(load).__name__}")
         zero = np.zeros(3)
         force, torque = (load.vector, zero) if isinstance(load, Force) else (zero, load.vector)
         self.forces.append(
@@ -125,7 +129,7 @@ def _signal(signal: Any) -> SignalModel:
         return SignalModel("harmonic", data)
     if isinstance(signal, Step):
         return SignalModel("step", np.array([signal.time, signal.before, signal.after]))
-    if isinstance(signal, Table):
+    if isinstance(signal, Table) and signal.interpolation == "linear":
         data = np.concatenate([signal.times, signal.values])
         return SignalModel("table", data, count=len(signal.times))
     raise TypeError(f"no engine signal for {type(signal).__name__}")

@@ -73,6 +73,8 @@ def compile(mechanism: Mechanism) -> Model:
     index = {id(body): i for i, body in enumerate(mechanism.bodies)}
     bodies, q0, v0 = _bodies(mechanism)
     builder = Builder(index)
+    for item in (*mechanism.couplings, *mechanism.frictions, *mechanism.events):
+        raise TypeError(f"no engine rows for {type(item).__name__}")
     for joint in mechanism.joints:
         builder.joint(joint)
     for load in mechanism.forces:

@@ -3,8 +3,18 @@
 from jousto.mechanism.body import Body, FlexibleBody, Ground, MovingBody, RigidBody, ground
 from jousto.mechanism.coordinate import Angle, Coordinate, Displacement, Distance, Line
 from jousto.mechanism.coupling import COUPLINGS, Coupler, Coupling, Drive, Gear, Rack
+from jousto.mechanism.elements import (
+    ELEMENTS,
+    Bushing,
+    JointForce,
+    ModalLoad,
+    Servo,
+    Spring,
+    UserForce,
+)
 from jousto.mechanism.event import Event
 from jousto.mechanism.force import Force, Gravity, Load, Torque
+from jousto.mechanism.friction import Friction, Regularised, StickSlip
 from jousto.mechanism.joints import (
     JOINTS,
     ConstantOrientation,
@@ -57,6 +67,16 @@ from jousto.mechanism.signals import (
 )
 
 __all__ = [
+    "ELEMENTS",
+    "Bushing",
+    "JointForce",
+    "ModalLoad",
+    "Servo",
+    "Spring",
+    "UserForce",
+    "Friction",
+    "Regularised",
+    "StickSlip",
     "COUPLINGS",
     "JOINTS",
     "SENSORS",

@@ -10,8 +10,11 @@ import numpy as np
 from jousto.errors import Problems, suggest, warn
 from jousto.mechanism.body import FlexibleBody, Ground, RigidBody
 from jousto.mechanism.coordinate import Coordinate, Distance
-from jousto.mechanism.coupling import Coupler
+from jousto.mechanism.coupling import Coupler, Drive
+from jousto.mechanism.elements import ELEMENTS, Bushing, ModalLoad, UserForce
+from jousto.mechanism.event import Event
 from jousto.mechanism.force import LOADS, Gravity, Torque
+from jousto.mechanism.friction import Friction
 from jousto.mechanism.joints import Joint
 from jousto.mechanism.marker import Marker
 from jousto.mechanism.sensor import (
@@ -29,13 +32,20 @@ if TYPE_CHECKING:
 # largest gap at a joint, relative to the size of the mechanism, that projection may close
 GAP_TOLERANCE = 1e-6
 
+# all that may be given to a mechanism
+ITEMS = (
+    *(RigidBody, FlexibleBody, Joint, Coupler, Gravity, Friction, Event),
+    *(*LOADS, *ELEMENTS, *SENSORS),
+)
+
 
 def kind_of(item: Any) -> str:
     """Return the kind of an item for messages."""
     if isinstance(item, RigidBody | FlexibleBody):
         return "body"
-    if isinstance(item, Joint | Coupler):
-        return item.kind
+    if isinstance(item, (Joint, Coupler, Friction, Event, *ELEMENTS)):
+        kind: str = item.kind  # type: ignore[attr-defined]
+        return kind
     if isinstance(item, LOADS):
         return "torque" if isinstance(item, Torque) else "force"
     return "sensor"
@@ -51,7 +61,7 @@ def check_items(problems: Problems, items: tuple[Any, ...]) -> None:
     seen: set[int] = set()
     for i, item in enumerate(items):
         place = f"item {i + 1}"
-        if isinstance(item, (RigidBody, FlexibleBody, Joint, Coupler, *LOADS, *SENSORS, Gravity)):
+        if isinstance(item, ITEMS):
             if id(item) in seen:
                 name = "gravity" if isinstance(item, Gravity) else where(item)
                 problems.add(name, "given twice, leave one out")
@@ -80,7 +90,8 @@ def check_names(problems: Problems, mechanism: Mechanism) -> None:
     groups: dict[str, tuple[Any, ...]] = {
         "bodies": mechanism.bodies,
         "joints and couplings": (*mechanism.joints, *mechanism.couplings),
-        "forces": mechanism.forces,
+        "forces": (*mechanism.forces, *mechanism.frictions),
+        "events": mechanism.events,
         "sensors": mechanism.sensors,
     }
     for group, items in groups.items():
@@ -108,8 +119,12 @@ def markers_of(item: Any) -> Iterator[tuple[str, Marker]]:
         yield "a", item.a
         yield "b", item.b
         return
-    if hasattr(item, "marker"):
-        yield "marker", item.marker
+    for key in ("marker", "reference"):
+        if isinstance(getattr(item, key, None), Marker):
+            yield key, getattr(item, key)
+    if isinstance(item, Bushing):
+        yield "a", item.a
+        yield "b", item.b
     for s in coordinates_of(item):
         yield s.name, s.a
         yield s.name, s.b
@@ -130,12 +145,14 @@ def check_members(problems: Problems, mechanism: Mechanism) -> None:
         problems.add(where(item), f"{argument}: body {body.name!r} {text}")
 
     items = (*mechanism.joints, *mechanism.couplings, *mechanism.forces, *mechanism.sensors)
-    for item in items:
+    for item in (*items, *mechanism.frictions):
         for argument, marker in markers_of(item):
             missing(item, argument, marker.body)
-        if isinstance(item, ModalSensor | StressSensor):
+        if isinstance(item, ModalSensor | StressSensor | ModalLoad):
             missing(item, "body", item.body)
-        if isinstance(item, ReactionSensor) and all(item.joint is not j for j in mechanism.joints):
+        if isinstance(item, ReactionSensor | Friction) and all(
+            item.joint is not j for j in mechanism.joints
+        ):
             names = [joint.name for joint in mechanism.joints]
             if item.joint.name in names:
                 text = "is another joint of that name than the one in the mechanism"
@@ -162,6 +179,31 @@ def check_joints(problems: Problems, mechanism: Mechanism) -> None:
                 )
         else:
             check_gap(problems, joint, tolerance)
+
+
+def check_drives(problems: Problems, mechanism: Mechanism) -> None:
+    """Note drives on one coordinate."""
+    drives = [item for item in mechanism.couplings if isinstance(item, Drive)]
+    for i, drive in enumerate(drives):
+        for other in drives[:i]:
+            if drive.coordinate.same_as(other.coordinate):
+                problems.add(
+                    where(drive),
+                    f"drives {drive.coordinate.name}, which drive {other.name!r} drives already; "
+                    "leave one out",
+                )
+
+
+def warn_jumps(mechanism: Mechanism) -> None:
+    """Warn about drives whose signal jumps."""
+    for item in mechanism.couplings:
+        if isinstance(item, Drive) and item.signal.jumps:
+            times = ", ".join(f"{t:g}" for t in item.signal.jumps[:4])
+            warn(
+                where(item),
+                f"its signal jumps at t = {times} s, which no motion can follow; "
+                "use SCurve or Ramp",
+            )
 
 
 def check_gap(problems: Problems, joint: Joint, tolerance: float) -> None:
@@ -208,6 +250,8 @@ def turning(item: Any) -> Iterator[tuple[str, Marker]]:
             for key, marker, turns in zip("ab", (item.a, item.b), item.turns, strict=True)
             if turns
         )
+    elif isinstance(item, Bushing | UserForce):
+        yield from markers_of(item)
     elif isinstance(item, Torque | OrientationSensor | AngularVelocitySensor) or (
         isinstance(item, LOADS) and item.follow
     ):
@@ -234,7 +278,8 @@ def check_rotations(problems: Problems, mechanism: Mechanism) -> None:
 
 def warn_unconnected(mechanism: Mechanism) -> None:
     """Warn about bodies without a joint."""
-    connections = (*mechanism.joints, *mechanism.couplings)
+    elements = (x for x in mechanism.forces if not isinstance(x, (*LOADS, UserForce)))
+    connections = (*mechanism.joints, *mechanism.couplings, *elements)
     joined = {id(marker.body) for item in connections for _, marker in markers_of(item)}
     for body in mechanism.bodies:
         if id(body) not in joined:
@@ -245,7 +290,15 @@ def warn_mobility(mechanism: Mechanism) -> None:
     """Warn if there are as many constraint rows as coordinates."""
     coordinates = sum(6 + len(body.modal_coordinates) for body in mechanism.bodies)
     rows = sum(joint.rows for joint in mechanism.joints) + len(mechanism.couplings)
-    if rows >= coordinates:
+    drives = sum(isinstance(item, Drive) for item in mechanism.couplings)
+    # a mechanism may be driven completely
+    if drives and rows - drives < coordinates < rows:
+        warn(
+            f"mechanism {mechanism.name!r}",
+            f"over-driven: {rows} constraint rows, {drives} of them drives, for {coordinates} "
+            "coordinates; leave out a drive, unless joints repeat each other's rows",
+        )
+    elif rows - drives >= coordinates:
         warn(
             f"mechanism {mechanism.name!r}",
             f"{rows} constraint rows for {coordinates} coordinates: it cannot move, or joints "
@@ -256,7 +309,7 @@ def warn_mobility(mechanism: Mechanism) -> None:
 def warn_ground_loads(mechanism: Mechanism) -> None:
     """Warn about forces and torques on the ground."""
     for load in mechanism.forces:
-        if isinstance(load.marker.body, Ground):
+        if isinstance(load, LOADS) and isinstance(load.marker.body, Ground):
             warn(where(load), "acts on the ground, it has no effect")
 
 
@@ -269,7 +322,10 @@ def warn_at_rest(mechanism: Mechanism) -> None:
         or np.any(body.modal_coordinates)
         for body in mechanism.bodies
     )
-    loads = any(not isinstance(load.marker.body, Ground) for load in mechanism.forces)
+    loads = bool(mechanism.couplings) or any(
+        not (isinstance(load, LOADS) and isinstance(load.marker.body, Ground))
+        for load in mechanism.forces
+    )
     if not (moving or loads or np.any(mechanism.gravity)):
         warn(
             f"mechanism {mechanism.name!r}",

@@ -13,8 +13,11 @@ from jousto.mechanism import checks
 from jousto.mechanism.body import Body, FlexibleBody, MovingBody, RigidBody
 from jousto.mechanism.checks import where as where
 from jousto.mechanism.coupling import Coupler
+from jousto.mechanism.elements import ELEMENTS, Element
+from jousto.mechanism.event import Event
 from jousto.mechanism.fields import check_name, set_fields
 from jousto.mechanism.force import LOADS, Gravity, Load
+from jousto.mechanism.friction import Friction
 from jousto.mechanism.joints import Joint
 from jousto.mechanism.orientation import Array, readonly, rotation_matrix
 from jousto.mechanism.sensor import SENSORS, Sensor
@@ -33,8 +36,9 @@ class Mechanism:
 
     Attributes
     ----------
-    bodies, joints, forces, sensors : tuple
-        The items by kind, in the given order; forces holds forces and torques.
+    bodies, joints, couplings, forces, frictions, events, sensors : tuple
+        The items by kind, in the given order; couplings holds gears, racks, couplings and
+        drives, forces all force elements.
     gravity : (3,) array
         Acceleration of free fall, world frame, m/s2; zero without a `Gravity`.
     size : float
@@ -64,7 +68,9 @@ class Mechanism:
     bodies: tuple[MovingBody, ...]
     joints: tuple[Joint, ...]
     couplings: tuple[Coupler, ...]
-    forces: tuple[Load, ...]
+    forces: tuple[Load | Element, ...]
+    frictions: tuple[Friction, ...]
+    events: tuple[Event, ...]
     sensors: tuple[Sensor, ...]
     gravity: Array
 
@@ -73,7 +79,9 @@ class Mechanism:
             "bodies": tuple(x for x in items if isinstance(x, RigidBody | FlexibleBody)),
             "joints": tuple(x for x in items if isinstance(x, Joint)),
             "couplings": tuple(x for x in items if isinstance(x, Coupler)),
-            "forces": tuple(x for x in items if isinstance(x, LOADS)),
+            "forces": tuple(x for x in items if isinstance(x, (*LOADS, *ELEMENTS))),
+            "frictions": tuple(x for x in items if isinstance(x, Friction)),
+            "events": tuple(x for x in items if isinstance(x, Event)),
             "sensors": tuple(x for x in items if isinstance(x, SENSORS)),
         }
         gravity = [x.acceleration for x in items if isinstance(x, Gravity)]
@@ -119,6 +127,12 @@ class Mechanism:
         size = float(np.linalg.norm(cloud.max(axis=0) - cloud.min(axis=0)))
         return size if size > 0 else 1.0
 
+    @property
+    def mobility(self) -> int:
+        """Rigid degrees of freedom less the rows of joints, couplings and drives."""
+        rows = sum(joint.rows for joint in self.joints) + len(self.couplings)
+        return 6 * len(self.bodies) - rows
+
     def check(self) -> None:
         """Raise InputError with all problems and warn about what is probably not meant."""
         problems = Problems()
@@ -128,8 +142,10 @@ class Mechanism:
         checks.check_members(problems, self)
         checks.check_joints(problems, self)
         checks.check_rotations(problems, self)
+        checks.check_drives(problems, self)
         problems.raise_if_any()
         checks.warn_unconnected(self)
+        checks.warn_jumps(self)
         checks.warn_mobility(self)
         checks.warn_ground_loads(self)
         checks.warn_at_rest(self)

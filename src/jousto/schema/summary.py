@@ -30,7 +30,8 @@ def model_facts(file: ModelFile) -> Facts:
         rows.append((f"joint {joint.name}", f"{kind}, {joint.a.label} to {joint.b.label}"))
     for force in mechanism.forces:
         kind = type(force).__name__.lower()
-        rows.append((f"{kind} {force.name}", f"at {force.marker.label}"))
+        marker = getattr(force, "marker", None)
+        rows.append((f"{kind} {force.name}", f"at {marker.label}" if marker else ""))
     rows += [(f"sensor {s.name}", f"{s.description}, {s.unit}") for s in mechanism.sensors]
     rows.append(("gravity", " ".join(f"{g:g}" for g in mechanism.gravity) + " m/s2"))
     if file.simulation is not None:

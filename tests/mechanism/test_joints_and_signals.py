@@ -1,0 +1,96 @@
+"""Joints as data, coordinates, couplings, signals and force elements."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import jousto.mechanism as jm
+from jousto.errors import InputError, JoustoWarning
+from jousto.mechanism import Gravity, Mechanism, RigidBody, Rotate, ground
+
+G = Gravity((0, -9.81, 0))
+ROWS = {
+    "Spherical": 3, "Revolute": 5, "Fixed": 6, "Prismatic": 5, "Cylindrical": 4, "Universal": 4,
+    "Planar": 3, "PointOnLine": 2, "PointOnPlane": 1, "ConstantOrientation": 3, "Rod": 1,
+    "Screw": 5,
+}  # fmt: skip
+
+
+def body(name="b", **kwargs):
+    return RigidBody(name, 1.0, (1, 1, 1), markers={"tip": (1, 0, 0)}, **kwargs)
+
+
+@pytest.mark.parametrize("cls", jm.JOINTS, ids=lambda c: c.__name__)
+def test_rows_of_joints(cls):
+    pitch = {"pitch": 0.01} if cls is jm.Screw else {}
+    joint = cls("j", ground["origin"], body()["tip" if cls is jm.Rod else "origin"], **pitch)
+    assert joint.rows == len(joint.row_names) == ROWS[cls.__name__]
+
+
+def test_universal_angles_are_those_of_the_cross():
+    """b = turn by s about z, then by t about the turned x axis: angles s and t."""
+    s, t = 0.3, 0.7
+    turned = Rotate((0, 0, 1), np.degrees(s)).matrix @ Rotate((1, 0, 0), np.degrees(t)).matrix
+    # h_b is the z axis of b, h_a at t = 0 its y axis
+    axes = turned @ np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]], dtype=float)
+    b = body(orientation=axes)
+    joint = jm.Universal("u", ground["origin"], b["origin"], as_placed=False)
+    assert joint.angle1.initial == pytest.approx(s, abs=1e-14)
+    assert joint.angle2.initial == pytest.approx(t, abs=1e-14)
+    placed = jm.Universal("u", ground["origin"], b["origin"])
+    assert abs(placed.angle1.initial) + abs(placed.angle2.initial) < 1e-14
+
+
+@pytest.mark.parametrize(
+    "signal",
+    [
+        jm.Harmonic(frequency=0.4, amplitude=2, phase=0.2),
+        jm.SCurve((0, 1, 3), (0, 2, -1)),
+        jm.Table((0, 1, 2, 4), (0, 1, -1, 3), "cubic"),
+        jm.Ramp(0.2, 3.5, 1, 4) * jm.Harmonic(frequency=1) - 2.0,
+    ],
+)
+def test_rates_are_derivatives(signal):
+    t, h = np.array([0.35, 1.4, 2.6]), 1e-4
+    rate = (signal(t + h) - signal(t - h)) / (2 * h)
+    bend = (signal(t + h) - 2 * signal(t) + signal(t - h)) / h**2
+    np.testing.assert_allclose(signal.rate(t), rate, atol=2e-5)
+    np.testing.assert_allclose(signal.acceleration(t), bend, atol=2e-4)
+
+
+def test_table_from_csv(tmp_path):
+    path = tmp_path / "t.csv"
+    path.write_text("# motion\ntime,angle\n0,1\n2,3\n")
+    assert jm.Table.from_csv(path, time="time", value="angle")(1.0) == 2.0
+    with pytest.raises(InputError, match="no column 'angel'; did you mean 'angle'"):
+        jm.Table.from_csv(path, value="angel")
+
+
+def test_two_drives_and_a_jump():
+    b = body()
+    hinge = jm.Revolute("hinge", ground["origin"], b["origin"])
+    one = jm.Drive("one", hinge.angle, jm.Step(1.0))
+    with pytest.warns(JoustoWarning, match="drive 'one': its signal jumps at t = 1 s"):
+        assert Mechanism(b, hinge, one, G).mobility == 0
+    two = jm.Drive("two", hinge.angle, 0.0)
+    with pytest.raises(InputError, match="drive 'two': drives hinge.angle, which drive 'one'"):
+        Mechanism(b, hinge, one, two, G)
+
+
+BAD = [
+    (lambda j: jm.Friction("f", j, 0.3, 0.2, radius=0.1), "mu_static is 0.2, must not be below"),
+    (lambda j: jm.Friction("f", j, 0.3, radius=0.0), "radius is 0 m, must be a positive number"),
+    (lambda j: jm.Servo("s", j.angle, 0.0, kp=-1), "kp is -1, must not be negative"),
+    (lambda j: jm.Gear("g", j.angle, j.angle, 2.0), "couples hinge.angle with itself"),
+    (lambda j: jm.Bushing("b", j.a, j.b, (1, 1, 1, 1, 1, -1)), "negative eigenvalue -1"),
+    (lambda j: jm.Spring("s", j), "is the joint 'hinge'; name a coordinate of it, hinge.angle"),
+]
+
+
+@pytest.mark.parametrize(("make", "text"), BAD)
+def test_bad_elements_say_why(make, text):
+    hinge = jm.Revolute("hinge", ground["origin"], body()["origin"])
+    with pytest.raises(InputError) as error:
+        make(hinge)
+    assert text in str(error.value)
