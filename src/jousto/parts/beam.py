@@ -210,6 +210,32 @@ def shape_functions(beams: BeamElements, xi: float) -> Floats:
     return N
 
 
+def slopes(beams: BeamElements, xi: float) -> Floats:
+    """Return the derivatives along the element of deflection and twist at x = xi L.
+
+    Parameters
+    ----------
+    beams : BeamElements
+    xi : float
+        Place along the element, 0 at end a and 1 at end b.
+
+    Returns
+    -------
+    (ne, 3, 12) ndarray
+        ``[dv/dx dw/dx drx/dx]``, local axes, from the element's end displacements, local axes.
+    """
+    L = beams.length
+    N = np.zeros((len(beams), 3, 12))
+    for row, v, r, phi, sign in ((0, 1, 5, beams.phi[:, 0], 1.0), (1, 2, 4, beams.phi[:, 1], -1.0)):
+        f = 1.0 / (1.0 + phi)
+        N[:, row, v] = f * (6.0 * (xi**2 - xi) - phi) / L
+        N[:, row, v + 6] = -N[:, row, v]
+        N[:, row, r] = sign * f * (1.0 - 4.0 * xi + 3.0 * xi**2 + phi * (0.5 - xi))
+        N[:, row, r + 6] = sign * f * (3.0 * xi**2 - 2.0 * xi - phi * (0.5 - xi))
+    N[:, 2, 3], N[:, 2, 9] = -1.0 / L, 1.0 / L
+    return N
+
+
 def end_displacements(beams: BeamElements) -> Floats:
     """Return the matrices (ne, 12, 12) from nodal displacements to local end displacements.
 

@@ -23,6 +23,7 @@ from jousto.parts.beam import (
 )
 from jousto.parts.mass import MassPoints, PointMass, joined, rigid_points
 from jousto.parts.material import Material
+from jousto.parts.second_order import SecondOrder
 from jousto.parts.section import Section
 from jousto.parts.sets import connectivity, node_index, read_elements, read_sets, unattached
 from jousto.parts.stress import StressOperator, beam_stress
@@ -141,8 +142,10 @@ def check_frame(
     return Frame(name, xyz, ab, sets, beams, tuple(section), density, options, tuple(point_masses))
 
 
-def assemble(frame: Frame) -> tuple[Sparse, Sparse, MassPoints, StressOperator | None]:
-    """Return K, M, the mass points and the stress operator of a frame.
+def assemble(
+    frame: Frame,
+) -> tuple[Sparse, Sparse, MassPoints, StressOperator | None, SecondOrder]:
+    """Return K, M, the mass points, the stress operator and the second-order forms of a frame.
 
     The mass matrix is computed from the mass points.
     """
@@ -151,29 +154,27 @@ def assemble(frame: Frame) -> tuple[Sparse, Sparse, MassPoints, StressOperator |
     B = end_displacements(beams)
     k = np.swapaxes(B, 1, 2) @ stiffness(beams) @ B
     K = scatter(0.5 * (k + np.swapaxes(k, 1, 2)), dofs, dofs, (6 * nn, 6 * nn))
-    points = mass_points(frame)
-    return K, points.matrix(), points, beam_stress(beams, frame.sections, frame.elements, 6 * nn)
+    along, rigid = mass_points_along(frame), mass_points_on_nodes(frame)
+    points = rigid
+    rhoA, line_moment = np.zeros(len(beams)), np.zeros((len(beams), 3, 3))
+    if along is not None:
+        points = joined([along, rigid]) if len(rigid) else along
+        rhoA, line_moment = frame.density[:, 0], _line_moment(frame)
+    stress = beam_stress(beams, frame.sections, frame.elements, 6 * nn)
+    gyration = (beams.EIy + beams.EIz) / beams.EA
+    second = SecondOrder(beams, frame.elements, rhoA, line_moment, gyration, rigid, 6 * nn)
+    return K, points.matrix(), points, stress, second
 
 
-def mass_points(frame: Frame) -> MassPoints:
-    """Return the mass points of a frame.
+def mass_points_on_nodes(frame: Frame) -> MassPoints:
+    """Return the mass that is fixed to nodes: point masses and, if lumped, half elements.
 
-    Consistent: four Gauss points in each element (exact for the cubic shape functions), each with
-    the rotary inertia of its slice. Lumped: half of the element at each of its ends, with the
-    rotary inertia of the sections, ``rho (Iy + Iz) L/2`` about the axis and ``rho I L/2`` across
-    it; the term of the slope, ``m L^2/24`` for a half element turning about its end, is left out,
-    because the translational masses exceed the inertia of the member already (by m L^2/6). Point
-    masses, and everything lumped at one node, are merged into one point.
+    A half element has the rotary inertia of the sections, ``rho (Iy + Iz) L/2`` about the axis and
+    ``rho I L/2`` across it; the term of the slope, ``m L^2/24`` for a half element turning about
+    its end, is left out, because the translational masses exceed the inertia of the member already
+    (by m L^2/6). Everything at one node is merged into one point.
     """
     beams, nodes, options = frame.beams, frame.nodes, frame.options
-    rhoA, rhoIy, rhoIz = frame.density.T
-    # second moment of a slice of unit length, local: x none, y from Iz, z from Iy
-    g = np.zeros((len(beams), 3, 3))
-    if options.rotary_inertia:
-        g[:, 1, 1], g[:, 2, 2] = rhoIz, rhoIy
-    g = beams.axes @ g @ np.swapaxes(beams.axes, 1, 2)
-
-    # rigidly on nodes: point masses and, if lumped, half elements
     node = [node_index(p.node, frame.node_sets) for p in frame.point_masses]
     mass = np.array([p.mass for p in frame.point_masses])
     offset = np.array([p.offset for p in frame.point_masses]).reshape(-1, 3)
@@ -181,16 +182,24 @@ def mass_points(frame: Frame) -> MassPoints:
     moment = 0.5 * np.trace(J, axis1=1, axis2=2)[:, None, None] * np.eye(3) - J
     where = np.array(node, dtype=np.int64)
     if options.lumped:
-        half = 0.5 * beams.length
+        half, g = 0.5 * beams.length, _line_moment(frame)
         where = np.concatenate([where, frame.elements.T.ravel()])
-        mass = np.concatenate([mass, np.tile(rhoA * half, 2)])
+        mass = np.concatenate([mass, np.tile(frame.density[:, 0] * half, 2)])
         offset = np.concatenate([offset, beams.offsets[:, 0], beams.offsets[:, 1]])
         moment = np.concatenate([moment, np.tile(g * half[:, None, None], (2, 1, 1))])
-    rigid = rigid_points(where, mass, offset, moment, nodes)
-    if options.lumped:
-        return rigid
+    return rigid_points(where, mass, offset, moment, nodes)
 
-    # along the elements
+
+def mass_points_along(frame: Frame) -> MassPoints | None:
+    """Return the distributed mass of the elements, or None if it is lumped.
+
+    Four Gauss points in each element (exact for the cubic shape functions), each with the rotary
+    inertia of its slice.
+    """
+    if frame.options.lumped:
+        return None
+    beams, nodes, g = frame.beams, frame.nodes, _line_moment(frame)
+    rhoA = frame.density[:, 0]
     heavy = np.flatnonzero(rhoA > 0.0)
     ne, ndof = len(beams), 6 * len(nodes)
     abscissae, weights = np.polynomial.legendre.leggauss(4)
@@ -201,7 +210,7 @@ def mass_points(frame: Frame) -> MassPoints:
     rows = node_dofs(np.arange(len(N))[:, None], 3)
     columns = np.repeat(node_dofs(frame.elements[heavy], 6), 4, axis=0)
     position = beams.origin[:, None] + xi[:, None] * (L[:, None] * axes[:, :, 0])[:, None]
-    along = MassPoints(
+    return MassPoints(
         mass=((rhoA * L)[heavy, None] * weights).ravel(),
         position=position[heavy].reshape(-1, 3),
         second_moment=((L[:, None, None] * g)[heavy, None] * weights[:, None, None]).reshape(
@@ -210,7 +219,17 @@ def mass_points(frame: Frame) -> MassPoints:
         N=scatter(N[:, 0], rows, columns, (3 * len(N), ndof)),
         N_rot=scatter(N[:, 1], rows, columns, (3 * len(N), ndof)),
     )
-    return joined([along, rigid] if len(rigid) else [along])
+
+
+def _line_moment(frame: Frame) -> Floats:
+    """Return the second moment of sections of unit length (ne, 3, 3), part axes, kg m."""
+    _, rhoIy, rhoIz = frame.density.T
+    # local: x none, y from Iz, z from Iy
+    g = np.zeros((len(frame.beams), 3, 3))
+    if frame.options.rotary_inertia:
+        g[:, 1, 1], g[:, 2, 2] = rhoIz, rhoIy
+    axes = frame.beams.axes
+    return np.asarray(axes @ g @ np.swapaxes(axes, 1, 2))
 
 
 def _per_element(

@@ -104,6 +104,9 @@ class MassPoints:
         Translations of the centres from nodal displacements, part axes.
     N_rot : (3 k, ndof) sparse array
         Rotation vectors of the points from nodal displacements, part axes.
+    arm : (k, 3) ndarray, optional
+        Rigid arm from what the point turns with (a node) to its centre in m, part frame; zero if
+        not given. N has its first-order effect already.
     """
 
     mass: Floats
@@ -111,9 +114,12 @@ class MassPoints:
     second_moment: Floats
     N: Sparse
     N_rot: Sparse
+    arm: Floats | None = None
 
     def __post_init__(self) -> None:
-        for name in ("mass", "position", "second_moment"):
+        if self.arm is None:
+            object.__setattr__(self, "arm", np.zeros((len(self.mass), 3)))
+        for name in ("mass", "position", "second_moment", "arm"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
         object.__setattr__(self, "N", as_csr(self.N))
         object.__setattr__(self, "N_rot", as_csr(self.N_rot))
@@ -188,6 +194,7 @@ def rigid_points(
         second_moment=G[used],
         N=scatter(np.concatenate([E, -skew(c[used])], axis=2), rows, columns, shape),
         N_rot=scatter(E, rows, columns[:, 3:], shape),
+        arm=c[used],
     )
 
 
@@ -201,4 +208,5 @@ def joined(parts: Sequence[MassPoints]) -> MassPoints:
         second_moment=np.concatenate([p.second_moment for p in parts]),
         N=as_csr(sp.vstack([p.N for p in parts], format="csr")),
         N_rot=as_csr(sp.vstack([p.N_rot for p in parts], format="csr")),
+        arm=np.concatenate([np.asarray(p.arm) for p in parts]),
     )

@@ -123,6 +123,7 @@ def points_from_blocks(M: Sparse, nodes: Floats, dofs: int) -> MassPoints | None
         second_moment=G[used],
         N=scatter(N[used], rows, columns, shape),
         N_rot=scatter(turn[used], rows, columns, shape),
+        arm=c[used],
     )
 
 

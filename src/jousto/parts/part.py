@@ -17,6 +17,7 @@ from jousto.parts.mass import MassPoints, PointMass
 from jousto.parts.material import Material
 from jousto.parts.matrices import check_matrices, points_from_blocks, rigid_modes
 from jousto.parts.members import Member, join_members
+from jousto.parts.second_order import SecondOrder
 from jousto.parts.section import Section
 from jousto.parts.sets import node_index, read_elements, read_sets
 from jousto.parts.stress import StressOperator
@@ -46,6 +47,8 @@ class Part:
         The description from which M was computed.
     stress : StressOperator, optional
         Stress from nodal displacements.
+    second_order : SecondOrder, optional
+        Second-order displacements, for geometric stiffness; parts made of beams have them.
     """
 
     name: str
@@ -57,6 +60,7 @@ class Part:
     node_sets: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     mass_points: MassPoints | None = None
     stress: StressOperator | None = None
+    second_order: SecondOrder | None = None
 
     def __post_init__(self) -> None:
         where, problems = f"part '{self.name}'", Problems()
@@ -285,7 +289,7 @@ class Part:
 
     @classmethod
     def _from_frame(cls, frame: Frame) -> Part:
-        K, M, points, stress = assemble(frame)
+        K, M, points, stress, second_order = assemble(frame)
         return cls(
             name=frame.name,
             nodes=frame.nodes,
@@ -296,6 +300,7 @@ class Part:
             node_sets=frame.node_sets,
             mass_points=points,
             stress=stress,
+            second_order=second_order,
         )
 
     @classmethod
@@ -374,6 +379,57 @@ class Part:
         Three unit translations, then three unit rotations about the origin of the part frame.
         """
         return rigid_modes(self.nodes, self.dofs_per_node)
+
+    def geometric_stiffness(self, d: Any) -> Sparse:
+        """Return the geometric stiffness Kg (ndof, ndof) of the stress of a static deformation.
+
+        Under a static load f with the displacements d, ``K d = f``, a further small displacement x
+        meets the stiffness K + Kg: tension stiffens a beam, compression softens it. The part
+        buckles under c f for the least c with ``det(K + c Kg) = 0`` (on the free degrees of
+        freedom). Kg holds the stretch of the elements, ``N int v'^2 + w'^2 + (Iy + Iz)/A rx'^2
+        dx``, the rotation of bending and twisting moments, and rigid arms.
+
+        Parameters
+        ----------
+        d : (ndof,) array_like
+            Nodal displacements in m and rad, part frame.
+
+        Returns
+        -------
+        (ndof, ndof) sparse array
+            Symmetric; N/m, N, N m.
+
+        Raises
+        ------
+        InputError
+            If the part is not made of beams, or d has another shape.
+
+        Examples
+        --------
+        The force that buckles a cantilever, over ``pi^2 E I / (4 L^2)``:
+
+        >>> from scipy.linalg import eigh
+        >>> from jousto.parts import Circle
+        >>> part = Part.beam(1.0, Circle(0.01), 4, Material(2e11, 0.3, 7850.0))
+        >>> f = np.zeros(24)
+        >>> f[18] = -1.0
+        >>> K = part.K.toarray()[6:, 6:]
+        >>> Kg = part.geometric_stiffness(np.r_[np.zeros(6), np.linalg.solve(K, f)])
+        >>> c = 1.0 / eigh(-Kg.toarray()[6:, 6:], K, eigvals_only=True)[-1]
+        >>> f"{c / (np.pi**2 * 2e11 * Circle(0.01).Iy / 4.0):.3f}"
+        '1.000'
+        """
+        where, problems = f"part '{self.name}'", Problems()
+        if self.second_order is None:
+            problems.add(
+                where,
+                "has no geometric stiffness: it comes from matrices, only parts made of beams"
+                " (Part.beam, Part.frame, Part.from_members) know their stress",
+            )
+        u = problems.array(where, "displacements", d, (self.K.shape[0],))
+        problems.raise_if_any()
+        assert self.second_order is not None and u is not None
+        return self.second_order.geometric_stiffness(u)
 
     @cached_property
     def _rigid_mass(self) -> Floats:

@@ -7,6 +7,7 @@ from jousto.reduction.invariants import Invariants
 from jousto.reduction.methods import CraigBampton, FreeFree, Method
 from jousto.reduction.reduced import ReducedPart
 from jousto.reduction.reducer import reduce
+from jousto.reduction.stiffening import Stiffening
 from jousto.reduction.stress import StressModes
 
 __all__ = [
@@ -17,6 +18,7 @@ __all__ = [
     "Method",
     "Rayleigh",
     "ReducedPart",
+    "Stiffening",
     "StressModes",
     "modal_damping",
     "reduce",

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.reduction.invariants import Invariants
 from jousto.reduction.rigid import length_scale
+from jousto.reduction.stiffening import Stiffening
 from jousto.reduction.stress import StressModes
 
 if TYPE_CHECKING:
@@ -53,6 +54,8 @@ class ReducedPart:
         Node sets whose static deformation the modes hold exactly.
     provenance : mapping of str to str
         Method, versions and hash of the input.
+    stiffening : Stiffening or None
+        Second-order displacements: what makes forces along the body stiffen or soften it.
 
     Raises
     ------
@@ -71,6 +74,7 @@ class ReducedPart:
     stress: StressModes | None = None
     interfaces: tuple[str, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
+    stiffening: Stiffening | None = None
 
     def __post_init__(self) -> None:
         where = f"reduced part '{self.name}'"
@@ -91,6 +95,10 @@ class ReducedPart:
             problems.add(where, f"invariants are of {self.invariants.n} modes, frequencies of {n}")
         if self.stress is not None and self.stress.modes.shape[2] != n:
             problems.add(where, f"stress is of {self.stress.modes.shape[2]} modes, must be {n}")
+        if self.stiffening is not None:
+            found = self.stiffening.translations.shape
+            if found != (nn, 3, n, n):
+                problems.add(where, f"stiffening is of {found[0]} nodes and {found[3]} modes")
 
         # node numbers of elements and sets
         elements = np.array(self.elements, dtype=np.intp)
@@ -188,6 +196,7 @@ class ReducedPart:
             frequencies=self.frequencies[chosen],
             invariants=self.invariants.keep(chosen),
             stress=None if self.stress is None else self.stress.keep(chosen),
+            stiffening=None if self.stiffening is None else self.stiffening.keep(chosen),
         )
 
     def in_plane(self, plane: str, *, tolerance: float = 1e-3) -> tuple[int, ...]:

@@ -29,6 +29,7 @@ from jousto.reduction.rigid import (
     length_scale,
     mass_orthonormal_rigid_modes,
 )
+from jousto.reduction.stiffening import stiffening as second_order_field
 from jousto.reduction.stress import StressModes
 
 Array = NDArray[np.float64]
@@ -37,7 +38,7 @@ ORTHONORMALITY = 1e-10
 """Largest deviation of the modal mass matrix from the identity."""
 
 
-def reduce(part: Part, method: Method) -> ReducedPart:
+def reduce(part: Part, method: Method, *, stiffening: bool = False) -> ReducedPart:
     """Reduce a part to its elastic modes, orthonormal and free of rigid-body motion.
 
     Craig-Bampton: ``T = [E 0; Phi_C Phi_N]``, the rigid motions R are taken out of T by the
@@ -50,6 +51,10 @@ def reduce(part: Part, method: Method) -> ReducedPart:
         The free part.
     method : CraigBampton or FreeFree
         Which modes.
+    stiffening : bool
+        Whether forces along the body stiffen or soften it: for blades, shafts and arms that spin
+        fast, and members near buckling. Parts made of beams only. Off by default: without it the
+        body is the linear one of other programs, and costs less.
 
     Returns
     -------
@@ -60,7 +65,8 @@ def reduce(part: Part, method: Method) -> ReducedPart:
     ------
     InputError
         The stiffness matrix is not free or lets the held body move, all mass lies on a line, an
-        interface is unknown or does not hold the body, or there are fewer modes than asked for.
+        interface is unknown or does not hold the body, there are fewer modes than asked for, or
+        stiffening is asked of a part that is not made of beams.
     """
     body: object = part
     if not isinstance(body, Part):
@@ -100,7 +106,8 @@ def reduce(part: Part, method: Method) -> ReducedPart:
     X = X / np.sqrt(mu)
     _check_orthonormal(X, M, where)
     frequencies = 1.0 / (2.0 * np.pi * np.sqrt(mu))
-    return _assemble(part, X, frequencies, interfaces, repr(method))
+    reduced = _assemble(part, X, frequencies, interfaces, repr(method))
+    return replace(reduced, stiffening=second_order_field(part, X)) if stiffening else reduced
 
 
 def _check_orthonormal(X: Array, M: sp.csr_array, where: str) -> None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from jousto.errors import InputError, Problem
 from jousto.reduction.invariants import Invariants
 from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.stiffening import Stiffening
 from jousto.reduction.stress import StressModes
 
 FORMAT = "jousto reduced part"
@@ -35,6 +36,9 @@ UNITS = {
     "invariants/E": "1",
     "stress/positions": "m",
     "stress/modes": "Pa kg^-0.5 m^-1",
+    "stiffening/second_moment": "1",
+    "stiffening/translations": "kg^-1 m^-1",
+    "stiffening/rotations": "kg^-1 m^-2",
 }
 
 Arrays = dict[str, NDArray[Any]]
@@ -147,6 +151,10 @@ def _arrays(part: ReducedPart) -> Arrays:
         arrays["stress/positions"] = part.stress.positions
         arrays["stress/axes"] = part.stress.axes
         arrays["stress/modes"] = part.stress.modes
+    if part.stiffening is not None:
+        arrays["stiffening/second_moment"] = part.stiffening.second_moment
+        arrays["stiffening/translations"] = part.stiffening.translations
+        arrays["stiffening/rotations"] = part.stiffening.rotations
     return arrays
 
 
@@ -159,6 +167,13 @@ def _part(header: str, arrays: Arrays) -> ReducedPart:
             arrays["stress/positions"],
             arrays["stress/axes"],
             arrays["stress/modes"],
+        )
+    field = None
+    if any(key.startswith("stiffening/") for key in arrays):
+        field = Stiffening(
+            arrays["stiffening/second_moment"],
+            arrays["stiffening/translations"],
+            arrays["stiffening/rotations"],
         )
     return ReducedPart(
         name=text["name"],
@@ -179,6 +194,7 @@ def _part(header: str, arrays: Arrays) -> ReducedPart:
         stress=stress,
         interfaces=tuple(text["interfaces"]),
         provenance=text["provenance"],
+        stiffening=field,
     )
 
 

@@ -1,0 +1,143 @@
+"""Geometric stiffening: the second-order displacement field of a modal body.
+
+``u = u0 + Phi p + 1/2 chi(p, p)``: a beam that bends draws its ends together, and a force along it
+works on that. With chi the forces of a fast spin and of joints stiffen (or soften) the body.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from jousto.errors import InputError, Problem, Problems
+from jousto.reduction.partition import whole_part_basis
+from jousto.reduction.rigid import mass_orthonormal_rigid_modes
+
+if TYPE_CHECKING:
+    from jousto.parts import Part
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Stiffening:
+    """Second-order displacements chi of a body with n modes, ``chi_jk = chi_kj``.
+
+    The rigid motion that chi leaves open is chosen so that it carries no momentum,
+    ``int chi dm = int u0 x chi dm = 0``.
+
+    Parameters
+    ----------
+    second_moment : (n, n, 3, 3) array
+        ``N[j, k] = int u0 chi_jk^T dm``, symmetric; no unit.
+    translations : (nn, 3, n, n) array
+        chi of the nodes, part frame, kg^-1 m^-1.
+    rotations : (nn, 3, n, n) array
+        Second-order rotation vectors of the nodes, kg^-1 m^-2.
+
+    Raises
+    ------
+    InputError
+        Shapes that do not belong together or values that are not finite.
+    """
+
+    second_moment: Array
+    translations: Array
+    rotations: Array
+
+    def __post_init__(self) -> None:
+        problems = Problems()
+        n = int(np.shape(self.second_moment)[0]) if np.ndim(self.second_moment) == 4 else 0
+        nn = int(np.shape(self.translations)[0]) if np.ndim(self.translations) == 4 else 0
+        for name, shape in (
+            ("second_moment", (n, n, 3, 3)),
+            ("translations", (nn, 3, n, n)),
+            ("rotations", (nn, 3, n, n)),
+        ):
+            array = problems.array("Stiffening", name, getattr(self, name), shape)
+            object.__setattr__(self, name, array)
+        problems.raise_if_any()
+
+    @property
+    def n(self) -> int:
+        """Number of modes."""
+        return len(self.second_moment)
+
+    def keep(self, indices: NDArray[np.intp]) -> Stiffening:
+        """Return the field of some of the modes, in the order given."""
+        j, k = np.ix_(indices, indices)
+        return Stiffening(
+            self.second_moment[j, k],
+            self.translations[:, :, j, k],
+            self.rotations[:, :, j, k],
+        )
+
+
+def stiffening(part: Part, X: Array) -> Stiffening:
+    """Return the second-order displacement field of mode shapes (ndof, n) of a part of beams.
+
+    An element stores the energy of ``B d + s(d, d)/2``, see `parts.second_order`. Displacements
+    ``d = X p + chi(p, p)/2`` free of energy of the second order solve
+
+        ``K chi_jk = -sum_e B^T k s(x_j, x_k)``,
+
+    which is the dual of geometric stiffness: ``f . chi(p, p) = -p^T Kg(f) p`` for every load f with
+    the stress state ``K d = f``. The rigid part of chi is chosen such that ``int chi dm`` and
+    ``int u0 x chi dm`` vanish.
+
+    Raises
+    ------
+    InputError
+        If the part is not made of beams.
+    """
+    where = f"part '{part.name}'"
+    second = part.second_order
+    if second is None:
+        message = (
+            "has no geometric stiffening: it comes from matrices, only parts made of beams "
+            "(Part.beam, Part.frame, Part.from_members) know their stress; reduce with "
+            "stiffening=False, or cut the part into several bodies"
+        )
+        raise InputError(Problem(where, message))
+    ndof, n = X.shape
+    basis = whole_part_basis(part, sp.csr_array(part.K))
+    assert basis.solve is not None
+    chi = np.empty((ndof, n, n))
+    for j in range(n):
+        chi[:, :, j] = basis.lift(basis.solve(-basis.lower(second.forces(X, j))))
+    chi = 0.5 * (chi + chi.swapaxes(1, 2))
+
+    # int g . chi dm of the twelve affine fields g = a + H x
+    loads = second.field_loads
+    work = np.einsum("df,djk->fjk", loads, chi, optimize=True) + second.work(X)
+
+    # take the rigid motions out, twice for the digits
+    M = sp.csr_array(part.M)
+    rigid = mass_orthonormal_rigid_modes(M, part.nodes, part.dofs_per_node, where).R
+    fields = _affine(rigid, part.nodes)
+    gram = fields.T @ (loads.T @ rigid)
+    for _ in range(2):
+        c = np.linalg.solve(gram, np.einsum("fr,fjk->rjk", fields, work).reshape(6, -1))
+        chi -= (rigid @ c).reshape(chi.shape)
+        work -= ((loads.T @ rigid) @ c).reshape(work.shape)
+    N = work[3:].reshape(3, 3, n, n)
+    nodal = chi.reshape(-1, 6, n, n)
+    return Stiffening(
+        0.5 * (N + N.swapaxes(0, 1)).transpose(2, 3, 0, 1), nodal[:, :3], nodal[:, 3:]
+    )
+
+
+def _affine(rigid: Array, nodes: Array) -> Array:
+    """Return the coefficients (12, 6) of rigid motions ``a + b x x`` as affine fields."""
+    first = rigid.reshape(len(nodes), 6, 6)[0]
+    b = first[3:]
+    out = np.zeros((12, 6))
+    out[:3] = first[:3] - np.cross(b.T, nodes[0]).T
+    for c in range(3):
+        # b x x = H x with H[d, c] = (b x e_c)_d
+        out[3 + 3 * c : 6 + 3 * c] = np.cross(b.T, np.eye(3)[c]).T
+    return out
