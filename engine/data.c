@@ -61,6 +61,13 @@ static jo_data *lay_out(const jo_model *m, arena *a)
             w->set[s].I3w = reals(a, 3 * np);
         }
     }
+    for (int i = 0; i < m->nmarker; i++) {
+        jo_marker_work spare, *w = a->base ? &d->marker[i] : &spare;
+        const jo_marker *k = &m->marker[i];
+        w->shapes = k->chi ? reals(a, 6 * m->body[k->body].np) : 0;
+        w->Phi = k->chi && k->Phi ? w->shapes : k->Phi;
+        w->Psi = k->chi && k->Psi && w->shapes ? w->shapes + 3 * m->body[k->body].np : k->Psi;
+    }
     for (int i = 0; i < m->nactive; i++) {
         jo_marker_work spare, *w = a->base ? &d->marker[i] : &spare;
         const int np = m->marker[i].body < 0 ? 0 : m->body[m->marker[i].body].np;

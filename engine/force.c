@@ -20,11 +20,11 @@ static void push(const jo_model *m, jo_data *d, int marker, const jo_real *F, co
     jo_add3(bw->fr + 3, T);
     if (k->Phi)
         for (int j = 0; j < np; j++)
-            bw->fp[j] += k->Phi[j] * F[0] + k->Phi[np + j] * F[1] + k->Phi[2 * np + j] * F[2];
+            bw->fp[j] += w->Phi[j] * F[0] + w->Phi[np + j] * F[1] + w->Phi[2 * np + j] * F[2];
     if (k->Psi) {
         jo_mul3t(t, w->T, T);
         for (int j = 0; j < np; j++)
-            bw->fp[j] += k->Psi[j] * t[0] + k->Psi[np + j] * t[1] + k->Psi[2 * np + j] * t[2];
+            bw->fp[j] += w->Psi[j] * t[0] + w->Psi[np + j] * t[1] + w->Psi[2 * np + j] * t[2];
     }
 }
 

@@ -42,6 +42,8 @@ typedef struct {
     jo_real bv[3], bom[3];  /* velocity-dependent accelerations, local */
     jo_real Xt[18], Xr[18]; /* marker rows reduced to the six rigid coordinates */
     jo_real a[6];           /* acceleration without that of the rigid coordinates, local */
+    const jo_real *Phi, *Psi;   /* (3 x np) mode shapes at p: those of the marker, with stiffening in `shapes` */
+    jo_real *shapes;        /* (6 x np) with stiffening, else 0 */
     jo_marker_set set[2];
 } jo_marker_work;
 

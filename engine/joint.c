@@ -7,25 +7,28 @@
 
 static void axis(jo_real *x, const jo_real *A, int i) { x[0] = A[i]; x[1] = A[3 + i]; x[2] = A[6 + i]; }
 
-/* constants of the elimination: L_k weight L_l^T of every pair of joint sides on one flexible body */
+/* L_k weight L_l^T of a pair of joint sides on one flexible body: constant without stiffening */
+static void pair_gram(const jo_model *m, jo_data *d, int i, int set)
+{
+    const jo_pair *p = &m->pair[i];
+    const int k = m->joint[p->joint_k].side[p->side_k], l = m->joint[p->joint_l].side[p->side_l];
+    const jo_marker_work *mk = &d->marker[k], *ml = &d->marker[l];
+    const int np = m->body[m->marker[k].body].np;
+    const jo_real *weight = d->body[m->marker[k].body].set[set].weight;
+    jo_real *gram = d->gram[set] + 36 * i;
+    for (int r = 0; r < 6; r++)
+        for (int c = 0; c < 6; c++) {
+            const jo_real *x = r < 3 ? mk->Phi : mk->Psi, *y = c < 3 ? ml->Phi : ml->Psi;
+            jo_real s = 0.0;
+            if (x && y)
+                for (int j = 0; j < np; j++) s += x[(r % 3) * np + j] * weight[j] * y[(c % 3) * np + j];
+            gram[6 * r + c] = s;
+        }
+}
+
 void jo_joint_setup(const jo_model *m, jo_data *d, int set)
 {
-    for (int i = 0; i < m->npair; i++) {
-        const jo_pair *p = &m->pair[i];
-        const jo_joint *k = &m->joint[p->joint_k], *l = &m->joint[p->joint_l];
-        const jo_marker *mk = &m->marker[k->side[p->side_k]], *ml = &m->marker[l->side[p->side_l]];
-        const int np = m->body[mk->body].np;
-        const jo_real *weight = d->body[mk->body].set[set].weight;
-        jo_real *gram = d->gram[set] + 36 * i;
-        for (int r = 0; r < 6; r++)
-            for (int c = 0; c < 6; c++) {
-                const jo_real *x = r < 3 ? mk->Phi : mk->Psi, *y = c < 3 ? ml->Phi : ml->Psi;
-                jo_real s = 0.0;
-                if (x && y)
-                    for (int j = 0; j < np; j++) s += x[(r % 3) * np + j] * weight[j] * y[(c % 3) * np + j];
-                gram[6 * r + c] = s;
-            }
-    }
+    for (int i = 0; i < m->npair; i++) pair_gram(m, d, i, set);
 }
 
 static double largest(const jo_real *c, int count)
@@ -315,6 +318,7 @@ static void assemble(const jo_model *m, jo_data *d)
             add_product(block, X, k->nrow, Y, l->nrow);
         }
         if (!m->body[body].n) continue;
+        if (m->marker[k->side[p->side_k]].chi) pair_gram(m, d, i, d->set);
         const jo_real *gram = d->gram[d->set] + 36 * i;
         if (k->nperp || l->nperp) add_gram(block, k, wk->C[p->side_k], l, wl->C[p->side_l], gram);
         else add_gram_translation(block, wk->C[p->side_k], wl->C[p->side_l], gram);
@@ -492,12 +496,12 @@ void jo_joint_apply(const jo_model *m, jo_data *d)
             if (mk->Phi && k->coincident) {
                 jo_real f[3];
                 for (int j = 0; j < 3; j++) f[j] = C[j] * w->x[0] + C[6 + j] * w->x[1] + C[12 + j] * w->x[2];
-                subtract_modal(bw->fp, mk->Phi, f, np);
+                subtract_modal(bw->fp, d->marker[k->side[side]].Phi, f, np);
             }
             if (mk->Psi && k->nperp) {
                 jo_real f[3] = {0.0, 0.0, 0.0};
                 for (int r = k->nrow - k->nperp; r < k->nrow; r++) jo_axpy3(f, w->x[r], C + 6 * r + 3);
-                subtract_modal(bw->fp, mk->Psi, f, np);
+                subtract_modal(bw->fp, d->marker[k->side[side]].Psi, f, np);
             }
         }
     }

@@ -67,7 +67,7 @@ typedef struct {
     const jo_real *EB;      /* (3 np x n) int phi_k x phi_j dm, antisymmetric */
     const jo_real *K;       /* (np)      modal stiffness omega^2, rad^2/s^2 */
     const jo_real *D;       /* (np)      modal damping 2 zeta omega, 1/s */
-    const jo_real *X;       /* (3 np x n) int chi_jk dm of the quadratic displacement chi(p, p) / 2; 0 without stiffening */
+    const jo_real *X;       /* not used: int chi_jk dm = 0 by the choice of chi, see jo_marker.chi */
 } jo_body;
 
 /* A frame on a body: at a node with translation and rotation mode shapes, or rigid. */
@@ -78,7 +78,7 @@ typedef struct {
     const jo_real *A0;      /* (9)       undeformed orientation, local, row-major */
     const jo_real *Phi;     /* (3 x np)  translation mode shapes, 0 where rigid */
     const jo_real *Psi;     /* (3 x np)  rotation mode shapes, 0 where rigid or not needed */
-    const jo_real *chi;     /* (3 np x n) quadratic displacement chi_jk, 0 without stiffening */
+    const jo_real *chi;     /* (6 n x np) second-order translation and rotation chi_jk, symmetric; 0 without stiffening */
 } jo_marker;
 
 /* A scalar function of two frames a, b. */

@@ -26,21 +26,64 @@ static inline void modal33(jo_real *restrict C, const jo_real *restrict M, const
     for (int i = 0; i < 3; i++) modal3(C + 3 * i, N, M + i * np, np);
 }
 
+/* mode shapes weighted, and their products with I3 */
+static void weigh(const jo_body *b, const jo_real *weight, const jo_marker_work *k, jo_marker_set *w)
+{
+    const int np = b->np;
+    for (int c = 0; c < 3; c++)
+        for (int j = 0; j < np; j++) {
+            if (k->Phi) w->Phiw[c * np + j] = k->Phi[c * np + j] * weight[j];
+            if (k->Psi) w->Psiw[c * np + j] = k->Psi[c * np + j] * weight[j];
+        }
+    if (k->Phi) modal33(w->PhiI3, w->Phiw, b->I3, np);
+    if (k->Psi) modal33(w->PsiI3, w->Psiw, b->I3, np);
+}
+
 void jo_marker_setup(const jo_model *m, jo_data *d, int set)
 {
     for (int i = 0; i < m->nactive; i++) {
         const jo_marker *k = &m->marker[i];
         if (k->body < 0 || !m->body[k->body].n) continue;
-        const jo_body *b = &m->body[k->body];
-        const jo_body_set *s = &d->body[k->body].set[set];
-        jo_marker_set *w = &d->marker[i].set[set];
-        for (int c = 0; c < 3; c++)
-            for (int j = 0; j < b->np; j++) {
-                if (k->Phi) w->Phiw[c * b->np + j] = k->Phi[c * b->np + j] * s->weight[j];
-                if (k->Psi) w->Psiw[c * b->np + j] = k->Psi[c * b->np + j] * s->weight[j];
-            }
-        if (k->Phi) modal33(w->PhiI3, w->Phiw, b->I3, b->np);
-        if (k->Psi) modal33(w->PsiI3, w->Psiw, b->I3, b->np);
+        weigh(&m->body[k->body], d->body[k->body].set[set].weight, &d->marker[i], &d->marker[i].set[set]);
+    }
+}
+
+/* with stiffening the displacement is u0 + Phi p + chi(p, p)/2 and the mode shapes are Phi + chi p; rotations alike */
+static void shapes_at(const jo_body *b, const jo_marker *k, const jo_real *p, jo_real *shapes)
+{
+    const int n = b->n, np = b->np;
+    for (int c = 0; c < 6; c++) {
+        const jo_real *first = c < 3 ? k->Phi : k->Psi, *chi = k->chi + c * n * np;
+        jo_real *y = shapes + c * np;
+        if (!first) continue;
+        for (int j = 0; j < np; j++) y[j] = first[(c % 3) * np + j];
+        for (int i = 0; i < n; i++, chi += np) {
+            const jo_real pi = p[i];
+            JO_EACH(j, np) JO_STORE(y + j) += pi * JO_LOAD(chi + j);
+        }
+    }
+}
+
+/* y = Phi p + chi(p, p)/2, from Phi and Phi + chi p */
+static inline void displacement(jo_real *y, const jo_real *first, const jo_real *shape, const jo_real *p, int np)
+{
+    jo_real t[3];
+    modal3(y, shape, p, np);
+    if (shape == first) return;
+    modal3(t, first, p, np);
+    for (int c = 0; c < 3; c++) y[c] = 0.5 * (y[c] + t[c]);
+}
+
+/* y = chi(p', p') of the translation or the rotation */
+static void quadratic(jo_real *y, const jo_real *chi, const jo_real *pd, int n, int np)
+{
+    for (int c = 0; c < 3; c++) {
+        y[c] = 0.0;
+        for (int i = 0; i < n; i++, chi += np) {
+            jo_lanes s = {0};
+            JO_EACH(j, np) s += JO_LOAD(chi + j) * JO_LOAD(pd + j);
+            y[c] += pd[i] * jo_sum(s);
+        }
     }
 }
 
@@ -74,10 +117,11 @@ void jo_marker_position(const jo_model *m, jo_data *d, int count)
         if (k->body < 0) continue;   /* ground markers are set once */
         const jo_body *b = &m->body[k->body];
         const jo_body_work *bw = &d->body[k->body];
+        if (k->chi) shapes_at(b, k, bw->p, w->shapes);
         jo_set3(w->u, k->u0);
         if (k->Phi) {
             jo_real t[3];
-            modal3(t, k->Phi, bw->p, b->np);
+            displacement(t, k->Phi, w->Phi, bw->p, b->np);
             jo_add3(w->u, t);
         }
         jo_mul3(w->r, bw->A, w->u);
@@ -85,7 +129,7 @@ void jo_marker_position(const jo_model *m, jo_data *d, int count)
         if (!k->turns && i < m->nactive && count == m->nactive) continue;
         if (k->Psi) {
             jo_real local[9];
-            modal3(w->theta, k->Psi, bw->p, b->np);
+            displacement(w->theta, k->Psi, w->Psi, bw->p, b->np);
             elastic_rotation(local, w->T, w->theta, k->A0);
             jo_mul33(w->A, bw->A, local);
         } else {
@@ -108,11 +152,11 @@ void jo_marker_velocity(const jo_model *m, jo_data *d, int count)
         jo_add3(w->v, bw->V);
         jo_set3(w->om, bw->w);
         if (k->Phi) {
-            modal3(t, k->Phi, bw->pd, np);
+            modal3(t, w->Phi, bw->pd, np);
             jo_add3(w->v, t);
         }
         if (k->Psi) {
-            modal3(t, k->Psi, bw->pd, np);
+            modal3(t, w->Psi, bw->pd, np);
             jo_mul3(t, w->T, t);
             jo_add3(w->om, t);
         }
@@ -137,12 +181,16 @@ void jo_marker_bias(const jo_model *m, jo_data *d, int count)
             for (int j = 0; j < 3; j++) t[j] = 2.0 * t[j] - c[j];
         }
         jo_cross(w->bv, bw->w, t);
+        if (k->chi && k->Phi) {
+            quadratic(t, k->chi, bw->pd, b->n, b->np);
+            jo_add3(w->bv, t);
+        }
         if (!k->turns) continue;
         w->bom[0] = w->bom[1] = w->bom[2] = 0.0;
         if (k->Psi) {
             /* w x T theta' + T' theta', T' = f1' theta~ + f1 theta'~ + f2' theta~^2 + f2 (theta'~ theta~ + theta~ theta'~) */
             jo_real rate[3], f[3], df1, df2, tt[3], ttt[3];
-            modal3(rate, k->Psi, bw->pd, b->np);
+            modal3(rate, w->Psi, bw->pd, b->np);
             const jo_real s = jo_dot3(w->theta, w->theta), ds = 2.0 * jo_dot3(w->theta, rate);
             jo_sinc(s, f);
             if (JO_RE(s) < 0.04) {
@@ -160,6 +208,11 @@ void jo_marker_bias(const jo_model *m, jo_data *d, int count)
             jo_sub3(t, bw->w);
             jo_cross(c, bw->w, t);
             jo_add3(w->bom, c);
+            if (k->chi) {
+                quadratic(t, k->chi + 3 * b->n * b->np, bw->pd, b->n, b->np);
+                jo_mul3(t, w->T, t);
+                jo_add3(w->bom, t);
+            }
         }
     }
 }
@@ -175,6 +228,7 @@ void jo_marker_reduce(const jo_model *m, jo_data *d, int count)
         const int np = m->body[k->body].np;
         const jo_body_work *bw = &d->body[k->body];
         const jo_marker_set *s = &w->set[d->set];
+        if (k->chi) weigh(&m->body[k->body], bw->set[d->set].weight, w, &w->set[d->set]);
         const jo_real *u = w->u;
         jo_real *X = w->Xt, Q[9], t[3];
         const jo_real rigid[18] = {1.0, 0.0, 0.0, 0.0, u[2], -u[1], 0.0, 1.0, 0.0, -u[2], 0.0, u[0],

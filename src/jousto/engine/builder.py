@@ -52,12 +52,16 @@ class Builder:
         Frames that are `shared` are looked up first: joints at one node use one frame.
         """
         body = self._bodies.get(id(marker.body), -1)
-        Phi = Psi = None
+        Phi = Psi = chi = None
         if isinstance(marker.body, FlexibleBody):
             Phi = np.array(marker.Phi, dtype=float)
             Psi = np.array(marker.Psi, dtype=float)
             if not np.any(Psi):
                 Psi = None
+            field = marker.body.reduced.stiffening
+            if field is not None and marker.node is not None:
+                at = marker.node
+                chi = np.concatenate([field.translations[at], field.rotations[at]])
         u0, A0 = np.array(marker.position_local, dtype=float), np.array(marker.axes, dtype=float)
         key = ("marker", body, marker.node, u0.tobytes(), A0.tobytes())
         if shared and key in self._places:
@@ -65,7 +69,7 @@ class Builder:
             if turns:
                 self.markers[place] = replace(self.markers[place], turns=True, Psi=Psi)
             return place
-        self.markers.append(MarkerModel(body, turns, u0, A0, Phi, Psi if turns else None))
+        self.markers.append(MarkerModel(body, turns, u0, A0, Phi, Psi if turns else None, chi))
         if shared:
             self._places[key] = len(self.markers) - 1
         return len(self.markers) - 1

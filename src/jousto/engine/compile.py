@@ -184,6 +184,9 @@ def _flexible(body: FlexibleBody, iq: int, iv: int) -> BodyModel:
         ED = np.zeros_like(ED)
     if "I5" in body.drop_invariants:
         EB = np.zeros_like(EB)
+    if body.reduced.stiffening is not None:
+        # int u0 chi^T dm; its axial part and int chi dm vanish by the choice of chi
+        ED = ED + half_inertia_rate(body.reduced.stiffening.second_moment)
     return BodyModel(
         name=body.name,
         iq=iq,

@@ -66,7 +66,7 @@ class MarkerModel:
     """A frame on body `body` (-1: ground); mode shapes (3, n) or None where rigid.
 
     `turns` tells that its orientation matters in every evaluation, not only for sensors; `chi`
-    (3, n, n) is its quadratic displacement, with stiffening.
+    (6, n, n) is its second-order translation and rotation, with stiffening.
     """
 
     body: int

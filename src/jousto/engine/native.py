@@ -406,6 +406,9 @@ class Engine:
                 shapes = self._override.get(("marker", i, name), getattr(marker, name))
                 padded = _padded(np.asarray(shapes), np_) if shapes is not None and np_ else None
                 setattr(s, name, self._constant(padded))
+            if marker.chi is not None and np_:
+                chi = self._override.get(("marker", i, "chi"), marker.chi)
+                s.chi = self._constant(_padded(np.asarray(chi), np_))
         return structs
 
     def _coordinates(self) -> Any:

@@ -195,7 +195,7 @@ class SecondOrder:
         f = p.mass[:, None, None] * _fields(p.position)
         P = np.einsum("kaf,kb->kfab", f, np.asarray(p.arm))
         P[:, 3:] += np.einsum("kcb,dg->kcdgb", p.second_moment, np.eye(3)).reshape(-1, 9, 3, 3)
-        return P
+        return np.asarray(P)
 
 
 def deformation_forms(beams: BeamElements, gyration: Floats) -> Floats:
