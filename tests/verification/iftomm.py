@@ -44,8 +44,12 @@ def upright(n: int) -> Minimal:
 
 
 def four_bars(n: int) -> jo.Mechanism:
-    """The same of 2N+1 bodies and 3N+1 revolute joints; B0 is the tip of the first upright."""
-    I = bar(1.0, 1e-3, 1.0)
+    """The same of 2N+1 bodies; B0 is the tip of the first upright.
+
+    The feet are revolute joints, the decks hang on spherical ones: nothing is redundant, and the
+    decks, at rest about their own axes, stay so.
+    """
+    I = bar(1.0, 1e-5, 1.0)
     ups, decks, joints = [], [], []
     for k in range(n + 1):
         up = jo.RigidBody(
@@ -71,8 +75,7 @@ def four_bars(n: int) -> jo.Mechanism:
         )
         decks.append(deck)
         for end, up in (("left", ups[k]), ("right", ups[k + 1])):
-            joint = jo.Revolute(f"deck {k} {end}", up["high"], deck[end], axis=(0, 0, 1))
-            joints.append(joint)
+            joints.append(jo.Spherical(f"deck {k} {end}", up["high"], deck[end]))
     sensors = (jo.PositionSensor("B0", ups[0]["high"]), jo.VelocitySensor("B0'", ups[0]["high"]))
     return jo.Mechanism(*ups, *decks, *joints, jo.Gravity(Y_DOWN), *sensors, name=f"{n} four-bars")
 

@@ -167,6 +167,55 @@ def loop(material: jo.Material = SOFT) -> jo.Mechanism:
     )
 
 
+def four_bar(material: jo.Material = SOFT, size: float = 1.0) -> jo.Mechanism:
+    """A planar crank-rocker of three flexible bars, the crank turning at 6 rad/s.
+
+    Revolute joints at the ground, spherical ones at the coupler: nothing is redundant. The ground
+    joints are at (0, 0) and (0.9, 0) m, the crank is 0.25 m, coupler and rocker 0.8 and 0.7 m;
+    all times `size`.
+    """
+    crank, coupler, rocker, ground = 0.25 * size, 0.8 * size, 0.7 * size, 0.9 * size
+    A, D = np.zeros(3), np.array([ground, 0.0, 0.0])
+    B = np.array([0.0, crank, 0.0])
+    # C on both circles, above the line B D
+    line = D - B
+    reach = float(np.linalg.norm(line))
+    along = (coupler**2 - rocker**2 + reach**2) / (2 * reach)
+    x = line / reach
+    C = B + along * x + np.sqrt(coupler**2 - along**2) * np.array([-x[1], x[0], 0.0])
+    # the rates that keep B and C together: crank given, two equations for the others
+    w = 6.0
+    z = np.array([0.0, 0.0, 1.0])
+    vB = np.cross(w * z, B)
+    side = np.stack([np.cross(z, C - B)[:2], -np.cross(z, C - D)[:2]], axis=1)
+    w2, w3 = np.linalg.solve(side, -vB[:2])
+
+    def body(name: str, a: Array, b: Array, v: Array, rate: float) -> jo.FlexibleBody:
+        x = (b - a) / np.linalg.norm(b - a)
+        return jo.FlexibleBody(
+            name,
+            rod(material, round(float(np.linalg.norm(b - a)), 12), 0),
+            position=a,
+            orientation=np.stack([x, np.cross(z, x), z], axis=1),
+            velocity=v,
+            angular_velocity=rate * z,
+        )
+
+    bars = (
+        body("crank", A, B, np.zeros(3), w),
+        body("coupler", B, C, vB, float(w2)),
+        body("rocker", D, C, np.zeros(3), float(w3)),
+    )
+    joints = (
+        jo.Revolute("crank pivot", jo.ground["origin"], bars[0]["start"], axis=z),
+        jo.Spherical("crank pin", bars[0]["end"], bars[1]["start"]),
+        jo.Spherical("rocker pin", bars[1]["end"], bars[2]["end"]),
+        jo.Revolute("rocker pivot", jo.ground.at(D), bars[2]["start"], axis=z),
+    )
+    sensors = jo.PositionSensor("tip", bars[1]["end"])
+    return jo.Mechanism(*bars, *joints, jo.Gravity(G), sensors, name="four-bar")
+
+
 @dataclass(frozen=True, eq=False)
 class Rows:
     """What `march` stored: every array has the instants first."""

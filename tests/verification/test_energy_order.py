@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from verification.mechanisms import SOFT, STEEL, chain, loop, march, orders, rod
+from verification.mechanisms import SOFT, STEEL, chain, four_bar, loop, march, orders, rod
 
 T_END = 0.2
 
@@ -33,6 +33,7 @@ MECHANISMS = {
     "damped": partial(chain, "revolute", damping=0.02),
     "damped, loads": partial(chain, "spherical", damping=0.02, loads=True),
     "loop": loop,
+    "four-bar": partial(four_bar, size=2.4),  # its fastest mode is at 245 Hz
 }
 
 

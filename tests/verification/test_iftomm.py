@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import jousto as jo
 from verification import iftomm
+from verification.mechanisms import march, orders
 
 # A02 with N = 2, B0 at 10 s: position, velocity, as printed for generalised-alpha with steps of
 # 0.25 and 0.125 ms (Gerstmayr, test model fourBarMechanismIftomm.py of EXUDYN, 2021)
@@ -29,6 +31,36 @@ def upright_at(t):
 def test_a02_reference_is_the_limit_of_the_printed_values():
     limit = PRINTED[1] + (PRINTED[1] - PRINTED[0]) / 3  # the printed errors are of second order
     np.testing.assert_allclose(upright_at(10.0), limit, rtol=1e-7)
+
+
+@pytest.fixture(scope="module")
+def four_bars():
+    return jo.compile(iftomm.four_bars(2))
+
+
+def end_of(run):
+    return np.concatenate([run.sensors["B0"][-1, :2], run.sensors["B0'"][-1, :2]])
+
+
+@pytest.mark.slow
+def test_a02_through_the_singular_position(four_bars):
+    run = march(four_bars, jo.RK4(step=1e-3), 10.0, 0.01)
+    np.testing.assert_allclose(end_of(run), upright_at(10.0), rtol=0, atol=2e-8)
+    # the library asks for errors below 1e-3 (high precision); the decks pass the feet and return
+    assert np.abs(run.balance).max() < 1e-8
+    assert run.sensors["B0"][:, 1].min() < -0.99
+    assert run.residuals.max() < 1e-13
+
+
+@pytest.mark.parametrize(
+    ("method", "steps"), [(jo.RK4, (125, 250)), (jo.ROS2, (250, 500))], ids=["RK4", "ROS2"]
+)
+def test_a02_converges_at_the_order_of_the_method(four_bars, method, steps):
+    exact = upright_at(1.0)
+    assert exact[1] < -0.9  # past the singular position, the decks are below the feet
+    runs = [march(four_bars, method(step=1.0 / n), 1.0) for n in steps]
+    errors = [float(np.abs(end_of(run) - exact).max()) for run in runs]
+    assert abs(orders(errors)[-1] - method.order) < 0.4, (errors, orders(errors))
 
 
 def test_a04_is_a_mechanism_although_its_bars_are_counted_out():

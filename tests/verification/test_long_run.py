@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from verification.mechanisms import SOFT, STEEL, chain, march, rod
+from verification.mechanisms import SOFT, STEEL, chain, four_bar, march, rod
 
 pytestmark = pytest.mark.slow
 
@@ -33,6 +33,8 @@ CASES = {
     "soft pendulum, RK4": (partial(pendulum, SOFT), jo.RK4(step=1e-4), 1e-4),
     "steel pendulum, ROS2": (partial(pendulum, STEEL), jo.ROS2(step=1e-3), 0.05),
     "steel chain, RK4": (partial(chain, "spherical", material=STEEL), jo.RK4(step=5e-5), 1e-3),
+    "soft four-bar, RK4": (four_bar, jo.RK4(step=5e-5), 1e-6),
+    "steel four-bar, ROS2": (partial(four_bar, STEEL), jo.ROS2(step=1e-4), 1e-4),
     "steel chain, ROS2": (partial(chain, "revolute", material=STEEL), jo.ROS2(step=1e-4), None),
 }
 
