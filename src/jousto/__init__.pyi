@@ -181,6 +181,8 @@ from .mechanism import (
 )
 from .output import animate as animate
 from .output import plot as plot
+from .output import plot_campbell as plot_campbell
+from .output import plot_root_locus as plot_root_locus
 from .output import still as still
 from .parts import (
     Box as Box,
@@ -247,6 +249,9 @@ from .simulation import (
     Baumgarte as Baumgarte,
 )
 from .simulation import (
+    Campbell as Campbell,
+)
+from .simulation import (
     LinearModel as LinearModel,
 )
 from .simulation import (
@@ -263,6 +268,9 @@ from .simulation import (
 )
 from .simulation import (
     State as State,
+)
+from .simulation import (
+    campbell as campbell,
 )
 from .simulation import (
     equilibrium as equilibrium,

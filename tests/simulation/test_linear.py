@@ -181,3 +181,12 @@ def test_clamped_beam_sags_and_vibrates_as_theory_says():
     # Blevins (1979), table 8-1; shear lowers it by about (h / L)^2
     first = (1.87510407 / length) ** 2 * np.sqrt(bending / line) / (2 * np.pi)
     np.testing.assert_allclose(jo.modes(model, state).frequencies[:2], first, rtol=2e-3)
+
+
+def test_a_run_from_the_rest_position_stays_there():
+    model = pendulum(30.0)
+    state = jo.equilibrium(model)
+    run = jo.simulate(model, 0.2, solver=jo.RK4(1e-2), state=state)
+    np.testing.assert_allclose(run["tip"], [[0.0, -1.2, 0.0]] * len(run.time), atol=1e-7)
+    with pytest.raises(jo.InputError, match="state has 3 positions"):
+        jo.simulate(model, 0.2, state=jo.State(np.zeros(3), np.zeros(6), np.zeros(5)))

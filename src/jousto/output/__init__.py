@@ -1,8 +1,18 @@
 """SHOW: plots, pictures and films of a run. matplotlib is imported with this package only."""
 
 from jousto.output.animate import animate, still
+from jousto.output.campbell import plot_campbell, plot_root_locus
 from jousto.output.plot import plot
 from jousto.output.style import COLORS, STYLE
 from jousto.output.view import View
 
-__all__ = ["COLORS", "STYLE", "View", "animate", "plot", "still"]
+__all__ = [
+    "COLORS",
+    "STYLE",
+    "View",
+    "animate",
+    "plot",
+    "plot_campbell",
+    "plot_root_locus",
+    "still",
+]

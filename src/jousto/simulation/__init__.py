@@ -1,5 +1,6 @@
 """SIMULATE: run a model, stream its results, read them."""
 
+from jousto.simulation.campbell import Campbell, campbell
 from jousto.simulation.linear import LinearModel, MechanismModes, State, linearise, modes
 from jousto.simulation.simulate import RunFailed, RunInterrupted, describe, simulate
 from jousto.simulation.solution import BodyShape, Energy, Residuals, Solution, load
@@ -12,6 +13,7 @@ __all__ = [
     "SOLVERS",
     "Baumgarte",
     "BodyShape",
+    "Campbell",
     "Energy",
     "LinearModel",
     "MechanismModes",
@@ -22,6 +24,7 @@ __all__ = [
     "Solver",
     "State",
     "describe",
+    "campbell",
     "equilibrium",
     "linearise",
     "load",

@@ -56,6 +56,12 @@ class LinearModel:
         """Eigenvalues of A, 1/s."""
         return np.asarray(np.linalg.eigvals(self.A), dtype=np.complex128)
 
+    def state_space(self) -> Any:
+        """Return the matrices as a scipy.signal.StateSpace."""
+        from scipy.signal import StateSpace
+
+        return StateSpace(self.A, self.B, self.C, self.D)
+
 
 @dataclass(frozen=True, eq=False)
 class MechanismModes:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from jousto.engine import Engine, Model
 from jousto.engine.native import NOT_FINITE
 from jousto.errors import InputError, Problem, Problems, SimulationError, warn
+from jousto.simulation.linear import State
 from jousto.simulation.progress import Report, reporter
 from jousto.simulation.results import ResultsWriter
 from jousto.simulation.solution import Solution
@@ -69,6 +70,7 @@ def simulate(
     path: str | Path | None = None,
     progress: bool | Report | None = None,
     model_text: str = "",
+    state: State | None = None,
 ) -> Solution:
     """Run a model from time 0 to `t_end`.
 
@@ -94,6 +96,9 @@ def simulate(
         wall time) in s.
     model_text : str
         Text of the model file, kept with the results.
+    state : State, optional
+        Positions and velocities at time 0, for example from `equilibrium`; None is the initial
+        state of the model.
 
     Returns
     -------
@@ -120,6 +125,8 @@ def simulate(
     for sentence in cautions(model, solver, plan):
         warn(f"simulate {model.name!r}", sentence)
     engine = Engine(model)
+    if state is not None:
+        _start(engine, state)
     folder = Path(tempfile.mkdtemp(prefix="jousto-")) if path is None else None
     try:
         target = folder / "run.h5" if folder else Path(path or "")
@@ -137,6 +144,23 @@ def simulate(
         if folder and getattr(error, "solution", None) is None:
             shutil.rmtree(folder, ignore_errors=True)
         raise
+
+
+def _start(engine: Engine, state: State) -> None:
+    """Put the engine into a state that fits the model."""
+    problems = Problems()
+    for name, value, room in (("positions", state.q, engine.q), ("velocities", state.v, engine.v)):
+        given = np.asarray(value, dtype=np.float64)
+        if given.shape != room.shape:
+            problems.add(
+                "simulate",
+                f"state has {given.size} {name}, the model {room.size}; take one of this model",
+            )
+        elif not np.isfinite(given).all():
+            problems.add("simulate", f"the {name} of the state are not finite")
+        else:
+            room[:] = given
+    problems.raise_if_any()
 
 
 def _run(
