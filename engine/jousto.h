@@ -243,6 +243,7 @@ void jo_energy(const jo_model *m, jo_data *d, jo_real *out);      /* (4) kinetic
 void jo_residuals(const jo_model *m, jo_data *d, jo_real *out);   /* (2) largest |C|, |Cq v| */
 void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot);   /* (nrow) each */
 void jo_mass_matrix(const jo_model *m, jo_data *d, int body, jo_real *M);        /* (6+n)^2, local */
+int jo_residual(const jo_model *m, jo_data *d, jo_real *r);     /* (nv) M a + Cq^T lam - Q at time, q, v, a, lam */
 void jo_sensors(const jo_model *m, jo_data *d, jo_real *out);     /* (nout), after jo_accelerations */
 
 /* Advance nsteps; whenever the step count is a multiple of `every` write one row

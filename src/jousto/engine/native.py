@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,27 @@ SENSORS = {
 OK, NOT_FINITE, SINGULAR_BODY, SINGULAR_JOINT, NO_MEMORY = range(5)
 CALLBACK_FAILED, NO_CONVERGENCE, FRICTION_FAILED, EVENT, STEP_TOO_SMALL = range(5, 10)
 BALANCE = 11  # entries of a row between the multipliers and the sensors
+
+_STEP = 1e-30  # imaginary
+
+
+@dataclass(frozen=True, eq=False)
+class Tangent:
+    """Derivatives of ``r = M a + Cq^T lam - Q`` with respect to a, v and increments of q.
+
+    Attributes
+    ----------
+    M, D, K : arrays (nv, nv)
+        ``dr/da``, ``dr/dv``, ``dr/dq``; K holds the second derivatives of the constraints, times
+        lam.
+    Cq : array (nrow, nv)
+        Constraint Jacobian, ``dC'/dv``.
+    """
+
+    M: NDArray[np.float64]
+    D: NDArray[np.float64]
+    K: NDArray[np.float64]
+    Cq: NDArray[np.float64]
 
 
 class Engine:
@@ -189,6 +211,58 @@ class Engine:
         M = np.zeros((n, n), self.dtype)
         self._library.jo_mass_matrix(self._model, self._data, body, self._pointer(M))
         return M
+
+    def residual(self) -> Scalars:
+        """Return r = M a + Cq^T lam - Q (nv,) at time, q, v, a, lam.
+
+        Per body on [dR (world), dtheta (body frame), dp], in N, N m and modal force.
+        """
+        out = np.zeros(self.model.nv, self.dtype)
+        self._check(self._library.jo_residual(self._model, self._data, self._pointer(out)))
+        return out
+
+    def tangent(self) -> Tangent:
+        """Return the exact derivatives of `residual` and of the constraints at this state.
+
+        By complex steps (Squire and Trapp, SIAM Rev. 40, 1998), column by column, with orientation
+        increments on the right, q = q0 o exp(dtheta).
+        """
+        twin = Engine(self.model, complex_scalars=True, override=self._override)
+        names = ("q", "v", "a", "lam", "time", "input", "turn", "locked", "slip", "happened")
+        for name in names:
+            getattr(twin, name)[:] = getattr(self, name).real
+        nv, nrow = self.model.nv, self.model.nrow
+        M, D, K, Cq = (
+            np.zeros((nv, nv)),
+            np.zeros((nv, nv)),
+            np.zeros((nv, nv)),
+            np.zeros((nrow, nv)),
+        )
+        moves = self._increments()
+        for j in range(nv):
+            for x, out in ((twin.a, M), (twin.v, D)):
+                kept = x[j]
+                x[j] += 1j * _STEP
+                out[:, j] = twin.residual().imag / _STEP
+                if x is twin.v:
+                    Cq[:, j] = twin.constraints()[1].imag / _STEP
+                x[j] = kept
+            kept_q = twin.q.copy()
+            twin.q += 1j * _STEP * moves[:, j]
+            K[:, j] = twin.residual().imag / _STEP
+            twin.q[:] = kept_q
+        return Tangent(M, D, K, Cq)
+
+    def _increments(self) -> NDArray[np.float64]:
+        """Return dq (nq, nv) of unit increments [dR, dtheta (body frame), dp]."""
+        moves = np.zeros((self.model.nq, self.model.nv))
+        for b in self.model.bodies:
+            e0, e1, e2, e3 = self.q[b.iq + 3 : b.iq + 7].real
+            turn = [[-e1, -e2, -e3], [e0, -e3, e2], [e3, e0, -e1], [-e2, e1, e0]]
+            moves[b.iq : b.iq + 3, b.iv : b.iv + 3] = np.eye(3)
+            moves[b.iq + 3 : b.iq + 7, b.iv + 3 : b.iv + 6] = 0.5 * np.array(turn)
+            moves[b.iq + 7 : b.iq + 7 + b.n, b.iv + 6 : b.iv + 6 + b.n] = np.eye(b.n)
+        return moves
 
     def sensors(self) -> Scalars:
         """Return all sensor values (nout,) at the state of the last `accelerations`."""

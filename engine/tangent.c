@@ -1,0 +1,103 @@
+/* tangent.c - the residual of the equations of motion at any accelerations and multipliers.
+ *
+ * r = M a + Cq^T lam - Q on [dR (world), dtheta (local), dp] of every body: inverse dynamics without a
+ * factorisation. The complex build differentiates it exactly.
+ */
+#include "internal.h"
+
+static void scaled(jo_real *y, jo_real s, const jo_real *x)
+{
+    for (int i = 0; i < 3; i++) y[i] = s * x[i];
+}
+
+/* a coordinate pulls its two markers together with the multiplier: force -factor lam times its gradient */
+static void pull(const jo_model *m, jo_data *d, int coordinate, jo_real lam)
+{
+    const jo_coordinate *c = &m->coordinate[coordinate];
+    const jo_coordinate_work *w = &d->coordinate[coordinate];
+    jo_real F[3], T[3];
+    scaled(F, -lam, w->along);
+    scaled(T, -lam, w->turn_b);
+    jo_push(m, d, c->b, F, T);
+    scaled(F, lam, w->along);
+    scaled(T, -lam, w->turn_a);
+    jo_push(m, d, c->a, F, T);
+}
+
+/* -Cq^T lam as forces at the markers */
+static void react(const jo_model *m, jo_data *d)
+{
+    static const jo_real none[3] = {0.0, 0.0, 0.0};
+    for (int i = 0; i < m->njoint; i++) {
+        const jo_joint *k = &m->joint[i];
+        const jo_real *lam = d->lam + k->row;
+        const int a = k->side[0], b = k->side[1];
+        jo_real x[3], y[3], t[3];
+        if (k->lock >= 0 && !d->locked[k->lock]) continue;
+        if (k->coincident) {
+            jo_push(m, d, a, lam, none);
+            scaled(x, -1.0, lam);
+            jo_push(m, d, b, x, none);
+            lam += 3;
+        }
+        for (int r = 0; r < k->nperp; r++, lam++) {   /* (x . y)' = (om_a - om_b) . (x x y) */
+            const jo_real *A = d->marker[a].A + k->perp_a[r], *B = d->marker[b].A + k->perp_b[r];
+            for (int j = 0; j < 3; j++) { x[j] = A[3 * j]; y[j] = B[3 * j]; }
+            jo_cross(t, x, y);
+            scaled(x, -lam[0], t);
+            jo_push(m, d, a, none, x);
+            scaled(x, lam[0], t);
+            jo_push(m, d, b, none, x);
+        }
+        for (int r = 0; r < k->nline; r++, lam++) {
+            const jo_line *l = &m->line[k->line + r];
+            for (int j = 0; j < l->count; j++) pull(m, d, l->coordinate[j], l->data[1 + j] * lam[0]);
+        }
+    }
+}
+
+/* M a of one body less the forces on it */
+static void balance(const jo_model *m, const jo_data *d, int body, jo_real *r)
+{
+    const jo_body *b = &m->body[body];
+    const jo_body_work *w = &d->body[body];
+    const jo_real *a = d->a + b->iv, *wd = a + 3, *pdd = a + 6;
+    const int np = b->np;
+    jo_real A[3], F[3], T[3], t[3];
+    jo_set3(t, a);
+    jo_sub3(t, m->gravity);   /* gravity is a frame acceleration */
+    jo_mul3t(A, w->A, t);
+    jo_cross(F, wd, w->S);
+    jo_axpy3(F, b->mass[0], A);
+    jo_cross(T, w->S, A);
+    jo_sym3(t, w->J, wd);
+    jo_add3(T, t);
+    for (int j = 0; j < b->n; j++) {
+        r[6 + j] = pdd[j] - w->fp[j];
+        for (int i = 0; i < 3; i++) {
+            F[i] += b->I3[i * np + j] * pdd[j];
+            T[i] += w->B[i * np + j] * pdd[j];
+            r[6 + j] += b->I3[i * np + j] * A[i] + w->B[i * np + j] * wd[i];
+        }
+    }
+    jo_sub3(F, w->fr);
+    jo_sub3(T, w->fr + 3);
+    jo_mul3(r, w->A, F);
+    jo_set3(r + 3, T);
+}
+
+int jo_residual(const jo_model *m, jo_data *d, jo_real *r)
+{
+    jo_real largest[2], unused = 0.0;
+    d->fresh = d->current = 0;
+    jo_residuals(m, d, largest);   /* poses, velocities, markers and coordinates at q, v */
+    for (int i = 0; i < m->nbody; i++) jo_body_inertia(&m->body[i], &d->body[i], &unused);
+    if (m->ncoordinate) jo_coordinates_rate(m, d, m->ncoordinate);
+    if (m->nforce) {
+        const int applied = jo_apply_forces(m, d);
+        if (applied != JO_OK) return applied;
+    }
+    react(m, d);
+    for (int i = 0; i < m->nbody; i++) balance(m, d, i, r + m->body[i].iv);
+    return JO_OK;
+}
