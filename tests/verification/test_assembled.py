@@ -134,6 +134,14 @@ def test_with_all_modes_the_structure_is_the_whole(name):
     np.testing.assert_allclose(found, exact(name), rtol=1e-6)
 
 
+@pytest.mark.parametrize("name", CASES)
+def test_modes_of_the_mechanism_are_those_of_the_whole(name):
+    build, pieces = CASES[name]
+    found = jo.modes(jo.compile(build(pieces, ALL)))
+    np.testing.assert_allclose(found.frequencies[:TEN], exact(name), rtol=1e-6)
+    np.testing.assert_allclose(found.damping[:TEN], 0.0, atol=1e-8)
+
+
 def test_the_number_of_cuts_does_not_matter():
     found = linear_frequencies(cantilever(4, ALL))
     np.testing.assert_allclose(found, exact("cantilever"), rtol=1e-6)
