@@ -60,6 +60,8 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
     if (status != JO_OK) return status;
     jo_joint_solve(m, d);
     jo_joint_apply(m, d);
+    d->drive = m->nline ? jo_joint_power(m, d) : 0.0;
+    d->power[2] += d->drive;
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         const jo_body_work *w = &d->body[i];
@@ -136,6 +138,7 @@ void jo_project(const jo_model *m, jo_data *d)
         if (residual <= small || !(residual < 0.5 * before)) break;   /* closed, or no use */
     }
     jo_marker_velocity(m, d, m->nactive);
+    if (m->nline) jo_coordinates_rate(m, d, m->ncoordinate);
     jo_joint_residual_rate(m, d);
     for (int k = 0; k < JO_CORRECTIONS; k++) {
         for (int i = 0; i < m->njoint; i++)
@@ -144,6 +147,7 @@ void jo_project(const jo_model *m, jo_data *d)
         for (int i = 0; i < m->nv; i++) d->v[i] += d->rate[i];
         for (int i = 0; i < m->nbody; i++) jo_body_twist(&m->body[i], &d->body[i], d->v + m->body[i].iv);
         jo_marker_velocity(m, d, m->nactive);
+        if (m->nline) jo_coordinates_rate(m, d, m->ncoordinate);
         if (jo_joint_residual_rate(m, d) <= small_rate) break;
     }
     d->fresh = 0;
@@ -171,6 +175,7 @@ void jo_residuals(const jo_model *m, jo_data *d, jo_real *out)
 {
     refresh(m, d);
     jo_marker_velocity(m, d, m->nactive);
+    if (m->nline) jo_coordinates_rate(m, d, m->ncoordinate);
     out[0] = jo_joint_residual(m, d);
     out[1] = jo_joint_residual_rate(m, d);
 }

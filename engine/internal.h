@@ -69,6 +69,7 @@ typedef struct {
     jo_real axes[3][3];     /* world: a change of rotation dtheta_a - dtheta_b turns row r by axes[r] */
     jo_real c[6], cdot[6];  /* constraint residuals */
     jo_real x[6];           /* right-hand side, then multipliers */
+    jo_real right[6], sum[6];   /* refinement of redundant rows */
     double scale[6];        /* diagonal of S before elimination */
 } jo_joint_work;
 
@@ -90,7 +91,8 @@ struct jo_data {
     jo_real *input;         /* (ninput) */
     int *locked, *slip, *happened;
     long long counts[4];    /* evaluations, Newton iterations, factorisations, rejected steps */
-    jo_real *S;             /* (nblock x 36) */
+    jo_real *S, *S0;        /* (nblock x 36); S0 before it is factored, with redundant rows */
+    jo_real drive;          /* part of power[2] that drives do */
     jo_real *gram[2];       /* (npair x 36) */
     double gh;              /* g h of set 1 */
     int set;                /* set in use */
@@ -135,6 +137,7 @@ void jo_joint_rows(const jo_model *m, jo_data *d);
 void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_solver *s);
 int jo_joint_factor(const jo_model *m, jo_data *d);
 void jo_joint_solve(const jo_model *m, jo_data *d);
+jo_real jo_joint_power(const jo_model *m, const jo_data *d);     /* work that drives do, per second */
 void jo_joint_apply(const jo_model *m, jo_data *d);
 
 /* force.c */

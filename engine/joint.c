@@ -1,11 +1,20 @@
 /* joint.c - constraint rows between markers, the block matrix S = Cq M^-1 Cq^T and its factor.
  *
- * Rows (Rantalainen 2007, eq. 3.90-3.96): r_b - r_a = 0 and (axis of a) . (axis of b) = 0.
+ * Rows (Rantalainen 2007, eq. 3.90-3.96): r_b - r_a = 0, (axis of a) . (axis of b) = 0 and lines, relations
+ * sum f_i s_i - offset - signal(t) = 0 of coordinates, whose right-hand side may depend on time (eq. 3.84-3.89).
  * Multipliers: M a + Cq^T lam = Q, so the joint acts with -Cq^T lam on the bodies.
  */
 #include "internal.h"
 
+#define JO_REGULAR 1e-9    /* added to the diagonal of S, relative, where rows repeat one another */
+enum { JO_REFINE = 2 };    /* steps of refinement, each closing what the addition left open */
+
 static void axis(jo_real *x, const jo_real *A, int i) { x[0] = A[i]; x[1] = A[3 + i]; x[2] = A[6 + i]; }
+
+/* whether the rows of an optional joint are switched off */
+static int absent(const jo_data *d, const jo_joint *k) { return k->lock >= 0 && !d->locked[k->lock]; }
+
+static int first_line(const jo_joint *k) { return (k->coincident ? 3 : 0) + k->nperp; }
 
 /* L_k weight L_l^T of a pair of joint sides on one flexible body: constant without stiffening */
 static void pair_gram(const jo_model *m, jo_data *d, int i, int set)
@@ -29,6 +38,11 @@ static void pair_gram(const jo_model *m, jo_data *d, int i, int set)
 void jo_joint_setup(const jo_model *m, jo_data *d, int set)
 {
     for (int i = 0; i < m->npair; i++) pair_gram(m, d, i, set);
+}
+
+static void clear(jo_real *x, int count)
+{
+    for (int i = 0; i < count; i++) x[i] = 0.0;
 }
 
 static double largest(const jo_real *c, int count)
@@ -58,6 +72,14 @@ double jo_joint_residual(const jo_model *m, jo_data *d)
             axis(y, b->A, k->perp_b[r]);
             c[r] = jo_dot3(x, y);
         }
+        for (int l = 0; l < k->nline; l++) {
+            const jo_line *line = &m->line[k->line + l];
+            jo_real value = -line->data[0];
+            for (int j = 0; j < line->count; j++) value += line->data[1 + j] * d->coordinate[line->coordinate[j]].value;
+            if (line->signal >= 0) value -= jo_signal_at(m, d, line->signal, d->time[0]).value;
+            c[k->nperp + l] = value;
+        }
+        if (absent(d, k)) clear(d->joint[i].c, k->nrow);
         const double gap = largest(d->joint[i].c, k->nrow);
         if (!(gap <= worst)) worst = gap;
     }
@@ -89,6 +111,14 @@ double jo_joint_residual_rate(const jo_model *m, jo_data *d)
             jo_cross(s, x, y);
             c[r] = jo_dot3(rel, s);
         }
+        for (int l = 0; l < k->nline; l++) {   /* Cq v + C_t */
+            const jo_line *line = &m->line[k->line + l];
+            jo_real rate = 0.0;
+            for (int j = 0; j < line->count; j++) rate += line->data[1 + j] * d->coordinate[line->coordinate[j]].rate;
+            if (line->signal >= 0) rate -= jo_signal_at(m, d, line->signal, d->time[0]).rate;
+            c[k->nperp + l] = rate;
+        }
+        if (absent(d, k)) clear(d->joint[i].cdot, k->nrow);
         const double rate = largest(d->joint[i].cdot, k->nrow);
         if (!(rate <= worst)) worst = rate;
     }
@@ -115,6 +145,39 @@ static inline void forward(const jo_real *restrict L, jo_real *restrict V, const
         }
 }
 
+/* the rows of lines on one side, which see translations and rotations */
+static void line_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint_work *w, int side)
+{
+    const int marker = k->side[side];
+    const jo_marker_work *mw = &d->marker[marker];
+    const jo_real *A = d->body[m->marker[marker].body].A;
+    const int first = first_line(k);
+    for (int l = 0; l < k->nline; l++) {
+        const jo_line *line = &m->line[k->line + l];
+        const int r = first + l;
+        jo_real *C = w->C[side] + 6 * r, f[3] = {0.0, 0.0, 0.0}, g[3] = {0.0, 0.0, 0.0}, t[3];
+        for (int j = 0; j < line->count; j++) {
+            const jo_coordinate_work *s = &d->coordinate[line->coordinate[j]];
+            const jo_real factor = line->data[1 + j];
+            if (side == line->side[j]) {
+                jo_axpy3(f, -factor, s->along);
+                jo_axpy3(g, factor, s->turn_a);
+            } else if (side == line->side[j] + 1) {
+                jo_axpy3(f, factor, s->along);
+                jo_axpy3(g, factor, s->turn_b);
+            }
+        }
+        jo_mul3t(C, A, f);
+        jo_mul3t(t, A, g);
+        if (m->marker[marker].Psi) jo_mul3t(C + 3, mw->T, t);
+        else jo_set3(C + 3, t);
+        const jo_real *X = mw->Xt, *Y = mw->Xr;
+        for (int j = 0; j < 6; j++)
+            w->V[side][6 * j + r] = C[0] * X[j] + C[1] * X[6 + j] + C[2] * X[12 + j]
+                                    + t[0] * Y[j] + t[1] * Y[6 + j] + t[2] * Y[12 + j];
+    }
+}
+
 /* rows C of both sides in body coordinates, V = L^-1 (reduced rows)^T */
 void jo_joint_rows(const jo_model *m, jo_data *d)
 {
@@ -135,6 +198,11 @@ void jo_joint_rows(const jo_model *m, jo_data *d)
             const jo_real sign = side ? 1.0 : -1.0, *A = d->body[body].A;
             jo_real *C = w->C[side], *V = w->V[side];
             int first = 0;
+            if (absent(d, k)) {
+                clear(C, 36);
+                clear(V, 36);
+                continue;
+            }
             if (k->coincident) {
                 const jo_real *X = mw->Xt;
                 for (int r = 0; r < 3; r++) {
@@ -145,7 +213,7 @@ void jo_joint_rows(const jo_model *m, jo_data *d)
                 }
                 first = 3;
             }
-            for (int r = first; r < k->nrow; r++) {
+            for (int r = first; r < first + k->nperp; r++) {
                 const jo_real *X = mw->Xr;
                 jo_real t[3];
                 jo_mul3t(t, A, w->axes[r - first]);
@@ -155,6 +223,7 @@ void jo_joint_rows(const jo_model *m, jo_data *d)
                 else jo_set3(C + 6 * r + 3, t);
                 for (int j = 0; j < 6; j++) V[6 * j + r] = t[0] * X[j] + t[1] * X[6 + j] + t[2] * X[12 + j];
             }
+            if (k->nline) line_rows(m, d, k, w, side);
 #define CALL(n) forward(d->body[body].L, V, n)
             JO_BY_ROWS(k->nrow, CALL)
 #undef CALL
@@ -172,6 +241,44 @@ static inline void add_columns(jo_real *restrict x, const jo_real *restrict V, c
     }
 }
 
+/* second derivatives of the lines while R'' = w' = 0, minus those of their signals */
+static void line_acceleration(const jo_model *m, const jo_data *d, const jo_joint *k, jo_real *x)
+{
+    for (int l = 0; l < k->nline; l++) {
+        const jo_line *line = &m->line[k->line + l];
+        x[l] = 0.0;
+        for (int j = 0; j < line->count; j++) {
+            const jo_coordinate *c = &m->coordinate[line->coordinate[j]];
+            const jo_coordinate_work *s = &d->coordinate[line->coordinate[j]];
+            const jo_marker_work *a = &d->marker[c->a], *b = &d->marker[c->b];
+            jo_real aa[3], ab[3], ta[3], tb[3];
+            jo_to_world(aa, m, d, c->a, a->a);
+            jo_to_world(ab, m, d, c->b, b->a);
+            jo_to_world(ta, m, d, c->a, a->a + 3);
+            jo_to_world(tb, m, d, c->b, b->a + 3);
+            jo_sub3(ab, aa);
+            x[l] += line->data[1 + j] * (jo_dot3(s->along, ab) + jo_dot3(s->turn_a, ta) + jo_dot3(s->turn_b, tb) + s->bias);
+        }
+        /* the matrix of ROS2 knows the time derivative of the right-hand side as that of the forces */
+        if (line->signal >= 0) x[l] -= jo_signal_at(m, d, line->signal, d->time[0] + d->lead).second;
+    }
+}
+
+/* rate of the work of the drives, -lam signal' */
+jo_real jo_joint_power(const jo_model *m, const jo_data *d)
+{
+    jo_real power = 0.0;
+    for (int i = 0; i < m->njoint; i++) {
+        const jo_joint *k = &m->joint[i];
+        for (int l = 0; l < k->nline; l++) {
+            const jo_line *line = &m->line[k->line + l];
+            if (line->signal >= 0)
+                power -= d->joint[i].x[first_line(k) + l] * jo_signal_at(m, d, line->signal, d->time[0]).rate;
+        }
+    }
+    return power;
+}
+
 /* right-hand side x = Cq a_free + (Cq)' v, plus Baumgarte terms if asked for */
 void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_solver *solver)
 {
@@ -180,6 +287,10 @@ void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_solver *solve
         const jo_marker_work *a = &d->marker[k->side[0]], *b = &d->marker[k->side[1]];
         jo_joint_work *w = &d->joint[i];
         jo_real *x = w->x;
+        if (absent(d, k)) {
+            clear(x, k->nrow);
+            continue;
+        }
         if (k->coincident) {
             jo_real t[3];
             jo_to_world(t, m, d, k->side[0], a->a);
@@ -205,6 +316,7 @@ void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_solver *solve
                 x[r] = jo_dot3(aa, w->axes[r]) + jo_dot3(fdd, h) + 2.0 * jo_dot3(fd, hd) + jo_dot3(f, hdd);
             }
         }
+        if (k->nline) line_acceleration(m, d, k, x + k->nperp);
         for (int side = 0; side < k->nside; side++) {   /* rigid coordinates: C X Z^-1 z = V^T z */
             const int body = m->marker[k->side[side]].body;
             if (body < 0) continue;
@@ -254,6 +366,20 @@ static void add_gram(jo_real *S, const jo_joint *k, const jo_real *Ck, const jo_
         for (int j = 0; j < 6; j++) h[j] = c[0] * g[j] + c[1] * g[6 + j] + c[2] * g[12 + j];
         for (int j = 0; j < tl; j++) S[6 * i + j] += jo_dot3(h, Cl + 6 * j);
         for (int j = tl; j < l->nrow; j++) S[6 * i + j] += jo_dot3(h + 3, Cl + 6 * j + 3);
+    }
+}
+
+/* the same where rows see translations and rotations */
+static void add_gram_lines(jo_real *S, const jo_joint *k, const jo_real *Ck, const jo_joint *l, const jo_real *Cl,
+                           const jo_real *gram)
+{
+    for (int i = 0; i < k->nrow; i++) {
+        jo_real h[6];
+        for (int j = 0; j < 6; j++) {
+            h[j] = 0.0;
+            for (int c = 0; c < 6; c++) h[j] += Ck[6 * i + c] * gram[6 * c + j];
+        }
+        for (int j = 0; j < l->nrow; j++) S[6 * i + j] += jo_dot3(h, Cl + 6 * j) + jo_dot3(h + 3, Cl + 6 * j + 3);
     }
 }
 
@@ -320,9 +446,18 @@ static void assemble(const jo_model *m, jo_data *d)
         if (!m->body[body].n) continue;
         if (m->marker[k->side[p->side_k]].chi) pair_gram(m, d, i, d->set);
         const jo_real *gram = d->gram[d->set] + 36 * i;
-        if (k->nperp || l->nperp) add_gram(block, k, wk->C[p->side_k], l, wl->C[p->side_l], gram);
+        if (k->nline || l->nline) add_gram_lines(block, k, wk->C[p->side_k], l, wl->C[p->side_l], gram);
+        else if (k->nperp || l->nperp) add_gram(block, k, wk->C[p->side_k], l, wl->C[p->side_l], gram);
         else add_gram_translation(block, wk->C[p->side_k], wl->C[p->side_l], gram);
     }
+}
+
+/* S + eps diag(S), which is regular; S itself is kept for the refinement */
+static void regularise(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < 36 * m->nblock; i++) d->S0[i] = d->S[i];
+    for (int c = 0; c < m->ncolumn; c++)
+        for (int r = 0; r < JO_MAX_ROWS; r++) d->S[36 * c + 7 * r] *= 1.0 + JO_REGULAR;
 }
 
 /* sparse block Cholesky in the fixed elimination order */
@@ -330,8 +465,12 @@ int jo_joint_factor(const jo_model *m, jo_data *d)
 {
     jo_real *S = d->S;
     assemble(m, d);
+    for (int c = 0; m->nlock && c < m->ncolumn; c++)
+        if (absent(d, &m->joint[m->column[c].joint]))
+            for (int r = 0; r < JO_MAX_ROWS; r++) S[36 * c + 7 * r] = 1.0;
     for (int c = 0; c < m->ncolumn; c++)
         for (int r = 0; r < JO_MAX_ROWS; r++) d->joint[m->column[c].joint].scale[r] = JO_RE(S[36 * c + 7 * r]);
+    if (m->redundant) regularise(m, d);
     for (int c = 0; c < m->ncolumn; c++) {
         const jo_column *col = &m->column[c];
         const int n = m->joint[col->joint].nrow;
@@ -414,8 +553,8 @@ static inline void subtract_right(jo_real *restrict x, const jo_real *restrict X
     }
 }
 
-/* S x = x for all joints */
-void jo_joint_solve(const jo_model *m, jo_data *d)
+/* x = (L L^T)^-1 x for all joints */
+static void solve_factored(const jo_model *m, jo_data *d)
 {
     for (int c = 0; c < m->ncolumn; c++) {
         const jo_column *col = &m->column[c];
@@ -456,6 +595,50 @@ void jo_joint_solve(const jo_model *m, jo_data *d)
         JO_BY_ROWS(n, CALL)
 #undef CALL
     }
+}
+
+/* residual = right - S0 sum, into x */
+static void residual(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].right[r];
+    for (int c = 0; c < m->ncolumn; c++) {
+        const jo_column *col = &m->column[c];
+        jo_joint_work *w = &d->joint[col->joint];
+        const int n = m->joint[col->joint].nrow;
+        for (int i = 0; i < n; i++)   /* the lower triangle counts */
+            for (int j = 0; j < n; j++) w->x[i] -= d->S0[36 * c + (j <= i ? 6 * i + j : 6 * j + i)] * w->sum[j];
+        for (int i = col->first; i < col->first + col->count; i++) {
+            const jo_real *X = d->S0 + 36 * m->below[i].block;
+            jo_joint_work *v = &d->joint[m->below[i].joint];
+            const int rows = m->joint[m->below[i].joint].nrow;
+            subtract_left(v->x, X, w->sum, rows, n);
+            subtract_right(w->x, X, v->sum, rows, n);
+        }
+    }
+}
+
+/* S x = x for all joints. Where rows repeat one another the right-hand sides agree, so that refinement with the
+ * regularised factor converges to a solution, the one of least norm in the scale of the diagonal */
+void jo_joint_solve(const jo_model *m, jo_data *d)
+{
+    if (!m->redundant) {
+        solve_factored(m, d);
+        return;
+    }
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) {
+            d->joint[i].right[r] = d->joint[i].x[r];
+            d->joint[i].sum[r] = 0.0;
+        }
+    for (int k = 0; k <= JO_REFINE; k++) {
+        if (k) residual(m, d);
+        solve_factored(m, d);
+        for (int i = 0; i < m->njoint; i++)
+            for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].sum[r] += d->joint[i].x[r];
+    }
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].sum[r];
 }
 
 /* subtract P^T f from the modal forces */
@@ -500,8 +683,14 @@ void jo_joint_apply(const jo_model *m, jo_data *d)
             }
             if (mk->Psi && k->nperp) {
                 jo_real f[3] = {0.0, 0.0, 0.0};
-                for (int r = k->nrow - k->nperp; r < k->nrow; r++) jo_axpy3(f, w->x[r], C + 6 * r + 3);
+                for (int r = first_line(k) - k->nperp; r < first_line(k); r++) jo_axpy3(f, w->x[r], C + 6 * r + 3);
                 subtract_modal(bw->fp, d->marker[k->side[side]].Psi, f, np);
+            }
+            for (int r = first_line(k); r < k->nrow; r++) {
+                jo_real f[6];
+                for (int j = 0; j < 6; j++) f[j] = w->x[r] * C[6 * r + j];
+                if (mk->Phi) subtract_modal(bw->fp, d->marker[k->side[side]].Phi, f, np);
+                if (mk->Psi) subtract_modal(bw->fp, d->marker[k->side[side]].Psi, f + 3, np);
             }
         }
     }

@@ -35,6 +35,16 @@ static void reaction(const jo_model *m, const jo_data *d, int joint, jo_real *y)
         jo_cross(s, f, h);
         jo_axpy3(y + 3, lam[r], s);
     }
+    lam += k->nperp;
+    for (int l = 0; l < k->nline; l++) {
+        const jo_line *line = &m->line[k->line + l];
+        for (int j = 0; j < line->count; j++) {
+            if (line->side[j]) continue;   /* a coupling reacts here with its first coordinate only */
+            const jo_coordinate_work *c = &d->coordinate[line->coordinate[j]];
+            jo_axpy3(y, -lam[l] * line->data[1 + j], c->along);
+            jo_axpy3(y + 3, -lam[l] * line->data[1 + j], c->turn_b);
+        }
+    }
 }
 
 void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
@@ -59,6 +69,11 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
         case JO_MODAL: {
             const jo_body *b = &m->body[s->object];
             for (int j = 0; j < b->n; j++) { y[j] = d->q[b->iq + 7 + j]; y[b->n + j] = d->v[b->iv + 6 + j]; }
+            break;
+        }
+        case JO_MULTIPLIER: {   /* force or torque along the coordinate, on b */
+            const jo_joint *k = &m->joint[s->object];
+            y[0] = -d->lam[k->row + k->nrow - k->nline] * m->line[k->line].data[1];
             break;
         }
         case JO_REACTION: reaction(m, d, s->object, y); break;

@@ -62,6 +62,7 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s)
 static void add_work(jo_data *d)
 {
     for (int i = 0; i < 3; i++) d->work[i] += 0.5 * d->waiting * (d->power0[i] + d->power[i]);
+    d->work[2] -= 0.5 * d->waiting * d->drive;   /* drives are counted stage by stage */
     d->waiting = 0.0;
 }
 
@@ -99,6 +100,8 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
     add_work(d);
     d->waiting = h;
     for (int i = 0; i < 3; i++) d->power0[i] = d->power[i];
+    d->power0[2] -= d->drive;
+    d->work[2] += 0.5 * h * d->drive;   /* multipliers lead in stage 1 as they lag in stage 2 */
     jo_displace(m, d->q, d->q0, d->dq);
     d->time[0] = t0 + h;
     for (int i = 0; i < m->nbody; i++) {   /* stage 2: extra = -g h K (p' - 2 g h a1) + 2 g h (K (p0' + g h a1) + D a1) */
@@ -112,6 +115,7 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
     d->lead = 0.0;
     no_extra(m, d);
     if (status != JO_OK) return status;
+    d->work[2] += 0.5 * h * d->drive;
     increment_rate(m, d->rate, d->dq, d->v);
     for (int i = 0; i < m->nv; i++) {
         d->dq[i] = 0.5 * h * (d->v0[i] + d->rate[i] + gh * (d->a[i] - d->acc[i]));

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jousto.engine.model import (
     CoordinateModel,
@@ -13,17 +14,15 @@ from jousto.engine.model import (
     ForceModel,
     FrictionModel,
     JointModel,
+    LineModel,
     MarkerModel,
     SignalModel,
 )
 from jousto.mechanism import FlexibleBody, Force, Harmonic, Marker, Step, Table, Torque
-
-# constraint rows after the coincidence: (axis of a) . (axis of b) = 0; z is the joint's axis
-PERPENDICULAR: dict[str, tuple[tuple[int, int], ...]] = {
-    "Spherical": (),
-    "Revolute": ((0, 2), (1, 2)),
-    "Fixed": ((0, 2), (1, 2), (0, 1)),
-}
+from jousto.mechanism.coordinate import Angle, Coordinate, Displacement, Line
+from jousto.mechanism.coupling import Coupler
+from jousto.mechanism.joints import Joint
+from jousto.mechanism.signals import Constant, Ramp, SCurve
 
 
 class Builder:
@@ -86,14 +85,50 @@ class Builder:
             self.coordinates.append(CoordinateModel(name, kind, place_a, place_b, axis_a, axis_b))
         return self._places[key]
 
-    def joint(self, joint: Any) -> int:
+    def declared(self, coordinate: Coordinate) -> int:
+        """Return the index of a declared coordinate."""
+        kind, axis = "distance", 2
+        if isinstance(coordinate, Angle):
+            kind = "angle"
+        elif isinstance(coordinate, Displacement):
+            kind, axis = "along", coordinate.column
+        return self.coordinate(coordinate.name, kind, coordinate.a, coordinate.b, axis)
+
+    def line(self, line: Line) -> LineModel:
+        """Return a row that is linear in coordinates."""
+        return LineModel(
+            coordinates=tuple(self.declared(s) for s in line.coordinates),
+            factors=tuple(line.factors),
+            offset=line.offset,
+            signal=self.signal(line.signal),
+        )
+
+    def joint(self, joint: Joint) -> int:
         """Return the index of a joint."""
-        if type(joint).__name__ not in PERPENDICULAR:
-            raise TypeError(f"no engine rows for {type(joint).__name__}")
-        perpendicular = PERPENDICULAR[type(joint).__name__]
-        sides = tuple(self.marker(marker, bool(perpendicular)) for marker in joint.frames)
+        sides = tuple(
+            self.marker(marker, turns)
+            for marker, turns in zip(joint.frames, joint.turns, strict=True)
+        )
+        lines = tuple(self.line(line) for line in joint.lines)
+        return self._rows(joint.name, sides, joint.coincident, joint.perpendicular, lines)
+
+    def coupling(self, coupling: Coupler) -> int:
+        """Return the index of a gear, rack, coupling or drive: one row, two or four markers."""
+        lines = tuple(self.line(line) for line in coupling.lines)
+        used = [self.coordinates[s] for line in lines for s in line.coordinates]
+        sides = tuple(marker for s in used for marker in (s.a, s.b))
+        return self._rows(coupling.name, sides, False, (), lines)
+
+    def _rows(
+        self,
+        name: str,
+        sides: tuple[int, ...],
+        coincident: bool,
+        perpendicular: tuple[tuple[int, int], ...],
+        lines: tuple[LineModel, ...],
+    ) -> int:
         row = sum(other.rows for other in self.joints)
-        self.joints.append(JointModel(joint.name, sides, True, perpendicular, row))
+        self.joints.append(JointModel(name, sides, coincident, perpendicular, row, lines))
         return len(self.joints) - 1
 
     def signal(self, signal: Any) -> int:
@@ -133,7 +168,28 @@ def _signal(signal: Any) -> SignalModel:
         return SignalModel("harmonic", data)
     if isinstance(signal, Step):
         return SignalModel("step", np.array([signal.time, signal.before, signal.after]))
-    if isinstance(signal, Table) and signal.interpolation == "linear":
+    if isinstance(signal, Constant):
+        return SignalModel("constant", np.array([signal.value]))
+    if isinstance(signal, Ramp):
+        slope = (signal.after - signal.before) / (signal.end - signal.start)
+        times = np.array([signal.start, signal.end])
+        return _pieces(times, np.array([[slope], [signal.before]]))
+    if isinstance(signal, SCurve) or (
+        isinstance(signal, Table) and signal.interpolation == "cubic"
+    ):
+        return _pieces(signal.times, signal.coefficients)
+    if isinstance(signal, Table):
         data = np.concatenate([signal.times, signal.values])
         return SignalModel("table", data, count=len(signal.times))
     raise TypeError(f"no engine signal for {type(signal).__name__}")
+
+
+def _pieces(times: NDArray[np.float64], coefficients: NDArray[np.float64]) -> SignalModel:
+    """Polynomials between times; coefficients (degree + 1, k - 1), highest power first."""
+    rising = np.asarray(coefficients)[::-1].T
+    return SignalModel(
+        "pieces",
+        np.concatenate([times, rising.ravel()]),
+        count=len(times),
+        degree=rising.shape[1] - 1,
+    )

@@ -77,6 +77,8 @@ def compile(mechanism: Mechanism) -> Model:
         raise TypeError(f"no engine rows for {type(item).__name__}")
     for joint in mechanism.joints:
         builder.joint(joint)
+    for coupling in mechanism.couplings:
+        builder.coupling(coupling)
     for load in mechanism.forces:
         builder.force(load)
     active = len(builder.markers)
