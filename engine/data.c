@@ -28,7 +28,7 @@ static jo_data *lay_out(const jo_model *m, arena *a)
     d->rate = reals(a, m->nv);
     d->acc = reals(a, m->nv);
     d->S = reals(a, 36 * m->nblock);
-    d->S0 = reals(a, m->redundant ? 36 * m->nblock : 0);
+    d->S0 = reals(a, m->redundant >= 0 ? 36 * m->nblock : 0);
     for (int s = 0; s < 2; s++) d->gram[s] = reals(a, 36 * m->npair);
     d->body = take(a, (size_t)m->nbody * sizeof(jo_body_work));
     d->marker = take(a, (size_t)m->nmarker * sizeof(jo_marker_work));

@@ -154,18 +154,61 @@ void jo_project(const jo_model *m, jo_data *d)
     d->current = 1;
 }
 
-/* close the joints: full Newton on positions, then velocities */
+/* increment = -M^-1 Cq^T S^-1 of the residuals, position or velocity, with the factors of the last evaluation */
+static void newton(const jo_model *m, jo_data *d, int velocity)
+{
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++)
+            d->joint[i].x[r] = velocity ? d->joint[i].cdot[r] : d->joint[i].c[r];
+    correction(m, d, d->rate);
+}
+
+/* of the position residuals: Newton's direction always lowers it */
+static double sum_of_squares(const jo_model *m, const jo_data *d)
+{
+    double sum = 0.0;
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) sum += JO_RE(d->joint[i].c[r]) * JO_RE(d->joint[i].c[r]);
+    return sum;
+}
+
+/* close the joints: Newton in the mass metric on positions, shortened while a step opens them further, then on
+ * velocities at the closed position */
 int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance)
 {
-    jo_real residual[2];
-    for (int k = 0; k < iterations; k++) {
-        jo_residuals(m, d, residual);
-        if (k && JO_RE(residual[0]) < tolerance && JO_RE(residual[1]) < tolerance) break;
+    enum { JO_SHORTENED = 10 };
+    d->fresh = d->current = 0;
+    refresh(m, d);
+    double residual = jo_joint_residual(m, d);
+    for (int k = 0; k < iterations && residual > tolerance; k++) {
+        const double before = residual, merit = sum_of_squares(m, d);
         d->current = 0;
         int status = jo_evaluate(m, d, 0, 0);
         if (status != JO_OK) return status;
-        jo_project(m, d);
+        jo_joint_residual(m, d);
+        newton(m, d, 0);
+        for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
+        double part = 1.0;
+        for (int l = 0; l < JO_SHORTENED; l++, part *= 0.5) {
+            for (int i = 0; i < m->nv; i++) d->dq[i] = part * d->rate[i];
+            jo_displace(m, d->q, d->q0, d->dq);
+            refresh(m, d);
+            residual = jo_joint_residual(m, d);
+            if (sum_of_squares(m, d) < merit) break;
+        }
+        if (residual > 0.5 * before && residual < 1e-12 * m->size) break;   /* round-off */
     }
+    for (int k = 0; k < 2; k++) {
+        d->current = 0;
+        int status = jo_evaluate(m, d, 0, 0);
+        if (status != JO_OK) return status;
+        if (m->nline) jo_coordinates_rate(m, d, m->ncoordinate);
+        jo_joint_residual_rate(m, d);
+        newton(m, d, 1);
+        for (int i = 0; i < m->nv; i++) d->v[i] += d->rate[i];
+    }
+    refresh(m, d);
+    if (m->nturn) jo_count_turns(m, d);
     d->fresh = d->current = 0;
     return JO_OK;
 }

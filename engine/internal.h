@@ -90,7 +90,8 @@ struct jo_data {
     jo_real *turn;          /* (nturn) last accepted values of the angles */
     jo_real *input;         /* (ninput) */
     int *locked, *slip, *happened;
-    long long counts[4];    /* evaluations, Newton iterations, factorisations, rejected steps */
+    long long counts[5];    /* evaluations, Newton iterations, factorisations, rejected steps, singular positions */
+    int regular;            /* S is regularised */
     jo_real *S, *S0;        /* (nblock x 36); S0 before it is factored, with redundant rows */
     jo_real drive;          /* part of power[2] that drives do */
     jo_real *gram[2];       /* (npair x 36) */

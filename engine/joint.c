@@ -461,7 +461,7 @@ static void regularise(const jo_model *m, jo_data *d)
 }
 
 /* sparse block Cholesky in the fixed elimination order */
-int jo_joint_factor(const jo_model *m, jo_data *d)
+static int factor(const jo_model *m, jo_data *d)
 {
     jo_real *S = d->S;
     assemble(m, d);
@@ -470,7 +470,7 @@ int jo_joint_factor(const jo_model *m, jo_data *d)
             for (int r = 0; r < JO_MAX_ROWS; r++) S[36 * c + 7 * r] = 1.0;
     for (int c = 0; c < m->ncolumn; c++)
         for (int r = 0; r < JO_MAX_ROWS; r++) d->joint[m->column[c].joint].scale[r] = JO_RE(S[36 * c + 7 * r]);
-    if (m->redundant) regularise(m, d);
+    if (d->regular) regularise(m, d);
     for (int c = 0; c < m->ncolumn; c++) {
         const jo_column *col = &m->column[c];
         const int n = m->joint[col->joint].nrow;
@@ -511,6 +511,20 @@ int jo_joint_factor(const jo_model *m, jo_data *d)
         }
     }
     return JO_OK;
+}
+
+/* A pivot that vanishes although no rows repeat one another belongs to a singular position: it is passed with the
+ * multipliers of least norm and counted. */
+int jo_joint_factor(const jo_model *m, jo_data *d)
+{
+    d->regular = m->redundant > 0;
+    int status = factor(m, d);
+    if (status == JO_SINGULAR_JOINT && m->redundant == 0) {
+        d->counts[4]++;
+        d->regular = 1;
+        status = factor(m, d);
+    }
+    return status;
 }
 
 static inline void solve_forward(const jo_real *restrict L, jo_real *restrict x, const int n)
@@ -622,7 +636,7 @@ static void residual(const jo_model *m, jo_data *d)
  * regularised factor converges to a solution, the one of least norm in the scale of the diagonal */
 void jo_joint_solve(const jo_model *m, jo_data *d)
 {
-    if (!m->redundant) {
+    if (!d->regular) {
         solve_factored(m, d);
         return;
     }

@@ -182,7 +182,8 @@ typedef struct {
     int nbody, nmarker, nactive, ncoordinate, njoint, nline, npair, ncolumn, nblock, nsignal, nforce, nfriction, nevent, nsensor;
     int nturn, nlock, ninput;
     int nq, nv, nrow, nout;
-    int redundant;          /* rows repeat one another: multipliers of least norm */
+    int redundant;          /* 1: rows repeat one another, multipliers of least norm; 0: only in singular positions;
+                             * -1: never, a singular position is an error */
     double size;            /* m, of the mechanism: measure of what is small */
     const jo_real *gravity; /* (3) m/s^2 */
     const jo_body *body;
@@ -233,7 +234,8 @@ jo_real *jo_data_turn(jo_data *d);               /* (nturn) last accepted value 
 int *jo_data_locked(jo_data *d);                 /* (nlock) optional joints that hold now */
 int *jo_data_slip(jo_data *d);                   /* (nfriction) stick-slip: 0 sticks, +-1 slips this way */
 int *jo_data_happened(jo_data *d);               /* (nevent) how often each event has happened */
-long long *jo_data_counts(jo_data *d);           /* (4) evaluations, Newton iterations, factorisations, rejected steps */
+long long *jo_data_counts(jo_data *d);           /* (5) evaluations, Newton iterations, factorisations,
+                                                  * rejected steps, evaluations in a singular position */
 int jo_data_error_index(const jo_data *d);       /* body or joint of the last error */
 
 int jo_accelerations(const jo_model *m, jo_data *d);          /* a, lam from time, q, v */

@@ -15,8 +15,9 @@ from jousto.engine.model import (
     SensorModel,
     Shape,
 )
-from jousto.engine.native import Engine
+from jousto.engine.native import Engine, SingularJoints
 from jousto.engine.ordering import eliminate
+from jousto.engine.redundancy import check_closed, repeated_rows
 from jousto.errors import warn
 from jousto.mechanism import (
     AngularVelocitySensor,
@@ -63,17 +64,18 @@ def compile(mechanism: Mechanism) -> Model:
     Raises
     ------
     InputError
-        If a body's mass matrix is singular or a joint repeats what others already enforce.
+        If a body's mass matrix is singular or joints, couplings and drives contradict each other.
 
     Warns
     -----
     JoustoWarning
-        If initial velocities contradict the joints and had to be changed.
+        If initial velocities contradict the joints and had to be changed, or joints repeat one
+        another, so that their reactions are not unique.
     """
     index = {id(body): i for i, body in enumerate(mechanism.bodies)}
     bodies, q0, v0 = _bodies(mechanism)
     builder = Builder(index)
-    for item in (*mechanism.couplings, *mechanism.frictions, *mechanism.events):
+    for item in (*mechanism.frictions, *mechanism.events):
         raise TypeError(f"no engine rows for {type(item).__name__}")
     for joint in mechanism.joints:
         builder.joint(joint)
@@ -108,8 +110,7 @@ def compile(mechanism: Mechanism) -> Model:
         frictions=tuple(builder.frictions),
         events=tuple(builder.events),
     )
-    _make_consistent(model)
-    return model
+    return _consistent(model)
 
 
 def _bodies(mechanism: Mechanism) -> tuple[tuple[BodyModel, ...], Array, Array]:
@@ -266,24 +267,35 @@ def _shape(body: RigidBody | FlexibleBody) -> Shape:
     return Shape("rigid", nodes, elements.reshape(-1, 2), np.zeros((len(nodes), 3, 0)))
 
 
-def _make_consistent(model: Model) -> None:
-    """Close small gaps and remove velocities that the joints forbid, in place of q0 and v0."""
-    engine = Engine(model)
+def _consistent(model: Model) -> Model:
+    """Return the model with closed joints and velocities that they allow."""
+    engine = Engine(model, strict=True)
     given = model.v0.copy()
-    engine.assemble()
+    try:
+        engine.assemble()
+        engine.accelerations()  # singular bodies and repeated rows show here
+    except SingularJoints:
+        if not (found := repeated_rows(model)):
+            raise  # rows differ, but masses differ by more than the numbers hold
+        model = replace(model, redundant=True)
+        engine = Engine(model)
+        engine.assemble()
+        engine.accelerations()
+        check_closed(model, engine, found)
+        warn(f"mechanism {model.name!r}", found.sentence)
     model.q0[:] = engine.q
     model.v0[:] = engine.v
-    engine.accelerations()  # singular bodies and redundant joints show here
     model.q0.setflags(write=False)
     model.v0.setflags(write=False)
     scale = max(1.0, float(np.abs(given).max(initial=0.0)))
     names = _changed(model, given, 1e-6 * scale)
-    if names:
+    if names and not any(line.signal >= 0 for joint in model.joints for line in joint.lines):
         warn(
             f"mechanism {model.name!r}",
             f"the initial velocities of {names} contradict the joints; "
             "they were replaced by the nearest consistent ones",
         )
+    return model
 
 
 def _changed(model: Model, given: Array, tolerance: float) -> str:

@@ -70,6 +70,10 @@ class Tangent:
     Cq: NDArray[np.float64]
 
 
+class SingularJoints(InputError):
+    """Constraint rows that repeat one another."""
+
+
 class Engine:
     """The compiled engine with the constants of one model and one state.
 
@@ -86,6 +90,8 @@ class Engine:
     override : dict, optional
         Replaces arrays of the model by name, for example
         ``{("body", 0, "K"): perturbed_stiffness}``; for derivatives.
+    strict : bool
+        A singular position is an error; otherwise it is passed with multipliers of least norm.
     """
 
     def __init__(
@@ -94,8 +100,10 @@ class Engine:
         *,
         complex_scalars: bool = False,
         override: dict[tuple[str, int, str], Any] | None = None,
+        strict: bool = False,
     ) -> None:
         self.model = model
+        self._strict = strict
         self.dtype = np.dtype(np.complex128 if complex_scalars else np.float64)
         self._library = library.complex_library() if complex_scalars else library.real_library()
         self._ffi = library.ffi()
@@ -120,7 +128,7 @@ class Engine:
         self.locked = self._view(self._library.jo_data_locked(data), locks, np.intc)
         self.slip = self._view(self._library.jo_data_slip(data), len(model.frictions), np.intc)
         self.happened = self._view(self._library.jo_data_happened(data), len(model.events), np.intc)
-        self.counts = self._view(self._library.jo_data_counts(data), 4, np.longlong)
+        self.counts = self._view(self._library.jo_data_counts(data), 5, np.longlong)
         self.row_size = int(self._library.jo_row_size(self._model))
         self._count = self._ffi.new("long long *", 0)
         self.q[:] = model.q0
@@ -133,7 +141,7 @@ class Engine:
         self._check(self._library.jo_accelerations(self._model, self._data))
         return self.a, self.lam
 
-    def assemble(self, iterations: int = 20, tolerance: float = 1e-14) -> None:
+    def assemble(self, iterations: int = 100, tolerance: float = 1e-14) -> None:
         """Close the joints by projecting q and v in the mass metric."""
         scale = tolerance * max(1.0, float(np.abs(self.q).max(initial=0.0)))
         self._check(self._library.jo_assemble(self._model, self._data, iterations, scale))
@@ -290,8 +298,10 @@ class Engine:
     # -- errors -----------------------------------------------------------------------------
 
     def _check(self, status: int) -> None:
-        if status in (SINGULAR_BODY, SINGULAR_JOINT):
+        if status == SINGULAR_BODY:
             raise InputError(self.problem(status))
+        if status == SINGULAR_JOINT:
+            raise SingularJoints(self.problem(status))
         if status == NOT_FINITE:
             name = self.model.bodies[self.error_index].name
             raise SimulationError(
@@ -312,10 +322,8 @@ class Engine:
             )
         return Problem(
             f"joint '{self.model.joints[index].name}'",
-            "repeats constraints that other joints already enforce, its reactions are not "
-            "unique; free one of them, for example replace a revolute or fixed joint of the "
-            "loop by a spherical one. (Or a body is lighter than its neighbours by a factor of "
-            "1e12 or more: join it with one of them)",
+            "its constraints cannot be told from those of other joints: a body is lighter than "
+            "its neighbours by a factor of 1e12 or more; join it with one of them",
         )
 
     # -- memory layout ----------------------------------------------------------------------
@@ -383,7 +391,7 @@ class Engine:
             "nturn": sum(c.kind == "angle" for c in m.coordinates),
             "nlock": sum(joint.lock >= 0 for joint in m.joints),
             "ninput": len(m.inputs),
-            "redundant": int(m.redundant),
+            "redundant": -1 if self._strict else int(m.redundant),
             "nq": m.nq,
             "nv": m.nv,
             "nrow": m.nrow,

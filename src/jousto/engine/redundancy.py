@@ -1,0 +1,171 @@
+"""Constraint rows that repeat or contradict one another: which, and what to change."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.engine.model import JointModel, Model
+from jousto.engine.native import Engine
+from jousto.errors import Problems
+
+Array = NDArray[np.float64]
+RANK = 1e-9  # singular values of unit rows in the mass metric below this are zero
+SHARE = 1e-6  # share of a row in a dependency that counts
+
+
+@dataclass(frozen=True)
+class Redundancy:
+    """Rows that repeat one another.
+
+    Attributes
+    ----------
+    joints : tuple of str
+        Joints, couplings and drives whose rows take part in a dependency; their reactions are
+        not unique.
+    count : int
+        Rows too many.
+    mobility : int
+        Motions that the joints leave free, modal coordinates included.
+    advice : tuple of str
+        Replacements that make all rows independent without freeing a motion, if some were found.
+    """
+
+    joints: tuple[str, ...]
+    count: int
+    mobility: int
+    advice: tuple[str, ...]
+
+    @property
+    def sentence(self) -> str:
+        """What repeats, what it means and what to do."""
+        names = ", ".join(f"'{name}'" for name in self.joints)
+        text = (
+            f"{self.count} of the constraint rows of {names} repeat the others; the motion is "
+            "right, but the reactions of these joints are not unique (given: those of least norm)"
+        )
+        if self.advice:
+            text += f"; to make them unique, {' and '.join(self.advice)}"
+        return text
+
+
+def constraint_matrix(model: Model, engine: Engine) -> Array:
+    """Return Cq (nrow, nv) at the engine's state, for [R' (world), w_local, p'] of every body."""
+    kept = engine.v.copy()
+    engine.v[:] = 0.0
+    rest = engine.constraints()[1]
+    Cq = np.zeros((model.nrow, model.nv))
+    for j in range(model.nv):
+        engine.v[j] = 1.0
+        Cq[:, j] = engine.constraints()[1] - rest
+        engine.v[j] = 0.0
+    engine.v[:] = kept
+    return Cq
+
+
+def unit_rows(model: Model, engine: Engine) -> Array:
+    """Return Cq L^-T with M = L L^T, rows scaled to length 1: S = Cq M^-1 Cq^T in unit diagonal."""
+    G = constraint_matrix(model, engine)
+    for i, body in enumerate(model.bodies):
+        columns = slice(body.iv, body.iv + 6 + body.n)
+        e0, e = engine.q[body.iq + 3], engine.q[body.iq + 4 : body.iq + 7]
+        skew = np.cross(np.eye(3), e).T * -1.0
+        A = np.eye(3) + 2.0 * e0 * skew + 2.0 * skew @ skew
+        block = G[:, columns].copy()
+        block[:, :3] = block[:, :3] @ A  # the mass matrix is resolved in the body frame
+        L = np.linalg.cholesky(engine.mass_matrix(i))
+        G[:, columns] = np.linalg.solve(L, block.T).T
+    length = np.linalg.norm(G, axis=1)
+    return np.asarray(G / np.where(length > 0.0, length, 1.0)[:, None])
+
+
+def repeated_rows(model: Model) -> Redundancy | None:
+    """Return the rows of a model that repeat one another at its initial pose, None if none do."""
+    engine = Engine(model)
+    G = unit_rows(model, engine)
+    U, s, _ = np.linalg.svd(G)
+    rank = int((s > RANK).sum())
+    if rank == len(G):
+        return None
+    share = np.linalg.norm(U[:, rank:], axis=1)
+    taking = [j for j in model.joints if share[j.row : j.row + j.rows].max(initial=0.0) > SHARE]
+    return Redundancy(
+        joints=tuple(joint.name for joint in taking),
+        count=len(G) - rank,
+        mobility=model.nv - rank,
+        advice=tuple(_advice(G, taking, rank)),
+    )
+
+
+def _rank(G: Array) -> int:
+    return int((np.linalg.svd(G, compute_uv=False) > RANK).sum()) if len(G) else 0
+
+
+def _advice(G: Array, joints: Sequence[JointModel], rank: int) -> list[str]:
+    """Free rotations of point joints, greedily, while the rank stays."""
+    keep = np.ones(len(G), dtype=bool)
+    advice: list[str] = []
+    for joint in joints:
+        count = len(joint.perpendicular)
+        if not joint.coincident or count not in (2, 3) or keep.sum() == rank:
+            continue
+        first = joint.row + 3
+        for freed in sorted(range(1, count + 1), reverse=True):
+            trial = next(
+                (
+                    rows
+                    for rows in combinations(range(first, first + count), freed)
+                    if freed <= keep.sum() - rank and _rank(G[_without(keep, rows)]) == rank
+                ),
+                None,
+            )
+            if trial is not None:
+                keep = _without(keep, trial)
+                old = "revolute" if count == 2 else "fixed"
+                new = {0: "spherical", 1: "universal", 2: "revolute"}[count - freed]
+                advice.append(f"replace the {old} joint '{joint.name}' by a {new} one")
+                break
+    return advice if keep.sum() == rank else []
+
+
+def _without(keep: NDArray[np.bool_], rows: Sequence[int]) -> NDArray[np.bool_]:
+    out = keep.copy()
+    out[list(rows)] = False
+    return out
+
+
+def check_closed(model: Model, engine: Engine, found: Redundancy) -> None:
+    """Raise InputError with every joint that repeated rows leave open or in conflict.
+
+    Parameters
+    ----------
+    model, engine : Model, Engine
+        After assembly.
+    found : Redundancy
+        The rows that repeat one another.
+    """
+    problems = Problems()
+    c, cdot = engine.constraints()
+    speed = max(1.0, float(np.abs(engine.v).max(initial=0.0)))
+    for joint in model.joints:
+        rows = slice(joint.row, joint.row + joint.rows)
+        gap, rate = np.abs(c[rows]).max(initial=0.0), np.abs(cdot[rows]).max(initial=0.0)
+        others = ", ".join(f"'{name}'" for name in found.joints if name != joint.name)
+        where = f"joint '{joint.name}'"
+        if gap > 1e-8 * model.size:
+            problems.add(
+                where,
+                f"cannot be closed, {gap:.3g} (m or rad) remain; it conflicts with {others}: "
+                "change a length or an axis of the loop, or free a motion of one of them",
+            )
+        elif rate > 1e-8 * speed:
+            problems.add(
+                where,
+                f"contradicts {others}: a rate of {rate:.3g} (m/s or rad/s) remains; drive each "
+                "motion once, and leave a free motion for every drive",
+            )
+    problems.raise_if_any()
