@@ -234,3 +234,20 @@ def test_two_drives_that_disagree_are_an_error():
     ]
     with pytest.raises(jo.InputError, match=r"(one|two)'.*contradicts"):
         jo.compile(jo.Mechanism(*items, *drives))
+
+
+@pytest.mark.filterwarnings("ignore:.*constraint rows for:jousto.JoustoWarning")
+def test_a_flat_parallelogram_is_said_to_start_in_a_singular_position():
+    def bar(name: str, x: float) -> jo.RigidBody:
+        return jo.RigidBody(name, 1.0, (0.01, 0.1, 0.1), center=(0.5, 0, 0), position=(x, 0, 0))
+
+    crank, coupler, rocker = bar("crank", 0.0), bar("coupler", 1.0), bar("rocker", 1.0)
+    z = (0, 0, 1)
+    joints = [
+        jo.Revolute("A", jo.ground["origin"], crank["origin"], z),
+        jo.Universal("B", crank.at((1, 0, 0)), coupler["origin"], z, (0, 1, 0)),
+        jo.Spherical("C", coupler.at((1, 0, 0)), rocker.at((1, 0, 0))),
+        jo.Revolute("D", jo.ground.at((1, 0, 0)), rocker["origin"], z),
+    ]
+    with pytest.warns(jo.JoustoWarning, match="initial position is singular"):
+        jo.compile(jo.Mechanism(crank, coupler, rocker, *joints, jo.Gravity((0, -9.81, 0))))

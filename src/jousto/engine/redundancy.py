@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine.model import JointModel, Model
-from jousto.engine.native import Engine
+from jousto.engine.native import Engine, displaced
 from jousto.errors import Problems
 
 Array = NDArray[np.float64]
 RANK = 1e-9  # singular values of unit rows in the mass metric below this are zero
 SHARE = 1e-6  # share of a row in a dependency that counts
+NEARBY = 1e-2  # m or rad, how far the neighbouring position is
 
 
 @dataclass(frozen=True)
@@ -33,17 +34,26 @@ class Redundancy:
         Motions that the joints leave free, modal coordinates included.
     advice : tuple of str
         Replacements that make all rows independent without freeing a motion, if some were found.
+    only_here : bool
+        The rows differ in neighbouring positions: the initial one is singular.
     """
 
     joints: tuple[str, ...]
     count: int
     mobility: int
     advice: tuple[str, ...]
+    only_here: bool = False
 
     @property
     def sentence(self) -> str:
         """What repeats, what it means and what to do."""
         names = ", ".join(f"'{name}'" for name in self.joints)
+        if self.only_here:
+            return (
+                f"the initial position is singular: {self.count} of the constraint rows of {names} "
+                "repeat the others there, and the motion may go on in more than one way; start "
+                "from another position or give initial velocities that choose one"
+            )
         text = (
             f"{self.count} of the constraint rows of {names} repeat the others; the motion is "
             "right, but the reactions of these joints are not unique (given: those of least norm)"
@@ -98,7 +108,22 @@ def repeated_rows(model: Model) -> Redundancy | None:
         count=len(G) - rank,
         mobility=model.nv - rank,
         advice=tuple(_advice(G, taking, rank)),
+        only_here=_rank_nearby(model) > rank,
     )
+
+
+def _rank_nearby(model: Model) -> int:
+    """Return the rank a small way along a motion that the joints allow."""
+    engine = Engine(replace(model, redundant=True))
+    engine.v[:] = np.random.default_rng(0).normal(size=model.nv)
+    engine.assemble()
+    size = float(np.abs(engine.v).max(initial=0.0))
+    if size < 1e-6:
+        return 0  # nothing can move
+    engine.q[:] = displaced(model, engine.q, engine.v * (NEARBY / size))
+    engine.v[:] = model.v0
+    engine.assemble()
+    return _rank(unit_rows(model, engine))
 
 
 def _rank(G: Array) -> int:

@@ -219,6 +219,12 @@ def _run(
             f"the run stopped at {time:.6g} s: {message}", solution, time=time, body=body
         )
     watch.judge()
+    if engine.counts[4] and not engine.model.redundant:
+        warn(
+            f"simulate {engine.model.name!r}",
+            "the mechanism passed a position in which its joints repeat one another; beyond it the "
+            "motion may be one of several, and the reactions there are those of least norm",
+        )
     return solution
 
 
