@@ -16,7 +16,7 @@ void jo_to_world(jo_real *y, const jo_model *m, const jo_data *d, int marker, co
 }
 
 /* four-quadrant arc tangent; in the complex build the imaginary part follows the real one to first order */
-static jo_real arc_tangent(jo_real y, jo_real x)
+jo_real jo_arc_tangent(jo_real y, jo_real x)
 {
 #ifdef JO_COMPLEX
     const double u = creal(x), v = creal(y);
@@ -30,7 +30,7 @@ static jo_real arc_tangent(jo_real y, jo_real x)
 static jo_real unwrapped(const jo_model *m, const jo_data *d, const jo_coordinate *c, jo_real y, jo_real x)
 {
     (void)m;
-    jo_real angle = arc_tangent(y, x);
+    jo_real angle = jo_arc_tangent(y, x);
     if (c->turn >= 0) angle += 2.0 * JO_PI * floor((JO_RE(d->turn[c->turn]) - JO_RE(angle)) / (2.0 * JO_PI) + 0.5);
     return angle;
 }

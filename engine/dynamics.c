@@ -269,8 +269,12 @@ void jo_energy(const jo_model *m, jo_data *d, jo_real *out)
     out[0] = T;
     out[1] = U;
     out[2] = P;
-    out[3] = 0.0;   /* as of the last evaluation */
-    for (int i = 0; i < m->nforce; i++) out[3] += d->force[i].stored;
+    out[3] = 0.0;
+    if (m->nforce) {
+        jo_marker_position(m, d, m->nactive);
+        if (m->ncoordinate) jo_coordinates(m, d, m->ncoordinate);
+        out[3] = jo_stored(m, d);
+    }
 }
 
 /* mass matrix of one body for [R'' (body frame), w', p''] at the present q */

@@ -128,6 +128,7 @@ jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_
 void jo_coordinates(const jo_model *m, jo_data *d, int count);     /* value, gradient */
 void jo_coordinates_rate(const jo_model *m, jo_data *d, int count);   /* rate, bias */
 void jo_count_turns(const jo_model *m, jo_data *d);                /* the present angles are accepted */
+jo_real jo_arc_tangent(jo_real y, jo_real x);                      /* four quadrants */
 void jo_to_world(jo_real *y, const jo_model *m, const jo_data *d, int marker, const jo_real *x);
 
 /* joint.c */
@@ -141,8 +142,12 @@ void jo_joint_solve(const jo_model *m, jo_data *d);
 jo_real jo_joint_power(const jo_model *m, const jo_data *d);     /* work that drives do, per second */
 void jo_joint_apply(const jo_model *m, jo_data *d);
 
+/* sensor.c */
+void jo_quaternion(jo_real *e, const jo_real *A);   /* scalar first and not negative */
+
 /* force.c */
 int jo_apply_forces(const jo_model *m, jo_data *d);
+jo_real jo_stored(const jo_model *m, jo_data *d);   /* in springs, where markers and coordinates stand */
 void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T);
 
 /* dynamics.c */

@@ -2,7 +2,7 @@
 #include "internal.h"
 
 /* quaternion (scalar first) of a rotation matrix, from its largest component */
-static void quaternion(jo_real *e, const jo_real *A)
+void jo_quaternion(jo_real *e, const jo_real *A)
 {
     jo_real t[4] = {1.0 + A[0] + A[4] + A[8], 1.0 + A[0] - A[4] - A[8], 1.0 - A[0] + A[4] - A[8], 1.0 - A[0] - A[4] + A[8]};
     int k = 0;
@@ -51,13 +51,17 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
 {
     jo_marker_position(m, d, m->nmarker);
     jo_marker_velocity(m, d, m->nmarker);
+    if (m->ncoordinate) {
+        jo_coordinates(m, d, m->ncoordinate);
+        jo_coordinates_rate(m, d, m->ncoordinate);
+    }
     for (int i = 0; i < m->nsensor; i++) {
         const jo_sensor *s = &m->sensor[i];
         jo_real *y = out + s->offset;
         const jo_marker_work *w = &d->marker[s->object];
         switch (s->type) {
         case JO_POSITION: jo_set3(y, w->r); break;
-        case JO_ORIENTATION: quaternion(y, w->A); break;
+        case JO_ORIENTATION: jo_quaternion(y, w->A); break;
         case JO_VELOCITY:
         case JO_ANGULAR_VELOCITY: {
             const jo_real *x = s->type == JO_VELOCITY ? w->v : w->om;
@@ -76,6 +80,12 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
             y[0] = -d->lam[k->row + k->nrow - k->nline] * m->line[k->line].data[1];
             break;
         }
+        case JO_COORDINATE: y[0] = d->coordinate[s->object].value; break;
+        case JO_RATE: y[0] = d->coordinate[s->object].rate; break;
+        case JO_SIGNAL: y[0] = jo_signal_at(m, d, s->object, d->time[0]).value; break;
+        case JO_ELEMENT:
+            for (int j = 0; j < s->count; j++) y[j] = d->force[s->object].y[j];
+            break;
         case JO_REACTION: reaction(m, d, s->object, y); break;
         case JO_STRESS: {
             const jo_body *b = &m->body[s->object];

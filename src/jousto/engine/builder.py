@@ -22,7 +22,7 @@ from jousto.mechanism import FlexibleBody, Force, Harmonic, Marker, Step, Table,
 from jousto.mechanism.coordinate import Angle, Coordinate, Displacement, Line
 from jousto.mechanism.coupling import Coupler
 from jousto.mechanism.joints import Joint
-from jousto.mechanism.signals import Constant, Ramp, SCurve
+from jousto.mechanism.signals import Constant, Input, Product, Ramp, SCurve, Sum
 
 
 class Builder:
@@ -137,10 +137,32 @@ class Builder:
             return -1
         key = ("signal", id(signal))
         if key not in self._places:
-            model = _signal(signal)
-            self._places[key] = len(self.signals)
-            self.signals.append(model)
+            self._places[key] = self._signal(signal)
         return self._places[key]
+
+    def _signal(self, signal: Any) -> int:
+        """Append a signal after those it is made of; the engine adds and multiplies two."""
+        if isinstance(signal, (Sum, Product)):
+            kind = "sum" if isinstance(signal, Sum) else "product"
+            place = self.signal(signal.parts[0])
+            for part in signal.parts[1:]:
+                children = (place, self.signal(part))
+                place = self._append(SignalModel(kind, np.zeros(1), children=children))
+            return place
+        if isinstance(signal, Input):  # inputs of one name are one
+            key = ("input", signal.name)
+            if key not in self._places:
+                count = sum(other.kind == "input" for other in self.signals)
+                data = np.array([signal.initial])
+                self._places[key] = self._append(
+                    SignalModel("input", data, count=count, name=signal.name)
+                )
+            return self._places[key]
+        return self._append(_signal(signal))
+
+    def _append(self, signal: SignalModel) -> int:
+        self.signals.append(signal)
+        return len(self.signals) - 1
 
     def force(self, load: Any) -> int:
         """Return the index of what pushes."""
@@ -175,7 +197,7 @@ def _signal(signal: Any) -> SignalModel:
         times = np.array([signal.start, signal.end])
         return _pieces(times, np.array([[slope], [signal.before]]))
     if isinstance(signal, SCurve) or (
-        isinstance(signal, Table) and signal.interpolation == "cubic"
+        isinstance(signal, Table) and len(signal.times) > 1 and signal.interpolation == "cubic"
     ):
         return _pieces(signal.times, signal.coefficients)
     if isinstance(signal, Table):

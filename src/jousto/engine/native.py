@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine import library
+from jousto.engine.callback import callback
 from jousto.engine.model import Model
 from jousto.errors import InputError, Problem, SimulationError
 
@@ -110,6 +111,7 @@ class Engine:
         self._keep: list[Any] = []
         self._shared: dict[int, tuple[Any, Any]] = {}
         self._override = override or {}
+        self._raised: list[BaseException] = []
         self._model = self._native_model()
         data = self._library.jo_data_new(self._model)
         if data == self._ffi.NULL:
@@ -131,6 +133,9 @@ class Engine:
         self.counts = self._view(self._library.jo_data_counts(data), 5, np.longlong)
         self.row_size = int(self._library.jo_row_size(self._model))
         self._count = self._ffi.new("long long *", 0)
+        for signal in model.signals:
+            if signal.kind == "input":
+                self.input[signal.count] = signal.data[0]
         self.q[:] = model.q0
         self.v[:] = model.v0
 
@@ -307,8 +312,27 @@ class Engine:
             raise SimulationError(
                 f"body '{name}' is no longer finite", time=float(self.time[0].real), body=name
             )
+        if status == CALLBACK_FAILED:
+            raise SimulationError(
+                self.callback_problem(), time=float(self.time[0].real)
+            ) from self.cause
         if status != OK:
             raise SimulationError(f"engine status {status}", time=float(self.time[0].real))
+
+    @property
+    def cause(self) -> BaseException | None:
+        """What a user's Python function raised last, or None."""
+        return self._raised[-1] if self._raised else None
+
+    def callback_problem(self) -> str:
+        """Return the sentence for a user function that failed."""
+        name = self.model.forces[self.error_index].name
+        if self.cause is not None:
+            return f"force '{name}': its function raised {type(self.cause).__name__}: {self.cause}"
+        return (
+            f"force '{name}': its function reported an error or returned a value that is not "
+            "finite; check it at the positions and velocities of this time"
+        )
 
     def problem(self, status: int) -> Problem:
         """Return the sentence for a singular body or joint."""
@@ -552,7 +576,14 @@ class Engine:
             s.coordinate, s.body = force.coordinate, force.body
             s.follow, s.active, s.signal = int(force.follow), int(force.active), force.signal
             s.reference, s.spring, s.damper = force.reference, force.spring, force.damper
-            s.data = self._constant(force.data, ("force", i, "data"))
+            data = force.data
+            if force.kind == "modal load":  # padded like the modes
+                n, pad = self.model.bodies[force.body].n, self._library.JO_PAD
+                data = _padded(data, 6 - (-n // pad) * pad)
+            s.data = self._constant(data, ("force", i, "data"))
+            if force.function is not None:
+                s.function, s.user, kept = callback(self._ffi, force.function, self._raised)
+                self._keep.append(kept)
         return structs
 
     def _frictions(self) -> Any:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine import Engine, Model
-from jousto.engine.native import NOT_FINITE
+from jousto.engine.native import CALLBACK_FAILED, NOT_FINITE
 from jousto.errors import InputError, Problem, Problems, SimulationError, warn
 from jousto.simulation.linear import State
 from jousto.simulation.progress import Report, reporter
@@ -352,6 +352,8 @@ def _cause(
     model: Model, solver: Solver, plan: Schedule, engine: Engine, status: int
 ) -> tuple[str, str]:
     """Return why the run cannot go on, and which body shows it."""
+    if status == CALLBACK_FAILED:
+        return engine.callback_problem(), ""
     sentence = stability_warning(model, solver, plan.step)
     gap = engine.residuals()[0]
     fast = float(np.abs(engine.v).max()) > 1e6 * max(1.0, float(np.abs(model.v0).max(initial=0.0)))
