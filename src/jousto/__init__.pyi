@@ -33,6 +33,9 @@ from .mechanism import (
     ConstantOrientation as ConstantOrientation,
 )
 from .mechanism import (
+    CoordinateSensor as CoordinateSensor,
+)
+from .mechanism import (
     Coupling as Coupling,
 )
 from .mechanism import (
@@ -46,6 +49,9 @@ from .mechanism import (
 )
 from .mechanism import (
     Drive as Drive,
+)
+from .mechanism import (
+    EnergySensor as EnergySensor,
 )
 from .mechanism import (
     Event as Event,
@@ -114,6 +120,9 @@ from .mechanism import (
     Ramp as Ramp,
 )
 from .mechanism import (
+    RateSensor as RateSensor,
+)
+from .mechanism import (
     ReactionSensor as ReactionSensor,
 )
 from .mechanism import (
@@ -139,6 +148,9 @@ from .mechanism import (
 )
 from .mechanism import (
     Servo as Servo,
+)
+from .mechanism import (
+    SignalSensor as SignalSensor,
 )
 from .mechanism import (
     Spherical as Spherical,

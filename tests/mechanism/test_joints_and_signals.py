@@ -94,3 +94,13 @@ def test_bad_elements_say_why(make, text):
     with pytest.raises(InputError) as error:
         make(hinge)
     assert text in str(error.value)
+
+
+def test_sensors_of_one_number():
+    hinge = jm.Revolute("hinge", ground["origin"], body()["origin"])
+    assert jm.CoordinateSensor("s", hinge.angle).unit == "rad"
+    assert jm.RateSensor("s", hinge.angle).description == "rate of hinge.angle"
+    with pytest.raises(InputError, match="did you mean 'kinetic'"):
+        jm.EnergySensor("e", "kinetik")
+    with pytest.raises(InputError, match="signal is 3, must be a signal"):
+        jm.SignalSensor("s", 3)

@@ -15,6 +15,7 @@ from jousto.mechanism.elements import (
 from jousto.mechanism.event import Event
 from jousto.mechanism.force import Force, Gravity, Load, Torque
 from jousto.mechanism.friction import Friction, Regularised, StickSlip
+from jousto.mechanism.gauges import CoordinateSensor, EnergySensor, RateSensor, SignalSensor
 from jousto.mechanism.joints import (
     JOINTS,
     ConstantOrientation,
@@ -67,6 +68,10 @@ from jousto.mechanism.signals import (
 )
 
 __all__ = [
+    "CoordinateSensor",
+    "EnergySensor",
+    "RateSensor",
+    "SignalSensor",
     "ELEMENTS",
     "Bushing",
     "JointForce",

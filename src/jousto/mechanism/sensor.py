@@ -12,6 +12,7 @@ from typing import Any, ClassVar, TypeAlias
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.mechanism.body import FlexibleBody
 from jousto.mechanism.fields import check_name, set_fields
+from jousto.mechanism.gauges import CoordinateSensor, EnergySensor, RateSensor, SignalSensor
 from jousto.mechanism.joints import JOINTS, Joint
 from jousto.mechanism.marker import Marker, as_marker
 
@@ -214,14 +215,18 @@ MarkerSensor: TypeAlias = (
     PositionSensor | VelocitySensor | OrientationSensor | AngularVelocitySensor
 )
 BodySensor: TypeAlias = ModalSensor | StressSensor
-Sensor: TypeAlias = MarkerSensor | BodySensor | ReactionSensor
+Gauge: TypeAlias = CoordinateSensor | RateSensor | EnergySensor | SignalSensor
+Sensor: TypeAlias = MarkerSensor | BodySensor | ReactionSensor | Gauge
 MARKER_SENSORS: tuple[type[MarkerSensor], ...] = (
     PositionSensor,
     VelocitySensor,
     OrientationSensor,
     AngularVelocitySensor,
 )
-SENSORS: tuple[type[Sensor], ...] = (*MARKER_SENSORS, ModalSensor, ReactionSensor, StressSensor)
+SENSORS: tuple[type[Sensor], ...] = (
+    *(*MARKER_SENSORS, ModalSensor, ReactionSensor, StressSensor),
+    *(CoordinateSensor, RateSensor, EnergySensor, SignalSensor),
+)
 
 
 def stress_labels(body: FlexibleBody) -> tuple[str, ...] | None:
