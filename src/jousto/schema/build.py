@@ -12,15 +12,14 @@ from jousto import mechanism as jm
 from jousto.errors import InputError, JoustoWarning, Problem, suggest
 from jousto.schema import model as sm
 from jousto.schema import parts as sp
+from jousto.schema.connect import build_coupler, build_joint, build_signal
 from jousto.schema.document import Document, Loc
 from jousto.schema.entries import Entry, MarkerEntry, RotateEntry
 from jousto.schema.files import read_matrix, read_points
 
 T = TypeVar("T")
 
-JOINTS = {"spherical": jm.Spherical, "revolute": jm.Revolute, "fixed": jm.Fixed}
 LOADS = {"force": jm.Force, "torque": jm.Torque}
-SIGNALS = {"harmonic": jm.Harmonic, "table": jm.Table, "step": jm.Step}
 MARKER_SENSORS = {
     "position": jm.PositionSensor,
     "velocity": jm.VelocitySensor,
@@ -279,22 +278,12 @@ class Builder:
         axes = self.orientations(loc, {"axes": entry.axes})["axes"]
         return None if axes is None else self.make((*loc, "axes"), marker.turned, axes)
 
-    def joint(self, loc: Loc, entry: Any, bodies: dict[str, Any]) -> Any:
-        """Return the joint of an entry, None if anything is wrong with it."""
-        values = entry.given()
-        for key in ("a", "b"):
-            values[key] = self.marker((*loc, key), values[key], bodies)
-        if values["a"] is None or values["b"] is None:
-            return None
-        return self.make(loc, JOINTS[entry.type], **values)
-
     def load(self, loc: Loc, entry: Any, bodies: dict[str, Any]) -> Any:
         """Return the force or torque of an entry, None if anything is wrong with it."""
         values = entry.given()
         values["marker"] = self.marker((*loc, "marker"), entry.marker, bodies)
         if entry.signal is not None:
-            signal: Any = SIGNALS[entry.signal.type]
-            values["signal"] = self.make((*loc, "signal"), signal, **entry.signal.given())
+            values["signal"] = build_signal(self, (*loc, "signal"), entry.signal, "1")
             if values["signal"] is None:
                 return None
         if values["marker"] is None:
@@ -360,10 +349,12 @@ class Builder:
 
         bodies = listed("bodies", lambda at, e: self.body(at, e, parts))
         by_name = named(bodies)
-        joints = listed("joints", lambda at, e: self.joint(at, e, by_name))
+        joints = listed("joints", lambda at, e: build_joint(self, at, e, by_name))
+        free = named(joints)
+        couplings = listed("couplings", lambda at, e: build_coupler(self, at, e, by_name, free))
         loads = listed("forces", lambda at, e: self.load(at, e, by_name))
-        sensors = listed("sensors", lambda at, e: self.sensor(at, e, by_name, named(joints)))
-        items = [*bodies, *joints, *loads, *sensors]
+        sensors = listed("sensors", lambda at, e: self.sensor(at, e, by_name, free))
+        items = [*bodies, *joints, *couplings, *loads, *sensors]
         if not bodies and (self.found or self.broken):
             return None
         gravity = [] if entry.gravity is None else [jm.Gravity(entry.gravity)]

@@ -43,7 +43,12 @@ def data_path(loc: Loc, document: Document, keep_last: bool) -> Loc:
     """Return the path in the data, without the tags that pydantic adds for unions."""
     path: Loc = ()
     value: Any = document.data
+    tag: Any = None
     for i, key in enumerate(loc):
+        # a tag may also be a key, as in {type: rack, rack: slide.displacement}
+        if isinstance(value, dict) and key == value.get("type") and tag is not value:
+            tag = value
+            continue
         if isinstance(value, dict) and key in value:
             value = value[str(key)]
         elif isinstance(value, list) and isinstance(key, int) and key < len(value):
@@ -95,6 +100,10 @@ SINGULAR = {
     "parts": "part",
     "bodies": "body",
     "joints": "joint",
+    "couplings": "coupling",
+    "coordinates": "coordinate",
+    "terms": "signal",
+    "factors": "signal",
     "forces": "force",
     "sensors": "sensor",
     "sections": "section",

@@ -1,4 +1,4 @@
-"""The model file: bodies, joints, forces, sensors and the simulation."""
+"""The model file: bodies, forces, sensors and the simulation."""
 
 from __future__ import annotations
 
@@ -6,16 +6,14 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, Tag
 
+from jousto.schema.connections import CouplerEntry, JointEntry
 from jousto.schema.entries import (
     Acceleration3,
-    Angle,
     AngularVelocity3,
-    Direction,
     Duration,
     Entry,
     Flag,
     Force3,
-    Frequency,
     InertiaTensor,
     Marker,
     Mass,
@@ -31,6 +29,7 @@ from jousto.schema.entries import (
     tagged,
 )
 from jousto.schema.parts import PartEntry
+from jousto.schema.signals import SignalEntry
 
 # -- bodies ---------------------------------------------------------------------------------
 
@@ -98,82 +97,7 @@ BodyEntry: TypeAlias = Annotated[
     tagged(_kind_of_body),
 ]
 
-# -- joints ---------------------------------------------------------------------------------
-
-
-class SphericalEntry(Entry):
-    """`Spherical`: the markers share a point."""
-
-    type: Literal["spherical"]
-    name: Text
-    a: Marker
-    b: Marker
-
-
-class RevoluteEntry(Entry):
-    """`Revolute`: the markers share a point and an axis."""
-
-    type: Literal["revolute"]
-    name: Text
-    a: Marker
-    b: Marker
-    axis: Direction | None = Field(
-        None, description="In the world at the initial pose; the z axis of a if not given"
-    )
-
-
-class FixedEntry(Entry):
-    """`Fixed`: the markers do not move against each other."""
-
-    type: Literal["fixed"]
-    name: Text
-    a: Marker
-    b: Marker
-
-
-JointEntry: TypeAlias = Annotated[
-    Annotated[SphericalEntry, Tag("spherical")]
-    | Annotated[RevoluteEntry, Tag("revolute")]
-    | Annotated[FixedEntry, Tag("fixed")],
-    tagged(),
-]
-
 # -- forces ---------------------------------------------------------------------------------
-
-
-class HarmonicEntry(Entry):
-    """`Harmonic`: offset + amplitude sin(2 pi frequency t + phase)."""
-
-    type: Literal["harmonic"]
-    frequency: Frequency
-    amplitude: Number | None = None
-    phase: Angle | None = None
-    offset: Number | None = None
-
-
-class TableEntry(Entry):
-    """`Table`: linear interpolation, held constant outside."""
-
-    type: Literal["table"]
-    times: tuple[Time, ...]
-    values: tuple[Number, ...]
-
-
-class StepEntry(Entry):
-    """`Step`: a jump from before to after."""
-
-    type: Literal["step"]
-    time: Time
-    before: Number | None = None
-    after: Number | None = None
-
-
-SignalEntry: TypeAlias = Annotated[
-    Annotated[HarmonicEntry, Tag("harmonic")]
-    | Annotated[TableEntry, Tag("table")]
-    | Annotated[StepEntry, Tag("step")],
-    tagged(),
-]
 
 
 class ForceEntry(Entry):
@@ -284,6 +208,7 @@ class ModelEntry(Entry):
     parts: dict[Text, PartEntry] | None = None
     bodies: tuple[BodyEntry, ...]
     joints: tuple[JointEntry, ...] | None = None
+    couplings: tuple[CouplerEntry, ...] | None = None
     forces: tuple[LoadEntry, ...] | None = None
     gravity: Acceleration3 | None = None
     sensors: tuple[SensorEntry, ...] | None = None

@@ -28,6 +28,9 @@ def model_facts(file: ModelFile) -> Facts:
     for joint in mechanism.joints:
         kind = type(joint).__name__.lower()
         rows.append((f"joint {joint.name}", f"{kind}, {joint.a.label} to {joint.b.label}"))
+    for coupler in mechanism.couplings:
+        kind = type(coupler).__name__.lower()
+        rows.append((f"{kind} {coupler.name}", coupler.row_names[0]))
     for force in mechanism.forces:
         kind = type(force).__name__.lower()
         marker = getattr(force, "marker", None)

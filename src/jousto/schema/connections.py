@@ -1,0 +1,256 @@
+"""Entries of joints, their coordinates, couplings and drives."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import BaseModel, Discriminator, Field, Tag
+from pydantic_core import core_schema
+
+from jousto.schema.entries import (
+    Direction,
+    Entry,
+    Flag,
+    Length,
+    Marker,
+    Number,
+    Text,
+    fail,
+    tagged,
+)
+from jousto.schema.signals import Amount, SignalOrNumber
+from jousto.schema.units import describe
+
+AXIS = "In the world at the initial pose; the z axis of a if not given"
+NORMAL = "Normal in the world at the initial pose; the z axis of a if not given"
+
+# -- joints ---------------------------------------------------------------------------------
+
+
+class JointBase(Entry):
+    """What all joints have."""
+
+    name: Text
+    a: Marker
+    b: Marker
+    as_placed: Flag | None = Field(
+        None,
+        description="Whether the joint keeps the axes of the initial pose (true if not given); "
+        "false: bodies are turned and moved until the axes of the markers fit",
+    )
+
+
+class AxisBase(JointBase):
+    """What joints with one axis have."""
+
+    axis: Direction | None = Field(None, description=AXIS)
+
+
+class SphericalEntry(JointBase):
+    """`Spherical`: the markers share a point."""
+
+    type: Literal["spherical"]
+
+
+class RevoluteEntry(AxisBase):
+    """`Revolute`: the markers share a point and an axis."""
+
+    type: Literal["revolute"]
+
+
+class FixedEntry(JointBase):
+    """`Fixed`: the markers do not move against each other."""
+
+    type: Literal["fixed"]
+
+
+class PrismaticEntry(AxisBase):
+    """`Prismatic`: a slide along an axis without any turn."""
+
+    type: Literal["prismatic"]
+
+
+class CylindricalEntry(AxisBase):
+    """`Cylindrical`: the markers share an axis, turn about it and slide along it."""
+
+    type: Literal["cylindrical"]
+
+
+class ScrewEntry(AxisBase):
+    """`Screw`: a cylindrical joint with a thread."""
+
+    type: Literal["screw"]
+    pitch: Length = Field(description="Displacement in one turn; negative for a left-hand thread")
+
+
+class UniversalEntry(JointBase):
+    """`Universal`: a cardan joint."""
+
+    type: Literal["universal"]
+    axis_a: Direction | None = Field(None, description=AXIS)
+    axis_b: Direction | None = Field(
+        None, description="In the world, at a right angle to axis_a; chosen if not given"
+    )
+
+
+class PlanarEntry(JointBase):
+    """`Planar`: two planes stay on each other."""
+
+    type: Literal["planar"]
+    normal: Direction | None = Field(None, description=NORMAL)
+
+
+class PointOnLineEntry(AxisBase):
+    """`PointOnLine`: the origin of b stays on a line through a."""
+
+    type: Literal["point-on-line"]
+
+
+class PointOnPlaneEntry(JointBase):
+    """`PointOnPlane`: the origin of b stays on a plane through a."""
+
+    type: Literal["point-on-plane"]
+    normal: Direction | None = Field(None, description=NORMAL)
+
+
+class ConstantOrientationEntry(JointBase):
+    """`ConstantOrientation`: the markers do not turn against each other."""
+
+    type: Literal["constant-orientation"]
+
+
+class RodEntry(JointBase):
+    """`Rod`: the markers keep their distance."""
+
+    type: Literal["rod"]
+    length: Length | None = Field(None, description="That of the initial pose if not given")
+
+
+JointEntry: TypeAlias = Annotated[
+    Annotated[SphericalEntry, Tag("spherical")]
+    | Annotated[RevoluteEntry, Tag("revolute")]
+    | Annotated[FixedEntry, Tag("fixed")]
+    | Annotated[PrismaticEntry, Tag("prismatic")]
+    | Annotated[CylindricalEntry, Tag("cylindrical")]
+    | Annotated[ScrewEntry, Tag("screw")]
+    | Annotated[UniversalEntry, Tag("universal")]
+    | Annotated[PlanarEntry, Tag("planar")]
+    | Annotated[PointOnLineEntry, Tag("point-on-line")]
+    | Annotated[PointOnPlaneEntry, Tag("point-on-plane")]
+    | Annotated[ConstantOrientationEntry, Tag("constant-orientation")]
+    | Annotated[RodEntry, Tag("rod")],
+    tagged(),
+]
+
+# -- coordinates ----------------------------------------------------------------------------
+
+
+class _CoordinateText:
+    """Annotation of ``joint.coordinate``."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Check that there is a dot with something on both sides."""
+
+        def check(value: Any) -> str:
+            joint, dot, name = value.rpartition(".") if isinstance(value, str) else ("", "", "")
+            if not (dot and joint.strip() and name.strip()):
+                raise fail(
+                    "expects a coordinate such as hinge.angle, slide.displacement or "
+                    f"{{type: distance, a: arm.tip, b: ground.origin}}, got {describe(value)}"
+                )
+            return str(value)
+
+        return core_schema.no_info_plain_validator_function(check)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        """Describe as a string with a dot."""
+        return {"type": "string", "pattern": r"^.+\.[^.]+$", "description": "joint.coordinate"}
+
+
+class AngleEntry(Entry):
+    """`Angle`: the turn of b about the z axis of a."""
+
+    type: Literal["angle"]
+    a: Marker
+    b: Marker
+
+
+class DisplacementEntry(Entry):
+    """`Displacement`: of b along an axis of a."""
+
+    type: Literal["displacement"]
+    a: Marker
+    b: Marker
+    axis: Literal["x", "y", "z"] | None = Field(None, description="Axis of a, z if not given")
+
+
+class DistanceEntry(Entry):
+    """`Distance` of two markers."""
+
+    type: Literal["distance"]
+    a: Marker
+    b: Marker
+
+
+CoordinateForm: TypeAlias = Annotated[
+    Annotated[AngleEntry, Tag("angle")]
+    | Annotated[DisplacementEntry, Tag("displacement")]
+    | Annotated[DistanceEntry, Tag("distance")],
+    tagged(),
+]
+CoordinateEntry: TypeAlias = Annotated[
+    Annotated[str, _CoordinateText(), Tag("scalar")] | Annotated[CoordinateForm, Tag("mapping")],
+    Discriminator(lambda v: "mapping" if isinstance(v, dict | BaseModel) else "scalar"),
+]
+
+# -- couplings and drives -------------------------------------------------------------------
+
+
+class GearEntry(Entry):
+    """`Gear`: two angles turn in a ratio."""
+
+    type: Literal["gear"]
+    name: Text
+    a: CoordinateEntry
+    b: CoordinateEntry
+    ratio: Number = Field(description="Turns of b for one of a")
+
+
+class RackEntry(Entry):
+    """`Rack`: a pinion rolls on a rack."""
+
+    type: Literal["rack"]
+    name: Text
+    pinion: CoordinateEntry
+    rack: CoordinateEntry
+    radius: Length
+
+
+class CouplingEntry(Entry):
+    """`Coupling`: a sum of coordinates times factors is constant."""
+
+    type: Literal["coupling"]
+    name: Text
+    coordinates: tuple[CoordinateEntry, ...] = Field(description="One or two")
+    factors: tuple[Number, ...] = Field(description="One for each coordinate, in SI units")
+    offset: Amount | None = Field(
+        None, description="The sum, a string may have a unit; that of the initial pose if not given"
+    )
+
+
+class DriveEntry(Entry):
+    """`Drive`: a coordinate follows a function of time."""
+
+    type: Literal["drive"]
+    name: Text
+    coordinate: CoordinateEntry
+    signal: SignalOrNumber = Field(description="In rad or m, or strings with units")
+
+
+CouplerEntry: TypeAlias = Annotated[
+    Annotated[GearEntry, Tag("gear")]
+    | Annotated[RackEntry, Tag("rack")]
+    | Annotated[CouplingEntry, Tag("coupling")]
+    | Annotated[DriveEntry, Tag("drive")],
+    tagged(),
+]

@@ -1,0 +1,139 @@
+"""Joints, coordinates, couplings and signals of a model file."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import jousto as jo
+import jousto.mechanism as jm
+from jousto.errors import InputError
+from jousto.schema import parse_model
+from schema.models import same
+
+BODIES = "bodies:\n" + "".join(
+    f"  - {{name: b{i}, mass: 1, inertia: [1, 1, 1], position: [{i}, 0, 0]}}\n" for i in range(12)
+)
+JOINTS = """\
+joints:
+  - {type: revolute, name: hinge, a: ground.origin, b: b0.origin, as_placed: no}
+  - {type: prismatic, name: slide, a: ground.origin, b: b1.origin, axis: [1, 0, 0]}
+  - {type: cylindrical, name: tube, a: ground.origin, b: b2.origin, axis: [1, 0, 0]}
+  - {type: screw, name: screw, a: ground.origin, b: b3.origin, pitch: 5 mm, axis: [1, 0, 0]}
+  - {type: universal, name: cross, a: {body: ground, at: [4, 0, 0]}, b: b4.origin,
+     axis_a: [0, 0, 1], axis_b: [1, 0, 0]}
+  - {type: planar, name: table, a: ground.origin, b: b5.origin, normal: [0, 1, 0]}
+  - {type: point-on-line, name: line, a: ground.origin, b: b6.origin, axis: [1, 0, 0]}
+  - {type: point-on-plane, name: plane, a: ground.origin, b: b7.origin, normal: [0, 0, 1]}
+  - {type: constant-orientation, name: parallel, a: ground.origin, b: b8.origin}
+  - {type: rod, name: rod, a: ground.origin, b: b9.origin, length: 900 cm}
+  - {type: spherical, name: ball, a: {body: ground, at: [10, 0, 0]}, b: b10.origin}
+  - {type: fixed, name: weld, a: {body: ground, at: [11, 0, 0]}, b: b11.origin}
+"""
+COUPLINGS = """\
+couplings:
+  - {type: gear, name: gear, a: hinge.angle, b: tube.angle, ratio: -2}
+  - {type: rack, name: rack, pinion: table.angle, rack: slide.displacement, radius: 50 mm}
+  - {type: coupling, name: pulley, coordinates: [line.displacement, plane.x], factors: [1, -2],
+     offset: 30 mm}
+  - {type: drive, name: turn, coordinate: cross.angle2, signal:
+      {type: sum, terms: [90 deg, {type: s-curve, times: [0, 1 min], values: [0, 180 deg]}, {type:
+        product, factors: [{type: ramp, start: 0, end: 1, after: 1 turn}, {type: constant, value: 2}]}]}}
+  - {type: drive, name: push, coordinate: {type: distance, a: ground.origin, b: b8.origin}, signal:
+      {type: table, times: [0, 1, 2, 3], values: [8 m, 9, 9, 900 cm], interpolation: cubic}}
+"""  # noqa: E501
+
+
+def machine() -> jm.Mechanism:
+    """Return the mechanism of the text, written in Python."""
+    b = [jm.RigidBody(f"b{i}", 1, (1, 1, 1), position=(i, 0, 0)) for i in range(12)]
+    o, x = jm.ground["origin"], (1, 0, 0)
+    hinge = jm.Revolute("hinge", o, b[0]["origin"], as_placed=False)
+    slide = jm.Prismatic("slide", o, b[1]["origin"], axis=x)
+    tube = jm.Cylindrical("tube", o, b[2]["origin"], axis=x)
+    cross = jm.Universal(
+        "cross", jm.ground.at((4, 0, 0)), b[4]["origin"], axis_a=(0, 0, 1), axis_b=x
+    )
+    table = jm.Planar("table", o, b[5]["origin"], normal=(0, 1, 0))
+    line = jm.PointOnLine("line", o, b[6]["origin"], axis=x)
+    plane = jm.PointOnPlane("plane", o, b[7]["origin"], normal=(0, 0, 1))
+    turn = np.pi / 2 + jm.SCurve((0, 60), (0, np.pi)) + jm.Ramp(0, 1, 0, 2 * np.pi) * 2
+    way = jm.Table((0, 1, 2, 3), (8, 9, 9, 9), "cubic")
+    return jm.Mechanism(
+        *b, hinge, slide, tube,
+        jm.Screw("screw", o, b[3]["origin"], 0.005, axis=x),
+        cross, table, line, plane,
+        jm.ConstantOrientation("parallel", o, b[8]["origin"]),
+        jm.Rod("rod", o, b[9]["origin"], length=9.0),
+        jm.Spherical("ball", jm.ground.at((10, 0, 0)), b[10]["origin"]),
+        jm.Fixed("weld", jm.ground.at((11, 0, 0)), b[11]["origin"]),
+        jm.Gear("gear", hinge.angle, tube.angle, -2),
+        jm.Rack("rack", table.angle, slide.displacement, 0.05),
+        jm.Coupling("pulley", (line.displacement, plane.x), (1, -2), 0.03),
+        jm.Drive("turn", cross.angle2, turn),
+        jm.Drive("push", jm.Distance(o, b[8]["origin"]), way),
+    )  # fmt: skip
+
+
+@pytest.mark.filterwarnings("ignore::jousto.JoustoWarning")
+def test_joints_and_couplings_equal_the_python_constructors():
+    same(parse_model(BODIES + JOINTS + COUPLINGS).mechanism, machine())
+
+
+MODEL = """\
+bodies: [{name: c, mass: 1, inertia: [1, 1, 1]}, {name: s, mass: 1, inertia: [1, 1, 1]}]
+joints:
+  - {type: revolute, name: hinge, a: ground.origin, b: c.origin}
+  - {type: prismatic, name: slide, a: ground.origin, b: s.origin, axis: [1, 0, 0]}
+  - {type: spherical, name: ball, a: c.origin, b: ground.origin}
+couplings:
+  - {type: rack, name: r, pinion: hinge.angle, rack: slide.displacement, radius: 10 cm}
+  - {type: drive, name: d, coordinate: hinge.angle,
+     signal: {type: s-curve, times: [0, 1], values: [0, 90 deg]}}
+"""
+MISTAKES = [
+    ("pinion: hinge.angle", "pinion: hnge.angle", 7,
+     "couplings.0.pinion: no joint 'hnge'; did you mean 'hinge'?"),
+    ("pinion: hinge.angle", "pinion: hinge.angel", 7,
+     "couplings.0.pinion: joint 'hinge' has no angel; did you mean 'angle'?"),
+    ("pinion: hinge.angle", "pinion: ball.angle", 7,
+     "couplings.0.pinion: joint 'ball' has no angle; a Spherical joint has no coordinates"),
+    ("pinion: hinge.angle", "pinion: hinge", 7,
+     "couplings.0.pinion: expects a coordinate such as hinge.angle, "),
+    ("pinion: hinge.angle", "pinion: slide.displacement", 7,
+     "couplings.0.pinion: slide.displacement is a length, must be an angle; "),
+    ("radius", "radus", 7, "couplings.0: 'radius' is missing"),
+    ("type: rack", "type: rak", 7,
+     "couplings.0.type: no coupling type 'rak'; did you mean 'rack'?"),
+    ("coordinate: hinge.angle", "coordinate: {type: distnce, a: c.origin, b: s.origin}", 8,
+     "couplings.1.coordinate.type: no coordinate type 'distnce'; did you mean 'distance'?"),
+    ("90 deg", "90 mm", 9, "couplings.1.signal.values.1: expects an angle (rad), got 90 mm"),
+    ("s-curve", "scurve", 9,
+     "couplings.1.signal.type: no signal type 'scurve'; did you mean 's-curve'?"),
+    ("{type: s-curve, times: [0, 1], values: [0, 90 deg]}",
+     "{type: product, factors: [2 rad, 3 rad]}", 9,
+     "couplings.1.signal.factors.1: expects a number, got 3 rad (an angle)"),
+    ("type: prismatic", "type: prismtic", 4,
+     "joints.1.type: no joint type 'prismtic'; did you mean 'prismatic'?"),
+    ("axis: [1, 0, 0]", "axs: [1, 0, 0]", 4,
+     "joints.1.axs: unknown key 'axs'; did you mean 'axis'?"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "line", "sentence"), MISTAKES, ids=[m[1] for m in MISTAKES])
+def test_a_mistake_has_its_line_field_and_remedy(old, new, line, sentence):
+    assert old in MODEL
+    with pytest.raises(InputError) as error:
+        parse_model(MODEL.replace(old, new, 1), name="m.yaml")
+    found = [str(problem) for problem in error.value.problems]
+    assert found[0].startswith(f"m.yaml:{line}: {sentence}"), found
+    assert len(found) <= 1 + new.startswith("radus"), found
+
+
+@pytest.mark.filterwarnings("ignore::jousto.JoustoWarning")
+def test_a_pinion_driven_by_the_file_moves_the_rack():
+    text = MODEL.replace("  - {type: spherical, name: ball, a: c.origin, b: ground.origin}\n", "")
+    text += "sensors: [{type: position, name: s, marker: s.origin}]\n"
+    run = jo.simulate(jo.compile(parse_model(text).mechanism), 1.0)
+    # radius times a quarter turn
+    assert abs(run["s"][-1, 0] - 0.1 * np.pi / 2) < 1e-9
