@@ -288,6 +288,12 @@ from .simulation import (
     equilibrium as equilibrium,
 )
 from .simulation import (
+    inverse_dynamics as inverse_dynamics,
+)
+from .simulation import (
+    kinematics as kinematics,
+)
+from .simulation import (
     linearise as linearise,
 )
 from .simulation import (

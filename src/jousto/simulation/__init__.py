@@ -1,6 +1,7 @@
 """SIMULATE: run a model, stream its results, read them."""
 
 from jousto.simulation.campbell import Campbell, campbell
+from jousto.simulation.kinematics import inverse_dynamics, kinematics
 from jousto.simulation.linear import LinearModel, MechanismModes, State, linearise, modes
 from jousto.simulation.simulate import RunFailed, RunInterrupted, describe, simulate
 from jousto.simulation.solution import BodyShape, Energy, Residuals, Solution, load
@@ -26,6 +27,8 @@ __all__ = [
     "describe",
     "campbell",
     "equilibrium",
+    "inverse_dynamics",
+    "kinematics",
     "linearise",
     "load",
     "modes",

@@ -1,0 +1,246 @@
+"""kinematics and inverse_dynamics: mechanisms whose every motion is driven."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import time as clock
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.engine import Engine, Model
+from jousto.engine.native import displaced
+from jousto.engine.redundancy import RANK, unit_rows
+from jousto.errors import InputError, Problem, Problems, SimulationError
+from jousto.simulation.results import DIAGNOSTICS, ResultsWriter
+from jousto.simulation.solution import Solution
+
+Array = NDArray[np.float64]
+TURN = 0.5  # rad, largest turn of a body between two assembled positions
+STRAY = 0.2  # rad, largest turn between the predicted and the assembled position
+SHORTEST = 1e-7  # share of the span of time below which a piece is not halved
+CLOSED = 1e-9  # of the size of the mechanism, or rad: joints that count as closed
+UNKNOWN = ("dissipated", "friction", "work")  # integrals over time, which are not formed
+
+
+def kinematics(model: Model, times: ArrayLike, *, path: str | Path | None = None) -> Solution:
+    """Find the motion of a fully driven mechanism at given times, without integration.
+
+    At each instant the positions solve ``C(q, t) = 0``, the velocities ``Cq v = -C_t`` and the
+    accelerations and multipliers the equations of motion; errors do not add up. The positions are
+    predicted from the last ones, in as many pieces as it takes to stay on the same branch and to
+    count turns, so the times may be far apart.
+
+    Parameters
+    ----------
+    model : Model
+        From `compile`; every motion is driven by a `Drive` or follows by joints and couplings.
+    times : array_like
+        Instants, s, increasing.
+    path : path, optional
+        Results file (HDF5), overwritten; None keeps the results in a temporary file that goes
+        with the returned object.
+
+    Returns
+    -------
+    Solution
+        The instants, with sensors and multipliers. The energies dissipated, lost to friction and
+        done as work are integrals over time and are nan.
+
+    Raises
+    ------
+    InputError
+        If the times make no sense, motions are left free, or the file cannot be written.
+    SimulationError
+        If the mechanism cannot follow its drives: it is stretched out, or a drive jumps.
+    """
+    instants = _instants(model, times)
+    _check_driven(model)
+    folder = Path(tempfile.mkdtemp(prefix="jousto-")) if path is None else None
+    target = folder / "run.h5" if folder else Path(path or "")
+    try:
+        return _write(model, instants, target, temporary=path is None)
+    except BaseException:
+        if folder:
+            shutil.rmtree(folder, ignore_errors=True)
+        raise
+
+
+def inverse_dynamics(model: Model, times: ArrayLike, *, path: str | Path | None = None) -> Solution:
+    """Find the forces of the drives that move a fully driven mechanism as prescribed.
+
+    The solution is that of `kinematics`: with rigid bodies the forces follow from the motion at
+    each instant alone. The drive with the row ``r = joint.row`` of ``model.joints`` pushes with
+    ``-solution.multipliers[:, r]`` (N or N m) along its coordinate. Elastic bodies are refused:
+    their modes have a motion of their own; run `simulate` with the same drives, whose multipliers
+    then hold the forces with all vibrations.
+
+    Parameters
+    ----------
+    model, times, path
+        As for `kinematics`.
+
+    Returns
+    -------
+    Solution
+        As from `kinematics`.
+
+    Raises
+    ------
+    InputError, SimulationError
+        As `kinematics`; InputError also if there is no drive.
+    """
+    _instants(model, times)
+    if not any(line.signal >= 0 for joint in model.joints for line in joint.lines):
+        raise InputError(
+            Problem(
+                "inverse_dynamics", "the mechanism has no drive; add Drive(name, coordinate, s)"
+            )
+        )
+    return kinematics(model, times, path=path)
+
+
+def _instants(model: Any, times: Any) -> Array:
+    problems = Problems()
+    where = "kinematics"
+    if not isinstance(model, Model):
+        problems.add(where, f"model is a {type(model).__name__}, must be a Model from compile")
+    found = np.zeros(0)
+    try:
+        found = np.atleast_1d(np.asarray(times, dtype=np.float64))
+    except (TypeError, ValueError):
+        problems.add(where, "times must be numbers, s")
+    else:
+        if found.ndim != 1 or not len(found) or not np.isfinite(found).all():
+            problems.add(where, "times must be a list of finite numbers, not empty, s")
+        elif (np.diff(found) <= 0.0).any():
+            k = int(np.argmax(np.diff(found) <= 0.0))
+            problems.add(
+                where,
+                f"times must increase, but {found[k]:g} s is followed by {found[k + 1]:g} s",
+            )
+    problems.raise_if_any()
+    return found
+
+
+def _check_driven(model: Model) -> None:
+    """Refuse a mechanism that keeps free motions at its initial pose."""
+    engine = Engine(model)
+    rank = 0
+    if model.nrow:
+        rank = int((np.linalg.svd(unit_rows(model, engine), compute_uv=False) > RANK).sum())
+    free = model.nv - rank
+    if not free:
+        return
+    modal = sum(body.n for body in model.bodies)
+    text = f"{free} free motion{'s' * (free > 1)} at the initial pose, so the drives do not say "
+    text += "how it moves"
+    if modal:
+        names = ", ".join(f"'{body.name}'" for body in model.bodies if body.n)
+        text += (
+            f"; {modal} modal coordinates of {names} are among its {model.nv} velocities: modes "
+            "move on their own, run simulate with the same drives instead, or make the bodies rigid"
+        )
+    else:
+        text += "; give each a Drive, or run simulate, which finds the motion from the forces"
+    raise InputError(Problem(f"kinematics {model.name!r}", f"the mechanism keeps {text}"))
+
+
+def _write(model: Model, instants: Array, target: Path, *, temporary: bool) -> Solution:
+    gaps = np.diff(instants)
+    attributes = {
+        "solver": "kinematics",
+        "step": float(gaps.min()) if len(gaps) else 0.0,
+        "t_end": float(instants[-1]),
+        "gravity": model.gravity,
+        "evaluations_per_step": 1,
+    }
+    first = 1 + model.nq + model.nv + model.nrow
+    names = [name for name, _, _ in DIAGNOSTICS]
+    unknown = [first + names.index(name) for name in UNKNOWN]
+    writer = ResultsWriter(target, model, len(instants), attributes, "")
+    started = clock.perf_counter()
+    ended = "completed"
+    try:
+        for row in positions(model, instants):
+            row[unknown] = np.nan
+            writer.append(row[None])
+    except BaseException as error:
+        ended = f"failed: {error}"
+        raise
+    finally:
+        writer.close(
+            ended == "completed", {"ended": ended, "wall_time": clock.perf_counter() - started}
+        )
+    return Solution(target, temporary=temporary)
+
+
+def positions(model: Model, instants: Array) -> Iterator[Array]:
+    """Yield the engine's row of each instant, starting from the initial pose at time 0."""
+    engine = Engine(model)
+    engine.assemble()
+    engine.accelerations()
+    span = max(float(np.abs(instants).max()), float(np.ptp(instants)))
+    piece = np.inf
+    for instant in instants:
+        while engine.time[0] != instant:
+            left = float(instant - engine.time[0])
+            h = float(np.sign(left)) * min(abs(left), piece, _reach(model, engine.v))
+            while not _advance(model, engine, instant if h == left else engine.time[0] + h):
+                h *= 0.5
+                if abs(h) < SHORTEST * span:
+                    raise SimulationError(
+                        f"the mechanism cannot follow its drives past {engine.time[0]:.6g} s: it "
+                        "is stretched out or at a dead centre there, or a drive jumps; keep the "
+                        "drives within what the lengths allow",
+                        time=float(engine.time[0]),
+                    )
+            piece = 2.0 * abs(h)
+        yield np.array(engine.row())
+
+
+def _reach(model: Model, v: Array) -> float:
+    """Return the time in which no body turns further than TURN, s."""
+    fastest = max(float(np.linalg.norm(v[b.iv + 3 : b.iv + 6])) for b in model.bodies)
+    return TURN / max(fastest, 1e-300)
+
+
+def _advance(model: Model, engine: Engine, instant: float) -> bool:
+    """Assemble at an instant; False, and back to the state before, where the step is too long."""
+    views = (engine.q, engine.v, engine.a, engine.time, engine.turn)
+    kept = [view.copy() for view in views]
+    h = float(instant - engine.time[0])
+    guess = displaced(model, engine.q, h * engine.v + 0.5 * h * h * engine.a)
+    engine.q[:] = guess
+    engine.time[0] = instant
+    good = False
+    try:
+        engine.assemble()
+        good = (
+            engine.residuals()[0] <= CLOSED * max(1.0, model.size)
+            and _turned(model, guess, engine.q) < STRAY
+            and _turned(model, kept[0], engine.q) < 2.0 * TURN
+        )
+        if good:
+            engine.accelerations()
+    except SimulationError:
+        good = False
+    if not good:
+        for view, value in zip(views, kept, strict=True):
+            view[:] = value
+    return good
+
+
+def _turned(model: Model, one: Array, other: Array) -> float:
+    """Return the largest angle between the orientations of a body in two positions, rad."""
+    largest = 0.0
+    for body in model.bodies:
+        parameters = slice(body.iq + 3, body.iq + 7)
+        e, f = one[parameters], other[parameters]
+        apart = min(float(np.linalg.norm(e - f)), float(np.linalg.norm(e + f)))  # 2 sin(angle / 4)
+        largest = max(largest, 4.0 * float(np.arcsin(min(0.5 * apart, 1.0))))
+    return largest
