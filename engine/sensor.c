@@ -82,6 +82,15 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
         }
         case JO_COORDINATE: y[0] = d->coordinate[s->object].value; break;
         case JO_RATE: y[0] = d->coordinate[s->object].rate; break;
+        case JO_ENERGY:   /* kinetic strain potential springs, then dissipated friction work so far */
+            if (s->object >= 4) {
+                y[0] = d->work[s->object - 4];
+            } else {
+                jo_real energy[4];
+                jo_energy(m, d, energy);
+                y[0] = energy[s->object];
+            }
+            break;
         case JO_SIGNAL: y[0] = jo_signal_at(m, d, s->object, d->time[0]).value; break;
         case JO_ELEMENT:
             for (int j = 0; j < s->count; j++) y[j] = d->force[s->object].y[j];

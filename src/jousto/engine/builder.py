@@ -18,9 +18,18 @@ from jousto.engine.model import (
     MarkerModel,
     SignalModel,
 )
-from jousto.mechanism import FlexibleBody, Force, Harmonic, Marker, Step, Table, Torque
+from jousto.mechanism import FlexibleBody, Force, Harmonic, Load, Marker, Step, Table, Torque
 from jousto.mechanism.coordinate import Angle, Coordinate, Displacement, Line
 from jousto.mechanism.coupling import Coupler
+from jousto.mechanism.elements import (
+    Bushing,
+    Element,
+    JointForce,
+    ModalLoad,
+    Servo,
+    Spring,
+    UserForce,
+)
 from jousto.mechanism.joints import Joint
 from jousto.mechanism.signals import Constant, Input, Product, Ramp, SCurve, Sum
 
@@ -164,14 +173,16 @@ class Builder:
         self.signals.append(signal)
         return len(self.signals) - 1
 
-    def force(self, load: Any) -> int:
+    def force(self, load: Load | Element) -> int:
         """Return the index of what pushes."""
-        if not isinstance(load, Force | Torque):
-            raise TypeError(f"no engine force for {type(load).__name__}")
-        zero = np.zeros(3)
-        force, torque = (load.vector, zero) if isinstance(load, Force) else (zero, load.vector)
-        self.forces.append(
-            ForceModel(
+        self.forces.append(self._force(load))
+        return len(self.forces) - 1
+
+    def _force(self, load: Load | Element) -> ForceModel:
+        if isinstance(load, Force | Torque):
+            zero = np.zeros(3)
+            force, torque = (load.vector, zero) if isinstance(load, Force) else (zero, load.vector)
+            return ForceModel(
                 name=load.name,
                 kind="load",
                 data=np.concatenate([force, torque]),
@@ -179,8 +190,63 @@ class Builder:
                 follow=load.follow,
                 signal=self.signal(load.signal),
             )
+        if isinstance(load, Bushing):
+            return ForceModel(
+                name=load.name,
+                kind="bushing",
+                data=np.concatenate([load.stiffness.ravel(), load.damping.ravel(), load.preload]),
+                a=self.marker(load.a, True),
+                b=self.marker(load.b, True),
+            )
+        if isinstance(load, ModalLoad):
+            return ForceModel(
+                name=load.name,
+                kind="modal load",
+                data=load.load,
+                body=self._bodies[id(load.body)],
+                signal=self.signal(load.signal),
+            )
+        if isinstance(load, UserForce):
+            return ForceModel(
+                name=load.name,
+                kind="user",
+                data=np.zeros(1),
+                a=self.marker(load.reference, True),
+                b=self.marker(load.marker, True),
+                function=load.function,
+            )
+        return self._along(load)
+
+    def _along(self, load: Spring | JointForce | Servo) -> ForceModel:
+        """Return a force along a coordinate: stiffness, damping, free value, preload and limit."""
+        place = self.declared(load.coordinate)
+        if isinstance(load, Spring):
+            values = (load.stiffness, load.damping, load.free_value, load.preload, 0.0)
+            return ForceModel(
+                name=load.name,
+                kind="along",
+                data=np.array(values),
+                coordinate=place,
+                spring=self.signal(load.table),
+                damper=self.signal(load.damper_table),
+            )
+        if isinstance(load, JointForce):
+            return ForceModel(
+                name=load.name,
+                kind="along",
+                data=np.array([0.0, 0.0, 0.0, 1.0, 0.0]),
+                coordinate=place,
+                active=True,
+                signal=self.signal(load.signal),
+            )
+        return ForceModel(
+            name=load.name,
+            kind="along",
+            data=np.array([load.kp, load.kd, 0.0, 0.0, load.limit or 0.0]),
+            coordinate=place,
+            active=True,
+            reference=self.signal(load.reference),
         )
-        return len(self.forces) - 1
 
 
 def _signal(signal: Any) -> SignalModel:

@@ -21,18 +21,23 @@ from jousto.engine.redundancy import check_closed, repeated_rows
 from jousto.errors import warn
 from jousto.mechanism import (
     AngularVelocitySensor,
+    CoordinateSensor,
+    EnergySensor,
     FlexibleBody,
     Mechanism,
     ModalSensor,
     OrientationSensor,
     PositionSensor,
+    RateSensor,
     ReactionSensor,
     RigidBody,
+    SignalSensor,
     StressSensor,
     VelocitySensor,
     rotation_matrix,
     skew,
 )
+from jousto.mechanism.gauges import ENERGIES
 
 Array = NDArray[np.float64]
 
@@ -83,6 +88,9 @@ def compile(mechanism: Mechanism) -> Model:
         builder.coupling(coupling)
     for load in mechanism.forces:
         builder.force(load)
+    for sensor in mechanism.sensors:  # angles are counted at every step
+        if isinstance(sensor, CoordinateSensor | RateSensor):
+            builder.declared(sensor.coordinate)
     active = len(builder.markers)
     sensors = _sensors(mechanism, builder, index)
     on_body: dict[int, list[int]] = {}
@@ -228,6 +236,13 @@ def _sensors(
             assert stress is not None
             rows = np.vstack([stress.modes[i] for i in sensor.indices])
             kind, count, target = "stress", len(rows), index[id(sensor.body)]
+        elif isinstance(sensor, CoordinateSensor | RateSensor):
+            kind = "coordinate" if isinstance(sensor, CoordinateSensor) else "rate"
+            count, target = 1, builder.declared(sensor.coordinate)
+        elif isinstance(sensor, EnergySensor):
+            kind, count, target = "energy", 1, ENERGIES.index(sensor.energy)
+        elif isinstance(sensor, SignalSensor):
+            kind, count, target = "signal", 1, builder.signal(sensor.signal)
         else:
             raise TypeError(f"no engine sensor for {type(sensor).__name__}")
         models.append(
