@@ -26,6 +26,7 @@ WIDTHS = {  # pixels
     "chain.png": 1000,
     "chain.gif": 420,
     "cantilever_stress.png": 1100,
+    "slider_crank.png": 1100,
     "split_still.png": 900,
     "split.png": 900,
 }
