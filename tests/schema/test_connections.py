@@ -137,3 +137,33 @@ def test_a_pinion_driven_by_the_file_moves_the_rack():
     run = jo.simulate(jo.compile(parse_model(text).mechanism), 1.0)
     # radius times a quarter turn
     assert abs(run["s"][-1, 0] - 0.1 * np.pi / 2) < 1e-9
+
+
+FORCES = """\
+forces:
+  - {type: spring, name: k, coordinate: hinge.angle, stiffness: 2 N m/rad, damping: 0.1 N m s/rad,
+     free: 90 deg, preload: 1 kNm}
+  - {type: bushing, name: bush, a: ground.origin, b: s.origin, stiffness: [1 N/mm, 1, 1, 1, 1, 1]}
+  - {type: joint-force, name: push, coordinate: slide.displacement, signal: 2 kN}
+  - {type: servo, name: servo, coordinate: hinge.angle, reference: 90 deg, kp: 3, kd: 1,
+     limit: 5 Nm}
+"""
+
+
+def test_force_elements_equal_the_python_constructors():
+    model = parse_model(MODEL[: MODEL.index("  - {type: spherical")] + FORCES).mechanism
+    hinge, slide = model.joints
+    expected = (
+        jm.Spring("k", hinge.angle, 2.0, 0.1, free=np.pi / 2, preload=1000.0),
+        jm.Bushing("bush", jm.ground["origin"], slide.b, (1000, 1, 1, 1, 1, 1)),
+        jm.JointForce("push", slide.displacement, 2000.0),
+        jm.Servo("servo", hinge.angle, np.pi / 2, 3.0, 1.0, limit=5.0),
+    )
+    same(model.forces, expected)
+    assert jo.simulate(jo.compile(model), 0.01).complete
+
+
+def test_the_stiffness_along_an_angle_is_no_stiffness_along_a_length():
+    text = MODEL[: MODEL.index("  - {type: spherical")] + FORCES
+    with pytest.raises(InputError, match=r"forces.0.stiffness: expects an angular stiffness"):
+        parse_model(text.replace("2 N m/rad", "2 N/m"))

@@ -151,6 +151,9 @@ def test_every_class_can_be_said_in_a_file():
     )
     assert joints == set(jm.JOINTS)
     assert loads == set(LOADS)
+    # patterns of nodal forces and functions are for Python
+    elements = set(connect.ELEMENTS.values())
+    assert elements == set(jm.ELEMENTS) - {jm.ModalLoad, jm.UserForce}
     assert couplings == set(jm.COUPLINGS)
     # a switched signal needs an event, which the file has not
     assert signals == set(jm.SIGNALS) - {jm.Switched}
@@ -164,7 +167,7 @@ def test_every_class_can_be_said_in_a_file():
     for cls in (
         jp.Rectangle, jp.Circle, jp.Tube, jp.Box, jp.IBeam, jp.GeneralSection, jp.SectionPoint,
         jp.Material, jp.PointMass, jp.Timoshenko, jp.EulerBernoulli, jp.Member,
-        jr.CraigBampton, jr.FreeFree, jr.Rayleigh, *joints, *loads, *signals, *couplings,
+        jr.CraigBampton, jr.FreeFree, jr.Rayleigh, *joints, *loads, *signals, *couplings, *elements,
         jm.ModalSensor, jm.ReactionSensor, jm.StressSensor, jm.RigidBody, Baumgarte,
     ):  # fmt: skip
         import inspect

@@ -12,7 +12,7 @@ from jousto import mechanism as jm
 from jousto.errors import InputError, JoustoWarning, Problem, suggest
 from jousto.schema import model as sm
 from jousto.schema import parts as sp
-from jousto.schema.connect import build_coupler, build_joint, build_signal
+from jousto.schema.connect import build_coupler, build_element, build_joint, build_signal
 from jousto.schema.document import Document, Loc
 from jousto.schema.entries import Entry, MarkerEntry, RotateEntry
 from jousto.schema.files import read_matrix, read_points
@@ -278,8 +278,10 @@ class Builder:
         axes = self.orientations(loc, {"axes": entry.axes})["axes"]
         return None if axes is None else self.make((*loc, "axes"), marker.turned, axes)
 
-    def load(self, loc: Loc, entry: Any, bodies: dict[str, Any]) -> Any:
-        """Return the force or torque of an entry, None if anything is wrong with it."""
+    def load(self, loc: Loc, entry: Any, bodies: dict[str, Any], joints: dict[str, Any]) -> Any:
+        """Return the force of an entry, None if anything is wrong with it."""
+        if entry.type not in LOADS:
+            return build_element(self, loc, entry, bodies, joints)
         values = entry.given()
         values["marker"] = self.marker((*loc, "marker"), entry.marker, bodies)
         if entry.signal is not None:
@@ -352,7 +354,7 @@ class Builder:
         joints = listed("joints", lambda at, e: build_joint(self, at, e, by_name))
         free = named(joints)
         couplings = listed("couplings", lambda at, e: build_coupler(self, at, e, by_name, free))
-        loads = listed("forces", lambda at, e: self.load(at, e, by_name))
+        loads = listed("forces", lambda at, e: self.load(at, e, by_name, free))
         sensors = listed("sensors", lambda at, e: self.sensor(at, e, by_name, free))
         items = [*bodies, *joints, *couplings, *loads, *sensors]
         if not bodies and (self.found or self.broken):

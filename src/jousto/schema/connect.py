@@ -28,6 +28,12 @@ JOINTS = {
     "rod": jm.Rod,
 }
 COUPLINGS = {"gear": jm.Gear, "rack": jm.Rack, "coupling": jm.Coupling, "drive": jm.Drive}
+ELEMENTS = {
+    "spring": jm.Spring,
+    "bushing": jm.Bushing,
+    "joint-force": jm.JointForce,
+    "servo": jm.Servo,
+}
 COORDINATES = {"angle": jm.Angle, "displacement": jm.Displacement, "distance": jm.Distance}
 SIGNALS = {
     "constant": jm.Constant,
@@ -150,3 +156,44 @@ def build_coupler(
     if any(value is None for value in (*values.values(), *values.get("coordinates", ()))):
         return None
     return builder.make(loc, COUPLINGS[entry.type], **values)
+
+
+# units of stiffness and damping along a length and along an angle
+STIFFNESS = {"m": "N/m", "rad": "N m/rad"}
+DAMPING = {"m": "N s/m", "rad": "N m s/rad"}
+
+
+def build_element(
+    builder: Builder, loc: Loc, entry: Any, bodies: dict[str, Any], joints: dict[str, Any]
+) -> Any:
+    """Return the spring, bushing, joint force or servo of an entry, None if it is wrong."""
+    values = entry.given()
+    if entry.type == "bushing":
+        found = with_markers(builder, loc, entry, bodies)
+        values = {"a": None} if found is None else found
+        rows = (("stiffness", STIFFNESS), ("damping", DAMPING), ("preload", None))
+        for key, units in rows:
+            if key in values:
+                both = ("N", "N m") if units is None else (units["m"], units["rad"])
+                values[key] = tuple(
+                    build_amount(builder, (*loc, key, i), x, both[i // 3])
+                    for i, x in enumerate(values[key])
+                )
+                if None in values[key]:
+                    values[key] = None
+    else:
+        s = build_coordinate(builder, (*loc, "coordinate"), entry.coordinate, bodies, joints)
+        values["coordinate"] = s
+        if s is None:
+            return None
+        stiffness, damping, force = STIFFNESS[s.unit], DAMPING[s.unit], s.force_unit
+        units = {
+            "stiffness": stiffness, "kp": stiffness, "damping": damping, "kd": damping,
+            "free": s.unit, "reference": s.unit, "preload": force, "limit": force, "signal": force,
+        }  # fmt: skip
+        for key, unit in units.items():
+            if key in values:
+                values[key] = build_signal(builder, (*loc, key), values[key], unit)
+    if any(value is None for value in values.values()):
+        return None
+    return builder.make(loc, ELEMENTS[entry.type], **values)

@@ -15,6 +15,7 @@ from jousto.schema.entries import (
     Marker,
     Number,
     Text,
+    Vector,
     fail,
     tagged,
 )
@@ -254,3 +255,55 @@ CouplerEntry: TypeAlias = Annotated[
     | Annotated[DriveEntry, Tag("drive")],
     tagged(),
 ]
+
+# -- force elements -------------------------------------------------------------------------
+
+Six: TypeAlias = Annotated[
+    tuple[Amount, Amount, Amount, Amount, Amount, Amount],
+    Vector(6),
+]
+
+
+class SpringEntry(Entry):
+    """`Spring`: a spring and damper along a coordinate."""
+
+    type: Literal["spring"]
+    name: Text
+    coordinate: CoordinateEntry
+    stiffness: Amount | None = Field(None, description="N/m, or N m/rad along an angle")
+    damping: Amount | None = Field(None, description="N s/m, or N m s/rad along an angle")
+    free: Amount | None = Field(None, description="Without force; the initial pose if not given")
+    preload: Amount | None = Field(None, description="Force or torque along the coordinate")
+
+
+class BushingEntry(Entry):
+    """`Bushing`: a linear support of b on a, translation then rotation, in the axes of a."""
+
+    type: Literal["bushing"]
+    name: Text
+    a: Marker
+    b: Marker
+    stiffness: Six
+    damping: Six | None = None
+    preload: Six | None = None
+
+
+class JointForceEntry(Entry):
+    """`JointForce`: a force or torque along a coordinate."""
+
+    type: Literal["joint-force"]
+    name: Text
+    coordinate: CoordinateEntry
+    signal: SignalOrNumber
+
+
+class ServoEntry(Entry):
+    """`Servo`: a controlled force or torque along a coordinate."""
+
+    type: Literal["servo"]
+    name: Text
+    coordinate: CoordinateEntry
+    reference: SignalOrNumber = Field(description="Wanted value of the coordinate")
+    kp: Amount = Field(description="N/m, or N m/rad along an angle")
+    kd: Amount | None = Field(None, description="N s/m, or N m s/rad along an angle")
+    limit: Amount | None = Field(None, description="Largest force or torque")

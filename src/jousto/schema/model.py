@@ -6,7 +6,14 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, Tag
 
-from jousto.schema.connections import CouplerEntry, JointEntry
+from jousto.schema.connections import (
+    BushingEntry,
+    CouplerEntry,
+    JointEntry,
+    JointForceEntry,
+    ServoEntry,
+    SpringEntry,
+)
 from jousto.schema.entries import (
     Acceleration3,
     AngularVelocity3,
@@ -123,7 +130,13 @@ class TorqueEntry(Entry):
 
 
 LoadEntry: TypeAlias = Annotated[
-    Annotated[ForceEntry, Tag("force")] | Annotated[TorqueEntry, Tag("torque")], tagged()
+    Annotated[ForceEntry, Tag("force")]
+    | Annotated[TorqueEntry, Tag("torque")]
+    | Annotated[SpringEntry, Tag("spring")]
+    | Annotated[BushingEntry, Tag("bushing")]
+    | Annotated[JointForceEntry, Tag("joint-force")]
+    | Annotated[ServoEntry, Tag("servo")],
+    tagged(),
 ]
 
 # -- sensors --------------------------------------------------------------------------------

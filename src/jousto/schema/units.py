@@ -73,6 +73,10 @@ KINDS = {
     "kg m2": "a moment of inertia",
     "Hz": "a frequency",
     "1/s": "a rate",
+    "N/m": "a stiffness",
+    "N m/rad": "an angular stiffness",
+    "N s/m": "a damping",
+    "N m s/rad": "an angular damping",
 }
 
 COMMON = ("mm", "cm", "m", "g", "kg", "t", "ms", "s", "min", "rad", "deg", "rpm", "Hz", "kHz", "N",
