@@ -1,4 +1,4 @@
-"""The command line: check, run, info, plot, reduce, animate, schema.
+"""The command line: check, run, equilibrium, modes, info, plot, reduce, animate, schema.
 
 Exit codes: 0 success, 1 the run failed, 2 bad input. Problems and warnings go to stderr, one
 line each. Everything heavy is imported inside the commands.
@@ -217,6 +217,63 @@ def run(
 
 @app.command()
 @command
+def equilibrium(model: Model, debug: Debug = False) -> None:
+    """Find where a model rests: positions of the bodies and values of the sensors."""
+    from jousto.engine import Engine
+    from jousto.schema import read_model
+    from jousto.simulation import equilibrium as rest
+
+    compiled = compile_model(read_model(model))
+    state = rest(compiled)
+    engine = Engine(compiled)
+    engine.q[:], engine.v[:], engine.time[0] = state.q, state.v, state.time
+    engine.accelerations()
+    values = engine.sensors()
+    rows = [
+        (f"body {body.name}", f"{numbers(state.q[body.iq : body.iq + 3])} m")
+        for body in compiled.bodies
+    ]
+    for sensor in compiled.sensors:
+        found = values[sensor.offset : sensor.offset + sensor.count]
+        rows.append((f"sensor {sensor.name}", f"{numbers(found)} {sensor.unit}".rstrip()))
+    facts(rows, f"{model.name} at rest")
+
+
+@app.command()
+@command
+def modes(
+    model: Model,
+    count: Annotated[
+        int, typer.Option("--count", "-n", min=1, help="How many, the slowest first.")
+    ] = 10,
+    initial: Annotated[
+        bool, typer.Option("--initial", help="About the initial pose, not the rest position.")
+    ] = False,
+    debug: Debug = False,
+) -> None:
+    """Compute the natural modes of a model, without damping, about where it rests."""
+    import numpy as np
+
+    from jousto.schema import read_model
+    from jousto.simulation import equilibrium as rest
+    from jousto.simulation import modes as natural
+
+    compiled = compile_model(read_model(model))
+    found = natural(compiled, None if initial else rest(compiled))
+    largest = {name: np.abs(x).max(axis=(1, 2), initial=0.0) for name, x in found.shapes.items()}
+    rows = []
+    for k, value in enumerate(found.eigenvalues[:count]):
+        text = f"{found.frequencies[k]:.6g} Hz"
+        if value.real > abs(value.imag):
+            text = f"falls away, {value.real:.6g} 1/s"
+        moves = max(largest, key=lambda name: float(largest[name][k]))
+        rows.append((f"mode {k + 1}", f"{text}, most at {moves}"))
+    place = "its initial pose" if initial else "rest"
+    facts(rows or [("modes", "none: nothing is free to move")], f"{model.name} about {place}")
+
+
+@app.command()
+@command
 def info(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Model, results or reduced part.")],
     debug: Debug = False,
@@ -383,6 +440,12 @@ def progress_bar(text: str) -> Iterator[Callable[[int, int], None] | None]:
 def plain(value: Any) -> str:
     """Return a value for people."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def numbers(values: Any) -> str:
+    """Return values for people, round-off as zero."""
+    size = max((abs(value) for value in values), default=0.0)
+    return " ".join(f"{0.0 if abs(x) <= 1e-9 * max(size, 1e-3) else x:.6g}" for x in values)
 
 
 def describe_model(file: ModelFile) -> None:
