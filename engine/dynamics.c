@@ -118,6 +118,15 @@ static void correction(const jo_model *m, jo_data *d, jo_real *increment)
     }
 }
 
+/* increment = -M^-1 Cq^T S^-1 of the residuals, position or velocity, with the factors of the last evaluation */
+static void newton(const jo_model *m, jo_data *d, int velocity)
+{
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++)
+            d->joint[i].x[r] = velocity ? d->joint[i].cdot[r] : d->joint[i].c[r];
+    correction(m, d, d->rate);
+}
+
 /* Newton in the mass metric for C(q) = 0, then Cq v = 0, with the factors of the last evaluation. One correction
  * nearly always suffices; at most JO_CORRECTIONS keep the work of a step bounded. */
 void jo_project(const jo_model *m, jo_data *d)
@@ -129,38 +138,23 @@ void jo_project(const jo_model *m, jo_data *d)
     double residual = jo_joint_residual(m, d);
     for (int k = 0; k < JO_CORRECTIONS; k++) {
         const double before = residual;
-        for (int i = 0; i < m->njoint; i++)
-            for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].c[r];
-        correction(m, d, d->rate);
+        newton(m, d, 0);
         jo_displace(m, d->q, d->q, d->rate);
         refresh(m, d);
         residual = jo_joint_residual(m, d);
         if (residual <= small || !(residual < 0.5 * before)) break;   /* closed, or no use */
     }
     jo_marker_velocity(m, d, m->nactive);
-    if (m->nline) jo_coordinates_rate(m, d, m->ncoordinate);
     jo_joint_residual_rate(m, d);
     for (int k = 0; k < JO_CORRECTIONS; k++) {
-        for (int i = 0; i < m->njoint; i++)
-            for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].cdot[r];
-        correction(m, d, d->rate);
+        newton(m, d, 1);
         for (int i = 0; i < m->nv; i++) d->v[i] += d->rate[i];
         for (int i = 0; i < m->nbody; i++) jo_body_twist(&m->body[i], &d->body[i], d->v + m->body[i].iv);
         jo_marker_velocity(m, d, m->nactive);
-        if (m->nline) jo_coordinates_rate(m, d, m->ncoordinate);
         if (jo_joint_residual_rate(m, d) <= small_rate) break;
     }
     d->fresh = 0;
     d->current = 1;
-}
-
-/* increment = -M^-1 Cq^T S^-1 of the residuals, position or velocity, with the factors of the last evaluation */
-static void newton(const jo_model *m, jo_data *d, int velocity)
-{
-    for (int i = 0; i < m->njoint; i++)
-        for (int r = 0; r < m->joint[i].nrow; r++)
-            d->joint[i].x[r] = velocity ? d->joint[i].cdot[r] : d->joint[i].c[r];
-    correction(m, d, d->rate);
 }
 
 /* of the position residuals: Newton's direction always lowers it */
@@ -202,7 +196,6 @@ int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance)
         d->current = 0;
         int status = jo_evaluate(m, d, 0, 0);
         if (status != JO_OK) return status;
-        if (m->nline) jo_coordinates_rate(m, d, m->ncoordinate);
         jo_joint_residual_rate(m, d);
         newton(m, d, 1);
         for (int i = 0; i < m->nv; i++) d->v[i] += d->rate[i];
@@ -218,7 +211,6 @@ void jo_residuals(const jo_model *m, jo_data *d, jo_real *out)
 {
     refresh(m, d);
     jo_marker_velocity(m, d, m->nactive);
-    if (m->nline) jo_coordinates_rate(m, d, m->ncoordinate);
     out[0] = jo_joint_residual(m, d);
     out[1] = jo_joint_residual_rate(m, d);
 }

@@ -89,6 +89,7 @@ double jo_joint_residual(const jo_model *m, jo_data *d)
 double jo_joint_residual_rate(const jo_model *m, jo_data *d)
 {
     double worst = 0.0;
+    if (m->nline) jo_coordinates_rate(m, d, m->ncoordinate);
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
         const jo_marker_work *a = &d->marker[k->side[0]], *b = &d->marker[k->side[1]];

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from jousto.engine.model import JointModel, Model
 from jousto.engine.native import Engine, displaced
 from jousto.errors import Problems
+from jousto.mechanism import rotation_matrix
 
 Array = NDArray[np.float64]
 RANK = 1e-9  # singular values of unit rows in the mass metric below this are zero
@@ -82,9 +83,7 @@ def unit_rows(model: Model, engine: Engine) -> Array:
     G = constraint_matrix(model, engine)
     for i, body in enumerate(model.bodies):
         columns = slice(body.iv, body.iv + 6 + body.n)
-        e0, e = engine.q[body.iq + 3], engine.q[body.iq + 4 : body.iq + 7]
-        skew = np.cross(np.eye(3), e).T * -1.0
-        A = np.eye(3) + 2.0 * e0 * skew + 2.0 * skew @ skew
+        A = rotation_matrix(engine.q[body.iq + 3 : body.iq + 7])
         block = G[:, columns].copy()
         block[:, :3] = block[:, :3] @ A  # the mass matrix is resolved in the body frame
         L = np.linalg.cholesky(engine.mass_matrix(i))
