@@ -131,16 +131,30 @@ void jo_count_turns(const jo_model *m, jo_data *d);                /* the presen
 jo_real jo_arc_tangent(jo_real y, jo_real x);                      /* four quadrants */
 void jo_to_world(jo_real *y, const jo_model *m, const jo_data *d, int marker, const jo_real *x);
 
+/* The work on small blocks is compiled for the row counts that occur, so that loops unroll. */
+#define JO_BY_ROWS(n, call)        \
+    switch (n) {                   \
+    case 3: call(3); break;        \
+    case 5: call(5); break;        \
+    case 6: call(6); break;        \
+    default: call(n); break;       \
+    }
+
+/* whether the rows of an optional joint are switched off */
+static inline int jo_absent(const jo_data *d, const jo_joint *k) { return k->lock >= 0 && !d->locked[k->lock]; }
+
 /* joint.c */
-void jo_joint_setup(const jo_model *m, jo_data *d, int set);
 double jo_joint_residual(const jo_model *m, jo_data *d);         /* fills c, returns the largest */
 double jo_joint_residual_rate(const jo_model *m, jo_data *d);    /* the same for cdot */
 void jo_joint_rows(const jo_model *m, jo_data *d);
 void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_solver *s);
-int jo_joint_factor(const jo_model *m, jo_data *d);
-void jo_joint_solve(const jo_model *m, jo_data *d);
 jo_real jo_joint_power(const jo_model *m, const jo_data *d);     /* work that drives do, per second */
 void jo_joint_apply(const jo_model *m, jo_data *d);
+
+/* schur.c */
+void jo_joint_setup(const jo_model *m, jo_data *d, int set);
+int jo_joint_factor(const jo_model *m, jo_data *d);
+void jo_joint_solve(const jo_model *m, jo_data *d);
 
 /* sensor.c */
 void jo_quaternion(jo_real *e, const jo_real *A);   /* scalar first and not negative */

@@ -67,7 +67,6 @@ typedef struct {
     const jo_real *EB;      /* (3 np x n) int phi_k x phi_j dm, antisymmetric */
     const jo_real *K;       /* (np)      modal stiffness omega^2, rad^2/s^2 */
     const jo_real *D;       /* (np)      modal damping 2 zeta omega, 1/s */
-    const jo_real *X;       /* not used: int chi_jk dm = 0 by the choice of chi, see jo_marker.chi */
 } jo_body;
 
 /* A frame on a body: at a node with translation and rotation mode shapes, or rigid. */

@@ -36,8 +36,6 @@ class BodyModel:
         ``dD_j/dp_k`` and ``dB_j/dp_k``, index order component, j, k.
     K, D : arrays (n,)
         omega^2 in rad2/s2 and 2 zeta omega in 1/s.
-    X : array (3, n, n) or None
-        ``int chi_jk dm`` of the quadratic displacement, with stiffening.
     """
 
     name: str
@@ -53,7 +51,6 @@ class BodyModel:
     EB: Array
     K: Array
     D: Array
-    X: Array | None = None
 
     @property
     def n(self) -> int:
