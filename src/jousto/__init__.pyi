@@ -1,7 +1,9 @@
 # the public names; __init__.py loads them from here when they are first used
+from .engine import Diagnosis as Diagnosis
 from .engine import Engine as Engine
 from .engine import Model as Model
 from .engine import compile as compile
+from .engine import doctor as doctor
 from .errors import (
     InputError as InputError,
 )

@@ -150,12 +150,14 @@ def _root(
 @app.command()
 @command
 def check(model: Model, debug: Debug = False) -> None:
-    """Read a model file, check everything and say what is in it."""
+    """Read a model file, check everything and say what is in it and how it can move."""
+    from jousto.engine import doctor
     from jousto.schema import read_model
 
     file = read_model(model)
     describe_model(file)
     compiled = compile_model(file)
+    facts(doctor(compiled).lines())
     settings = file.simulation
     if settings is not None:
         from jousto.simulation import ROS2

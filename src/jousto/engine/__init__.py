@@ -1,7 +1,8 @@
 """COMPILE: a mechanism becomes flat arrays for the C engine."""
 
 from jousto.engine.compile import compile
+from jousto.engine.doctor import Diagnosis, doctor
 from jousto.engine.model import Model
 from jousto.engine.native import Engine
 
-__all__ = ["Engine", "Model", "compile"]
+__all__ = ["Diagnosis", "Engine", "Model", "compile", "doctor"]

@@ -286,6 +286,7 @@ def _consistent(model: Model) -> Model:
     """Return the model with closed joints and velocities that they allow."""
     engine = Engine(model, strict=True)
     given = model.v0.copy()
+    found = None
     try:
         engine.assemble()
         engine.accelerations()  # singular bodies and repeated rows show here
@@ -296,7 +297,8 @@ def _consistent(model: Model) -> Model:
         engine = Engine(model)
         engine.assemble()
         engine.accelerations()
-        check_closed(model, engine, found)
+    check_closed(model, engine, found)
+    if found:
         warn(f"mechanism {model.name!r}", found.sentence)
     model.q0[:] = engine.q
     model.v0[:] = engine.v

@@ -55,9 +55,10 @@ class Redundancy:
                 "repeat the others there, and the motion may go on in more than one way; start "
                 "from another position or give initial velocities that choose one"
             )
+        motion = "the motion is right, but" if self.mobility else "nothing can move, and"
         text = (
-            f"{self.count} of the constraint rows of {names} repeat the others; the motion is "
-            "right, but the reactions of these joints are not unique (given: those of least norm)"
+            f"{self.count} of the constraint rows of {names} repeat the others; {motion} the "
+            "reactions of these joints are not unique (given: those of least norm)"
         )
         if self.advice:
             text += f"; to make them unique, {' and '.join(self.advice)}"
@@ -162,14 +163,14 @@ def _without(keep: NDArray[np.bool_], rows: Sequence[int]) -> NDArray[np.bool_]:
     return out
 
 
-def check_closed(model: Model, engine: Engine, found: Redundancy) -> None:
-    """Raise InputError with every joint that repeated rows leave open or in conflict.
+def check_closed(model: Model, engine: Engine, found: Redundancy | None) -> None:
+    """Raise InputError with every joint that assembly left open or in conflict.
 
     Parameters
     ----------
     model, engine : Model, Engine
         After assembly.
-    found : Redundancy
+    found : Redundancy or None
         The rows that repeat one another.
     """
     problems = Problems()
@@ -178,15 +179,19 @@ def check_closed(model: Model, engine: Engine, found: Redundancy) -> None:
     for joint in model.joints:
         rows = slice(joint.row, joint.row + joint.rows)
         gap, rate = np.abs(c[rows]).max(initial=0.0), np.abs(cdot[rows]).max(initial=0.0)
-        others = ", ".join(f"'{name}'" for name in found.joints if name != joint.name)
+        names = [f"'{name}'" for name in (found.joints if found else ()) if name != joint.name]
+        others = ", ".join(names) or "the others"
         where = f"joint '{joint.name}'"
-        if gap > 1e-8 * model.size:
+        if not gap <= 1e-8 * model.size:
             problems.add(
                 where,
                 f"cannot be closed, {gap:.3g} (m or rad) remain; it conflicts with {others}: "
-                "change a length or an axis of the loop, or free a motion of one of them",
+                "change a length or an axis of the loop, or free a motion of one of them"
+                if names
+                else f"cannot be closed, {gap:.3g} (m or rad) remain: the bodies do not reach one "
+                "another; change a length of the loop, or start nearer to the closed position",
             )
-        elif rate > 1e-8 * speed:
+        elif not rate <= 1e-8 * speed:
             problems.add(
                 where,
                 f"contradicts {others}: a rate of {rate:.3g} (m/s or rad/s) remains; drive each "

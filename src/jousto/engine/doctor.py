@@ -1,0 +1,144 @@
+"""doctor: how a mechanism can move, and what its joints repeat or contradict."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from jousto.engine.compile import compile
+from jousto.engine.model import Model
+from jousto.engine.native import Engine
+from jousto.engine.redundancy import RANK, Redundancy, repeated_rows, unit_rows
+from jousto.errors import InputError, JoustoWarning, Problem
+from jousto.mechanism import Mechanism
+
+LARGE = 2000  # velocity coordinates above which the moving bodies are not told apart
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What `doctor` finds; print it.
+
+    Attributes
+    ----------
+    name : str
+        Name of the mechanism.
+    rows : int
+        Constraint rows of joints, couplings and drives.
+    mobility : int or None
+        Independent motions that they leave, modal coordinates included; None if the mechanism
+        cannot be assembled.
+    rigid_mobility : int or None
+        The same if all bodies were rigid; None where unknown.
+    moving, still : tuple of str
+        Bodies that can move and that cannot, at the initial pose.
+    redundancy : Redundancy or None
+        Rows that repeat one another.
+    problems : tuple of Problem
+        Why the mechanism cannot be assembled, none if it can.
+    warnings : tuple of str
+        Further things to look at.
+    """
+
+    name: str
+    rows: int = 0
+    mobility: int | None = None
+    rigid_mobility: int | None = None
+    moving: tuple[str, ...] = ()
+    still: tuple[str, ...] = ()
+    redundancy: Redundancy | None = None
+    problems: tuple[Problem, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def healthy(self) -> bool:
+        """Whether it can be assembled and no row repeats another."""
+        return not self.problems and self.redundancy is None
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Return names and findings for people, one pair for each line."""
+        out: list[tuple[str, str]] = []
+        if self.mobility is not None:
+            text = f"{_count(self.rows, 'constraint row')} leave "
+            text += _count(self.mobility, "free motion")
+            if self.rigid_mobility is not None and self.rigid_mobility != self.mobility:
+                text += f", {self.rigid_mobility} if the bodies were rigid"
+            out.append(("mobility", text))
+        if self.still:
+            out.append(("cannot move", ", ".join(self.still)))
+        if self.redundancy is not None:
+            out.append(("repeated rows", self.redundancy.sentence))
+        out += [("problem", str(problem)) for problem in self.problems]
+        out += [("warning", text) for text in self.warnings]
+        return out
+
+    def __str__(self) -> str:
+        """Return all findings as text."""
+        return "\n".join(f"{name}: {text}" for name, text in self.lines())
+
+
+def doctor(mechanism: Mechanism | Model) -> Diagnosis:
+    """Examine how a mechanism can move and whether its joints repeat or contradict one another.
+
+    Nothing is raised for a mechanism that cannot be assembled: the reasons are in the answer.
+
+    Parameters
+    ----------
+    mechanism : Mechanism or Model
+        What to examine, at its initial pose.
+
+    Returns
+    -------
+    Diagnosis
+        Mobility, bodies that cannot move, repeated rows with the joints to change, and conflicts.
+
+    Examples
+    --------
+    >>> import jousto as jo
+    >>> wheel = jo.RigidBody("wheel", mass=3.0, inertia=(0.01, 0.01, 0.02))
+    >>> axle = jo.Revolute("axle", jo.ground["origin"], wheel["origin"], axis=(0, 0, 1))
+    >>> print(jo.doctor(jo.Mechanism(wheel, axle)))
+    mobility: 5 constraint rows leave 1 free motion
+    """
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", JoustoWarning)
+        try:
+            model = compile(mechanism) if isinstance(mechanism, Mechanism) else mechanism
+        except InputError as error:
+            return Diagnosis(mechanism.name, problems=error.problems)
+    found = repeated_rows(model) if model.redundant else None
+    said = tuple(
+        str(w.message)
+        for w in caught
+        if issubclass(w.category, JoustoWarning)
+        and not (found is not None and found.sentence in str(w.message))
+    )
+    mobility = model.nv - model.nrow + (found.count if found else 0)
+    diagnosis = Diagnosis(
+        model.name, rows=model.nrow, mobility=mobility, redundancy=found, warnings=said
+    )
+    return diagnosis if model.nv > LARGE else _with_motions(diagnosis, model)
+
+
+def _with_motions(diagnosis: Diagnosis, model: Model) -> Diagnosis:
+    """Add what the null space of the constraint rows tells."""
+    G = unit_rows(model, Engine(model))
+    rigid = np.array([b.iv + k for b in model.bodies for k in range(6)], dtype=int)
+    s = np.linalg.svd(G[:, rigid], compute_uv=False)
+    _, values, Vt = np.linalg.svd(G)
+    free = Vt[int((values > RANK).sum()) :]  # in coordinates of unit mass
+    moves = {
+        b.name: float(np.abs(free[:, b.iv : b.iv + 6 + b.n]).max(initial=0.0)) for b in model.bodies
+    }
+    return replace(
+        diagnosis,
+        rigid_mobility=len(rigid) - int((s > RANK).sum()),
+        moving=tuple(name for name, size in moves.items() if size > 1e-6),
+        still=tuple(name for name, size in moves.items() if size <= 1e-6),
+    )
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
