@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from jousto.engine import Engine, Model
 from jousto.engine.native import displaced
 from jousto.errors import InputError, Problem
+from jousto.mechanism import rotation_matrix, skew
 
 Array = NDArray[np.float64]
 Eigenvalues = NDArray[np.complex128]
@@ -112,17 +113,8 @@ class Tangent:
 
 def rotations(model: Model, q: Array) -> Array:
     """Return the orientation matrices (nbody, 3, 3) of the body frames from Euler parameters."""
-    out = np.empty((len(model.bodies), 3, 3))
-    for k, body in enumerate(model.bodies):
-        e = q[body.iq + 3 : body.iq + 7] / np.linalg.norm(q[body.iq + 3 : body.iq + 7])
-        W = skew(e[1:])
-        out[k] = np.eye(3) + 2.0 * e[0] * W + 2.0 * W @ W
-    return out
-
-
-def skew(x: Array) -> Array:
-    """Return the matrix of the cross product x times."""
-    return np.array([[0.0, -x[2], x[1]], [x[2], 0.0, -x[0]], [-x[1], x[0], 0.0]])
+    e = [q[body.iq + 3 : body.iq + 7] for body in model.bodies]
+    return np.array([rotation_matrix(x / np.linalg.norm(x)) for x in e]).reshape(-1, 3, 3)
 
 
 def turning(model: Model, q: Array) -> Array:

@@ -158,6 +158,58 @@ class AxisJoint(Joint):
         return readonly(self.frames[0].A[:, 2])
 
 
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class NormalJoint(Joint):
+    """A joint that keeps the origin of b on the plane through a, whose normal may be given.
+
+    Parameters
+    ----------
+    name, a, b, as_placed
+        As for every joint; b is on the plane at the start.
+    normal : (3,) array_like, optional
+        Normal of the plane in the world frame at the initial pose, fixed to a; None for the
+        z axis of marker a.
+    """
+
+    normal: Array | None
+
+    def __init__(
+        self,
+        name: str,
+        a: Marker,
+        b: Marker,
+        normal: ArrayLike | None = None,
+        *,
+        as_placed: bool = True,
+    ) -> None:
+        init_joint(self, name, a, b, as_placed, normal=normal)
+
+    @property
+    def direction(self) -> Array | None:
+        """World direction (3,) of the normal at the initial pose; None for the z axis of a."""
+        return self.normal
+
+    @cached_property
+    def lines(self) -> tuple[Line, ...]:
+        """No displacement along the normal."""
+        return held(self, "z")
+
+    @cached_property
+    def x(self) -> Displacement:
+        """Displacement of b along the x axis of the frame of a, m."""
+        return along(self, "x")
+
+    @cached_property
+    def y(self) -> Displacement:
+        """Displacement of b along the y axis of the frame of a, m."""
+        return along(self, "y")
+
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The displacements in the plane."""
+        return self.x, self.y
+
+
 def free_angle(joint: Joint) -> Angle:
     """Return the angle of a joint about the z axis of its frames."""
     return Angle(*joint.frames, name=f"{joint.name}.angle", joint=joint)

@@ -6,14 +6,18 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-from numpy.typing import ArrayLike
-
 from jousto.errors import Problems
 from jousto.mechanism.coordinate import Displacement, Distance, Line
 from jousto.mechanism.fields import number, set_fields
-from jousto.mechanism.joints.base import AxisJoint, Joint, along, held, init_joint
+from jousto.mechanism.joints.base import (
+    AxisJoint,
+    Joint,
+    NormalJoint,
+    along,
+    held,
+    init_joint,
+)
 from jousto.mechanism.marker import Marker
-from jousto.mechanism.orientation import Array
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -68,7 +72,7 @@ class PointOnLine(AxisJoint):
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class PointOnPlane(Joint):
+class PointOnPlane(NormalJoint):
     """The origin of b stays on the plane through a: 1 row.
 
     ``h_a . (r_b - r_a) = 0`` (Rantalainen 2007, eq. 3.92)
@@ -81,44 +85,6 @@ class PointOnPlane(Joint):
         Normal of the plane in the world frame at the initial pose, fixed to a; None for the
         z axis of marker a.
     """
-
-    normal: Array | None
-
-    def __init__(
-        self,
-        name: str,
-        a: Marker,
-        b: Marker,
-        normal: ArrayLike | None = None,
-        *,
-        as_placed: bool = True,
-    ) -> None:
-        init_joint(self, name, a, b, as_placed, normal=normal)
-
-    @property
-    def direction(self) -> Array | None:
-        """World direction (3,) of the normal at the initial pose; None for the z axis of a."""
-        return self.normal
-
-    @cached_property
-    def lines(self) -> tuple[Line, ...]:
-        """No displacement along the normal."""
-        return held(self, "z")
-
-    @cached_property
-    def x(self) -> Displacement:
-        """Displacement of b along the x axis of the frame of a, m."""
-        return along(self, "x")
-
-    @cached_property
-    def y(self) -> Displacement:
-        """Displacement of b along the y axis of the frame of a, m."""
-        return along(self, "y")
-
-    @property
-    def coordinates(self) -> tuple[Displacement, Displacement]:
-        """The displacements in the plane."""
-        return self.x, self.y
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

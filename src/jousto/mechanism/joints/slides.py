@@ -6,21 +6,17 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-from numpy.typing import ArrayLike
-
 from jousto.mechanism.coordinate import Angle, Coordinate, Displacement, Line
 from jousto.mechanism.joints.base import (
     NO_TURN,
     PARALLEL,
     AxisJoint,
     Joint,
+    NormalJoint,
     along,
     free_angle,
     held,
-    init_joint,
 )
-from jousto.mechanism.marker import Marker
-from jousto.mechanism.orientation import Array
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -90,7 +86,7 @@ class Prismatic(AxisJoint):
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class Planar(Joint):
+class Planar(NormalJoint):
     """Two planes stay on each other: 3 rows, 2 displacements and the turn in them are free.
 
     ``f_a . h_b = g_a . h_b = 0``, ``h_a . (r_b - r_a) = 0`` (Rantalainen 2007, eq. 3.96, 3.92)
@@ -105,38 +101,6 @@ class Planar(Joint):
     """
 
     perpendicular: ClassVar[tuple[tuple[int, int], ...]] = PARALLEL
-    normal: Array | None
-
-    def __init__(
-        self,
-        name: str,
-        a: Marker,
-        b: Marker,
-        normal: ArrayLike | None = None,
-        *,
-        as_placed: bool = True,
-    ) -> None:
-        init_joint(self, name, a, b, as_placed, normal=normal)
-
-    @property
-    def direction(self) -> Array | None:
-        """World direction (3,) of the normal at the initial pose; None for the z axis of a."""
-        return self.normal
-
-    @cached_property
-    def lines(self) -> tuple[Line, ...]:
-        """No displacement along the normal."""
-        return held(self, "z")
-
-    @cached_property
-    def x(self) -> Displacement:
-        """Displacement of b along the x axis of the frame of a, m."""
-        return along(self, "x")
-
-    @cached_property
-    def y(self) -> Displacement:
-        """Displacement of b along the y axis of the frame of a, m."""
-        return along(self, "y")
 
     @cached_property
     def angle(self) -> Angle:
