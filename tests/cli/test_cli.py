@@ -15,8 +15,7 @@ import h5py
 import pytest
 from typer.testing import CliRunner
 
-from jousto import cli
-from jousto.cli import app
+from jousto.cli import app, commands
 
 MODEL = """\
 name: pendulum
@@ -424,7 +423,7 @@ def test_a_bug_is_reported_as_one(model, monkeypatch):
     def broken(file):
         raise ZeroDivisionError("oh no")
 
-    monkeypatch.setattr(cli, "describe_model", broken)
+    monkeypatch.setattr(commands, "describe_model", broken)
     found = jousto("check", model)
     assert found.code == 1
     assert found.err.splitlines() == [

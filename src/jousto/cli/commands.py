@@ -6,26 +6,19 @@ line each. Everything heavy is imported inside the commands.
 
 from __future__ import annotations
 
-import contextlib
-import functools
 import sys
 import warnings
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TextIO
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 
-from jousto.errors import InputError, JoustoWarning, Problem, SimulationError
+from jousto.cli.terminal import command, facts, numbers, plain, progress_bar, say
+from jousto.errors import InputError, JoustoWarning, Problem
 
 if TYPE_CHECKING:
     from jousto.reduction import ReducedPart
     from jousto.schema import ModelFile
-
-P = ParamSpec("P")
-
-FAILED, BAD_INPUT = 1, 2
 
 app = typer.Typer(
     name="jousto",
@@ -40,91 +33,6 @@ Model = Annotated[Path, typer.Argument(metavar="MODEL", help="Model file (YAML o
 Result = Annotated[Path, typer.Argument(metavar="RESULT", help="Results file (HDF5).")]
 Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Output file.")]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
-
-
-# -- messages and exit codes ----------------------------------------------------------------
-
-
-def say(text: str, *, error: bool = False, style: str = "") -> None:
-    """Print one line as it is: not wrapped, not interpreted, coloured on a terminal only."""
-    console = Console(stderr=error, soft_wrap=True, markup=False, highlight=False, emoji=False)
-    console.print(text, style=style)
-
-
-@contextlib.contextmanager
-def shown_warnings() -> Iterator[None]:
-    """Print each JoustoWarning as one yellow line on stderr."""
-
-    def show(
-        message: Warning | str,
-        category: type[Warning],
-        filename: str,
-        lineno: int,
-        file: TextIO | None = None,
-        line: str | None = None,
-    ) -> None:
-        if not issubclass(category, JoustoWarning):
-            default(message, category, filename, lineno, file, line)
-        else:
-            say(f"warning: {message}", error=True, style="yellow")
-
-    with warnings.catch_warnings():
-        default = warnings.showwarning
-        warnings.simplefilter("always", JoustoWarning)
-        warnings.showwarning = show
-        yield
-
-
-def command(function: Callable[P, None]) -> Callable[P, None]:
-    """Turn the errors of a command into lines on stderr and exit codes."""
-
-    @functools.wraps(function)
-    def guarded(*args: P.args, **kwargs: P.kwargs) -> None:
-        debug = bool(kwargs.get("debug"))
-        try:
-            with shown_warnings():
-                function(*args, **kwargs)
-        except (InputError, SimulationError, KeyboardInterrupt, OSError) as error:
-            if debug:
-                raise
-            raise typer.Exit(report(error)) from None
-        except (typer.Exit, typer.Abort):
-            raise
-        except Exception as error:
-            if debug:
-                raise
-            text = f"{type(error).__name__}: {error}".splitlines()[0]
-            say(f"internal error, {text}", error=True, style="red")
-            say("this is a bug of jousto; run again with --debug to see where", error=True)
-            raise typer.Exit(FAILED) from None
-
-    return guarded
-
-
-def report(error: BaseException) -> int:
-    """Print an error and return the exit code."""
-    if isinstance(error, InputError):
-        for problem in error.problems:
-            say(str(problem), error=True, style="red")
-        return BAD_INPUT
-    if isinstance(error, OSError):
-        name = f"{error.filename}: " if error.filename else ""
-        say(f"{name}{error.strerror or error}", error=True, style="red")
-        return BAD_INPUT
-    say(str(error) or "interrupted", error=True, style="red")
-    solution = getattr(error, "solution", None)
-    if isinstance(error, SimulationError) and solution is not None:
-        say(f"the results up to then are in {solution.path}", error=True)
-    return FAILED
-
-
-def facts(rows: list[tuple[str, str]], title: str = "") -> None:
-    """Print lines of names and values in two columns."""
-    if title:
-        say(title, style="bold")
-    width = max((len(name) for name, _ in rows), default=0)
-    for name, value in rows:
-        say(f"  {name:<{width}}  {value}".rstrip())
 
 
 # -- commands -------------------------------------------------------------------------------
@@ -424,30 +332,6 @@ def end_time(text: str) -> float:
     if value <= 0:
         raise InputError(Problem("--t-end", f"is {value:g} s, must be positive"))
     return value
-
-
-@contextlib.contextmanager
-def progress_bar(text: str) -> Iterator[Callable[[int, int], None] | None]:
-    """Show a bar on a terminal; yields a function of what is done and the total."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(text, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
-
-
-def plain(value: Any) -> str:
-    """Return a value for people."""
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
-
-
-def numbers(values: Any) -> str:
-    """Return values for people, round-off as zero."""
-    size = max((abs(value) for value in values), default=0.0)
-    return " ".join(f"{0.0 if abs(x) <= 1e-9 * max(size, 1e-3) else x:.6g}" for x in values)
 
 
 def describe_model(file: ModelFile) -> None:
