@@ -49,7 +49,7 @@ typedef enum { JO_LOAD = 1, JO_ALONG_COORDINATE = 2, JO_BUSHING = 3, JO_MODAL_LO
 typedef enum { JO_POSITION = 1, JO_VELOCITY = 2, JO_ORIENTATION = 3, JO_ANGULAR_VELOCITY = 4,
                JO_MODAL = 5, JO_REACTION = 6, JO_STRESS = 7, JO_ACCELERATION = 8, JO_ANGULAR_ACCELERATION = 9,
                JO_COORDINATE = 10, JO_RATE = 11, JO_MULTIPLIER = 12, JO_ELEMENT = 13, JO_ENERGY = 14,
-               JO_SIGNAL = 15, JO_VON_MISES = 16 } jo_sensor_type;
+               JO_SIGNAL = 15, JO_VON_MISES = 16, JO_PRINCIPAL = 17 } jo_sensor_type;
 
 /* A rigid (n = 0) or modal body: displacement field u = u0 + Phi p in a floating frame. */
 typedef struct {
@@ -172,9 +172,9 @@ typedef struct {
 typedef struct {
     int type;               /* jo_sensor_type */
     int object;             /* marker, body, joint, coordinate, force, signal, or kind of energy */
-    int other, frame;       /* markers: measured against, resolved in; -1: the world */
+    int other, frame;       /* markers: of the observer, of the axes; -1: the world. ELEMENT: other is the first component */
     int offset, count;      /* place in the sensor vector */
-    const jo_real *rows;    /* STRESS: (count x np), VON_MISES: (6 count x np), row-major */
+    const jo_real *rows;    /* STRESS: (count x np), VON_MISES: (6 count x np), PRINCIPAL: (2 count x np), row-major */
 } jo_sensor;
 
 typedef struct {

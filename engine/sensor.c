@@ -20,7 +20,7 @@ void jo_quaternion(jo_real *e, const jo_real *A)
 }
 
 /* force and moment with which the joint acts on marker b, world */
-static void reaction(const jo_model *m, const jo_data *d, int joint, jo_real *y)
+void jo_reaction(const jo_model *m, const jo_data *d, int joint, jo_real *y)
 {
     const jo_joint *k = &m->joint[joint];
     const jo_real *lam = d->lam + k->row, *Aa = d->marker[k->side[0]].A, *Ab = d->marker[k->side[1]].A;
@@ -47,10 +47,220 @@ static void reaction(const jo_model *m, const jo_data *d, int joint, jo_real *y)
     }
 }
 
+/* motion of a marker, world frame */
+typedef struct {
+    jo_real r[3], v[3], a[3];      /* position, velocity, acceleration */
+    jo_real om[3], al[3];          /* angular velocity and acceleration */
+} motion;
+
+/* add M x of a (3 x np) array to y, x without padding */
+static void add_modal(jo_real *y, const jo_real *M, const jo_real *x, int n, int np)
+{
+    for (int c = 0; c < 3; c++)
+        for (int j = 0; j < n; j++) y[c] += M[c * np + j] * x[j];
+}
+
+/* R'' + A (w' x u + Phi p'' + bias) and A (w' + T Psi p'' + bias), exact on flexible bodies */
+static void marker_motion(const jo_model *m, const jo_data *d, int marker, int accelerations, motion *y)
+{
+    const jo_marker *k = &m->marker[marker];
+    const jo_marker_work *w = &d->marker[marker];
+    jo_set3(y->r, w->r);
+    jo_to_world(y->v, m, d, marker, w->v);
+    jo_to_world(y->om, m, d, marker, w->om);
+    for (int j = 0; j < 3; j++) y->a[j] = y->al[j] = 0.0;
+    if (k->body < 0 || !accelerations) return;
+    const jo_body *b = &m->body[k->body];
+    const jo_real *a = d->a + b->iv, *A = d->body[k->body].A;
+    jo_real t[3];
+    jo_cross(t, a + 3, w->u);
+    jo_add3(t, w->bv);
+    if (k->Phi) add_modal(t, w->Phi, a + 6, b->n, b->np);
+    jo_mul3(y->a, A, t);
+    jo_add3(y->a, a);
+    if (!k->turns) return;
+    for (int j = 0; j < 3; j++) t[j] = 0.0;
+    if (k->Psi) add_modal(t, w->Psi, a + 6, b->n, b->np);
+    if (k->Psi) jo_mul3(t, w->T, t);
+    jo_add3(t, w->bom);
+    jo_add3(t, a + 3);
+    jo_mul3(y->al, A, t);
+}
+
+/* y as an observer sees it who moves and turns with o: v - v_o - om_o x r, and so on with all derivatives in its frame */
+static void observe(motion *y, const motion *o)
+{
+    jo_real c[3];
+    jo_sub3(y->r, o->r);
+    jo_sub3(y->v, o->v);
+    jo_cross(c, o->om, y->r);
+    jo_sub3(y->v, c);               /* relative velocity */
+    jo_sub3(y->a, o->a);
+    jo_cross(c, o->al, y->r);
+    jo_sub3(y->a, c);               /* Euler */
+    jo_cross(c, o->om, y->r);
+    jo_cross(c, o->om, c);
+    jo_sub3(y->a, c);               /* centripetal */
+    jo_cross(c, o->om, y->v);
+    jo_axpy3(y->a, -2.0, c);        /* Coriolis */
+    jo_sub3(y->om, o->om);
+    jo_sub3(y->al, o->al);
+    jo_cross(c, o->om, y->om);
+    jo_sub3(y->al, c);
+}
+
+/* components of a world vector in the axes of a marker; -1: the world */
+static void resolve(const jo_data *d, int frame, jo_real *y)
+{
+    if (frame >= 0) jo_mul3t(y, d->marker[frame].A, y);
+}
+
+/* C = A^T B */
+static void transposed33(jo_real *C, const jo_real *A, const jo_real *B)
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) C[3 * i + j] = A[i] * B[j] + A[3 + i] * B[3 + j] + A[6 + i] * B[6 + j];
+}
+
+/* Euler parameters of the turn from `other` to the marker, its axis resolved in `frame`: of A_f^T (A_m A_o^T) A_f */
+static void orientation(const jo_data *d, const jo_sensor *s, jo_real *y)
+{
+    const jo_real *A = d->marker[s->object].A;
+    jo_real R[9];
+    if (s->other < 0) {
+        jo_quaternion(y, A);
+        resolve(d, s->frame, y + 1);
+        return;
+    }
+    transposed33(R, d->marker[s->other].A, A);   /* in the axes of `other`, where its axis is the same in both frames */
+    jo_quaternion(y, R);
+    if (s->frame == s->other) return;
+    jo_mul3(y + 1, d->marker[s->other].A, y + 1);
+    resolve(d, s->frame, y + 1);
+}
+
+static int is_acceleration(const jo_sensor *s) { return s->type == JO_ACCELERATION || s->type == JO_ANGULAR_ACCELERATION; }
+
+static void marker_sensor(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
+{
+    const int accelerations = is_acceleration(s);
+    motion of;
+    marker_motion(m, d, s->object, accelerations, &of);
+    if (s->other >= 0) {
+        motion from;
+        marker_motion(m, d, s->other, accelerations, &from);
+        observe(&of, &from);
+    }
+    const jo_real *x = of.r;
+    if (s->type == JO_VELOCITY) x = of.v;
+    if (s->type == JO_ACCELERATION) x = of.a;
+    if (s->type == JO_ANGULAR_VELOCITY) x = of.om;
+    if (s->type == JO_ANGULAR_ACCELERATION) x = of.al;
+    jo_set3(y, x);
+    resolve(d, s->frame, y);
+}
+
+/* y (count) = rows (count x np) of modal stress or strain times the modal coordinates */
+static void modal_rows(const jo_model *m, const jo_data *d, const jo_sensor *s, int first, int count, jo_real *y)
+{
+    const jo_body *b = &m->body[s->object];
+    const jo_real *p = d->q + b->iq + 7;
+    for (int r = 0; r < count; r++) {
+        const jo_real *row = s->rows + (first + r) * b->np;
+        y[r] = 0.0;
+        for (int j = 0; j < b->n; j++) y[r] += row[j] * p[j];
+    }
+}
+
+/* equivalent stress of [s11 s22 s33 s12 s23 s13] */
+static jo_real von_mises(const jo_real *s)
+{
+    const jo_real a = s[0] - s[1], b = s[1] - s[2], c = s[2] - s[0];
+    return jo_sqrt(0.5 * (a * a + b * b + c * c) + 3.0 * jo_dot3(s + 3, s + 3));
+}
+
+/* principal stresses of [s11 s22 s33 s12 s23 s13], largest first, by Jacobi's rotations: exact also where two are equal */
+static void principal(jo_real *y, const jo_real *s)
+{
+    enum { JO_SWEEPS = 8 };   /* convergence is quadratic, five are enough */
+    jo_real S[3][3] = {{s[0], s[3], s[5]}, {s[3], s[1], s[4]}, {s[5], s[4], s[2]}};
+    double size = 0.0;
+    for (int i = 0; i < 6; i++) size += fabs(JO_RE(s[i]));
+    for (int k = 0; k < 3 * JO_SWEEPS; k++) {
+        const int i = k % 3 == 2, j = k % 3 == 0 ? 1 : 2, l = 3 - i - j;
+        if (fabs(JO_RE(S[i][j])) <= 1e-30 * size) continue;
+        const jo_real x = 0.5 * (S[j][j] - S[i][i]) / S[i][j], root = jo_sqrt(x * x + 1.0);
+        const jo_real t = 1.0 / (JO_RE(x) < 0.0 ? x - root : x + root), c = 1.0 / jo_sqrt(t * t + 1.0);
+        const jo_real u = S[i][l], v = S[j][l];
+        S[i][i] -= t * S[i][j];
+        S[j][j] += t * S[i][j];
+        S[i][j] = S[j][i] = 0.0;
+        S[i][l] = S[l][i] = c * (u - t * v);
+        S[j][l] = S[l][j] = c * (v + t * u);
+    }
+    for (int i = 0; i < 3; i++) y[i] = S[i][i];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 2; j++)
+            if (JO_RE(y[j]) < JO_RE(y[j + 1])) {
+                const jo_real t = y[j];
+                y[j] = y[j + 1];
+                y[j + 1] = t;
+            }
+}
+
+static void stress(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
+{
+    if (s->type == JO_STRESS) {
+        modal_rows(m, d, s, 0, s->count, y);
+        return;
+    }
+    const int each = s->type == JO_PRINCIPAL ? 3 : 1;
+    for (int k = 0; k < s->count / each; k++) {
+        jo_real x[6];
+        modal_rows(m, d, s, 6 * k, 6, x);
+        if (s->type == JO_PRINCIPAL) principal(y + 3 * k, x);
+        else y[k] = von_mises(x);
+    }
+}
+
+/* kinetic strain potential springs, then dissipated friction work so far */
+static void energy(const jo_model *m, jo_data *d, int kind, jo_real *y)
+{
+    jo_real now[4];
+    if (kind >= 4) {
+        y[0] = d->work[kind - 4];
+        return;
+    }
+    jo_energy(m, d, now);
+    y[0] = now[kind];
+}
+
+static void modal(const jo_model *m, const jo_data *d, int body, jo_real *y)
+{
+    const jo_body *b = &m->body[body];
+    for (int j = 0; j < b->n; j++) {
+        y[j] = d->q[b->iq + 7 + j];
+        y[b->n + j] = d->v[b->iv + 6 + j];
+    }
+}
+
+/* force or torque of a coupling or drive along each of its coordinates, on their b */
+static void multiplier(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
+{
+    const jo_joint *k = &m->joint[s->object];
+    const jo_real lam = d->lam[k->row + k->nrow - k->nline];
+    for (int j = 0; j < s->count; j++) y[j] = -lam * m->line[k->line].data[1 + j];
+}
+
 void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
 {
     jo_marker_position(m, d, m->nmarker);
     jo_marker_velocity(m, d, m->nmarker);
+    for (int i = 0; i < m->nsensor; i++)
+        if (is_acceleration(&m->sensor[i])) {
+            jo_marker_bias(m, d, m->nmarker);
+            break;
+        }
     if (m->ncoordinate) {
         jo_coordinates(m, d, m->ncoordinate);
         jo_coordinates_rate(m, d, m->ncoordinate);
@@ -58,53 +268,31 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
     for (int i = 0; i < m->nsensor; i++) {
         const jo_sensor *s = &m->sensor[i];
         jo_real *y = out + s->offset;
-        const jo_marker_work *w = &d->marker[s->object];
         switch (s->type) {
-        case JO_POSITION: jo_set3(y, w->r); break;
-        case JO_ORIENTATION: jo_quaternion(y, w->A); break;
+        case JO_POSITION:
         case JO_VELOCITY:
-        case JO_ANGULAR_VELOCITY: {
-            const jo_real *x = s->type == JO_VELOCITY ? w->v : w->om;
-            int body = m->marker[s->object].body;
-            if (body < 0) jo_set3(y, x);
-            else jo_mul3(y, d->body[body].A, x);
-            break;
-        }
-        case JO_MODAL: {
-            const jo_body *b = &m->body[s->object];
-            for (int j = 0; j < b->n; j++) { y[j] = d->q[b->iq + 7 + j]; y[b->n + j] = d->v[b->iv + 6 + j]; }
-            break;
-        }
-        case JO_MULTIPLIER: {   /* force or torque along the coordinate, on b */
-            const jo_joint *k = &m->joint[s->object];
-            y[0] = -d->lam[k->row + k->nrow - k->nline] * m->line[k->line].data[1];
-            break;
-        }
+        case JO_ACCELERATION:
+        case JO_ANGULAR_VELOCITY:
+        case JO_ANGULAR_ACCELERATION: marker_sensor(m, d, s, y); break;
+        case JO_ORIENTATION: orientation(d, s, y); break;
+        case JO_MODAL: modal(m, d, s->object, y); break;
+        case JO_MULTIPLIER: multiplier(m, d, s, y); break;
         case JO_COORDINATE: y[0] = d->coordinate[s->object].value; break;
         case JO_RATE: y[0] = d->coordinate[s->object].rate; break;
-        case JO_ENERGY:   /* kinetic strain potential springs, then dissipated friction work so far */
-            if (s->object >= 4) {
-                y[0] = d->work[s->object - 4];
-            } else {
-                jo_real energy[4];
-                jo_energy(m, d, energy);
-                y[0] = energy[s->object];
-            }
-            break;
+        case JO_ENERGY: energy(m, d, s->object, y); break;
         case JO_SIGNAL: y[0] = jo_signal_at(m, d, s->object, d->time[0]).value; break;
-        case JO_ELEMENT:
-            for (int j = 0; j < s->count; j++) y[j] = d->force[s->object].y[j];
+        case JO_ELEMENT:   /* `other`: the first of its components */
+            for (int j = 0; j < s->count; j++) y[j] = d->force[s->object].y[s->other + j];
+            for (int j = 0; j + 3 <= s->count; j += 3) resolve(d, s->frame, y + j);
             break;
-        case JO_REACTION: reaction(m, d, s->object, y); break;
-        case JO_STRESS: {
-            const jo_body *b = &m->body[s->object];
-            for (int r = 0; r < s->count; r++) {
-                jo_real x = 0.0;
-                for (int j = 0; j < b->n; j++) x += s->rows[r * b->np + j] * d->q[b->iq + 7 + j];
-                y[r] = x;
-            }
+        case JO_REACTION:
+            jo_reaction(m, d, s->object, y);
+            resolve(d, s->frame, y);
+            resolve(d, s->frame, y + 3);
             break;
-        }
+        case JO_STRESS:
+        case JO_VON_MISES:
+        case JO_PRINCIPAL: stress(m, d, s, y); break;
         default: break;
         }
     }

@@ -20,7 +20,13 @@ from .errors import (
     SimulationError as SimulationError,
 )
 from .mechanism import (
+    AccelerationSensor as AccelerationSensor,
+)
+from .mechanism import (
     Angle as Angle,
+)
+from .mechanism import (
+    AngularAccelerationSensor as AngularAccelerationSensor,
 )
 from .mechanism import (
     AngularVelocitySensor as AngularVelocitySensor,
@@ -68,6 +74,9 @@ from .mechanism import (
     Force as Force,
 )
 from .mechanism import (
+    ForceSensor as ForceSensor,
+)
+from .mechanism import (
     Friction as Friction,
 )
 from .mechanism import (
@@ -108,6 +117,9 @@ from .mechanism import (
 )
 from .mechanism import (
     PositionSensor as PositionSensor,
+)
+from .mechanism import (
+    PrincipalStressSensor as PrincipalStressSensor,
 )
 from .mechanism import (
     Prismatic as Prismatic,
@@ -167,6 +179,9 @@ from .mechanism import (
     StickSlip as StickSlip,
 )
 from .mechanism import (
+    StrainSensor as StrainSensor,
+)
+from .mechanism import (
     StressSensor as StressSensor,
 )
 from .mechanism import (
@@ -189,6 +204,9 @@ from .mechanism import (
 )
 from .mechanism import (
     VelocitySensor as VelocitySensor,
+)
+from .mechanism import (
+    VonMisesSensor as VonMisesSensor,
 )
 from .mechanism import (
     ground as ground,

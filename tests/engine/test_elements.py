@@ -10,7 +10,7 @@ from jousto.mechanism import coupling as c
 from jousto.mechanism import joints as j
 from jousto.mechanism.coordinate import Angle, Displacement
 from jousto.mechanism.elements import Bushing, JointForce, ModalLoad, Servo, Spring, UserForce
-from jousto.mechanism.gauges import CoordinateSensor, EnergySensor, RateSensor, SignalSensor
+from jousto.mechanism.sensors import CoordinateSensor, EnergySensor, RateSensor, SignalSensor
 from jousto.mechanism.signals import Constant, Harmonic, Input, Ramp, Table
 from verification.mechanisms import rod
 

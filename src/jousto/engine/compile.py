@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine.builder import Builder
+from jousto.engine.measure import flag_reactions, sensor_models
 from jousto.engine.model import (
     BodyModel,
     Model,
-    SensorModel,
     Shape,
 )
 from jousto.engine.native import Engine, SingularJoints
@@ -20,33 +20,17 @@ from jousto.engine.ordering import eliminate
 from jousto.engine.redundancy import check_closed, repeated_rows
 from jousto.errors import warn
 from jousto.mechanism import (
-    AngularVelocitySensor,
     CoordinateSensor,
-    EnergySensor,
     FlexibleBody,
     Mechanism,
-    ModalSensor,
-    OrientationSensor,
-    PositionSensor,
     RateSensor,
-    ReactionSensor,
     RigidBody,
-    SignalSensor,
-    StressSensor,
-    VelocitySensor,
     rotation_matrix,
     skew,
 )
-from jousto.mechanism.gauges import ENERGIES
 
 Array = NDArray[np.float64]
 
-MARKER_SENSORS = {
-    PositionSensor: ("position", 3),
-    VelocitySensor: ("velocity", 3),
-    OrientationSensor: ("orientation", 4),
-    AngularVelocitySensor: ("angular velocity", 3),
-}
 SYMMETRIC = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))  # xx yy zz yz xz xy
 
 
@@ -92,7 +76,7 @@ def compile(mechanism: Mechanism) -> Model:
         if isinstance(sensor, CoordinateSensor | RateSensor):
             builder.declared(sensor.coordinate)
     active = len(builder.markers)
-    sensors = _sensors(mechanism, builder, index)
+    sensors = sensor_models(mechanism, builder, index)
     on_body: dict[int, list[int]] = {}
     for k, jm in enumerate(builder.joints):
         for side in jm.sides:
@@ -215,54 +199,6 @@ def _flexible(body: FlexibleBody, iq: int, iv: int) -> BodyModel:
     )
 
 
-def _sensors(
-    mechanism: Mechanism, builder: Builder, index: dict[int, int]
-) -> tuple[SensorModel, ...]:
-    joints = {id(joint): i for i, joint in enumerate(mechanism.joints)}
-    models: list[SensorModel] = []
-    offset = 0
-    for sensor in mechanism.sensors:
-        rows = None
-        if type(sensor) in MARKER_SENSORS:
-            kind, count = MARKER_SENSORS[type(sensor)]
-            turns = kind in ("orientation", "angular velocity")
-            target = builder.marker(sensor.marker, turns, shared=False)  # type: ignore[union-attr]
-        elif isinstance(sensor, ModalSensor):
-            kind, count, target = "modal", 2 * sensor.body.n, index[id(sensor.body)]
-        elif isinstance(sensor, ReactionSensor):
-            kind, count, target = "reaction", 6, joints[id(sensor.joint)]
-        elif isinstance(sensor, StressSensor):
-            stress = sensor.body.reduced.stress
-            assert stress is not None
-            rows = np.vstack([stress.modes[i] for i in sensor.indices])
-            kind, count, target = "stress", len(rows), index[id(sensor.body)]
-        elif isinstance(sensor, CoordinateSensor | RateSensor):
-            kind = "coordinate" if isinstance(sensor, CoordinateSensor) else "rate"
-            count, target = 1, builder.declared(sensor.coordinate)
-        elif isinstance(sensor, EnergySensor):
-            kind, count, target = "energy", 1, ENERGIES.index(sensor.energy)
-        elif isinstance(sensor, SignalSensor):
-            kind, count, target = "signal", 1, builder.signal(sensor.signal)
-        else:
-            raise TypeError(f"no engine sensor for {type(sensor).__name__}")
-        models.append(
-            SensorModel(
-                name=sensor.name,
-                kind=kind,
-                object=target,
-                offset=offset,
-                count=count,
-                unit=sensor.unit,
-                resolved_in=sensor.resolved_in,
-                description=sensor.description,
-                components=tuple(sensor.components),
-                rows=rows,
-            )
-        )
-        offset += count
-    return tuple(models)
-
-
 def _shape(body: RigidBody | FlexibleBody) -> Shape:
     if isinstance(body, FlexibleBody):
         reduced = body.reduced
@@ -293,7 +229,9 @@ def _consistent(model: Model) -> Model:
     except SingularJoints:
         if not (found := repeated_rows(model)):
             raise  # rows differ, but masses differ by more than the numbers hold
-        model = replace(model, redundant=True)
+        every = tuple(joint.name for joint in model.joints)
+        flagged = flag_reactions(model.sensors, every, found.joints)
+        model = replace(model, redundant=True, sensors=flagged)
         engine = Engine(model)
         engine.assemble()
         engine.accelerations()

@@ -40,6 +40,7 @@ SENSORS = {
     "energy": 14,
     "signal": 15,
     "von mises": 16,
+    "principal": 17,
 }
 
 

@@ -17,13 +17,14 @@ from jousto.mechanism.force import LOADS, Gravity, Torque
 from jousto.mechanism.friction import Friction
 from jousto.mechanism.joints import Joint
 from jousto.mechanism.marker import Marker
-from jousto.mechanism.sensor import (
+from jousto.mechanism.sensors import (
     SENSORS,
-    AngularVelocitySensor,
+    ForceSensor,
     ModalSensor,
-    OrientationSensor,
+    MotionSensor,
     ReactionSensor,
-    StressSensor,
+    SiteSensor,
+    StrainSensor,
 )
 
 if TYPE_CHECKING:
@@ -119,7 +120,7 @@ def markers_of(item: Any) -> Iterator[tuple[str, Marker]]:
         yield "a", item.a
         yield "b", item.b
         return
-    for key in ("marker", "reference"):
+    for key in ("marker", "reference", "relative_to", "resolved_in"):
         if isinstance(getattr(item, key, None), Marker):
             yield key, getattr(item, key)
     if isinstance(item, Bushing):
@@ -148,17 +149,25 @@ def check_members(problems: Problems, mechanism: Mechanism) -> None:
     for item in (*items, *mechanism.frictions):
         for argument, marker in markers_of(item):
             missing(item, argument, marker.body)
-        if isinstance(item, ModalSensor | StressSensor | ModalLoad):
+        if isinstance(item, ModalLoad | ModalSensor | SiteSensor | StrainSensor):
             missing(item, "body", item.body)
-        if isinstance(item, ReactionSensor | Friction) and all(
-            item.joint is not j for j in mechanism.joints
-        ):
-            names = [joint.name for joint in mechanism.joints]
-            if item.joint.name in names:
-                text = "is another joint of that name than the one in the mechanism"
-            else:
-                text = f"is not in the mechanism{suggest(item.joint.name, names)}"
-            problems.add(where(item), f"joint {item.joint.name!r} {text}")
+        if isinstance(item, ReactionSensor | Friction):
+            known = (*mechanism.joints, *mechanism.couplings)
+            check_member(problems, item, item.joint, known)
+        if isinstance(item, ForceSensor):
+            check_member(problems, item, item.force, mechanism.forces)
+
+
+def check_member(problems: Problems, item: Any, used: Any, known: tuple[Any, ...]) -> None:
+    """Note that what an item refers to is not in the mechanism."""
+    if any(used is one for one in known):
+        return
+    names = [one.name for one in known]
+    if used.name in names:
+        text = f"is another {kind_of(used)} of that name than the one in the mechanism"
+    else:
+        text = f"is not in the mechanism{suggest(used.name, names)}"
+    problems.add(where(item), f"{kind_of(used)} {used.name!r} {text}")
 
 
 def check_joints(problems: Problems, mechanism: Mechanism) -> None:
@@ -252,9 +261,9 @@ def turning(item: Any) -> Iterator[tuple[str, Marker]]:
         )
     elif isinstance(item, Bushing | UserForce):
         yield from markers_of(item)
-    elif isinstance(item, Torque | OrientationSensor | AngularVelocitySensor) or (
-        isinstance(item, LOADS) and item.follow
-    ):
+    elif isinstance(item, MotionSensor | ReactionSensor | ForceSensor):
+        yield from item.turning
+    elif isinstance(item, Torque) or (isinstance(item, LOADS) and item.follow):
         yield "marker", item.marker
     for s in () if isinstance(item, Joint) else coordinates_of(item):
         if s.turns_a:

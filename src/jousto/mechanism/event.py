@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from jousto.errors import Problems, suggest
 from jousto.mechanism.coordinate import Coordinate
 from jousto.mechanism.fields import check_name, number, set_fields
-from jousto.mechanism.sensor import SENSORS, Sensor
+from jousto.mechanism.sensors import SENSORS, Sensor
 
 DIRECTIONS = ("both", "rising", "falling")
 

@@ -20,7 +20,7 @@ from jousto.mechanism.force import LOADS, Gravity, Load
 from jousto.mechanism.friction import Friction
 from jousto.mechanism.joints import Joint
 from jousto.mechanism.orientation import Array, readonly, rotation_matrix
-from jousto.mechanism.sensor import SENSORS, Sensor
+from jousto.mechanism.sensors import SENSORS, Sensor
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

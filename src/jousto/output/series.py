@@ -72,6 +72,7 @@ def _panels(runs: Mapping[str, Solution], name: str) -> list[Panel]:
     sensor, wanted = pick(first, name)
     about = first.about(sensor)
     components, units = about["components"], about["unit"].split(", ")
+    axes = about["resolved_in"]
     per_unit = len(components) // len(units)
     result = []
     for k, unit in enumerate(units):
@@ -82,12 +83,13 @@ def _panels(runs: Mapping[str, Solution], name: str) -> list[Panel]:
         for label, run in runs.items():
             t, values = run.time, run[sensor]
             curves += [Curve(components[i], label, *thin(t, values[:, i])) for i in indices]
-        where = {"world": "world frame", "body": "", "element": "element axes"}
+        where = {"world": "world frame", "body": "", "element": "element axes", "coordinate": ""}
+        where["joint"] = "joint axes"
         subtitle = ", ".join(
             word
             for word in (
                 about["description"],
-                where.get(about["resolved_in"], about["resolved_in"]) if unit != "1" else "",
+                where.get(axes, f"axes of {axes}") if unit not in ("1", "J") else "",
             )
             if word
         )

@@ -35,16 +35,21 @@ class StressOperator:
         Columns are the local x, y, z axes in which the stress is resolved, part frame.
     matrix : (6 ns, ndof) sparse array
         Row 6 i + c gives component c of ``[s11 s22 s33 s12 s23 s13]`` at site i in Pa.
+    elasticity : (ns, 2) ndarray, optional
+        Young's modulus in Pa and Poisson's ratio at each site, for strains.
     """
 
     sites: tuple[str, ...]
     positions: Floats
     axes: Floats
     matrix: Sparse
+    elasticity: Floats | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "positions", read_only(self.positions))
         object.__setattr__(self, "axes", read_only(self.axes))
+        if self.elasticity is not None:
+            object.__setattr__(self, "elasticity", read_only(self.elasticity))
 
     def evaluate(self, d: Floats) -> Floats:
         """Return the stress in Pa, (ns, 6, ncol), from displacements (ndof, ncol) or (ndof,).
@@ -81,7 +86,10 @@ class StressOperator:
         """
         i = np.array([self.index(site) for site in sites], dtype=np.int64)
         rows = node_dofs(i[:, None], 6).ravel()
-        return StressOperator(tuple(sites), self.positions[i], self.axes[i], self.matrix[rows])
+        known = None if self.elasticity is None else self.elasticity[i]
+        return StressOperator(
+            tuple(sites), self.positions[i], self.axes[i], self.matrix[rows], known
+        )
 
 
 def section_forces(beams: BeamElements) -> Floats:
@@ -132,6 +140,7 @@ def beam_stress(
     dofs = node_dofs(elements, 6)
     positions = np.empty((ns, 3))
     axes = np.empty((ns, 3, 3))
+    constants = np.empty((ns, 2))
     blocks, rows, columns = [], [], []
     for key, members in groups.items():
         m = len(points[key])
@@ -145,6 +154,8 @@ def beam_stress(
         )
         positions[place] = ends[:, :, None] + np.einsum("eij,pj->epi", beams.axes[e], yz)[:, None]
         axes[place] = beams.axes[e][:, None, None]
+        E, G = beams.EA[e] / sections[members[0]].A, beams.GJ[e] / sections[members[0]].J
+        constants[place] = np.stack([E, E / (2.0 * G) - 1.0], axis=1)[:, None, None]
 
         S = _recovery(sections[members[0]])
         blocks.append(np.einsum("pij,eajd->eapid", S, forces[e]).reshape(-1, 3, 12))
@@ -153,7 +164,7 @@ def beam_stress(
     matrix = scatter(
         np.concatenate(blocks), np.concatenate(rows), np.concatenate(columns), (6 * ns, ndof)
     )
-    return StressOperator(sites, positions, axes, matrix)
+    return StressOperator(sites, positions, axes, matrix, constants)
 
 
 def _recovery(section: Section) -> Floats:

@@ -179,7 +179,7 @@ def _stress(part: Part, X: Array) -> StressModes | None:
     if part.stress is None:
         return None
     s = part.stress
-    return StressModes(tuple(s.sites), s.positions, s.axes, s.evaluate(X))
+    return StressModes(tuple(s.sites), s.positions, s.axes, s.evaluate(X), s.elasticity)
 
 
 def _provenance(part: Part, method: str) -> dict[str, str]:

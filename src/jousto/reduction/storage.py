@@ -36,6 +36,7 @@ UNITS = {
     "invariants/E": "1",
     "stress/positions": "m",
     "stress/modes": "Pa kg^-0.5 m^-1",
+    "stress/elasticity": "Pa, 1",
     "stiffening/second_moment": "1",
     "stiffening/translations": "kg^-1 m^-1",
     "stiffening/rotations": "kg^-1 m^-2",
@@ -151,6 +152,8 @@ def _arrays(part: ReducedPart) -> Arrays:
         arrays["stress/positions"] = part.stress.positions
         arrays["stress/axes"] = part.stress.axes
         arrays["stress/modes"] = part.stress.modes
+        if part.stress.elasticity is not None:
+            arrays["stress/elasticity"] = part.stress.elasticity
     if part.stiffening is not None:
         arrays["stiffening/second_moment"] = part.stiffening.second_moment
         arrays["stiffening/translations"] = part.stiffening.translations
@@ -167,6 +170,7 @@ def _part(header: str, arrays: Arrays) -> ReducedPart:
             arrays["stress/positions"],
             arrays["stress/axes"],
             arrays["stress/modes"],
+            arrays.get("stress/elasticity"),
         )
     field = None
     if any(key.startswith("stiffening/") for key in arrays):

@@ -29,6 +29,8 @@ class StressModes:
         Columns are the axes in which the stress is resolved, part frame.
     modes : (ns, 6, n) array
         ``[s11, s22, s33, s12, s23, s13]`` of each mode, Pa per unit modal coordinate.
+    elasticity : (ns, 2) array, optional
+        Young's modulus, Pa, and Poisson's ratio at each place; None if they are not known.
 
     Raises
     ------
@@ -40,6 +42,7 @@ class StressModes:
     positions: Array
     axes: Array
     modes: Array
+    elasticity: Array | None = None
 
     def __post_init__(self) -> None:
         problems = Problems()
@@ -52,12 +55,18 @@ class StressModes:
         if len(set(labels)) != ns:
             twice = next(label for label in labels if labels.count(label) > 1)
             problems.add("StressModes", f"label '{twice}' is used more than once")
+        elasticity = self.elasticity
+        if elasticity is not None:
+            elasticity = problems.array("StressModes", "elasticity", elasticity, (ns, 2))
         problems.raise_if_any()
         object.__setattr__(self, "labels", labels)
+        object.__setattr__(self, "elasticity", elasticity)
         object.__setattr__(self, "positions", positions)
         object.__setattr__(self, "axes", axes)
         object.__setattr__(self, "modes", modes)
 
     def keep(self, indices: NDArray[np.intp]) -> StressModes:
         """Return the stress of some of the modes, in the order given."""
-        return StressModes(self.labels, self.positions, self.axes, self.modes[:, :, indices])
+        return StressModes(
+            self.labels, self.positions, self.axes, self.modes[:, :, indices], self.elasticity
+        )

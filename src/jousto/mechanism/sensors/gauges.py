@@ -17,7 +17,7 @@ ENERGIES = ("kinetic", "strain", "potential", "springs", "dissipated", "friction
 class CoordinateSensor:
     """Value of a coordinate, m or rad; angles run on without jumps."""
 
-    resolved_in: ClassVar[str] = "joint"
+    frame: ClassVar[str] = "coordinate"
     components: ClassVar[tuple[str, ...]] = ("s",)
     name: str
     coordinate: Coordinate
@@ -40,7 +40,7 @@ class CoordinateSensor:
 class RateSensor:
     """Rate of a coordinate, m/s or rad/s."""
 
-    resolved_in: ClassVar[str] = "joint"
+    frame: ClassVar[str] = "coordinate"
     components: ClassVar[tuple[str, ...]] = ("s'",)
     name: str
     coordinate: Coordinate
@@ -64,7 +64,7 @@ class EnergySensor:
     """One term of the energy balance of the whole mechanism, J: one of `ENERGIES`."""
 
     unit: ClassVar[str] = "J"
-    resolved_in: ClassVar[str] = "world"
+    frame: ClassVar[str] = "world"
     components: ClassVar[tuple[str, ...]] = ("E",)
     name: str
     energy: str
@@ -88,7 +88,7 @@ class SignalSensor:
     """Value of a signal, also of an input."""
 
     unit: ClassVar[str] = "1"
-    resolved_in: ClassVar[str] = "world"
+    frame: ClassVar[str] = "world"
     components: ClassVar[tuple[str, ...]] = ("f",)
     name: str
     signal: Signal

@@ -1,0 +1,207 @@
+"""Sensors of what acts: reactions of joints, couplings and drives, and forces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from jousto.errors import Problems
+from jousto.mechanism.coupling import Coupler
+from jousto.mechanism.elements import (
+    ELEMENTS,
+    Bushing,
+    Element,
+    JointForce,
+    ModalLoad,
+    Servo,
+    Spring,
+)
+from jousto.mechanism.fields import check_name, set_fields
+from jousto.mechanism.force import LOADS, Force, Load, Torque
+from jousto.mechanism.joints import JOINTS, Joint
+from jousto.mechanism.marker import Marker, check_marker
+from jousto.mechanism.sensors.motion import frame_name
+
+FORCE, MOMENT = ("Fx", "Fy", "Fz"), ("Mx", "My", "Mz")
+ALONG = (Spring, JointForce, Servo)
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class ReactionSensor:
+    """What a joint, a coupling or a drive does to the body of its marker b.
+
+    Of a joint force and moment (6,) at the joint. Of a coupling or drive the force or torque along
+    each of its coordinates, N or N m: the torque that a motor needs, or the forces of both sides of
+    a gear or rack. Where joints repeat one another the reactions are not unique; the results say
+    so.
+
+    Parameters
+    ----------
+    name : str
+        Name, unique among the sensors.
+    joint : Joint, Gear, Rack, Coupling or Drive
+        What is measured.
+    resolved_in : "world", "joint" or Marker
+        Axes of the components: the world's, those of the joint on its side a (z is the axis), or
+        those of a marker. Couplings and drives have none.
+    """
+
+    name: str
+    joint: Joint | Coupler
+    resolved_in: str | Marker
+
+    def __init__(
+        self, name: str, joint: Joint | Coupler, *, resolved_in: str | Marker = "world"
+    ) -> None:
+        problems = Problems()
+        where = check_name(problems, "sensor", name)
+        checked: Any = joint
+        if not isinstance(checked, (*JOINTS, Coupler)):
+            problems.add(where, f"joint is {checked!r}, must be a joint, coupling or drive")
+        if not (isinstance(resolved_in, Marker) or resolved_in in ("world", "joint")):
+            problems.add(
+                where, f"resolved_in is {resolved_in!r}, must be 'world', 'joint' or a marker"
+            )
+        elif isinstance(checked, Coupler) and resolved_in != "world":
+            problems.add(
+                where,
+                f"resolved_in: the reaction of {joint.name!r} is along its coordinates, "
+                "leave resolved_in out",
+            )
+        problems.raise_if_any()
+        set_fields(self, name=name, joint=joint, resolved_in=resolved_in)
+
+    @property
+    def unit(self) -> str:
+        """Units, one for all components or one for each half of them."""
+        if isinstance(self.joint, Joint):
+            return "N, N m"
+        units = [s.force_unit for s in self.joint.coordinates]
+        return ", ".join(units if len(set(units)) > 1 else units[:1])
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """Force and moment, or the coordinates that a coupling acts on."""
+        if isinstance(self.joint, Joint):
+            return (*FORCE, *MOMENT)
+        names = tuple(s.name for s in self.joint.coordinates)
+        return names if len(names) > 1 else ("f",)
+
+    @property
+    def axes(self) -> Marker | None:
+        """The marker whose axes the components are in, None for the world's."""
+        if isinstance(self.resolved_in, Marker):
+            return self.resolved_in
+        if self.resolved_in == "joint" and isinstance(self.joint, Joint):
+            return self.joint.frames[0]
+        return None
+
+    @property
+    def frame(self) -> str:
+        """Name of the axes that the components are in."""
+        if isinstance(self.joint, Coupler):
+            return "coordinate"
+        return "joint" if self.resolved_in == "joint" else frame_name(self.axes)
+
+    @property
+    def turning(self) -> tuple[tuple[str, Marker], ...]:
+        """The markers whose orientation matters, with the name of the argument."""
+        return () if self.axes is None else (("resolved_in", self.axes),)
+
+    @property
+    def description(self) -> str:
+        """One line for results and plots."""
+        if isinstance(self.joint, Joint):
+            return f"reaction of {self.joint.name} on {self.joint.b.body.name}"
+        names = " and ".join(s.name for s in self.joint.coordinates)
+        return f"reaction of {self.joint.name} along {names}"
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class ForceSensor:
+    """What a force element exerts on the body of its marker, or of marker b.
+
+    A `Spring`, `JointForce` or `Servo` gives the force or torque along its coordinate, positive
+    where it pushes the coordinate up; a `Force` its force (3,) N, a `Torque` its moment (3,) N m;
+    a `Bushing` and a `UserForce` force and moment (6,) at the origin of b; a `ModalLoad` its
+    resultant force and moment (6,) about the origin of the body frame, of the undeformed body.
+
+    Parameters
+    ----------
+    name : str
+        Name, unique among the sensors.
+    force : Force, Torque, Spring, Bushing, JointForce, Servo, ModalLoad or UserForce
+        What is measured.
+    resolved_in : Marker, optional
+        Axes of the components; None for those of the world.
+    """
+
+    name: str
+    force: Load | Element
+    resolved_in: Marker | None
+
+    def __init__(
+        self, name: str, force: Load | Element, *, resolved_in: Marker | None = None
+    ) -> None:
+        problems = Problems()
+        where = check_name(problems, "sensor", name)
+        checked: Any = force
+        if not isinstance(checked, (*LOADS, *ELEMENTS)):
+            problems.add(where, f"force is {checked!r}, must be a force element such as a Spring")
+        if resolved_in is not None:
+            check_marker(problems, where, "resolved_in", resolved_in)
+            if isinstance(checked, ALONG):
+                problems.add(
+                    where,
+                    f"resolved_in: {force.name!r} acts along its coordinate, leave resolved_in out",
+                )
+        problems.raise_if_any()
+        set_fields(self, name=name, force=force, resolved_in=resolved_in)
+
+    @property
+    def unit(self) -> str:
+        """Units, one for all components or one for each half of them."""
+        if isinstance(self.force, ALONG):
+            return self.force.coordinate.force_unit
+        return {Force: "N", Torque: "N m"}.get(type(self.force), "N, N m")
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """Components of force and moment."""
+        if isinstance(self.force, ALONG):
+            return ("f",)
+        if isinstance(self.force, Force):
+            return FORCE
+        return MOMENT if isinstance(self.force, Torque) else (*FORCE, *MOMENT)
+
+    @property
+    def first(self) -> int:
+        """Place of the first component among those of force and moment."""
+        return 3 if isinstance(self.force, Torque) else 0
+
+    @property
+    def axes(self) -> Marker | None:
+        """The marker whose axes the components are in, None for the world's."""
+        return self.resolved_in
+
+    @property
+    def frame(self) -> str:
+        """Name of the axes that the components are in."""
+        return "coordinate" if isinstance(self.force, ALONG) else frame_name(self.resolved_in)
+
+    @property
+    def turning(self) -> tuple[tuple[str, Marker], ...]:
+        """The markers whose orientation matters, with the name of the argument."""
+        return () if self.resolved_in is None else (("resolved_in", self.resolved_in),)
+
+    @property
+    def description(self) -> str:
+        """One line for results and plots."""
+        force = self.force
+        if isinstance(force, ALONG):
+            return f"{force.kind} {force.name} along {force.coordinate.name}"
+        kind = getattr(force, "kind", type(force).__name__.lower())
+        if isinstance(force, ModalLoad):
+            return f"resultant of {kind} {force.name} on {force.body.name}"
+        marker = force.b if isinstance(force, Bushing) else force.marker
+        return f"{kind} {force.name} on {marker.body.name}"
