@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
+import jousto as jo
 from verification.minimal import Array, Minimal, slopes, stack, turn
 
 MASS = np.array([0.04325, 0.00365, 0.02373, 0.00706, 0.07050, 0.00706, 0.05498])
@@ -151,3 +152,58 @@ def load(q: Array, _: Array) -> Array:
 
 INERTIA_3D = INERTIA[:, None] * np.array([0.5, 0.5, 1.0])  # only the third is published
 REFERENCE = Minimal(place, MASS, INERTIA_3D, np.zeros(3), close, load)
+
+
+# -- the same in space -----------------------------------------------------------------------------
+
+Z = (0.0, 0.0, 1.0)
+LOOPS = ("K3", "K4", "K6")
+
+
+def mechanism(*, repeated: bool) -> jo.Mechanism:
+    """Seven bodies on revolute joints; the loops K2-K3, K2-K4, K2-K6 are closed by three more.
+
+    Those repeat nine rows in all (`repeated`); a point on a line along z closes each loop with the
+    two rows that a plane needs.
+    """
+    centres, angles = points(START, CENTRES), headings(START)
+    named: dict[str, dict[str, tuple[float, float]]] = {bar: {"pivot": (0, 0)} for bar in BARS}
+    named["K1"]["end"] = (RR, 0)
+    named["K5"]["end"] = (ZT, 0)
+    named["K7"]["end"] = (0, -U)
+    named["K3"]["spring"] = (SD, -SC)
+    for bar, end in ENDS.items():
+        named[bar]["meeting"] = end
+    bars = {
+        bar: jo.RigidBody(
+            bar,
+            MASS[i],
+            INERTIA_3D[i],
+            markers={k: (*np.subtract(x, CENTRES[i]), 0.0) for k, x in named[bar].items()},
+            position=(*centres[i], 0.0),
+            orientation=jo.Rotate(Z, np.degrees(angles[i])),
+        )
+        for i, bar in enumerate(BARS)
+    }
+    foot = {name: jo.ground.at((*x, 0.0)) for name, x in (("A", A), ("B", B), ("O", (0, 0)))}
+    held = [foot["O"], bars["K1"]["end"], foot["B"], bars["K5"]["end"], foot["A"]]
+    held += [bars["K7"]["end"], foot["A"]]
+    pivots = [
+        jo.Revolute(f"{bar} pivot", held[i], bars[bar]["pivot"], Z) for i, bar in enumerate(BARS)
+    ]
+    kind = jo.Revolute if repeated else jo.PointOnLine
+    meet = [kind(f"K2-{k}", bars["K2"]["meeting"], bars[k]["meeting"], Z) for k in LOOPS]
+    spring = jo.Spring.between(
+        "spring", jo.ground.at((*C, 0.0)), bars["K3"]["spring"], STIFFNESS, free=FREE
+    )
+    return jo.Mechanism(
+        *bars.values(),
+        *pivots,
+        *meet,
+        spring,
+        jo.JointForce("motor", pivots[0].angle, TORQUE),
+        *[jo.CoordinateSensor(f"{pivot.name} angle", pivot.angle) for pivot in pivots],
+        *[jo.AngularVelocitySensor(f"{bar} rate", body["pivot"]) for bar, body in bars.items()],
+        *[jo.ReactionSensor(joint.name, joint) for joint in meet],
+        name="Andrews' squeezer",
+    )

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import jousto as jo
 from verification import squeezer
+from verification.mechanisms import march, orders
 
 
 @pytest.fixture(scope="module")
@@ -45,3 +47,58 @@ def power_balance(q, v):
 def test_energy_says_which_of_the_two_is_closer(reference):
     assert abs(power_balance(*reference)) < 1e-11
     assert abs(power_balance(squeezer.ANGLES, squeezer.RATES)) > 1e-10
+
+
+# nine rows are repeated where all ten joints are revolute
+@pytest.fixture(scope="module", params=[False, True], ids=["41 rows", "50 rows"])
+def model(request):
+    if not request.param:
+        return jo.compile(squeezer.mechanism(repeated=False))
+    with pytest.warns(jo.JoustoWarning, match="50 constraint rows for 42 coordinates"):
+        mechanism = squeezer.mechanism(repeated=True)
+    with pytest.warns(jo.JoustoWarning, match="9 of the constraint rows"):
+        return jo.compile(mechanism)
+
+
+def relative(run):
+    """Angles and rates as in the published coordinates."""
+    turns = np.concatenate([run.sensors[f"{bar} pivot angle"][-1] for bar in squeezer.BARS])
+    # K2 turns against K1, K4 against K5, K6 against K7, the others against the ground
+    angles = squeezer.START + turns
+    w = np.array([run.sensors[f"{bar} rate"][-1, 2] for bar in squeezer.BARS])
+    for k, base in ((1, 0), (3, 4), (5, 6)):
+        w[k] -= w[base]
+    return angles, w
+
+
+def test_jousto_ends_in_the_published_state(model):
+    run = march(model, jo.RK4(step=2e-6), squeezer.T_END)
+    angles, rates = relative(run)
+    # what the last published digits are worth: see the reference above
+    np.testing.assert_allclose(angles, squeezer.ANGLES, rtol=5e-10)
+    np.testing.assert_allclose(rates, squeezer.RATES, rtol=1e-7)
+    reactions = np.array([run.sensors[f"K2-{k}"][-1, :2] for k in squeezer.LOOPS])
+    np.testing.assert_allclose(reactions, squeezer.REACTIONS, rtol=2e-6)
+    assert np.abs(run.balance).max() < 1e-12  # J, of 0.5 J
+    assert run.residuals.max() < 1e-14
+
+
+@pytest.mark.slow
+def test_jousto_agrees_with_the_reference_beyond_the_published_digits(model, reference):
+    run = march(model, jo.RK4(step=5e-7), squeezer.T_END)
+    angles, rates = relative(run)
+    np.testing.assert_allclose(angles, reference[0], rtol=5e-11)
+    np.testing.assert_allclose(rates, reference[1], rtol=5e-10)
+
+
+@pytest.mark.parametrize(
+    ("method", "steps"), [(jo.RK4, (300, 600)), (jo.ROS2, (3000, 6000))], ids=["RK4", "ROS2"]
+)
+def test_jousto_converges_to_the_published_angles(method, steps):
+    model = jo.compile(squeezer.mechanism(repeated=False))
+    errors = []
+    for n in steps:
+        angles, _ = relative(march(model, method(step=squeezer.T_END / n), squeezer.T_END))
+        errors.append(float(np.abs(angles - squeezer.ANGLES).max()))
+    # RK4 falls with the fifth order until it meets the last published digits
+    assert orders(errors)[-1] > method.order - 0.2, (errors, orders(errors))
