@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 import jousto as jo
-from verification.minimal import Array, Minimal, slopes, stack, turn
+from verification.minimal import Array, Minimal, axial, slopes, stack, turn
 
 ROD = 0.01  # m, side of the square rods of the governor
 Y_DOWN, Z_DOWN = np.array([0.0, -9.81, 0.0]), np.array([0.0, 0.0, -9.81])
@@ -22,6 +22,20 @@ def bar(length: float, side: float, mass: float) -> Array:
     """Principal inertia (3,) of a square bar along x."""
     across = mass * (length**2 + side**2) / 12
     return np.array([mass * side**2 / 6, across, across])
+
+
+# -- A01: simple pendulum --------------------------------------------------------------------------
+
+
+def simple_pendulum() -> jo.Mechanism:
+    """A point of 1 kg on a massless rod of 1 m, at rest at (-1, 0).
+
+    The rod holds the centre of a ball, which does not turn: its inertia does not matter.
+    """
+    ball = jo.RigidBody("ball", 1.0, (1.0, 1.0, 1.0), position=(-1, 0, 0))
+    rod = jo.Rod("rod", jo.ground["origin"], ball["origin"])
+    sensor = jo.PositionSensor("P1", ball["origin"])
+    return jo.Mechanism(ball, rod, jo.Gravity(Y_DOWN), sensor, name="simple pendulum")
 
 
 # -- A02: N windows of four bars in a row; all uprights are parallel -------------------------------
@@ -190,6 +204,46 @@ GOVERNOR = Minimal(
 )
 
 
+def governor() -> jo.Mechanism:
+    """The same of four bodies."""
+    z, y = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
+    r, A = governor_place(GOVERNOR_START)
+    w = np.array([0.0, 0.0, GOVERNOR_RATES[0]])
+
+    def body(k: int, name: str, **markers: tuple[float, float, float]) -> jo.RigidBody:
+        return jo.RigidBody(
+            name,
+            GOVERNOR.mass[k],
+            GOVERNOR.inertia[k],
+            markers=markers,
+            position=r[k],
+            orientation=A[k],
+            velocity=np.cross(w, r[k]),
+            angular_velocity=w,
+        )
+
+    shaft = body(0, "shaft", low=(0, 0, -0.5), right=(0.05, 0, 0.5), left=(-0.05, 0, 0.5))
+    slider = body(1, "slider", right=(0.05, 0, 0), left=(-0.05, 0, 0))
+    ends = {"hinge": (-ARM_CENTRE, 0, 0), "middle": (0.5 - ARM_CENTRE, 0, 0)}
+    arms = {"right": body(2, "right arm", **ends), "left": body(3, "left arm", **ends)}
+    slide = jo.Prismatic("slide", shaft["low"], slider["origin"], z)
+    hinges = [jo.Revolute(f"{k} hinge", shaft[k], arm["hinge"], y) for k, arm in arms.items()]
+    springs = [
+        jo.Spring.between(f"{k} rod", slider[k], arm["middle"], SPRING, DAMPER, SPRING_FREE)
+        for k, arm in arms.items()
+    ]
+    bearing = jo.Revolute("bearing", jo.ground["origin"], shaft["low"], z)
+    return jo.Mechanism(
+        *(shaft, slider, *arms.values(), bearing, slide, *hinges, *springs),
+        jo.Gravity(Z_DOWN),
+        jo.CoordinateSensor("s", slide.displacement),
+        jo.RateSensor("s'", slide.displacement),
+        jo.CoordinateSensor("turn", bearing.angle),
+        jo.RateSensor("turn'", bearing.angle),
+        name="flyball governor",
+    )
+
+
 # -- spatial slider-crank --------------------------------------------------------------------------
 
 CRANK, CONROD = 0.08, 0.3
@@ -225,3 +279,41 @@ SPATIAL = Minimal(
     np.array([CRANK_INERTIA, CONROD_INERTIA, np.full(3, 1e-4)]),
     Z_DOWN,
 )
+
+
+def spatial_slider_crank() -> jo.Mechanism:
+    """The same of three bodies: revolute, spherical, universal and prismatic joints."""
+    x = np.array([1.0, 0.0, 0.0])
+    B, C, R = spatial_frames(np.zeros(1))
+    (r, A), (r_q, A_q) = spatial_place(np.zeros(1)), spatial_slopes()
+    rate = 6.0
+    bodies = [
+        jo.RigidBody(
+            name,
+            SPATIAL.mass[k],
+            SPATIAL.inertia[k],
+            markers={end: A[k].T @ (p - r[k]) for end, p in (("start", start), ("end", stop))},
+            position=r[k],
+            orientation=A[k],
+            velocity=rate * r_q[k],
+            angular_velocity=rate * axial(A_q[k] @ A[k].T),
+        )
+        for k, (name, start, stop) in enumerate(
+            (("crank", PIVOT, B), ("rod", B, C), ("slider", C, C))
+        )
+    ]
+    crank, rod, slider = bodies
+    joints = (
+        jo.Revolute("pivot", jo.ground.at(PIVOT), crank["start"], x),
+        jo.Spherical("pin", crank["end"], rod["start"]),
+        jo.Universal("cross", slider["start"], rod["end"], x, R[:, 1]),
+        jo.Prismatic("slide", jo.ground["origin"], slider["end"], x),
+    )
+    sensor = jo.PositionSensor("slider", slider["start"])
+    return jo.Mechanism(*bodies, *joints, jo.Gravity(Z_DOWN), sensor, name="spatial slider-crank")
+
+
+def spatial_slopes() -> tuple[Array, Array]:
+    """dr/dq and dA/dq at the start."""
+    r_q = slopes(lambda q: spatial_place(q)[0], np.zeros(1))
+    return r_q[0], slopes(lambda q: spatial_place(q)[1], np.zeros(1))[0]

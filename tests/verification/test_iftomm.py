@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.special import ellipj, ellipk
 
 import jousto as jo
 from verification import iftomm
@@ -17,6 +18,25 @@ PRINTED = np.array(
         [0.3284573768, 0.9445187937, 1.423050003, -0.4948670827],
     ]
 )
+
+
+def pendulum_at(t):
+    """P1 (..., 2): ``sin(theta/2) = k sn(K - w0 t, k)``, theta from hanging, k = sin(pi/4)."""
+    m = 0.5
+    sn, cn, dn, _ = ellipj(ellipk(m) - np.sqrt(9.81) * np.asarray(t), m)
+    sine = np.sqrt(m) * sn
+    return np.stack([-2 * sine * dn, 2 * sine**2 - 1], axis=-1)
+
+
+def test_a01_is_the_elliptic_function():
+    # the same swing from the other side, to eight digits
+    np.testing.assert_allclose(pendulum_at(10.0), [-0.27508746, -0.96141921], atol=5e-9)
+    model = jo.compile(iftomm.simple_pendulum())
+    run = march(model, jo.RK4(step=1e-3), 10.0, 0.1)
+    np.testing.assert_allclose(run.sensors["P1"][:, :2], pendulum_at(run.time), atol=5e-9)
+    assert np.abs(run.balance).max() < 1e-9  # J, of 9.81 J exchanged
+    rough = march(model, jo.ROS2(step=1e-3), 10.0)
+    np.testing.assert_allclose(rough.sensors["P1"][-1, :2], pendulum_at(10.0), atol=1e-3)
 
 
 def upright_at(t):
@@ -124,3 +144,49 @@ def test_spatial_slider_crank_has_the_published_energy_and_motion():
     slider = iftomm.spatial_frames(q)[1][:, 0]
     published = [0.2, 0.202421536, 0.212588737, 0.226793672, 0.263053351]
     np.testing.assert_allclose(slider, published, atol=1.5e-5)
+
+
+def test_spatial_slider_crank_with_jousto():
+    model = jo.compile(iftomm.spatial_slider_crank())
+    run = march(model, jo.RK4(step=5e-4), 0.5, 0.05)
+    assert abs(run.energy[0, [0, 2]].sum() - 0.76643568) < 5e-9
+    q, _ = iftomm.SPATIAL.run(np.zeros(1), np.array([6.0]), run.time)
+    exact = iftomm.spatial_frames(q)[1]
+    np.testing.assert_allclose(run.sensors["slider"], exact, rtol=0, atol=1e-10)
+    assert np.ptp(exact[:, 0]) > 0.09
+    assert np.abs(run.balance).max() < 1e-9
+
+
+@pytest.fixture(scope="module")
+def governor():
+    return jo.compile(iftomm.governor())
+
+
+def test_a05_starts_as_its_equations_say(governor):
+    a = iftomm.GOVERNOR.accelerations(iftomm.GOVERNOR_START, iftomm.GOVERNOR_RATES)
+    found = jo.Engine(governor).accelerations()[0].reshape(-1, 6)
+    # slider, shaft, and arms about their own y axes
+    places = [found[1, 2], found[0, 5], found[2, 4], found[3, 4]]
+    np.testing.assert_allclose(places, [a[1], a[0], a[2], -a[3]], rtol=1e-10, atol=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("t_end", "step", "asked"),
+    [(1.0, 5e-5, 1e-7), (10.0, 1e-4, 2e-6)],
+)
+def test_a05_stiff_governor(governor, t_end, step, asked):
+    # the library publishes the height s of the slider over 10 s as a curve only; the dampers of
+    # the rods are as stiff as 2e4 1/s
+    q, v = iftomm.GOVERNOR.run(
+        iftomm.GOVERNOR_START,
+        iftomm.GOVERNOR_RATES,
+        np.array([0.0, t_end]),
+        tolerance=0.02 * asked,
+        method="Radau",
+    )
+    run = march(governor, jo.RK4(step=step), t_end, t_end / 10)
+    found = [float(run.sensors[k][-1, 0]) for k in ("turn", "s", "turn'", "s'")]
+    np.testing.assert_allclose(found, [*q[-1, :2], *v[-1, :2]], rtol=asked)
+    assert np.abs(run.balance).max() < 1e-6  # J; 4 J are exchanged
+    assert run.residuals.max() < 1e-12
