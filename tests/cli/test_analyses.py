@@ -1,13 +1,15 @@
-"""jousto equilibrium and jousto modes on a compound pendulum with its closed form."""
+"""jousto equilibrium, modes, linearise and kinematics on cases with closed forms."""
 
 from __future__ import annotations
 
 import math
 import re
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import jousto as jo
 from jousto.cli import app
 
 MODEL = """\
@@ -51,3 +53,46 @@ def test_upright_it_falls_away(model):
     model.write_text(MODEL.replace("[0.6, -0.8, 0]", "[0, 1, 0]"))
     (found,) = re.findall(r"falls away, (\S+) 1/s", jousto("modes", model, "--initial"))
     assert float(found) == pytest.approx(math.sqrt(2 * 9.81 / 2.01), rel=1e-5)
+
+
+@pytest.mark.parametrize("ending", ["npz", "mat"])
+def test_the_linear_model_has_the_poles_of_the_pendulum(model, tmp_path, ending):
+    target = tmp_path / f"bell.{ending}"
+    assert "states   2" in jousto("linearise", model, "-o", target)
+    if ending == "npz":
+        with np.load(target) as found:
+            A, outputs = found["A"], list(found["outputs"])
+    else:
+        from scipy.io import loadmat
+
+        data = loadmat(target, simplify_cells=True)
+        A, outputs = data["A"], list(data["outputs"])
+    omega = math.sqrt(2 * 9.81 / (0.01 + 2))
+    np.testing.assert_allclose(
+        sorted(np.linalg.eigvals(A), key=lambda x: x.imag), [-1j * omega, 1j * omega], atol=1e-9
+    )
+    assert outputs == ["middle.x", "middle.y", "middle.z"]
+
+
+def test_the_linear_model_goes_to_a_file_of_matrices(model, tmp_path):
+    result = CliRunner().invoke(app, ["linearise", str(model), "-o", str(tmp_path / "a.txt")])
+    assert result.exit_code == 2
+    assert "must end with .npz or .mat" in result.stderr
+
+
+def test_kinematics_follows_the_drive(model):
+    drive = "couplings: [{type: drive, name: turn, coordinate: pivot.angle, signal: SIGNAL}]"
+    signal = "{type: ramp, start: 0 s, end: 1 s, after: 90 deg}"
+    model.write_text(MODEL + drive.replace("SIGNAL", signal))
+    assert "instants" in jousto("kinematics", model, "-n", 3)
+    middle = jo.load(model.with_suffix(".h5"))["middle"]
+    # from (0.6, -0.8) by 0, 45 and 90 degrees
+    turn = np.radians([0.0, 45.0, 90.0])
+    np.testing.assert_allclose(middle[:, 0], 0.6 * np.cos(turn) + 0.8 * np.sin(turn), atol=1e-12)
+    np.testing.assert_allclose(middle[:, 1], 0.6 * np.sin(turn) - 0.8 * np.cos(turn), atol=1e-12)
+
+
+def test_kinematics_of_a_free_motion_is_refused(model):
+    result = CliRunner().invoke(app, ["kinematics", str(model)])
+    assert result.exit_code == 2
+    assert "1 free motion" in result.stderr

@@ -1,5 +1,15 @@
-"""The command line: ``jousto``."""
+"""The command line, ``jousto``.
 
-from jousto.cli.commands import app, main
+Exit codes: 0 success, 1 the run failed, 2 bad input. Problems and warnings go to stderr, one
+line each. Everything heavy is imported inside the commands.
+"""
+
+from jousto.cli import commands, studies  # noqa: F401  (they register themselves)
+from jousto.cli.options import app
 
 __all__ = ["app", "main"]
+
+
+def main() -> None:
+    """Run the command line; the entry point of the ``jousto`` command."""
+    app(prog_name="jousto")

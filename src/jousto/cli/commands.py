@@ -1,41 +1,21 @@
-"""The command line: check, run, equilibrium, modes, info, plot, reduce, animate, schema.
-
-Exit codes: 0 success, 1 the run failed, 2 bad input. Problems and warnings go to stderr, one
-line each. Everything heavy is imported inside the commands.
-"""
+"""Commands on models, results and parts: check, run, info, plot, reduce, animate, schema."""
 
 from __future__ import annotations
 
 import sys
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from jousto.cli.terminal import command, facts, numbers, plain, progress_bar, say
+from jousto.cli.options import Debug, Model, Output, Result, app, compile_model, end_time
+from jousto.cli.terminal import command, facts, plain, progress_bar, say
 from jousto.errors import InputError, JoustoWarning, Problem
 
 if TYPE_CHECKING:
     from jousto.reduction import ReducedPart
     from jousto.schema import ModelFile
-
-app = typer.Typer(
-    name="jousto",
-    help="Simulate mechanisms with flexible bodies.",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-
-Model = Annotated[Path, typer.Argument(metavar="MODEL", help="Model file (YAML or JSON).")]
-Result = Annotated[Path, typer.Argument(metavar="RESULT", help="Results file (HDF5).")]
-Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Output file.")]
-Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
-
-
-# -- commands -------------------------------------------------------------------------------
 
 
 def _version(value: bool) -> None:
@@ -123,63 +103,6 @@ def run(
     if not quiet:
         facts([(name, plain(value)) for name, value in describe(solution).items()])
         say(f"results in {target}", style="green")
-
-
-@app.command()
-@command
-def equilibrium(model: Model, debug: Debug = False) -> None:
-    """Find where a model rests: positions of the bodies and values of the sensors."""
-    from jousto.engine import Engine
-    from jousto.schema import read_model
-    from jousto.simulation import equilibrium as rest
-
-    compiled = compile_model(read_model(model))
-    state = rest(compiled)
-    engine = Engine(compiled)
-    engine.q[:], engine.v[:], engine.time[0] = state.q, state.v, state.time
-    engine.accelerations()
-    values = engine.sensors()
-    rows = [
-        (f"body {body.name}", f"{numbers(state.q[body.iq : body.iq + 3])} m")
-        for body in compiled.bodies
-    ]
-    for sensor in compiled.sensors:
-        found = values[sensor.offset : sensor.offset + sensor.count]
-        rows.append((f"sensor {sensor.name}", f"{numbers(found)} {sensor.unit}".rstrip()))
-    facts(rows, f"{model.name} at rest")
-
-
-@app.command()
-@command
-def modes(
-    model: Model,
-    count: Annotated[
-        int, typer.Option("--count", "-n", min=1, help="How many, the slowest first.")
-    ] = 10,
-    initial: Annotated[
-        bool, typer.Option("--initial", help="About the initial pose, not the rest position.")
-    ] = False,
-    debug: Debug = False,
-) -> None:
-    """Compute the natural modes of a model, without damping, about where it rests."""
-    import numpy as np
-
-    from jousto.schema import read_model
-    from jousto.simulation import equilibrium as rest
-    from jousto.simulation import modes as natural
-
-    compiled = compile_model(read_model(model))
-    found = natural(compiled, None if initial else rest(compiled))
-    largest = {name: np.abs(x).max(axis=(1, 2), initial=0.0) for name, x in found.shapes.items()}
-    rows = []
-    for k, value in enumerate(found.eigenvalues[:count]):
-        text = f"{found.frequencies[k]:.6g} Hz"
-        if value.real > abs(value.imag):
-            text = f"falls away, {value.real:.6g} 1/s"
-        moves = max(largest, key=lambda name: float(largest[name][k]))
-        rows.append((f"mode {k + 1}", f"{text}, most at {moves}"))
-    place = "its initial pose" if initial else "rest"
-    facts(rows or [("modes", "none: nothing is free to move")], f"{model.name} about {place}")
 
 
 @app.command()
@@ -311,29 +234,6 @@ def schema(debug: Debug = False) -> None:
     sys.stdout.write(json.dumps(model_schema(), indent=1, ensure_ascii=False) + "\n")
 
 
-# -- what the commands need -----------------------------------------------------------------
-
-
-def compile_model(file: ModelFile) -> Any:
-    """Return the compiled model of a model file."""
-    from jousto.engine import compile
-
-    return compile(file.mechanism)
-
-
-def end_time(text: str) -> float:
-    """Return the end time of an option, s."""
-    from jousto.schema.units import UnitError, quantity
-
-    try:
-        value = quantity(text, "s")
-    except UnitError as error:
-        raise InputError(Problem("--t-end", str(error))) from None
-    if value <= 0:
-        raise InputError(Problem("--t-end", f"is {value:g} s, must be positive"))
-    return value
-
-
 def describe_model(file: ModelFile) -> None:
     """Print what is in a model."""
     from jousto.schema.summary import model_facts
@@ -361,8 +261,3 @@ def describe_result(path: Path) -> None:
         about, width = solution.about(name), values.shape[1] if values.ndim > 1 else 1
         rows.append((f"sensor {name}", f"{about['description']}, {count(width, 'value')}"))
     facts(rows)
-
-
-def main() -> None:
-    """Run the command line; the entry point of the ``jousto`` command."""
-    app(prog_name="jousto")

@@ -1,0 +1,47 @@
+"""The application and what its commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from jousto.errors import InputError, Problem
+
+if TYPE_CHECKING:
+    from jousto.schema import ModelFile
+
+app = typer.Typer(
+    name="jousto",
+    help="Simulate mechanisms with flexible bodies.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Model = Annotated[Path, typer.Argument(metavar="MODEL", help="Model file (YAML or JSON).")]
+Result = Annotated[Path, typer.Argument(metavar="RESULT", help="Results file (HDF5).")]
+Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Output file.")]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+
+
+def compile_model(file: ModelFile) -> Any:
+    """Return the compiled model of a model file."""
+    from jousto.engine import compile
+
+    return compile(file.mechanism)
+
+
+def end_time(text: str) -> float:
+    """Return the end time of an option, s."""
+    from jousto.schema.units import UnitError, quantity
+
+    try:
+        value = quantity(text, "s")
+    except UnitError as error:
+        raise InputError(Problem("--t-end", str(error))) from None
+    if value <= 0:
+        raise InputError(Problem("--t-end", f"is {value:g} s, must be positive"))
+    return value

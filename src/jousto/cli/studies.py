@@ -1,0 +1,159 @@
+"""Commands that analyse a model: equilibrium, modes, linearise, kinematics."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+
+from jousto.cli.options import Debug, Model, Output, app, compile_model, end_time
+from jousto.cli.terminal import command, facts, numbers, plain, say
+from jousto.errors import InputError, Problem
+
+MATRICES = (".npz", ".mat")
+
+
+@app.command()
+@command
+def equilibrium(model: Model, debug: Debug = False) -> None:
+    """Find where a model rests: positions of the bodies and values of the sensors."""
+    from jousto.engine import Engine
+    from jousto.schema import read_model
+    from jousto.simulation import equilibrium as rest
+
+    compiled = compile_model(read_model(model))
+    state = rest(compiled)
+    engine = Engine(compiled)
+    engine.q[:], engine.v[:], engine.time[0] = state.q, state.v, state.time
+    engine.accelerations()
+    values = engine.sensors()
+    rows = [
+        (f"body {body.name}", f"{numbers(state.q[body.iq : body.iq + 3])} m")
+        for body in compiled.bodies
+    ]
+    for sensor in compiled.sensors:
+        found = values[sensor.offset : sensor.offset + sensor.count]
+        rows.append((f"sensor {sensor.name}", f"{numbers(found)} {sensor.unit}".rstrip()))
+    facts(rows, f"{model.name} at rest")
+
+
+@app.command()
+@command
+def modes(
+    model: Model,
+    count: Annotated[
+        int, typer.Option("--count", "-n", min=1, help="How many, the slowest first.")
+    ] = 10,
+    initial: Annotated[
+        bool, typer.Option("--initial", help="About the initial pose, not the rest position.")
+    ] = False,
+    debug: Debug = False,
+) -> None:
+    """Compute the natural modes of a model, without damping, about where it rests."""
+    import numpy as np
+
+    from jousto.schema import read_model
+    from jousto.simulation import equilibrium as rest
+    from jousto.simulation import modes as natural
+
+    compiled = compile_model(read_model(model))
+    found = natural(compiled, None if initial else rest(compiled))
+    largest = {name: np.abs(x).max(axis=(1, 2), initial=0.0) for name, x in found.shapes.items()}
+    rows = []
+    for k, value in enumerate(found.eigenvalues[:count]):
+        text = f"{found.frequencies[k]:.6g} Hz"
+        if value.real > abs(value.imag):
+            text = f"falls away, {value.real:.6g} 1/s"
+        moves = max(largest, key=lambda name: float(largest[name][k]))
+        rows.append((f"mode {k + 1}", f"{text}, most at {moves}"))
+    place = "its initial pose" if initial else "rest"
+    facts(rows or [("modes", "none: nothing is free to move")], f"{model.name} about {place}")
+
+
+@app.command()
+@command
+def linearise(
+    model: Model,
+    output: Output = None,
+    initial: Annotated[
+        bool, typer.Option("--initial", help="About the initial pose, not the rest position.")
+    ] = False,
+    debug: Debug = False,
+) -> None:
+    """Linearise a model: A, B, C, D of its inputs and sensors, into MODEL.npz or -o FILE.mat."""
+    import numpy as np
+
+    from jousto.schema import read_model
+    from jousto.schema.targets import output_path
+    from jousto.simulation import equilibrium as rest
+    from jousto.simulation import linearise as small_motions
+
+    target = output_path(output, model, ".npz")
+    if target.suffix not in MATRICES:
+        raise InputError(Problem(str(target), f"must end with {' or '.join(MATRICES)}"))
+    compiled = compile_model(read_model(model))
+    found = small_motions(compiled, None if initial else rest(compiled))
+    values: dict[str, Any] = {
+        "A": found.A,
+        "B": found.B,
+        "C": found.C,
+        "D": found.D,
+        "inputs": np.array(found.input_names, dtype=str),
+        "outputs": np.array(found.output_names, dtype=str),
+    }
+    if target.suffix == ".mat":
+        from scipy.io import savemat
+
+        names = ("inputs", "outputs")
+        savemat(target, values | {name: values[name].astype(object) for name in names})
+    else:
+        np.savez(target, **values)
+    rows = [
+        ("states", str(len(found.A))),
+        ("inputs", ", ".join(found.input_names) or "none"),
+        ("outputs", ", ".join(found.output_names) or "none"),
+    ]
+    facts(rows, f"{model.name} about {'its initial pose' if initial else 'rest'}")
+    say(f"A, B, C, D in {target}", style="green")
+
+
+@app.command()
+@command
+def kinematics(
+    model: Model,
+    output: Output = None,
+    t_end: Annotated[
+        str | None, typer.Option("--t-end", metavar="TIME", help="Last instant such as 2 or '5 s'.")
+    ] = None,
+    instants: Annotated[
+        int, typer.Option("--instants", "-n", min=1, help="How many instants, evenly spaced.")
+    ] = 101,
+    debug: Debug = False,
+) -> None:
+    """Move a fully driven model without integration, with the forces of its drives."""
+    import numpy as np
+
+    from jousto.schema import read_model
+    from jousto.schema.targets import RESULTS, output_path
+    from jousto.simulation import kinematics as motion
+
+    target = output_path(output, model, ".h5", kind=RESULTS)
+    file = read_model(model)
+    end = None if t_end is None else end_time(t_end)
+    if end is None:
+        if file.simulation is None:
+            raise InputError(
+                Problem(
+                    model.name,
+                    "does not say until when; add simulation: {t_end: 10 s}, or give --t-end",
+                )
+            )
+        end = file.simulation.t_end
+    found = motion(compile_model(file), np.linspace(0.0, end, instants), path=target)
+    rows = [
+        ("instants", str(len(found))),
+        ("last instant (s)", plain(float(found.time[-1]))),
+        ("largest position residual", plain(float(found.residuals.position.max(initial=0.0)))),
+    ]
+    facts(rows)
+    say(f"results in {target}", style="green")
