@@ -27,6 +27,7 @@ WIDTHS = {  # pixels
     "chain.gif": 420,
     "cantilever_stress.png": 1100,
     "slider_crank.png": 1100,
+    "four_bar.png": 1200,
     "split_still.png": 900,
     "split.png": 900,
 }

@@ -321,3 +321,43 @@ def test_the_schema_knows_every_key_of_the_file():
     assert schema["required"] == ["bodies"]
     assert schema["additionalProperties"] is False
     assert all(d.get("additionalProperties") is False for d in schema["$defs"].values())
+
+
+# -- rigid ----------------------------------------------------------------------------------
+
+
+def test_the_rigid_twin_has_mass_inertia_and_nodes_of_its_part(tmp_path):
+    """A slender rod: m L^2 / 12 and the section's own m h^2 / 12 (Timoshenko, rotary inertia)."""
+    path = tmp_path / "rod.yaml"
+    path.write_text("""
+parts:
+  rod:
+    type: beam
+    length: 2 m
+    section: {type: rectangle, width: 40 mm, height: 60 mm}
+    elements: 4
+    material: {E: 210 GPa, nu: 0.3, rho: 7850}
+    reduce: {type: craig-bampton, interfaces: [start], modes: 2}
+bodies:
+  - name: arm
+    part: rod
+    damping: 1 %
+    position: [0, 1, 0]
+    orientation: {axis: [0, 0, 1], angle_deg: 30}
+joints: [{type: revolute, name: pivot, a: {body: ground, at: [0, 1, 0]}, b: arm.start}]
+gravity: [0, -9.81, 0]
+sensors:
+  - {type: modal, name: modes, body: arm}
+  - {type: stress, name: stress, body: arm}
+  - {type: position, name: middle, marker: arm.node3}
+""")
+    flexible, rigid = read_model(path).mechanism, read_model(path, rigid=True).mechanism
+    assert [sensor.name for sensor in rigid.sensors] == ["middle"]
+    (arm,), (soft,) = rigid.bodies, flexible.bodies
+    m = 7850 * 2 * 0.04 * 0.06
+    assert arm.mass == pytest.approx(m, rel=1e-12)
+    assert arm.center == pytest.approx((1, 0, 0), abs=1e-12)
+    closed = m / 12 * np.array([0.04**2 + 0.06**2, 2**2 + 0.06**2, 2**2 + 0.04**2])
+    assert arm.inertia == pytest.approx(np.diag(closed), rel=1e-9, abs=1e-9)
+    assert rigid.sensors[0].marker.r == pytest.approx(flexible.sensors[-1].marker.r, abs=1e-12)
+    assert arm.orientation == pytest.approx(soft.orientation)

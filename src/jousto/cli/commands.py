@@ -70,6 +70,7 @@ def run(
         typer.Option("--t-end", metavar="TIME", help="End of the run such as 2 or '500 ms'."),
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no summary.")] = False,
+    rigid: Annotated[bool, typer.Option("--rigid", help="Make flexible bodies rigid.")] = False,
     debug: Debug = False,
 ) -> None:
     """Simulate a model; the results go to MODEL.h5 unless -o says otherwise."""
@@ -78,7 +79,7 @@ def run(
 
     target = output_path(output, model, ".h5", kind=RESULTS)
     end = None if t_end is None else end_time(t_end)
-    file = read_model(model)
+    file = read_model(model, rigid=rigid)
     settings = file.simulation
     if end is None:
         if settings is None:

@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+
 from jousto import mechanism as jm
 from jousto.errors import InputError, JoustoWarning, Problem, suggest
 from jousto.schema import model as sm
@@ -38,11 +40,20 @@ class Builder:
     broken : iterable of (str, str or None)
         Sections and names of entries that failed before; references to them are not reported
         again. None stands for any name.
+    rigid : bool
+        Whether flexible bodies are made rigid.
     """
 
-    def __init__(self, document: Document, broken: Iterable[tuple[str, str | None]] = ()) -> None:
+    def __init__(
+        self,
+        document: Document,
+        broken: Iterable[tuple[str, str | None]] = (),
+        *,
+        rigid: bool = False,
+    ) -> None:
         self.document = document
         self.broken = set(broken)
+        self.rigid = rigid
         self.found: list[tuple[Loc, Problem]] = []
         self.warnings: list[str] = []
 
@@ -234,6 +245,8 @@ class Builder:
             self.unknown((*loc, "part"), "parts", "part", entry.part, parts)
         if reduced is None or ("damping" in values and values["damping"] is None):
             return None
+        if self.rigid:
+            return self.make(loc, rigid_body, reduced=reduced, **values)
         return self.make(loc, jm.FlexibleBody, reduced=reduced, **values)
 
     def orientations(self, loc: Loc, values: dict[str, Any]) -> dict[str, Any]:
@@ -347,7 +360,12 @@ class Builder:
             return {item.name: item for _, item in items}
 
         def listed(key: str, build: Callable[[Loc, Any], Any]) -> list[tuple[Loc, Any]]:
-            return self.section_items(key, getattr(entry, key), index[key], build)
+            entries, places = getattr(entry, key) or (), index[key]
+            if self.rigid:
+                # a rigid body has neither modes nor stress
+                kept = [i for i, e in enumerate(entries) if e.type not in ("modal", "stress")]
+                entries, places = [entries[i] for i in kept], [places[i] for i in kept]
+            return self.section_items(key, entries, places, build)
 
         bodies = listed("bodies", lambda at, e: self.body(at, e, parts))
         by_name = named(bodies)
@@ -389,6 +407,25 @@ class Builder:
                 place = next((p for p in places if text.startswith(f"{p}: ")), "")
                 self.warn(places.get(place, ()), item, {place.lower()})
         return made
+
+
+def rigid_body(name: str, *, reduced: Any, **values: Any) -> jm.RigidBody:
+    """Return the rigid body with mass, inertia and named nodes of a reduced part."""
+    invariants = reduced.invariants
+    mass, U = invariants.mass, invariants.second_moment
+    center = invariants.first_moment / mass
+    U = U - mass * np.outer(center, center)
+    nodes = {key: reduced.nodes[m[0]] for key, m in reduced.node_sets.items() if len(m) == 1}
+    pose = ("position", "orientation", "velocity", "angular_velocity")
+    return jm.RigidBody(
+        name,
+        mass,
+        np.trace(U) * np.eye(3) - U,
+        center=center,
+        markers=nodes,
+        **{key: values[key] for key in pose if key in values},
+        outline=reduced.nodes,
+    )
 
 
 def shorten(where: str, message: str, own: set[str], name: Any) -> str:

@@ -63,13 +63,17 @@ class ModelFile:
     text: str = ""
 
 
-def read_model(path: str | Path) -> ModelFile:
+def read_model(path: str | Path, *, rigid: bool = False) -> ModelFile:
     """Read a YAML or JSON model file.
 
     Parameters
     ----------
     path : str or Path
         The file; file names in it are relative to its folder.
+    rigid : bool
+        Whether flexible bodies are made rigid, with the mass and inertia of their parts: to see
+        what flexibility does, and for `inverse_dynamics`. Sensors of modes and stress are left
+        out.
 
     Raises
     ------
@@ -81,7 +85,7 @@ def read_model(path: str | Path) -> ModelFile:
     JoustoWarning
         What the constructors warn about, with lines.
     """
-    return build_model(read_document(path))
+    return build_model(read_document(path), rigid=rigid)
 
 
 def parse_model(text: str, *, name: str = "model", folder: Path | None = None) -> ModelFile:
@@ -100,10 +104,10 @@ def parse_model(text: str, *, name: str = "model", folder: Path | None = None) -
     return build_model(parse_document(text, name=name, folder=folder))
 
 
-def build_model(document: Document) -> ModelFile:
+def build_model(document: Document, *, rigid: bool = False) -> ModelFile:
     """Validate and build a document; see `read_model`."""
     entry, index, invalid, broken = validate(document)
-    builder = Builder(document, broken)
+    builder = Builder(document, broken, rigid=rigid)
     mechanism, simulation = None, None
     if entry is not None:
         mechanism = builder.mechanism(entry, index)
