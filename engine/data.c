@@ -44,6 +44,16 @@ static jo_data *lay_out(const jo_model *m, arena *a)
     d->input = reals(a, m->ninput);
     d->locked = take(a, (size_t)m->nlock * sizeof(int));
     d->slip = take(a, (size_t)m->nfriction * sizeof(int));
+    d->held = reals(a, 2 * m->nlock);
+    d->direction = reals(a, 2 * m->nfriction);
+    d->rub = reals(a, 2 * m->nfriction);
+    jo_real **mixing[4] = {&d->mixing.g, &d->mixing.r, &d->mixing.before, &d->mixing.change};
+    for (int i = 0; i < 4; i++) *mixing[i] = reals(a, 2 * m->nfriction);
+    for (int i = 0; i < JO_PAIRS; i++) {
+        d->mixing.dF[i] = reals(a, 2 * m->nfriction);
+        d->mixing.dR[i] = reals(a, 2 * m->nfriction);
+        d->mixing.Q[i] = reals(a, 2 * m->nfriction);
+    }
     d->happened = take(a, (size_t)m->nevent * sizeof(int));
     for (int i = 0; i < m->nbody; i++) {
         jo_body_work spare, *w = a->base ? &d->body[i] : &spare;
@@ -119,6 +129,9 @@ jo_real *jo_data_input(jo_data *d) { return d->input; }
 jo_real *jo_data_turn(jo_data *d) { return d->turn; }
 int *jo_data_locked(jo_data *d) { return d->locked; }
 int *jo_data_slip(jo_data *d) { return d->slip; }
+jo_real *jo_data_direction(jo_data *d) { return d->direction; }
+jo_real *jo_data_held(jo_data *d) { return d->held; }
+jo_real *jo_data_rub(jo_data *d) { return d->rub; }
 int *jo_data_happened(jo_data *d) { return d->happened; }
 long long *jo_data_counts(jo_data *d) { return d->counts; }
 int jo_data_error_index(const jo_data *d) { return d->error_index; }

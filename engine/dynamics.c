@@ -59,6 +59,10 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
     int status = jo_joint_factor(m, d);
     if (status != JO_OK) return status;
     jo_joint_solve(m, d);
+    if (m->nfriction && !d->smooth) {
+        status = jo_friction_solve(m, d, s);
+        if (status != JO_OK) return status;
+    }
     jo_joint_apply(m, d);
     d->drive = m->nline ? jo_joint_power(m, d) : 0.0;
     d->power[2] += d->drive;
@@ -168,7 +172,7 @@ static double sum_of_squares(const jo_model *m, const jo_data *d)
 
 /* close the joints: Newton in the mass metric on positions, shortened while a step opens them further, then on
  * velocities at the closed position */
-int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance)
+static int close_joints(const jo_model *m, jo_data *d, int iterations, double tolerance)
 {
     enum { JO_SHORTENED = 10 };
     d->fresh = d->current = 0;
@@ -204,6 +208,14 @@ int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance)
     if (m->nturn) jo_count_turns(m, d);
     d->fresh = d->current = 0;
     return JO_OK;
+}
+
+int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance)
+{
+    d->smooth = 1;   /* geometry only */
+    const int status = close_joints(m, d, iterations, tolerance);
+    d->smooth = 0;
+    return status;
 }
 
 /* largest position and velocity residual */

@@ -74,7 +74,7 @@ static jo_signal_work optional(const jo_model *m, const jo_data *d, int signal, 
 }
 
 /* f along a coordinate does the virtual work f ds: its gradient says what acts on a and on b */
-static void push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f)
+void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f)
 {
     const jo_coordinate *c = &m->coordinate[coordinate];
     const jo_coordinate_work *w = &d->coordinate[coordinate];
@@ -124,7 +124,7 @@ static void along(const jo_model *m, jo_data *d, const jo_force *f, jo_force_wor
     }
     y->y[0] = later;
     y->stored = along_stored(d, f);
-    push_along(m, d, f->coordinate, later);
+    jo_push_along(m, d, f->coordinate, later);
 }
 
 /* pose of b against a, resolved in a: r_b - r_a and the matrix A_a^T A_b */

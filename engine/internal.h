@@ -73,6 +73,14 @@ typedef struct {
     double scale[6];        /* diagonal of S before elimination */
 } jo_joint_work;
 
+/* the iteration between friction forces f and their residual r, (2 nfriction) each */
+enum { JO_PAIRS = 4 };      /* changes of f and r that it remembers */
+typedef struct {
+    jo_real *g, *r, *before, *change;
+    jo_real *dF[JO_PAIRS], *dR[JO_PAIRS], *Q[JO_PAIRS];
+    int pairs, newest;
+} jo_mixing;
+
 struct jo_data {
     jo_real time[1];
     jo_real work[3], power[3];      /* lost to damping, to friction, done by forces: energy so far, rate at the last evaluation */
@@ -90,6 +98,10 @@ struct jo_data {
     jo_real *turn;          /* (nturn) last accepted values of the angles */
     jo_real *input;         /* (ninput) */
     int *locked, *slip, *happened;
+    jo_real *held;          /* (2 nlock) */
+    jo_real *direction, *rub;   /* (2 nfriction) */
+    jo_mixing mixing;
+    int smooth;             /* friction is left out: the joints are being closed */
     long long counts[5];    /* evaluations, Newton iterations, factorisations, rejected steps, singular positions */
     int regular;            /* S is regularised */
     jo_real *S, *S0;        /* (nblock x 36); S0 before it is factored, with redundant rows */
@@ -163,7 +175,16 @@ void jo_quaternion(jo_real *e, const jo_real *A);   /* scalar first and not nega
 /* force.c */
 int jo_apply_forces(const jo_model *m, jo_data *d);
 jo_real jo_stored(const jo_model *m, jo_data *d);   /* in springs, where markers and coordinates stand */
+void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f);
 void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T);
+
+/* friction.c */
+int jo_friction_solve(const jo_model *m, jo_data *d, const jo_solver *s);
+void jo_friction_push(const jo_model *m, jo_data *d);
+jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i);
+int jo_friction_switch(const jo_model *m, jo_data *d, int i);
+int jo_friction_settle(const jo_model *m, jo_data *d);
+int jo_friction_transitions(const jo_model *m, jo_data *d);
 
 /* dynamics.c */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set);

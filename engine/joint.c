@@ -44,7 +44,7 @@ double jo_joint_residual(const jo_model *m, jo_data *d)
         }
         for (int l = 0; l < k->nline; l++) {
             const jo_line *line = &m->line[k->line + l];
-            jo_real value = -line->data[0];
+            jo_real value = k->lock < 0 ? -line->data[0] : -d->held[2 * k->lock + l];
             for (int j = 0; j < line->count; j++) value += line->data[1 + j] * d->coordinate[line->coordinate[j]].value;
             if (line->signal >= 0) value -= jo_signal_at(m, d, line->signal, d->time[0]).value;
             c[k->nperp + l] = value;

@@ -21,7 +21,7 @@ typedef double jo_real;
 #endif
 
 /* BEGIN */
-enum { JO_ABI = 3 };           /* raised whenever a struct or a meaning below changes */
+enum { JO_ABI = 4 };           /* raised whenever a struct or a meaning below changes */
 enum { JO_PAD = 4 };           /* modal coordinates are padded to a multiple of this */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -94,7 +94,7 @@ typedef struct {
     int coordinate[2];
     int side[2];            /* side of the joint that is marker a of the coordinate; b is the next */
     int signal;             /* -1: none */
-    const jo_real *data;    /* (3) offset factor_0 factor_1 */
+    const jo_real *data;    /* (3) offset factor_0 factor_1; optional joints hold the offsets of jo_data_held() */
 } jo_line;
 
 /* Constraint rows. The first three, if coincident, are r_b - r_a = 0 between sides 0 and 1; then nperp rows
@@ -151,14 +151,16 @@ typedef struct {
     void *user;
 } jo_force;
 
-/* Friction of a joint along one of its coordinates, pressed by the joint's own reaction. Normal forces: revolute
- * (coordinate an angle): N = |F_xy| + |M_xy| / bearing at the pin radius, |F_z| at the collar radius; prismatic (coordinate a
- * displacement along z): N = |F_xy| + |M_xy| / bearing + |M_z| / collar. */
+/* Friction of a joint along one or two of its coordinates, pressed by the joint's own reaction on side 1, resolved in side 0:
+ * N = preload + |F_xy| + |M_xy| / bearing. Revolute (an angle): N at the pin radius and |F_z| at the collar radius; prismatic (a
+ * displacement along z): |M_z| / collar adds to N; cylindrical (displacement and angle): against the slip at the radius. Lengths
+ * of 0 do not count. */
 typedef struct {
     int joint, coordinate;
+    int other;              /* second coordinate, -1: none */
     int law;                /* 0: regularised, 1: stick-slip */
-    int lock;               /* stick-slip: joint whose one row holds the coordinate while it sticks */
-    const jo_real *data;    /* (7) mu_kinetic mu_static velocity radius bearing collar preload (N or N m) */
+    int lock;               /* stick-slip: joint whose rows hold the coordinates while they stick */
+    const jo_real *data;    /* (7) mu_kinetic mu_static velocity (m/s) radius bearing collar (m) preload (N) */
 } jo_friction;
 
 /* A sensor value crosses a threshold. */
@@ -231,7 +233,10 @@ jo_real *jo_data_work(jo_data *d);               /* (3) J: dissipated by damping
 jo_real *jo_data_input(jo_data *d);              /* (ninput) external inputs */
 jo_real *jo_data_turn(jo_data *d);               /* (nturn) last accepted value of every unwrapped angle, rad */
 int *jo_data_locked(jo_data *d);                 /* (nlock) optional joints that hold now */
-int *jo_data_slip(jo_data *d);                   /* (nfriction) stick-slip: 0 sticks, +-1 slips this way */
+int *jo_data_slip(jo_data *d);                   /* (nfriction) stick-slip: +-1 slips this way, 0 sticks or is not decided */
+jo_real *jo_data_direction(jo_data *d);          /* (2 nfriction) direction of the slip along two coordinates */
+jo_real *jo_data_held(jo_data *d);               /* (2 nlock) values of the coordinates that optional joints hold */
+jo_real *jo_data_rub(jo_data *d);                /* (2 nfriction) friction along the coordinates, on b, N or N m */
 int *jo_data_happened(jo_data *d);               /* (nevent) how often each event has happened */
 long long *jo_data_counts(jo_data *d);           /* (5) evaluations, Newton iterations, factorisations,
                                                   * rejected steps, evaluations in a singular position */

@@ -61,8 +61,8 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s)
  * stages in between say little about modes that the step does not resolve */
 static void add_work(jo_data *d)
 {
-    for (int i = 0; i < 3; i++) d->work[i] += 0.5 * d->waiting * (d->power0[i] + d->power[i]);
-    d->work[2] -= 0.5 * d->waiting * d->drive;   /* drives are counted stage by stage */
+    d->work[0] += 0.5 * d->waiting * (d->power0[0] + d->power[0]);
+    d->work[2] += 0.5 * d->waiting * (d->power0[2] + d->power[2] - d->drive);   /* drives and friction: stage by stage */
     d->waiting = 0.0;
 }
 
@@ -101,6 +101,7 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
     d->waiting = h;
     for (int i = 0; i < 3; i++) d->power0[i] = d->power[i];
     d->power0[2] -= d->drive;
+    d->work[1] += 0.5 * h * d->power[1];
     d->work[2] += 0.5 * h * d->drive;   /* multipliers lead in stage 1 as they lag in stage 2 */
     jo_displace(m, d->q, d->q0, d->dq);
     d->time[0] = t0 + h;
@@ -115,6 +116,7 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
     d->lead = 0.0;
     no_extra(m, d);
     if (status != JO_OK) return status;
+    d->work[1] += 0.5 * h * d->power[1];
     d->work[2] += 0.5 * h * d->drive;
     increment_rate(m, d->rate, d->dq, d->v);
     for (int i = 0; i < m->nv; i++) {
@@ -127,7 +129,9 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
 
 static int step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
-    int status = s->method == JO_RK4 ? step_rk4(m, d, s) : step_ros2(m, d, s);
+    int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
+    if (status != JO_OK) return status;
+    status = s->method == JO_RK4 ? step_rk4(m, d, s) : step_ros2(m, d, s);
     d->fresh = d->current = 0;
     if (status != JO_OK) return status;
     if (s->projection) jo_project(m, d);
@@ -145,7 +149,7 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
             return JO_NOT_FINITE;
         }
     }
-    return JO_OK;
+    return m->nlock ? jo_friction_transitions(m, d) : JO_OK;
 }
 
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
@@ -177,7 +181,8 @@ static int write_row(const jo_model *m, jo_data *d, jo_real *row)
 int jo_row(const jo_model *m, jo_data *d, jo_real *row)
 {
     d->current = d->fresh = 0;
-    return write_row(m, d, row);
+    const int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
+    return status == JO_OK ? write_row(m, d, row) : status;
 }
 
 int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,

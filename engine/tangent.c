@@ -97,6 +97,7 @@ int jo_residual(const jo_model *m, jo_data *d, jo_real *r)
         const int applied = jo_apply_forces(m, d);
         if (applied != JO_OK) return applied;
     }
+    if (m->nfriction) jo_friction_push(m, d);
     react(m, d);
     for (int i = 0; i < m->nbody; i++) balance(m, d, i, r + m->body[i].iv);
     return JO_OK;

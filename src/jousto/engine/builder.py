@@ -30,6 +30,7 @@ from jousto.mechanism.elements import (
     Spring,
     UserForce,
 )
+from jousto.mechanism.friction import Friction, Regularised, StickSlip
 from jousto.mechanism.joints import Joint
 from jousto.mechanism.signals import Constant, Input, Product, Ramp, SCurve, Sum
 
@@ -128,6 +129,32 @@ class Builder:
         sides = tuple(marker for s in used for marker in (s.a, s.b))
         return self._rows(coupling.name, sides, False, (), lines)
 
+    def friction(self, friction: Friction, joint: int) -> int:
+        """Return the index of a friction of joint `joint`; to be added after all other rows."""
+        places = [self.declared(s) for s in friction.coordinates]
+        law = friction.law
+        velocity = law.velocity if isinstance(law, Regularised) else 1.0
+        lengths = (friction.radius, friction.bearing_length, friction.collar_radius)
+        data = (friction.mu_kinetic, friction.mu_static, velocity, *(x or 0.0 for x in lengths))
+        lock = -1
+        if isinstance(law, StickSlip):  # rows that hold the coordinates while they stick
+            first = self.coordinates[places[0]]
+            lines = tuple(LineModel((place,), (1.0,)) for place in places)
+            count = sum(other.lock >= 0 for other in self.joints)
+            lock = self._rows(friction.name, (first.a, first.b), False, (), lines, lock=count)
+        self.frictions.append(
+            FrictionModel(
+                name=friction.name,
+                joint=joint,
+                coordinate=places[0],
+                other=places[1] if len(places) > 1 else -1,
+                sticks=lock >= 0,
+                lock=lock,
+                data=np.array([*data, friction.preload]),
+            )
+        )
+        return len(self.frictions) - 1
+
     def _rows(
         self,
         name: str,
@@ -135,9 +162,10 @@ class Builder:
         coincident: bool,
         perpendicular: tuple[tuple[int, int], ...],
         lines: tuple[LineModel, ...],
+        lock: int = -1,
     ) -> int:
         row = sum(other.rows for other in self.joints)
-        self.joints.append(JointModel(name, sides, coincident, perpendicular, row, lines))
+        self.joints.append(JointModel(name, sides, coincident, perpendicular, row, lines, lock))
         return len(self.joints) - 1
 
     def signal(self, signal: Any) -> int:

@@ -64,7 +64,7 @@ def compile(mechanism: Mechanism) -> Model:
     index = {id(body): i for i, body in enumerate(mechanism.bodies)}
     bodies, q0, v0 = _bodies(mechanism)
     builder = Builder(index)
-    for item in (*mechanism.frictions, *mechanism.events):
+    for item in mechanism.events:
         raise TypeError(f"no engine rows for {type(item).__name__}")
     for joint in mechanism.joints:
         builder.joint(joint)
@@ -75,6 +75,9 @@ def compile(mechanism: Mechanism) -> Model:
     for sensor in mechanism.sensors:  # angles are counted at every step
         if isinstance(sensor, CoordinateSensor | RateSensor):
             builder.declared(sensor.coordinate)
+    places = {id(joint): i for i, joint in enumerate(mechanism.joints)}
+    for friction in mechanism.frictions:  # after all rows that always hold
+        builder.friction(friction, places[id(friction.joint)])
     active = len(builder.markers)
     sensors = sensor_models(mechanism, builder, index)
     on_body: dict[int, list[int]] = {}
@@ -238,6 +241,14 @@ def _consistent(model: Model) -> Model:
     check_closed(model, engine, found)
     if found:
         warn(f"mechanism {model.name!r}", found.sentence)
+        for friction in model.frictions:
+            if (joint := model.joints[friction.joint].name) in found.joints:
+                warn(
+                    f"friction '{friction.name}'",
+                    f"the reactions of joint '{joint}' are not unique, so neither is its friction "
+                    "(taken: that of the reactions of least norm); free a motion of the loop or "
+                    "let a body be flexible",
+                )
     model.q0[:] = engine.q
     model.v0[:] = engine.v
     model.q0.setflags(write=False)

@@ -319,7 +319,7 @@ class Layout:
         structs = self._structs("jo_friction", len(self._source.frictions))
         for i, friction in enumerate(self._source.frictions):
             s = structs[i]
-            s.joint, s.coordinate = friction.joint, friction.coordinate
+            s.joint, s.coordinate, s.other = friction.joint, friction.coordinate, friction.other
             s.law, s.lock = int(friction.sticks), friction.lock
             s.data = self._constant(friction.data, ("friction", i, "data"))
         return structs

@@ -182,7 +182,10 @@ class ForceModel:
 
 @dataclass(frozen=True, eq=False)
 class FrictionModel:
-    """Friction of a joint along a coordinate; data as in jousto.h."""
+    """Friction of a joint along one or two coordinates; data as in jousto.h.
+
+    `lock` is the optional joint that holds them while they stick, -1 with the regularised law.
+    """
 
     name: str
     joint: int
@@ -190,6 +193,7 @@ class FrictionModel:
     sticks: bool
     lock: int
     data: Array
+    other: int = -1
 
 
 @dataclass(frozen=True)
@@ -289,6 +293,11 @@ class Model:
     def nrow(self) -> int:
         """Number of constraint rows."""
         return sum(joint.rows for joint in self.joints)
+
+    @property
+    def permanent(self) -> int:
+        """Number of constraint rows that always hold; those of sticking friction come last."""
+        return sum(joint.rows for joint in self.joints if joint.lock < 0)
 
     @property
     def inputs(self) -> tuple[str, ...]:

@@ -18,6 +18,11 @@ OK, NOT_FINITE, SINGULAR_BODY, SINGULAR_JOINT, NO_MEMORY = range(5)
 CALLBACK_FAILED, NO_CONVERGENCE, FRICTION_FAILED, EVENT, STEP_TOO_SMALL = range(5, 10)
 BALANCE = 11  # entries of a row between the multipliers and the sensors
 
+# what a twin of an engine needs to stand where it stands
+STATE = (
+    *("q", "v", "a", "lam", "time", "input", "turn", "happened"),
+    *("locked", "held", "slip", "direction"),
+)
 _STEP = 1e-30  # imaginary
 
 
@@ -94,6 +99,10 @@ class Engine:
         self.turn = self._view(self._library.jo_data_turn(data), turns)
         locks = sum(joint.lock >= 0 for joint in model.joints)
         self.locked = self._view(self._library.jo_data_locked(data), locks, np.intc)
+        self.held = self._view(self._library.jo_data_held(data), 2 * locks)
+        frictions = 2 * len(model.frictions)
+        self.direction = self._view(self._library.jo_data_direction(data), frictions)
+        self.rub = self._view(self._library.jo_data_rub(data), frictions)
         self.slip = self._view(self._library.jo_data_slip(data), len(model.frictions), np.intc)
         self.happened = self._view(self._library.jo_data_happened(data), len(model.events), np.intc)
         self.counts = self._view(self._library.jo_data_counts(data), 5, np.longlong)
@@ -207,8 +216,7 @@ class Engine:
         increments on the right, q = q0 o exp(dtheta).
         """
         twin = Engine(self.model, complex_scalars=True, override=self._override)
-        names = ("q", "v", "a", "lam", "time", "input", "turn", "locked", "slip", "happened")
-        for name in names:
+        for name in STATE:
             getattr(twin, name)[:] = getattr(self, name).real
         nv, nrow = self.model.nv, self.model.nrow
         M, D, K, Cq = (
@@ -269,7 +277,7 @@ class Engine:
     # -- errors -----------------------------------------------------------------------------
 
     def _check(self, status: int) -> None:
-        if status == SINGULAR_BODY:
+        if status in (SINGULAR_BODY, FRICTION_FAILED):
             raise InputError(self.problem(status))
         if status == SINGULAR_JOINT:
             raise SingularJoints(self.problem(status))
@@ -301,8 +309,18 @@ class Engine:
         )
 
     def problem(self, status: int) -> Problem:
-        """Return the sentence for a singular body or joint."""
+        """Return the sentence for a singular body or joint, or for friction that jams."""
         index = self.error_index
+        if status == FRICTION_FAILED:
+            friction = self.model.frictions[index]
+            joint = self.model.joints[friction.joint].name
+            return Problem(
+                f"friction '{friction.name}'",
+                f"no reaction of joint '{joint}' agrees with its own friction: with mu_kinetic = "
+                f"{friction.data[0].real:g} and mu_static = {friction.data[1].real:g} it presses "
+                "itself harder than it slips (it jams); lower mu or the radius, lengthen the "
+                "bearing or bring the load nearer to it",
+            )
         if status == SINGULAR_BODY:
             return Problem(
                 f"body '{self.model.bodies[index].name}'",

@@ -66,14 +66,18 @@ class Redundancy:
 
 
 def constraint_matrix(model: Model, engine: Engine) -> Array:
-    """Return Cq (nrow, nv) at the engine's state, for [R' (world), w_local, p'] of every body."""
+    """Return Cq (rows, nv) at the engine's state, for [R' (world), w_local, p'] of every body.
+
+    Rows of friction that may stick are left out.
+    """
     kept = engine.v.copy()
+    rows = model.permanent
     engine.v[:] = 0.0
-    rest = engine.constraints()[1]
-    Cq = np.zeros((model.nrow, model.nv))
+    rest = engine.constraints()[1][:rows]
+    Cq = np.zeros((rows, model.nv))
     for j in range(model.nv):
         engine.v[j] = 1.0
-        Cq[:, j] = engine.constraints()[1] - rest
+        Cq[:, j] = engine.constraints()[1][:rows] - rest
         engine.v[j] = 0.0
     engine.v[:] = kept
     return Cq

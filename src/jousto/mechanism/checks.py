@@ -14,7 +14,7 @@ from jousto.mechanism.coupling import Coupler, Drive
 from jousto.mechanism.elements import ELEMENTS, Bushing, ModalLoad, UserForce
 from jousto.mechanism.event import Event
 from jousto.mechanism.force import LOADS, Gravity, Torque
-from jousto.mechanism.friction import Friction
+from jousto.mechanism.friction import Friction, StickSlip
 from jousto.mechanism.joints import Joint
 from jousto.mechanism.marker import Marker
 from jousto.mechanism.sensors import (
@@ -203,6 +203,29 @@ def check_drives(problems: Problems, mechanism: Mechanism) -> None:
                 )
 
 
+def check_frictions(problems: Problems, mechanism: Mechanism) -> None:
+    """Note joints with two frictions and joints that cannot stick since they are driven."""
+    for i, friction in enumerate(mechanism.frictions):
+        for other in mechanism.frictions[:i]:
+            if friction.joint is other.joint:
+                problems.add(
+                    where(friction),
+                    f"joint {friction.joint.name!r} has the friction {other.name!r} already; "
+                    "leave one out",
+                )
+        if not isinstance(friction.law, StickSlip):
+            continue
+        for drive in mechanism.couplings:
+            if isinstance(drive, Drive) and any(
+                drive.coordinate.same_as(s) for s in friction.coordinates
+            ):
+                problems.add(
+                    where(friction),
+                    f"drive {drive.name!r} moves joint {friction.joint.name!r}, which therefore "
+                    "cannot stick; use law=Regularised()",
+                )
+
+
 def warn_jumps(mechanism: Mechanism) -> None:
     """Warn about drives whose signal jumps."""
     for item in mechanism.couplings:
@@ -275,7 +298,7 @@ def turning(item: Any) -> Iterator[tuple[str, Marker]]:
 def check_rotations(problems: Problems, mechanism: Mechanism) -> None:
     """Note items that need the rotation of a node whose part has translations only."""
     items = (*mechanism.joints, *mechanism.couplings, *mechanism.forces, *mechanism.sensors)
-    for item in items:
+    for item in (*items, *mechanism.frictions):
         for argument, marker in turning(item):
             if isinstance(marker.body, FlexibleBody) and marker.body.reduced.rotations is None:
                 problems.add(

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from jousto.errors import InputError, Problem, Problems
+from jousto.mechanism.coordinate import Coordinate
 from jousto.mechanism.elements import positive
 from jousto.mechanism.fields import check_name, number, set_fields
 from jousto.mechanism.joints import Cylindrical, Joint, Prismatic, Revolute
@@ -13,7 +14,17 @@ from jousto.mechanism.joints import Cylindrical, Joint, Prismatic, Revolute
 
 @dataclass(frozen=True, init=False)
 class Regularised:
-    """Friction grows smoothly with the slip speed and is full above `velocity` (m/s)."""
+    """Friction is a smooth function of the slip speed: no events, but what sticks creeps.
+
+    ``mu(w) = mu_static w (15 - 10 w^2 + 3 w^4) / 8`` with ``w = speed / velocity`` up to w = 1;
+    from there mu falls to mu_kinetic at w = 2 and stays. Explicit methods need a step below about
+    ``velocity m / (mu N)``, m the mass that slips.
+
+    Parameters
+    ----------
+    velocity : float
+        Speed at which friction is full, m/s; a joint that sticks creeps with less than this.
+    """
 
     velocity: float
 
@@ -30,12 +41,27 @@ class Regularised:
 
 @dataclass(frozen=True)
 class StickSlip:
-    """Joints stick by a constraint whose multiplier is limited by mu_static times N."""
+    """Joints stick by a constraint whose multiplier is limited by mu_static N; no creep.
+
+    A joint at rest sticks as long as it can, then slips under mu_kinetic N until its speed passes
+    zero, where it sticks again or turns round.
+    """
 
 
 @dataclass(frozen=True, eq=False, init=False)
 class Friction:
-    """Coulomb friction of a joint: ``mu N`` with N from the joint's reaction (Altarriba 2010, 2.4).
+    """Coulomb friction of a joint, pressed by the joint's own reaction (Altarriba 2010, S37-S40).
+
+    The reaction of the joint on marker b, forces F and moments M about its origin, resolved in the
+    joint's axes of a (z along the axis), presses with
+    ``N = preload + |F_xy| + |M_xy| / bearing_length``. Against the slip act
+
+    * Revolute: the torque ``mu (radius N + collar_radius |F_z|)``;
+    * Prismatic: the force ``mu (N + |M_z| / collar_radius)``;
+    * Cylindrical: ``mu N`` against the slip velocity (s', radius phi') on the pin, a force along
+      the axis and a torque about it.
+
+    It acts on the elastic modes of flexible bodies as the reactions do.
 
     Parameters
     ----------
@@ -47,12 +73,15 @@ class Friction:
         Coefficients; mu_static is not below mu_kinetic, None for the same.
     radius : float, optional
         Pin radius, m; needed where the joint turns.
-    bearing_length, collar_radius : float, optional
-        Length that carries bending moments and radius of the thrust collar, m.
+    bearing_length : float, optional
+        Length over which the bearing carries bending moments, m; None: they do not press.
+    collar_radius : float, optional
+        Radius of the thrust collar of a revolute joint, or arm at which the guide of a prismatic
+        joint carries the moment about its axis, m; None: these do not press.
     preload : float
         Normal force that is always there, N.
-    law : Regularised or StickSlip
-        The law at low speed.
+    law : Regularised or StickSlip, optional
+        The law at low speed; None for Regularised().
     """
 
     kind: ClassVar[str] = "friction"
@@ -86,12 +115,24 @@ class Friction:
                 where,
                 f"joint is {joint!r}, friction acts on Revolute, Prismatic and Cylindrical joints",
             )
-        elif not isinstance(joint, Prismatic) and radius is None:
-            problems.add(where, "radius is missing: the pin radius, m, of a joint that turns")
+        elif isinstance(joint, Prismatic):
+            if radius is not None:
+                problems.add(where, "radius is given, but a prismatic joint does not turn")
+        else:
+            if radius is None:
+                problems.add(where, "radius is missing: the pin radius, m, of a joint that turns")
+            if isinstance(joint, Cylindrical) and collar_radius is not None:
+                problems.add(
+                    where,
+                    "collar_radius is given, but a cylindrical joint carries no force along its "
+                    "axis that could press a collar",
+                )
         kinetic = positive(problems, where, "mu_kinetic", mu_kinetic)
         static = kinetic
         if mu_static is not None:
             static = positive(problems, where, "mu_static", mu_static)
+        if kinetic == 0.0 and static == 0.0:
+            problems.add(where, "mu_kinetic is 0, it never acts; leave the friction out")
         if kinetic is not None and static is not None and static < kinetic:
             problems.add(
                 where, f"mu_static is {static:g}, must not be below mu_kinetic, {kinetic:g}"
@@ -121,3 +162,8 @@ class Friction:
             law=chosen,
             **lengths,
         )
+
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The coordinates of the joint that it acts along."""
+        return self.joint.coordinates

@@ -129,9 +129,18 @@ def _instants(model: Any, times: Any) -> Array:
 
 def _check_driven(model: Model) -> None:
     """Refuse a mechanism that keeps free motions at its initial pose."""
+    problems = Problems()
+    for friction in model.frictions:
+        if friction.sticks:
+            problems.add(
+                f"friction '{friction.name}'",
+                "sticks and slips, which kinematics does not follow; give it law=Regularised(), "
+                "or run simulate",
+            )
+    problems.raise_if_any()
     engine = Engine(model)
     rank = 0
-    if model.nrow:
+    if model.permanent:
         rank = int((np.linalg.svd(unit_rows(model, engine), compute_uv=False) > RANK).sum())
     free = model.nv - rank
     if not free:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine import Engine, Model
-from jousto.engine.native import CALLBACK_FAILED, NOT_FINITE
+from jousto.engine.native import CALLBACK_FAILED, FRICTION_FAILED, NOT_FINITE
 from jousto.errors import InputError, Problem, Problems, SimulationError, warn
 from jousto.simulation.linear import State
 from jousto.simulation.progress import Report, reporter
@@ -354,6 +354,8 @@ def _cause(
     """Return why the run cannot go on, and which body shows it."""
     if status == CALLBACK_FAILED:
         return engine.callback_problem(), ""
+    if status == FRICTION_FAILED:
+        return str(engine.problem(status)), ""
     sentence = stability_warning(model, solver, plan.step)
     gap = engine.residuals()[0]
     fast = float(np.abs(engine.v).max()) > 1e6 * max(1.0, float(np.abs(model.v0).max(initial=0.0)))
@@ -405,7 +407,14 @@ class RunWatch:
         exchanged = float((self._high - self._low)[:4].sum())
         # shares of what moves only by round-off mean nothing
         level = np.maximum(np.abs(self._high), np.abs(self._low))
-        small = max(1e-6 * float(level[[0, 1, 3, 4, 5, 6]].max()), 1e-12 * float(level[2]))
+        weight = (
+            sum(float(b.mass[0]) for b in self._model.bodies) * np.abs(self._model.gravity).max()
+        )
+        small = max(
+            1e-6 * float(level[[0, 1, 3, 4, 5, 6]].max()),
+            1e-12 * float(level[2]),
+            1e-12 * float(weight) * self._model.size,
+        )
         if self._missed > ENERGY_LIMIT * exchanged and self._missed > small:
             warn(
                 where,

@@ -1,0 +1,423 @@
+/* friction.c - Coulomb friction along the coordinates of joints, pressed by the joint's own reaction.
+ *
+ * Sliding: f = -mu N arm s' / |slip|, N from the reaction resolved in the axes of side 0 (Altarriba 2010, eq. S37-S38), so
+ * that f and the multipliers are found together. Sticking: the coordinate is held by a row of a joint of its own, whose
+ * multiplier is the force of the static friction, limited by mu_static N (eq. S39-S40).
+ */
+#include "internal.h"
+
+enum { JO_ITERATIONS = 60, JO_STAGNANT = 3 };   /* at most, and without coming nearer */
+#define JO_AGREED 1e-12    /* relative difference of the friction and of what its reaction makes of it */
+#define JO_NEARLY 1e-6     /* the same where rounding allows no better */
+
+#ifdef JO_COMPLEX
+#define JO_IM(x) cimag(x)
+#else
+#define JO_IM(x) 0.0
+#endif
+
+static int count_of(const jo_friction *f) { return f->other >= 0 ? 2 : 1; }
+static int coordinate_of(const jo_friction *f, int k) { return k ? f->other : f->coordinate; }
+static int turns(const jo_model *m, const jo_friction *f, int k) { return m->coordinate[coordinate_of(f, k)].type == JO_ANGLE; }
+static int *lock_of(const jo_model *m, jo_data *d, const jo_friction *f) { return &d->locked[m->joint[f->lock].lock]; }
+static int sticks(const jo_model *m, const jo_data *d, const jo_friction *f)
+{
+    return f->law && d->locked[m->joint[f->lock].lock];
+}
+
+/* slip, m, for a unit of the coordinate */
+static jo_real arm(const jo_model *m, const jo_friction *f, int k) { return turns(m, f, k) ? f->data[3] : 1.0; }
+
+static jo_real length(jo_real x, jo_real y)
+{
+    const jo_real square = x * x + y * y;
+    return JO_RE(square) > 0.0 ? jo_sqrt(square) : 0.0;
+}
+
+static jo_real size(jo_real x) { return JO_RE(x) < 0.0 ? -x : x; }
+
+/* what presses on the slipping surface, N, and the moment arm times force of a thrust collar, N m */
+static jo_real press(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *collar)
+{
+    const jo_real *A = d->marker[m->joint[f->joint].side[0]].A, *data = f->data;
+    jo_real y[6], F[3], M[3];
+    jo_reaction(m, d, f->joint, y);
+    jo_mul3t(F, A, y);
+    jo_mul3t(M, A, y + 3);
+    jo_real N = length(F[0], F[1]) + data[6];
+    *collar = 0.0;
+    if (JO_RE(data[4]) > 0.0) N += length(M[0], M[1]) / data[4];
+    if (JO_RE(data[5]) > 0.0) {
+        if (turns(m, f, 0)) *collar = data[5] * size(F[2]);
+        else N += size(M[2]) / data[5];
+    }
+    return N;
+}
+
+/* mu / speed of the regularised law from the square of the speed: mu_static w (15 - 10 w^2 + 3 w^4) / 8 with w = speed / velocity
+ * up to `velocity`, from there down to mu_kinetic at twice of it; two continuous derivatives */
+static jo_real mu_by_speed(const jo_friction *f, jo_real square)
+{
+    const jo_real kinetic = f->data[0], top = f->data[1], velocity = f->data[2];
+    const jo_real w2 = square / (velocity * velocity);
+    if (JO_RE(w2) < 1.0) return top * (15.0 - w2 * (10.0 - 3.0 * w2)) / (8.0 * velocity);
+    const jo_real speed = jo_sqrt(square), x = speed / velocity - 1.0;
+    if (JO_RE(x) > 1.0) return kinetic / speed;
+    return (top + (kinetic - top) * x * x * x * (10.0 - x * (15.0 - 6.0 * x))) / speed;
+}
+
+static void slip_velocity(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *s)
+{
+    s[1] = 0.0;
+    for (int k = 0; k < count_of(f); k++) s[k] = arm(m, f, k) * d->coordinate[coordinate_of(f, k)].rate;
+}
+
+/* unit direction of the slip: the state says it; while nothing is decided, the velocity */
+static void direction(const jo_model *m, const jo_data *d, int i, jo_real *e)
+{
+    const jo_friction *f = &m->friction[i];
+    const jo_real *old = d->direction + 2 * i;
+    jo_real s[2];
+    slip_velocity(m, d, f, s);
+    e[0] = e[1] = 0.0;
+    if (d->slip[i] && count_of(f) == 1) {
+        e[0] = d->slip[i];
+        return;
+    }
+    const jo_real speed = length(s[0], s[1]);
+    const int slow = !(JO_RE(speed) > 1e-10 * m->size);
+    if (d->slip[i] && (slow || JO_RE(s[0] * old[0] + s[1] * old[1]) < 0.0)) {
+        e[0] = old[0];
+        e[1] = old[1];
+    } else if (!slow) {
+        e[0] = s[0] / speed;
+        e[1] = s[1] / speed;
+    }
+}
+
+/* forces y (2) along the coordinates while they slide, 0 while they stick */
+static void sliding(const jo_model *m, const jo_data *d, int i, jo_real *y)
+{
+    const jo_friction *f = &m->friction[i];
+    jo_real e[2], collar;
+    y[0] = y[1] = 0.0;
+    if (sticks(m, d, f)) return;
+    const jo_real N = press(m, d, f, &collar);
+    if (f->law) {
+        direction(m, d, i, e);
+        for (int k = 0; k < 2; k++) e[k] *= f->data[0];
+    } else {
+        slip_velocity(m, d, f, e);
+        const jo_real mu = mu_by_speed(f, e[0] * e[0] + e[1] * e[1]);
+        for (int k = 0; k < 2; k++) e[k] *= mu;
+    }
+    for (int k = 0; k < count_of(f); k++) y[k] = -e[k] * (arm(m, f, k) * N + (turns(m, f, k) ? collar : 0.0));
+}
+
+/* forces with which sticking friction holds */
+static void held(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y)
+{
+    const jo_joint *k = &m->joint[f->lock];
+    y[1] = 0.0;
+    for (int r = 0; r < count_of(f); r++) y[r] = -d->lam[k->row + r] * m->line[k->line + r].data[1];
+}
+
+static void take_multipliers(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) d->lam[m->joint[i].row + r] = d->joint[i].x[r];
+}
+
+static void push_all(const jo_model *m, jo_data *d, const jo_real *y)
+{
+    for (int i = 0; i < m->nfriction; i++)
+        for (int k = 0; k < count_of(&m->friction[i]); k++)
+            if (y[2 * i + k] != 0.0) jo_push_along(m, d, coordinate_of(&m->friction[i], k), y[2 * i + k]);
+}
+
+/* the friction that belongs to given multipliers and velocities */
+void jo_friction_push(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nfriction; i++) sliding(m, d, i, d->rub + 2 * i);
+    push_all(m, d, d->rub);
+    for (int i = 0; i < m->nfriction; i++)   /* what sticks is held by its row */
+        if (sticks(m, d, &m->friction[i])) held(m, d, &m->friction[i], d->rub + 2 * i);
+}
+
+static jo_real dot(const jo_real *x, const jo_real *y, int n)
+{
+    jo_real s = 0.0;
+    for (int i = 0; i < n; i++) s += x[i] * y[i];
+    return s;
+}
+
+/* change (n) = r - sum_j gamma_j (dF_j + dR_j) with dR gamma = r in least squares, by orthogonalisation, newest pair first
+ * (Anderson, J. ACM 12, 1965); for one unknown this is the secant method */
+static void accelerate(jo_mixing *w, int n, jo_real *change)
+{
+    jo_real gamma[JO_PAIRS] = {0.0}, R[JO_PAIRS][JO_PAIRS] = {{0.0}};
+    int used[JO_PAIRS], count = 0;
+    for (int i = 0; i < n; i++) change[i] = w->r[i];
+    for (int j = 0; j < w->pairs; j++) {
+        const int p = (w->newest - j + JO_PAIRS) % JO_PAIRS;
+        jo_real *q = w->Q[count];
+        for (int i = 0; i < n; i++) q[i] = w->dR[p][i];
+        const double before = JO_RE(dot(q, q, n));
+        for (int k = 0; k < count; k++) {
+            R[k][count] = dot(w->Q[k], q, n);
+            for (int i = 0; i < n; i++) q[i] -= R[k][count] * w->Q[k][i];
+        }
+        const jo_real square = dot(q, q, n);
+        if (!(JO_RE(square) > 1e-12 * before)) continue;   /* adds nothing */
+        R[count][count] = jo_sqrt(square);
+        for (int i = 0; i < n; i++) q[i] /= R[count][count];
+        used[count++] = p;
+    }
+    for (int k = count - 1; k >= 0; k--) {
+        gamma[k] = dot(w->Q[k], w->r, n);
+        for (int j = k + 1; j < count; j++) gamma[k] -= R[k][j] * gamma[j];
+        gamma[k] /= R[k][k];
+    }
+    for (int k = 0; k < count; k++)
+        for (int i = 0; i < n; i++) change[i] -= gamma[k] * (w->dF[used[k]][i] + w->dR[used[k]][i]);
+}
+
+/* multipliers with the forces that stand in fr and fp, the factors untouched */
+static void solve_again(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    for (int i = 0; i < m->nbody; i++) jo_body_free(&m->body[i], &d->body[i], d->set);
+    jo_marker_reduce(m, d, m->nactive);
+    jo_joint_acceleration(m, d, s);
+    jo_joint_solve(m, d);
+}
+
+/* largest real and imaginary part of n numbers */
+static void largest(const jo_real *x, int n, double *y)
+{
+    y[0] = y[1] = 0.0;
+    for (int i = 0; i < n; i++) {
+        const double re = fabs(JO_RE(x[i])), im = fabs(JO_IM(x[i]));
+        if (!(re <= y[0])) y[0] = re;
+        if (!(im <= y[1])) y[1] = im;
+    }
+}
+
+/* relative size of the residual; derivatives, in the imaginary part, need two digits less */
+static double relative(const double *r, const double *f)
+{
+    const double re = r[0] > 0.0 ? r[0] / f[0] : 0.0, im = r[1] > 0.0 ? 1e-2 * r[1] / f[1] : 0.0;
+    return re > im ? re : im;
+}
+
+static int failed(const jo_model *m, jo_data *d)
+{
+    double worst = -1.0;
+    for (int i = 0; i < 2 * m->nfriction; i++)
+        if (fabs(JO_RE(d->mixing.r[i])) > worst) {
+            worst = fabs(JO_RE(d->mixing.r[i]));
+            d->error_index = i / 2;
+        }
+    return JO_FRICTION_FAILED;
+}
+
+/* Friction and multipliers that belong together, after the multipliers without friction stand in joint[].x: the fixed point
+ * f = F(lam(f)). With one sliding coordinate a slope of F(lam(f)) above 1 is refused: there the friction presses the joint
+ * more than it needs to, and no motion or several are possible (Painleve). */
+int jo_friction_solve(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    const int n = 2 * m->nfriction;
+    jo_mixing *w = &d->mixing;
+    jo_real *f = d->rub;
+    double off[2], all[2], best = INFINITY;
+    int jammed = 0, stagnant = 0;
+    w->pairs = 0;
+    w->newest = JO_PAIRS - 1;
+    for (int i = 0; i < n; i++) f[i] = 0.0;
+    for (int k = 0;; k++) {
+        int unknowns = 0;
+        take_multipliers(m, d);
+        for (int i = 0; i < m->nfriction; i++) sliding(m, d, i, w->g + 2 * i);
+        for (int i = 0; i < n; i++) {
+            w->r[i] = w->g[i] - f[i];
+            unknowns += w->g[i] != 0.0;
+        }
+        largest(w->r, n, off);
+        largest(w->g, n, all);
+        if (!isfinite(off[0])) break;   /* the run has diverged, which the step says */
+        const double apart = relative(off, all);
+        stagnant = apart < 0.5 * best ? 0 : stagnant + 1;
+        if (apart < best) best = apart;
+        if (apart <= JO_AGREED || (stagnant >= JO_STAGNANT && apart <= JO_NEARLY)) break;
+        if (k == JO_ITERATIONS) return failed(m, d);
+        if (k) {   /* the last change of f and of r */
+            w->newest = (w->newest + 1) % JO_PAIRS;
+            if (w->pairs < JO_PAIRS) w->pairs++;
+            for (int i = 0; i < n; i++) {
+                w->dF[w->newest][i] = w->change[i];
+                w->dR[w->newest][i] = w->r[i] - w->before[i];
+            }
+            if (unknowns == 1 && JO_RE(dot(w->change, w->change, n)) > 1e-12 * JO_RE(dot(f, f, n)))
+                jammed = JO_RE(dot(w->change, w->dR[w->newest], n)) >= 0.0;
+        }
+        accelerate(w, n, w->change);
+        for (int i = 0; i < n; i++) {
+            w->before[i] = w->r[i];
+            f[i] += w->change[i];
+        }
+        push_all(m, d, w->change);
+        solve_again(m, d, s);
+    }
+    if (jammed) return failed(m, d);
+    for (int i = 0; i < m->nfriction; i++) {
+        const jo_friction *c = &m->friction[i];
+        for (int k = 0; k < count_of(c); k++) d->power[1] -= f[2 * i + k] * d->coordinate[coordinate_of(c, k)].rate;
+        if (sticks(m, d, c)) held(m, d, c, f + 2 * i);
+    }
+    return JO_OK;
+}
+
+/* Positive while friction i keeps its state, after jo_evaluate: N or N m that it could hold more while it sticks, speed
+ * along its direction, m/s, while it slips */
+jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i)
+{
+    const jo_friction *f = &m->friction[i];
+    jo_real y[2], collar;
+    if (sticks(m, d, f)) {
+        const jo_real N = press(m, d, f, &collar);
+        held(m, d, f, y);
+        if (count_of(f) == 1) return f->data[1] * (arm(m, f, 0) * N + collar) - size(y[0]);
+        return f->data[1] * N - length(y[0] / arm(m, f, 0), y[1] / arm(m, f, 1));
+    }
+    if (!f->law || !d->slip[i]) return 1.0;
+    slip_velocity(m, d, f, y);
+    return count_of(f) == 1 ? d->slip[i] * y[0] : d->direction[2 * i] * y[0] + d->direction[2 * i + 1] * y[1];
+}
+
+static int evaluate(const jo_model *m, jo_data *d)
+{
+    d->fresh = d->current = 0;
+    const int status = jo_evaluate(m, d, 0, 0);
+    d->fresh = status == JO_OK;
+    return status;
+}
+
+/* friction i lets go: it slips where the held force pushed it */
+static void let_go(const jo_model *m, jo_data *d, int i)
+{
+    const jo_friction *f = &m->friction[i];
+    jo_real y[2], *e = d->direction + 2 * i;
+    held(m, d, f, y);
+    for (int k = 0; k < count_of(f); k++) y[k] /= arm(m, f, k);
+    const jo_real whole = length(y[0], y[1]);
+    for (int k = 0; k < 2; k++) e[k] = JO_RE(whole) > 0.0 ? -y[k] / whole : (k ? 0.0 : 1.0);
+    d->slip[i] = count_of(f) == 2 || JO_RE(e[0]) > 0.0 ? 1 : -1;
+    *lock_of(m, d, f) = 0;
+}
+
+/* friction i holds its coordinates where they are */
+static void hold(const jo_model *m, jo_data *d, int i)
+{
+    const jo_friction *f = &m->friction[i];
+    for (int k = 0; k < count_of(f); k++)
+        d->held[2 * m->joint[f->lock].lock + k] = d->coordinate[coordinate_of(f, k)].value;
+    *lock_of(m, d, f) = 1;
+    d->slip[i] = 0;
+}
+
+/* the velocities obey the rows that hold now; what they lose is lost to friction */
+static int stop(const jo_model *m, jo_data *d)
+{
+    jo_real before[4], after[4];
+    int status = evaluate(m, d);
+    if (status != JO_OK) return status;
+    jo_energy(m, d, before);
+    jo_project(m, d);
+    jo_energy(m, d, after);
+    d->work[1] += before[0] - after[0];
+    return evaluate(m, d);
+}
+
+/* what cannot hold lets go, the most overloaded first */
+static int release(const jo_model *m, jo_data *d)
+{
+    for (;;) {
+        int weakest = -1;
+        double least = 0.0;
+        for (int i = 0; i < m->nfriction; i++) {
+            if (!sticks(m, d, &m->friction[i])) continue;
+            jo_real y[2];
+            held(m, d, &m->friction[i], y);
+            const double margin = JO_RE(jo_friction_margin(m, d, i)), load = fabs(JO_RE(y[0])) + fabs(JO_RE(y[1]));
+            if (margin < 0.0 && margin < least * load) {
+                least = margin / load;
+                weakest = i;
+            }
+        }
+        if (weakest < 0) return JO_OK;
+        let_go(m, d, weakest);
+        const int status = evaluate(m, d);
+        if (status != JO_OK) return status;
+    }
+}
+
+/* the state of friction i ends, after jo_evaluate: what sticks lets go, what slips sticks if it can, else it turns round */
+int jo_friction_switch(const jo_model *m, jo_data *d, int i)
+{
+    const jo_friction *f = &m->friction[i];
+    if (!f->law) return JO_OK;
+    int status;
+    if (sticks(m, d, f)) {
+        let_go(m, d, i);
+        status = evaluate(m, d);
+    } else {
+        hold(m, d, i);
+        status = stop(m, d);
+    }
+    return status == JO_OK ? release(m, d) : status;
+}
+
+/* frictions whose state nobody has said: what moves slips, what rests sticks if it can */
+int jo_friction_settle(const jo_model *m, jo_data *d)
+{
+    int undecided = 0, resting = 0, status = JO_OK;
+    for (int i = 0; i < m->nfriction; i++)
+        undecided += m->friction[i].law && !d->slip[i] && !sticks(m, d, &m->friction[i]);
+    if (!undecided) return JO_OK;
+    status = evaluate(m, d);
+    for (int i = 0; i < m->nfriction && status == JO_OK; i++) {
+        const jo_friction *f = &m->friction[i];
+        jo_real e[2];
+        if (!f->law || d->slip[i] || sticks(m, d, f)) continue;
+        direction(m, d, i, e);
+        if (e[0] == 0.0 && e[1] == 0.0) {
+            hold(m, d, i);
+            resting = 1;
+        } else {
+            for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k];
+            d->slip[i] = count_of(f) == 2 || JO_RE(e[0]) > 0.0 ? 1 : -1;
+        }
+    }
+    if (status == JO_OK) status = resting ? stop(m, d) : evaluate(m, d);
+    return status == JO_OK ? release(m, d) : status;
+}
+
+/* at the end of a step: what has slipped through rest sticks or turns round, what cannot hold lets go */
+int jo_friction_transitions(const jo_model *m, jo_data *d)
+{
+    int stopped = 0, status = evaluate(m, d);
+    if (status != JO_OK) return status;
+    for (int i = 0; i < m->nfriction; i++) {
+        const jo_friction *f = &m->friction[i];
+        if (!f->law || sticks(m, d, f)) continue;
+        if (JO_RE(jo_friction_margin(m, d, i)) < 0.0) {
+            hold(m, d, i);
+            stopped = 1;
+        } else if (count_of(f) == 2) {
+            jo_real e[2];
+            direction(m, d, i, e);
+            for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k];
+        }
+    }
+    if (stopped) status = stop(m, d);
+    return status == JO_OK ? release(m, d) : status;
+}
