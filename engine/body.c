@@ -28,6 +28,8 @@ void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh)
 void jo_body_pose(const jo_body *b, jo_body_work *w, const jo_real *q)
 {
     jo_rotation(w->A, q + 3);
+    for (int j = 0; j < 3; j++)
+        for (int i = 0; i < 3; i++) w->At[4 * j + i] = w->A[3 * i + j];
     for (int j = 0; j < b->n; j++) w->p[j] = q[7 + j];
 }
 

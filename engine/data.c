@@ -27,8 +27,8 @@ static jo_data *lay_out(const jo_model *m, arena *a)
     d->dv = reals(a, m->nv);
     d->rate = reals(a, m->nv);
     d->acc = reals(a, m->nv);
-    d->S = reals(a, 36 * m->nblock);
-    d->S0 = reals(a, m->redundant >= 0 ? 36 * m->nblock : 0);
+    d->S = reals(a, JO_BLOCK * m->nblock);
+    d->S0 = reals(a, m->redundant >= 0 ? JO_BLOCK * m->nblock : 0);
     for (int s = 0; s < 2; s++) d->gram[s] = reals(a, 36 * m->npair);
     d->body = take(a, (size_t)m->nbody * sizeof(jo_body_work));
     d->marker = take(a, (size_t)m->nmarker * sizeof(jo_marker_work));

@@ -14,6 +14,7 @@ typedef struct {
 
 typedef struct {
     jo_real A[9];           /* orientation of the body frame */
+    jo_real At[12];         /* its columns, padded */
     jo_real V[3], w[3];     /* velocity of the frame origin and angular velocity, local */
     jo_real S[3], J[6];     /* first moment, inertia tensor at p */
     jo_real L[36];          /* Cholesky factor of the 6x6 Schur complement, inverse diagonal */
@@ -24,6 +25,7 @@ typedef struct {
     jo_real *Bw;            /* (3 x np) B weighted */
     jo_real *fp, *yp;       /* (np) force on the modal coordinates, their acceleration */
     jo_real *extra;         /* (np) additional modal force of an implicit stage */
+    int status;             /* rigid: of the factor, which is constant */
     jo_body_set set[2];
 } jo_body_work;
 
@@ -40,12 +42,16 @@ typedef struct {
     jo_real A[9];           /* orientation, world */
     jo_real v[3], om[3];    /* velocity and angular velocity, local */
     jo_real bv[3], bom[3];  /* velocity-dependent accelerations, local */
-    jo_real Xt[18], Xr[18]; /* marker rows reduced to the six rigid coordinates */
+    jo_real Xt[18], Xr[18]; /* marker rows reduced to the six rigid coordinates; on a rigid body L^-1 of them, constant */
     jo_real a[6];           /* acceleration without that of the rigid coordinates, local */
     const jo_real *Phi, *Psi;   /* (3 x np) mode shapes at p: those of the marker, with stiffening in `shapes` */
     jo_real *shapes;        /* (6 x np) with stiffening, else 0 */
     jo_marker_set set[2];
 } jo_marker_work;
+
+/* Small blocks lie column after column, the rows of a column padded to whole vectors. */
+enum { JO_BLOCK = 48, JO_ROWS_C = 72 };
+static inline int jo_padded(int rows) { return rows <= 4 ? 4 : 8; }
 
 /* A coordinate and its derivatives: s' = along . (v_b - v_a) + turn_a . om_a + turn_b . om_b, all in the world frame;
  * s'' the same with accelerations, plus bias. */
@@ -64,11 +70,12 @@ typedef struct {
 } jo_force_work;
 
 typedef struct {
-    jo_real (*C)[36];       /* nside of (nrow x 6): rows of every side: [translation, rotation shape] local */
-    jo_real (*V)[36];       /* nside of (6 x 6): L^-1 of the rows reduced to the rigid coordinates, by columns */
+    jo_real (*C)[JO_ROWS_C];    /* nside of (9 x ld): rows of every side, local: [translation, rotation shape, rotation], the
+                             * last only where the marker has rotation shapes; ld = jo_padded(nrow), pads are 0 */
+    jo_real (*V)[JO_BLOCK]; /* nside of (6 x ld): L^-1 of the rows reduced to the rigid coordinates, by columns */
     jo_real axes[3][3];     /* world: a change of rotation dtheta_a - dtheta_b turns row r by axes[r] */
     jo_real c[6], cdot[6];  /* constraint residuals */
-    jo_real x[6];           /* right-hand side, then multipliers */
+    jo_real x[8];           /* right-hand side, then multipliers; padded */
     jo_real right[6], sum[6];   /* refinement of redundant rows */
     double scale[6];        /* diagonal of S before elimination */
 } jo_joint_work;
@@ -104,7 +111,7 @@ struct jo_data {
     int smooth;             /* friction is left out: the joints are being closed */
     long long counts[5];    /* evaluations, Newton iterations, factorisations, rejected steps, singular positions */
     int regular;            /* S is regularised */
-    jo_real *S, *S0;        /* (nblock x 36); S0 before it is factored, with redundant rows */
+    jo_real *S, *S0;        /* (nblock x JO_BLOCK); S0 before it is factored, with redundant rows */
     jo_real drive;          /* part of power[2] that drives do */
     jo_real *gram[2];       /* (npair x 36) */
     double gh;              /* g h of set 1 */

@@ -96,28 +96,58 @@ double jo_joint_residual_rate(const jo_model *m, jo_data *d)
     return worst;
 }
 
-/* V = L^-1 V for n columns */
-static inline void forward(const jo_real *restrict L, jo_real *restrict V, const int n)
+/* four rows of V = L^-1 (C X)^T: translations Xt and rotations Xr, 0 where the rows do not see them; L is 0 on a
+ * rigid body, whose X has it in */
+static inline void reduced_rows(jo_real *restrict V, const int ld, const jo_real *restrict C, const jo_real *restrict turn,
+                                const jo_real *restrict Xt, const jo_real *restrict Xr, const jo_real *restrict L)
 {
-    for (int i = 0; i < 6; i++)
-        for (int r = 0; r < n; r++) {
-            jo_real x = V[6 * i + r];
-            for (int k = 0; k < i; k++) x -= L[6 * i + k] * V[6 * k + r];
-            V[6 * i + r] = x * L[7 * i];
+    for (int l = 0; l < 4; l += JO_WIDTH) {
+        jo_lanes v[6];
+        for (int i = 0; i < 6; i++) {
+            const jo_lanes zero = {0};
+            v[i] = zero;
         }
+        if (Xt)
+            for (int i = 0; i < 6; i++)
+                v[i] += Xt[i] * JO_LOAD(C + l) + Xt[6 + i] * JO_LOAD(C + ld + l) + Xt[12 + i] * JO_LOAD(C + 2 * ld + l);
+        if (Xr)
+            for (int i = 0; i < 6; i++)
+                v[i] += Xr[i] * JO_LOAD(turn + l) + Xr[6 + i] * JO_LOAD(turn + ld + l) + Xr[12 + i] * JO_LOAD(turn + 2 * ld + l);
+        if (L)
+            for (int i = 0; i < 6; i++) {
+                for (int k = 0; k < i; k++) v[i] -= L[6 * i + k] * v[k];
+                v[i] *= L[7 * i];
+            }
+        for (int i = 0; i < 6; i++) JO_STORE(V + i * ld + l) = v[i];
+    }
+}
+
+/* a row's translation and rotation, local, as row r of C */
+static inline void put_row(jo_real *restrict C, const int ld, const int r, const jo_real *f, const jo_real *t, const jo_real *T)
+{
+    for (int j = 0; f && j < 3; j++) C[ld * j + r] = f[j];
+    if (!T) {
+        for (int j = 0; j < 3; j++) C[ld * (3 + j) + r] = t[j];
+        return;
+    }
+    jo_real shape[3];
+    jo_mul3t(shape, T, t);
+    for (int j = 0; j < 3; j++) {
+        C[ld * (3 + j) + r] = shape[j];
+        C[ld * (6 + j) + r] = t[j];
+    }
 }
 
 /* the rows of lines on one side, which see translations and rotations */
 static void line_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint_work *w, int side)
 {
     const int marker = k->side[side];
-    const jo_marker_work *mw = &d->marker[marker];
+    const jo_real *T = m->marker[marker].Psi ? d->marker[marker].T : 0;
     const jo_real *A = d->body[m->marker[marker].body].A;
     const int first = first_line(k);
     for (int l = 0; l < k->nline; l++) {
         const jo_line *line = &m->line[k->line + l];
-        const int r = first + l;
-        jo_real *C = w->C[side] + 6 * r, f[3] = {0.0, 0.0, 0.0}, g[3] = {0.0, 0.0, 0.0}, t[3];
+        jo_real f[3] = {0.0, 0.0, 0.0}, g[3] = {0.0, 0.0, 0.0}, c[3], t[3];
         for (int j = 0; j < line->count; j++) {
             const jo_coordinate_work *s = &d->coordinate[line->coordinate[j]];
             const jo_real factor = line->data[1 + j];
@@ -129,14 +159,9 @@ static void line_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint
                 jo_axpy3(g, factor, s->turn_b);
             }
         }
-        jo_mul3t(C, A, f);
+        jo_mul3t(c, A, f);
         jo_mul3t(t, A, g);
-        if (m->marker[marker].Psi) jo_mul3t(C + 3, mw->T, t);
-        else jo_set3(C + 3, t);
-        const jo_real *X = mw->Xt, *Y = mw->Xr;
-        for (int j = 0; j < 6; j++)
-            w->V[side][6 * j + r] = C[0] * X[j] + C[1] * X[6 + j] + C[2] * X[12 + j]
-                                    + t[0] * Y[j] + t[1] * Y[6 + j] + t[2] * Y[12 + j];
+        put_row(w->C[side], jo_padded(k->nrow), first + l, c, t, T);
     }
 }
 
@@ -146,6 +171,14 @@ void jo_joint_rows(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
         jo_joint_work *w = &d->joint[i];
+        const int ld = jo_padded(k->nrow), first = k->coincident ? 3 : 0;
+        if (jo_absent(d, k)) {
+            for (int side = 0; side < k->nside; side++) {
+                clear(w->C[side], JO_ROWS_C);
+                clear(w->V[side], JO_BLOCK);
+            }
+            continue;
+        }
         for (int r = 0; r < k->nperp; r++) {
             jo_real x[3], y[3];
             axis(x, d->marker[k->side[0]].A, k->perp_a[r]);
@@ -153,42 +186,26 @@ void jo_joint_rows(const jo_model *m, jo_data *d)
             jo_cross(w->axes[r], x, y);
         }
         for (int side = 0; side < k->nside; side++) {
-            const int marker = k->side[side];
-            const int body = m->marker[marker].body;
+            const int marker = k->side[side], body = m->marker[marker].body;
             if (body < 0) continue;
             const jo_marker_work *mw = &d->marker[marker];
-            const jo_real sign = side ? 1.0 : -1.0, *A = d->body[body].A;
+            const jo_body_work *bw = &d->body[body];
+            const jo_real sign = side ? 1.0 : -1.0, *T = m->marker[marker].Psi ? mw->T : 0;
             jo_real *C = w->C[side], *V = w->V[side];
-            int first = 0;
-            if (jo_absent(d, k)) {
-                clear(C, 36);
-                clear(V, 36);
-                continue;
-            }
-            if (k->coincident) {
-                const jo_real *X = mw->Xt;
-                for (int r = 0; r < 3; r++) {
-                    const jo_real c0 = sign * A[3 * r], c1 = sign * A[3 * r + 1], c2 = sign * A[3 * r + 2];
-                    C[6 * r] = c0; C[6 * r + 1] = c1; C[6 * r + 2] = c2;
-                    C[6 * r + 3] = C[6 * r + 4] = C[6 * r + 5] = 0.0;
-                    for (int j = 0; j < 6; j++) V[6 * j + r] = c0 * X[j] + c1 * X[6 + j] + c2 * X[12 + j];
-                }
-                first = 3;
-            }
-            for (int r = first; r < first + k->nperp; r++) {
-                const jo_real *X = mw->Xr;
+            if (k->coincident)
+                for (int j = 0; j < 3; j++)
+                    for (int l = 0; l < 4; l += JO_WIDTH) JO_STORE(C + ld * j + l) = sign * JO_LOAD(bw->At + 4 * j + l);
+            for (int r = 0; r < k->nperp; r++) {
                 jo_real t[3];
-                jo_mul3t(t, A, w->axes[r - first]);
+                jo_mul3t(t, bw->A, w->axes[r]);
                 for (int j = 0; j < 3; j++) t[j] *= -sign;
-                C[6 * r] = C[6 * r + 1] = C[6 * r + 2] = 0.0;
-                if (m->marker[marker].Psi) jo_mul3t(C + 6 * r + 3, mw->T, t);
-                else jo_set3(C + 6 * r + 3, t);
-                for (int j = 0; j < 6; j++) V[6 * j + r] = t[0] * X[j] + t[1] * X[6 + j] + t[2] * X[12 + j];
+                put_row(C, ld, first + r, 0, t, T);
             }
             if (k->nline) line_rows(m, d, k, w, side);
-#define CALL(n) forward(d->body[body].L, V, n)
-            JO_BY_ROWS(k->nrow, CALL)
-#undef CALL
+            const jo_real *turn = C + (T ? 6 : 3) * ld, *L = bw->L;
+            const int rotations = k->nperp + k->nline;
+            reduced_rows(V, ld, C, turn, first || k->nline ? mw->Xt : 0, rotations ? mw->Xr : 0, L);
+            if (ld > 4) reduced_rows(V + 4, ld, C + 4, turn + 4, k->nline ? mw->Xt : 0, mw->Xr, L);
         }
     }
 }
@@ -196,10 +213,11 @@ void jo_joint_rows(const jo_model *m, jo_data *d)
 /* x += V^T z, six rows */
 static inline void add_columns(jo_real *restrict x, const jo_real *restrict V, const jo_real *restrict z, const int n)
 {
-    for (int r = 0; r < n; r++) {
-        jo_real s = x[r];
-        for (int c = 0; c < 6; c++) s += V[6 * c + r] * z[c];
-        x[r] = s;
+    const int ld = jo_padded(n);
+    for (int l = 0; l < ld; l += JO_WIDTH) {
+        jo_lanes s = JO_LOAD(x + l);
+        for (int c = 0; c < 6; c++) s += z[c] * JO_LOAD(V + c * ld + l);
+        JO_STORE(x + l) = s;
     }
 }
 
@@ -279,13 +297,15 @@ void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_solver *solve
             }
         }
         if (k->nline) line_acceleration(m, d, k, x + k->nperp);
+        jo_real t[8] = {0};
         for (int side = 0; side < k->nside; side++) {   /* rigid coordinates: C X Z^-1 z = V^T z */
             const int body = m->marker[k->side[side]].body;
             if (body < 0) continue;
-#define CALL(n) add_columns(w->x, w->V[side], d->body[body].z, n)
+#define CALL(n) add_columns(t, w->V[side], d->body[body].z, n)
             JO_BY_ROWS(k->nrow, CALL)
 #undef CALL
         }
+        for (int r = 0; r < k->nrow; r++) w->x[r] += t[r];
         if (solver && (solver->alpha != 0.0 || solver->beta != 0.0))
             for (int r = 0; r < k->nrow; r++)
                 w->x[r] += 2.0 * solver->alpha * w->cdot[r] + solver->beta * solver->beta * w->c[r];
@@ -303,10 +323,20 @@ static inline void subtract_modal(jo_real *restrict fp, const jo_real *restrict 
 static inline void subtract_rows(jo_real *restrict y, const jo_real *restrict V, const jo_real *restrict x,
                                  const int n)
 {
+    const int ld = jo_padded(n);
     for (int j = 0; j < 6; j++) {
         jo_real s = y[j];
-        for (int r = 0; r < n; r++) s -= V[6 * j + r] * x[r];
+        for (int r = 0; r < n; r++) s -= V[ld * j + r] * x[r];
         y[j] = s;
+    }
+}
+
+/* f = rows `first` to `end` of three columns of C, times x */
+static inline void row_force(jo_real *f, const jo_real *restrict C, const int ld, const jo_real *restrict x, int first, int end)
+{
+    for (int j = 0; j < 3; j++) {
+        f[j] = 0.0;
+        for (int r = first; r < end; r++) f[j] += C[ld * j + r] * x[r];
     }
 }
 
@@ -327,21 +357,15 @@ void jo_joint_apply(const jo_model *m, jo_data *d)
 #define CALL(n) subtract_rows(bw->y, V, w->x, n)
             JO_BY_ROWS(k->nrow, CALL)
 #undef CALL
-            if (mk->Phi && k->coincident) {
-                jo_real f[3];
-                for (int j = 0; j < 3; j++) f[j] = C[j] * w->x[0] + C[6 + j] * w->x[1] + C[12 + j] * w->x[2];
+            const int moving = k->coincident ? 3 : 0, ld = jo_padded(k->nrow);
+            jo_real f[3];
+            if (mk->Phi && (moving || k->nline)) {
+                row_force(f, C, ld, w->x, 0, k->nline ? k->nrow : moving);
                 subtract_modal(bw->fp, d->marker[k->side[side]].Phi, f, np);
             }
-            if (mk->Psi && k->nperp) {
-                jo_real f[3] = {0.0, 0.0, 0.0};
-                for (int r = first_line(k) - k->nperp; r < first_line(k); r++) jo_axpy3(f, w->x[r], C + 6 * r + 3);
+            if (mk->Psi && k->nrow > moving) {
+                row_force(f, C + 3 * ld, ld, w->x, moving, k->nrow);
                 subtract_modal(bw->fp, d->marker[k->side[side]].Psi, f, np);
-            }
-            for (int r = first_line(k); r < k->nrow; r++) {
-                jo_real f[6];
-                for (int j = 0; j < 6; j++) f[j] = w->x[r] * C[6 * r + j];
-                if (mk->Phi) subtract_modal(bw->fp, d->marker[k->side[side]].Phi, f, np);
-                if (mk->Psi) subtract_modal(bw->fp, d->marker[k->side[side]].Psi, f + 3, np);
             }
         }
     }

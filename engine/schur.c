@@ -31,134 +31,170 @@ void jo_joint_setup(const jo_model *m, jo_data *d, int set)
     for (int i = 0; i < m->npair; i++) pair_gram(m, d, i, set);
 }
 
-/* S += X^T Y, six rows */
-static inline void add_product(jo_real *restrict S, const jo_real *restrict X, const int nx,
-                               const jo_real *restrict Y, const int ny)
+/* Blocks lie column after column, S[ld s + r]; r are the rows of the joint that is eliminated later. Work on them is
+ * done four rows at a time, for every number of columns that occurs, so that loops unroll. */
+
+/* four rows of S += V_k^T V_l */
+static inline void add_rows(jo_real *restrict S, const int ld, const jo_real *restrict Vk, const jo_real *restrict Vl,
+                            const int ldl, const int n)
 {
-    for (int i = 0; i < nx; i++)
-        for (int j = 0; j < ny; j++) {
-            jo_real s = 0.0;
-            for (int c = 0; c < 6; c++) s += X[6 * c + i] * Y[6 * c + j];
-            S[6 * i + j] += s;
+    for (int l = 0; l < 4; l += JO_WIDTH) {
+        jo_lanes v[6];
+        for (int c = 0; c < 6; c++) v[c] = JO_LOAD(Vk + c * ld + l);
+        for (int s = 0; s < n; s++) {
+            jo_lanes x = JO_LOAD(S + ld * s + l);
+            for (int c = 0; c < 6; c++) x += Vl[c * ldl + s] * v[c];
+            JO_STORE(S + ld * s + l) = x;
         }
-}
-
-/* S += C_k gram C_l^T for the translations of two coincidences */
-static inline void add_gram_translation(jo_real *restrict S, const jo_real *restrict Ck,
-                                        const jo_real *restrict Cl, const jo_real *restrict gram)
-{
-    for (int i = 0; i < 3; i++) {
-        jo_real h[3];
-        for (int j = 0; j < 3; j++)
-            h[j] = Ck[6 * i] * gram[j] + Ck[6 * i + 1] * gram[6 + j] + Ck[6 * i + 2] * gram[12 + j];
-        for (int j = 0; j < 3; j++) S[6 * i + j] += jo_dot3(h, Cl + 6 * j);
     }
 }
 
-/* the same for all rows; the first rows see translations only, the others rotations only */
-static void add_gram(jo_real *S, const jo_joint *k, const jo_real *Ck, const jo_joint *l, const jo_real *Cl,
-                     const jo_real *gram)
+static inline void add_product(jo_real *restrict S, const int ld, const jo_real *restrict Vk, const jo_real *restrict Vl,
+                               const int n)
 {
-    const int tk = k->coincident ? 3 : 0, tl = l->coincident ? 3 : 0;
-    for (int i = 0; i < k->nrow; i++) {
-        const int o = i < tk ? 0 : 3;
-        const jo_real *c = Ck + 6 * i + o, *g = gram + 6 * o;
-        jo_real h[6];
-        for (int j = 0; j < 6; j++) h[j] = c[0] * g[j] + c[1] * g[6 + j] + c[2] * g[12 + j];
-        for (int j = 0; j < tl; j++) S[6 * i + j] += jo_dot3(h, Cl + 6 * j);
-        for (int j = tl; j < l->nrow; j++) S[6 * i + j] += jo_dot3(h + 3, Cl + 6 * j + 3);
-    }
+    for (int r = 0; r < ld; r += 4) add_rows(S + r, ld, Vk + r, Vl, jo_padded(n), n);
 }
 
-/* the same where rows see translations and rotations */
-static void add_gram_lines(jo_real *S, const jo_joint *k, const jo_real *Ck, const jo_joint *l, const jo_real *Cl,
-                           const jo_real *gram)
+/* four rows of S += C_k gram C_l^T; rows of k see its coordinates from `from` to `to`, the first `moving` rows of l
+ * translations only and the others rotations, or all of them everything if `both` */
+static inline void add_gram_rows(jo_real *restrict S, const int ld, const jo_real *restrict Ck, const int from, const int to,
+                                 const jo_real *restrict Cl, const int ldl, const int n, const int moving, const int both,
+                                 const jo_real *restrict gram)
 {
-    for (int i = 0; i < k->nrow; i++) {
-        jo_real h[6];
-        for (int j = 0; j < 6; j++) {
-            h[j] = 0.0;
-            for (int c = 0; c < 6; c++) h[j] += Ck[6 * i + c] * gram[6 * c + j];
+    const int last = n > moving || both ? 6 : 3;
+    for (int l = 0; l < 4; l += JO_WIDTH) {
+        jo_lanes g[6];
+        for (int j = 0; j < last; j++) {
+            const jo_lanes zero = {0};
+            g[j] = zero;
+            for (int a = from; a < to; a++) g[j] += gram[6 * a + j] * JO_LOAD(Ck + ld * a + l);
         }
-        for (int j = 0; j < l->nrow; j++) S[6 * i + j] += jo_dot3(h, Cl + 6 * j) + jo_dot3(h + 3, Cl + 6 * j + 3);
+        for (int s = 0; s < n; s++) {
+            jo_lanes x = JO_LOAD(S + ld * s + l);
+            if (s < moving || both)
+                for (int j = 0; j < 3; j++) x += Cl[ldl * j + s] * g[j];
+            if (s >= moving || both)
+                for (int j = 3; j < 6; j++) x += Cl[ldl * j + s] * g[j];
+            JO_STORE(S + ld * s + l) = x;
+        }
     }
+}
+
+static void add_gram(jo_real *S, const jo_joint *k, const jo_real *Ck, const jo_joint *l, const jo_real *Cl, const jo_real *gram)
+{
+    const int ld = jo_padded(k->nrow), ldl = jo_padded(l->nrow), n = l->nrow;
+    if (k->nrow == 3 && k->coincident && n == 3 && l->coincident) {
+        add_gram_rows(S, 4, Ck, 0, 3, Cl, 4, 3, 3, 0, gram);
+        return;
+    }
+    if (k->nrow == 5 && k->coincident && !k->nline && n == 5 && l->coincident && !l->nline) {
+        add_gram_rows(S, 8, Ck, 0, 6, Cl, 8, 5, 3, 0, gram);
+        add_gram_rows(S + 4, 8, Ck + 4, 3, 6, Cl, 8, 5, 3, 0, gram);
+        return;
+    }
+    const int moving = l->coincident ? 3 : 0, both = l->nline > 0;
+    for (int r = 0; r < ld; r += 4) add_gram_rows(S + r, ld, Ck + r, 0, 6, Cl, ldl, n, moving, both, gram);
 }
 
 /* S = L L^T of a diagonal block, in place, inverse diagonal; a pivot that vanishes against the diagonal
  * that the row had before elimination means that the row repeats others. 1, 0: singular, -1: not finite */
 static inline int factor_diagonal(jo_real *restrict S, const int n, const double *scale)
 {
+    const int ld = jo_padded(n);
     int regular = 1;
     for (int i = 0; i < n; i++) {
         for (int k = 0; k < i; k++) {
-            jo_real x = S[6 * i + k];
-            for (int j = 0; j < k; j++) x -= S[6 * i + j] * S[6 * k + j];
-            S[6 * i + k] = x * S[7 * k];
+            jo_real x = S[ld * k + i];
+            for (int j = 0; j < k; j++) x -= S[ld * j + i] * S[ld * j + k];
+            S[ld * k + i] = x * S[(ld + 1) * k];
         }
-        jo_real x = S[7 * i];
-        for (int j = 0; j < i; j++) x -= S[6 * i + j] * S[6 * i + j];
+        jo_real x = S[(ld + 1) * i];
+        for (int j = 0; j < i; j++) x -= S[ld * j + i] * S[ld * j + i];
         if (regular == 1 && !(JO_RE(x) > 1e-12 * scale[i])) regular = isfinite(JO_RE(x)) ? 0 : -1;
-        S[7 * i] = 1.0 / jo_sqrt(x);
+        S[(ld + 1) * i] = 1.0 / jo_sqrt(x);
     }
     return regular;
 }
 
-/* X = X L^-T */
-static inline void divide(jo_real *restrict X, const int rows, const jo_real *restrict L, const int n)
+/* X = X L^-T, ld rows */
+static inline void divide(jo_real *restrict X, const int ld, const jo_real *restrict L, const int n)
 {
-    for (int j = 0; j < n; j++)
-        for (int r = 0; r < rows; r++) {
-            jo_real x = X[6 * r + j];
-            for (int k = 0; k < j; k++) x -= L[6 * j + k] * X[6 * r + k];
-            X[6 * r + j] = x * L[7 * j];
+    const int ldl = jo_padded(n);
+    for (int l = 0; l < ld; l += JO_WIDTH) {
+        jo_lanes x[6];
+        for (int j = 0; j < n; j++) {
+            x[j] = JO_LOAD(X + ld * j + l);
+            for (int k = 0; k < j; k++) x[j] -= L[ldl * k + j] * x[k];
+            x[j] *= L[(ldl + 1) * j];
+            JO_STORE(X + ld * j + l) = x[j];
         }
+    }
 }
 
-/* T -= X Y^T over n columns */
-static inline void subtract_product(jo_real *restrict T, const jo_real *restrict X, const int nx,
+/* T -= X Y^T over n columns, ld rows of X and ny of Y */
+static inline void subtract_product(jo_real *restrict T, const jo_real *restrict X, const int ld,
                                     const jo_real *restrict Y, const int ny, const int n)
 {
-    for (int r = 0; r < nx; r++)
+    const int ldy = jo_padded(ny);
+    for (int l = 0; l < ld; l += JO_WIDTH) {
+        jo_lanes x[6];
+        for (int j = 0; j < n; j++) x[j] = JO_LOAD(X + ld * j + l);
         for (int s = 0; s < ny; s++) {
-            jo_real x = T[6 * r + s];
-            for (int j = 0; j < n; j++) x -= X[6 * r + j] * Y[6 * s + j];
-            T[6 * r + s] = x;
+            jo_lanes t = JO_LOAD(T + ld * s + l);
+            for (int j = 0; j < n; j++) t -= Y[ldy * j + s] * x[j];
+            JO_STORE(T + ld * s + l) = t;
         }
+    }
 }
+
+/* call(rows, n): rows 4 or 8 and columns n as constants */
+#define JO_BY_BLOCK(rows, n, call)                                                    \
+    switch ((rows) == 4 ? (n) : 10 + (n)) {                                           \
+    case 3: call(4, 3); break;                                                        \
+    case 5: call(4, 5); break;                                                        \
+    case 13: call(8, 3); break;                                                       \
+    case 15: call(8, 5); break;                                                       \
+    case 16: call(8, 6); break;                                                       \
+    default: call(rows, n); break;                                                    \
+    }
 
 static void assemble(const jo_model *m, jo_data *d)
 {
     jo_real *S = d->S;
-    for (int i = 0; i < 36 * m->nblock; i++) S[i] = 0.0;
+    for (int c = 0; c < m->ncolumn; c++) {
+        const jo_column *col = &m->column[c];
+        const int n = m->joint[col->joint].nrow;
+        for (int j = 0; j < jo_padded(n) * n; j++) S[JO_BLOCK * c + j] = 0.0;
+        for (int i = col->first; i < col->first + col->count; i++) {
+            jo_real *X = S + JO_BLOCK * m->below[i].block;
+            const int size = jo_padded(m->joint[m->below[i].joint].nrow) * n;
+            for (int j = 0; j < size; j++) X[j] = 0.0;
+        }
+    }
     for (int i = 0; i < m->npair; i++) {
         const jo_pair *p = &m->pair[i];
         const jo_joint *k = &m->joint[p->joint_k], *l = &m->joint[p->joint_l];
         const jo_joint_work *wk = &d->joint[p->joint_k], *wl = &d->joint[p->joint_l];
         const jo_real *X = wk->V[p->side_k], *Y = wl->V[p->side_l];
-        jo_real *block = S + 36 * p->block;
-        const int body = m->marker[k->side[p->side_k]].body;
-        if (k->nrow == l->nrow) {
-#define CALL(n) add_product(block, X, n, Y, n)
-            JO_BY_ROWS(k->nrow, CALL)
+        jo_real *block = S + JO_BLOCK * p->block;
+        const int ld = jo_padded(k->nrow), n = l->nrow;
+#define CALL(ld, n) add_product(block, ld, X, Y, n)
+        JO_BY_BLOCK(ld, n, CALL)
 #undef CALL
-        } else {
-            add_product(block, X, k->nrow, Y, l->nrow);
-        }
-        if (!m->body[body].n) continue;
+        if (!m->body[m->marker[k->side[p->side_k]].body].n) continue;
         if (m->marker[k->side[p->side_k]].chi) pair_gram(m, d, i, d->set);
-        const jo_real *gram = d->gram[d->set] + 36 * i;
-        if (k->nline || l->nline) add_gram_lines(block, k, wk->C[p->side_k], l, wl->C[p->side_l], gram);
-        else if (k->nperp || l->nperp) add_gram(block, k, wk->C[p->side_k], l, wl->C[p->side_l], gram);
-        else add_gram_translation(block, wk->C[p->side_k], wl->C[p->side_l], gram);
+        add_gram(block, k, wk->C[p->side_k], l, wl->C[p->side_l], d->gram[d->set] + 36 * i);
     }
 }
 
 /* S + eps diag(S), which is regular; S itself is kept for the refinement */
 static void regularise(const jo_model *m, jo_data *d)
 {
-    for (int i = 0; i < 36 * m->nblock; i++) d->S0[i] = d->S[i];
-    for (int c = 0; c < m->ncolumn; c++)
-        for (int r = 0; r < JO_MAX_ROWS; r++) d->S[36 * c + 7 * r] *= 1.0 + JO_REGULAR;
+    for (int i = 0; i < JO_BLOCK * m->nblock; i++) d->S0[i] = d->S[i];
+    for (int c = 0; c < m->ncolumn; c++) {
+        const int n = m->joint[m->column[c].joint].nrow, ld = jo_padded(n);
+        for (int r = 0; r < n; r++) d->S[JO_BLOCK * c + (ld + 1) * r] *= 1.0 + JO_REGULAR;
+    }
 }
 
 /* sparse block Cholesky in the fixed elimination order */
@@ -166,16 +202,20 @@ static int factor(const jo_model *m, jo_data *d)
 {
     jo_real *S = d->S;
     assemble(m, d);
-    for (int c = 0; m->nlock && c < m->ncolumn; c++)
-        if (jo_absent(d, &m->joint[m->column[c].joint]))
-            for (int r = 0; r < JO_MAX_ROWS; r++) S[36 * c + 7 * r] = 1.0;
-    for (int c = 0; c < m->ncolumn; c++)
-        for (int r = 0; r < JO_MAX_ROWS; r++) d->joint[m->column[c].joint].scale[r] = JO_RE(S[36 * c + 7 * r]);
+    for (int c = 0; c < m->ncolumn; c++) {
+        const jo_joint *k = &m->joint[m->column[c].joint];
+        const int n = k->nrow, ld = jo_padded(n), absent = jo_absent(d, k);
+        double *scale = d->joint[m->column[c].joint].scale;
+        for (int r = 0; r < n; r++) {
+            if (absent) S[JO_BLOCK * c + (ld + 1) * r] = 1.0;
+            scale[r] = JO_RE(S[JO_BLOCK * c + (ld + 1) * r]);
+        }
+    }
     if (d->regular) regularise(m, d);
     for (int c = 0; c < m->ncolumn; c++) {
         const jo_column *col = &m->column[c];
         const int n = m->joint[col->joint].nrow;
-        jo_real *diag = S + 36 * c;
+        jo_real *diag = S + JO_BLOCK * c;
         const double *scale = d->joint[col->joint].scale;
         int regular;
 #define CALL(n) regular = factor_diagonal(diag, n, scale)
@@ -188,26 +228,25 @@ static int factor(const jo_model *m, jo_data *d)
             return regular == 0 ? JO_SINGULAR_JOINT : JO_NOT_FINITE;
         }
         for (int i = col->first; i < col->first + col->count; i++) {
-            jo_real *X = S + 36 * m->below[i].block;
-            const int rows = m->joint[m->below[i].joint].nrow;
-            if (rows == n) {
-#define CALL(n) divide(X, n, diag, n)
-                JO_BY_ROWS(n, CALL)
+            jo_real *X = S + JO_BLOCK * m->below[i].block;
+            const int ld = jo_padded(m->joint[m->below[i].joint].nrow);
+#define CALL(ld, n) divide(X, ld, diag, n)
+            JO_BY_BLOCK(ld, n, CALL)
 #undef CALL
-            } else {
-                divide(X, rows, diag, n);
-            }
         }
         for (int u = m->update_first[c]; u < m->update_first[c + 1]; u++) {
             const jo_update *up = &m->update[u];
-            jo_real *T = S + 36 * up->target;
-            const jo_real *X = S + 36 * up->left, *Y = S + 36 * up->right;
-            if (up->left_rows == n && up->right_rows == n) {
-#define CALL(n) subtract_product(T, X, n, Y, n, n)
-                JO_BY_ROWS(n, CALL)
+            jo_real *T = S + JO_BLOCK * up->target;
+            const jo_real *X = S + JO_BLOCK * up->left, *Y = S + JO_BLOCK * up->right;
+            const int ld = jo_padded(up->left_rows), ny = up->right_rows;
+            if (ny == n) {
+#define CALL(ld, n) subtract_product(T, X, ld, Y, n, n)
+                JO_BY_BLOCK(ld, n, CALL)
 #undef CALL
             } else {
-                subtract_product(T, X, up->left_rows, Y, up->right_rows, n);
+#define CALL(ld, n) subtract_product(T, X, ld, Y, ny, n)
+                JO_BY_BLOCK(ld, n, CALL)
+#undef CALL
             }
         }
     }
@@ -230,30 +269,32 @@ int jo_joint_factor(const jo_model *m, jo_data *d)
 
 static inline void solve_forward(const jo_real *restrict L, jo_real *restrict x, const int n)
 {
+    const int ld = jo_padded(n);
     for (int i = 0; i < n; i++) {
         jo_real s = x[i];
-        for (int k = 0; k < i; k++) s -= L[6 * i + k] * x[k];
-        x[i] = s * L[7 * i];
+        for (int k = 0; k < i; k++) s -= L[ld * k + i] * x[k];
+        x[i] = s * L[(ld + 1) * i];
     }
 }
 
 static inline void solve_backward(const jo_real *restrict L, jo_real *restrict x, const int n)
 {
+    const int ld = jo_padded(n);
     for (int i = n - 1; i >= 0; i--) {
         jo_real s = x[i];
-        for (int k = i + 1; k < n; k++) s -= L[6 * k + i] * x[k];
-        x[i] = s * L[7 * i];
+        for (int k = i + 1; k < n; k++) s -= L[ld * i + k] * x[k];
+        x[i] = s * L[(ld + 1) * i];
     }
 }
 
-/* y -= X x */
+/* y -= X x, padded */
 static inline void subtract_left(jo_real *restrict y, const jo_real *restrict X, const jo_real *restrict x,
-                                 const int rows, const int n)
+                                 const int ld, const int n)
 {
-    for (int r = 0; r < rows; r++) {
-        jo_real s = y[r];
-        for (int k = 0; k < n; k++) s -= X[6 * r + k] * x[k];
-        y[r] = s;
+    for (int l = 0; l < ld; l += JO_WIDTH) {
+        jo_lanes s = JO_LOAD(y + l);
+        for (int k = 0; k < n; k++) s -= x[k] * JO_LOAD(X + ld * k + l);
+        JO_STORE(y + l) = s;
     }
 }
 
@@ -261,9 +302,10 @@ static inline void subtract_left(jo_real *restrict y, const jo_real *restrict X,
 static inline void subtract_right(jo_real *restrict x, const jo_real *restrict X, const jo_real *restrict y,
                                   const int rows, const int n)
 {
+    const int ld = jo_padded(rows);
     for (int k = 0; k < n; k++) {
         jo_real s = x[k];
-        for (int r = 0; r < rows; r++) s -= X[6 * r + k] * y[r];
+        for (int r = 0; r < rows; r++) s -= X[ld * k + r] * y[r];
         x[k] = s;
     }
 }
@@ -275,20 +317,16 @@ static void solve_factored(const jo_model *m, jo_data *d)
         const jo_column *col = &m->column[c];
         const int n = m->joint[col->joint].nrow;
         jo_real *x = d->joint[col->joint].x;
-#define CALL(n) solve_forward(d->S + 36 * c, x, n)
+#define CALL(n) solve_forward(d->S + JO_BLOCK * c, x, n)
         JO_BY_ROWS(n, CALL)
 #undef CALL
         for (int i = col->first; i < col->first + col->count; i++) {
-            const jo_real *X = d->S + 36 * m->below[i].block;
+            const jo_real *X = d->S + JO_BLOCK * m->below[i].block;
             jo_real *y = d->joint[m->below[i].joint].x;
-            const int rows = m->joint[m->below[i].joint].nrow;
-            if (rows == n) {
-#define CALL(n) subtract_left(y, X, x, n, n)
-                JO_BY_ROWS(n, CALL)
+            const int ld = jo_padded(m->joint[m->below[i].joint].nrow);
+#define CALL(ld, n) subtract_left(y, X, x, ld, n)
+            JO_BY_BLOCK(ld, n, CALL)
 #undef CALL
-            } else {
-                subtract_left(y, X, x, rows, n);
-            }
         }
     }
     for (int c = m->ncolumn - 1; c >= 0; c--) {
@@ -296,7 +334,7 @@ static void solve_factored(const jo_model *m, jo_data *d)
         const int n = m->joint[col->joint].nrow;
         jo_real *x = d->joint[col->joint].x;
         for (int i = col->first; i < col->first + col->count; i++) {
-            const jo_real *X = d->S + 36 * m->below[i].block, *y = d->joint[m->below[i].joint].x;
+            const jo_real *X = d->S + JO_BLOCK * m->below[i].block, *y = d->joint[m->below[i].joint].x;
             const int rows = m->joint[m->below[i].joint].nrow;
             if (rows == n) {
 #define CALL(n) subtract_right(x, X, y, n, n)
@@ -306,7 +344,7 @@ static void solve_factored(const jo_model *m, jo_data *d)
                 subtract_right(x, X, y, rows, n);
             }
         }
-#define CALL(n) solve_backward(d->S + 36 * c, x, n)
+#define CALL(n) solve_backward(d->S + JO_BLOCK * c, x, n)
         JO_BY_ROWS(n, CALL)
 #undef CALL
     }
@@ -320,14 +358,15 @@ static void residual(const jo_model *m, jo_data *d)
     for (int c = 0; c < m->ncolumn; c++) {
         const jo_column *col = &m->column[c];
         jo_joint_work *w = &d->joint[col->joint];
-        const int n = m->joint[col->joint].nrow;
+        const int n = m->joint[col->joint].nrow, own = jo_padded(n);
         for (int i = 0; i < n; i++)   /* the lower triangle counts */
-            for (int j = 0; j < n; j++) w->x[i] -= d->S0[36 * c + (j <= i ? 6 * i + j : 6 * j + i)] * w->sum[j];
+            for (int j = 0; j < n; j++)
+                w->x[i] -= d->S0[JO_BLOCK * c + (j <= i ? own * j + i : own * i + j)] * w->sum[j];
         for (int i = col->first; i < col->first + col->count; i++) {
-            const jo_real *X = d->S0 + 36 * m->below[i].block;
+            const jo_real *X = d->S0 + JO_BLOCK * m->below[i].block;
             jo_joint_work *v = &d->joint[m->below[i].joint];
             const int rows = m->joint[m->below[i].joint].nrow;
-            subtract_left(v->x, X, w->sum, rows, n);
+            subtract_left(v->x, X, w->sum, jo_padded(rows), n);
             subtract_right(w->x, X, v->sum, rows, n);
         }
     }
