@@ -263,6 +263,64 @@ static void modal_load(const jo_model *m, jo_data *d, const jo_force *f, jo_forc
     d->power[2] += now * power;
 }
 
+/* the piece of a path at s and the powers of the way into it; 0 beyond the ends */
+static const jo_real *piece(const jo_real *x, jo_real s, jo_real *power)
+{
+    const int count = (int)JO_RE(x[0]), n = (int)JO_RE(x[1]);
+    const jo_real *at = x + 5;
+    if (!(JO_RE(s) >= JO_RE(at[0]) && JO_RE(s) <= JO_RE(at[count - 1]))) return 0;
+    int k = 0;
+    while (k < count - 2 && JO_RE(s) >= JO_RE(at[k + 1])) k++;
+    power[0] = 1.0;
+    for (int i = 1; i < 4; i++) power[i] = power[i - 1] * (s - at[k]);
+    return at + count + 12 * (1 + n) * k;
+}
+
+/* a point or a mode shape (3) there */
+static void there(jo_real *y, const jo_real *c, const jo_real *power)
+{
+    for (int i = 0; i < 3; i++, c += 4) y[i] = c[0] + c[1] * power[1] + c[2] * power[2] + c[3] * power[3];
+}
+
+static void moving_load(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work *out)
+{
+    jo_body_work *w = &d->body[f->body];
+    const int n = (int)JO_RE(f->data[1]);
+    const double lead[2] = {0.0, d->lead};
+    jo_real power[4], F[3], u[3], v[3], phi[3], t[3];
+    for (int i = 0; i < 3; i++) out->y[i] = 0.0;
+    /* its power now, what it pushes a lead ahead */
+    for (int ahead = 0; ahead < 2; ahead++) {
+        const jo_real time = d->time[0] + lead[ahead];
+        const jo_real *c = piece(f->data, jo_signal_at(m, d, f->reference, time).value, power);
+        if (!c) continue;
+        const jo_real factor = f->signal >= 0 ? jo_signal_at(m, d, f->signal, time).value : 1.0;
+        if (f->follow) jo_set3(F, f->data + 2);
+        else jo_mul3t(F, w->A, f->data + 2);
+        for (int i = 0; i < 3; i++) F[i] *= factor;
+        there(u, c, power);
+        jo_set3(v, w->V);
+        for (int j = 0; j < n; j++) {
+            there(phi, c + 12 * (1 + j), power);
+            for (int i = 0; i < 3; i++) {
+                u[i] += phi[i] * w->p[j];
+                v[i] += phi[i] * w->pd[j];
+            }
+            if (ahead) w->fp[j] += jo_dot3(phi, F);
+        }
+        if (ahead) {
+            jo_add3(w->fr, F);
+            jo_cross(t, u, F);
+            jo_add3(w->fr + 3, t);
+            jo_mul3(out->y, w->A, F);
+        } else {
+            jo_cross(t, w->w, u);
+            jo_add3(v, t);
+            d->power[2] += jo_dot3(F, v);
+        }
+    }
+}
+
 /* what the user's function answers at `time`; it knows real numbers only */
 static int ask(const jo_force *f, jo_real time, const jo_real *x, jo_real *y)
 {
@@ -300,6 +358,7 @@ int jo_apply_forces(const jo_model *m, jo_data *d)
         case JO_ALONG_COORDINATE: along(m, d, f, &d->force[i]); break;
         case JO_BUSHING: bushing(m, d, f, &d->force[i]); break;
         case JO_MODAL_LOAD: modal_load(m, d, f, &d->force[i]); break;
+        case JO_MOVING_LOAD: moving_load(m, d, f, &d->force[i]); break;
         case JO_USER: status = user(m, d, f, &d->force[i]); break;
         default: break;
         }

@@ -45,7 +45,8 @@ typedef enum { JO_AXES = 1,        /* (axis_a of a) . (axis_b of b) */
                JO_DISTANCE = 3,    /* |r_b - r_a|, m */
                JO_ANGLE = 4        /* turn of b against a about z of a, rad, without jumps of 2 pi */
 } jo_coordinate_type;
-typedef enum { JO_LOAD = 1, JO_ALONG_COORDINATE = 2, JO_BUSHING = 3, JO_MODAL_LOAD = 4, JO_USER = 5 } jo_force_type;
+typedef enum { JO_LOAD = 1, JO_ALONG_COORDINATE = 2, JO_BUSHING = 3, JO_MODAL_LOAD = 4, JO_USER = 5,
+               JO_MOVING_LOAD = 6 } jo_force_type;
 typedef enum { JO_POSITION = 1, JO_VELOCITY = 2, JO_ORIENTATION = 3, JO_ANGULAR_VELOCITY = 4,
                JO_MODAL = 5, JO_REACTION = 6, JO_STRESS = 7, JO_ACCELERATION = 8, JO_ANGULAR_ACCELERATION = 9,
                JO_COORDINATE = 10, JO_RATE = 11, JO_MULTIPLIER = 12, JO_ELEMENT = 13, JO_ENERGY = 14,
@@ -139,7 +140,9 @@ typedef int (*jo_callback)(double time, const double *x, double *y, void *user);
  *                    + preload signal(t) + spring(s) + damper(s'), reference = free + its signal; limited to +-limit if limit > 0
  * BUSHING:           (78) K (36), D (36), preload (6): [force, torque] on b, resolved in a, from [r_b - r_a, rotation vector]
  * MODAL_LOAD:        (6 + np) on [R, w, p] of the body, local, times signal
- * USER:              callback */
+ * USER:              callback
+ * MOVING_LOAD:       count n, force (3) in the world or following the body, s.. (count), then (count - 1) pieces (1 + n) x 3 x 4:
+ *                    (s - s_k)^0..3 of the position and of each mode; at s = reference(t), times signal; nothing beyond the ends */
 typedef struct {
     int type;               /* jo_force_type */
     int a, b;               /* markers, -1 where not used */

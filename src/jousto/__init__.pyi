@@ -104,6 +104,9 @@ from .mechanism import (
     ModalSensor as ModalSensor,
 )
 from .mechanism import (
+    MovingLoad as MovingLoad,
+)
+from .mechanism import (
     OrientationSensor as OrientationSensor,
 )
 from .mechanism import (

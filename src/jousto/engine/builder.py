@@ -32,6 +32,7 @@ from jousto.mechanism.elements import (
 )
 from jousto.mechanism.friction import Friction, Regularised, StickSlip
 from jousto.mechanism.joints import Joint
+from jousto.mechanism.moving import MovingLoad
 from jousto.mechanism.signals import Constant, Input, Product, Ramp, SCurve, Sum
 
 
@@ -233,6 +234,17 @@ class Builder:
                 data=load.load,
                 body=self._bodies[id(load.body)],
                 signal=self.signal(load.signal),
+            )
+        if isinstance(load, MovingLoad):
+            head = (len(load.nodes), load.body.reduced.n)
+            return ForceModel(
+                name=load.name,
+                kind="moving load",
+                data=np.concatenate([head, load.vector, load.lengths, load.pieces.ravel()]),
+                body=self._bodies[id(load.body)],
+                follow=load.follow,
+                signal=self.signal(load.signal),
+                reference=self.signal(load.position),
             )
         if isinstance(load, UserForce):
             return ForceModel(

@@ -22,7 +22,7 @@ SIGNALS = {
     "switched": 8,
 }
 COORDINATES = {"axes": 1, "along": 2, "distance": 3, "angle": 4}
-FORCES = {"load": 1, "along": 2, "bushing": 3, "modal load": 4, "user": 5}
+FORCES = {"load": 1, "along": 2, "bushing": 3, "modal load": 4, "user": 5, "moving load": 6}
 SENSORS = {
     "position": 1,
     "velocity": 2,

@@ -162,7 +162,7 @@ class SignalModel:
 
 @dataclass(frozen=True, eq=False)
 class ForceModel:
-    """What pushes: "load", "along", "bushing", "modal load" or "user"; data as in jousto.h."""
+    """What pushes: "load", "along", "bushing", "modal load", "user" "moving load" (jousto.h)."""
 
     name: str
     kind: str

@@ -33,6 +33,7 @@ from jousto.mechanism.joints import (
 )
 from jousto.mechanism.marker import Marker
 from jousto.mechanism.mechanism import Mechanism
+from jousto.mechanism.moving import MovingLoad
 from jousto.mechanism.orientation import (
     Rotate,
     euler_parameters,
@@ -120,6 +121,7 @@ __all__ = [
     "Mechanism",
     "ModalLoad",
     "ModalSensor",
+    "MovingLoad",
     "MovingBody",
     "OrientationSensor",
     "Planar",

@@ -17,6 +17,7 @@ from jousto.mechanism.force import LOADS, Gravity, Torque
 from jousto.mechanism.friction import Friction, StickSlip
 from jousto.mechanism.joints import Joint
 from jousto.mechanism.marker import Marker
+from jousto.mechanism.moving import MovingLoad
 from jousto.mechanism.sensors import (
     SENSORS,
     ForceSensor,
@@ -149,7 +150,7 @@ def check_members(problems: Problems, mechanism: Mechanism) -> None:
     for item in (*items, *mechanism.frictions):
         for argument, marker in markers_of(item):
             missing(item, argument, marker.body)
-        if isinstance(item, ModalLoad | ModalSensor | SiteSensor | StrainSensor):
+        if isinstance(item, ModalLoad | MovingLoad | ModalSensor | SiteSensor | StrainSensor):
             missing(item, "body", item.body)
         if isinstance(item, ReactionSensor | Friction):
             known = (*mechanism.joints, *mechanism.couplings)

@@ -14,6 +14,7 @@ from jousto.mechanism.body import FlexibleBody, ground
 from jousto.mechanism.coordinate import Coordinate, Distance, check_coordinate
 from jousto.mechanism.fields import check_name, number, set_fields
 from jousto.mechanism.marker import Marker, check_marker
+from jousto.mechanism.moving import MovingLoad
 from jousto.mechanism.orientation import Array, readonly
 from jousto.mechanism.signals import Signal, Table, check_factor, check_signal
 
@@ -303,8 +304,16 @@ class UserForce:
         set_fields(self, name=name, marker=marker, function=function, reference=frame)
 
 
-Element = Spring | Bushing | JointForce | Servo | ModalLoad | UserForce
-ELEMENTS: tuple[type[Element], ...] = (Spring, Bushing, JointForce, Servo, ModalLoad, UserForce)
+Element = Spring | Bushing | JointForce | Servo | ModalLoad | MovingLoad | UserForce
+ELEMENTS: tuple[type[Element], ...] = (
+    Spring,
+    Bushing,
+    JointForce,
+    Servo,
+    ModalLoad,
+    MovingLoad,
+    UserForce,
+)
 
 
 def positive(problems: Problems, where: str, name: str, value: Any) -> float | None:

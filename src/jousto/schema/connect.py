@@ -32,6 +32,7 @@ ELEMENTS = {
     "spring": jm.Spring,
     "bushing": jm.Bushing,
     "joint-force": jm.JointForce,
+    "moving-load": jm.MovingLoad,
     "servo": jm.Servo,
 }
 COORDINATES = {"angle": jm.Angle, "displacement": jm.Displacement, "distance": jm.Distance}
@@ -181,6 +182,14 @@ def build_element(
                 )
                 if None in values[key]:
                     values[key] = None
+    elif entry.type == "moving-load":
+        values["body"] = bodies.get(entry.body)
+        if values["body"] is None:
+            builder.unknown((*loc, "body"), "bodies", "body", entry.body, bodies)
+            return None
+        for key, unit in (("position", "m"), ("signal", "1")):
+            if key in values:
+                values[key] = build_signal(builder, (*loc, key), values[key], unit)
     else:
         s = build_coordinate(builder, (*loc, "coordinate"), entry.coordinate, bodies, joints)
         values["coordinate"] = s

@@ -11,6 +11,7 @@ from jousto.schema.entries import (
     Direction,
     Entry,
     Flag,
+    Force3,
     Length,
     Marker,
     Number,
@@ -19,7 +20,7 @@ from jousto.schema.entries import (
     fail,
     tagged,
 )
-from jousto.schema.signals import Amount, SignalOrNumber
+from jousto.schema.signals import Amount, SignalEntry, SignalOrNumber
 from jousto.schema.units import describe
 
 AXIS = "In the world at the initial pose; the z axis of a if not given"
@@ -295,6 +296,19 @@ class JointForceEntry(Entry):
     name: Text
     coordinate: CoordinateEntry
     signal: SignalOrNumber
+
+
+class MovingLoadEntry(Entry):
+    """`MovingLoad`: a force that travels along a flexible body."""
+
+    type: Literal["moving-load"]
+    name: Text
+    body: Text
+    path: tuple[Text, ...] = Field(description="Corners of the path: names of nodes")
+    vector: Force3
+    position: SignalOrNumber = Field(description="Path length from the first corner")
+    follow: Flag | None = Field(None, description="Whether it turns with the body")
+    signal: SignalEntry | None = Field(None, description="Factor as a function of time")
 
 
 class ServoEntry(Entry):

@@ -11,6 +11,7 @@ from jousto.schema.connections import (
     CouplerEntry,
     JointEntry,
     JointForceEntry,
+    MovingLoadEntry,
     ServoEntry,
     SpringEntry,
 )
@@ -135,6 +136,7 @@ LoadEntry: TypeAlias = Annotated[
     | Annotated[SpringEntry, Tag("spring")]
     | Annotated[BushingEntry, Tag("bushing")]
     | Annotated[JointForceEntry, Tag("joint-force")]
+    | Annotated[MovingLoadEntry, Tag("moving-load")]
     | Annotated[ServoEntry, Tag("servo")],
     tagged(),
 ]

@@ -20,6 +20,7 @@ from jousto.mechanism.fields import check_name, set_fields
 from jousto.mechanism.force import LOADS, Force, Load, Torque
 from jousto.mechanism.joints import JOINTS, Joint
 from jousto.mechanism.marker import Marker, check_marker
+from jousto.mechanism.moving import MovingLoad
 from jousto.mechanism.sensors.motion import frame_name
 
 FORCE, MOMENT = ("Fx", "Fy", "Fz"), ("Mx", "My", "Mz")
@@ -122,7 +123,8 @@ class ForceSensor:
     """What a force element exerts on the body of its marker, or of marker b.
 
     A `Spring`, `JointForce` or `Servo` gives the force or torque along its coordinate, positive
-    where it pushes the coordinate up; a `Force` its force (3,) N, a `Torque` its moment (3,) N m;
+    where it pushes the coordinate up; a `Force` or a `MovingLoad` its force (3,) N, a `Torque` its
+    moment (3,) N m;
     a `Bushing` and a `UserForce` force and moment (6,) at the origin of b; a `ModalLoad` its
     resultant force and moment (6,) about the origin of the body frame, of the undeformed body.
 
@@ -130,7 +132,7 @@ class ForceSensor:
     ----------
     name : str
         Name, unique among the sensors.
-    force : Force, Torque, Spring, Bushing, JointForce, Servo, ModalLoad or UserForce
+    force : Force, Torque, Spring, Bushing, JointForce, Servo, ModalLoad, MovingLoad or UserForce
         What is measured.
     resolved_in : Marker, optional
         Axes of the components; None for those of the world.
@@ -163,14 +165,14 @@ class ForceSensor:
         """Units, one for all components or one for each half of them."""
         if isinstance(self.force, ALONG):
             return self.force.coordinate.force_unit
-        return {Force: "N", Torque: "N m"}.get(type(self.force), "N, N m")
+        return {Force: "N", MovingLoad: "N", Torque: "N m"}.get(type(self.force), "N, N m")
 
     @property
     def components(self) -> tuple[str, ...]:
         """Components of force and moment."""
         if isinstance(self.force, ALONG):
             return ("f",)
-        if isinstance(self.force, Force):
+        if isinstance(self.force, Force | MovingLoad):
             return FORCE
         return MOMENT if isinstance(self.force, Torque) else (*FORCE, *MOMENT)
 
@@ -203,5 +205,7 @@ class ForceSensor:
         kind = getattr(force, "kind", type(force).__name__.lower())
         if isinstance(force, ModalLoad):
             return f"resultant of {kind} {force.name} on {force.body.name}"
+        if isinstance(force, MovingLoad):
+            return f"{kind} {force.name} on {force.body.name}"
         marker = force.b if isinstance(force, Bushing) else force.marker
         return f"{kind} {force.name} on {marker.body.name}"
