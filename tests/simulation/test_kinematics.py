@@ -128,12 +128,87 @@ def test_free_motions_are_counted(signal):
         jo.inverse_dynamics(slider_crank(signal, driven=False), TIMES)
 
 
-def test_modes_are_refused_with_the_way_out(rod):
-    arm = jo.FlexibleBody("arm", rod)
-    hinge = jo.Revolute("hinge", jo.ground["origin"], arm["start"], axis=(0, 0, 1))
-    model = jo.compile(jo.Mechanism(arm, hinge, jo.Drive("motor", hinge.angle, jo.Ramp(0, 1))))
-    with pytest.raises(jo.InputError, match=r"keeps \d+ free.*modes move on their own, run simul"):
-        jo.kinematics(model, TIMES)
+E, RHO, LENGTH, WIDTH, HEIGHT = 2.1e11, 7850.0, 2.0, 0.05, 0.02  # steel strip, bends about z
+
+
+@pytest.fixture(scope="module")
+def strip():
+    part = jo.Part.beam(
+        length=LENGTH,
+        section=jo.Rectangle(HEIGHT, WIDTH),
+        elements=8,
+        material=jo.Material(E=E, nu=0.3, rho=RHO),
+        theory=jo.EulerBernoulli(),
+    )
+    return jo.reduce(part, jo.CraigBampton(interfaces=("start", "end"), modes=8))
+
+
+def arm(strip, signal, *items, damping=0.0):
+    body = jo.FlexibleBody("arm", strip, damping=damping)
+    hinge = jo.Revolute("hinge", jo.ground["origin"], body["start"], axis=(0, 0, 1))
+    motor = jo.Drive("motor", hinge.angle, signal)
+    sensors = jo.PositionSensor("tip", body["end"]), jo.ReactionSensor("torque", motor)
+    return jo.compile(jo.Mechanism(body, hinge, motor, *sensors, *items))
+
+
+@pytest.mark.filterwarnings("ignore:.*nothing will move")
+def test_a_spinning_rod_is_stretched_as_by_its_own_weight(strip):
+    """E u'' = -rho Omega^2 (x + u): u(L) = tan(k L) / k - L, k^2 = rho Omega^2 / E; no torque."""
+    speed = 20.0
+    k = speed * np.sqrt(RHO / E)
+    found = jo.inverse_dynamics(arm(strip, jo.Ramp(0, 9, 0, 9 * speed)), [0.5, 1.0])
+    stretch = np.linalg.norm(found["tip"], axis=1) - LENGTH
+    np.testing.assert_allclose(stretch, np.tan(k * LENGTH) / k - LENGTH, rtol=1e-5)  # 14 modes
+    np.testing.assert_allclose(found["torque"], 0.0, atol=1e-8)
+
+
+def test_a_held_arm_sags_and_its_motor_carries_it(strip):
+    """w L^4 / (8 E I) by the linear theory, torque of the weight at half the length."""
+    found = jo.inverse_dynamics(arm(strip, jo.Constant(0.0), jo.Gravity((0, -9.81, 0))), [1.0])
+    weight, inertia = 9.81 * RHO * WIDTH * HEIGHT, WIDTH * HEIGHT**3 / 12
+    # the arm turns with its root, so that the lever shortens by the square of the sag: 1e-4
+    np.testing.assert_allclose(
+        found["tip"][0, 1], -weight * LENGTH**4 / (8 * E * inertia), rtol=2e-4
+    )
+    np.testing.assert_allclose(found["torque"], weight * LENGTH**2 / 2, rtol=1e-4)
+
+
+def test_joints_that_bend_a_body_bend_it(strip):
+    """Clamped at both ends: w L^4 / (384 E I) in the middle, with modes that joints constrain."""
+    body = jo.FlexibleBody("arm", strip)
+    model = jo.compile(
+        jo.Mechanism(
+            body,
+            jo.Fixed("left", jo.ground["origin"], body["start"]),
+            jo.Fixed("right", jo.ground.at((LENGTH, 0, 0)), body["end"]),
+            jo.Gravity((0, -9.81, 0)),
+            jo.PositionSensor("middle", body["node5"]),
+        )
+    )
+    found = jo.kinematics(model, [1.0])
+    weight, inertia = 9.81 * RHO * WIDTH * HEIGHT, WIDTH * HEIGHT**3 / 12
+    # consistent loads of two elements per eighth, eight modes: 2e-4
+    np.testing.assert_allclose(
+        found["middle"][0, 1], -weight * LENGTH**4 / (384 * E * inertia), rtol=5e-4
+    )
+
+
+def test_slow_motion_needs_the_torque_of_the_simulation(strip):
+    """A turn by 1 rad in 4 s, lowest mode 4 Hz; the simulation starts at rest and is damped."""
+    model = arm(strip, jo.SCurve([0.0, 4.0], [0.0, 1.0]), jo.Gravity((0, -9.81, 0)), damping=0.02)
+    rest = jo.equilibrium(model)
+    run = jo.simulate(model, 4.0, solver=jo.ROS2(step=5e-4), output_step=0.1, state=rest)
+    found = jo.inverse_dynamics(model, run.time)
+    np.testing.assert_allclose(found["torque"], run["torque"], atol=0.006 * found["torque"].max())
+    np.testing.assert_allclose(found["tip"], run["tip"], atol=2e-4)
+    assert np.abs(found["torque"] - found["torque"][0]).max() > 1.0  # the motion matters
+
+
+@pytest.mark.filterwarnings("ignore::jousto.JoustoWarning")
+def test_a_motion_faster_than_the_modes_is_refused(strip):
+    model = arm(strip, jo.Harmonic(frequency=20.0, amplitude=0.5), jo.Gravity((0, -9.81, 0)))
+    with pytest.raises(jo.SimulationError, match="too soft for such a motion without vibration"):
+        jo.kinematics(model, np.linspace(0, 0.1, 3))
 
 
 def test_times_must_increase(signal):

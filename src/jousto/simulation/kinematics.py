@@ -16,6 +16,7 @@ from jousto.engine import Engine, Model
 from jousto.engine.native import displaced
 from jousto.engine.redundancy import RANK, unit_rows
 from jousto.errors import InputError, Problem, Problems, SimulationError
+from jousto.simulation.bending import Bending
 from jousto.simulation.results import DIAGNOSTICS, ResultsWriter
 from jousto.simulation.solution import Solution
 
@@ -24,6 +25,7 @@ TURN = 0.5  # rad, largest turn of a body between two assembled positions
 STRAY = 0.2  # rad, largest turn between the predicted and the assembled position
 SHORTEST = 1e-7  # share of the span of time below which a piece is not halved
 CLOSED = 1e-9  # of the size of the mechanism, or rad: joints that count as closed
+SOFT = "the elastic bodies are too soft for such a motion without vibration, run simulate"
 UNKNOWN = ("dissipated", "friction", "work")  # integrals over time, which are not formed
 
 
@@ -33,7 +35,10 @@ def kinematics(model: Model, times: ArrayLike, *, path: str | Path | None = None
     At each instant the positions solve ``C(q, t) = 0``, the velocities ``Cq v = -C_t`` and the
     accelerations and multipliers the equations of motion; errors do not add up. The positions are
     predicted from the last ones, in as many pieces as it takes to stay on the same branch and to
-    count turns, so the times may be far apart.
+    count turns, so the times may be far apart. Elastic bodies bend under the loads and the
+    inertia of the motion, ``M a + Cq^T lam = Q`` with the least p' and p'' that the drives allow,
+    but do not vibrate: right where drives are smooth and slow against the lowest mode; else
+    `simulate`.
 
     Parameters
     ----------
@@ -73,11 +78,11 @@ def kinematics(model: Model, times: ArrayLike, *, path: str | Path | None = None
 def inverse_dynamics(model: Model, times: ArrayLike, *, path: str | Path | None = None) -> Solution:
     """Find the forces of the drives that move a fully driven mechanism as prescribed.
 
-    The solution is that of `kinematics`: with rigid bodies the forces follow from the motion at
-    each instant alone. The drive with the row ``r = joint.row`` of ``model.joints`` pushes with
-    ``-solution.multipliers[:, r]`` (N or N m) along its coordinate. Elastic bodies are refused:
-    their modes have a motion of their own; run `simulate` with the same drives, whose multipliers
-    then hold the forces with all vibrations.
+    The solution is that of `kinematics`: the forces follow from the motion at each instant alone,
+    elastic bodies included, which bend but do not vibrate. The drive with the row
+    ``r = joint.row`` of ``model.joints`` pushes with ``-solution.multipliers[:, r]`` (N or N m)
+    along its coordinate; ``ReactionSensor(name, drive)`` gives the same by name. With all
+    vibrations: `simulate` the same mechanism.
 
     Parameters
     ----------
@@ -128,7 +133,7 @@ def _instants(model: Any, times: Any) -> Array:
 
 
 def _check_driven(model: Model) -> None:
-    """Refuse a mechanism that keeps free motions at its initial pose."""
+    """Refuse sticking friction and free motions, other than bending, at the initial pose."""
     problems = Problems()
     for friction in model.frictions:
         if friction.sticks:
@@ -138,25 +143,21 @@ def _check_driven(model: Model) -> None:
                 "or run simulate",
             )
     problems.raise_if_any()
-    engine = Engine(model)
-    rank = 0
-    if model.permanent:
-        rank = int((np.linalg.svd(unit_rows(model, engine), compute_uv=False) > RANK).sum())
-    free = model.nv - rank
-    if not free:
-        return
-    modal = sum(body.n for body in model.bodies)
-    text = f"{free} free motion{'s' * (free > 1)} at the initial pose, so the drives do not say "
-    text += "how it moves"
-    if modal:
-        names = ", ".join(f"'{body.name}'" for body in model.bodies if body.n)
-        text += (
-            f"; {modal} modal coordinates of {names} are among its {model.nv} velocities: modes "
-            "move on their own, run simulate with the same drives instead, or make the bodies rigid"
+    Cq = unit_rows(model, Engine(model)) if model.permanent else np.zeros((0, model.nv))
+    _, s, Vt = np.linalg.svd(Cq)
+    N = Vt[int((s > RANK).sum()) :]
+    modal = [body.iv + 6 + j for body in model.bodies for j in range(body.n)]
+    bending = int((np.linalg.svd(N[:, modal], compute_uv=False) > RANK).sum()) if modal else 0
+    free = len(N) - bending
+    if free:
+        raise InputError(
+            Problem(
+                f"kinematics {model.name!r}",
+                f"the mechanism keeps {free} free motion{'s' * (free > 1)} at the initial pose, so "
+                "the drives do not say how it moves; give each a Drive, or run simulate, which "
+                "finds the motion from the forces",
+            )
         )
-    else:
-        text += "; give each a Drive, or run simulate, which finds the motion from the forces"
-    raise InputError(Problem(f"kinematics {model.name!r}", f"the mechanism keeps {text}"))
 
 
 def _write(model: Model, instants: Array, target: Path, *, temporary: bool) -> Solution:
@@ -191,21 +192,25 @@ def _write(model: Model, instants: Array, target: Path, *, temporary: bool) -> S
 def positions(model: Model, instants: Array) -> Iterator[Array]:
     """Yield the engine's row of each instant, starting from the initial pose at time 0."""
     engine = Engine(model)
-    engine.assemble()
-    engine.accelerations()
+    bending = Bending(model) if any(body.n for body in model.bodies) else None
+    if not _close(engine, bending):
+        raise SimulationError(f"the bodies do not come to rest in their shape; {SOFT}", time=0.0)
     span = max(float(np.abs(instants).max()), float(np.ptp(instants)))
     piece = np.inf
     for instant in instants:
         while engine.time[0] != instant:
             left = float(instant - engine.time[0])
             h = float(np.sign(left)) * min(abs(left), piece, _reach(model, engine.v))
-            while not _advance(model, engine, instant if h == left else engine.time[0] + h):
+            while not _advance(
+                model, engine, bending, instant if h == left else engine.time[0] + h
+            ):
                 h *= 0.5
                 if abs(h) < SHORTEST * span:
                     raise SimulationError(
                         f"the mechanism cannot follow its drives past {engine.time[0]:.6g} s: it "
                         "is stretched out or at a dead centre there, or a drive jumps; keep the "
-                        "drives within what the lengths allow",
+                        "drives within what the lengths allow"
+                        + (f"; or {SOFT}" if bending else ""),
                         time=float(engine.time[0]),
                     )
             piece = 2.0 * abs(h)
@@ -218,9 +223,21 @@ def _reach(model: Model, v: Array) -> float:
     return TURN / max(fastest, 1e-300)
 
 
-def _advance(model: Model, engine: Engine, instant: float) -> bool:
+def _close(engine: Engine, bending: Bending | None) -> bool:
+    """Find q, v, a and lam at the engine's time; False where elastic bodies do not settle."""
+    if bending is None:
+        engine.assemble()
+    elif not bending.settle(engine):
+        return False
+    else:
+        engine.assemble()  # closed already: counts turns
+    engine.accelerations()
+    return True
+
+
+def _advance(model: Model, engine: Engine, bending: Bending | None, instant: float) -> bool:
     """Assemble at an instant; False, and back to the state before, where the step is too long."""
-    views = (engine.q, engine.v, engine.a, engine.time, engine.turn)
+    views = (engine.q, engine.v, engine.a, engine.lam, engine.time, engine.turn)
     kept = [view.copy() for view in views]
     h = float(instant - engine.time[0])
     guess = displaced(model, engine.q, h * engine.v + 0.5 * h * h * engine.a)
@@ -228,14 +245,12 @@ def _advance(model: Model, engine: Engine, instant: float) -> bool:
     engine.time[0] = instant
     good = False
     try:
-        engine.assemble()
         good = (
-            engine.residuals()[0] <= CLOSED * max(1.0, model.size)
+            _close(engine, bending)
+            and engine.residuals()[0] <= CLOSED * max(1.0, model.size)
             and _turned(model, guess, engine.q) < STRAY
             and _turned(model, kept[0], engine.q) < 2.0 * TURN
         )
-        if good:
-            engine.accelerations()
     except SimulationError:
         good = False
     if not good:
