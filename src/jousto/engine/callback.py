@@ -11,6 +11,10 @@ FUNCTION: Any = ctypes.CFUNCTYPE(None).__mro__[1]  # every ctypes function
 SIGNATURE = "int (*)(double, const double *, double *, void *)"
 
 
+class BadAnswer(ValueError):
+    """A user's Python function returned something that is no force and torque."""
+
+
 def callback(ffi: Any, function: Any, raised: list[BaseException]) -> tuple[Any, Any, Any]:
     """Return a jo_callback, its user pointer and what has to stay alive.
 
@@ -43,7 +47,11 @@ def callback(ffi: Any, function: Any, raised: list[BaseException]) -> tuple[Any,
         given = np.frombuffer(ffi.buffer(x, 144), dtype=np.float64).copy()
         answer = np.asarray(function(time, given), dtype=np.float64)
         if answer.shape != (6,):
-            raise ValueError(f"returned an array of shape {answer.shape}, must be (6,)")
+            raise BadAnswer(f"returned an array of shape {answer.shape}, must be (6,)")
+        if not np.isfinite(answer).all():
+            k = int(np.argmin(np.isfinite(answer)))
+            what = f"{'force' if k < 3 else 'torque'} {'xyz'[k % 3]} is {answer[k]}"
+            raise BadAnswer(f"returned values that are not finite, {what}")
         np.frombuffer(ffi.buffer(y, 48), dtype=np.float64)[:] = answer
         return 0
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine.builder import Builder
-from jousto.engine.measure import flag_reactions, sensor_models
+from jousto.engine.measure import NOT_UNIQUE, flag_reactions, sensor_models
 from jousto.engine.model import (
     BodyModel,
     Model,
@@ -230,6 +230,7 @@ def _consistent(model: Model) -> Model:
         engine.assemble()
         engine.accelerations()  # singular bodies and repeated rows show here
     except SingularJoints:
+        _check_reachable(model)
         if not (found := repeated_rows(model)):
             raise  # rows differ, but masses differ by more than the numbers hold
         every = tuple(joint.name for joint in model.joints)
@@ -240,7 +241,9 @@ def _consistent(model: Model) -> Model:
         engine.accelerations()
     check_closed(model, engine, found)
     if found:
-        warn(f"mechanism {model.name!r}", found.sentence)
+        asked = [f"'{s.name}'" for s in model.sensors if s.description.endswith(NOT_UNIQUE)]
+        tail = f"; {', '.join(asked)} asked for such reactions" if asked else ""
+        warn(f"mechanism {model.name!r}", found.sentence + tail)
         for friction in model.frictions:
             if (joint := model.joints[friction.joint].name) in found.joints:
                 warn(
@@ -262,6 +265,15 @@ def _consistent(model: Model) -> Model:
             "they were replaced by the nearest consistent ones",
         )
     return model
+
+
+def _check_reachable(model: Model) -> None:
+    """Raise InputError if assembly gets stuck in a position with open joints."""
+    engine = Engine(replace(model, redundant=True))
+    try:
+        engine.assemble()
+    except SingularJoints:
+        check_closed(model, engine, None)
 
 
 def _changed(model: Model, given: Array, tolerance: float) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine import library
+from jousto.engine.callback import BadAnswer
 from jousto.engine.layout import Layout
 from jousto.engine.model import Model
 from jousto.errors import InputError, Problem, SimulationError
@@ -301,6 +302,11 @@ class Engine:
     def callback_problem(self) -> str:
         """Return the sentence for a user function that failed."""
         name = self.model.forces[self.error_index].name
+        if isinstance(self.cause, BadAnswer):
+            return (
+                f"force '{name}': its function {self.cause}; check it at the positions and "
+                "velocities of this time"
+            )
         if self.cause is not None:
             return f"force '{name}': its function raised {type(self.cause).__name__}: {self.cause}"
         return (

@@ -37,6 +37,8 @@ class Redundancy:
         Replacements that make all rows independent without freeing a motion, if some were found.
     only_here : bool
         The rows differ in neighbouring positions: the initial one is singular.
+    drives : tuple of str
+        Drives among the joints.
     """
 
     joints: tuple[str, ...]
@@ -44,6 +46,7 @@ class Redundancy:
     mobility: int
     advice: tuple[str, ...]
     only_here: bool = False
+    drives: tuple[str, ...] = ()
 
     @property
     def sentence(self) -> str:
@@ -56,6 +59,9 @@ class Redundancy:
                 "from another position or give initial velocities that choose one"
             )
         motion = "the motion is right, but" if self.mobility else "nothing can move, and"
+        if self.drives:
+            drives = ", ".join(f"'{name}'" for name in self.drives)
+            motion = f"a motion is driven twice ({drives}): the run stops where they disagree, and"
         text = (
             f"{self.count} of the constraint rows of {names} repeat the others; {motion} the "
             "reactions of these joints are not unique (given: those of least norm)"
@@ -112,6 +118,7 @@ def repeated_rows(model: Model) -> Redundancy | None:
         count=len(G) - rank,
         mobility=model.nv - rank,
         advice=tuple(_advice(G, taking, rank)),
+        drives=tuple(joint.name for joint in taking if is_drive(joint)),
         only_here=_rank_nearby(model) > rank,
     )
 
@@ -134,12 +141,34 @@ def _rank(G: Array) -> int:
     return int((np.linalg.svd(G, compute_uv=False) > RANK).sum()) if len(G) else 0
 
 
+def is_drive(joint: JointModel) -> bool:
+    """Return whether a row of the joint follows a signal."""
+    return any(line.signal >= 0 for line in joint.lines)
+
+
+def place(joint: JointModel) -> str:
+    """Return the place of a joint, coupling or drive for messages, ``joint 'pivot'``."""
+    if is_drive(joint):
+        return f"drive '{joint.name}'"
+    own = not joint.coincident and not joint.perpendicular
+    coupled = own and any(len(line.coordinates) > 1 for line in joint.lines)
+    return f"{'coupling' if coupled else 'joint'} '{joint.name}'"
+
+
 def _advice(G: Array, joints: Sequence[JointModel], rank: int) -> list[str]:
-    """Free rotations of point joints, greedily, while the rank stays."""
+    """Leave out what is repeated as a whole, drives first; then free rotations of point joints."""
     keep = np.ones(len(G), dtype=bool)
     advice: list[str] = []
+    last_first = list(reversed(joints))
+    for joint in sorted(last_first, key=lambda joint: not is_drive(joint)):
+        rows = range(joint.row, joint.row + joint.rows)
+        if len(rows) <= keep.sum() - rank and _rank(G[_without(keep, rows)]) == rank:
+            keep = _without(keep, rows)
+            advice.append(f"leave out the {place(joint)}")
     for joint in joints:
         count = len(joint.perpendicular)
+        if not keep[joint.row]:
+            continue
         if not joint.coincident or count not in (2, 3) or keep.sum() == rank:
             continue
         first = joint.row + 3
@@ -185,15 +214,17 @@ def check_closed(model: Model, engine: Engine, found: Redundancy | None) -> None
         gap, rate = np.abs(c[rows]).max(initial=0.0), np.abs(cdot[rows]).max(initial=0.0)
         names = [f"'{name}'" for name in (found.joints if found else ()) if name != joint.name]
         others = ", ".join(names) or "the others"
-        where = f"joint '{joint.name}'"
+        where = place(joint)
         if not gap <= 1e-8 * model.size:
             problems.add(
                 where,
                 f"cannot be closed, {gap:.3g} (m or rad) remain; it conflicts with {others}: "
-                "change a length or an axis of the loop, or free a motion of one of them"
+                "change a length or an axis of the loop, free a motion of one of them, or start "
+                "nearer to the closed position"
                 if names
                 else f"cannot be closed, {gap:.3g} (m or rad) remain: the bodies do not reach one "
-                "another; change a length of the loop, or start nearer to the closed position",
+                "another or stand the wrong way; change a length or an axis of the loop, or start "
+                "nearer to the closed position",
             )
         elif not rate <= 1e-8 * speed:
             problems.add(
@@ -202,3 +233,32 @@ def check_closed(model: Model, engine: Engine, found: Redundancy | None) -> None
                 "motion once, and leave a free motion for every drive",
             )
     problems.raise_if_any()
+
+
+def disagreement(model: Model, q: Array, time: float) -> str:
+    """Return which joint is most open at a position, what it conflicts with and the remedy.
+
+    Parameters
+    ----------
+    model : Model
+        The model; repeated rows are looked for at its initial pose.
+    q : (nq,) array
+        The position.
+    time : float
+        The time, s, for drives.
+    """
+    engine = Engine(model)
+    engine.q[:], engine.time[0] = q, time
+    c = np.abs(engine.constraints()[0])
+    gaps = [float(c[j.row : j.row + j.rows].max(initial=0.0)) for j in model.joints]
+    worst = model.joints[int(np.argmax(gaps))]
+    text = f"{place(worst)} is open by {max(gaps):.3g} (m or rad)"
+    found = repeated_rows(model) if model.redundant else None
+    others = [f"'{n}'" for n in (found.joints if found else ()) if n != worst.name]
+    if others and found and worst.name in found.joints:
+        text += f": it contradicts {', '.join(others)}; "
+        if found.drives:
+            text += "drive each motion once, and leave a free motion for every drive"
+        else:
+            text += "change a length or an axis of the loop, or free a motion of one of them"
+    return text

@@ -335,7 +335,8 @@ def warn_mobility(mechanism: Mechanism) -> None:
         warn(
             f"mechanism {mechanism.name!r}",
             f"{rows} constraint rows for {coordinates} coordinates: it cannot move, or joints "
-            "repeat each other's rows",
+            "repeat each other's rows; doctor(mechanism) tells which bodies are held, free a "
+            "motion of one of their joints",
         )
 
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from jousto.engine import Engine, Model
 from jousto.engine.native import CALLBACK_FAILED, FRICTION_FAILED, NOT_FINITE
+from jousto.engine.redundancy import disagreement
 from jousto.errors import InputError, Problem, Problems, SimulationError, warn
 from jousto.simulation.linear import State
 from jousto.simulation.progress import Report, reporter
@@ -33,6 +34,7 @@ WALL_PER_CALL = 0.1  # s between looks at the clock, the bar and Ctrl-C
 BUFFER_BYTES = 4 << 20
 MOST_STEPS = 1e12
 GAP_LIMIT = 1e-9  # of the size of the mechanism, with projection
+OPEN_LIMIT = 1e-4  # the same: where repeated rows contradict one another the run ends
 ENERGY_LIMIT = 0.05  # share of the exchanged energy that the balance may miss unnoticed
 
 
@@ -206,7 +208,7 @@ def _run(
             f"stopped at {engine.time[0]:g} s; the results up to then are in {writer.path}",
             solution,
         ) from None
-    except _DiskError as error:
+    except (_DiskError, _Contradiction) as error:
         failure = (str(error), "")
     except BaseException as error:
         close(f"failed: {type(error).__name__} in the progress function")
@@ -230,6 +232,10 @@ def _run(
 
 class _DiskError(Exception):
     """The results could not be written."""
+
+
+class _Contradiction(Exception):
+    """Joints, couplings or drives that repeat one another disagree."""
 
 
 def _remedy(error: OSError) -> str:
@@ -387,6 +393,7 @@ class RunWatch:
         self._start: float | None = None
         self._missed = 0.0
         self._gap = 0.0
+        self._open: NDArray[np.float64] | None = None  # the row with the largest gap
 
     def see(self, rows: NDArray[np.float64]) -> None:
         """Look at rows of the engine."""
@@ -399,7 +406,17 @@ class RunWatch:
         self._missed = max(self._missed, float(np.abs(balance - self._start).max()))
         self._low = np.minimum(self._low, terms.min(axis=0))
         self._high = np.maximum(self._high, terms.max(axis=0))
-        self._gap = max(self._gap, float(rows[:, self._first + 7].max()))
+        gaps = rows[:, self._first + 7]
+        if gaps.max() > self._gap:
+            self._gap, self._open = float(gaps.max()), rows[int(np.argmax(gaps))].copy()
+        if self._projected and self._model.redundant:
+            limit = OPEN_LIMIT * self._model.size
+            if self._gap > limit:
+                raise _Contradiction(self._gaping(rows[int(np.argmax(gaps > limit))]))
+
+    def _gaping(self, row: NDArray[np.float64]) -> str:
+        """Return which joint is open at an instant, and why."""
+        return disagreement(self._model, row[1 : 1 + self._model.nq], float(row[0]))
 
     def judge(self) -> None:
         """Warn if the balance misses a noticeable share of the energy exchanged."""
@@ -422,11 +439,11 @@ class RunWatch:
                 f"({100 * self._missed / max(exchanged, 1e-300):.2g} %); a smaller step is more "
                 "accurate",
             )
-        if self._projected and self._gap > GAP_LIMIT * self._model.size:
+        if self._projected and self._open is not None and self._gap > GAP_LIMIT * self._model.size:
             warn(
                 where,
-                f"joints opened by up to {self._gap:.3g} (m, or rad) in spite of the projection; "
-                "take a smaller step",
+                f"joints opened by up to {self._gap:.3g} (m, or rad) in spite of the projection, "
+                f"at {self._open[0]:.4g} s {self._gaping(self._open)}; take a smaller step",
             )
 
 
