@@ -167,3 +167,49 @@ def test_the_stiffness_along_an_angle_is_no_stiffness_along_a_length():
     text = MODEL[: MODEL.index("  - {type: spherical")] + FORCES
     with pytest.raises(InputError, match=r"forces.0.stiffness: expects an angular stiffness"):
         parse_model(text.replace("2 N m/rad", "2 N/m"))
+
+
+FRICTIONS = """\
+frictions:
+  - {name: pin, joint: hinge, mu_kinetic: 0.1, mu_static: 12 %, radius: 25 mm, bearing_length: 8 cm,
+     collar_radius: 40 mm, preload: 2 kN, law: {type: stick-slip}}
+  - {name: rail, joint: slide, mu_kinetic: 0.2, law: {type: regularised, velocity: 5 mm/s}}
+"""
+
+
+def test_frictions_equal_the_python_constructors():
+    text = MODEL[: MODEL.index("  - {type: spherical")] + FRICTIONS + "gravity: [0, -9.81, 0]\n"
+    model = parse_model(text).mechanism
+    hinge, slide = model.joints
+    expected = (
+        jm.Friction(
+            *("pin", hinge, 0.1, 0.12),
+            radius=0.025,
+            bearing_length=0.08,
+            collar_radius=0.04,
+            preload=2000.0,
+            law=jm.StickSlip(),
+        ),
+        jm.Friction("rail", slide, 0.2, law=jm.Regularised(0.005)),
+    )
+    same(model.frictions, expected)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "sentence"),
+    [
+        ("joint: hinge, mu", "joint: hnge, mu", 6,
+         "frictions.0.joint: no joint 'hnge'; did you mean 'hinge'?"),
+        ("stick-slip", "stickslip", 7,
+         "frictions.0.law.type: no law type 'stickslip'; did you mean 'stick-slip'?"),
+        ("5 mm/s", "0", 8, "frictions.1.law.velocity: velocity is 0 m/s, must be"),
+        ("radius: 25 mm, ", "", 6, "frictions.0: radius is missing: the pin radius"),
+        ("mu_kinetic: 0.2", "mu: 0.2", 8, "frictions.1: 'mu_kinetic' is missing"),
+    ],
+)  # fmt: skip
+def test_a_mistake_of_a_friction_has_its_line_field_and_remedy(old, new, line, sentence):
+    text = MODEL[: MODEL.index("  - {type: spherical")] + FRICTIONS
+    assert old in text
+    with pytest.raises(InputError) as error:
+        parse_model(text.replace(old, new, 1), name="m.yaml")
+    assert str(error.value).startswith(f"m.yaml:{line}: {sentence}")

@@ -315,8 +315,8 @@ def test_the_published_schema_is_the_one_of_the_program():
 def test_the_schema_knows_every_key_of_the_file():
     schema = model_schema()
     assert set(schema["properties"]) == {
-        "$schema", "name", "parts", "bodies", "joints", "couplings", "forces", "gravity",
-        "sensors", "simulation",
+        "$schema", "name", "parts", "bodies", "joints", "couplings", "forces", "frictions",
+        "gravity", "sensors", "simulation",
     }  # fmt: skip
     assert schema["required"] == ["bodies"]
     assert schema["additionalProperties"] is False

@@ -14,7 +14,13 @@ from jousto import mechanism as jm
 from jousto.errors import InputError, JoustoWarning, Problem, suggest
 from jousto.schema import model as sm
 from jousto.schema import parts as sp
-from jousto.schema.connect import build_coupler, build_element, build_joint, build_signal
+from jousto.schema.connect import (
+    build_coupler,
+    build_element,
+    build_friction,
+    build_joint,
+    build_signal,
+)
 from jousto.schema.document import Document, Loc
 from jousto.schema.entries import Entry, MarkerEntry, RotateEntry
 from jousto.schema.files import read_matrix, read_points
@@ -363,7 +369,8 @@ class Builder:
             entries, places = getattr(entry, key) or (), index[key]
             if self.rigid:
                 # a rigid body has neither modes nor stress
-                kept = [i for i, e in enumerate(entries) if e.type not in ("modal", "stress")]
+                flexible = ("modal", "stress")
+                kept = [i for i, e in enumerate(entries) if getattr(e, "type", "") not in flexible]
                 entries, places = [entries[i] for i in kept], [places[i] for i in kept]
             return self.section_items(key, entries, places, build)
 
@@ -373,8 +380,9 @@ class Builder:
         free = named(joints)
         couplings = listed("couplings", lambda at, e: build_coupler(self, at, e, by_name, free))
         loads = listed("forces", lambda at, e: self.load(at, e, by_name, free))
+        frictions = listed("frictions", lambda at, e: build_friction(self, at, e, free))
         sensors = listed("sensors", lambda at, e: self.sensor(at, e, by_name, free))
-        items = [*bodies, *joints, *couplings, *loads, *sensors]
+        items = [*bodies, *joints, *couplings, *loads, *frictions, *sensors]
         if not bodies and (self.found or self.broken):
             return None
         gravity = [] if entry.gravity is None else [jm.Gravity(entry.gravity)]

@@ -206,3 +206,18 @@ def build_element(
     if any(value is None for value in values.values()):
         return None
     return builder.make(loc, ELEMENTS[entry.type], **values)
+
+
+def build_friction(builder: Builder, loc: Loc, entry: Any, joints: dict[str, Any]) -> Any:
+    """Return the friction of an entry, None if anything is wrong with it."""
+    values = entry.given()
+    values["joint"] = joints.get(entry.joint)
+    if values["joint"] is None:
+        builder.unknown((*loc, "joint"), "joints", "joint", entry.joint, joints)
+        return None
+    if entry.law is not None:
+        make: Any = jm.StickSlip if entry.law.type == "stick-slip" else jm.Regularised
+        values["law"] = builder.make((*loc, "law"), make, **entry.law.given())
+        if values["law"] is None:
+            return None
+    return builder.make(loc, jm.Friction, **values)

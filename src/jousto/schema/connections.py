@@ -12,11 +12,13 @@ from jousto.schema.entries import (
     Entry,
     Flag,
     Force3,
+    ForceN,
     Length,
     Marker,
     Number,
     Text,
     Vector,
+    Velocity,
     fail,
     tagged,
 )
@@ -321,3 +323,45 @@ class ServoEntry(Entry):
     kp: Amount = Field(description="N/m, or N m/rad along an angle")
     kd: Amount | None = Field(None, description="N s/m, or N m s/rad along an angle")
     limit: Amount | None = Field(None, description="Largest force or torque")
+
+
+# -- friction -------------------------------------------------------------------------------
+
+
+class RegularisedEntry(Entry):
+    """`Regularised`: a smooth law; what sticks creeps."""
+
+    type: Literal["regularised"]
+    velocity: Velocity | None = Field(
+        None, description="Slip speed at which friction is full, 1 mm/s if not given"
+    )
+
+
+class StickSlipEntry(Entry):
+    """`StickSlip`: joints stick by a constraint, then slip."""
+
+    type: Literal["stick-slip"]
+
+
+LawEntry: TypeAlias = Annotated[
+    Annotated[RegularisedEntry, Tag("regularised")] | Annotated[StickSlipEntry, Tag("stick-slip")],
+    tagged(),
+]
+
+
+class FrictionEntry(Entry):
+    """`Friction` of a revolute, prismatic or cylindrical joint."""
+
+    name: Text
+    joint: Text = Field(description="Name of an entry of joints")
+    mu_kinetic: Number
+    mu_static: Number | None = Field(None, description="mu_kinetic if not given")
+    radius: Length | None = Field(None, description="Of the pin, where the joint turns")
+    bearing_length: Length | None = Field(
+        None, description="Over which bending moments press; they do not if not given"
+    )
+    collar_radius: Length | None = Field(
+        None, description="Of the thrust collar, or arm of a guide that carries moments"
+    )
+    preload: ForceN | None = Field(None, description="Normal force that is always there")
+    law: LawEntry | None = Field(None, description="At low speed; regularised if not given")

@@ -105,6 +105,7 @@ SINGULAR = {
     "terms": "signal",
     "factors": "signal",
     "forces": "force",
+    "frictions": "friction",
     "sensors": "sensor",
     "sections": "section",
     "reduce": "reduction",

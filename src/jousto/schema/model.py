@@ -9,6 +9,7 @@ from pydantic import Field, Tag
 from jousto.schema.connections import (
     BushingEntry,
     CouplerEntry,
+    FrictionEntry,
     JointEntry,
     JointForceEntry,
     MovingLoadEntry,
@@ -225,6 +226,7 @@ class ModelEntry(Entry):
     joints: tuple[JointEntry, ...] | None = None
     couplings: tuple[CouplerEntry, ...] | None = None
     forces: tuple[LoadEntry, ...] | None = None
+    frictions: tuple[FrictionEntry, ...] | None = None
     gravity: Acceleration3 | None = None
     sensors: tuple[SensorEntry, ...] | None = None
     simulation: SimulationEntry | None = None

@@ -35,6 +35,9 @@ def model_facts(file: ModelFile) -> Facts:
         kind = type(force).__name__.lower()
         marker = getattr(force, "marker", None)
         rows.append((f"{kind} {force.name}", f"at {marker.label}" if marker else ""))
+    for friction in mechanism.frictions:
+        text = f"of joint {friction.joint.name}, mu {friction.mu_kinetic:g}"
+        rows.append((f"friction {friction.name}", f"{text}, {friction.law}"))
     rows += [(f"sensor {s.name}", f"{s.description}, {s.unit}") for s in mechanism.sensors]
     rows.append(("gravity", " ".join(f"{g:g}" for g in mechanism.gravity) + " m/s2"))
     if file.simulation is not None:
