@@ -28,6 +28,7 @@ WIDTHS = {  # pixels
     "cantilever_stress.png": 1100,
     "slider_crank.png": 1100,
     "four_bar.png": 1200,
+    "crane.png": 1200,
     "split_still.png": 900,
     "split.png": 900,
 }

@@ -13,11 +13,12 @@ import scipy.sparse
 import jousto.mechanism as jm
 import jousto.parts as jp
 import jousto.reduction as jr
+from jousto.engine import compile
 from jousto.errors import InputError, JoustoWarning
 from jousto.mechanism.force import LOADS
 from jousto.schema import build as schema_build
 from jousto.schema import connect, model_schema, parse_model, read_model, read_part
-from jousto.simulation import RK4, ROS2, SOLVERS, Baumgarte
+from jousto.simulation import RK4, ROS2, SOLVERS, Baumgarte, simulate
 from schema.models import EVERYTHING, PENDULUM, same
 
 ROOT = Path(__file__).parents[2]
@@ -321,6 +322,28 @@ def test_the_schema_knows_every_key_of_the_file():
     assert schema["required"] == ["bodies"]
     assert schema["additionalProperties"] is False
     assert all(d.get("additionalProperties") is False for d in schema["$defs"].values())
+
+
+# -- where a run starts -----------------------------------------------------------------------
+
+
+def test_a_run_starts_from_rest_if_asked():
+    """A mass on a spring starts sagged by m g / k and stays there."""
+    text = """
+bodies: [{name: block, mass: 2 kg, inertia: [0.01, 0.01, 0.01]}]
+joints: [{type: prismatic, name: slide, a: ground.origin, b: block.origin, axis: [0, 0, 1]}]
+forces:
+  - {type: spring, name: spring, coordinate: slide.displacement, stiffness: 1 kN/m, free: 0}
+gravity: [0, 0, -9.81]
+sensors: [{type: position, name: block, marker: block.origin}]
+simulation: {t_end: 100 ms, start: rest}
+"""
+    file = parse_model(text)
+    model = compile(file.mechanism)
+    run = simulate(model, file.simulation.t_end, **file.simulation.given(model))
+    assert run["block"][:, 2] == pytest.approx(-2 * 9.81 / 1000, rel=1e-9)
+    plain = parse_model(text.replace(", start: rest", ""))
+    assert "state" not in plain.simulation.given(model)
 
 
 # -- rigid ----------------------------------------------------------------------------------

@@ -93,13 +93,14 @@ def run(
         end = settings.t_end
     from jousto.simulation import describe, simulate
 
+    compiled = compile_model(file)
     solution = simulate(
-        compile_model(file),
+        compiled,
         end,
         path=target,
         progress=not quiet and sys.stderr.isatty(),
         model_text=file.text,
-        **(settings.given() if settings is not None else {}),
+        **(settings.given(compiled) if settings is not None else {}),
     )
     if not quiet:
         facts([(name, plain(value)) for name, value in describe(solution).items()])

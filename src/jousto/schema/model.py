@@ -214,6 +214,9 @@ class SimulationEntry(Entry):
     t_end: Duration
     solver: SolverEntry | None = None
     output_step: Duration | None = Field(None, description="Distance of the recorded times")
+    start: Literal["initial", "rest"] | None = Field(
+        None, description="From the initial pose, or from the position of rest at time 0"
+    )
 
 
 class ModelEntry(Entry):

@@ -32,15 +32,25 @@ class Simulation:
         The integrator; None for the default of `simulate`.
     output_step : float or None
         Distance of the recorded times, s; None for the default of `simulate`.
+    start : str
+        ``"initial"``, or ``"rest"`` to start from the `equilibrium` near the initial pose.
     """
 
     t_end: float
     solver: Any = None
     output_step: float | None = None
+    start: str = "initial"
 
-    def given(self) -> dict[str, Any]:
-        """Return the keyword arguments of `simulate` that the file gives, without `t_end`."""
+    def given(self, model: Any = None) -> dict[str, Any]:
+        """Return the keyword arguments of `simulate` that the file gives, without `t_end`.
+
+        With the compiled model they hold the state that the run starts from.
+        """
         values = {"solver": self.solver, "output_step": self.output_step}
+        if model is not None and self.start == "rest":
+            from jousto.simulation import equilibrium
+
+            values["state"] = equilibrium(model)
         return {key: value for key, value in values.items() if value is not None}
 
 
@@ -199,7 +209,7 @@ def build_simulation(builder: Builder, entry: SimulationEntry) -> Simulation | N
             solver = builder.make((*here, "solver"), make, **values)
     if len(builder.found) > before:
         return None
-    return Simulation(entry.t_end, solver, entry.output_step)
+    return Simulation(entry.t_end, solver, entry.output_step, entry.start or "initial")
 
 
 # -- parts alone and the schema -------------------------------------------------------------
