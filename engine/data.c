@@ -14,13 +14,27 @@ static void *take(arena *a, size_t bytes)
 }
 static jo_real *reals(arena *a, int n) { return take(a, (size_t)n * sizeof(jo_real)); }
 
-static jo_data *lay_out(const jo_model *m, arena *a)
+static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched)
 {
     jo_data spare_data, *taken = take(a, sizeof(jo_data)), *d = taken ? taken : &spare_data;
+    /* state: what the next step needs from the last, one block */
+    d->state = take(a, 0);
+    const size_t state = a->used;
     d->q = reals(a, m->nq);
     d->v = reals(a, m->nv);
     d->a = reals(a, m->nv);
     d->lam = reals(a, m->nrow);
+    d->turn = reals(a, m->nturn);
+    d->input = reals(a, m->ninput);
+    d->locked = take(a, (size_t)m->nlock * sizeof(int));
+    d->slip = take(a, (size_t)m->nfriction * sizeof(int));
+    d->held = reals(a, 2 * m->nlock);
+    d->direction = reals(a, 2 * m->nfriction);
+    d->rub = reals(a, 2 * m->nfriction);
+    d->happened = take(a, (size_t)m->nevent * sizeof(int));
+    /* end of state */
+    d->state_bytes = a->used - state;
+    d->kept.state = take(a, m->nevent ? d->state_bytes : 0);
     d->q0 = reals(a, m->nq);
     d->v0 = reals(a, m->nv);
     d->dq = reals(a, m->nv);
@@ -40,13 +54,6 @@ static jo_data *lay_out(const jo_model *m, arena *a)
     }
     d->coordinate = take(a, (size_t)m->ncoordinate * sizeof(jo_coordinate_work));
     d->force = take(a, (size_t)m->nforce * sizeof(jo_force_work));
-    d->turn = reals(a, m->nturn);
-    d->input = reals(a, m->ninput);
-    d->locked = take(a, (size_t)m->nlock * sizeof(int));
-    d->slip = take(a, (size_t)m->nfriction * sizeof(int));
-    d->held = reals(a, 2 * m->nlock);
-    d->direction = reals(a, 2 * m->nfriction);
-    d->rub = reals(a, 2 * m->nfriction);
     jo_real **mixing[4] = {&d->mixing.g, &d->mixing.r, &d->mixing.before, &d->mixing.change};
     for (int i = 0; i < 4; i++) *mixing[i] = reals(a, 2 * m->nfriction);
     for (int i = 0; i < JO_PAIRS; i++) {
@@ -54,7 +61,12 @@ static jo_data *lay_out(const jo_model *m, arena *a)
         d->mixing.dR[i] = reals(a, 2 * m->nfriction);
         d->mixing.Q[i] = reals(a, 2 * m->nfriction);
     }
-    d->happened = take(a, (size_t)m->nevent * sizeof(int));
+    double **event_values[] = {&d->level, &d->below, &d->above, &d->trial, &d->scale};
+    for (int i = 0; i < 5; i++) *event_values[i] = take(a, (size_t)m->nevent * sizeof(double));
+    d->side = take(a, (size_t)m->nevent * sizeof(int));
+    d->log = take(a, 3 * (size_t)jo_log_room(m) * sizeof(double));
+    d->measured = reals(a, m->nevent ? m->nout : 0);
+    *watched = take(a, m->nevent ? (size_t)m->nsensor * sizeof(jo_sensor) : 0);
     for (int i = 0; i < m->nbody; i++) {
         jo_body_work spare, *w = a->base ? &d->body[i] : &spare;
         const int np = m->body[i].np;
@@ -93,21 +105,24 @@ static jo_data *lay_out(const jo_model *m, arena *a)
 jo_data *jo_data_new(const jo_model *m)
 {
     arena a = {0, 0};
-    lay_out(m, &a);
+    jo_sensor *watched;
+    lay_out(m, &a, &watched);
     void *block = malloc(a.used + 64);
     if (!block) return 0;
     memset(block, 0, a.used + 64);
     a.base = (char *)block + (64 - (size_t)block % 64);
     a.used = 0;
-    jo_data *d = lay_out(m, &a);
+    jo_data *d = lay_out(m, &a, &watched);
     d->arena = block;
     d->gh = -1.0;
+    d->restart = 1;
     for (int i = 0; i < m->nbody; i++) {
         d->q[m->body[i].iq + 3] = 1.0;
         jo_body_setup(&m->body[i], &d->body[i], 0, 0.0);
     }
     jo_marker_setup(m, d, 0);
     jo_joint_setup(m, d, 0);
+    if (m->nevent) jo_event_setup(m, d, watched);
     for (int i = 0; i < m->nmarker; i++) {   /* ground markers stand still; gravity is a frame acceleration */
         if (m->marker[i].body >= 0) continue;
         jo_set3(d->marker[i].r, m->marker[i].u0);
@@ -134,6 +149,8 @@ jo_real *jo_data_held(jo_data *d) { return d->held; }
 jo_real *jo_data_rub(jo_data *d) { return d->rub; }
 int *jo_data_happened(jo_data *d) { return d->happened; }
 long long *jo_data_counts(jo_data *d) { return d->counts; }
+const double *jo_data_log(const jo_data *d) { return d->log; }
+int jo_data_logged(const jo_data *d) { return d->logged; }
 int jo_data_error_index(const jo_data *d) { return d->error_index; }
 
 int jo_abi(void) { return JO_ABI; }

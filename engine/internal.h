@@ -88,6 +88,14 @@ typedef struct {
     int pairs, newest;
 } jo_mixing;
 
+/* What the start of a step was, to repeat it. */
+typedef struct {
+    jo_real time, drive, work[3], power[3], power0[3];
+    double waiting;
+    int fresh, restart;
+    char *state;            /* copy of the arrays */
+} jo_kept;
+
 struct jo_data {
     jo_real time[1];
     jo_real work[3], power[3];      /* lost to damping, to friction, done by forces: energy so far, rate at the last evaluation */
@@ -109,6 +117,20 @@ struct jo_data {
     jo_real *direction, *rub;   /* (2 nfriction) */
     jo_mixing mixing;
     int smooth;             /* friction is left out: the joints are being closed */
+
+    char *state;            /* q .. happened and what methods remember, one block of state_bytes */
+    size_t state_bytes;
+    int restart;            /* forces jumped: methods with a memory start anew, and set it to 0 */
+    jo_kept kept;
+    jo_model watch;         /* the model with the watched sensors only */
+    jo_real *measured;      /* (nout) their values */
+    double *level, *below, *above, *trial, *scale;   /* (nevent) value less threshold: at the start of the step, at the ends
+                                                      * of the interval in which a crossing lies, between; change in the step */
+    int *side;              /* (nevent) sign of the value, 0: starts at the threshold */
+    int watching, demanding;   /* level and side are valid; watched sensors need accelerations */
+    double *log;            /* (jo_log_room x 3) time, event, direction */
+    int logged;
+    double left;            /* time at the end of the last call */
     long long counts[5];    /* evaluations, Newton iterations, factorisations, rejected steps, singular positions */
     int regular;            /* S is regularised */
     jo_real *S, *S0;        /* (nblock x JO_BLOCK); S0 before it is factored, with redundant rows */
@@ -192,6 +214,16 @@ jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i);
 int jo_friction_switch(const jo_model *m, jo_data *d, int i);
 int jo_friction_settle(const jo_model *m, jo_data *d);
 int jo_friction_transitions(const jo_model *m, jo_data *d);
+
+/* step.c */
+int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* by exactly s->step */
+void jo_add_work(jo_data *d);
+
+/* event.c */
+int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* the same, with the events on the way */
+void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list);
+int jo_log_room(const jo_model *m);
+int jo_log_has_room(const jo_model *m, const jo_data *d);
 
 /* dynamics.c */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set);

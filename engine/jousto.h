@@ -36,7 +36,9 @@ typedef enum { JO_OK = 0, JO_NOT_FINITE = 1, JO_SINGULAR_BODY = 2, JO_SINGULAR_J
                JO_NO_CONVERGENCE = 6,     /* Newton's iteration of a step; error_index: body of the largest residual */
                JO_FRICTION_FAILED = 7,    /* no reaction agrees with its own friction; error_index: friction */
                JO_EVENT = 8,              /* the state stands at an event; error_index: event */
-               JO_STEP_TOO_SMALL = 9 } jo_status;
+               JO_STEP_TOO_SMALL = 9,
+               JO_ENDLESS = 10            /* events without end within one step; error_index: event */
+} jo_status;
 typedef enum { JO_RK4 = 1, JO_ROS2 = 2, JO_ALPHA = 3, JO_DOPRI = 4 } jo_method;
 typedef enum { JO_CONSTANT = 0, JO_HARMONIC = 1, JO_TABLE = 2, JO_STEP = 3,
                JO_PIECES = 4, JO_SUM = 5, JO_PRODUCT = 6, JO_INPUT = 7, JO_SWITCHED = 8 } jo_signal_type;
@@ -241,6 +243,9 @@ jo_real *jo_data_direction(jo_data *d);          /* (2 nfriction) direction of t
 jo_real *jo_data_held(jo_data *d);               /* (2 nlock) values of the coordinates that optional joints hold */
 jo_real *jo_data_rub(jo_data *d);                /* (2 nfriction) friction along the coordinates, on b, N or N m */
 int *jo_data_happened(jo_data *d);               /* (nevent) how often each event has happened */
+const double *jo_data_log(const jo_data *d);     /* (logged x 3) events of the last jo_run or jo_step: time, event, +1 rising
+                                                  * or -1 falling */
+int jo_data_logged(const jo_data *d);
 long long *jo_data_counts(jo_data *d);           /* (5) evaluations, Newton iterations, factorisations,
                                                   * rejected steps, evaluations in a singular position */
 int jo_data_error_index(const jo_data *d);       /* body or joint of the last error */
@@ -248,6 +253,7 @@ int jo_data_error_index(const jo_data *d);       /* body or joint of the last er
 int jo_accelerations(const jo_model *m, jo_data *d);          /* a, lam from time, q, v */
 int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance);
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s);
+void jo_restart(jo_data *d);      /* the state was replaced: what methods and events remember of the last step is forgotten */
 void jo_energy(const jo_model *m, jo_data *d, jo_real *out);      /* (4) kinetic strain potential springs */
 void jo_residuals(const jo_model *m, jo_data *d, jo_real *out);   /* (2) largest |C|, |Cq v| */
 void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot);   /* (nrow) each */
@@ -256,8 +262,10 @@ int jo_residual(const jo_model *m, jo_data *d, jo_real *r);     /* (nv) M a + Cq
 void jo_sensors(const jo_model *m, jo_data *d, jo_real *out);     /* (nout), after jo_accelerations */
 
 /* Advance nsteps; whenever the step count is a multiple of `every` write one row
- * [time q v lam kinetic strain potential springs dissipated friction work |C| |Cq v| evaluations iterations sensors].
- * `count` holds the steps done before and is advanced, `written` the rows. Returns a jo_status. */
+ * [time q v lam kinetic strain potential springs dissipated friction work |C| |Cq v| evaluations iterations sensors
+ *  turn locked slip held direction happened input].
+ * `count` holds the steps done before and is advanced, `written` the rows. At an event that stops the run a row more is
+ * written there. Does fewer steps when the log of events is full. Returns a jo_status. */
 int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
            long long *count, int *written, jo_real *rows);
 int jo_row(const jo_model *m, jo_data *d, jo_real *row);   /* one such row of the present state */

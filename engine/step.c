@@ -59,7 +59,7 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s)
 
 /* the last step's work by the trapezoidal rule between states, now that the power at its end is known; the
  * stages in between say little about modes that the step does not resolve */
-static void add_work(jo_data *d)
+void jo_add_work(jo_data *d)
 {
     d->work[0] += 0.5 * d->waiting * (d->power0[0] + d->power[0]);
     d->work[2] += 0.5 * d->waiting * (d->power0[2] + d->power[2] - d->drive);   /* drives and friction: stage by stage */
@@ -97,7 +97,7 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
         d->dq[i] = h * (d->v[i] + gh * d->a[i]);
         d->v[i] += h * d->a[i];
     }
-    add_work(d);
+    jo_add_work(d);
     d->waiting = h;
     for (int i = 0; i < 3; i++) d->power0[i] = d->power[i];
     d->power0[2] -= d->drive;
@@ -127,7 +127,7 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
     return JO_OK;
 }
 
-static int step(const jo_model *m, jo_data *d, const jo_solver *s)
+int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
     if (status != JO_OK) return status;
@@ -152,19 +152,44 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
     return m->nlock ? jo_friction_transitions(m, d) : JO_OK;
 }
 
-int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
+static int step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
-    d->current = d->fresh = 0;   /* the caller may have changed the state */
-    return step(m, d, s);
+    return m->nevent ? jo_event_step(m, d, s) : jo_one_step(m, d, s);
 }
 
-int jo_row_size(const jo_model *m) { return 1 + m->nq + m->nv + m->nrow + JO_BALANCE + m->nout; }
+/* the caller may have changed the state: what hangs on it is computed again */
+static void enter(jo_data *d)
+{
+    d->current = d->fresh = 0;
+    d->logged = 0;
+    if (JO_RE(d->time[0]) != d->left) jo_restart(d);
+}
+
+void jo_restart(jo_data *d)
+{
+    d->restart = 1;
+    d->watching = 0;
+}
+
+int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    enter(d);
+    const int status = step(m, d, s);
+    d->left = JO_RE(d->time[0]);
+    return status;
+}
+
+int jo_row_size(const jo_model *m)
+{
+    return 1 + m->nq + m->nv + m->nrow + JO_BALANCE + m->nout + m->nturn + 3 * m->nlock + 3 * m->nfriction
+           + m->nevent + m->ninput;
+}
 
 static int write_row(const jo_model *m, jo_data *d, jo_real *row)
 {
     int status = d->fresh ? JO_OK : jo_accelerations(m, d);
     if (status != JO_OK) return status;
-    add_work(d);
+    jo_add_work(d);
     *row++ = d->time[0];
     for (int i = 0; i < m->nq; i++) *row++ = d->q[i];
     for (int i = 0; i < m->nv; i++) *row++ = d->v[i];
@@ -175,6 +200,14 @@ static int write_row(const jo_model *m, jo_data *d, jo_real *row)
     row[9] = (double)d->counts[0];
     row[10] = (double)d->counts[1];
     jo_sensors(m, d, row + JO_BALANCE);
+    row += JO_BALANCE + m->nout;
+    for (int i = 0; i < m->nturn; i++) *row++ = d->turn[i];
+    for (int i = 0; i < m->nlock; i++) *row++ = d->locked[i];
+    for (int i = 0; i < m->nfriction; i++) *row++ = d->slip[i];
+    for (int i = 0; i < 2 * m->nlock; i++) *row++ = d->held[i];
+    for (int i = 0; i < 2 * m->nfriction; i++) *row++ = d->direction[i];
+    for (int i = 0; i < m->nevent; i++) *row++ = d->happened[i];
+    for (int i = 0; i < m->ninput; i++) *row++ = d->input[i];
     return JO_OK;
 }
 
@@ -185,22 +218,37 @@ int jo_row(const jo_model *m, jo_data *d, jo_real *row)
     return status == JO_OK ? write_row(m, d, row) : status;
 }
 
-int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
-           long long *count, int *written, jo_real *rows)
+static int run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
+               long long *count, int *written, jo_real *rows)
 {
-    *written = 0;
-    d->current = d->fresh = 0;   /* the caller may have changed the state */
+    const size_t size = (size_t)jo_row_size(m);
     const jo_real start = d->time[0] - (double)*count * s->step;
-    for (long long i = 0; i < nsteps; i++) {
+    for (long long i = 0; i < nsteps && (!m->nevent || jo_log_has_room(m, d)); i++) {
         int status = step(m, d, s);
+        if (status == JO_EVENT) {
+            const int event = d->error_index, failed = write_row(m, d, rows + (size_t)*written * size);
+            if (failed != JO_OK) return failed;
+            d->error_index = event;
+            ++*written;
+        }
         if (status != JO_OK) return status;
         ++*count;
         d->time[0] = start + (double)*count * s->step;
         if (*count % every == 0) {
-            status = write_row(m, d, rows + (size_t)*written * (size_t)jo_row_size(m));
+            status = write_row(m, d, rows + (size_t)*written * size);
             if (status != JO_OK) return status;
             ++*written;
         }
     }
     return JO_OK;
+}
+
+int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
+           long long *count, int *written, jo_real *rows)
+{
+    *written = 0;
+    enter(d);
+    const int status = run(m, d, s, nsteps, every, count, written, rows);
+    d->left = JO_RE(d->time[0]);
+    return status;
 }

@@ -33,7 +33,7 @@ from jousto.mechanism.elements import (
 from jousto.mechanism.friction import Friction, Regularised, StickSlip
 from jousto.mechanism.joints import Joint
 from jousto.mechanism.moving import MovingLoad
-from jousto.mechanism.signals import Constant, Input, Product, Ramp, SCurve, Sum
+from jousto.mechanism.signals import Constant, Input, Product, Ramp, SCurve, Sum, Switched
 
 
 class Builder:
@@ -43,10 +43,13 @@ class Builder:
     ----------
     bodies : dict of int to int
         Index of every moving body by its id.
+    events : dict of int to int
+        Index of every event by its id.
     """
 
-    def __init__(self, bodies: dict[int, int]) -> None:
+    def __init__(self, bodies: dict[int, int], events: dict[int, int] | None = None) -> None:
         self._bodies = bodies
+        self._events = events or {}
         self.markers: list[MarkerModel] = []
         self.coordinates: list[CoordinateModel] = []
         self.joints: list[JointModel] = []
@@ -196,6 +199,12 @@ class Builder:
                     SignalModel("input", data, count=count, name=signal.name)
                 )
             return self._places[key]
+        if isinstance(signal, Switched):
+            children = (self.signal(signal.before), self.signal(signal.after))
+            event = self._events[id(signal.event)]
+            return self._append(
+                SignalModel("switched", np.zeros(1), count=event, children=children)
+            )
         return self._append(_signal(signal))
 
     def _append(self, signal: SignalModel) -> int:

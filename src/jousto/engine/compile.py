@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine.builder import Builder
+from jousto.engine.events import event_models, watched_coordinates
 from jousto.engine.measure import NOT_UNIQUE, flag_reactions, sensor_models
 from jousto.engine.model import (
     BodyModel,
@@ -63,23 +64,24 @@ def compile(mechanism: Mechanism) -> Model:
     """
     index = {id(body): i for i, body in enumerate(mechanism.bodies)}
     bodies, q0, v0 = _bodies(mechanism)
-    builder = Builder(index)
-    for item in mechanism.events:
-        raise TypeError(f"no engine rows for {type(item).__name__}")
+    builder = Builder(index, {id(event): i for i, event in enumerate(mechanism.events)})
     for joint in mechanism.joints:
         builder.joint(joint)
     for coupling in mechanism.couplings:
         builder.coupling(coupling)
     for load in mechanism.forces:
         builder.force(load)
-    for sensor in mechanism.sensors:  # angles are counted at every step
+    watched = watched_coordinates(mechanism)
+    gauges = (*mechanism.sensors, *watched)
+    for sensor in gauges:  # angles are counted at every step
         if isinstance(sensor, CoordinateSensor | RateSensor):
             builder.declared(sensor.coordinate)
     places = {id(joint): i for i, joint in enumerate(mechanism.joints)}
     for friction in mechanism.frictions:  # after all rows that always hold
         builder.friction(friction, places[id(friction.joint)])
     active = len(builder.markers)
-    sensors = sensor_models(mechanism, builder, index)
+    sensors = sensor_models(mechanism, builder, index, watched)
+    builder.events += event_models(mechanism, gauges, sensors)
     on_body: dict[int, list[int]] = {}
     for k, jm in enumerate(builder.joints):
         for side in jm.sides:

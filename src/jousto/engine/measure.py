@@ -110,13 +110,16 @@ class Measures:
 
 
 def sensor_models(
-    mechanism: Mechanism, builder: Builder, bodies: dict[int, int]
+    mechanism: Mechanism,
+    builder: Builder,
+    bodies: dict[int, int],
+    further: tuple[CoordinateSensor, ...] = (),
 ) -> tuple[SensorModel, ...]:
-    """Return the sensors of a mechanism, their values one after the other."""
+    """Return the sensors of a mechanism and `further` ones, their values one after the other."""
     measure = Measures(mechanism, builder, bodies)
     models: list[SensorModel] = []
     offset = 0
-    for sensor in mechanism.sensors:
+    for sensor in (*mechanism.sensors, *further):
         found = measure(sensor)
         models.append(
             SensorModel(

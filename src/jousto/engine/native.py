@@ -9,14 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine import library
-from jousto.engine.callback import BadAnswer
+from jousto.engine.failures import (
+    AT_BODY,
+    CALLBACK_FAILED,
+    EVENT,
+    FRICTION_FAILED,
+    OK,
+    SINGULAR_BODY,
+    SINGULAR_JOINT,
+    failure,
+)
 from jousto.engine.layout import Layout
 from jousto.engine.model import Model
 from jousto.errors import InputError, Problem, SimulationError
 
 Scalars = NDArray[Any]  # float64, or complex128 in the build for derivatives
-OK, NOT_FINITE, SINGULAR_BODY, SINGULAR_JOINT, NO_MEMORY = range(5)
-CALLBACK_FAILED, NO_CONVERGENCE, FRICTION_FAILED, EVENT, STEP_TOO_SMALL = range(5, 10)
 BALANCE = 11  # entries of a row between the multipliers and the sensors
 
 # what a twin of an engine needs to stand where it stands
@@ -137,7 +144,8 @@ class Engine:
         Returns
         -------
         status : int
-            0, or what the engine could not do (see `problem`).
+            0, EVENT where an event stopped the run, or what the engine could not do (see
+            `problem`).
         written : int
             Rows written.
 
@@ -147,6 +155,7 @@ class Engine:
             If `rows` is not a contiguous array of the engine's scalars with enough rows.
         """
         needed = (self.steps_done % max(every, 1) + steps) // max(every, 1)
+        needed += any(event.stop for event in self.model.events)
         good = rows.ndim == 2 and rows.shape[0] >= needed and rows.shape[1] == self.row_size
         if not (good and every >= 1 and rows.dtype == self.dtype and rows.flags.c_contiguous):
             raise ValueError(
@@ -160,6 +169,18 @@ class Engine:
         )
         return int(status), int(written[0])
 
+    def happenings(self) -> NDArray[np.float64]:
+        """Return time, event and direction (k, 3) of what happened in the last `run` or `step`."""
+        count = int(self._library.jo_data_logged(self._data))
+        if count == 0:
+            return np.zeros((0, 3))
+        log = self._ffi.buffer(self._library.jo_data_log(self._data), 24 * count)
+        return np.frombuffer(log, np.float64).reshape(count, 3).copy()
+
+    def restart(self) -> None:
+        """Forget what methods and events remember of the last step: the state was replaced."""
+        self._library.jo_restart(self._data)
+
     def row(self) -> Scalars:
         """Return the present state as one row of `run`."""
         out = np.zeros(self.row_size, self.dtype)
@@ -171,9 +192,13 @@ class Engine:
         """Steps taken by `run` so far."""
         return int(self._count[0])
 
+    @steps_done.setter
+    def steps_done(self, count: int) -> None:
+        self._count[0] = count
+
     @property
     def error_index(self) -> int:
-        """Body or joint of the last error."""
+        """Body, joint, force, friction or event of the last error."""
         return int(self._library.jo_data_error_index(self._data))
 
     def energy(self) -> Scalars:
@@ -278,67 +303,26 @@ class Engine:
     # -- errors -----------------------------------------------------------------------------
 
     def _check(self, status: int) -> None:
+        if status in (OK, EVENT):
+            return
+        problem = self.problem(status)
         if status in (SINGULAR_BODY, FRICTION_FAILED):
-            raise InputError(self.problem(status))
+            raise InputError(problem)
         if status == SINGULAR_JOINT:
-            raise SingularJoints(self.problem(status))
-        if status == NOT_FINITE:
-            name = self.model.bodies[self.error_index].name
-            raise SimulationError(
-                f"body '{name}' is no longer finite", time=float(self.time[0].real), body=name
-            )
-        if status == CALLBACK_FAILED:
-            raise SimulationError(
-                self.callback_problem(), time=float(self.time[0].real)
-            ) from self.cause
-        if status != OK:
-            raise SimulationError(f"engine status {status}", time=float(self.time[0].real))
+            raise SingularJoints(problem)
+        body = self.model.bodies[self.error_index].name if status in AT_BODY else ""
+        raise SimulationError(str(problem), time=float(self.time[0].real), body=body) from (
+            self.cause if status == CALLBACK_FAILED else None
+        )
 
     @property
     def cause(self) -> BaseException | None:
         """What a user's Python function raised last, or None."""
         return self._layout.raised[-1] if self._layout.raised else None
 
-    def callback_problem(self) -> str:
-        """Return the sentence for a user function that failed."""
-        name = self.model.forces[self.error_index].name
-        if isinstance(self.cause, BadAnswer):
-            return (
-                f"force '{name}': its function {self.cause}; check it at the positions and "
-                "velocities of this time"
-            )
-        if self.cause is not None:
-            return f"force '{name}': its function raised {type(self.cause).__name__}: {self.cause}"
-        return (
-            f"force '{name}': its function reported an error or returned a value that is not "
-            "finite; check it at the positions and velocities of this time"
-        )
-
     def problem(self, status: int) -> Problem:
-        """Return the sentence for a singular body or joint, or for friction that jams."""
-        index = self.error_index
-        if status == FRICTION_FAILED:
-            friction = self.model.frictions[index]
-            joint = self.model.joints[friction.joint].name
-            return Problem(
-                f"friction '{friction.name}'",
-                f"no reaction of joint '{joint}' agrees with its own friction: with mu_kinetic = "
-                f"{friction.data[0].real:g} and mu_static = {friction.data[1].real:g} it presses "
-                "itself harder than it slips (it jams); lower mu or the radius, lengthen the "
-                "bearing or bring the load nearer to it",
-            )
-        if status == SINGULAR_BODY:
-            return Problem(
-                f"body '{self.model.bodies[index].name}'",
-                "its mass matrix is singular: there is no inertia about some axis (all mass on "
-                "one line or at one point); give the part rotary inertia (rotary_inertia=True) "
-                "or a point mass with inertia",
-            )
-        return Problem(
-            f"joint '{self.model.joints[index].name}'",
-            "its constraints cannot be told from those of other joints: a body is lighter than "
-            "its neighbours by a factor of 1e12 or more; join it with one of them",
-        )
+        """Return the sentence for what the engine could not do."""
+        return failure(self.model, status, self.error_index, self.cause)
 
     # -- memory layout ----------------------------------------------------------------------
 

@@ -27,6 +27,7 @@ from jousto.mechanism.sensors import (
     SiteSensor,
     StrainSensor,
 )
+from jousto.mechanism.signals import Signal, Switched, leaves
 
 if TYPE_CHECKING:
     from jousto.mechanism.mechanism import Mechanism
@@ -147,6 +148,10 @@ def check_members(problems: Problems, mechanism: Mechanism) -> None:
         problems.add(where(item), f"{argument}: body {body.name!r} {text}")
 
     items = (*mechanism.joints, *mechanism.couplings, *mechanism.forces, *mechanism.sensors)
+    for event in mechanism.events:
+        if isinstance(event.watch, Coordinate):
+            missing(event, event.watch.name, event.watch.a.body)
+            missing(event, event.watch.name, event.watch.b.body)
     for item in (*items, *mechanism.frictions):
         for argument, marker in markers_of(item):
             missing(item, argument, marker.body)
@@ -169,6 +174,43 @@ def check_member(problems: Problems, item: Any, used: Any, known: tuple[Any, ...
     else:
         text = f"is not in the mechanism{suggest(used.name, names)}"
     problems.add(where(item), f"{kind_of(used)} {used.name!r} {text}")
+
+
+def signals_of(item: Any) -> Iterator[Signal]:
+    """Yield the signals an item uses and all signals they are made of."""
+    for key in ("signal", "reference"):
+        signal = getattr(item, key, None)
+        if isinstance(signal, Signal):
+            yield from leaves(signal)
+
+
+def check_events(problems: Problems, mechanism: Mechanism) -> None:
+    """Note events that watch what is not measured, and signals of events that are not there."""
+    sensors = [sensor.name for sensor in mechanism.sensors]
+    for event in mechanism.events:
+        if isinstance(event.watch, SENSORS) and not any(
+            event.watch is sensor for sensor in mechanism.sensors
+        ):
+            if event.watch.name in sensors:
+                text = "is another sensor of that name than the one in the mechanism"
+            else:
+                text = "is not in the mechanism; add it"
+            problems.add(where(event), f"watches sensor {event.watch.name!r}, which {text}")
+    events = [event.name for event in mechanism.events]
+    items = (*mechanism.forces, *mechanism.couplings, *mechanism.sensors)
+    for item in items:
+        for signal in signals_of(item):
+            if isinstance(signal, Switched) and not any(
+                signal.event is event for event in mechanism.events
+            ):
+                if signal.event.name in events:
+                    text = "is another event of that name than the one in the mechanism"
+                else:
+                    text = "is not in the mechanism; add it"
+                problems.add(
+                    where(item),
+                    f"its signal is switched by event {signal.event.name!r}, which {text}",
+                )
 
 
 def check_joints(problems: Problems, mechanism: Mechanism) -> None:

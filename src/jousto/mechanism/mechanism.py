@@ -29,7 +29,7 @@ class Mechanism:
 
     Parameters
     ----------
-    *items : RigidBody, FlexibleBody, joint, Gravity, Force, Torque or sensor
+    *items : RigidBody, FlexibleBody, joint, Gravity, Force, Torque, Event or sensor
         In any order; bodies, joints, forces and sensors keep the order in which they are given.
     name : str
         Name for plots and messages.
@@ -140,6 +140,7 @@ class Mechanism:
         checks.check_items(problems, self.items)
         checks.check_names(problems, self)
         checks.check_members(problems, self)
+        checks.check_events(problems, self)
         checks.check_joints(problems, self)
         checks.check_rotations(problems, self)
         checks.check_drives(problems, self)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine import Engine, Model
-from jousto.engine.native import CALLBACK_FAILED, FRICTION_FAILED, NOT_FINITE
+from jousto.engine.failures import EVENT, NOT_FINITE, SINGULAR_BODY, SINGULAR_JOINT
 from jousto.engine.redundancy import disagreement
 from jousto.errors import InputError, Problem, Problems, SimulationError, warn
 from jousto.simulation.linear import State
@@ -331,7 +331,7 @@ def _loop(
         (solver.baumgarte.alpha, solver.baumgarte.beta) if solver.baumgarte else (0.0, 0.0)
     )
     native = engine.native_solver(solver.method, plan.step, solver.projection, alpha, beta)
-    capacity = max(1, min(4096, BUFFER_BYTES // (8 * engine.row_size)))
+    capacity = max(2, min(4096, BUFFER_BYTES // (8 * engine.row_size)))
     rows = np.zeros((capacity, engine.row_size))
     rows[0] = engine.row()
     record(rows[:1])
@@ -341,12 +341,15 @@ def _loop(
     while done < plan.steps:
         room = (capacity - 1) * plan.every
         count = min(call, plan.steps - done, max(room, plan.every))
-        before = clock.perf_counter()
+        before, first = clock.perf_counter(), engine.steps_done
         status, written = engine.run(native, count, plan.every, rows)
         now = clock.perf_counter()
         record(rows[:written])
+        if status == EVENT:
+            return None
         if status:
             return _cause(model, solver, plan, engine, status)
+        count = engine.steps_done - first  # fewer if the log of events was full
         done += count
         report(float(engine.time[0].real), now - started)
         spent = max(now - before, 1e-6)
@@ -358,9 +361,7 @@ def _cause(
     model: Model, solver: Solver, plan: Schedule, engine: Engine, status: int
 ) -> tuple[str, str]:
     """Return why the run cannot go on, and which body shows it."""
-    if status == CALLBACK_FAILED:
-        return engine.callback_problem(), ""
-    if status == FRICTION_FAILED:
+    if status not in (NOT_FINITE, SINGULAR_BODY, SINGULAR_JOINT):
         return str(engine.problem(status)), ""
     sentence = stability_warning(model, solver, plan.step)
     gap = engine.residuals()[0]
