@@ -8,23 +8,6 @@
  */
 #include "internal.h"
 
-void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh)
-{
-    jo_body_set *s = &w->set[set];
-    int np = b->np;
-    for (int j = 0; j < np; j++) s->weight[j] = 1.0 / (1.0 + gh * b->D[j] + gh * gh * b->K[j]);
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < np; j++) s->I3w[i * np + j] = b->I3[i * np + j] * s->weight[j];
-    jo_real *L = s->L11;
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k <= i; k++) {
-            jo_real x = i == k ? b->mass[0] : 0.0;
-            for (int j = 0; j < np; j++) x -= s->I3w[i * np + j] * b->I3[k * np + j];
-            for (int j = 0; j < k; j++) x -= L[3 * i + j] * L[3 * k + j];
-            L[3 * i + k] = i == k ? 1.0 / jo_sqrt(x) : x * L[4 * k];
-        }
-}
-
 void jo_body_pose(const jo_body *b, jo_body_work *w, const jo_real *q)
 {
     jo_rotation(w->A, q + 3);
@@ -199,16 +182,21 @@ void jo_body_inertia(const jo_body *b, jo_body_work *w, jo_real *power)
     const int np = b->np;
     const jo_real *om = w->w;
     jo_real Ip[3] = {0}, Jd[6] = {0}, Bp[3] = {0}, t[3];
+    if (!b->n) {
+        jo_cross(t, om, w->S);
+        jo_cross(w->fr, t, om);
+        jo_sym3(t, w->J, om);
+        jo_cross(w->fr + 3, t, om);
+        return;
+    }
     jo_set3(w->S, b->S0);
     for (int c = 0; c < 6; c++) w->J[c] = b->J0[c];
-    if (b->n) {
-        contract(b, w);
-        dot_rows(3, np, b->I3, w->p, w->S);
-        dot_rows(3, np, b->I3, w->pd, Ip);
-        dot_rows(3, np, w->B, w->pd, Bp);
-        inertia(np, b->D0, w->D, w->p, w->pd, w->J, Jd);
-        *power += modal_force(b, om, w->D, w->G, w->p, w->pd, w->extra, w->fp);
-    }
+    contract(b, w);
+    dot_rows(3, np, b->I3, w->p, w->S);
+    dot_rows(3, np, b->I3, w->pd, Ip);
+    dot_rows(3, np, w->B, w->pd, Bp);
+    inertia(np, b->D0, w->D, w->p, w->pd, w->J, Jd);
+    *power += modal_force(b, om, w->D, w->G, w->p, w->pd, w->extra, w->fp);
     /* Q_R = -w x (w x S) - 2 w x I3 p' */
     jo_cross(t, om, w->S);
     for (int i = 0; i < 3; i++) t[i] += 2.0 * Ip[i];
@@ -264,7 +252,7 @@ static inline void weigh(const int np, const jo_real *restrict B, const jo_real 
 }
 
 /* Z = M_rr - M_rp weight M_pr = L L^T for [R'', w'] */
-int jo_body_factor(const jo_body *b, jo_body_work *w, int set)
+static int factor(const jo_body *b, jo_body_work *w, int set)
 {
     const int np = b->np;
     const jo_body_set *s = &w->set[set];
@@ -302,6 +290,30 @@ int jo_body_factor(const jo_body *b, jo_body_work *w, int set)
         }
     }
     return JO_OK;
+}
+
+int jo_body_factor(const jo_body *b, jo_body_work *w, int set) { return b->n ? factor(b, w, set) : w->status; }
+
+void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh)
+{
+    jo_body_set *s = &w->set[set];
+    int np = b->np;
+    for (int j = 0; j < np; j++) s->weight[j] = 1.0 / (1.0 + gh * b->D[j] + gh * gh * b->K[j]);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < np; j++) s->I3w[i * np + j] = b->I3[i * np + j] * s->weight[j];
+    jo_real *L = s->L11;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k <= i; k++) {
+            jo_real x = i == k ? b->mass[0] : 0.0;
+            for (int j = 0; j < np; j++) x -= s->I3w[i * np + j] * b->I3[k * np + j];
+            for (int j = 0; j < k; j++) x -= L[3 * i + j] * L[3 * k + j];
+            L[3 * i + k] = i == k ? 1.0 / jo_sqrt(x) : x * L[4 * k];
+        }
+    if (!b->n) {   /* inertia in the body frame, and so its factor, is constant */
+        jo_set3(w->S, b->S0);
+        for (int c = 0; c < 6; c++) w->J[c] = b->J0[c];
+        w->status = factor(b, w, set);
+    }
 }
 
 /* z = L^-1 (f_r - M_rp weight f_p): L^-T z would be the rigid acceleration without joints */

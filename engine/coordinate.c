@@ -7,14 +7,6 @@
 
 static void axis(jo_real *x, const jo_real *A, int i) { x[0] = A[i]; x[1] = A[3 + i]; x[2] = A[6 + i]; }
 
-/* world vector of a local one; ground is its own world */
-void jo_to_world(jo_real *y, const jo_model *m, const jo_data *d, int marker, const jo_real *x)
-{
-    int body = m->marker[marker].body;
-    if (body < 0) jo_set3(y, x);
-    else jo_mul3(y, d->body[body].A, x);
-}
-
 /* four-quadrant arc tangent; in the complex build the imaginary part follows the real one to first order */
 jo_real jo_arc_tangent(jo_real y, jo_real x)
 {

@@ -144,6 +144,14 @@ struct jo_data {
     void *arena;
 };
 
+/* world vector of a local one; ground is its own world */
+static inline void jo_to_world(jo_real *y, const jo_model *m, const jo_data *d, int marker, const jo_real *x)
+{
+    const int body = m->marker[marker].body;
+    if (body < 0) jo_set3(y, x);
+    else jo_mul3(y, d->body[body].A, x);
+}
+
 /* body.c */
 void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh);
 void jo_body_pose(const jo_body *b, jo_body_work *w, const jo_real *q);
@@ -170,7 +178,6 @@ void jo_coordinates(const jo_model *m, jo_data *d, int count);     /* value, gra
 void jo_coordinates_rate(const jo_model *m, jo_data *d, int count);   /* rate, bias */
 void jo_count_turns(const jo_model *m, jo_data *d);                /* the present angles are accepted */
 jo_real jo_arc_tangent(jo_real y, jo_real x);                      /* four quadrants */
-void jo_to_world(jo_real *y, const jo_model *m, const jo_data *d, int marker, const jo_real *x);
 
 /* The work on small blocks is compiled for the row counts that occur, so that loops unroll. */
 #define JO_BY_ROWS(n, call)        \

@@ -202,7 +202,7 @@ void jo_joint_rows(const jo_model *m, jo_data *d)
                 put_row(C, ld, first + r, 0, t, T);
             }
             if (k->nline) line_rows(m, d, k, w, side);
-            const jo_real *turn = C + (T ? 6 : 3) * ld, *L = bw->L;
+            const jo_real *turn = C + (T ? 6 : 3) * ld, *L = m->body[body].n ? bw->L : 0;
             const int rotations = k->nperp + k->nline;
             reduced_rows(V, ld, C, turn, first || k->nline ? mw->Xt : 0, rotations ? mw->Xr : 0, L);
             if (ld > 4) reduced_rows(V + 4, ld, C + 4, turn + 4, k->nline ? mw->Xt : 0, mw->Xr, L);

@@ -39,11 +39,35 @@ static void weigh(const jo_body *b, const jo_real *weight, const jo_marker_work 
     if (k->Psi) modal33(w->PsiI3, w->Psiw, b->I3, np);
 }
 
+/* X of a marker where no modal coordinates are eliminated */
+static inline void unreduced(jo_real *Xt, const jo_real *u)
+{
+    const jo_real rigid[18] = {1.0, 0.0, 0.0, 0.0, u[2], -u[1], 0.0, 1.0, 0.0, -u[2], 0.0, u[0],
+                               0.0, 0.0, 1.0, u[1], -u[0], 0.0};
+    for (int j = 0; j < 18; j++) Xt[j] = rigid[j];
+}
+
+/* on a rigid body all that is constant */
+static void rigid_rows(const jo_marker *k, const jo_real *L, jo_marker_work *w)
+{
+    jo_set3(w->u, k->u0);
+    unreduced(w->Xt, w->u);
+    for (int j = 0; j < 18; j++) w->Xr[j] = j == 3 || j == 10 || j == 17 ? 1.0 : 0.0;
+    for (int r = 0; r < 3; r++) {
+        jo_body_forward(L, w->Xt + 6 * r);
+        jo_body_forward(L, w->Xr + 6 * r);
+    }
+}
+
 void jo_marker_setup(const jo_model *m, jo_data *d, int set)
 {
     for (int i = 0; i < m->nactive; i++) {
         const jo_marker *k = &m->marker[i];
-        if (k->body < 0 || !m->body[k->body].n) continue;
+        if (k->body < 0) continue;
+        if (!m->body[k->body].n) {
+            rigid_rows(k, d->body[k->body].L, &d->marker[i]);
+            continue;
+        }
         weigh(&m->body[k->body], d->body[k->body].set[set].weight, &d->marker[i], &d->marker[i].set[set]);
     }
 }
@@ -228,13 +252,11 @@ void jo_marker_reduce(const jo_model *m, jo_data *d, int count)
         const int np = m->body[k->body].np;
         const jo_body_work *bw = &d->body[k->body];
         const jo_marker_set *s = &w->set[d->set];
-        if (k->chi) weigh(&m->body[k->body], bw->set[d->set].weight, w, &w->set[d->set]);
-        const jo_real *u = w->u;
-        jo_real *X = w->Xt, Q[9], t[3];
-        const jo_real rigid[18] = {1.0, 0.0, 0.0, 0.0, u[2], -u[1], 0.0, 1.0, 0.0, -u[2], 0.0, u[0],
-                                   0.0, 0.0, 1.0, u[1], -u[0], 0.0};
-        for (int j = 0; j < 18; j++) X[j] = rigid[j];
         jo_set3(w->a, w->bv);
+        if (!np) continue;
+        if (k->chi) weigh(&m->body[k->body], bw->set[d->set].weight, w, &w->set[d->set]);
+        jo_real *X = w->Xt, Q[9], t[3];
+        unreduced(X, w->u);
         if (k->Phi) {
             modal33(Q, s->Phiw, bw->B, np);
             for (int r = 0; r < 3; r++)

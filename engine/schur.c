@@ -16,7 +16,7 @@ static void pair_gram(const jo_model *m, jo_data *d, int i, int set)
     const int np = m->body[m->marker[k].body].np;
     const jo_real *weight = d->body[m->marker[k].body].set[set].weight;
     jo_real *gram = d->gram[set] + 36 * i;
-    for (int r = 0; r < 6; r++)
+    for (int r = 0; r < 6 && np; r++)
         for (int c = 0; c < 6; c++) {
             const jo_real *x = r < 3 ? mk->Phi : mk->Psi, *y = c < 3 ? ml->Phi : ml->Psi;
             jo_real s = 0.0;
@@ -96,22 +96,21 @@ static void add_gram(jo_real *S, const jo_joint *k, const jo_real *Ck, const jo_
     for (int r = 0; r < ld; r += 4) add_gram_rows(S + r, ld, Ck + r, 0, 6, Cl, ldl, n, moving, both, gram);
 }
 
-/* S = L L^T of a diagonal block, in place, inverse diagonal; a pivot that vanishes against the diagonal
- * that the row had before elimination means that the row repeats others. 1, 0: singular, -1: not finite */
+/* S = L D L^T of a diagonal block, in place: below the diagonal L, whose diagonal is 1, on it D^-1. A pivot that vanishes
+ * against the diagonal that the row had before elimination means that the row repeats others. 1, 0: singular, -1: not finite */
 static inline int factor_diagonal(jo_real *restrict S, const int n, const double *scale)
 {
     const int ld = jo_padded(n);
     int regular = 1;
-    for (int i = 0; i < n; i++) {
-        for (int k = 0; k < i; k++) {
-            jo_real x = S[ld * k + i];
-            for (int j = 0; j < k; j++) x -= S[ld * j + i] * S[ld * j + k];
-            S[ld * k + i] = x * S[(ld + 1) * k];
+    for (int k = 0; k < n; k++) {
+        const jo_real x = S[(ld + 1) * k], inverse = 1.0 / x;
+        if (regular == 1 && !(JO_RE(x) > 1e-12 * scale[k])) regular = isfinite(JO_RE(x)) ? 0 : -1;
+        for (int j = k + 1; j < n; j++) {
+            const jo_real y = S[ld * k + j] * inverse;
+            for (int i = j; i < n; i++) S[ld * j + i] -= S[ld * k + i] * y;
         }
-        jo_real x = S[(ld + 1) * i];
-        for (int j = 0; j < i; j++) x -= S[ld * j + i] * S[ld * j + i];
-        if (regular == 1 && !(JO_RE(x) > 1e-12 * scale[i])) regular = isfinite(JO_RE(x)) ? 0 : -1;
-        S[(ld + 1) * i] = 1.0 / jo_sqrt(x);
+        for (int j = k + 1; j < n; j++) S[ld * k + j] *= inverse;
+        S[(ld + 1) * k] = inverse;
     }
     return regular;
 }
@@ -125,20 +124,19 @@ static inline void divide(jo_real *restrict X, const int ld, const jo_real *rest
         for (int j = 0; j < n; j++) {
             x[j] = JO_LOAD(X + ld * j + l);
             for (int k = 0; k < j; k++) x[j] -= L[ldl * k + j] * x[k];
-            x[j] *= L[(ldl + 1) * j];
             JO_STORE(X + ld * j + l) = x[j];
         }
     }
 }
 
-/* T -= X Y^T over n columns, ld rows of X and ny of Y */
+/* T -= X D^-1 Y^T over n columns, ld rows of X and ny of Y */
 static inline void subtract_product(jo_real *restrict T, const jo_real *restrict X, const int ld,
-                                    const jo_real *restrict Y, const int ny, const int n)
+                                    const jo_real *restrict Y, const int ny, const jo_real *restrict D, const int n)
 {
-    const int ldy = jo_padded(ny);
+    const int ldy = jo_padded(ny), step = jo_padded(n) + 1;
     for (int l = 0; l < ld; l += JO_WIDTH) {
         jo_lanes x[6];
-        for (int j = 0; j < n; j++) x[j] = JO_LOAD(X + ld * j + l);
+        for (int j = 0; j < n; j++) x[j] = D[step * j] * JO_LOAD(X + ld * j + l);
         for (int s = 0; s < ny; s++) {
             jo_lanes t = JO_LOAD(T + ld * s + l);
             for (int j = 0; j < n; j++) t -= Y[ldy * j + s] * x[j];
@@ -240,11 +238,11 @@ static int factor(const jo_model *m, jo_data *d)
             const jo_real *X = S + JO_BLOCK * up->left, *Y = S + JO_BLOCK * up->right;
             const int ld = jo_padded(up->left_rows), ny = up->right_rows;
             if (ny == n) {
-#define CALL(ld, n) subtract_product(T, X, ld, Y, n, n)
+#define CALL(ld, n) subtract_product(T, X, ld, Y, n, diag, n)
                 JO_BY_BLOCK(ld, n, CALL)
 #undef CALL
             } else {
-#define CALL(ld, n) subtract_product(T, X, ld, Y, ny, n)
+#define CALL(ld, n) subtract_product(T, X, ld, Y, ny, diag, n)
                 JO_BY_BLOCK(ld, n, CALL)
 #undef CALL
             }
@@ -267,24 +265,24 @@ int jo_joint_factor(const jo_model *m, jo_data *d)
     return status;
 }
 
+/* x = D^-1 L^-1 x */
 static inline void solve_forward(const jo_real *restrict L, jo_real *restrict x, const int n)
 {
     const int ld = jo_padded(n);
-    for (int i = 0; i < n; i++) {
-        jo_real s = x[i];
-        for (int k = 0; k < i; k++) s -= L[ld * k + i] * x[k];
-        x[i] = s * L[(ld + 1) * i];
-    }
+    jo_real y[6];
+    for (int i = 0; i < n; i++) y[i] = x[i];
+    for (int k = 0; k < n; k++)
+        for (int i = k + 1; i < n; i++) y[i] -= L[ld * k + i] * y[k];
+    for (int i = 0; i < n; i++) x[i] = y[i] * L[(ld + 1) * i];
 }
 
-static inline void solve_backward(const jo_real *restrict L, jo_real *restrict x, const int n)
+/* x = L^-T (x - D^-1 y) */
+static inline void solve_backward(const jo_real *restrict L, jo_real *restrict x, const jo_real *restrict y, const int n)
 {
     const int ld = jo_padded(n);
-    for (int i = n - 1; i >= 0; i--) {
-        jo_real s = x[i];
-        for (int k = i + 1; k < n; k++) s -= L[ld * i + k] * x[k];
-        x[i] = s * L[(ld + 1) * i];
-    }
+    for (int i = 0; i < n; i++) x[i] -= L[(ld + 1) * i] * y[i];
+    for (int i = n - 1; i >= 0; i--)
+        for (int k = 0; k < i; k++) x[k] -= L[ld * k + i] * x[i];
 }
 
 /* y -= X x, padded */
@@ -298,19 +296,19 @@ static inline void subtract_left(jo_real *restrict y, const jo_real *restrict X,
     }
 }
 
-/* x -= X^T y */
-static inline void subtract_right(jo_real *restrict x, const jo_real *restrict X, const jo_real *restrict y,
+/* x += X^T y */
+static inline void add_right(jo_real *restrict x, const jo_real *restrict X, const jo_real *restrict y,
                                   const int rows, const int n)
 {
     const int ld = jo_padded(rows);
     for (int k = 0; k < n; k++) {
         jo_real s = x[k];
-        for (int r = 0; r < rows; r++) s -= X[ld * k + r] * y[r];
+        for (int r = 0; r < rows; r++) s += X[ld * k + r] * y[r];
         x[k] = s;
     }
 }
 
-/* x = (L L^T)^-1 x for all joints */
+/* x = (L D L^T)^-1 x for all joints */
 static void solve_factored(const jo_model *m, jo_data *d)
 {
     for (int c = 0; c < m->ncolumn; c++) {
@@ -332,19 +330,19 @@ static void solve_factored(const jo_model *m, jo_data *d)
     for (int c = m->ncolumn - 1; c >= 0; c--) {
         const jo_column *col = &m->column[c];
         const int n = m->joint[col->joint].nrow;
-        jo_real *x = d->joint[col->joint].x;
+        jo_real *x = d->joint[col->joint].x, s[6] = {0};
         for (int i = col->first; i < col->first + col->count; i++) {
             const jo_real *X = d->S + JO_BLOCK * m->below[i].block, *y = d->joint[m->below[i].joint].x;
             const int rows = m->joint[m->below[i].joint].nrow;
             if (rows == n) {
-#define CALL(n) subtract_right(x, X, y, n, n)
+#define CALL(n) add_right(s, X, y, n, n)
                 JO_BY_ROWS(n, CALL)
 #undef CALL
             } else {
-                subtract_right(x, X, y, rows, n);
+                add_right(s, X, y, rows, n);
             }
         }
-#define CALL(n) solve_backward(d->S + JO_BLOCK * c, x, n)
+#define CALL(n) solve_backward(d->S + JO_BLOCK * c, x, s, n)
         JO_BY_ROWS(n, CALL)
 #undef CALL
     }
@@ -367,7 +365,9 @@ static void residual(const jo_model *m, jo_data *d)
             jo_joint_work *v = &d->joint[m->below[i].joint];
             const int rows = m->joint[m->below[i].joint].nrow;
             subtract_left(v->x, X, w->sum, jo_padded(rows), n);
-            subtract_right(w->x, X, v->sum, rows, n);
+            jo_real s[6] = {0};
+            add_right(s, X, v->sum, rows, n);
+            for (int j = 0; j < n; j++) w->x[j] -= s[j];
         }
     }
 }
