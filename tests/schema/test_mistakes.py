@@ -270,8 +270,8 @@ def test_warnings_have_their_line():
 
 def test_an_unknown_key_beside_all_known_ones_lists_them():
     text = "  - {type: position, name: middle, marker: arm.node3}"
-    assert changed((text, text.replace("}", ", extra: 1}"))) == [
-        "m.yaml:18: sensors.0.extra: unknown key 'extra'; known: type, name, marker"
+    assert changed((text, "  - {type: modal, name: middle, body: arm, extra: 1}")) == [
+        "m.yaml:18: sensors.0.extra: unknown key 'extra'; known: type, name, body"
     ]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 from pathlib import Path
 
@@ -16,8 +17,8 @@ import jousto.reduction as jr
 from jousto.engine import compile
 from jousto.errors import InputError, JoustoWarning
 from jousto.mechanism.force import LOADS
-from jousto.schema import build as schema_build
-from jousto.schema import connect, model_schema, parse_model, read_model, read_part
+from jousto.schema import connect, model_schema, parse_model, read_model, read_part, sense
+from jousto.schema import elements as schema_elements
 from jousto.simulation import RK4, ROS2, SOLVERS, Baumgarte, simulate
 from schema.models import EVERYTHING, PENDULUM, same
 
@@ -146,21 +147,20 @@ def test_everything_equals_the_python_constructors():
 
 def test_every_class_can_be_said_in_a_file():
     """A new joint, force, signal, sensor, solver or section must be added to the file too."""
-    joints, loads, signals, couplings = (
+    joints, loads, signals, couplings, elements, sensors = (
         set(kinds.values())
-        for kinds in (connect.JOINTS, schema_build.LOADS, connect.SIGNALS, connect.COUPLINGS)
+        for kinds in (
+            *(connect.JOINTS, schema_elements.LOADS, connect.SIGNALS, connect.COUPLINGS),
+            *(schema_elements.ELEMENTS, sense.SENSORS),
+        )
     )
     assert joints == set(jm.JOINTS)
     assert loads == set(LOADS)
-    # patterns of nodal forces and functions are for Python
-    elements = set(connect.ELEMENTS.values())
-    assert elements == set(jm.ELEMENTS) - {jm.ModalLoad, jm.UserForce}
+    assert elements == set(jm.ELEMENTS)
     assert couplings == set(jm.COUPLINGS)
     # a switched signal needs an event, which the file has not
     assert signals == set(jm.SIGNALS) - {jm.Switched}
-    sensors = {*schema_build.MARKER_SENSORS.values(), jm.ModalSensor, jm.ReactionSensor}
-    # the file does not know all sensors yet: <= becomes == as it learns them
-    assert {*sensors, jm.StressSensor} <= set(jm.SENSORS)
+    assert sensors == set(jm.SENSORS)
     definitions = model_schema()["$defs"]
     assert set(definitions["SolverEntry"]["properties"]["type"]["enum"]) == {
         s.__name__ for s in SOLVERS
@@ -169,12 +169,16 @@ def test_every_class_can_be_said_in_a_file():
         jp.Rectangle, jp.Circle, jp.Tube, jp.Box, jp.IBeam, jp.GeneralSection, jp.SectionPoint,
         jp.Material, jp.PointMass, jp.Timoshenko, jp.EulerBernoulli, jp.Member,
         jr.CraigBampton, jr.FreeFree, jr.Rayleigh, *joints, *loads, *signals, *couplings, *elements,
-        jm.ModalSensor, jm.ReactionSensor, jm.StressSensor, jm.RigidBody, Baumgarte,
+        *sensors, jm.RigidBody, Baumgarte,
     ):  # fmt: skip
-        import inspect
-
-        keys = set(definitions[f"{cls.__name__}Entry"]["properties"]) - {"type"}
-        assert keys <= set(inspect.signature(cls).parameters), cls
+        name = "MotionSensor" if cls in jm.MOTION_SENSORS else cls.__name__
+        keys = set(definitions[f"{name}Entry"]["properties"]) - {"type"}
+        if cls is jm.Table:
+            keys -= {"file", "columns", "units"}
+        given = set(inspect.signature(cls).parameters)
+        assert keys <= given, cls
+        if cls in sensors | elements | couplings | joints:
+            assert keys == given, cls
 
 
 def test_json_says_the_same_as_yaml(tmp_path):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from jousto.cli.options import Debug, Model, Output, Result, app, compile_model, end_time
+from jousto.cli.options import Debug, Model, Output, Result, Trust, app, compile_model, end_time
 from jousto.cli.terminal import command, facts, plain, progress_bar, say
 from jousto.errors import InputError, JoustoWarning, Problem
 
@@ -37,12 +37,12 @@ def _root(
 
 @app.command()
 @command
-def check(model: Model, debug: Debug = False) -> None:
+def check(model: Model, trust: Trust = False, debug: Debug = False) -> None:
     """Read a model file, check everything and say what is in it and how it can move."""
     from jousto.engine import doctor
     from jousto.schema import read_model
 
-    file = read_model(model)
+    file = read_model(model, trust=trust)
     describe_model(file)
     compiled = compile_model(file)
     facts(doctor(compiled).lines())
@@ -71,6 +71,7 @@ def run(
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no summary.")] = False,
     rigid: Annotated[bool, typer.Option("--rigid", help="Make flexible bodies rigid.")] = False,
+    trust: Trust = False,
     debug: Debug = False,
 ) -> None:
     """Simulate a model; the results go to MODEL.h5 unless -o says otherwise."""
@@ -79,7 +80,7 @@ def run(
 
     target = output_path(output, model, ".h5", kind=RESULTS)
     end = None if t_end is None else end_time(t_end)
-    file = read_model(model, rigid=rigid)
+    file = read_model(model, rigid=rigid, trust=trust)
     settings = file.simulation
     if end is None:
         if settings is None:
@@ -111,6 +112,7 @@ def run(
 @command
 def info(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Model, results or reduced part.")],
+    trust: Trust = False,
     debug: Debug = False,
 ) -> None:
     """Say what is in a model file, a results file or a reduced part."""
@@ -122,7 +124,7 @@ def info(
             raise InputError(Problem(str(file), "is not an HDF5 file, or it is damaged"))
         from jousto.schema import read_model
 
-        describe_model(read_model(file))
+        describe_model(read_model(file, trust=trust))
     elif hdf5_format(file) == REDUCED_PART:
         from jousto.reduction import ReducedPart
 

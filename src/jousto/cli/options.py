@@ -24,6 +24,9 @@ app = typer.Typer(
 Model = Annotated[Path, typer.Argument(metavar="MODEL", help="Model file (YAML or JSON).")]
 Result = Annotated[Path, typer.Argument(metavar="RESULT", help="Results file (HDF5).")]
 Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Output file.")]
+Trust = Annotated[
+    bool, typer.Option("--trust", help="Run Python functions that the model file names.")
+]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from jousto.cli.options import Debug, Model, Output, app, compile_model, end_time
+from jousto.cli.options import Debug, Model, Output, Trust, app, compile_model, end_time
 from jousto.cli.terminal import command, facts, numbers, plain, say
 from jousto.errors import InputError, Problem
 
@@ -15,13 +15,13 @@ MATRICES = (".npz", ".mat")
 
 @app.command()
 @command
-def equilibrium(model: Model, debug: Debug = False) -> None:
+def equilibrium(model: Model, trust: Trust = False, debug: Debug = False) -> None:
     """Find where a model rests: positions of the bodies and values of the sensors."""
     from jousto.engine import Engine
     from jousto.schema import read_model
     from jousto.simulation import equilibrium as rest
 
-    compiled = compile_model(read_model(model))
+    compiled = compile_model(read_model(model, trust=trust))
     state = rest(compiled)
     engine = Engine(compiled)
     engine.q[:], engine.v[:], engine.time[0] = state.q, state.v, state.time
@@ -47,6 +47,7 @@ def modes(
     initial: Annotated[
         bool, typer.Option("--initial", help="About the initial pose, not the rest position.")
     ] = False,
+    trust: Trust = False,
     debug: Debug = False,
 ) -> None:
     """Compute the natural modes of a model, without damping, about where it rests."""
@@ -56,7 +57,7 @@ def modes(
     from jousto.simulation import equilibrium as rest
     from jousto.simulation import modes as natural
 
-    compiled = compile_model(read_model(model))
+    compiled = compile_model(read_model(model, trust=trust))
     found = natural(compiled, None if initial else rest(compiled))
     largest = {name: np.abs(x).max(axis=(1, 2), initial=0.0) for name, x in found.shapes.items()}
     rows = []
@@ -78,6 +79,7 @@ def linearise(
     initial: Annotated[
         bool, typer.Option("--initial", help="About the initial pose, not the rest position.")
     ] = False,
+    trust: Trust = False,
     debug: Debug = False,
 ) -> None:
     """Linearise a model: A, B, C, D of its inputs and sensors, into MODEL.npz or -o FILE.mat."""
@@ -91,7 +93,7 @@ def linearise(
     target = output_path(output, model, ".npz")
     if target.suffix not in MATRICES:
         raise InputError(Problem(str(target), f"must end with {' or '.join(MATRICES)}"))
-    compiled = compile_model(read_model(model))
+    compiled = compile_model(read_model(model, trust=trust))
     found = small_motions(compiled, None if initial else rest(compiled))
     values: dict[str, Any] = {
         "A": found.A,
@@ -128,6 +130,7 @@ def kinematics(
     instants: Annotated[
         int, typer.Option("--instants", "-n", min=1, help="How many instants, evenly spaced.")
     ] = 101,
+    trust: Trust = False,
     debug: Debug = False,
 ) -> None:
     """Move a fully driven model without integration, with the forces of its drives."""
@@ -138,7 +141,7 @@ def kinematics(
     from jousto.simulation import kinematics as motion
 
     target = output_path(output, model, ".h5", kind=RESULTS)
-    file = read_model(model)
+    file = read_model(model, trust=trust)
     end = None if t_end is None else end_time(t_end)
     if end is None:
         if file.simulation is None:

@@ -14,26 +14,14 @@ from jousto import mechanism as jm
 from jousto.errors import InputError, JoustoWarning, Problem, suggest
 from jousto.schema import model as sm
 from jousto.schema import parts as sp
-from jousto.schema.connect import (
-    build_coupler,
-    build_element,
-    build_friction,
-    build_joint,
-    build_signal,
-)
+from jousto.schema.connect import build_coupler, build_friction, build_joint
 from jousto.schema.document import Document, Loc
+from jousto.schema.elements import build_load
 from jousto.schema.entries import Entry, MarkerEntry, RotateEntry
 from jousto.schema.files import read_matrix, read_points
+from jousto.schema.sense import FLEXIBLE_ONLY, build_sensor
 
 T = TypeVar("T")
-
-LOADS = {"force": jm.Force, "torque": jm.Torque}
-MARKER_SENSORS = {
-    "position": jm.PositionSensor,
-    "velocity": jm.VelocitySensor,
-    "orientation": jm.OrientationSensor,
-    "angular-velocity": jm.AngularVelocitySensor,
-}
 
 
 class Builder:
@@ -48,6 +36,8 @@ class Builder:
         again. None stands for any name.
     rigid : bool
         Whether flexible bodies are made rigid.
+    trust : bool
+        Whether Python code that the document names may run.
     """
 
     def __init__(
@@ -56,8 +46,10 @@ class Builder:
         broken: Iterable[tuple[str, str | None]] = (),
         *,
         rigid: bool = False,
+        trust: bool = False,
     ) -> None:
         self.document = document
+        self.trust = trust
         self.broken = set(broken)
         self.rigid = rigid
         self.found: list[tuple[Loc, Problem]] = []
@@ -263,12 +255,15 @@ class Builder:
                 values[key] = self.make((*loc, key), jm.Rotate, entry.axis, entry.angle_deg)
         return values
 
-    def unknown(self, loc: Loc, section: str, kind: str, name: str, known: Iterable[str]) -> None:
+    def unknown(
+        self, loc: Loc, section: str | tuple[str, ...], kind: str, name: str, known: Iterable[str]
+    ) -> None:
         """Note a reference to nothing, unless it is to an entry that failed itself."""
-        if not {(section, name), (section, None)} & self.broken:
+        sections = (section,) if isinstance(section, str) else section
+        if not {(s, n) for s in sections for n in (name, None)} & self.broken:
             known = [
                 *known,
-                *(str(n) for s, n in sorted(self.broken, key=str) if s == section and n),
+                *(str(n) for s, n in sorted(self.broken, key=str) if s in sections and n),
             ]
             self.note(loc, f"no {kind} {name!r}{suggest(name, known)}")
 
@@ -296,40 +291,6 @@ class Builder:
             return marker
         axes = self.orientations(loc, {"axes": entry.axes})["axes"]
         return None if axes is None else self.make((*loc, "axes"), marker.turned, axes)
-
-    def load(self, loc: Loc, entry: Any, bodies: dict[str, Any], joints: dict[str, Any]) -> Any:
-        """Return the force of an entry, None if anything is wrong with it."""
-        if entry.type not in LOADS:
-            return build_element(self, loc, entry, bodies, joints)
-        values = entry.given()
-        values["marker"] = self.marker((*loc, "marker"), entry.marker, bodies)
-        if entry.signal is not None:
-            values["signal"] = build_signal(self, (*loc, "signal"), entry.signal, "1")
-            if values["signal"] is None:
-                return None
-        if values["marker"] is None:
-            return None
-        return self.make(loc, LOADS[entry.type], **values)
-
-    def sensor(self, loc: Loc, entry: Any, bodies: dict[str, Any], joints: dict[str, Any]) -> Any:
-        """Return the sensor of an entry, None if anything is wrong with it."""
-        values = entry.given()
-        if isinstance(entry, sm.MarkerSensorEntry):
-            values["marker"] = self.marker((*loc, "marker"), entry.marker, bodies)
-            make: Any = MARKER_SENSORS[entry.type]
-            return None if values["marker"] is None else self.make(loc, make, **values)
-        if isinstance(entry, sm.ReactionSensorEntry):
-            values["joint"] = joints.get(entry.joint)
-            if values["joint"] is None:
-                self.unknown((*loc, "joint"), "joints", "joint", entry.joint, joints)
-                return None
-            return self.make(loc, jm.ReactionSensor, **values)
-        values["body"] = bodies.get(entry.body)
-        if values["body"] is None:
-            self.unknown((*loc, "body"), "bodies", "body", entry.body, bodies)
-            return None
-        make = jm.ModalSensor if isinstance(entry, sm.ModalSensorEntry) else jm.StressSensor
-        return self.make(loc, make, **values)
 
     def section_items(
         self, key: str, entries: Any, index: list[int], build: Callable[[Loc, Any], Any]
@@ -369,8 +330,9 @@ class Builder:
             entries, places = getattr(entry, key) or (), index[key]
             if self.rigid:
                 # a rigid body has neither modes nor stress
-                flexible = ("modal", "stress")
-                kept = [i for i, e in enumerate(entries) if getattr(e, "type", "") not in flexible]
+                kept = [
+                    i for i, e in enumerate(entries) if getattr(e, "type", "") not in FLEXIBLE_ONLY
+                ]
                 entries, places = [entries[i] for i in kept], [places[i] for i in kept]
             return self.section_items(key, entries, places, build)
 
@@ -379,9 +341,11 @@ class Builder:
         joints = listed("joints", lambda at, e: build_joint(self, at, e, by_name))
         free = named(joints)
         couplings = listed("couplings", lambda at, e: build_coupler(self, at, e, by_name, free))
-        loads = listed("forces", lambda at, e: self.load(at, e, by_name, free))
+        loads = listed("forces", lambda at, e: build_load(self, at, e, by_name, free))
         frictions = listed("frictions", lambda at, e: build_friction(self, at, e, free))
-        sensors = listed("sensors", lambda at, e: self.sensor(at, e, by_name, free))
+        known = {"bodies": by_name, "joints": free}
+        known |= {"couplings": named(couplings), "forces": named(loads)}
+        sensors = listed("sensors", lambda at, e: build_sensor(self, at, e, known))
         items = [*bodies, *joints, *couplings, *loads, *frictions, *sensors]
         if not bodies and (self.found or self.broken):
             return None

@@ -8,6 +8,7 @@ from jousto import mechanism as jm
 from jousto.errors import suggest
 from jousto.schema.document import Loc
 from jousto.schema.entries import Entry
+from jousto.schema.signals import TableEntry
 from jousto.schema.units import UnitError, quantity
 
 if TYPE_CHECKING:
@@ -28,13 +29,6 @@ JOINTS = {
     "rod": jm.Rod,
 }
 COUPLINGS = {"gear": jm.Gear, "rack": jm.Rack, "coupling": jm.Coupling, "drive": jm.Drive}
-ELEMENTS = {
-    "spring": jm.Spring,
-    "bushing": jm.Bushing,
-    "joint-force": jm.JointForce,
-    "moving-load": jm.MovingLoad,
-    "servo": jm.Servo,
-}
 COORDINATES = {"angle": jm.Angle, "displacement": jm.Displacement, "distance": jm.Distance}
 SIGNALS = {
     "constant": jm.Constant,
@@ -115,6 +109,10 @@ def build_signal(builder: Builder, loc: Loc, entry: Any, unit: str) -> Any:
     """
     if not isinstance(entry, Entry):
         return build_amount(builder, loc, entry, unit)
+    if isinstance(entry, TableEntry):
+        from jousto.schema.tables import build_table
+
+        return build_table(builder, loc, entry, "s", unit)
     values = entry.given()
     for key in ("terms", "factors"):
         if key in values:
@@ -157,55 +155,6 @@ def build_coupler(
     if any(value is None for value in (*values.values(), *values.get("coordinates", ()))):
         return None
     return builder.make(loc, COUPLINGS[entry.type], **values)
-
-
-# units of stiffness and damping along a length and along an angle
-STIFFNESS = {"m": "N/m", "rad": "N m/rad"}
-DAMPING = {"m": "N s/m", "rad": "N m s/rad"}
-
-
-def build_element(
-    builder: Builder, loc: Loc, entry: Any, bodies: dict[str, Any], joints: dict[str, Any]
-) -> Any:
-    """Return the spring, bushing, joint force or servo of an entry, None if it is wrong."""
-    values = entry.given()
-    if entry.type == "bushing":
-        found = with_markers(builder, loc, entry, bodies)
-        values = {"a": None} if found is None else found
-        rows = (("stiffness", STIFFNESS), ("damping", DAMPING), ("preload", None))
-        for key, units in rows:
-            if key in values:
-                both = ("N", "N m") if units is None else (units["m"], units["rad"])
-                values[key] = tuple(
-                    build_amount(builder, (*loc, key, i), x, both[i // 3])
-                    for i, x in enumerate(values[key])
-                )
-                if None in values[key]:
-                    values[key] = None
-    elif entry.type == "moving-load":
-        values["body"] = bodies.get(entry.body)
-        if values["body"] is None:
-            builder.unknown((*loc, "body"), "bodies", "body", entry.body, bodies)
-            return None
-        for key, unit in (("position", "m"), ("signal", "1")):
-            if key in values:
-                values[key] = build_signal(builder, (*loc, key), values[key], unit)
-    else:
-        s = build_coordinate(builder, (*loc, "coordinate"), entry.coordinate, bodies, joints)
-        values["coordinate"] = s
-        if s is None:
-            return None
-        stiffness, damping, force = STIFFNESS[s.unit], DAMPING[s.unit], s.force_unit
-        units = {
-            "stiffness": stiffness, "kp": stiffness, "damping": damping, "kd": damping,
-            "free": s.unit, "reference": s.unit, "preload": force, "limit": force, "signal": force,
-        }  # fmt: skip
-        for key, unit in units.items():
-            if key in values:
-                values[key] = build_signal(builder, (*loc, key), values[key], unit)
-    if any(value is None for value in values.values()):
-        return None
-    return builder.make(loc, ELEMENTS[entry.type], **values)
 
 
 def build_friction(builder: Builder, loc: Loc, entry: Any, joints: dict[str, Any]) -> Any:

@@ -19,10 +19,11 @@ from jousto.schema.entries import (
     Text,
     Vector,
     Velocity,
+    by_form,
     fail,
     tagged,
 )
-from jousto.schema.signals import Amount, SignalEntry, SignalOrNumber
+from jousto.schema.signals import Amount, CurveEntry, SignalEntry, SignalOrNumber
 from jousto.schema.units import describe
 
 AXIS = "In the world at the initial pose; the z axis of a if not given"
@@ -265,6 +266,17 @@ Six: TypeAlias = Annotated[
     tuple[Amount, Amount, Amount, Amount, Amount, Amount],
     Vector(6),
 ]
+SixOrMatrix: TypeAlias = Annotated[
+    Annotated[Six, Tag("scalar")]
+    | Annotated[Annotated[tuple[Six, Six, Six, Six, Six, Six], Vector(6)], Tag("list")],
+    Discriminator(lambda v: "list" if v and isinstance(v[0], list | tuple) else "scalar"),
+]
+Pattern: TypeAlias = Annotated[
+    Annotated[Text, Tag("scalar")]
+    | Annotated[tuple[Force3, ...], Tag("list")]
+    | Annotated[dict[Text, Force3], Tag("mapping")],
+    by_form(),
+]
 
 
 class SpringEntry(Entry):
@@ -277,6 +289,8 @@ class SpringEntry(Entry):
     damping: Amount | None = Field(None, description="N s/m, or N m s/rad along an angle")
     free: Amount | None = Field(None, description="Without force; the initial pose if not given")
     preload: Amount | None = Field(None, description="Force or torque along the coordinate")
+    table: CurveEntry | None = Field(None, description="Force over the coordinate")
+    damper_table: CurveEntry | None = Field(None, description="Force over the coordinate's rate")
 
 
 class BushingEntry(Entry):
@@ -286,8 +300,8 @@ class BushingEntry(Entry):
     name: Text
     a: Marker
     b: Marker
-    stiffness: Six
-    damping: Six | None = None
+    stiffness: SixOrMatrix = Field(description="The diagonal, or six rows of a matrix")
+    damping: SixOrMatrix | None = Field(None, description="As stiffness; zero if not given")
     preload: Six | None = None
 
 
@@ -323,6 +337,53 @@ class ServoEntry(Entry):
     kp: Amount = Field(description="N/m, or N m/rad along an angle")
     kd: Amount | None = Field(None, description="N s/m, or N m s/rad along an angle")
     limit: Amount | None = Field(None, description="Largest force or torque")
+
+
+class ModalLoadEntry(Entry):
+    """`ModalLoad`: nodal forces that follow a flexible body, such as a pressure."""
+
+    type: Literal["modal-load"]
+    name: Text
+    body: Text
+    pattern: Pattern = Field(
+        description="Forces in the body frame: for named nodes, a list with one for every node, or "
+        "a file (.csv, .txt, .npy) with them in N"
+    )
+    signal: SignalEntry | None = Field(None, description="Factor as a function of time")
+
+
+class _Function:
+    """Annotation of ``module:function`` or ``file.py:function``."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Check that there is a colon with something on both sides."""
+
+        def check(value: Any) -> str:
+            place, colon, name = value.rpartition(":") if isinstance(value, str) else ("", "", "")
+            if not (colon and place.strip() and name.isidentifier()):
+                raise fail(
+                    "expects module:function or file.py:function such as wind.py:drag, "
+                    f"got {describe(value)}"
+                )
+            return str(value)
+
+        return core_schema.no_info_plain_validator_function(check)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        """Describe as a string with a colon."""
+        return {"type": "string", "pattern": r"^.+:[^:]+$", "description": "module:function"}
+
+
+class UserForceEntry(Entry):
+    """`UserForce`: force and torque by a function; it runs only if the file is trusted."""
+
+    type: Literal["user-force"]
+    name: Text
+    marker: Marker
+    function: Annotated[str, _Function()] = Field(
+        description="module:function, or file.py:function relative to the model file"
+    )
+    reference: Marker | None = Field(None, description="Frame of motion and force; the world")
 
 
 # -- friction -------------------------------------------------------------------------------

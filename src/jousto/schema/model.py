@@ -12,9 +12,11 @@ from jousto.schema.connections import (
     FrictionEntry,
     JointEntry,
     JointForceEntry,
+    ModalLoadEntry,
     MovingLoadEntry,
     ServoEntry,
     SpringEntry,
+    UserForceEntry,
 )
 from jousto.schema.entries import (
     Acceleration3,
@@ -38,6 +40,7 @@ from jousto.schema.entries import (
     tagged,
 )
 from jousto.schema.parts import PartEntry
+from jousto.schema.sensors import SensorEntry
 from jousto.schema.signals import SignalEntry
 
 # -- bodies ---------------------------------------------------------------------------------
@@ -138,54 +141,9 @@ LoadEntry: TypeAlias = Annotated[
     | Annotated[BushingEntry, Tag("bushing")]
     | Annotated[JointForceEntry, Tag("joint-force")]
     | Annotated[MovingLoadEntry, Tag("moving-load")]
-    | Annotated[ServoEntry, Tag("servo")],
-    tagged(),
-]
-
-# -- sensors --------------------------------------------------------------------------------
-
-
-class MarkerSensorEntry(Entry):
-    """`PositionSensor`, `VelocitySensor`, `OrientationSensor`, `AngularVelocitySensor`."""
-
-    type: Literal["position", "velocity", "orientation", "angular-velocity"]
-    name: Text
-    marker: Marker
-
-
-class ModalSensorEntry(Entry):
-    """`ModalSensor`: modal coordinates and velocities of a flexible body."""
-
-    type: Literal["modal"]
-    name: Text
-    body: Text
-
-
-class ReactionSensorEntry(Entry):
-    """`ReactionSensor`: force and moment of a joint."""
-
-    type: Literal["reaction"]
-    name: Text
-    joint: Text
-
-
-class StressSensorEntry(Entry):
-    """`StressSensor`: stress at section points of a flexible body."""
-
-    type: Literal["stress"]
-    name: Text
-    body: Text
-    sites: tuple[Text, ...] | None = Field(None, description="Such as e3.a.top; all if not given")
-
-
-SensorEntry: TypeAlias = Annotated[
-    Annotated[MarkerSensorEntry, Tag("position")]
-    | Annotated[MarkerSensorEntry, Tag("velocity")]
-    | Annotated[MarkerSensorEntry, Tag("orientation")]
-    | Annotated[MarkerSensorEntry, Tag("angular-velocity")]
-    | Annotated[ModalSensorEntry, Tag("modal")]
-    | Annotated[ReactionSensorEntry, Tag("reaction")]
-    | Annotated[StressSensorEntry, Tag("stress")],
+    | Annotated[ServoEntry, Tag("servo")]
+    | Annotated[ModalLoadEntry, Tag("modal-load")]
+    | Annotated[UserForceEntry, Tag("user-force")],
     tagged(),
 ]
 

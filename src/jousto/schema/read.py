@@ -73,7 +73,7 @@ class ModelFile:
     text: str = ""
 
 
-def read_model(path: str | Path, *, rigid: bool = False) -> ModelFile:
+def read_model(path: str | Path, *, rigid: bool = False, trust: bool = False) -> ModelFile:
     """Read a YAML or JSON model file.
 
     Parameters
@@ -84,6 +84,9 @@ def read_model(path: str | Path, *, rigid: bool = False) -> ModelFile:
         Whether flexible bodies are made rigid, with the mass and inertia of their parts: to see
         what flexibility does, and for `inverse_dynamics`. Sensors of modes and stress are left
         out.
+    trust : bool
+        Whether Python functions that the file names (forces of type ``user-force``) may run.
+        They can do anything that you can on this computer: only for files whose author you know.
 
     Raises
     ------
@@ -95,10 +98,12 @@ def read_model(path: str | Path, *, rigid: bool = False) -> ModelFile:
     JoustoWarning
         What the constructors warn about, with lines.
     """
-    return build_model(read_document(path), rigid=rigid)
+    return build_model(read_document(path), rigid=rigid, trust=trust)
 
 
-def parse_model(text: str, *, name: str = "model", folder: Path | None = None) -> ModelFile:
+def parse_model(
+    text: str, *, name: str = "model", folder: Path | None = None, trust: bool = False
+) -> ModelFile:
     """Read a model from text, see `read_model`.
 
     Examples
@@ -111,13 +116,13 @@ def parse_model(text: str, *, name: str = "model", folder: Path | None = None) -
     >>> model.mechanism
     <Mechanism 'mechanism': 1 body, 1 joint, 0 forces, 0 sensors>
     """
-    return build_model(parse_document(text, name=name, folder=folder))
+    return build_model(parse_document(text, name=name, folder=folder), trust=trust)
 
 
-def build_model(document: Document, *, rigid: bool = False) -> ModelFile:
+def build_model(document: Document, *, rigid: bool = False, trust: bool = False) -> ModelFile:
     """Validate and build a document; see `read_model`."""
     entry, index, invalid, broken = validate(document)
-    builder = Builder(document, broken, rigid=rigid)
+    builder = Builder(document, broken, rigid=rigid, trust=trust)
     mechanism, simulation = None, None
     if entry is not None:
         mechanism = builder.mechanism(entry, index)

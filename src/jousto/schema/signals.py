@@ -8,7 +8,7 @@ from pydantic import Field, Tag
 from pydantic_core import core_schema
 
 from jousto.schema.entries import Angle, Entry, Frequency, Text, Time, by_form, fail, tagged
-from jousto.schema.units import UnitError, quantity
+from jousto.schema.units import UnitError, describe, quantity
 
 
 class _Amount:
@@ -38,6 +38,31 @@ class _Amount:
 Amount: TypeAlias = Annotated[float | str, _Amount()]
 
 
+class _Column:
+    """Annotation of the name of a column or its number from 0."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Accept text and whole numbers."""
+
+        def check(value: Any) -> int | str:
+            if isinstance(value, bool) or not isinstance(value, int | str):
+                raise fail(f"expects the name of a column or its number, got {describe(value)}")
+            return value
+
+        return core_schema.no_info_plain_validator_function(check)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        """Describe as text or a whole number."""
+        return {"type": ["string", "integer"]}
+
+
+Column: TypeAlias = Annotated[int | str, _Column()]
+LINES = "Straight lines if not given"
+FILE = "Text file with columns of numbers instead, relative to the model file"
+COLUMNS = "Their names in the first line, or numbers from 0; the first two if not given"
+UNITS = "Units of the two columns in the file; SI if not given"
+
+
 class ConstantEntry(Entry):
     """`Constant`: one value at all times, the same as the value alone."""
 
@@ -59,11 +84,23 @@ class TableEntry(Entry):
     """`Table`: interpolation between points, held constant outside."""
 
     type: Literal["table"]
-    times: tuple[Time, ...]
-    values: tuple[Amount, ...]
-    interpolation: Literal["linear", "cubic"] | None = Field(
-        None, description="Straight lines if not given"
-    )
+    times: tuple[Time, ...] | None = None
+    values: tuple[Amount, ...] | None = None
+    interpolation: Literal["linear", "cubic"] | None = Field(None, description=LINES)
+    file: Text | None = Field(None, description=FILE)
+    columns: tuple[Column, Column] | None = Field(None, description=COLUMNS)
+    units: tuple[Text, Text] | None = Field(None, description=UNITS)
+
+
+class CurveEntry(Entry):
+    """`Table` of a force over a coordinate or its rate."""
+
+    at: tuple[Amount, ...] | None = Field(None, description="Values of the coordinate or its rate")
+    values: tuple[Amount, ...] | None = Field(None, description="Forces or torques")
+    interpolation: Literal["linear", "cubic"] | None = Field(None, description=LINES)
+    file: Text | None = Field(None, description=FILE)
+    columns: tuple[Column, Column] | None = Field(None, description=COLUMNS)
+    units: tuple[Text, Text] | None = Field(None, description=UNITS)
 
 
 class StepEntry(Entry):

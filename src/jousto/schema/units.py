@@ -77,6 +77,9 @@ KINDS = {
     "N m/rad": "an angular stiffness",
     "N s/m": "a damping",
     "N m s/rad": "an angular damping",
+    "N/rad": "a force for a turn",
+    "N s": "a torque for a velocity",
+    "N s/rad": "a force for an angular velocity",
 }
 
 COMMON = ("mm", "cm", "m", "g", "kg", "t", "ms", "s", "min", "rad", "deg", "rpm", "Hz", "kHz", "N",

@@ -1,0 +1,76 @@
+"""From entries to sensors."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jousto import mechanism as jm
+from jousto.mechanism.sensors import BODY_SENSORS
+from jousto.schema.connect import build_coordinate, build_signal
+from jousto.schema.document import Loc
+from jousto.schema.entries import Entry
+
+if TYPE_CHECKING:
+    from jousto.schema.build import Builder
+
+SENSORS: dict[str, Any] = {
+    "position": jm.PositionSensor,
+    "velocity": jm.VelocitySensor,
+    "acceleration": jm.AccelerationSensor,
+    "orientation": jm.OrientationSensor,
+    "angular-velocity": jm.AngularVelocitySensor,
+    "angular-acceleration": jm.AngularAccelerationSensor,
+    "modal": jm.ModalSensor,
+    "reaction": jm.ReactionSensor,
+    "force": jm.ForceSensor,
+    "stress": jm.StressSensor,
+    "von-mises": jm.VonMisesSensor,
+    "principal-stress": jm.PrincipalStressSensor,
+    "strain": jm.StrainSensor,
+    "coordinate": jm.CoordinateSensor,
+    "rate": jm.RateSensor,
+    "energy": jm.EnergySensor,
+    "signal": jm.SignalSensor,
+}
+FLEXIBLE_ONLY = tuple(key for key, kind in SENSORS.items() if kind in BODY_SENSORS)
+# keys that name something, the sections where it may stand, and what it is called
+NAMES = {
+    "body": (("bodies",), "body"),
+    "joint": (("joints", "couplings"), "joint"),
+    "force": (("forces",), "force"),
+}
+
+
+def build_sensor(builder: Builder, loc: Loc, entry: Any, known: dict[str, dict[str, Any]]) -> Any:
+    """Return the sensor of an entry, None if anything is wrong with it.
+
+    Parameters
+    ----------
+    builder, loc, entry
+        As everywhere.
+    known : dict
+        The objects that could be built, by section and name.
+    """
+    values = entry.given()
+    for key in ("marker", "relative_to", "resolved_in"):
+        if key in values and (isinstance(values[key], Entry) or "." in values[key]):
+            values[key] = builder.marker((*loc, key), values[key], known["bodies"])
+    for key, (sections, kind) in NAMES.items():
+        if key in values:
+            name = values[key]
+            values[key] = next((known[s][name] for s in sections if name in known[s]), None)
+            if values[key] is None:
+                builder.unknown(
+                    (*loc, key), sections, kind, name, [n for s in sections for n in known[s]]
+                )
+    if "coordinate" in values:
+        values["coordinate"] = build_coordinate(
+            builder, (*loc, "coordinate"), values["coordinate"], known["bodies"], known["joints"]
+        )
+    if "signal" in values:
+        values["signal"] = build_signal(builder, (*loc, "signal"), values["signal"], "1")
+        if isinstance(values["signal"], float):
+            values["signal"] = jm.Constant(values["signal"])
+    if any(value is None for value in values.values()):
+        return None
+    return builder.make(loc, SENSORS[entry.type], **values)

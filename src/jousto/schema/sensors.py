@@ -1,0 +1,186 @@
+"""Entries of sensors."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import BaseModel, Discriminator, Field, Tag
+
+from jousto.schema.connections import CoordinateEntry
+from jousto.schema.entries import (
+    Direction,
+    Entry,
+    Marker,
+    Number,
+    Position,
+    Pressure,
+    Text,
+    by_form,
+    tagged,
+)
+from jousto.schema.signals import SignalOrNumber
+
+SITES = "Such as e3.a.top; all if not given"
+
+
+class MotionSensorEntry(Entry):
+    """`PositionSensor`, `VelocitySensor`, `AccelerationSensor` and those of orientation."""
+
+    type: Literal[
+        "position",
+        "velocity",
+        "acceleration",
+        "orientation",
+        "angular-velocity",
+        "angular-acceleration",
+    ]
+    name: Text
+    marker: Marker
+    relative_to: Marker | None = Field(
+        None, description="The observer, who moves and turns with this marker"
+    )
+    resolved_in: Marker | None = Field(
+        None, description="Axes of the components; those of the observer, or the world's"
+    )
+
+
+class ModalSensorEntry(Entry):
+    """`ModalSensor`: modal coordinates and velocities of a flexible body."""
+
+    type: Literal["modal"]
+    name: Text
+    body: Text
+
+
+def _axes(value: Any) -> str:
+    if isinstance(value, dict | BaseModel):
+        return "mapping"
+    return "marker" if isinstance(value, str) and "." in value else "word"
+
+
+Axes: TypeAlias = Annotated[
+    Annotated[Literal["world", "joint"], Tag("word")]
+    | Annotated[Marker, Tag("marker")]
+    | Annotated[Marker, Tag("mapping")],
+    Discriminator(_axes),
+]
+
+
+class ReactionSensorEntry(Entry):
+    """`ReactionSensor`: force and moment of a joint, or what a coupling or drive exerts."""
+
+    type: Literal["reaction"]
+    name: Text
+    joint: Text = Field(description="Name of a joint, coupling or drive")
+    resolved_in: Axes | None = Field(
+        None, description="world (if not given), joint, or a marker; of joints only"
+    )
+
+
+class ForceSensorEntry(Entry):
+    """`ForceSensor`: what a force element exerts."""
+
+    type: Literal["force"]
+    name: Text
+    force: Text = Field(description="Name of an entry of forces")
+    resolved_in: Marker | None = Field(None, description="Axes of the components, or the world's")
+
+
+class StressSensorEntry(Entry):
+    """`StressSensor`: six stress components at section points of a flexible body."""
+
+    type: Literal["stress"]
+    name: Text
+    body: Text
+    sites: tuple[Text, ...] | None = Field(None, description=SITES)
+
+
+class VonMisesSensorEntry(Entry):
+    """`VonMisesSensor`: equivalent stress."""
+
+    type: Literal["von-mises"]
+    name: Text
+    body: Text
+    sites: tuple[Text, ...] | None = Field(None, description=SITES)
+
+
+class PrincipalStressSensorEntry(Entry):
+    """`PrincipalStressSensor`: the three principal stresses, the largest first."""
+
+    type: Literal["principal-stress"]
+    name: Text
+    body: Text
+    sites: tuple[Text, ...] | None = Field(None, description=SITES)
+
+
+Place: TypeAlias = Annotated[
+    Annotated[Text, Tag("scalar")] | Annotated[Position, Tag("list")], by_form()
+]
+
+
+class StrainSensorEntry(Entry):
+    """`StrainSensor`: a virtual strain gauge."""
+
+    type: Literal["strain"]
+    name: Text
+    body: Text
+    place: Place = Field(description="A stress site such as e3.a.top, or a position on a beam")
+    direction: Direction | None = Field(None, description="In element axes, x if not given")
+    E: Annotated[Pressure | None, Field(description="Young's modulus, if not the part's")] = None
+    nu: Annotated[Number | None, Field(description="Poisson's ratio, if not the part's")] = None
+
+
+class CoordinateSensorEntry(Entry):
+    """`CoordinateSensor`: value of a coordinate."""
+
+    type: Literal["coordinate"]
+    name: Text
+    coordinate: CoordinateEntry
+
+
+class RateSensorEntry(Entry):
+    """`RateSensor`: rate of a coordinate."""
+
+    type: Literal["rate"]
+    name: Text
+    coordinate: CoordinateEntry
+
+
+class EnergySensorEntry(Entry):
+    """`EnergySensor`: one term of the energy balance."""
+
+    type: Literal["energy"]
+    name: Text
+    energy: Text = Field(
+        description="kinetic, strain, potential, springs, dissipated, friction or work"
+    )
+
+
+class SignalSensorEntry(Entry):
+    """`SignalSensor`: value of a signal."""
+
+    type: Literal["signal"]
+    name: Text
+    signal: SignalOrNumber
+
+
+SensorEntry: TypeAlias = Annotated[
+    Annotated[MotionSensorEntry, Tag("position")]
+    | Annotated[MotionSensorEntry, Tag("velocity")]
+    | Annotated[MotionSensorEntry, Tag("acceleration")]
+    | Annotated[MotionSensorEntry, Tag("orientation")]
+    | Annotated[MotionSensorEntry, Tag("angular-velocity")]
+    | Annotated[MotionSensorEntry, Tag("angular-acceleration")]
+    | Annotated[ModalSensorEntry, Tag("modal")]
+    | Annotated[ReactionSensorEntry, Tag("reaction")]
+    | Annotated[ForceSensorEntry, Tag("force")]
+    | Annotated[StressSensorEntry, Tag("stress")]
+    | Annotated[VonMisesSensorEntry, Tag("von-mises")]
+    | Annotated[PrincipalStressSensorEntry, Tag("principal-stress")]
+    | Annotated[StrainSensorEntry, Tag("strain")]
+    | Annotated[CoordinateSensorEntry, Tag("coordinate")]
+    | Annotated[RateSensorEntry, Tag("rate")]
+    | Annotated[EnergySensorEntry, Tag("energy")]
+    | Annotated[SignalSensorEntry, Tag("signal")],
+    tagged(),
+]

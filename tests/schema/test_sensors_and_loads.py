@@ -1,0 +1,292 @@
+"""Sensors, tables, bushings, modal loads and user forces of a model file."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import jousto as jo
+import jousto.mechanism as jm
+from jousto.errors import InputError
+from jousto.schema import parse_model, read_model
+from jousto.schema.sense import SENSORS
+from schema.models import same
+
+MODEL = """\
+parts:
+  rod:
+    type: beam
+    length: 2 m
+    section: {type: rectangle, width: 50 mm, height: 0.1}
+    material: {E: 210 GPa, nu: 0.3, rho: 7850}
+    elements: 2
+    reduce: {type: craig-bampton, interfaces: [start, end], modes: 2}
+bodies:
+  - {name: arm, part: rod}
+  - {name: slider, mass: 1, inertia: [1, 1, 1], position: [0, 1, 0]}
+joints:
+  - {type: revolute, name: hinge, a: ground.origin, b: arm.start}
+  - {type: prismatic, name: slide, a: {body: ground, at: [0, 1, 0]}, b: slider.origin,
+     axis: [1, 0, 0]}
+couplings:
+  - {type: rack, name: rack, pinion: hinge.angle, rack: slide.displacement, radius: 10 cm}
+forces:
+  - {type: spring, name: k, coordinate: hinge.angle, stiffness: 5}
+"""
+EVERY = """\
+sensors:
+  - {type: position, name: s1, marker: arm.end, relative_to: slider.origin}
+  - {type: velocity, name: s2, marker: arm.end, resolved_in: arm.start}
+  - {type: acceleration, name: s3, marker: arm.end, relative_to: slider.origin,
+     resolved_in: {body: ground, point: origin, axes: {axis: [0, 0, 1], angle_deg: 30}}}
+  - {type: orientation, name: s4, marker: arm.end, relative_to: slider.origin}
+  - {type: angular-velocity, name: s5, marker: arm.end}
+  - {type: angular-acceleration, name: s6, marker: arm.end}
+  - {type: modal, name: s7, body: arm}
+  - {type: reaction, name: s8, joint: hinge, resolved_in: joint}
+  - {type: reaction, name: s9, joint: slide, resolved_in: arm.end}
+  - {type: reaction, name: s10, joint: rack}
+  - {type: force, name: s11, force: k}
+  - {type: stress, name: s12, body: arm, sites: [e1.a.top]}
+  - {type: von-mises, name: s13, body: arm}
+  - {type: principal-stress, name: s14, body: arm, sites: [e1.a.top, e2.b.left]}
+  - {type: strain, name: s15, body: arm, place: e1.a.top, direction: [1, 1, 0]}
+  - {type: strain, name: s16, body: arm, place: [40 cm, 0, 50 mm], E: 200 GPa, nu: 0.25}
+  - {type: coordinate, name: s17, coordinate: hinge.angle}
+  - {type: rate, name: s18, coordinate: {type: distance, a: arm.end, b: ground.origin}}
+  - {type: energy, name: s19, energy: kinetic}
+  - {type: signal, name: s20, signal: {type: step, time: 1}}
+  - {type: signal, name: s21, signal: 3}
+"""
+
+
+def test_sensors_equal_the_python_constructors():
+    model = parse_model(MODEL + EVERY).mechanism
+    arm, slider = model.bodies
+    hinge, slide = model.joints
+    end, seat = arm["end"], slider["origin"]
+    turned = jm.ground["origin"].turned(jm.Rotate((0, 0, 1), 30))
+    distance = jm.Distance(end, jm.ground["origin"])
+    expected = (
+        jm.PositionSensor("s1", end, relative_to=seat),
+        jm.VelocitySensor("s2", end, resolved_in=arm["start"]),
+        jm.AccelerationSensor("s3", end, relative_to=seat, resolved_in=turned),
+        jm.OrientationSensor("s4", end, relative_to=seat),
+        jm.AngularVelocitySensor("s5", end),
+        jm.AngularAccelerationSensor("s6", end),
+        jm.ModalSensor("s7", arm),
+        jm.ReactionSensor("s8", hinge, resolved_in="joint"),
+        jm.ReactionSensor("s9", slide, resolved_in=end),
+        jm.ReactionSensor("s10", model.couplings[0]),
+        jm.ForceSensor("s11", model.forces[0]),
+        jm.StressSensor("s12", arm, ("e1.a.top",)),
+        jm.VonMisesSensor("s13", arm),
+        jm.PrincipalStressSensor("s14", arm, ("e1.a.top", "e2.b.left")),
+        jm.StrainSensor("s15", arm, "e1.a.top", (1, 1, 0)),
+        jm.StrainSensor("s16", arm, (0.4, 0, 0.05), E=200e9, nu=0.25),
+        jm.CoordinateSensor("s17", hinge.angle),
+        jm.RateSensor("s18", distance),
+        jm.EnergySensor("s19", "kinetic"),
+        jm.SignalSensor("s20", jm.Step(1.0)),
+        jm.SignalSensor("s21", jm.Constant(3.0)),
+    )
+    same(model.sensors, expected)
+    assert {type(s) for s in model.sensors} == set(SENSORS.values())
+    run = jo.simulate(jo.compile(model), 0.002)
+    assert all(np.isfinite(run[name]).all() for name in run.sensors)
+
+
+FIRST = 21  # line of the first sensor
+
+MISTAKES = [
+    ("{type: aceleration, name: s, marker: arm.end}",
+     "sensors.0.type: no sensor type 'aceleration'; did you mean 'acceleration'?"),
+    ("{type: velocity, name: s, marker: arm.end, relative_to: slidr.origin}",
+     "sensors.0.relative_to: no body 'slidr'; did you mean 'slider'?"),
+    ("{type: reaction, name: s, joint: rak}",
+     "sensors.0.joint: no joint 'rak'; did you mean 'rack'?"),
+    ("{type: reaction, name: s, joint: hinge, resolved_in: wrld}",
+     "sensors.0.resolved_in: no resolved_in 'wrld'; did you mean 'world'?"),
+    ("{type: reaction, name: s, joint: rack, resolved_in: joint}",
+     "sensors.0.resolved_in: the reaction of 'rack' is along its coordinates, leave resolved_in"),
+    ("{type: force, name: s, force: kk}", "sensors.0.force: no force 'kk'; did you mean 'k'"),
+    ("{type: strain, name: s, body: arm, place: e1.a.tip}",
+     "sensors.0.place: body 'arm' has no stress site 'e1.a.tip'; did you mean 'e1.a.top'?"),
+    ("{type: strain, name: s, body: arm, place: [1, 0, 0.3]}",
+     "sensors.0.place: [1. , 0. , 0.3] m is on no line between stress sites of body 'arm'; "),
+    ("{type: strain, name: s, body: arm, place: e1.a.top, E: 3 N}",
+     "sensors.0.E: expects a pressure (Pa), got 3 N (a force)"),
+    ("{type: energy, name: s, energy: kintic}",
+     "sensors.0.energy: energy is 'kintic'; did you mean 'kinetic'?"),
+    ("{type: von-mises, name: s, body: slider}",
+     "sensors.0.body: body is <RigidBody"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("entry", "sentence"), MISTAKES, ids=[m[0][:45] for m in MISTAKES])
+def test_mistakes_in_sensors_have_their_line_and_remedy(entry, sentence):
+    with pytest.raises(InputError) as error:
+        parse_model(MODEL + f"sensors:\n  - {entry}\n", name="m.yaml")
+    found = [str(problem) for problem in error.value.problems]
+    assert found[0].startswith(f"m.yaml:{FIRST}: {sentence}"), found
+    assert len(found) == 1
+
+
+# -- forces -----------------------------------------------------------------------------------
+
+
+def forces(text, tmp_path=None, **more):
+    """Return the forces of the model with further ones."""
+    return parse_model(MODEL + text, name="m.yaml", folder=tmp_path, **more).mechanism.forces[1:]
+
+
+def test_a_bushing_takes_a_whole_matrix_with_units():
+    text = """\
+  - type: bushing
+    name: b
+    a: ground.origin
+    b: slider.origin
+    stiffness:
+      - [1 N/mm, 0, 0, 0, 2 N/rad, 0]
+      - [0, 1000, 0, 0, 0, 0]
+      - [0, 0, 1000, 0, 0, 0]
+      - [0, 0, 0, 5 Nm/rad, 0, 0]
+      - [2 N, 0, 0, 0, 5, 0]
+      - [0, 0, 0, 0, 0, 5]
+    damping: [1 N s/mm, 1000, 1000, 2 N m s/rad, 2, 2]
+"""
+    (found,) = forces(text)
+    K = np.diag([1000.0] * 3 + [5.0] * 3)
+    K[0, 4] = K[4, 0] = 2.0
+    D = np.diag([1000.0] * 3 + [2.0] * 3)
+    np.testing.assert_array_equal(found.stiffness, K)
+    np.testing.assert_array_equal(found.damping, D)
+    with pytest.raises(InputError, match=r"forces.1.stiffness.0.4: expects a force for a turn"):
+        forces(text.replace("2 N/rad", "2 N/m"))
+    with pytest.raises(InputError, match=r"forces.1.stiffness: stiffness is not symmetric"):
+        forces(text.replace("2 N,", "3 N,"))
+    with pytest.raises(InputError, match=r"forces.1.stiffness.1: expects a list of 6 numbers"):
+        forces(text.replace("[0, 1000, 0, 0, 0, 0]", "[0, 1000]"))
+
+
+def test_tables_of_springs_and_dampers(tmp_path):
+    (tmp_path / "damper.csv").write_text(
+        "rate;left;torque\n# deg/s;;Nm\n-90;0;-2\n0;7;0\n180;0;3\n"
+    )
+    text = """\
+  - type: spring
+    name: s
+    coordinate: hinge.angle
+    table: {at: [-90 deg, 0, 90 deg], values: [-1 kN m, 0, 500]}
+    damper_table: {file: damper.csv, columns: [rate, torque], units: [deg/s, kN m],
+                   interpolation: cubic}
+"""
+    (found,) = forces(text, tmp_path)
+    same(found.table, jm.Table((-np.pi / 2, 0, np.pi / 2), (-1000, 0, 500)))
+    np.testing.assert_allclose(found.damper_table.times, (-np.pi / 2, 0, np.pi), rtol=1e-15)
+    np.testing.assert_array_equal(found.damper_table.values, (-2000, 0, 3000))
+    assert found.damper_table.interpolation == "cubic"
+    for old, new, sentence in (
+        ("columns: [rate,", "columns: [rat,", "table.file: .*no column 'rat'; did you mean 'rate'"),
+        ("deg/s, kN m", "deg/s, kN", "expects a torque \\(N m\\), got 1 kN \\(a force\\)"),
+        ("damper.csv", "dmper.csv", "cannot be read: .*No such file"),
+        ("{file: damper.csv", "{at: [1], file: damper.csv", "give either file: or at: and values:"),
+        ("at: [-90 deg, 0, 90 deg], ", "", "forces.1.table: 'at' is missing; or give file:"),
+        ("values: [-1 kN m, 0, 500]", "values: [1 kN m]", "3 times but 1 values"),
+        ("-90 deg", "-90 mm", "table.at.0: expects an angle"),
+    ):
+        assert old in text
+        with pytest.raises(InputError, match=sentence):
+            forces(text.replace(old, new), tmp_path)
+
+
+def test_a_signal_from_a_file(tmp_path):
+    (tmp_path / "wind.txt").write_text("0 1\n500 3\n")
+    text = """\
+  - {type: force, name: f, marker: slider.origin, vector: [1, 0, 0],
+     signal: {type: table, file: wind.txt, units: [ms, percent]}}
+"""
+    (found,) = forces(text, tmp_path)
+    same(found.signal, jm.Table((0, 0.5), (0.01, 0.03)))
+    with pytest.raises(InputError, match=r"signal.columns: columns are those of a file"):
+        forces(text.replace("file: wind.txt", "times: [0], values: [1], columns: [0, 1]"), tmp_path)
+
+
+@pytest.mark.parametrize(
+    "pattern",
+    ["{end: [0, 1 kN, 0], start: [0, 0, 2]}", "[[0, 0, 2], [0, 0, 0], [0, 1 kN, 0]]", "loads.csv"],
+)
+def test_modal_loads(tmp_path, pattern):
+    (tmp_path / "loads.csv").write_text("0,0,2\n0,0,0\n0,1000,0\n")
+    text = f"  - {{type: modal-load, name: p, body: arm, pattern: {pattern}, signal: {{type: step, time: 1}}}}\n"  # noqa: E501
+    (found,) = forces(text, tmp_path)
+    same(found, jm.ModalLoad("p", found.body, [[0, 0, 2], [0, 0, 0], [0, 1000, 0]], jm.Step(1.0)))
+    for new, sentence in (
+        (
+            "{ende: [0, 1, 0]}",
+            "pattern.ende: body 'arm' has no node set 'ende'; did you mean",
+        ),
+        ("[[0, 0, 2]]", r"forces.1.pattern: .*\(1, 3\)"),
+        ("no.csv", "forces.1.pattern: no such file"),
+    ):
+        with pytest.raises(InputError, match=sentence):
+            forces(text.replace(pattern, new), tmp_path)
+
+
+USER = "  - {type: user-force, name: u, marker: slider.origin, function: 'wind.py:drag'}\n"
+CODE = """\
+def drag(t, x):
+    return (-2.0 * x[12], 0, 0, 0, 0, 0)
+
+raise_it = 1
+"""
+
+
+def test_user_functions_run_only_in_a_trusted_file(tmp_path):
+    mark = tmp_path / "ran"
+    (tmp_path / "wind.py").write_text(f"open({str(mark)!r}, 'w').close()\n" + CODE)
+    with pytest.raises(InputError) as error:
+        forces(USER, tmp_path)
+    assert str(error.value).startswith(
+        "m.yaml:20: forces.1.function: 'wind.py:drag' is Python code, which may do anything"
+    )
+    assert "--trust" in str(error.value)
+    assert not mark.exists()
+    (found,) = forces(USER, tmp_path, trust=True)
+    assert mark.exists()
+    assert found.function(0.0, np.full(18, 3.0)) == (-6.0, 0, 0, 0, 0, 0)
+    (found,) = forces(USER.replace("wind.py:drag", "numpy.linalg:norm"), tmp_path, trust=True)
+    assert found.function is np.linalg.norm
+
+
+@pytest.mark.parametrize(
+    ("function", "sentence"),
+    [
+        ("wind.py:drg", "'wind.py' has no function 'drg'; did you mean 'drag'"),
+        ("wind.py:raise_it", "function is 1, must be callable or compiled"),
+        ("wnd.py:drag", "no such file '.*wnd.py'"),
+        ("no_such_module:f", "'no_such_module' cannot be imported: ModuleNotFoundError"),
+        ("broken.py:f", "'broken.py' cannot be imported: ZeroDivisionError: division by zero"),
+        ("wind.py", "expects module:function or file.py:function such as wind.py:drag"),
+    ],
+)
+def test_functions_that_cannot_be_found(tmp_path, function, sentence):
+    (tmp_path / "wind.py").write_text(CODE)
+    (tmp_path / "broken.py").write_text("1 / 0\n")
+    with pytest.raises(InputError, match=f"m.yaml:20: forces.1.function: .*{sentence}"):
+        forces(USER.replace("wind.py:drag", function), tmp_path, trust=True)
+
+
+def test_the_command_line_asks_for_trust(tmp_path):
+    from jousto.cli import app
+
+    (tmp_path / "wind.py").write_text(CODE)
+    path = tmp_path / "m.yaml"
+    path.write_text(MODEL + USER + "simulation: {t_end: 1 ms}\n")
+    refused = CliRunner().invoke(app, ["run", str(path)])
+    assert refused.exit_code == 2
+    assert "say --trust" in refused.stderr or "run it with --trust" in refused.stderr
+    done = CliRunner().invoke(app, ["run", str(path), "--trust", "--quiet"])
+    assert done.exit_code == 0, done.stderr
+    assert read_model(path, trust=True).mechanism.forces[-1].name == "u"
