@@ -32,6 +32,13 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched)
     d->direction = reals(a, 2 * m->nfriction);
     d->rub = reals(a, 2 * m->nfriction);
     d->happened = take(a, (size_t)m->nevent * sizeof(int));
+    d->algorithmic = reals(a, m->nv);
+    d->end_a = reals(a, m->nv);
+    d->end_q = reals(a, m->nq);
+    d->end_v = reals(a, m->nv);
+    d->end_lam = reals(a, m->nrow);
+    d->end_time = reals(a, 1);
+    d->started = take(a, sizeof(int));
     /* end of state */
     d->state_bytes = a->used - state;
     d->kept.state = take(a, m->nevent ? d->state_bytes : 0);
@@ -54,6 +61,9 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched)
     }
     d->coordinate = take(a, (size_t)m->ncoordinate * sizeof(jo_coordinate_work));
     d->force = take(a, (size_t)m->nforce * sizeof(jo_force_work));
+    d->N = reals(a, m->nnewton);
+    d->x = reals(a, m->nv + m->nrow);
+    d->pivot = take(a, (size_t)(m->nv + m->nrow) * sizeof(int));
     jo_real **mixing[4] = {&d->mixing.g, &d->mixing.r, &d->mixing.before, &d->mixing.change};
     for (int i = 0; i < 4; i++) *mixing[i] = reals(a, 2 * m->nfriction);
     for (int i = 0; i < JO_PAIRS; i++) {
@@ -79,6 +89,8 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched)
         w->fp = reals(a, np);
         w->yp = reals(a, np);
         w->extra = reals(a, np);
+        w->Dd = reals(a, 6 * np);
+        w->H = reals(a, 3 * np);
         for (int s = 0; s < 2; s++) {
             w->set[s].weight = reals(a, np);
             w->set[s].I3w = reals(a, 3 * np);
@@ -98,6 +110,9 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched)
             w->set[s].Phiw = reals(a, 3 * np);
             w->set[s].Psiw = reals(a, 3 * np);
         }
+        const int row = m->marker[i].body < 0 ? 0 : jo_pad(6 + m->body[m->marker[i].body].n);
+        w->L = reals(a, 6 * row);
+        w->W = reals(a, 12 * row);
     }
     return taken;
 }

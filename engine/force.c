@@ -128,7 +128,7 @@ static void along(const jo_model *m, jo_data *d, const jo_force *f, jo_force_wor
 }
 
 /* pose of b against a, resolved in a: r_b - r_a and the matrix A_a^T A_b */
-static void relative_pose(const jo_data *d, const jo_force *f, jo_real *r, jo_real *R)
+void jo_relative_pose(const jo_data *d, const jo_force *f, jo_real *r, jo_real *R)
 {
     const jo_marker_work *a = &d->marker[f->a], *b = &d->marker[f->b];
     jo_real world[3];
@@ -141,7 +141,7 @@ static void relative_pose(const jo_data *d, const jo_force *f, jo_real *r, jo_re
 }
 
 /* velocity and angular velocity of b as an observer on a sees them, resolved in a: A_a^T (v_b - v_a - om_a x d) */
-static void relative_velocity(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *v, jo_real *w)
+void jo_relative_velocity(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *v, jo_real *w)
 {
     const jo_marker_work *a = &d->marker[f->a], *b = &d->marker[f->b];
     jo_real va[3], vb[3], oma[3], omb[3], r[3], t[3];
@@ -179,7 +179,7 @@ static void push_between(const jo_model *m, jo_data *d, const jo_force *f, const
 }
 
 /* rotation vector of R, of at most half a turn */
-static void rotation_vector(jo_real *theta, const jo_real *R)
+void jo_rotation_vector(jo_real *theta, const jo_real *R)
 {
     jo_real e[4];
     jo_quaternion(e, R);
@@ -196,7 +196,7 @@ static void rotation_vector(jo_real *theta, const jo_real *R)
 
 /* y = x + sign theta x x / 2 + c theta x (theta x x): with sign -1 theta' of an angular velocity in frame a, with
  * sign +1 the torque that does the work of a load on theta; c = (1 - (t/2) cot(t/2)) / t^2, t = |theta| */
-static void conjugate(jo_real *y, const jo_real *theta, const jo_real *x, double sign)
+void jo_conjugate(jo_real *y, const jo_real *theta, const jo_real *x, double sign)
 {
     const jo_real s = jo_dot3(theta, theta);
     jo_real c, one[3], two[3];
@@ -226,10 +226,10 @@ static jo_real bushing_stored(const jo_force *f, const jo_real *x, jo_real *y)
 static void bushing(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work *out)
 {
     jo_real x[6], rate[6], R[9], w[3], y[6], g[6];
-    relative_pose(d, f, x, R);
-    rotation_vector(x + 3, R);
-    relative_velocity(m, d, f, rate, w);
-    conjugate(rate + 3, x + 3, w, -1.0);
+    jo_relative_pose(d, f, x, R);
+    jo_rotation_vector(x + 3, R);
+    jo_relative_velocity(m, d, f, rate, w);
+    jo_conjugate(rate + 3, x + 3, w, -1.0);
     out->stored = bushing_stored(f, x, g);
     for (int i = 0; i < 6; i++) {
         jo_real damping = 0.0;
@@ -238,7 +238,7 @@ static void bushing(const jo_model *m, jo_data *d, const jo_force *f, jo_force_w
         g[i] = f->data[72 + i] - g[i] - damping;
     }
     jo_set3(y, g);
-    conjugate(y + 3, x + 3, g + 3, 1.0);
+    jo_conjugate(y + 3, x + 3, g + 3, 1.0);
     push_between(m, d, f, y, out);
 }
 
@@ -322,7 +322,7 @@ static void moving_load(const jo_model *m, jo_data *d, const jo_force *f, jo_for
 }
 
 /* what the user's function answers at `time`; it knows real numbers only */
-static int ask(const jo_force *f, jo_real time, const jo_real *x, jo_real *y)
+int jo_ask(const jo_force *f, jo_real time, const jo_real *x, jo_real *y)
 {
     double given[18], answer[6] = {0.0};
     for (int i = 0; i < 18; i++) given[i] = JO_RE(x[i]);
@@ -337,12 +337,12 @@ static int ask(const jo_force *f, jo_real time, const jo_real *x, jo_real *y)
 static int user(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work *out)
 {
     jo_real x[18], y[6], now[6];
-    relative_pose(d, f, x, x + 3);
-    relative_velocity(m, d, f, x + 12, x + 15);
-    int status = ask(f, d->time[0] + d->lead, x, y);
+    jo_relative_pose(d, f, x, x + 3);
+    jo_relative_velocity(m, d, f, x + 12, x + 15);
+    int status = jo_ask(f, d->time[0] + d->lead, x, y);
     if (status != JO_OK) return status;
     for (int i = 0; i < 6; i++) now[i] = y[i];
-    if (d->lead != 0.0) status = ask(f, d->time[0], x, now);
+    if (d->lead != 0.0) status = jo_ask(f, d->time[0], x, now);
     d->power[2] += jo_dot3(now, x + 12) + jo_dot3(now + 3, x + 15);
     push_between(m, d, f, y, out);
     return status;
@@ -379,8 +379,8 @@ jo_real jo_stored(const jo_model *m, jo_data *d)
         if (f->type == JO_ALONG_COORDINATE) U += along_stored(d, f);
         if (f->type == JO_BUSHING) {
             jo_real x[6], R[9], unused[6];
-            relative_pose(d, f, x, R);
-            rotation_vector(x + 3, R);
+            jo_relative_pose(d, f, x, R);
+            jo_rotation_vector(x + 3, R);
             U += bushing_stored(f, x, unused);
         }
     }

@@ -26,6 +26,8 @@ typedef struct {
     jo_real *fp, *yp;       /* (np) force on the modal coordinates, their acceleration */
     jo_real *extra;         /* (np) additional modal force of an implicit stage */
     int status;             /* rigid: of the factor, which is constant */
+    jo_real *Dd, *H;        /* (6 x np) ED p', (3 x np) EB p'' for Newton's matrix */
+    jo_real turn[9];        /* change of orientation (local) by a change of the increment of a step */
     jo_body_set set[2];
 } jo_body_work;
 
@@ -47,6 +49,9 @@ typedef struct {
     const jo_real *Phi, *Psi;   /* (3 x np) mode shapes at p: those of the marker, with stiffening in `shapes` */
     jo_real *shapes;        /* (6 x np) with stiffening, else 0 */
     jo_marker_set set[2];
+    jo_real load[6];        /* all force and torque on it, world */
+    jo_real *L;             /* (6 x 6 + n) changes of [r, rotation], world, with the coordinates of the body */
+    jo_real *W;             /* (12 x 6 + n) changes of [r, rotation, velocity, angular velocity] with the unknowns of Newton */
 } jo_marker_work;
 
 /* Small blocks lie column after column, the rows of a column padded to whole vectors. */
@@ -96,6 +101,13 @@ typedef struct {
     char *state;            /* copy of the arrays */
 } jo_kept;
 
+/* What one unknown of Newton's matrix, an acceleration, changes: accelerations by a, velocities by v, increments of
+ * the position by q. The rows of the joints are those of C' times rows, or of C. */
+typedef struct {
+    double a, v, q, rows;
+    int position;           /* rows of C instead of C' */
+} jo_weights;
+
 struct jo_data {
     jo_real time[1];
     jo_real work[3], power[3];      /* lost to damping, to friction, done by forces: energy so far, rate at the last evaluation */
@@ -138,6 +150,13 @@ struct jo_data {
     jo_real *gram[2];       /* (npair x 36) */
     double gh;              /* g h of set 1 */
     int set;                /* set in use */
+    jo_weights weights;
+    int factored;           /* N holds factors */
+    int *started;           /* (1) implicit method: the arrays below belong to the state end_q, end_v */
+    jo_real *algorithmic, *end_a, *end_q, *end_v, *end_lam;   /* algorithmic and true accelerations .. at the end of its step */
+    jo_real *end_time;      /* (1) */
+    jo_real *N, *x;         /* (nnewton) Newton's matrix or its factors, (nv + nrow) right-hand side or solution */
+    int *pivot;             /* (nv + nrow) */
     int current;            /* bodies and active markers stand at the present q, v */
     int fresh;              /* a and lam belong to the present time, q, v and set 0 */
     int error_index;
@@ -213,6 +232,11 @@ int jo_apply_forces(const jo_model *m, jo_data *d);
 jo_real jo_stored(const jo_model *m, jo_data *d);   /* in springs, where markers and coordinates stand */
 void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f);
 void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T);
+void jo_relative_pose(const jo_data *d, const jo_force *f, jo_real *r, jo_real *R);
+void jo_relative_velocity(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *v, jo_real *w);
+void jo_rotation_vector(jo_real *theta, const jo_real *R);
+void jo_conjugate(jo_real *y, const jo_real *theta, const jo_real *x, double sign);
+int jo_ask(const jo_force *f, jo_real time, const jo_real *x, jo_real *y);
 
 /* friction.c */
 int jo_friction_solve(const jo_model *m, jo_data *d, const jo_solver *s);
@@ -231,6 +255,22 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* the s
 void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list);
 int jo_log_room(const jo_model *m);
 int jo_log_has_room(const jo_model *m, const jo_data *d);
+
+/* newton.c */
+typedef struct { jo_real *at; int stride; } jo_block;
+static inline int jo_pad(int count) { return (count + JO_PAD - 1) & ~(JO_PAD - 1); }
+jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y);   /* rows of x, columns of y: bodies, then joints */
+int jo_newton_factor(const jo_model *m, jo_data *d);
+void jo_newton_solve(const jo_model *m, jo_data *d);
+
+/* blocks.c */
+int jo_newton_assemble(const jo_model *m, jo_data *d);   /* at the state of the last jo_residual */
+
+/* elements.c */
+int jo_newton_elements(const jo_model *m, jo_data *d);
+
+/* implicit.c */
+int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s);
 
 /* dynamics.c */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set);

@@ -123,6 +123,19 @@ typedef struct { int joint, first, count; } jo_column;   /* diagonal; range in b
 typedef struct { int block, joint; } jo_below;           /* L_ij below the diagonal of a column */
 typedef struct { int target, left, right, left_rows, right_rows; } jo_update;   /* S_target -= L_left L_right^T */
 
+/* Newton's matrix [M^ Cq^T; Cq 0] of the implicit methods by nodes: a body with the joints that carry it, or joints that
+ * close a loop. Strides of blocks are rounded up to a multiple of JO_PAD. */
+typedef struct {
+    int body;               /* -1: joints only */
+    int size, lead, at;     /* unknowns, those of the body, which come first, and the first one in the vector of unknowns */
+    int diagonal;           /* first real of the diagonal block (size x size) */
+    int first, count;       /* range in branch[] */
+} jo_node;
+/* blocks of a node with a later one, of which `width` leading unknowns count: lower (width x size), upper (size x width) */
+typedef struct { int node, width, lower, upper; } jo_branch;
+typedef struct { int target, stride, left, right; } jo_fill;   /* target -= lower of branch left, upper of branch right */
+typedef struct { int node, local; } jo_place;   /* of a body or joint among the nodes */
+
 typedef struct {
     int type;               /* jo_signal_type */
     int count;              /* TABLE, PIECES: times; INPUT: its place among the inputs; SWITCHED: event */
@@ -186,7 +199,7 @@ typedef struct {
 
 typedef struct {
     int nbody, nmarker, nactive, ncoordinate, njoint, nline, npair, ncolumn, nblock, nsignal, nforce, nfriction, nevent, nsensor;
-    int nturn, nlock, ninput;
+    int nturn, nlock, ninput, nnode, nnewton;   /* nnewton: reals of Newton's matrix */
     int nq, nv, nrow, nout;
     int redundant;          /* 1: rows repeat one another, multipliers of least norm; 0: only in singular positions;
                              * -1: never, a singular position is an error */
@@ -202,6 +215,11 @@ typedef struct {
     const jo_below *below;
     const jo_update *update;
     const int *update_first;   /* (ncolumn + 1) range of updates made by each column */
+    const jo_node *node;       /* in elimination order */
+    const jo_branch *branch;
+    const jo_fill *fill;
+    const int *fill_first;     /* (nnode + 1) range of fills made by each node */
+    const jo_place *place;     /* (nbody + njoint) */
     const jo_signal *signal;
     const jo_force *force;
     const jo_friction *friction;
@@ -215,7 +233,7 @@ typedef struct {
     double step;            /* s */
     double alpha, beta;     /* Baumgarte: C'' + 2 alpha C' + beta^2 C = 0; 0 = off */
     double alpha_m, alpha_f, newmark_beta, newmark_gamma;   /* ALPHA */
-    double tolerance;       /* ALPHA: Newton, relative; DOPRI: relative error of a step */
+    double tolerance;       /* ALPHA: Newton, relative, 0: always all iterations; DOPRI: relative error of a step */
     double absolute;        /* DOPRI: absolute error of a step */
     double largest;         /* DOPRI: largest step, s */
     int iterations;         /* ALPHA: most iterations of a step */
@@ -259,6 +277,8 @@ void jo_residuals(const jo_model *m, jo_data *d, jo_real *out);   /* (2) largest
 void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot);   /* (nrow) each */
 void jo_mass_matrix(const jo_model *m, jo_data *d, int body, jo_real *M);        /* (6+n)^2, local */
 int jo_residual(const jo_model *m, jo_data *d, jo_real *r);     /* (nv) M a + Cq^T lam - Q at time, q, v, a, lam */
+/* (nv + nrow)^2 [ca M + cv D + cq K, Cq^T; d(Cq v)], the last with the same weights, at time, q, v, a, lam */
+int jo_newton_matrix(const jo_model *m, jo_data *d, double ca, double cv, double cq, jo_real *out);
 void jo_sensors(const jo_model *m, jo_data *d, jo_real *out);     /* (nout), after jo_accelerations */
 
 /* Advance nsteps; whenever the step count is a multiple of `every` write one row

@@ -217,13 +217,7 @@ void jo_marker_bias(const jo_model *m, jo_data *d, int count)
             modal3(rate, w->Psi, bw->pd, b->np);
             const jo_real s = jo_dot3(w->theta, w->theta), ds = 2.0 * jo_dot3(w->theta, rate);
             jo_sinc(s, f);
-            if (JO_RE(s) < 0.04) {
-                df1 = -1.0 / 24.0 + s * (1.0 / 360.0 - s * (1.0 / 13440.0 - s * (1.0 / 907200.0 - s * (1.0 / 95800320.0))));
-                df2 = -1.0 / 120.0 + s * (1.0 / 2520.0 - s * (1.0 / 120960.0 - s * (1.0 / 9979200.0 - s * (1.0 / 1245404160.0))));
-            } else {
-                df1 = (0.5 * f[0] - f[1]) / s;
-                df2 = (0.5 * f[1] - 1.5 * f[2]) / s;
-            }
+            jo_sinc_rate(s, f, &df1, &df2);
             jo_cross(tt, w->theta, rate);         /* theta x theta' */
             jo_cross(ttt, w->theta, tt);          /* theta x (theta x theta') */
             jo_cross(c, rate, tt);                /* theta' x (theta x theta') */

@@ -107,6 +107,18 @@ static inline void jo_sinc(jo_real s, jo_real *f)
     }
 }
 
+/* derivatives of f[1], f[2] with respect to s, from f of jo_sinc */
+static inline void jo_sinc_rate(jo_real s, const jo_real *f, jo_real *df1, jo_real *df2)
+{
+    if (JO_RE(s) < 0.04) {
+        *df1 = -1.0 / 24.0 + s * (1.0 / 360.0 - s * (1.0 / 13440.0 - s * (1.0 / 907200.0 - s * (1.0 / 95800320.0))));
+        *df2 = -1.0 / 120.0 + s * (1.0 / 2520.0 - s * (1.0 / 120960.0 - s * (1.0 / 9979200.0 - s * (1.0 / 1245404160.0))));
+    } else {
+        *df1 = (0.5 * f[0] - f[1]) / s;
+        *df2 = (0.5 * f[1] - 1.5 * f[2]) / s;
+    }
+}
+
 /* e = e o exp(theta), theta a local rotation vector; the norm is kept at 1 */
 static inline void jo_rotate(jo_real *e, const jo_real *theta)
 {

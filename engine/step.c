@@ -131,10 +131,12 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
     if (status != JO_OK) return status;
-    status = s->method == JO_RK4 ? step_rk4(m, d, s) : step_ros2(m, d, s);
+    const int implicit = s->method == JO_ALPHA;
+    status = implicit ? jo_step_alpha(m, d, s) : s->method == JO_RK4 ? step_rk4(m, d, s) : step_ros2(m, d, s);
     d->fresh = d->current = 0;
     if (status != JO_OK) return status;
-    if (s->projection) jo_project(m, d);
+    if (implicit) d->fresh = m->redundant <= 0;   /* it knows a and lam, but not those of least norm */
+    else if (s->projection) jo_project(m, d);
     if (m->nturn) {   /* without projection the coordinates are those of the last stage, near enough to count */
         if (!s->projection) jo_coordinates(m, d, m->ncoordinate);
         jo_count_turns(m, d);

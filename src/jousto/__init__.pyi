@@ -287,10 +287,16 @@ from .simulation import (
     Campbell as Campbell,
 )
 from .simulation import (
+    GeneralizedAlpha as GeneralizedAlpha,
+)
+from .simulation import (
     LinearModel as LinearModel,
 )
 from .simulation import (
     MechanismModes as MechanismModes,
+)
+from .simulation import (
+    Newmark as Newmark,
 )
 from .simulation import (
     RunFailed as RunFailed,

@@ -248,7 +248,9 @@ def march(model: Any, solver: Any, t_end: float, output_step: float | None = Non
     alpha, beta = 0.0, 0.0
     if solver.baumgarte:
         alpha, beta = solver.baumgarte.alpha, solver.baumgarte.beta
-    native = engine.native_solver(solver.method, solver.step, solver.projection, alpha, beta)
+    native = engine.native_solver(
+        solver.method, solver.step, solver.projection, alpha, beta, **solver.options
+    )
     rows = np.zeros((1 + steps // every, engine.row_size))
     rows[0] = engine.row()
     status, written = engine.run(native, steps, every, rows[1:])

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from jousto.engine.callback import callback
 from jousto.engine.model import Model
+from jousto.engine.newton import newton_pattern
 
 SIGNALS = {
     "constant": 0,
@@ -124,6 +125,7 @@ class Layout:
         m = self._source
         model = self._ffi.new("jo_model *")
         pairs = self._pairs()
+        newton = newton_pattern(m)
         updates = [u for column in m.elimination.updates for u in column]
         belows = [b for column in m.elimination.below for b in column]
         sizes = {
@@ -144,6 +146,8 @@ class Layout:
             "nturn": sum(c.kind == "angle" for c in m.coordinates),
             "nlock": sum(joint.lock >= 0 for joint in m.joints),
             "ninput": len(m.inputs),
+            "nnode": len(newton.nodes),
+            "nnewton": newton.reals,
             "redundant": -1 if self._strict else int(m.redundant),
             "nq": m.nq,
             "nv": m.nv,
@@ -170,6 +174,11 @@ class Layout:
         model.update = self._fill("jo_update", updates)
         first = np.cumsum([0, *(len(c) for c in m.elimination.updates)])
         model.update_first = self._fill("int", [int(i) for i in first])
+        model.node = self._fill("jo_node", list(newton.nodes))
+        model.branch = self._fill("jo_branch", list(newton.branches))
+        model.fill = self._fill("jo_fill", list(newton.fills))
+        model.fill_first = self._fill("int", list(newton.first))
+        model.place = self._fill("jo_place", list(newton.places))
         model.signal = self._signals()
         model.force = self._forces()
         model.friction = self._frictions()

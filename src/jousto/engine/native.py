@@ -235,6 +235,19 @@ class Engine:
         self._check(self._library.jo_residual(self._model, self._data, self._pointer(out)))
         return out
 
+    def newton_matrix(self, ca: float, cv: float, cq: float) -> Scalars:
+        """Return ``[ca M + cv D + cq K, Cq^T; cv Cq + cq d(Cq v)/dq, 0]`` at this state.
+
+        M, D, K as in `tangent`, but by formulas, the last rows for the rates of the constraints:
+        the matrix of the implicit methods, (nv + nrow, nv + nrow).
+        """
+        size = self.model.nv + self.model.nrow
+        out = np.zeros((size, size), self.dtype)
+        self._check(
+            self._library.jo_newton_matrix(self._model, self._data, ca, cv, cq, self._pointer(out))
+        )
+        return out
+
     def tangent(self) -> Tangent:
         """Return the exact derivatives of `residual` and of the constraints at this state.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 
@@ -37,7 +37,11 @@ class Elimination:
         return len(self.order) + sum(len(column) for column in self.below)
 
 
-def eliminate(rows: Sequence[int], cliques: Iterable[Sequence[int]]) -> Elimination:
+def eliminate(
+    rows: Sequence[int],
+    cliques: Iterable[Sequence[int]],
+    after: Mapping[int, Iterable[int]] | None = None,
+) -> Elimination:
     """Order the joints so that little fill arises, none for chains and trees.
 
     Greedy minimum fill: a joint whose neighbours all touch one another is always preferred,
@@ -49,6 +53,8 @@ def eliminate(rows: Sequence[int], cliques: Iterable[Sequence[int]]) -> Eliminat
         Constraint rows of every joint.
     cliques : iterable of sequence of int
         The joints on each moving body; they touch one another.
+    after : mapping of int to iterable of int, optional
+        Joints that must be eliminated before a joint.
 
     Examples
     --------
@@ -70,8 +76,13 @@ def eliminate(rows: Sequence[int], cliques: Iterable[Sequence[int]]) -> Eliminat
         """Pairs of neighbours that do not touch yet: the fill if i were eliminated now."""
         return sum(len(near[i] - near[a]) - 1 for a in near[i]) // 2
 
+    waits = {i: set(before) for i, before in (after or {}).items()}
+    awaited: dict[int, list[int]] = {}
+    for i, before in waits.items():
+        for j in before:
+            awaited.setdefault(j, []).append(i)
     known = [missing(i) for i in range(count)]
-    heap = [(known[i], len(near[i]), i) for i in range(count)]
+    heap = [(known[i], len(near[i]), i) for i in range(count) if not waits.get(i)]
     heapq.heapify(heap)
     order: list[int] = []
     later: list[list[int]] = []
@@ -90,9 +101,14 @@ def eliminate(rows: Sequence[int], cliques: Iterable[Sequence[int]]) -> Eliminat
             if fills:
                 near[a].update(b for b in around if b != a)
                 touched |= near[a]
+        for a in awaited.get(i, ()):
+            waits[a].discard(i)
+            if not waits[a]:
+                touched.add(a)
         for a in touched:
             known[a] = missing(a)
-            heapq.heappush(heap, (known[a], len(near[a]), a))
+            if not waits.get(a):
+                heapq.heappush(heap, (known[a], len(near[a]), a))
     place = {joint: c for c, joint in enumerate(order)}
     blocks = {(joint, joint): c for c, joint in enumerate(order)}
     below: list[tuple[tuple[int, int], ...]] = []

@@ -21,6 +21,7 @@ from jousto.schema.connections import (
 from jousto.schema.entries import (
     Acceleration3,
     AngularVelocity3,
+    Count,
     Duration,
     Entry,
     Flag,
@@ -158,12 +159,18 @@ class BaumgarteEntry(Entry):
 
 
 class SolverEntry(Entry):
-    """`RK4` or `ROS2` with a fixed step."""
+    """`RK4`, `ROS2`, `GeneralizedAlpha` or `Newmark`, with the options of that class."""
 
-    type: Literal["RK4", "ROS2"]
+    type: Literal["RK4", "ROS2", "GeneralizedAlpha", "Newmark"]
     step: Duration | None = Field(None, description="Step size, 1 ms if not given")
     projection: Flag | None = Field(None, description="Project onto the constraints every step")
-    baumgarte: BaumgarteEntry | None = None
+    baumgarte: BaumgarteEntry | None = Field(None, description="RK4, ROS2")
+    rho: Number | None = Field(None, description="GeneralizedAlpha: what is left of fast motion")
+    beta: Number | None = Field(None, description="Newmark, 1/4 if not given")
+    gamma: Number | None = Field(None, description="Newmark, 1/2 if not given")
+    tolerance: Number | None = Field(None, description="Of Newton's iteration")
+    max_iterations: Count | None = Field(None, description="Of Newton's iteration")
+    tangent: Literal["exact", "modified"] | None = Field(None, description="Of Newton's iteration")
 
 
 class SimulationEntry(Entry):

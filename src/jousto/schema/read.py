@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -206,6 +207,12 @@ def build_simulation(builder: Builder, entry: SimulationEntry) -> Simulation | N
 
         make: Any = getattr(simulation, entry.solver.type)
         values = entry.solver.given()
+        known = inspect.signature(make).parameters
+        for key in [key for key in values if key not in known]:
+            builder.note(
+                (*here, "solver", key),
+                f"{entry.solver.type} has no option {key!r}; it takes {', '.join(known)}",
+            )
         if entry.solver.baumgarte is not None:
             place = (*here, "solver", "baumgarte")
             rates = entry.solver.baumgarte.given()

@@ -1,6 +1,7 @@
 """SIMULATE: run a model, stream its results, read them."""
 
 from jousto.simulation.campbell import Campbell, campbell
+from jousto.simulation.implicit import GeneralizedAlpha, Newmark
 from jousto.simulation.kinematics import inverse_dynamics, kinematics
 from jousto.simulation.linear import LinearModel, MechanismModes, State, linearise, modes
 from jousto.simulation.simulate import RunFailed, RunInterrupted, describe, simulate
@@ -16,8 +17,10 @@ __all__ = [
     "BodyShape",
     "Campbell",
     "Energy",
+    "GeneralizedAlpha",
     "LinearModel",
     "MechanismModes",
+    "Newmark",
     "Residuals",
     "RunFailed",
     "RunInterrupted",

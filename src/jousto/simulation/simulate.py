@@ -16,7 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine import Engine, Model
-from jousto.engine.failures import EVENT, NOT_FINITE, SINGULAR_BODY, SINGULAR_JOINT
+from jousto.engine.failures import (
+    EVENT,
+    NO_CONVERGENCE,
+    NOT_FINITE,
+    SINGULAR_BODY,
+    SINGULAR_JOINT,
+)
 from jousto.engine.redundancy import disagreement
 from jousto.errors import InputError, Problem, Problems, SimulationError, warn
 from jousto.simulation.linear import State
@@ -24,7 +30,7 @@ from jousto.simulation.progress import Report, reporter
 from jousto.simulation.results import ResultsWriter
 from jousto.simulation.solution import Solution
 from jousto.simulation.solver import ROS2, SOLVERS, Solver
-from jousto.simulation.stability import friction_warning, stability_warning
+from jousto.simulation.stability import stability_warning
 
 Record = Callable[[NDArray[np.float64]], None]
 
@@ -85,7 +91,7 @@ def simulate(
         From `compile`.
     t_end : float
         End of the run, s.
-    solver : RK4 or ROS2, optional
+    solver : RK4, ROS2, GeneralizedAlpha or Newmark, optional
         Method and step; None is ``ROS2(step=1e-3)``. The step is shortened, never lengthened, so
         that outputs and the end fall on steps.
     output_step : float, optional
@@ -301,9 +307,6 @@ def cautions(model: Model, solver: Solver, plan: Schedule) -> list[str]:
     sentence = stability_warning(model, solver, plan.step)
     if sentence:
         found.append(f"the run will probably diverge: {sentence}")
-    sentence = friction_warning(model, solver, plan.step)
-    if sentence:
-        found.append(sentence)
     for force in model.forces:
         if force.signal < 0:
             continue
@@ -333,7 +336,9 @@ def _loop(
     alpha, beta = (
         (solver.baumgarte.alpha, solver.baumgarte.beta) if solver.baumgarte else (0.0, 0.0)
     )
-    native = engine.native_solver(solver.method, plan.step, solver.projection, alpha, beta)
+    native = engine.native_solver(
+        solver.method, plan.step, solver.projection, alpha, beta, **solver.options
+    )
     capacity = max(2, min(4096, BUFFER_BYTES // (8 * engine.row_size)))
     rows = np.zeros((capacity, engine.row_size))
     rows[0] = engine.row()
@@ -364,6 +369,12 @@ def _cause(
     model: Model, solver: Solver, plan: Schedule, engine: Engine, status: int
 ) -> tuple[str, str]:
     """Return why the run cannot go on, and which body shows it."""
+    if status == NO_CONVERGENCE:
+        body = model.bodies[engine.error_index].name
+        return (
+            f"{engine.problem(status)}; the step is {plan.step:.3g} s, try {0.5 * plan.step:.3g} s",
+            body,
+        )
     if status not in (NOT_FINITE, SINGULAR_BODY, SINGULAR_JOINT):
         return str(engine.problem(status)), ""
     sentence = stability_warning(model, solver, plan.step)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.errors import Problems
+from jousto.simulation.implicit import GeneralizedAlpha, Newmark
 
 
 class Solver(Protocol):
@@ -21,6 +22,10 @@ class Solver(Protocol):
     @property
     def step(self) -> float:
         """Step size, s."""
+
+    @property
+    def options(self) -> dict[str, float | int]:
+        """Further fields of the engine's jo_solver."""
 
     @property
     def projection(self) -> bool:
@@ -91,6 +96,11 @@ class RK4:
     def __post_init__(self) -> None:
         _check(self)
 
+    @property
+    def options(self) -> dict[str, float | int]:
+        """No further fields."""
+        return {}
+
     def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
         """Return where the explicit growth exceeds 1, z = step * eigenvalue."""
         return np.asarray(self.explicit_growth(step * eigenvalues) > 1.0 + 1e-12)
@@ -129,6 +139,11 @@ class ROS2:
     def __post_init__(self) -> None:
         _check(self)
 
+    @property
+    def options(self) -> dict[str, float | int]:
+        """No further fields."""
+        return {}
+
     def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
         """Return False everywhere: the method is L-stable for the modal equations."""
         return np.zeros(len(eigenvalues), dtype=bool)
@@ -138,7 +153,7 @@ class ROS2:
         return np.asarray(np.abs(1.0 + z * (1.0 + z / 2.0)))
 
 
-SOLVERS: tuple[type[RK4] | type[ROS2], ...] = (RK4, ROS2)
+SOLVERS: tuple[type[Solver], ...] = (RK4, ROS2, GeneralizedAlpha, Newmark)
 
 
 def _is_number(value: Any) -> bool:

@@ -1,0 +1,308 @@
+/* implicit.c - generalised alpha (Chung and Hulbert 1993) on the Lie group of poses, with Newton's method.
+ *
+ * With the algorithmic acceleration a (Arnold and Bruels 2007; Bruels, Cardona and Arnold 2012)
+ *   (1 - alpha_m) a1 + alpha_m a0 = (1 - alpha_f) v1' + alpha_f v0'
+ *   q1 = q0 o exp(h v0 + h^2 ((1/2 - beta) a0 + beta a1)),  v1 = v0 + h ((1 - gamma) a0 + gamma a1)
+ *   M v1' + Cq^T lam1 = Q at q1, v1, t1, and Cq v1 + Ct = 0 (index 2, projection) or C(q1) = 0 (index 3).
+ * The multipliers of index 2 keep the velocities on the constraints; the positions, which miss them by O(h^3) a
+ * step, are closed after it in the metric of Newton's matrix, which stiff springs do not feel.
+ * Newton's unknowns are changes of a1 and lam1; scaled so, no term of the matrix grows as the step shrinks
+ * (Bottasso, Bauchau and Cardona 2007).
+ */
+#include "internal.h"
+
+#define JO_SLOW 0.1       /* kept factors are renewed when an iteration gains less than this */
+#define JO_ROUND_OFF 1e-6 /* increments that no longer shrink below this are round-off */
+
+/* of accelerations, in the metric of the masses: m R''^2 + J w'^2 + p''^2 */
+static double size_of(const jo_model *m, const jo_data *d, int body, const jo_real *x)
+{
+    const jo_body *b = &m->body[body];
+    double sum = 0.0;
+    for (int j = 0; j < 3; j++) {
+        const double R = fabs(JO_RE(x[j])), w = fabs(JO_RE(x[3 + j]));
+        sum += JO_RE(b->mass[0]) * R * R + JO_RE(d->body[body].J[j]) * w * w;
+    }
+    for (int j = 6; j < 6 + b->n; j++) sum += fabs(JO_RE(x[j])) * fabs(JO_RE(x[j]));
+    return sum;
+}
+
+/* what increments of the accelerations are measured against: accelerations without gravity, elastic forces and a
+ * small share of the accelerations that would stop everything in one step */
+static double reference(const jo_model *m, const jo_data *d, double h)
+{
+    double sum = 0.0;
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const jo_real *a = d->a + b->iv;
+        double mass = 0.0;
+        for (int j = 0; j < 3; j++) mass += fabs(JO_RE(a[j] - m->gravity[j])) * fabs(JO_RE(a[j] - m->gravity[j]))
+                                            - fabs(JO_RE(a[j])) * fabs(JO_RE(a[j]));
+        sum += size_of(m, d, i, a) + JO_RE(b->mass[0]) * mass + 1e-6 / (h * h) * size_of(m, d, i, d->v + b->iv);
+        for (int j = 0; j < b->n; j++) {
+            const double f = fabs(JO_RE(b->K[j] * d->body[i].p[j]));
+            sum += f * f;
+        }
+    }
+    return sqrt(sum);
+}
+
+/* the first step, or one after the state was changed: consistent accelerations, and the algorithmic one, which
+ * stands for the time alpha_m - alpha_f steps later (Arnold, Bruels and Cardona 2015) */
+static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    const double shift = s->alpha_m - s->alpha_f, ahead = fabs(shift) * s->step;
+    const jo_real t0 = d->time[0];
+    d->current = 0;
+    int status = jo_evaluate(m, d, 0, 0);
+    if (status != JO_OK) return status;
+    for (int i = 0; i < 3; i++) d->power0[i] = d->power[i];
+    for (int i = 0; i < m->nrow; i++) d->end_lam[i] = d->lam[i];
+    for (int i = 0; i < m->nv; i++) {
+        d->algorithmic[i] = d->end_a[i] = d->a[i];
+        d->dq[i] = ahead * (d->v[i] + 0.5 * ahead * d->a[i]);
+    }
+    if (ahead == 0.0) return JO_OK;
+    for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
+    for (int i = 0; i < m->nv; i++) {
+        d->v0[i] = d->v[i];
+        d->v[i] += ahead * d->a[i];
+    }
+    jo_displace(m, d->q, d->q0, d->dq);
+    d->time[0] = t0 + ahead;
+    status = jo_evaluate(m, d, 0, 0);
+    d->time[0] = t0;
+    for (int i = 0; i < m->nq; i++) d->q[i] = d->q0[i];
+    for (int i = 0; i < m->nv; i++) {
+        d->v[i] = d->v0[i];
+        if (status == JO_OK) d->algorithmic[i] += (shift < 0.0 ? -1.0 : 1.0) * (d->a[i] - d->end_a[i]);
+    }
+    return status;
+}
+
+/* whether the state is the one that the last step left */
+static int continues(const jo_model *m, const jo_data *d, double h)
+{
+    if (!*d->started || d->restart || !(fabs(JO_RE(d->time[0] - *d->end_time)) < 1e-6 * h)) return 0;
+    for (int i = 0; i < m->nq; i++)
+        if (d->q[i] != d->end_q[i]) return 0;
+    for (int i = 0; i < m->nv; i++)
+        if (d->v[i] != d->end_v[i]) return 0;
+    return 1;
+}
+
+/* q, v and the tangent operators of the increments at the present algorithmic acceleration in rate */
+static void move(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    const double h = s->step, b = s->newmark_beta, g = s->newmark_gamma;
+    for (int i = 0; i < m->nv; i++) {
+        d->dq[i] = h * (d->v0[i] + h * ((0.5 - b) * d->algorithmic[i] + b * d->rate[i]));
+        d->v[i] = d->v0[i] + h * ((1.0 - g) * d->algorithmic[i] + g * d->rate[i]);
+    }
+    jo_displace(m, d->q, d->q0, d->dq);
+    for (int i = 0; i < m->nbody; i++) {   /* E - f1 theta~ + f2 theta~ theta~ */
+        const jo_real *x = d->dq + m->body[i].iv + 3, square = jo_dot3(x, x);
+        jo_real *T = d->body[i].turn, f[3];
+        jo_sinc(square, f);
+        for (int r = 0; r < 3; r++)
+            for (int c = 0; c < 3; c++) T[3 * r + c] = f[2] * x[r] * x[c] + (r == c ? 1.0 - f[2] * square : 0.0);
+        T[1] += f[1] * x[2]; T[2] -= f[1] * x[1]; T[3] -= f[1] * x[2];
+        T[5] += f[1] * x[0]; T[6] += f[1] * x[1]; T[7] -= f[1] * x[0];
+    }
+}
+
+static int factors(const jo_model *m, jo_data *d)
+{
+    d->regular = m->redundant > 0;
+    int status = jo_newton_assemble(m, d);
+    if (status != JO_OK) return status;
+    status = jo_newton_factor(m, d);
+    if (status == JO_SINGULAR_JOINT && m->redundant == 0) {   /* a singular position is passed */
+        d->counts[4]++;
+        d->regular = 1;
+        status = jo_newton_assemble(m, d);
+        if (status == JO_OK) status = jo_newton_factor(m, d);
+    }
+    d->factored = status == JO_OK;
+    return status;
+}
+
+/* d->x = -[residual in acc; rows of the joints] */
+static void right_hand_side(const jo_model *m, jo_data *d, int first)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_place *p = &m->place[i];
+        jo_real *x = d->x + m->node[p->node].at + p->local;
+        for (int j = 0; j < 6 + m->body[i].n; j++) x[j] = -d->acc[m->body[i].iv + j];
+    }
+    for (int i = 0; i < m->njoint; i++) {
+        const jo_place *p = &m->place[m->nbody + i];
+        const jo_joint_work *w = &d->joint[i];
+        jo_real *x = d->x + m->node[p->node].at + p->local;
+        for (int r = 0; r < m->joint[i].nrow; r++) {
+            const jo_real lam = d->lam[m->joint[i].row + r];
+            if (jo_absent(d, &m->joint[i])) x[r] = -lam;
+            else {
+                x[r] = -d->weights.rows * (d->weights.position ? w->c[r] : w->cdot[r]);
+                if (first && d->regular) x[r] += w->scale[r] * lam;   /* least norm anew at every step */
+            }
+        }
+    }
+}
+
+static jo_real *solution_of(const jo_model *m, jo_data *d, int item)
+{
+    return d->x + m->node[m->place[item].node].at + m->place[item].local;
+}
+
+/* Newton's method for one step from q0, v0; a step's accelerations in a, algorithmic in rate */
+static int newton(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    double before = 0.0;
+    for (int k = 0; k < s->iterations; k++) {
+        move(m, d, s);
+        int status = jo_residual(m, d, d->acc);
+        if (status != JO_OK) return status;
+        d->counts[0]++;
+        const int renewed = !s->modified || !d->factored;
+        if (renewed) status = factors(m, d);
+        if (status == JO_NOT_FINITE) return JO_NO_CONVERGENCE;
+        if (status != JO_OK) return status;
+        right_hand_side(m, d, k == 0);
+        jo_newton_solve(m, d);
+        d->counts[1]++;
+        double size = 0.0, most = -1.0;
+        for (int i = 0; i < m->nbody; i++) {
+            const jo_real *x = solution_of(m, d, i);
+            const double part = size_of(m, d, i, x);
+            const int iv = m->body[i].iv;
+            size += part;
+            if (!(part <= most)) { most = part; d->error_index = i; }
+            for (int j = 0; j < 6 + m->body[i].n; j++) {
+                d->rate[iv + j] += x[j];
+                d->a[iv + j] += d->weights.a * x[j];
+            }
+        }
+        for (int i = 0; i < m->njoint; i++) {
+            const jo_real *x = solution_of(m, d, m->nbody + i);
+            for (int r = 0; r < m->joint[i].nrow; r++) d->lam[m->joint[i].row + r] += x[r];
+        }
+        size = sqrt(size);
+        if (!isfinite(size)) return JO_NO_CONVERGENCE;
+        const double small = s->tolerance * reference(m, d, s->step), gain = before > 0.0 ? size / before : 1.0;
+        if (s->tolerance <= 0.0) {   /* a fixed number of iterations */
+            if (k + 1 == s->iterations) return JO_OK;
+            continue;
+        }
+        if (size <= small || (k && gain < 1.0 && size * gain / (1.0 - gain) <= small)) return JO_OK;
+        if (k > 1 && gain > 0.5 && size * s->tolerance <= JO_ROUND_OFF * small) return JO_OK;
+        if (s->modified && !renewed && k && gain > JO_SLOW) d->factored = 0;
+        before = size;
+    }
+    return JO_NO_CONVERGENCE;
+}
+
+/* close positions, then velocities, with the last factors */
+static void close_joints(const jo_model *m, jo_data *d)
+{
+    enum { JO_CORRECTIONS = 10 };
+    const double small[2] = {1e-12 * m->size, 1e-10 * m->size};
+    jo_real largest[2];
+    for (int velocity = 0; velocity < 2; velocity++) {
+        double before = 0.0;
+        for (int k = 0; k < JO_CORRECTIONS; k++) {
+            if (k || velocity) jo_residuals(m, d, largest);
+            double gap = 0.0;
+            for (int i = 0; i < m->nbody; i++) {
+                jo_real *x = solution_of(m, d, i);
+                for (int j = 0; j < 6 + m->body[i].n; j++) x[j] = 0.0;
+            }
+            for (int i = 0; i < m->njoint; i++) {
+                jo_real *x = solution_of(m, d, m->nbody + i);
+                for (int r = 0; r < m->joint[i].nrow; r++) {
+                    x[r] = velocity ? -d->joint[i].cdot[r] : -d->joint[i].c[r];
+                    if (fabs(JO_RE(x[r])) > gap) gap = fabs(JO_RE(x[r]));
+                }
+            }
+            if (gap <= small[velocity] || (k && !(gap < 0.5 * before))) break;
+            before = gap;
+            jo_newton_solve(m, d);
+            for (int i = 0; i < m->nbody; i++) {
+                const jo_real *x = solution_of(m, d, i);
+                jo_real *y = velocity ? d->v : d->rate;
+                const int iv = m->body[i].iv;
+                for (int j = 0; j < 6 + m->body[i].n; j++) y[iv + j] = (velocity ? y[iv + j] : 0.0) + x[j];
+            }
+            if (!velocity) jo_displace(m, d->q, d->q, d->rate);
+        }
+    }
+}
+
+/* the work of the step by the trapezoidal rule, with the forces and multipliers at its end */
+static int add_work(const jo_model *m, jo_data *d, double h)
+{
+    const int status = jo_residual(m, d, d->acc);
+    if (status != JO_OK) return status;
+    d->counts[0]++;
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->lam[m->joint[i].row + r];
+    d->power[2] += m->nline ? jo_joint_power(m, d) : 0.0;
+    for (int i = 0; i < m->nfriction; i++) {
+        const int coordinate[2] = {m->friction[i].coordinate, m->friction[i].other};
+        for (int k = 0; k < 2; k++)
+            if (coordinate[k] >= 0) d->power[1] -= d->rub[2 * i + k] * d->coordinate[coordinate[k]].rate;
+    }
+    for (int i = 0; i < 3; i++) {
+        d->work[i] += 0.5 * h * (d->power0[i] + d->power[i]);
+        d->power0[i] = d->power[i];
+    }
+    return JO_OK;
+}
+
+int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    const double h = s->step, am = s->alpha_m, af = s->alpha_f, g = s->newmark_gamma, b = s->newmark_beta;
+    const jo_weights old = d->weights;
+    const jo_weights weights = {(1.0 - am) / (1.0 - af), g * h, b * h * h, 1.0 / (s->projection ? g * h : b * h * h),
+                                !s->projection};
+    if (!continues(m, d, h)) {
+        *d->started = d->factored = 0;
+        d->restart = 0;
+        const int status = restart(m, d, s);
+        if (status != JO_OK) return status;
+    }
+    if (old.a != weights.a || old.v != weights.v || old.q != weights.q || old.position != weights.position) d->factored = 0;
+    d->weights = weights;
+    const jo_real t0 = d->time[0];
+    for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
+    for (int i = 0; i < m->nrow; i++) d->lam[i] = d->end_lam[i];
+    for (int i = 0; i < m->nv; i++) {   /* predictor: the algorithmic acceleration stays */
+        d->v0[i] = d->v[i];
+        d->rate[i] = d->algorithmic[i];
+        d->a[i] = (d->algorithmic[i] - af * d->end_a[i]) / (1.0 - af);
+    }
+    d->time[0] = t0 + h;
+    int status = newton(m, d, s);
+    if (status == JO_OK) {
+        move(m, d, s);
+        for (int i = 0; i < m->nv; i++) {
+            d->algorithmic[i] = d->rate[i];
+            d->end_a[i] = d->a[i];
+        }
+        for (int i = 0; i < m->nrow; i++) d->end_lam[i] = d->lam[i];
+        status = add_work(m, d, h);
+    }
+    if (status != JO_OK) {   /* back to the last good state */
+        for (int i = 0; i < m->nq; i++) d->q[i] = d->q0[i];
+        for (int i = 0; i < m->nv; i++) d->v[i] = d->v0[i];
+        d->time[0] = t0;
+        *d->started = d->factored = 0;
+        return status;
+    }
+    if (s->projection && m->njoint) close_joints(m, d);
+    for (int i = 0; i < m->nq; i++) d->end_q[i] = d->q[i];
+    for (int i = 0; i < m->nv; i++) d->end_v[i] = d->v[i];
+    *d->end_time = d->time[0];
+    *d->started = 1;
+    return JO_OK;
+}

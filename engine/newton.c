@@ -1,0 +1,242 @@
+/* newton.c - sparse block LU of Newton's matrix [M^ Cq^T; Cq 0] of the implicit methods.
+ *
+ * Order and fill are fixed when the model is compiled. A node is a body with the joints that carry it, so that its
+ * pivot block is regular; rows are exchanged within a node only. After the factorisation a diagonal block holds its
+ * LU factors, the block right of it A_cc^-1 A_cj, the block below it A_ic.
+ */
+#include "internal.h"
+
+#define JO_REGULAR 1e-9       /* subtracted from the diagonal of the joints, relative, where rows repeat one another */
+#define JO_VANISHED 1e-14     /* a pivot below this, relative to its column, belongs to rows that repeat one another */
+
+/* memory of the rows of x and the columns of y, bodies or joints; at 0 if they never touch */
+jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y)
+{
+    const jo_place *p = &m->place[x], *q = &m->place[y];
+    const int early = p->node < q->node ? p->node : q->node, late = p->node < q->node ? q->node : p->node;
+    const jo_node *node = &m->node[early];
+    jo_block block = {d->N + node->diagonal, jo_pad(node->size)};
+    if (early != late) {
+        const jo_branch *branch = &m->branch[node->first], *end = branch + node->count;
+        while (branch < end && branch->node != late) branch++;
+        if (branch == end) {
+            const jo_block none = {0, 0};
+            return none;
+        }
+        if ((p->node == late ? p->local : q->local) >= branch->width) {
+            const jo_block none = {0, 0};
+            return none;
+        }
+        if (p->node == late) {
+            block.at = d->N + branch->lower;
+        } else {
+            block.at = d->N + branch->upper;
+            block.stride = jo_pad(branch->width);
+        }
+    }
+    block.at += p->local * block.stride + q->local;
+    return block;
+}
+
+/* y -= s x, padded */
+static inline void subtract_row(jo_real *restrict y, const jo_real s, const jo_real *restrict x, const int padded)
+{
+    JO_EACH(j, padded) JO_STORE(y + j) -= s * JO_LOAD(x + j);
+}
+
+static void swap_rows(jo_real *x, jo_real *y, int count)
+{
+    for (int j = 0; j < count; j++) {
+        const jo_real t = x[j];
+        x[j] = y[j];
+        y[j] = t;
+    }
+}
+
+/* LU with scaled partial pivoting; the inverse of the diagonal is kept. Returns the row whose pivot vanishes, or -1 */
+static int factor_dense(jo_real *A, const int n, const int stride, int *pivot, double vanished)
+{
+    for (int k = 0; k < n; k++) {
+        int best = k;
+        double value = 0.0;
+        for (int i = k; i < n; i++) {
+            const double x = fabs(JO_RE(A[i * stride + k]));
+            if (!(x <= value)) { value = x; best = i; }
+        }
+        pivot[k] = best;
+        if (best != k) swap_rows(A + k * stride, A + best * stride, stride);
+        if (!(value > vanished)) return k;
+        const jo_real inverse = 1.0 / A[k * stride + k];
+        A[k * stride + k] = inverse;
+        const int from = (k + 1) & ~(JO_PAD - 1);
+        for (int i = k + 1; i < n; i++) {
+            jo_real *row = A + i * stride;
+            const jo_real s = row[k] * inverse;
+            if (JO_RE(s) == 0.0) continue;
+            jo_real kept[JO_PAD];   /* entries of L in the first lanes */
+            for (int j = 0; j < JO_PAD; j++) kept[j] = row[from + j];
+            subtract_row(row + from, s, A + k * stride + from, stride - from);
+            for (int j = from; j <= k; j++) row[j] = kept[j - from];
+            row[k] = s;
+        }
+    }
+    return -1;
+}
+
+/* B = A^-1 B for `padded` columns */
+static void solve_rows(const jo_real *A, const int n, const int stride, const int *pivot, jo_real *B, const int padded)
+{
+    for (int k = 0; k < n; k++)
+        if (pivot[k] != k) swap_rows(B + k * padded, B + pivot[k] * padded, padded);
+    for (int i = 1; i < n; i++)
+        for (int k = 0; k < i; k++) {
+            const jo_real s = A[i * stride + k];
+            if (JO_RE(s) != 0.0) subtract_row(B + i * padded, s, B + k * padded, padded);
+        }
+    for (int i = n - 1; i >= 0; i--) {
+        for (int k = i + 1; k < n; k++) subtract_row(B + i * padded, A[i * stride + k], B + k * padded, padded);
+        const jo_real s = A[i * stride + i];
+        for (int j = 0; j < padded; j++) B[i * padded + j] *= s;
+    }
+}
+
+/* the same for one column */
+static void solve_column(const jo_real *A, const int n, const int stride, const int *pivot, jo_real *x)
+{
+    for (int k = 0; k < n; k++)
+        if (pivot[k] != k) swap_rows(x + k, x + pivot[k], 1);
+    for (int i = 1; i < n; i++)
+        for (int k = 0; k < i; k++) x[i] -= A[i * stride + k] * x[k];
+    for (int i = n - 1; i >= 0; i--) {
+        for (int k = i + 1; k < n; k++) x[i] -= A[i * stride + k] * x[k];
+        x[i] *= A[i * stride + i];
+    }
+}
+
+/* T -= X Y, (rows x n) (n x padded), four rows and four columns at a time */
+static void subtract_product(jo_real *T, const int target, const jo_real *X, const int stride, const int rows, const int n,
+                             const jo_real *Y, const int padded)
+{
+    int i = 0;
+    for (; i + 4 <= rows; i += 4)
+        JO_EACH(j, padded) {
+            jo_lanes s0 = {0}, s1 = {0}, s2 = {0}, s3 = {0};
+            const jo_real *x = X + i * stride, *y = Y + j;
+            for (int k = 0; k < n; k++, y += padded) {
+                const jo_lanes yk = JO_LOAD(y);
+                s0 += x[k] * yk;
+                s1 += x[stride + k] * yk;
+                s2 += x[2 * stride + k] * yk;
+                s3 += x[3 * stride + k] * yk;
+            }
+            JO_STORE(T + i * target + j) -= s0;
+            JO_STORE(T + (i + 1) * target + j) -= s1;
+            JO_STORE(T + (i + 2) * target + j) -= s2;
+            JO_STORE(T + (i + 3) * target + j) -= s3;
+        }
+    for (; i < rows; i++)
+        for (int k = 0; k < n; k++) subtract_row(T + i * target, X[i * stride + k], Y + k * padded, padded);
+}
+
+/* the diagonal of S = Cq M^-1 Cq^T were the mass matrix diagonal, to measure what is small in the rows of a joint */
+static double row_size(const jo_model *m, jo_data *d, int joint, int row)
+{
+    const jo_joint *k = &m->joint[joint];
+    double sum = 0.0;
+    for (int side = 0; side < k->nside; side++) {
+        const int body = m->marker[k->side[side]].body;
+        if (body < 0) continue;
+        const jo_block C = jo_newton_find(m, d, m->nbody + joint, body), M = jo_newton_find(m, d, body, body);
+        for (int j = 0; j < 6 + m->body[body].n; j++) {
+            const double c = fabs(JO_RE(C.at[row * C.stride + j])), x = fabs(JO_RE(M.at[j * (M.stride + 1)]));
+            if (x > 0.0) sum += c * c / x;
+        }
+    }
+    return sum;
+}
+
+/* rows that repeat one another: the multipliers of least norm */
+static void regularise(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->njoint; i++) {
+        if (jo_absent(d, &m->joint[i])) continue;
+        const jo_block D = jo_newton_find(m, d, m->nbody + i, m->nbody + i);
+        for (int r = 0; r < m->joint[i].nrow; r++) {
+            d->joint[i].scale[r] = JO_REGULAR * row_size(m, d, i, r);
+            D.at[r * (D.stride + 1)] -= d->joint[i].scale[r];
+        }
+    }
+}
+
+static int node_joint(const jo_model *m, int node)
+{
+    for (int i = 0; i < m->njoint; i++)
+        if (m->place[m->nbody + i].node == node) return i;
+    return -1;
+}
+
+/* the factors of d->N in place, d->regular says whether rows repeat one another */
+int jo_newton_factor(const jo_model *m, jo_data *d)
+{
+    d->counts[2]++;
+    if (d->regular) regularise(m, d);
+    for (int c = 0; c < m->nnode; c++) {
+        const jo_node *node = &m->node[c];
+        const int stride = jo_pad(node->size);
+        jo_real *A = d->N + node->diagonal;
+        double largest = 0.0;
+        for (int i = 0; i < node->size * stride; i++) {
+            const double x = fabs(JO_RE(A[i]));
+            if (!(x <= largest)) largest = x;
+        }
+        if (!isfinite(largest)) {
+            d->error_index = node->body < 0 ? 0 : node->body;
+            return JO_NOT_FINITE;
+        }
+        const int failed = factor_dense(A, node->size, stride, d->pivot + node->at,
+                                        d->regular ? 0.0 : JO_VANISHED * (largest < 1.0 ? largest : 1.0));
+        if (failed >= 0) {
+            const int joint = node_joint(m, c);
+            d->error_index = joint >= 0 ? joint : node->body;
+            return joint >= 0 ? JO_SINGULAR_JOINT : JO_SINGULAR_BODY;
+        }
+        for (int b = node->first; b < node->first + node->count; b++)
+            solve_rows(A, node->size, stride, d->pivot + node->at, d->N + m->branch[b].upper, jo_pad(m->branch[b].width));
+        for (int f = m->fill_first[c]; f < m->fill_first[c + 1]; f++) {
+            const jo_fill *fill = &m->fill[f];
+            const jo_branch *left = &m->branch[fill->left], *right = &m->branch[fill->right];
+            subtract_product(d->N + fill->target, fill->stride, d->N + left->lower, stride, left->width, node->size,
+                             d->N + right->upper, jo_pad(right->width));
+        }
+    }
+    return JO_OK;
+}
+
+/* d->x = N^-1 d->x */
+void jo_newton_solve(const jo_model *m, jo_data *d)
+{
+    for (int c = 0; c < m->nnode; c++) {
+        const jo_node *node = &m->node[c];
+        const int stride = jo_pad(node->size);
+        jo_real *x = d->x + node->at;
+        solve_column(d->N + node->diagonal, node->size, stride, d->pivot + node->at, x);
+        for (int b = node->first; b < node->first + node->count; b++) {
+            const jo_branch *branch = &m->branch[b];
+            const jo_real *X = d->N + branch->lower;
+            jo_real *y = d->x + m->node[branch->node].at;
+            for (int i = 0; i < branch->width; i++)
+                for (int k = 0; k < node->size; k++) y[i] -= X[i * stride + k] * x[k];
+        }
+    }
+    for (int c = m->nnode - 1; c >= 0; c--) {
+        const jo_node *node = &m->node[c];
+        jo_real *x = d->x + node->at;
+        for (int b = node->first; b < node->first + node->count; b++) {
+            const jo_branch *branch = &m->branch[b];
+            const int stride = jo_pad(branch->width);
+            const jo_real *Y = d->N + branch->upper, *y = d->x + m->node[branch->node].at;
+            for (int i = 0; i < node->size; i++)
+                for (int k = 0; k < branch->width; k++) x[i] -= Y[i * stride + k] * y[k];
+        }
+    }
+}
