@@ -29,6 +29,8 @@ WIDTHS = {  # pixels
     "slider_crank.png": 1100,
     "four_bar.png": 1200,
     "crane.png": 1200,
+    "robot.png": 1200,
+    "moving_load.png": 700,
     "split_still.png": 900,
     "split.png": 900,
 }
