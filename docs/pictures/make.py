@@ -28,6 +28,7 @@ WIDTHS = {  # pixels
     "cantilever_stress.png": 1100,
     "slider_crank.png": 1100,
     "four_bar.png": 1200,
+    "spin_up.png": 1100,
     "crane.png": 1200,
     "robot.png": 1200,
     "moving_load.png": 700,

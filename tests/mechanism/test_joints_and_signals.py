@@ -78,6 +78,14 @@ def test_two_drives_and_a_jump():
         Mechanism(b, hinge, one, two, G)
 
 
+def test_a_factor_that_jumps_where_the_other_is_zero_makes_no_jump():
+    ramp = jm.Ramp(0.0, 2.0, -1.0, 1.0)
+    assert (jm.Step(1.0) * ramp).jumps == ()
+    assert (jm.Step(1.0) * ramp).kinks == (0.0, 1.0, 2.0)
+    assert (jm.Step(1.5) * ramp).jumps == (1.5,)
+    assert (jm.Step(1.0) * jm.Input("u")).jumps == (1.0,)
+
+
 BAD = [
     (lambda j: jm.Friction("f", j, 0.3, 0.2, radius=0.1), "mu_static is 0.2, must not be below"),
     (lambda j: jm.Friction("f", j, 0.3, radius=0.0), "radius is 0 m, must be a positive number"),

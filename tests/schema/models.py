@@ -83,6 +83,7 @@ parts:
       points: [{name: top, y: 0, z: 1 cm, shear: [[1, 2, 3], [4, 5, 6]]}, {name: side, y: 1, z: 0}]
     elements: 3
     material: *steel
+    stiffening: yes
     orientation: [0, 1, 0]
     reduce: {type: craig-bampton, interfaces: [start], modes: 6}
     in_plane: xy

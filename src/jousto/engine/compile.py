@@ -201,6 +201,7 @@ def _flexible(body: FlexibleBody, iq: int, iv: int) -> BodyModel:
         EB=EB,
         K=np.array(body.reduced.stiffness, dtype=float),
         D=np.zeros(len(body.reduced.stiffness)),
+        stiffening=body.reduced.stiffening is not None,
     )
 
 

@@ -36,6 +36,8 @@ class BodyModel:
         ``dD_j/dp_k`` and ``dB_j/dp_k``, index order component, j, k.
     K, D : arrays (n,)
         omega^2 in rad2/s2 and 2 zeta omega in 1/s.
+    stiffening : bool
+        Whether the field goes on to second order in p.
     """
 
     name: str
@@ -51,6 +53,7 @@ class BodyModel:
     EB: Array
     K: Array
     D: Array
+    stiffening: bool = False
 
     @property
     def n(self) -> int:

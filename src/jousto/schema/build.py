@@ -130,7 +130,8 @@ class Builder:
             method = self.make(here, kind, **entry.reduce.given())
             if part is None or method is None:
                 return None
-            reduced = self.make(here, reduce, part, method)
+            stiffening = bool(getattr(entry, "stiffening", None))
+            reduced = self.make(here, reduce, part, method, stiffening=stiffening)
         if reduced is not None and entry.in_plane is not None:
             modes = reduced.in_plane(entry.in_plane)
             reduced = self.make((*loc, "in_plane"), reduced.keep, modes)
@@ -143,7 +144,7 @@ class Builder:
         from jousto.parts import Part
 
         before = len(self.found)
-        values = entry.given("reduce", "in_plane", "keep")
+        values = entry.given("reduce", "in_plane", "keep", "stiffening")
         if isinstance(entry, sp.MatricesEntry):
             for key in ("M", "K"):
                 values[key] = self.make((*loc, key), read_matrix, self.file(values[key]))

@@ -200,6 +200,9 @@ class BeamOptionsEntry(FePart):
     lumped: Flag | None = Field(None, description="Half of each element's mass at each end")
     rotary_inertia: Flag | None = Field(None, description="Rotary inertia of the sections")
     theory: TheoryEntry | None = None
+    stiffening: Flag | None = Field(
+        None, description="Forces along the beams stiffen or soften them"
+    )
     point_masses: tuple[PointMassEntry, ...] | None = None
 
 

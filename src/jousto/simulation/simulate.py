@@ -30,6 +30,7 @@ from jousto.simulation.progress import Report, reporter
 from jousto.simulation.results import ResultsWriter
 from jousto.simulation.solution import Solution
 from jousto.simulation.solver import ROS2, SOLVERS, Solver
+from jousto.simulation.spin import Spin
 from jousto.simulation.stability import stability_warning
 
 Record = Callable[[NDArray[np.float64]], None]
@@ -409,6 +410,9 @@ class RunWatch:
         self._missed = 0.0
         self._gap = 0.0
         self._open: NDArray[np.float64] | None = None  # the row with the largest gap
+        self._spins = [
+            Spin(model, k) for k, b in enumerate(model.bodies) if b.n and not b.stiffening
+        ]
 
     def see(self, rows: NDArray[np.float64]) -> None:
         """Look at rows of the engine."""
@@ -421,6 +425,8 @@ class RunWatch:
         self._missed = max(self._missed, float(np.abs(balance - self._start).max()))
         self._low = np.minimum(self._low, terms.min(axis=0))
         self._high = np.maximum(self._high, terms.max(axis=0))
+        for spin in self._spins:
+            spin.see(rows)
         gaps = rows[:, self._first + 7]
         if gaps.max() > self._gap:
             self._gap, self._open = float(gaps.max()), rows[int(np.argmax(gaps))].copy()
@@ -436,6 +442,8 @@ class RunWatch:
     def judge(self) -> None:
         """Warn if the balance misses a noticeable share of the energy exchanged."""
         where = f"simulate {self._model.name!r}"
+        for sentence in filter(None, (spin.sentence for spin in self._spins)):
+            warn(where, sentence)
         exchanged = float((self._high - self._low)[:4].sum())
         # shares of what moves only by round-off mean nothing
         level = np.maximum(np.abs(self._high), np.abs(self._low))

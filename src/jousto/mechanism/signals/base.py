@@ -182,13 +182,25 @@ class Product(Signal):
 
     @property
     def jumps(self) -> tuple[float, ...]:
-        """Times at which a factor jumps, s."""
-        return merged(factor.jumps for factor in self.factors)
+        """Times at which a factor jumps while the others are not zero, s."""
+        times = merged(factor.jumps for factor in self.factors)
+        return tuple(t for t in times if self._steps(0, t))
 
     @property
     def kinks(self) -> tuple[float, ...]:
-        """Times at which the rate of a factor jumps, s."""
-        return merged(factor.kinks for factor in self.factors)
+        """Times at which the rate jumps while the value does not, s."""
+        bent = merged(factor.kinks for factor in self.factors)
+        kept = merged(factor.jumps for factor in self.factors)
+        smooth = tuple(t for t in kept if not self._steps(0, t) and self._steps(1, t))
+        return merged((bent, smooth))
+
+    def _steps(self, order: int, t: float) -> bool:
+        """Return whether a derivative of the product differs before and after a time."""
+        try:
+            before, after = self.jet(np.array([np.nextafter(t, -np.inf), t]))[order]
+        except InputError:  # an input has no value to tell from
+            return True
+        return bool(abs(after - before) > 1e-12 * max(1.0, abs(before), abs(after)))
 
 
 @dataclass(frozen=True, init=False)
