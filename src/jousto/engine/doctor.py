@@ -115,9 +115,9 @@ def doctor(mechanism: Mechanism | Model) -> Diagnosis:
         if issubclass(w.category, JoustoWarning)
         and not (found is not None and found.sentence in str(w.message))
     )
-    mobility = model.nv - model.nrow + (found.count if found else 0)
+    mobility = model.nv - model.permanent + (found.count if found else 0)
     diagnosis = Diagnosis(
-        model.name, rows=model.nrow, mobility=mobility, redundancy=found, warnings=said
+        model.name, rows=model.permanent, mobility=mobility, redundancy=found, warnings=said
     )
     return diagnosis if model.nv > LARGE else _with_motions(diagnosis, model)
 
