@@ -220,10 +220,9 @@ static int failed(const jo_model *m, jo_data *d)
     return JO_FRICTION_FAILED;
 }
 
-/* Friction and multipliers that belong together, after the multipliers without friction stand in joint[].x: the fixed point
- * f = F(lam(f)). With one sliding coordinate a slope of F(lam(f)) above 1 is refused: there the friction presses the joint
- * more than it needs to, and no motion or several are possible (Painleve). */
-int jo_friction_solve(const jo_model *m, jo_data *d, const jo_solver *s)
+/* the fixed point f = F(lam(f)) from f = 0, lam(0) in joint[].x; 0 where it is not found, or, with one sliding coordinate,
+ * where the slope of F(lam(f)) is above 1. The first change is `first` of the residual. */
+static int find(const jo_model *m, jo_data *d, const jo_solver *s, double first)
 {
     const int n = 2 * m->nfriction;
     jo_mixing *w = &d->mixing;
@@ -243,12 +242,12 @@ int jo_friction_solve(const jo_model *m, jo_data *d, const jo_solver *s)
         }
         largest(w->r, n, off);
         largest(w->g, n, all);
-        if (!isfinite(off[0])) break;   /* the run has diverged, which the step says */
+        if (!isfinite(off[0])) return !k;   /* the run has diverged before, which the step says */
         const double apart = relative(off, all);
         stagnant = apart < 0.5 * best ? 0 : stagnant + 1;
         if (apart < best) best = apart;
-        if (apart <= JO_AGREED || (stagnant >= JO_STAGNANT && apart <= JO_NEARLY)) break;
-        if (k == JO_ITERATIONS) return failed(m, d);
+        if (apart <= JO_AGREED || (stagnant >= JO_STAGNANT && apart <= JO_NEARLY)) return !jammed;
+        if (k == JO_ITERATIONS) return 0;
         if (k) {   /* the last change of f and of r */
             w->newest = (w->newest + 1) % JO_PAIRS;
             if (w->pairs < JO_PAIRS) w->pairs++;
@@ -261,13 +260,29 @@ int jo_friction_solve(const jo_model *m, jo_data *d, const jo_solver *s)
         }
         accelerate(w, n, w->change);
         for (int i = 0; i < n; i++) {
+            if (!k) w->change[i] *= first;
             w->before[i] = w->r[i];
             f[i] += w->change[i];
         }
         push_all(m, d, w->change);
         solve_again(m, d, s);
     }
-    if (jammed) return failed(m, d);
+}
+
+/* Friction and multipliers that belong together, after the multipliers without friction stand in joint[].x. The normal
+ * force is convex in the friction: with one sliding coordinate secants from a short first change stay on the side of
+ * f = 0 and find the smallest solution, if there is one. Beyond it friction presses the joint more than it needs to
+ * (Painleve). */
+int jo_friction_solve(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    const int n = 2 * m->nfriction;
+    jo_real *f = d->rub;
+    if (!find(m, d, s, 1.0)) {
+        for (int i = 0; i < n; i++) d->mixing.change[i] = -f[i];
+        push_all(m, d, d->mixing.change);
+        solve_again(m, d, s);
+        if (!find(m, d, s, 1e-2)) return failed(m, d);
+    }
     for (int i = 0; i < m->nfriction; i++) {
         const jo_friction *c = &m->friction[i];
         for (int k = 0; k < count_of(c); k++) d->power[1] -= f[2 * i + k] * d->coordinate[coordinate_of(c, k)].rate;
@@ -312,6 +327,7 @@ static void let_go(const jo_model *m, jo_data *d, int i)
     for (int k = 0; k < 2; k++) e[k] = JO_RE(whole) > 0.0 ? -y[k] / whole : (k ? 0.0 : 1.0);
     d->slip[i] = count_of(f) == 2 || JO_RE(e[0]) > 0.0 ? 1 : -1;
     *lock_of(m, d, f) = 0;
+    d->restart = 1;
 }
 
 /* friction i holds its coordinates where they are */
@@ -322,6 +338,7 @@ static void hold(const jo_model *m, jo_data *d, int i)
         d->held[2 * m->joint[f->lock].lock + k] = d->coordinate[coordinate_of(f, k)].value;
     *lock_of(m, d, f) = 1;
     d->slip[i] = 0;
+    d->restart = 1;
 }
 
 /* the velocities obey the rows that hold now; what they lose is lost to friction */

@@ -237,20 +237,86 @@ def test_a_ring_on_a_shaft_is_stopped_along_the_direction_of_its_slip():
     assert run.energy.friction[-1] == pytest.approx(0.5 * m, rel=1e-8)
 
 
+@pytest.mark.parametrize("share", [0.9999, 1.0001])
+def test_a_ring_on_a_shaft_holds_until_force_and_torque_together_exceed_friction(share):
+    m, r, mu, P = 2.0, 0.1, 0.3, 40.0
+    ring = jo.RigidBody("ring", m, (0.01, 0.01, 0.02))
+    joint = jo.Cylindrical("shaft", jo.ground["origin"], ring["origin"])
+    load = share * mu * P
+    model = jo.compile(
+        jo.Mechanism(
+            *(ring, joint),
+            jo.Friction("rub", joint, 0.2, mu, radius=r, preload=P, law=jo.StickSlip()),
+            jo.JointForce("pull", joint.displacement, 0.8 * load),
+            jo.JointForce("twist", joint.angle, -0.6 * load * r),
+            jo.CoordinateSensor("s", joint.displacement),
+            jo.CoordinateSensor("phi", joint.angle),
+        )
+    )
+    run = jo.simulate(model, 0.1, solver=jo.RK4(1e-3))
+    if share < 1:
+        assert max(np.abs(run["s"]).max(), np.abs(run["phi"]).max()) < 1e-20
+    else:  # then mu_kinetic: 0.1 mu P is left, along the load at first
+        first = run["s"][2, 0], r * run["phi"][2, 0]
+        assert first == pytest.approx(
+            np.array([0.8 / m, -0.6 * r**2 / 0.02]) * 4.0 * 2e-6, rel=1e-2
+        )
+
+
+def test_the_direction_of_slip_may_turn_all_the_way_round():
+    """A ring that springs along a shaft and turns slowly, against its two equations."""
+    from scipy.integrate import solve_ivp
+
+    m, r, J, k, mu, P = 2.0, 0.1, 0.02, 800.0, 0.05, 10.0
+    ring = jo.RigidBody(*("ring", m, (J, J, J)), velocity=(0, 0, 0.8), angular_velocity=(0, 0, 1.0))
+    joint = jo.Cylindrical("shaft", jo.ground["origin"], ring["origin"])
+    model = jo.compile(
+        jo.Mechanism(
+            *(ring, joint),
+            jo.Spring("spring", joint.displacement, k),
+            jo.Friction("rub", joint, mu, radius=r, preload=P, law=jo.StickSlip()),
+            jo.CoordinateSensor("s", joint.displacement),
+            jo.CoordinateSensor("phi", joint.angle),
+        )
+    )
+    run = jo.simulate(model, 0.6, solver=jo.RK4(2e-4))
+
+    def motion(_, y):
+        speed = np.hypot(y[2], r * y[3])
+        return [*y[2:], -(k * y[0] + mu * P * y[2] / speed) / m, -mu * P * r**2 * y[3] / speed / J]
+
+    exact = solve_ivp(motion, (0, 0.6), [0, 0, 0.8, 1.0], rtol=1e-11, atol=1e-13, method="DOP853").y
+    assert exact[2].min() < -0.5 < 0.5 < exact[3].min()  # it has turned, and does not stop
+    assert run["s"][-1, 0] == pytest.approx(exact[0, -1], abs=1e-8)
+    assert run["phi"][-1, 0] == pytest.approx(exact[1, -1], abs=1e-8)
+
+
+def sleeve(mu, load=0.0):
+    """A sleeve of length L = 0.5 m on a pole, weight and a moment at the arm e = 0.5 m."""
+    body = jo.RigidBody("sleeve", 1.0, (0.1, 0.1, 0.1), center=(0.5, 0, 0), velocity=(0, 0, -1))
+    joint = jo.Prismatic("pole", jo.ground["origin"], body["origin"])
+    rub = jo.Friction("rub", joint, mu, bearing_length=0.5, preload=1.0)
+    items = [body, joint, rub, jo.Gravity((0, 0, -9.81))]
+    if load:
+        items.append(jo.Torque("bend", body["origin"], (0, -0.5 * load, 0)))
+    return jo.compile(jo.Mechanism(*items))
+
+
 def test_friction_that_jams_is_said():
-    """A sleeve with an overhung weight: N = m (g - a) e / L, beyond mu e / L = 1 nothing fits."""
-
-    def sleeve(mu):
-        body = jo.RigidBody("sleeve", 1.0, (0.1, 0.1, 0.1), center=(0.5, 0, 0), velocity=(0, 0, -1))
-        joint = jo.Prismatic("pole", jo.ground["origin"], body["origin"])
-        rub = jo.Friction("rub", joint, mu, bearing_length=0.5, preload=1.0)
-        return jo.compile(jo.Mechanism(body, joint, rub, jo.Gravity((0, 0, -9.81))))
-
+    """f = mu (1 + f e / L): the weight hangs in it; beyond mu e / L = 1 nothing fits."""
     engine = jo.Engine(sleeve(0.8))
     engine.accelerations()
-    assert engine.rub[0] == pytest.approx(0.8 / (1 - 0.8), rel=1e-9)  # f = mu (1 + f e / L)
+    assert engine.rub[0] == pytest.approx(0.8 / (1 - 0.8), rel=1e-9)
     with pytest.raises(jo.InputError, match=r"friction 'rub'.*joint 'pole'.*jams.*lower mu"):
         sleeve(1.2)
+
+
+@pytest.mark.parametrize(("mu", "load"), [(1.1, 2.0), (1.2, 5.0), (2.0, 20.0), (3.0, 20.0)])
+def test_of_two_solutions_the_one_that_begins_without_friction_is_taken(mu, load):
+    """f = mu (1 + |f - load|) has a second one where f outgrows the load."""
+    engine = jo.Engine(sleeve(mu, load))
+    engine.accelerations()
+    assert abs(engine.rub[0]) == pytest.approx(mu * (1 + load) / (1 + mu), rel=1e-9)
 
 
 def hinge():

@@ -447,13 +447,13 @@ class RunWatch:
         exchanged = float((self._high - self._low)[:4].sum())
         # shares of what moves only by round-off mean nothing
         level = np.maximum(np.abs(self._high), np.abs(self._low))
-        weight = (
-            sum(float(b.mass[0]) for b in self._model.bodies) * np.abs(self._model.gravity).max()
-        )
+        mass = sum(float(b.mass[0]) for b in self._model.bodies)
+        weight = mass * np.abs(self._model.gravity).max()
         small = max(
             1e-6 * float(level[[0, 1, 3, 4, 5, 6]].max()),
             1e-12 * float(level[2]),
             1e-12 * float(weight) * self._model.size,
+            1e-18 * mass,  # a speed of 1 nm/s
         )
         if self._missed > ENERGY_LIMIT * exchanged and self._missed > small:
             warn(
