@@ -52,7 +52,7 @@ typedef enum { JO_LOAD = 1, JO_ALONG_COORDINATE = 2, JO_BUSHING = 3, JO_MODAL_LO
 typedef enum { JO_POSITION = 1, JO_VELOCITY = 2, JO_ORIENTATION = 3, JO_ANGULAR_VELOCITY = 4,
                JO_MODAL = 5, JO_REACTION = 6, JO_STRESS = 7, JO_ACCELERATION = 8, JO_ANGULAR_ACCELERATION = 9,
                JO_COORDINATE = 10, JO_RATE = 11, JO_MULTIPLIER = 12, JO_ELEMENT = 13, JO_ENERGY = 14,
-               JO_SIGNAL = 15, JO_VON_MISES = 16, JO_PRINCIPAL = 17 } jo_sensor_type;
+               JO_SIGNAL = 15, JO_VON_MISES = 16, JO_PRINCIPAL = 17, JO_RUB = 18 } jo_sensor_type;
 
 /* A rigid (n = 0) or modal body: displacement field u = u0 + Phi p in a floating frame. */
 typedef struct {

@@ -285,6 +285,9 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
             for (int j = 0; j < s->count; j++) y[j] = d->force[s->object].y[s->other + j];
             for (int j = 0; j + 3 <= s->count; j += 3) resolve(d, s->frame, y + j);
             break;
+        case JO_RUB:   /* along one or two coordinates */
+            for (int j = 0; j < s->count; j++) y[j] = d->rub[2 * s->object + j];
+            break;
         case JO_REACTION:
             jo_reaction(m, d, s->object, y);
             resolve(d, s->frame, y);

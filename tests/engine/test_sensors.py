@@ -278,6 +278,46 @@ def test_servo_and_actuator_forces_are_along_their_coordinate():
     np.testing.assert_allclose(found["a"], (6.5, 0, 0), atol=1e-13)
 
 
+@pytest.mark.parametrize("law", [jo.Regularised(1e-4), jo.StickSlip()], ids=["smooth", "stick"])
+def test_friction_of_a_block_that_slides(law):
+    """Coulomb: mu m g against the slip; the kinetic law holds far above the slip speed."""
+    block = ball(velocity=(-0.5, 0, 0))
+    slide = jo.Prismatic("slide", jo.ground["origin"], block["origin"], X)
+    rub = jo.Friction("rub", slide, 0.2, law=law)
+    sensors = (jo.ForceSensor("f", rub), jo.AccelerationSensor("a", block["origin"]))
+    found = start(block, slide, rub, jo.Gravity((0, 0, -10.0)), *sensors)
+    assert found["f"] == pytest.approx(0.2 * 2.0 * 10.0, rel=1e-12)
+    assert found["a"][0] == pytest.approx(2.0, rel=1e-12)
+    assert sensors[0].unit == "N"
+    assert sensors[0].description == "friction rub along slide.displacement"
+
+
+def test_friction_that_holds_is_as_large_as_the_push():
+    block = ball()
+    slide = jo.Prismatic("slide", jo.ground["origin"], block["origin"], X)
+    rub = jo.Friction("rub", slide, 0.2, law=jo.StickSlip())
+    push = jo.JointForce("push", slide.displacement, 3.0)
+    model = jo.compile(
+        jo.Mechanism(block, slide, rub, push, jo.Gravity((0, 0, -10)), jo.ForceSensor("f", rub))
+    )
+    run = jo.simulate(model, 0.01, solver=jo.RK4(step=1e-3))
+    np.testing.assert_allclose(run["f"], -3.0, rtol=1e-9)
+
+
+def test_friction_of_a_cylindrical_joint_has_two_parts():
+    ring = ball(velocity=(0.3, 0, 0), angular_velocity=(4.0, 0, 0))
+    shaft = jo.Cylindrical("shaft", jo.ground["origin"], ring["origin"], X)
+    rub = jo.Friction("rub", shaft, 0.1, radius=0.1, law=jo.StickSlip())
+    sensor = jo.ForceSensor("f", rub)
+    found = start(ring, shaft, rub, jo.Gravity((0, 0, -10.0)), sensor)
+    # 0.3 m/s along and 0.4 m/s around: 3/5 and 4/5 of mu N
+    assert sensor.components == tuple(s.name for s in rub.coordinates)
+    assert set(sensor.unit.split(", ")) == {"N", "N m"}
+    along, about = sorted(zip(sensor.unit.split(", "), found["f"], strict=True))
+    assert along[1] == pytest.approx(-0.6 * 2.0, rel=1e-12)
+    assert about[1] == pytest.approx(-0.8 * 2.0 * 0.1, rel=1e-12)
+
+
 def test_modal_load_gives_its_resultant():
     part = rod()
     body = jo.FlexibleBody("body", part, orientation=jo.Rotate(Z, 90.0))

@@ -263,5 +263,7 @@ def describe_result(path: Path) -> None:
     for name in solution.sensors:
         values = solution[name]
         about, width = solution.about(name), values.shape[1] if values.ndim > 1 else 1
-        rows.append((f"sensor {name}", f"{about['description']}, {count(width, 'value')}"))
+        text = f"{about['description']}, {count(width, 'value')}"
+        text += f", {about['unit']}" if about["unit"] != "1" else ""
+        rows.append((f"sensor {name}", text))
     facts(rows)

@@ -42,6 +42,7 @@ SENSORS = {
     "signal": 15,
     "von mises": 16,
     "principal": 17,
+    "friction": 18,
 }
 
 

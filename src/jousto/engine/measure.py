@@ -12,6 +12,7 @@ from jousto.engine.builder import Builder
 from jousto.engine.model import SensorModel
 from jousto.mechanism import Marker, Mechanism
 from jousto.mechanism.coupling import Coupler
+from jousto.mechanism.friction import Friction
 from jousto.mechanism.sensors import (
     ENERGIES,
     CoordinateSensor,
@@ -67,6 +68,7 @@ class Measures:
         joints = (*mechanism.joints, *mechanism.couplings)
         self._joints = {id(joint): i for i, joint in enumerate(joints)}
         self._forces = {id(force): i for i, force in enumerate(mechanism.forces)}
+        self._frictions = {id(friction): i for i, friction in enumerate(mechanism.frictions)}
         self._frames: dict[Any, int] = {}
 
     def frame(self, marker: Marker | None, turns: bool = True) -> int:
@@ -92,6 +94,8 @@ class Measures:
         if isinstance(sensor, ReactionSensor):
             kind = "multiplier" if isinstance(sensor.joint, Coupler) else "reaction"
             return Measure(kind, self._joints[id(sensor.joint)], frame=self.frame(sensor.axes))
+        if isinstance(sensor, ForceSensor) and isinstance(sensor.force, Friction):
+            return Measure("friction", self._frictions[id(sensor.force)])
         if isinstance(sensor, ForceSensor):
             place = self._forces[id(sensor.force)]
             return Measure("element", place, other=sensor.first, frame=self.frame(sensor.axes))

@@ -161,7 +161,8 @@ def check_members(problems: Problems, mechanism: Mechanism) -> None:
             known = (*mechanism.joints, *mechanism.couplings)
             check_member(problems, item, item.joint, known)
         if isinstance(item, ForceSensor):
-            check_member(problems, item, item.force, mechanism.forces)
+            forces = (*mechanism.forces, *mechanism.frictions)
+            check_member(problems, item, item.force, forces)
 
 
 def check_member(problems: Problems, item: Any, used: Any, known: tuple[Any, ...]) -> None:

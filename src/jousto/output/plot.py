@@ -30,7 +30,7 @@ from jousto.simulation import Solution
 
 WIDTH = 8.0  # inch
 PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 3: "k", 6: "M", 9: "G"}
-PREFIXED = ("m", "m/s", "N", "N m", "Pa", "J", "rad")
+PREFIXED = ("m", "m/s", "m/s²", "m/m", "N", "N m", "Pa", "J", "rad")
 NONE = (None, None)  # no dashes
 LABELLED = 10  # more lines than this are not named one by one
 

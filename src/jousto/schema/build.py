@@ -346,6 +346,7 @@ class Builder:
         frictions = listed("frictions", lambda at, e: build_friction(self, at, e, free))
         known = {"bodies": by_name, "joints": free}
         known |= {"couplings": named(couplings), "forces": named(loads)}
+        known["frictions"] = named(frictions)
         sensors = listed("sensors", lambda at, e: build_sensor(self, at, e, known))
         items = [*bodies, *joints, *couplings, *loads, *frictions, *sensors]
         if not bodies and (self.found or self.broken):

@@ -37,7 +37,7 @@ FLEXIBLE_ONLY = tuple(key for key, kind in SENSORS.items() if kind in BODY_SENSO
 NAMES = {
     "body": (("bodies",), "body"),
     "joint": (("joints", "couplings"), "joint"),
-    "force": (("forces",), "force"),
+    "force": (("forces", "frictions"), "force"),
 }
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from jousto.errors import Problems
+from jousto.mechanism.coordinate import Coordinate
 from jousto.mechanism.coupling import Coupler
 from jousto.mechanism.elements import (
     ELEMENTS,
@@ -18,13 +19,13 @@ from jousto.mechanism.elements import (
 )
 from jousto.mechanism.fields import check_name, set_fields
 from jousto.mechanism.force import LOADS, Force, Load, Torque
+from jousto.mechanism.friction import Friction
 from jousto.mechanism.joints import JOINTS, Joint
 from jousto.mechanism.marker import Marker, check_marker
 from jousto.mechanism.moving import MovingLoad
 from jousto.mechanism.sensors.motion import frame_name
 
 FORCE, MOMENT = ("Fx", "Fy", "Fz"), ("Mx", "My", "Mz")
-ALONG = (Spring, JointForce, Servo)
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -77,16 +78,14 @@ class ReactionSensor:
         """Units, one for all components or one for each half of them."""
         if isinstance(self.joint, Joint):
             return "N, N m"
-        units = [s.force_unit for s in self.joint.coordinates]
-        return ", ".join(units if len(set(units)) > 1 else units[:1])
+        return joined_units(self.joint.coordinates)
 
     @property
     def components(self) -> tuple[str, ...]:
         """Force and moment, or the coordinates that a coupling acts on."""
         if isinstance(self.joint, Joint):
             return (*FORCE, *MOMENT)
-        names = tuple(s.name for s in self.joint.coordinates)
-        return names if len(names) > 1 else ("f",)
+        return joined_names(self.joint.coordinates)
 
     @property
     def axes(self) -> Marker | None:
@@ -122,37 +121,37 @@ class ReactionSensor:
 class ForceSensor:
     """What a force element exerts on the body of its marker, or of marker b.
 
-    A `Spring`, `JointForce` or `Servo` gives the force or torque along its coordinate, positive
-    where it pushes the coordinate up; a `Force` or a `MovingLoad` its force (3,) N, a `Torque` its
-    moment (3,) N m;
-    a `Bushing` and a `UserForce` force and moment (6,) at the origin of b; a `ModalLoad` its
-    resultant force and moment (6,) about the origin of the body frame, of the undeformed body.
+    A `Spring`, `JointForce`, `Servo` or `Friction` gives the force or torque along its coordinates,
+    positive where it pushes the coordinate up; a `Force` or a `MovingLoad` its force (3,) N, a
+    `Torque` its moment (3,) N m; a `Bushing` and a `UserForce` force and moment (6,) at the origin
+    of b; a `ModalLoad` its resultant force and moment (6,) about the origin of the body frame, of
+    the undeformed body.
 
     Parameters
     ----------
     name : str
         Name, unique among the sensors.
-    force : Force, Torque, Spring, Bushing, JointForce, Servo, ModalLoad, MovingLoad or UserForce
+    force : Force, Torque, Spring, Friction or any other force element
         What is measured.
     resolved_in : Marker, optional
         Axes of the components; None for those of the world.
     """
 
     name: str
-    force: Load | Element
+    force: Load | Element | Friction
     resolved_in: Marker | None
 
     def __init__(
-        self, name: str, force: Load | Element, *, resolved_in: Marker | None = None
+        self, name: str, force: Load | Element | Friction, *, resolved_in: Marker | None = None
     ) -> None:
         problems = Problems()
         where = check_name(problems, "sensor", name)
         checked: Any = force
-        if not isinstance(checked, (*LOADS, *ELEMENTS)):
+        if not isinstance(checked, (*LOADS, *ELEMENTS, Friction)):
             problems.add(where, f"force is {checked!r}, must be a force element such as a Spring")
         if resolved_in is not None:
             check_marker(problems, where, "resolved_in", resolved_in)
-            if isinstance(checked, ALONG):
+            if along(checked):
                 problems.add(
                     where,
                     f"resolved_in: {force.name!r} acts along its coordinate, leave resolved_in out",
@@ -163,15 +162,15 @@ class ForceSensor:
     @property
     def unit(self) -> str:
         """Units, one for all components or one for each half of them."""
-        if isinstance(self.force, ALONG):
-            return self.force.coordinate.force_unit
+        if found := along(self.force):
+            return joined_units(found)
         return {Force: "N", MovingLoad: "N", Torque: "N m"}.get(type(self.force), "N, N m")
 
     @property
     def components(self) -> tuple[str, ...]:
         """Components of force and moment."""
-        if isinstance(self.force, ALONG):
-            return ("f",)
+        if found := along(self.force):
+            return joined_names(found)
         if isinstance(self.force, Force | MovingLoad):
             return FORCE
         return MOMENT if isinstance(self.force, Torque) else (*FORCE, *MOMENT)
@@ -189,7 +188,7 @@ class ForceSensor:
     @property
     def frame(self) -> str:
         """Name of the axes that the components are in."""
-        return "coordinate" if isinstance(self.force, ALONG) else frame_name(self.resolved_in)
+        return "coordinate" if along(self.force) else frame_name(self.resolved_in)
 
     @property
     def turning(self) -> tuple[tuple[str, Marker], ...]:
@@ -200,12 +199,36 @@ class ForceSensor:
     def description(self) -> str:
         """One line for results and plots."""
         force = self.force
-        if isinstance(force, ALONG):
-            return f"{force.kind} {force.name} along {force.coordinate.name}"
         kind = getattr(force, "kind", type(force).__name__.lower())
+        if found := along(force):
+            return f"{kind} {force.name} along {' and '.join(s.name for s in found)}"
         if isinstance(force, ModalLoad):
             return f"resultant of {kind} {force.name} on {force.body.name}"
-        if isinstance(force, MovingLoad):
-            return f"{kind} {force.name} on {force.body.name}"
-        marker = force.b if isinstance(force, Bushing) else force.marker
-        return f"{kind} {force.name} on {marker.body.name}"
+        whole: Any = force
+        body = whole.body if isinstance(force, MovingLoad) else pushed(whole).body
+        return f"{kind} {force.name} on {body.name}"
+
+
+def along(force: Any) -> tuple[Coordinate, ...]:
+    """Return the coordinates that a force acts along, none if it acts at a marker."""
+    if isinstance(force, Friction):
+        return force.coordinates
+    return (force.coordinate,) if isinstance(force, Spring | JointForce | Servo) else ()
+
+
+def pushed(force: Any) -> Marker:
+    """Return the marker at which a force acts."""
+    marker: Marker = force.b if isinstance(force, Bushing) else force.marker
+    return marker
+
+
+def joined_units(coordinates: tuple[Coordinate, ...]) -> str:
+    """Return the units of forces along coordinates: one for all, or one for each."""
+    units = [s.force_unit for s in coordinates]
+    return ", ".join(units if len(set(units)) > 1 else units[:1])
+
+
+def joined_names(coordinates: tuple[Coordinate, ...]) -> tuple[str, ...]:
+    """Return the names of forces along coordinates."""
+    names = tuple(s.name for s in coordinates)
+    return names if len(names) > 1 else ("f",)
