@@ -248,6 +248,27 @@ def test_section_in_millimetres_is_noticed() -> None:
         Part.beam(2.0, Rectangle(100.0, 100.0), 4, STEEL)
 
 
+@pytest.mark.parametrize(
+    ("length", "height", "sentence"),
+    [
+        (1000.0, 0.2, "part 'beam': is 1000 m large; SI needs m, were its lengths given in mm"),
+        (300.0, 30.0, "part 'beam': is 300 m large; SI needs m"),
+        (90.0, 30.0, "part 'beam': a section of 30 m; SI needs m, was it given in mm"),
+    ],
+)
+def test_a_part_in_millimetres_is_noticed(length: float, height: float, sentence: str) -> None:
+    with pytest.warns(JoustoWarning) as caught:
+        Part.beam(length, Rectangle(height, height), 4, STEEL)
+    assert [str(w.message)[: len(sentence)] for w in caught] == [sentence]
+
+
+def test_a_consistent_system_of_other_units_is_not_taken_for_a_mistake() -> None:
+    # mm, t, s: the material alone is told
+    with pytest.warns(JoustoWarning) as caught:
+        Part.beam(1000.0, Rectangle(20.0, 20.0), 4, Material(E=210e3, nu=0.3, rho=7.85e-9))
+    assert all(str(w.message).startswith("material") for w in caught)
+
+
 def test_all_mass_on_one_line_is_legal() -> None:
     part = Part.beam(1.0, ROD, 2, STEEL, lumped=True, rotary_inertia=False, theory=EulerBernoulli())
     assert part.inertia[0, 0] == pytest.approx(0.0, abs=1e-15)

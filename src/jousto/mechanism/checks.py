@@ -362,6 +362,26 @@ def warn_unconnected(mechanism: Mechanism) -> None:
             warn(where(body), "is not connected to anything, it moves freely")
 
 
+def warn_interfaces(mechanism: Mechanism) -> None:
+    """Warn about joints, drives and springs on nodes that are no interfaces of their part."""
+    elements = (x for x in mechanism.forces if not isinstance(x, (*LOADS, UserForce)))
+    for item in (*mechanism.joints, *mechanism.couplings, *elements):
+        for marker in {id(m): m for _, m in markers_of(item)}.values():
+            reduced = getattr(marker.body, "reduced", None)
+            if reduced is None or marker.node is None or not reduced.interfaces:
+                continue
+            nodes = {n for name in reduced.interfaces for n in reduced.node_sets[name]}
+            # with most of the modes it makes no difference
+            if marker.node not in nodes and reduced.n < 3 * len(reduced.nodes) - 6:
+                warn(
+                    where(item),
+                    f"{marker.label} is no interface of part {reduced.name!r} (those are "
+                    f"{', '.join(reduced.interfaces)}): its modes do not hold how the body yields "
+                    f"to a force there; reduce it with {marker.point!r} among the interfaces, or "
+                    "with many more modes",
+                )
+
+
 def warn_mobility(mechanism: Mechanism) -> None:
     """Warn if there are as many constraint rows as coordinates."""
     coordinates = sum(6 + len(body.modal_coordinates) for body in mechanism.bodies)

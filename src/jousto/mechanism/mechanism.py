@@ -147,6 +147,7 @@ class Mechanism:
         checks.check_frictions(problems, self)
         problems.raise_if_any()
         checks.warn_unconnected(self)
+        checks.warn_interfaces(self)
         checks.warn_jumps(self)
         checks.warn_mobility(self)
         checks.warn_ground_loads(self)

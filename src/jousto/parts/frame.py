@@ -28,6 +28,9 @@ from jousto.parts.section import Section
 from jousto.parts.sets import connectivity, node_index, read_elements, read_sets, unattached
 from jousto.parts.stress import StressOperator, beam_stress
 
+# m, sections and parts that are larger are probably given in mm
+WIDEST, LARGEST = 5.0, 200.0
+
 
 @dataclass(frozen=True)
 class BeamOptions:
@@ -137,6 +140,11 @@ def check_frame(
     size = float(np.ptp(xyz, axis=0).max())
     if float(np.sqrt(A.max())) > size:
         warn(where, f"a section of {np.sqrt(A.max()):g} m is larger than the part, {size:g} m")
+    elif rho.max() >= 1.0:  # kg/m^3: not a consistent system of other units
+        if size > LARGEST:
+            warn(where, f"is {size:g} m large; SI needs m, were its lengths given in mm?")
+        elif float(np.sqrt(A.max())) > WIDEST:
+            warn(where, f"a section of {np.sqrt(A.max()):g} m; SI needs m, was it given in mm?")
     beams = BeamElements(origin, axes, length, arms, E * A, G * J, E * Iy, E * Iz, phi)
     density = np.stack([rho * A, rho * Iy, rho * Iz], axis=1)
     return Frame(name, xyz, ab, sets, beams, tuple(section), density, options, tuple(point_masses))

@@ -1,0 +1,188 @@
+"""What is wrong with sensors, and joints on nodes that are no interfaces, in sentences."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+
+import jousto.mechanism as jm
+from jousto.errors import InputError, JoustoWarning
+from jousto.parts import Material, Part, Rectangle
+from jousto.reduction import CraigBampton, FreeFree, reduce
+
+O = jm.ground["origin"]
+G = jm.Gravity((0, 0, -9.81))
+
+
+def ball(name="ball", **more):
+    """Return a rigid body."""
+    return jm.RigidBody(name, 1.0, (1, 1, 1), markers={"tip": (1, 0, 0)}, **more)
+
+
+def sentences(make, *args, **kwargs):
+    """Return the problems of a constructor."""
+    with pytest.raises(InputError) as error, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        make(*args, **kwargs)
+    return [str(problem) for problem in error.value.problems]
+
+
+def test_all_that_is_wrong_with_a_motion_sensor_is_said_at_once():
+    b = ball()
+    assert sentences(jm.VelocitySensor, "a/b", b, relative_to="x", resolved_in=b) == [
+        "sensor 'a/b': name must not contain '/'",
+        "sensor 'a/b': marker is the body 'ball'; name a point of it, ball[...]",
+        "sensor 'a/b': relative_to is 'x', must be a marker such as body[\"point\"] or "
+        'ground["origin"]',
+        "sensor 'a/b': resolved_in is the body 'ball'; name a point of it, ball[...]",
+    ]
+    tip = b["tip"]
+    assert sentences(jm.PositionSensor, "p", tip, relative_to=tip) == [
+        "sensor 'p': relative_to is the marker itself, ball.tip: always zero"
+    ]
+
+
+def test_observers_and_axes_on_bodies_outside_are_named():
+    b, bal = ball(), ball("bal")
+    pivot = jm.Spherical("pivot", O, b["origin"])
+    text = "body 'bal' is not in the mechanism; did you mean 'ball'?"
+    sensors = (
+        jm.AccelerationSensor("a", b["tip"], relative_to=bal["tip"]),
+        jm.AngularVelocitySensor("w", b["tip"], resolved_in=bal["tip"]),
+        jm.ReactionSensor("r", pivot, resolved_in=bal["tip"]),
+        jm.CoordinateSensor("s", jm.Distance(O, bal["tip"], name="reach")),
+    )
+    assert sentences(jm.Mechanism, b, pivot, G, *sensors) == [
+        f"sensor 'a': relative_to: {text}",
+        f"sensor 'w': resolved_in: {text}",
+        f"sensor 'r': resolved_in: {text}",
+        f"sensor 's': reach: {text}",
+    ]
+
+
+def test_forces_drives_and_frictions_outside_are_named():
+    b = ball()
+    hinge = jm.Revolute("hinge", O, b["origin"])
+    spring, twin = (jm.Spring("spring", hinge.angle, 1.0) for _ in range(2))
+    drive = jm.Drive("drive", hinge.angle, jm.Ramp(0, 1))
+    rub = jm.Friction("rub", hinge, 0.1, radius=0.01)
+    sensors = (
+        jm.ForceSensor("f", twin),
+        jm.ReactionSensor("d", drive),
+        jm.ForceSensor("r", rub),
+    )
+    assert sentences(jm.Mechanism, b, hinge, spring, G, *sensors) == [
+        "sensor 'f': spring 'spring' is another spring of that name than the one in the mechanism",
+        "sensor 'd': drive 'drive' is not in the mechanism; known: hinge",
+        "sensor 'r': friction 'rub' is not in the mechanism; known: spring",
+    ]
+
+
+def test_axes_of_a_node_that_does_not_turn_are_refused(solid):
+    beam = jm.FlexibleBody("beam", solid)
+    b = ball(position=(5, 0, 0))
+    end = beam["end"]
+    sensors = (
+        jm.AccelerationSensor("fine", end, relative_to=b["tip"]),
+        jm.PositionSensor("fine too", b["tip"], relative_to=end, resolved_in=O),
+        jm.VelocitySensor("v", b["tip"], relative_to=end, resolved_in=O),
+        jm.AccelerationSensor("a", end, resolved_in=end),
+        jm.AngularAccelerationSensor("w", end),
+    )
+    found = sentences(jm.Mechanism, beam, b, G, *sensors)
+    assert [text.split(": beam.end")[0] for text in found] == [
+        "sensor 'v': relative_to",
+        "sensor 'a': resolved_in",
+        "sensor 'w': marker",
+    ]
+    assert all("has no rotation mode shapes" in text for text in found)
+
+
+def test_forces_along_a_coordinate_have_no_axes():
+    b = ball()
+    hinge = jm.Revolute("hinge", O, b["origin"])
+    spring = jm.Spring("spring", hinge.angle, 1.0)
+    drive = jm.Drive("drive", hinge.angle, jm.Ramp(0, 1))
+    assert sentences(jm.ForceSensor, "f", spring, resolved_in=O) == [
+        "sensor 'f': resolved_in: 'spring' acts along its coordinate, leave resolved_in out"
+    ]
+    assert sentences(jm.ReactionSensor, "r", drive, resolved_in="joint") == [
+        "sensor 'r': resolved_in: the reaction of 'drive' is along its coordinates, "
+        "leave resolved_in out"
+    ]
+    assert sentences(jm.ReactionSensor, "r", hinge, resolved_in="body") == [
+        "sensor 'r': resolved_in is 'body', must be 'world', 'joint' or a marker"
+    ]
+    assert sentences(jm.ForceSensor, "f", hinge)[0].endswith("a force element such as a Spring")
+
+
+def test_gauges_of_strain_say_what_is_wrong(rod, solid):
+    beam = jm.FlexibleBody("beam", rod)
+    assert sentences(jm.StrainSensor, "e", beam, "e1.a.tpo") == [
+        "sensor 'e': place: body 'beam' has no stress site 'e1.a.tpo'; did you mean 'e1.a.top'?"
+    ]
+    (far,) = sentences(jm.StrainSensor, "e", beam, (0.3, 0.0, 0.027))
+    assert far.startswith("sensor 'e': place: [0.3  , 0.   , 0.027] m is on no line")
+    assert "the line nearest to it is that between e1.a.top and e1.b.top, 2 mm away" in far
+    assert sentences(jm.StrainSensor, "e", beam, "e1.a.top", (0, 0, 0), E=-1.0) == [
+        "sensor 'e': direction is zero"
+    ]
+    assert sentences(jm.StrainSensor, "e", beam, "e1.a.top", E=-1.0, nu=0.7) == [
+        "sensor 'e': E is -1 Pa, must be positive",
+        "sensor 'e': nu is 0.7, must be in (-1, 0.5]",
+    ]
+    assert sentences(jm.StrainSensor, "e", jm.FlexibleBody("b", solid), "x") == [
+        "sensor 'e': body 'b' has no stress modes; its part knows no stress"
+    ]
+    # a position between two sites mixes them
+    gauge = jm.StrainSensor("e", beam, (0.125, 0.0, 0.025))
+    ends = [jm.StrainSensor("e", beam, f"e1.{end}.top").rows for end in "ab"]
+    np.testing.assert_allclose(gauge.rows, 0.75 * ends[0] + 0.25 * ends[1], rtol=1e-12)
+    # the constants are those of the part
+    assert gauge.E == pytest.approx(210e9)
+    assert gauge.nu == pytest.approx(0.3)
+
+
+# -- interfaces -------------------------------------------------------------------------------
+
+
+def part():
+    """Return a steel beam with nodes start, node2 .. node8, end."""
+    steel = Material(E=210e9, nu=0.3, rho=7850.0)
+    return Part.beam(2.0, Rectangle(0.1, 0.05), 8, steel, name="boom")
+
+
+def warned(reduced, connect):
+    """Return the warnings of a mechanism of a beam and a ball."""
+    beam = jm.FlexibleBody("beam", reduced)
+    b = ball(position=(0.25, 0, 0))
+    pivot = jm.Spherical("pivot", O, beam["start"])
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", JoustoWarning)
+        jm.Mechanism(beam, b, pivot, G, connect(beam["node2"], b["origin"]))
+    return [str(item.message) for item in caught if "interface" in str(item.message)]
+
+
+@pytest.mark.parametrize(
+    ("connect", "where"),
+    [
+        (lambda x, y: jm.Spherical("weld", x, y), "joint 'weld'"),
+        (lambda x, y: jm.Bushing("rubber", x, y, (1,) * 6), "bushing 'rubber'"),
+        (lambda x, y: jm.Spring.between("rope", O, x, 1.0), "spring 'rope'"),
+    ],
+)
+def test_a_joint_on_a_node_that_is_no_interface_warns(connect, where):
+    few = CraigBampton(("start", "end"), modes=2)
+    found = warned(reduce(part(), few), connect)
+    assert len(found) == 1
+    assert found[0].startswith(
+        f"{where}: beam.node2 is no interface of part 'boom' (those are start, end): "
+    )
+    assert "reduce it with 'node2' among the interfaces" in found[0]
+    # what the sentence asks for helps, and so do many modes
+    assert not warned(reduce(part(), CraigBampton(("start", "end", "node2"), modes=2)), connect)
+    assert not warned(reduce(part(), CraigBampton(("start", "end"), modes=20)), connect)
+    # free modes have no interfaces to choose from
+    assert not warned(reduce(part(), FreeFree(modes=5)), connect)
