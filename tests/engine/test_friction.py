@@ -403,3 +403,16 @@ def test_driven_joints_feel_their_friction():
     N = np.hypot(*run["pin"][:, :2].T)
     row = 5  # after those of the hinge
     assert (run.multipliers - free.multipliers)[:, row] == pytest.approx(-0.2 * 0.1 * N, rel=1e-9)
+
+
+@pytest.mark.filterwarnings("ignore:.*energy balance misses")
+def test_a_step_that_the_smooth_law_cannot_bear_is_said():
+    model = slope(0.3, 0.2, jo.Regularised(1e-3))
+    with pytest.warns(jo.JoustoWarning, match=r"friction 'rub' stops the slip .* chatters") as said:
+        jo.simulate(model, 0.1, solver=jo.RK4(1e-2))
+    text = str(said[0].message)
+    rate = 1.875 * 0.3 * 9.81 * np.cos(0.2) / 1e-3  # slope of the law at rest, per mass
+    assert f"{rate:.3g} 1/s" in text
+    limit = float(text.split("below ")[1].split(" s")[0])
+    assert 0.85 * 2.785 / rate < limit < 2.785 / rate
+    jo.simulate(model, 0.1, solver=jo.RK4(limit))  # warnings are errors

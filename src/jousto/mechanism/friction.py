@@ -18,7 +18,7 @@ class Regularised:
 
     ``mu(w) = mu_static w (15 - 10 w^2 + 3 w^4) / 8`` with ``w = speed / velocity`` up to w = 1;
     from there mu falls to mu_kinetic at w = 2 and stays. Explicit methods need a step below about
-    ``velocity m / (mu N)``, m the mass that slips.
+    ``velocity m / (mu_static N)``, m the mass that slips; `simulate` warns if it is larger.
 
     Parameters
     ----------

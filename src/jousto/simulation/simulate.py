@@ -31,7 +31,7 @@ from jousto.simulation.results import ResultsWriter
 from jousto.simulation.solution import Solution
 from jousto.simulation.solver import ROS2, SOLVERS, Solver
 from jousto.simulation.spin import Spin
-from jousto.simulation.stability import stability_warning
+from jousto.simulation.stability import friction_warning, stability_warning
 
 Record = Callable[[NDArray[np.float64]], None]
 
@@ -308,6 +308,9 @@ def cautions(model: Model, solver: Solver, plan: Schedule) -> list[str]:
     sentence = stability_warning(model, solver, plan.step)
     if sentence:
         found.append(f"the run will probably diverge: {sentence}")
+    sentence = friction_warning(model, solver, plan.step)
+    if sentence:
+        found.append(sentence)
     for force in model.forces:
         if force.signal < 0:
             continue

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import scipy.sparse.linalg
 from numpy.typing import NDArray
@@ -13,6 +15,7 @@ from jousto.simulation.solver import Solver
 Array = NDArray[np.float64]
 Eigenvalues = NDArray[np.complex128]
 DENSE = 300  # states up to which all eigenvalues are computed
+IMAGINARY = 1e-30
 DIFFERENCE = 1e-6  # relative step of the central differences
 
 
@@ -103,6 +106,39 @@ def stability_warning(model: Model, solver: Solver, step: float) -> str:
         f"the mechanism has a mode of {np.abs(bad).max() / (2 * np.pi):.4g} Hz (stiffest body "
         f"'{body}'), for which {type(solver).__name__} needs a step below {limit:.2g} s (it is "
         f"{step:.3g} s); take a smaller step, fewer modes, or ROS2"
+    )
+
+
+def friction_warning(model: Model, solver: Solver, step: float) -> str:
+    """Return a sentence if the step is too large for regularised friction, else nothing.
+
+    Near rest such friction is a damper with the rates of ``da/dv``, here at the initial position,
+    at rest; a method that cannot follow them makes the joint chatter.
+    """
+    smooth = tuple(friction for friction in model.frictions if not friction.sticks)
+    if not smooth or 2 * model.nv > DENSE:
+        return ""
+    slopes = []
+    for frictions in (smooth, ()):
+        engine = Engine(replace(model, frictions=frictions), complex_scalars=True)
+        columns = []
+        for j in range(model.nv):
+            engine.v[:] = 0.0
+            engine.v[j] = 1j * IMAGINARY
+            columns.append(engine.accelerations()[0].imag / IMAGINARY)
+        slopes.append(np.stack(columns, axis=1))
+    rates = np.linalg.eigvals(slopes[0] - slopes[1]).astype(np.complex128)
+    if not (solver.explicit_growth(step * rates) > 1.0 + 1e-9).any():
+        return ""
+    names = ", ".join(f"'{friction.name}'" for friction in smooth)
+    fastest = float(np.abs(rates).max())
+    limit = step
+    while (solver.explicit_growth(limit * rates) > 1.0 + 1e-9).any():
+        limit *= 0.9
+    return (
+        f"regularised friction {names} stops the slip at a rate of {fastest:.3g} 1/s, for which "
+        f"{type(solver).__name__} needs a step below {limit:.2g} s (it is {step:.3g} s), or the "
+        "joint chatters; take a smaller step, a larger velocity of the law, or law=StickSlip()"
     )
 
 
