@@ -41,7 +41,7 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched)
     d->started = take(a, sizeof(int));
     /* end of state */
     d->state_bytes = a->used - state;
-    d->kept.state = take(a, m->nevent ? d->state_bytes : 0);
+    d->kept.state = take(a, jo_watched(m) ? d->state_bytes : 0);
     d->q0 = reals(a, m->nq);
     d->v0 = reals(a, m->nv);
     d->dq = reals(a, m->nv);
@@ -72,8 +72,8 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched)
         d->mixing.Q[i] = reals(a, 2 * m->nfriction);
     }
     double **event_values[] = {&d->level, &d->below, &d->above, &d->trial, &d->scale};
-    for (int i = 0; i < 5; i++) *event_values[i] = take(a, (size_t)m->nevent * sizeof(double));
-    d->side = take(a, (size_t)m->nevent * sizeof(int));
+    for (int i = 0; i < 5; i++) *event_values[i] = take(a, (size_t)jo_watched(m) * sizeof(double));
+    d->side = take(a, (size_t)jo_watched(m) * sizeof(int));
     d->log = take(a, 3 * (size_t)jo_log_room(m) * sizeof(double));
     d->measured = reals(a, m->nevent ? m->nout : 0);
     *watched = take(a, m->nevent ? (size_t)m->nsensor * sizeof(jo_sensor) : 0);
@@ -137,7 +137,7 @@ jo_data *jo_data_new(const jo_model *m)
     }
     jo_marker_setup(m, d, 0);
     jo_joint_setup(m, d, 0);
-    if (m->nevent) jo_event_setup(m, d, watched);
+    if (jo_watched(m)) jo_event_setup(m, d, watched);
     for (int i = 0; i < m->nmarker; i++) {   /* ground markers stand still; gravity is a frame acceleration */
         if (m->marker[i].body >= 0) continue;
         jo_set3(d->marker[i].r, m->marker[i].u0);

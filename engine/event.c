@@ -1,6 +1,7 @@
 /* event.c - zero crossings: found at the end of a step, located in time by repeating the step with other lengths.
  *
- * An event watches a sensor value less its threshold. `side` tells on which side of zero it is. */
+ * Watched are first the events, sensor values less thresholds, then the margins within which frictions keep their state.
+ * `side` tells on which side of zero each is; a margin is positive. */
 #include "internal.h"
 #include <float.h>
 #include <string.h>
@@ -14,8 +15,13 @@ static double instant(const jo_data *d) { return fmax(JO_INSTANT, 8.0 * DBL_EPSI
 
 static int sign(double x) { return (x > 0.0) - (x < 0.0); }
 
-/* most events of one step; more are a chain without end */
-static int most(const jo_model *m) { return 32 + 8 * m->nevent; }
+static int is_event(const jo_model *m, int i) { return i < m->nevent; }
+
+/* events and frictions that may stick */
+int jo_watched(const jo_model *m) { return m->nevent + (m->nlock ? m->nfriction : 0); }
+
+/* most entries of one step in the log; more are a chain without end */
+static int most(const jo_model *m) { return 32 + 8 * jo_watched(m); }
 
 /* -- the state at the start of a step ----------------------------------------------------- */
 
@@ -72,6 +78,7 @@ void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list)
     d->watch = *m;
     d->watch.sensor = list;
     d->watch.nsensor = 0;
+    d->demanding = m->nlock > 0;
     for (int i = 0; i < m->nsensor; i++) {
         const jo_sensor *s = &m->sensor[i];
         int used = 0;
@@ -85,7 +92,7 @@ void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list)
     }
 }
 
-/* values less thresholds of all events where the engine stands */
+/* all that is watched where the engine stands */
 static int values(const jo_model *m, jo_data *d, double *g)
 {
     if (d->demanding && !d->fresh) {
@@ -95,23 +102,25 @@ static int values(const jo_model *m, jo_data *d, double *g)
     } else if (!d->current) {
         jo_real unused[2];
         jo_residuals(m, d, unused);   /* bodies and markers stand at q and v */
-        d->current = 1;
+        d->current = !d->fresh;       /* what is fresh need not be evaluated again, and would leave this mark standing */
     }
-    jo_sensors(&d->watch, d, d->measured);
-    for (int i = 0; i < m->nevent; i++) g[i] = JO_RE(d->measured[m->event[i].output]) - m->event[i].threshold;
+    if (m->nevent) jo_sensors(&d->watch, d, d->measured);
+    for (int i = 0; i < jo_watched(m); i++)
+        g[i] = is_event(m, i) ? JO_RE(d->measured[m->event[i].output]) - m->event[i].threshold
+                              : JO_RE(jo_friction_margin(m, d, i - m->nevent));
     return JO_OK;
 }
 
 /* from its side to the other one, in a direction that counts */
 static int crosses(const jo_model *m, const jo_data *d, int i, double g)
 {
-    const int now = sign(g), direction = m->event[i].direction;
+    const int now = sign(g), direction = is_event(m, i) ? m->event[i].direction : -1;
     return now && now == -d->side[i] && (direction == 0 || direction == now);
 }
 
 static int any_crosses(const jo_model *m, const jo_data *d, const double *g)
 {
-    for (int i = 0; i < m->nevent; i++)
+    for (int i = 0; i < jo_watched(m); i++)
         if (crosses(m, d, i, g[i])) return 1;
     return 0;
 }
@@ -119,10 +128,11 @@ static int any_crosses(const jo_model *m, const jo_data *d, const double *g)
 /* where the engine stands is accepted */
 static void accept(const jo_model *m, jo_data *d, const double *g)
 {
-    for (int i = 0; i < m->nevent; i++) {
-        if (sign(g[i])) d->side[i] = sign(g[i]);
+    for (int i = 0; i < jo_watched(m); i++) {
+        if (is_event(m, i) && sign(g[i])) d->side[i] = sign(g[i]);
         d->level[i] = g[i];
     }
+    if (m->nlock) jo_friction_turn(m, d);
 }
 
 /* -- when ------------------------------------------------------------------------------------- */
@@ -131,9 +141,9 @@ static void accept(const jo_model *m, jo_data *d, const double *g)
 static double estimate(const jo_model *m, const jo_data *d, double a, double b, double wa, double wb)
 {
     double first = b;
-    for (int i = 0; i < m->nevent; i++) {
+    for (int i = 0; i < jo_watched(m); i++) {
         if (!crosses(m, d, i, d->above[i])) continue;
-        const double ga = wa * fabs(d->below[i]), gb = wb * fabs(d->above[i]);
+        const double ga = wa * d->side[i] * d->below[i], gb = wb * fabs(d->above[i]);
         const double x = ga > 0.0 ? a + (b - a) * (ga / (ga + gb)) : 0.5 * (a + b);
         if (x < first) first = x;
     }
@@ -143,8 +153,8 @@ static double estimate(const jo_model *m, const jo_data *d, double a, double b, 
 /* whether all that cross stand at their threshold to round-off */
 static int at_threshold(const jo_model *m, const jo_data *d)
 {
-    for (int i = 0; i < m->nevent; i++) {
-        const double small = 2.0 * DBL_EPSILON * fmax(fabs(m->event[i].threshold), d->scale[i]);
+    for (int i = 0; i < jo_watched(m); i++) {
+        const double small = 2.0 * DBL_EPSILON * fmax(is_event(m, i) ? fabs(m->event[i].threshold) : 0.0, d->scale[i]);
         if (crosses(m, d, i, d->above[i]) && !(fabs(d->above[i]) <= small)) return 0;
     }
     return 1;
@@ -166,7 +176,7 @@ static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *len
     const double narrow = instant(d);
     double a = 0.0, b = *length, at = b, wa = 1.0, wb = 1.0, before = 4.0 * b;
     int last = 0;
-    memcpy(d->below, d->level, (size_t)m->nevent * sizeof *d->below);
+    memcpy(d->below, d->level, (size_t)jo_watched(m) * sizeof *d->below);
     for (int k = 0; k < JO_TRIALS && b - a > narrow && !(at == b && at_threshold(m, d)); k++) {
         double x = estimate(m, d, a, b, wa, wb);
         if (k % 3 == 2) {   /* three trials shall at least halve the interval */
@@ -197,51 +207,80 @@ static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *len
 
 /* -- what happens ----------------------------------------------------------------------------- */
 
-static void happen(const jo_model *m, jo_data *d, int i, int direction, int *stop)
+static int note(const jo_model *m, jo_data *d, int i, int value, int *chain)
 {
-    double *entry = d->log + 3 * d->logged++;
+    double *entry = d->log + 3 * d->logged;
+    if (++*chain > most(m)) {
+        d->error_index = i;
+        return JO_ENDLESS;
+    }
+    d->logged++;
     entry[0] = JO_RE(d->time[0]);
     entry[1] = i;
-    entry[2] = direction;
-    d->happened[i]++;
-    d->side[i] = direction;
-    if (m->event[i].stop && *stop < 0) *stop = i;
+    entry[2] = value;
+    return JO_OK;
 }
 
-/* all that cross where the engine stands happen, and those that cross because of them; *stop: the first that ends the run */
-static int all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
+/* events that cross where the engine stands, and those that cross because of them; *stop: the first that ends the run */
+static int events_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
 {
-    *stop = -1;
-    /* the power until here, before signals switch */
-    int status = d->fresh ? JO_OK : jo_accelerations(m, d);
-    if (status != JO_OK) return status;
-    jo_add_work(d);
-    for (;;) {
-        int any = 0, before = d->logged;
-        for (int i = 0; i < m->nevent; i++)
-            if (crosses(m, d, i, d->above[i])) {
-                if (++*chain > most(m)) {
-                    d->error_index = i;
-                    return JO_ENDLESS;
-                }
-                happen(m, d, i, sign(d->above[i]), stop);
-                any = 1;
-            }
-        if (!any) break;
-        d->fresh = d->current = 0;   /* forces and constraints are others now */
+    for (int before = -1; before != d->logged;) {
+        before = d->logged;
+        for (int i = 0; i < m->nevent; i++) {
+            if (!crosses(m, d, i, d->above[i])) continue;
+            const int status = note(m, d, i, sign(d->above[i]), chain);
+            if (status != JO_OK) return status;
+            d->happened[i]++;
+            d->side[i] = sign(d->above[i]);
+            if (m->event[i].stop && *stop < 0) *stop = i;
+        }
+        if (d->logged == before) break;
+        d->fresh = d->current = 0;   /* forces are others now */
         d->restart = 1;
         memcpy(d->below, d->above, (size_t)m->nevent * sizeof *d->below);
-        status = values(m, d, d->above);
+        const int status = values(m, d, d->above);
         if (status != JO_OK) return status;
-        /* round-off is no crossing */
-        for (int i = 0; i < m->nevent; i++) {
+        for (int i = 0; i < m->nevent; i++) {   /* round-off is no crossing */
             const double jump = fabs(d->above[i] - d->below[i]), small = 1e-6 * d->scale[i];
             if (crosses(m, d, i, d->above[i]) && !(fabs(d->above[i]) > small && jump > small)) d->above[i] = 0.0;
         }
-        if (d->logged == before) break;
     }
-    accept(m, d, d->above);
     return JO_OK;
+}
+
+/* frictions that leave their state where the engine stands, after values() */
+static int frictions_switch(const jo_model *m, jo_data *d, int *chain)
+{
+    const int *before = (const int *)(d->kept.state + ((char *)d->slip - d->state));
+    int any = 0, status = JO_OK;
+    for (int i = m->nevent; i < jo_watched(m) && status == JO_OK; i++)
+        if (crosses(m, d, i, d->above[i])) {
+            status = jo_friction_switch(m, d, i - m->nevent);
+            any = 1;
+        }
+    if (!any || status != JO_OK) return status;
+    d->restart = 1;
+    for (int k = 0; k < m->nfriction && status == JO_OK; k++)
+        if (d->slip[k] != before[k]) status = note(m, d, m->nevent + k, d->slip[k], chain);
+    return status == JO_OK ? values(m, d, d->above) : status;
+}
+
+/* all that happens where the engine stands */
+static int all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
+{
+    *stop = -1;
+    /* the power until here, before forces jump */
+    int status = d->fresh ? JO_OK : jo_accelerations(m, d);
+    if (status != JO_OK) return status;
+    jo_add_work(d);
+    status = events_happen(m, d, stop, chain);
+    if (status == JO_OK && m->nlock) {
+        const int before = d->logged;
+        status = frictions_switch(m, d, chain);
+        if (status == JO_OK && d->logged != before) status = events_happen(m, d, stop, chain);
+    }
+    if (status == JO_OK) accept(m, d, d->above);
+    return status;
 }
 
 /* -- a step to the end of s->step ---------------------------------------------------------------- */
@@ -249,7 +288,7 @@ static int all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
 static int start(const jo_model *m, jo_data *d)
 {
     const int status = values(m, d, d->level);
-    for (int i = 0; i < m->nevent; i++) d->side[i] = sign(d->level[i]);
+    for (int i = 0; i < jo_watched(m); i++) d->side[i] = is_event(m, i) ? sign(d->level[i]) : 1;
     d->watching = 1;
     return status;
 }
@@ -266,7 +305,8 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
     const double end = s->step;
     double done = 0.0;
     int chain = 0, first = !d->watching;
-    int status = first ? start(m, d) : JO_OK;
+    int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
+    if (first && status == JO_OK) status = start(m, d);
     while (status == JO_OK && end - done > instant(d)) {
         jo_solver part = *s;
         part.step = end - done;
@@ -280,7 +320,7 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
             accept(m, d, d->above);
             break;
         }
-        for (int i = 0; i < m->nevent; i++) d->scale[i] = fabs(d->above[i] - d->level[i]);
+        for (int i = 0; i < jo_watched(m); i++) d->scale[i] = fabs(d->above[i] - d->level[i]);
         status = locate(m, d, s, &part.step);
         if (status != JO_OK) break;
         done += part.step;
@@ -294,7 +334,7 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
     return status;
 }
 
-int jo_log_room(const jo_model *m) { return m->nevent ? 4 * most(m) : 0; }
+int jo_log_room(const jo_model *m) { return jo_watched(m) ? 4 * most(m) : 0; }
 
 /* whether another step may be logged */
 int jo_log_has_room(const jo_model *m, const jo_data *d) { return d->logged + most(m) <= jo_log_room(m); }

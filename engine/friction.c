@@ -418,23 +418,14 @@ int jo_friction_settle(const jo_model *m, jo_data *d)
     return status == JO_OK ? release(m, d) : status;
 }
 
-/* at the end of a step: what has slipped through rest sticks or turns round, what cannot hold lets go */
-int jo_friction_transitions(const jo_model *m, jo_data *d)
+/* at the end of a step: friction that slips along two coordinates follows the velocity */
+void jo_friction_turn(const jo_model *m, jo_data *d)
 {
-    int stopped = 0, status = evaluate(m, d);
-    if (status != JO_OK) return status;
     for (int i = 0; i < m->nfriction; i++) {
         const jo_friction *f = &m->friction[i];
-        if (!f->law || sticks(m, d, f)) continue;
-        if (JO_RE(jo_friction_margin(m, d, i)) < 0.0) {
-            hold(m, d, i);
-            stopped = 1;
-        } else if (count_of(f) == 2) {
-            jo_real e[2];
-            direction(m, d, i, e);
-            for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k];
-        }
+        if (!f->law || sticks(m, d, f) || count_of(f) == 1) continue;
+        jo_real e[2];
+        direction(m, d, i, e);
+        for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k];
     }
-    if (stopped) status = stop(m, d);
-    return status == JO_OK ? release(m, d) : status;
 }

@@ -136,11 +136,11 @@ struct jo_data {
     jo_kept kept;
     jo_model watch;         /* the model with the watched sensors only */
     jo_real *measured;      /* (nout) their values */
-    double *level, *below, *above, *trial, *scale;   /* (nevent) value less threshold: at the start of the step, at the ends
+    double *level, *below, *above, *trial, *scale;   /* (jo_watched) value less threshold, margin: at the start of the step, at the ends
                                                       * of the interval in which a crossing lies, between; change in the step */
-    int *side;              /* (nevent) sign of the value, 0: starts at the threshold */
+    int *side;              /* (jo_watched) sign of the value, 0: starts at the threshold */
     int watching, demanding;   /* level and side are valid; watched sensors need accelerations */
-    double *log;            /* (jo_log_room x 3) time, event, direction */
+    double *log;            /* (jo_log_room x 3) time, event or nevent + friction, direction or slip */
     int logged;
     double left;            /* time at the end of the last call */
     long long counts[5];    /* evaluations, Newton iterations, factorisations, rejected steps, singular positions */
@@ -244,7 +244,7 @@ void jo_friction_push(const jo_model *m, jo_data *d);
 jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i);
 int jo_friction_switch(const jo_model *m, jo_data *d, int i);
 int jo_friction_settle(const jo_model *m, jo_data *d);
-int jo_friction_transitions(const jo_model *m, jo_data *d);
+void jo_friction_turn(const jo_model *m, jo_data *d);
 
 /* step.c */
 int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* by exactly s->step */
@@ -253,6 +253,7 @@ void jo_add_work(jo_data *d);
 /* event.c */
 int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* the same, with the events on the way */
 void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list);
+int jo_watched(const jo_model *m);
 int jo_log_room(const jo_model *m);
 int jo_log_has_room(const jo_model *m, const jo_data *d);
 

@@ -37,7 +37,7 @@ typedef enum { JO_OK = 0, JO_NOT_FINITE = 1, JO_SINGULAR_BODY = 2, JO_SINGULAR_J
                JO_FRICTION_FAILED = 7,    /* no reaction agrees with its own friction; error_index: friction */
                JO_EVENT = 8,              /* the state stands at an event; error_index: event */
                JO_STEP_TOO_SMALL = 9,
-               JO_ENDLESS = 10            /* events without end within one step; error_index: event */
+               JO_ENDLESS = 10            /* events without end within one step; error_index: event, or nevent + friction */
 } jo_status;
 typedef enum { JO_RK4 = 1, JO_ROS2 = 2, JO_ALPHA = 3, JO_DOPRI = 4 } jo_method;
 typedef enum { JO_CONSTANT = 0, JO_HARMONIC = 1, JO_TABLE = 2, JO_STEP = 3,
@@ -261,8 +261,8 @@ jo_real *jo_data_direction(jo_data *d);          /* (2 nfriction) direction of t
 jo_real *jo_data_held(jo_data *d);               /* (2 nlock) values of the coordinates that optional joints hold */
 jo_real *jo_data_rub(jo_data *d);                /* (2 nfriction) friction along the coordinates, on b, N or N m */
 int *jo_data_happened(jo_data *d);               /* (nevent) how often each event has happened */
-const double *jo_data_log(const jo_data *d);     /* (logged x 3) events of the last jo_run or jo_step: time, event, +1 rising
-                                                  * or -1 falling */
+const double *jo_data_log(const jo_data *d);     /* (logged x 3) of the last jo_run or jo_step: time, event and +1 rising
+                                                  * or -1 falling, or nevent + friction and its slip from then on */
 int jo_data_logged(const jo_data *d);
 long long *jo_data_counts(jo_data *d);           /* (5) evaluations, Newton iterations, factorisations,
                                                   * rejected steps, evaluations in a singular position */

@@ -129,10 +129,8 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
 
 int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
-    int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
-    if (status != JO_OK) return status;
     const int implicit = s->method == JO_ALPHA;
-    status = implicit ? jo_step_alpha(m, d, s) : s->method == JO_RK4 ? step_rk4(m, d, s) : step_ros2(m, d, s);
+    int status = implicit ? jo_step_alpha(m, d, s) : s->method == JO_RK4 ? step_rk4(m, d, s) : step_ros2(m, d, s);
     d->fresh = d->current = 0;
     if (status != JO_OK) return status;
     if (implicit) d->fresh = m->redundant <= 0;   /* it knows a and lam, but not those of least norm */
@@ -151,12 +149,12 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
             return JO_NOT_FINITE;
         }
     }
-    return m->nlock ? jo_friction_transitions(m, d) : JO_OK;
+    return JO_OK;
 }
 
 static int step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
-    return m->nevent ? jo_event_step(m, d, s) : jo_one_step(m, d, s);
+    return jo_watched(m) ? jo_event_step(m, d, s) : jo_one_step(m, d, s);
 }
 
 /* the caller may have changed the state: what hangs on it is computed again */
@@ -225,7 +223,7 @@ static int run(const jo_model *m, jo_data *d, const jo_solver *s, long long nste
 {
     const size_t size = (size_t)jo_row_size(m);
     const jo_real start = d->time[0] - (double)*count * s->step;
-    for (long long i = 0; i < nsteps && (!m->nevent || jo_log_has_room(m, d)); i++) {
+    for (long long i = 0; i < nsteps && (!jo_watched(m) || jo_log_has_room(m, d)); i++) {
         int status = step(m, d, s);
         if (status == JO_EVENT) {
             const int event = d->error_index, failed = write_row(m, d, rows + (size_t)*written * size);
