@@ -31,6 +31,7 @@ WIDTHS = {  # pixels
     "spin_up.png": 1100,
     "crane.png": 1200,
     "robot.png": 1200,
+    "carriage.png": 1100,
     "moving_load.png": 700,
     "split_still.png": 900,
     "split.png": 900,
