@@ -450,3 +450,28 @@ def test_a_blow_up_is_not_taken_for_redundant_joints(rod):
     ):
         jo.simulate(model, 1.0, solver=solver)
     assert (np.diff(error.value.solution.time) > 0).all()
+
+
+# -- the state it starts from -------------------------------------------------------------------
+
+
+def driven(speed: float) -> jo.Model:
+    block = jo.RigidBody("block", 2.0, (0.1, 0.1, 0.1))
+    slide = jo.Prismatic("slide", jo.ground["origin"], block["origin"], (1, 0, 0))
+    ramp = jo.Ramp(0.0, 10.0, before=0.0, after=10.0 * speed)
+    return jo.compile(jo.Mechanism(block, slide, jo.Drive("belt", slide.displacement, ramp)))
+
+
+@pytest.mark.filterwarnings("ignore:.*energy balance")
+def test_a_state_at_rest_does_not_fit_a_drive_that_moves():
+    model = driven(0.7)
+    with pytest.warns(jo.JoustoWarning, match="do not fit 'belt' by 0.7 m/s"):
+        jo.simulate(model, 0.01, state=jo.equilibrium(model))
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_state_that_fits_is_taken_without_a_word():
+    model = driven(0.0)
+    jo.simulate(model, 0.01, state=jo.equilibrium(model))
+    model = driven(0.7)
+    jo.simulate(model, 0.01, state=jo.State(model.q0, model.v0, np.zeros(model.nrow)))

@@ -42,6 +42,7 @@ BUFFER_BYTES = 4 << 20
 MOST_STEPS = 1e12
 GAP_LIMIT = 1e-9  # of the size of the mechanism, with projection
 OPEN_LIMIT = 1e-4  # the same: where repeated rows contradict one another the run ends
+JOLT = 1e-6  # m/s or rad/s, and of the size of the mechanism: velocities that do not fit
 ENERGY_LIMIT = 0.05  # share of the exchanged energy that the balance may miss unnoticed
 
 
@@ -126,8 +127,8 @@ def simulate(
     Warns
     -----
     JoustoWarning
-        Before the run if the step is too large for the highest mode, after it if the energy
-        balance misses more than 5 %.
+        Before the run if the step is too large for the highest mode or the velocities of the state
+        do not fit the joints and drives, after it if the energy balance misses more than 5 %.
     """
     solver = ROS2() if solver is None else solver
     plan = schedule(model, t_end, solver, output_step)
@@ -170,6 +171,16 @@ def _start(engine: Engine, state: State) -> None:
         else:
             room[:] = given
     problems.raise_if_any()
+    _, rates = engine.constraints()
+    row = int(np.argmax(np.abs(rates))) if len(rates) else -1
+    if row >= 0 and abs(rates[row]) > JOLT * max(1.0, engine.model.size):
+        joint = next(j for j in engine.model.joints if j.row <= row < j.row + j.rows)
+        warn(
+            f"simulate {engine.model.name!r}",
+            f"the velocities of the state do not fit '{joint.name}' by {abs(rates[row]):.3g} m/s "
+            "or rad/s at time 0, the run begins with a jolt; let drives start from rest, or leave "
+            "the state out to start with the velocities of the drives",
+        )
 
 
 def _run(
