@@ -114,6 +114,17 @@ def test_it_turns_with_the_body_if_it_follows():
     )
 
 
+@pytest.mark.filterwarnings("ignore:.*not connected")
+def test_on_a_rigid_body_it_is_a_force_at_the_point():
+    block = jo.RigidBody("block", 3.0, (0.2, 0.3, 0.4), markers={"a": (1, 0, 0), "b": (1, 2, 0)})
+    F = (5.0, 0, -7.0)
+    here = jo.compile(jo.Mechanism(block, jo.MovingLoad("load", block, ("a", "b"), F, 0.5)))
+    there = jo.compile(jo.Mechanism(block, jo.Force("load", block.at((1, 0.5, 0)), F)))
+    a, b = Engine(here).accelerations()[0], Engine(there).accelerations()[0]
+    assert np.abs(b).max() > 1.0
+    np.testing.assert_allclose(a, b, rtol=1e-13, atol=1e-13)
+
+
 def test_what_is_wrong_is_said():
     body = bridge()
     with pytest.raises(jo.InputError) as caught:

@@ -245,7 +245,7 @@ class Builder:
                 signal=self.signal(load.signal),
             )
         if isinstance(load, MovingLoad):
-            head = (len(load.nodes), load.body.reduced.n)
+            head = (len(load.points), load.pieces.shape[1] - 1)
             return ForceModel(
                 name=load.name,
                 kind="moving load",

@@ -1,7 +1,8 @@
-"""A force that travels along a flexible body."""
+"""A force that travels along a body."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.errors import InputError, Problems
-from jousto.mechanism.body import FlexibleBody
+from jousto.mechanism.body import FlexibleBody, MovingBody, RigidBody
 from jousto.mechanism.fields import check_name, set_fields
 from jousto.mechanism.orientation import Array, readonly
 from jousto.mechanism.signals import Signal, check_factor, check_signal
@@ -20,21 +21,21 @@ NEAR = 1e-6  # of the length of a line: nodes that count as on it
 
 @dataclass(frozen=True, eq=False, init=False)
 class MovingLoad:
-    """A force whose point of attack travels along a flexible body, such as a wheel on a rail.
+    """A force whose point of attack travels along a body, such as a wheel on a rail.
 
-    Between two nodes the body is followed by cubics through their displacements and slopes, as
-    the elements of a beam do: ``Q_p = Phi(s)^T A^T F`` at the path length s(t). The force has no
-    mass, and acts only while s is on the path.
+    Between two nodes a flexible body is followed by cubics through their displacements and slopes,
+    as the elements of a beam do: ``Q_p = Phi(s)^T A^T F`` at the path length s(t). The force has
+    no mass, and acts only while s is on the path.
 
     Parameters
     ----------
     name : str
         Name, unique among the forces.
-    body : FlexibleBody
-        The body, whose part has rotations at its nodes.
+    body : FlexibleBody or RigidBody
+        The body; the part of a flexible one has rotations at its nodes.
     path : sequence of str
-        Names of two nodes or more: the corners of the path. It goes straight from one to the
-        next, through all nodes that lie between; s is counted from the first, m.
+        Names of two nodes or markers or more: the corners of the path. It goes straight from one
+        to the next, through all nodes that lie between; s is counted from the first, m.
     vector : (3,) array_like
         Force F, N: in the world frame, or in the body frame if `follow`.
     position : Signal or float
@@ -47,18 +48,19 @@ class MovingLoad:
 
     kind: ClassVar[str] = "moving load"
     name: str
-    body: FlexibleBody
+    body: MovingBody
     path: tuple[str, ...]
     vector: Array
     position: Signal
     follow: bool
     signal: Signal | None
     nodes: tuple[int, ...]
+    points: Array
 
     def __init__(
         self,
         name: str,
-        body: FlexibleBody,
+        body: MovingBody,
         path: Sequence[str],
         vector: ArrayLike,
         position: Signal | float,
@@ -69,9 +71,16 @@ class MovingLoad:
         problems = Problems()
         where = check_name(problems, self.kind, name)
         nodes: tuple[int, ...] = ()
+        points = np.zeros((0, 3))
         checked: Any = body
-        if not isinstance(checked, FlexibleBody):
-            problems.add(where, f"body is {checked!r}, must be a flexible body")
+        names: Any = () if isinstance(path, str) else tuple(path)
+        if not isinstance(checked, FlexibleBody | RigidBody):
+            problems.add(where, f"body is {checked!r}, must be a flexible or a rigid body")
+        elif len(names) < 2:
+            text = "must name two nodes or more, such as start and end"
+            problems.add(where, f"path is {path!r}, {text}")
+        elif isinstance(body, RigidBody):
+            points = corners_of(problems, where, body, names)
         elif body.reduced.rotations is None:
             problems.add(
                 where,
@@ -79,7 +88,9 @@ class MovingLoad:
                 "is unknown; use a part made of beams, or forces at its nodes",
             )
         else:
-            nodes = nodes_on(problems, where, body, path)
+            points = corners_of(problems, where, body, names)
+            nodes = nodes_on(body, points)
+            points = np.asarray(body.reduced.nodes)[list(nodes)]
         F = problems.array(where, "vector", vector, (3,))
         s = check_signal(problems, where, "position", position)
         factor = None if signal is None else check_factor(problems, where, "signal", signal)
@@ -94,23 +105,27 @@ class MovingLoad:
             follow=bool(follow),
             signal=factor,
             nodes=nodes,
+            points=readonly(points),
         )
 
     @property
     def lengths(self) -> Array:
         """Path length at each node of the path (k,), m, from 0."""
-        x = np.asarray(self.body.reduced.nodes)[list(self.nodes)]
-        steps = np.linalg.norm(np.diff(x, axis=0), axis=1)
+        steps = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
         return readonly(np.concatenate([[0.0], np.cumsum(steps)]))
 
     @property
     def pieces(self) -> Array:
         """Coefficients (k - 1, 1 + n, 3, 4) of (s - s_k)^0..3: position, then the modes."""
-        reduced, nodes = self.body.reduced, list(self.nodes)
-        assert reduced.rotations is not None
-        x = np.asarray(reduced.nodes)[nodes]
+        x = self.points
         h = np.diff(self.lengths)[:, None, None]
         t = np.diff(x, axis=0) / h[:, 0]
+        zero = np.zeros_like(t)
+        position = np.stack([x[:-1], t, zero, zero], axis=-1)[:, None]
+        if isinstance(self.body, RigidBody):
+            return readonly(position)
+        reduced, nodes = self.body.reduced, list(self.nodes)
+        assert reduced.rotations is not None
         u, theta = reduced.modes[nodes], reduced.rotations[nodes]
         rise = (u[1:] - u[:-1]) / h
         # across the line the slope follows the rotations, along it the stretch is even
@@ -123,36 +138,46 @@ class MovingLoad:
             (3 * rise - 2 * first - last) / h,
             (first + last - 2 * rise) / h**2,
         ]
-        zero = np.zeros_like(t)
-        position = np.stack([x[:-1], t, zero, zero], axis=-1)[:, None]
         return readonly(np.concatenate([position, np.stack(powers, -1).swapaxes(1, 2)], axis=1))
 
 
-def nodes_on(problems: Problems, where: str, body: FlexibleBody, path: Any) -> tuple[int, ...]:
-    """Return the nodes of a path from corner to corner, or note why there is none."""
-    names: Any = () if isinstance(path, str) else tuple(path)
-    if len(names) < 2:
-        problems.add(where, f"path is {path!r}, must name two nodes or more, such as start and end")
-        return ()
+def corners_of(problems: Problems, where: str, body: MovingBody, names: Sequence[str]) -> Array:
+    """Return the corners (k, 3) of a path, body frame, or none if one is wrong."""
     corners = []
     for name in names:
         try:
-            corners.append(body.reduced.node(name))
+            marker = body[name]
         except InputError as error:
             problems.add(where, f"path: {error.problems[0].message}")
+            continue
+        if isinstance(body, FlexibleBody) and marker.node is None:
+            problems.add(where, f"path: {name!r} is not a node")
+        else:
+            corners.append(marker.position_local)
     if len(corners) < len(names):
-        return ()
+        return np.zeros((0, 3))
+    points = np.array(corners)
+    for a, b in itertools.pairwise(points):
+        if np.array_equal(a, b):
+            problems.add(where, f"path: two corners that follow one another are at {a.tolist()}")
+            return np.zeros((0, 3))
+    return points
+
+
+def nodes_on(body: FlexibleBody, corners: Array) -> tuple[int, ...]:
+    """Return all nodes of a path from corner to corner."""
     x = np.asarray(body.reduced.nodes)
-    nodes = corners[:1]
-    for i, j in zip(corners[:-1], corners[1:], strict=True):
-        line = x[j] - x[i]
+    nodes: list[int] = []
+    for a, b in itertools.pairwise(corners):
+        line = b - a
         length = float(np.linalg.norm(line))
-        if length == 0.0:
-            problems.add(where, f"path: two corners that follow one another are at {x[i].tolist()}")
-            return ()
-        way = (x - x[i]) @ line / length
-        off = np.linalg.norm(x - x[i] - np.outer(way, line / length), axis=1)
-        between = (off < NEAR * length) & (way > NEAR * length) & (way < (1 - NEAR) * length)
-        nodes += [int(k) for k in np.flatnonzero(between)[np.argsort(way[between])]]
-        nodes.append(j)
+        way = (x - a) @ line / length
+        off = np.linalg.norm(x - a - np.outer(way, line / length), axis=1)
+        on = (off < NEAR * length) & (way > -NEAR * length) & (way < (1 + NEAR) * length)
+        found = [int(k) for k in np.flatnonzero(on)[np.argsort(way[on], kind="stable")]]
+        # of nodes at one place the first
+        found = [
+            k for i, k in enumerate(found) if not i or way[k] - way[found[i - 1]] > NEAR * length
+        ]
+        nodes += found[1:] if nodes else found
     return tuple(nodes)
