@@ -61,7 +61,7 @@ class Diagnosis:
         """Return names and findings for people, one pair for each line."""
         out: list[tuple[str, str]] = []
         if self.mobility is not None:
-            text = f"{_count(self.rows, 'constraint row')} leave "
+            text = f"{_count(self.rows, 'constraint row')} leave{'s' * (self.rows == 1)} "
             text += _count(self.mobility, "free motion")
             if self.rigid_mobility is not None and self.rigid_mobility != self.mobility:
                 text += f", {self.rigid_mobility} if the bodies were rigid"
