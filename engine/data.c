@@ -56,9 +56,14 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched)
     d->joint = take(a, (size_t)m->njoint * sizeof(jo_joint_work));
     for (int i = 0; i < m->njoint; i++) {
         jo_joint_work spare, *w = a->base ? &d->joint[i] : &spare;
-        w->C = take(a, (size_t)m->joint[i].nside * sizeof *w->C);
-        w->V = take(a, (size_t)m->joint[i].nside * sizeof *w->V);
+        w->side = take(a, (size_t)m->joint[i].nside * sizeof *w->side);
     }
+    const int nbelow = m->nblock - m->ncolumn, nupdate = m->ncolumn ? m->update_first[m->ncolumn] : 0;
+    d->pairs = take(a, (size_t)m->npair * sizeof *d->pairs);
+    d->columns = take(a, (size_t)m->ncolumn * sizeof *d->columns);
+    d->belows = take(a, (size_t)nbelow * sizeof *d->belows);
+    d->updates = take(a, (size_t)nupdate * sizeof *d->updates);
+    d->fills = take(a, (size_t)nbelow * sizeof *d->fills);
     d->coordinate = take(a, (size_t)m->ncoordinate * sizeof(jo_coordinate_work));
     d->force = take(a, (size_t)m->nforce * sizeof(jo_force_work));
     d->N = reals(a, m->nnewton);
@@ -136,6 +141,7 @@ jo_data *jo_data_new(const jo_model *m)
         jo_body_setup(&m->body[i], &d->body[i], 0, 0.0);
     }
     jo_marker_setup(m, d, 0);
+    jo_joint_plan(m, d);
     jo_joint_setup(m, d, 0);
     if (jo_watched(m)) jo_event_setup(m, d, watched);
     for (int i = 0; i < m->nmarker; i++) {   /* ground markers stand still; gravity is a frame acceleration */

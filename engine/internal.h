@@ -74,10 +74,18 @@ typedef struct {
     jo_real stored;         /* J in its springs */
 } jo_force_work;
 
+/* one side of a joint */
 typedef struct {
-    jo_real (*C)[JO_ROWS_C];    /* nside of (9 x ld): rows of every side, local: [translation, rotation shape, rotation], the
-                             * last only where the marker has rotation shapes; ld = jo_padded(nrow), pads are 0 */
-    jo_real (*V)[JO_BLOCK]; /* nside of (6 x ld): L^-1 of the rows reduced to the rigid coordinates, by columns */
+    jo_body_work *body;     /* 0: ground */
+    jo_marker_work *marker;
+    const jo_real *L;       /* factor of the body, 0 where the marker's rows have it in them */
+    const jo_real *T;       /* tangent operator of the marker, 0 without rotation shapes */
+    jo_real V[JO_BLOCK];    /* (6 x ld) L^-1 of the rows reduced to the rigid coordinates, by columns; ld = jo_padded(nrow) */
+    jo_real C[JO_ROWS_C];   /* (9 x ld) rows, local: [translation, rotation shape, rotation], the last only with T; pads are 0 */
+} jo_side_work;
+
+typedef struct {
+    jo_side_work *side;     /* (nside) */
     jo_real axes[3][3];     /* world: a change of rotation dtheta_a - dtheta_b turns row r by axes[r] */
     jo_real c[6], cdot[6];  /* constraint residuals */
     jo_real x[8];           /* right-hand side, then multipliers; padded */
@@ -107,6 +115,13 @@ typedef struct {
     double a, v, q, rows;
     int position;           /* rows of C instead of C' */
 } jo_weights;
+
+/* The block Cholesky of S as it is carried out: what the model's lists mean in memory. `kind` says which numbers of rows
+ * and columns occur, see schur.c. */
+typedef struct { jo_real *S; const jo_side_work *k, *l; int kind, first, flexible; } jo_pair_plan;
+typedef struct { jo_real *S, *x; double *scale; int n, first, count, update, updates, lock; } jo_column_plan;
+typedef struct { jo_real *X, *x; int ld, rows, kind; } jo_below_plan;
+typedef struct { jo_real *T; const jo_real *X, *Y; int ld, ny, kind; } jo_update_plan;
 
 struct jo_data {
     jo_real time[1];
@@ -145,6 +160,12 @@ struct jo_data {
     double left;            /* time at the end of the last call */
     long long counts[5];    /* evaluations, Newton iterations, factorisations, rejected steps, singular positions */
     int regular;            /* S is regularised */
+    jo_pair_plan *pairs;
+    jo_column_plan *columns;
+    jo_below_plan *belows;
+    jo_update_plan *updates;
+    jo_real **fills;        /* (nfill) blocks that are zero before elimination */
+    int nfill;
     jo_real *S, *S0;        /* (nblock x JO_BLOCK); S0 before it is factored, with redundant rows */
     jo_real drive;          /* part of power[2] that drives do */
     jo_real *gram[2];       /* (npair x 36) */
@@ -201,10 +222,12 @@ jo_real jo_arc_tangent(jo_real y, jo_real x);                      /* four quadr
 /* The work on small blocks is compiled for the row counts that occur, so that loops unroll. */
 #define JO_BY_ROWS(n, call)        \
     switch (n) {                   \
+    case 1: call(1); break;        \
+    case 2: call(2); break;        \
     case 3: call(3); break;        \
+    case 4: call(4); break;        \
     case 5: call(5); break;        \
-    case 6: call(6); break;        \
-    default: call(n); break;       \
+    default: call(6); break;       \
     }
 
 /* whether the rows of an optional joint are switched off */
@@ -219,6 +242,7 @@ jo_real jo_joint_power(const jo_model *m, const jo_data *d);     /* work that dr
 void jo_joint_apply(const jo_model *m, jo_data *d);
 
 /* schur.c */
+void jo_joint_plan(const jo_model *m, jo_data *d);    /* once */
 void jo_joint_setup(const jo_model *m, jo_data *d, int set);
 int jo_joint_factor(const jo_model *m, jo_data *d);
 void jo_joint_solve(const jo_model *m, jo_data *d);

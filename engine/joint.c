@@ -141,9 +141,8 @@ static inline void put_row(jo_real *restrict C, const int ld, const int r, const
 /* the rows of lines on one side, which see translations and rotations */
 static void line_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint_work *w, int side)
 {
-    const int marker = k->side[side];
-    const jo_real *T = m->marker[marker].Psi ? d->marker[marker].T : 0;
-    const jo_real *A = d->body[m->marker[marker].body].A;
+    jo_side_work *here = &w->side[side];
+    const jo_real *A = here->body->A;
     const int first = first_line(k);
     for (int l = 0; l < k->nline; l++) {
         const jo_line *line = &m->line[k->line + l];
@@ -161,8 +160,35 @@ static void line_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint
         }
         jo_mul3t(c, A, f);
         jo_mul3t(t, A, g);
-        put_row(w->C[side], jo_padded(k->nrow), first + l, c, t, T);
+        put_row(here->C, jo_padded(k->nrow), first + l, c, t, here->T);
     }
+}
+
+/* rows of a coincidence: the columns of the orientation */
+static inline void moving_rows(jo_real *restrict C, const int ld, const jo_real sign, const jo_real *restrict At)
+{
+    for (int j = 0; j < 3; j++)
+        for (int l = 0; l < 4; l += JO_WIDTH) JO_STORE(C + ld * j + l) = sign * JO_LOAD(At + 4 * j + l);
+}
+
+static void any_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint_work *w, int side)
+{
+    jo_side_work *here = &w->side[side];
+    const jo_marker_work *mw = here->marker;
+    const jo_real sign = side ? 1.0 : -1.0, *A = here->body->A;
+    const int ld = jo_padded(k->nrow), first = k->coincident ? 3 : 0, rotations = k->nperp + k->nline;
+    jo_real *C = here->C;
+    if (first) moving_rows(C, ld, sign, here->body->At);
+    for (int r = 0; r < k->nperp; r++) {
+        jo_real t[3];
+        jo_mul3t(t, A, w->axes[r]);
+        for (int j = 0; j < 3; j++) t[j] *= -sign;
+        put_row(C, ld, first + r, 0, t, here->T);
+    }
+    if (k->nline) line_rows(m, d, k, w, side);
+    const jo_real *turn = C + (here->T ? 6 : 3) * ld;
+    reduced_rows(here->V, ld, C, turn, first || k->nline ? mw->Xt : 0, rotations ? mw->Xr : 0, here->L);
+    if (ld > 4) reduced_rows(here->V + 4, ld, C + 4, turn + 4, k->nline ? mw->Xt : 0, mw->Xr, here->L);
 }
 
 /* rows C of both sides in body coordinates, V = L^-1 (reduced rows)^T */
@@ -171,11 +197,10 @@ void jo_joint_rows(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
         jo_joint_work *w = &d->joint[i];
-        const int ld = jo_padded(k->nrow), first = k->coincident ? 3 : 0;
         if (jo_absent(d, k)) {
             for (int side = 0; side < k->nside; side++) {
-                clear(w->C[side], JO_ROWS_C);
-                clear(w->V[side], JO_BLOCK);
+                clear(w->side[side].C, JO_ROWS_C);
+                clear(w->side[side].V, JO_BLOCK);
             }
             continue;
         }
@@ -186,26 +211,14 @@ void jo_joint_rows(const jo_model *m, jo_data *d)
             jo_cross(w->axes[r], x, y);
         }
         for (int side = 0; side < k->nside; side++) {
-            const int marker = k->side[side], body = m->marker[marker].body;
-            if (body < 0) continue;
-            const jo_marker_work *mw = &d->marker[marker];
-            const jo_body_work *bw = &d->body[body];
-            const jo_real sign = side ? 1.0 : -1.0, *T = m->marker[marker].Psi ? mw->T : 0;
-            jo_real *C = w->C[side], *V = w->V[side];
-            if (k->coincident)
-                for (int j = 0; j < 3; j++)
-                    for (int l = 0; l < 4; l += JO_WIDTH) JO_STORE(C + ld * j + l) = sign * JO_LOAD(bw->At + 4 * j + l);
-            for (int r = 0; r < k->nperp; r++) {
-                jo_real t[3];
-                jo_mul3t(t, bw->A, w->axes[r]);
-                for (int j = 0; j < 3; j++) t[j] *= -sign;
-                put_row(C, ld, first + r, 0, t, T);
+            jo_side_work *here = &w->side[side];
+            if (!here->body) continue;
+            if (k->nrow == 3 && k->coincident) {
+                moving_rows(here->C, 4, side ? 1.0 : -1.0, here->body->At);
+                reduced_rows(here->V, 4, here->C, 0, here->marker->Xt, 0, here->L);
+            } else {
+                any_rows(m, d, k, w, side);
             }
-            if (k->nline) line_rows(m, d, k, w, side);
-            const jo_real *turn = C + (T ? 6 : 3) * ld, *L = m->body[body].n ? bw->L : 0;
-            const int rotations = k->nperp + k->nline;
-            reduced_rows(V, ld, C, turn, first || k->nline ? mw->Xt : 0, rotations ? mw->Xr : 0, L);
-            if (ld > 4) reduced_rows(V + 4, ld, C + 4, turn + 4, k->nline ? mw->Xt : 0, mw->Xr, L);
         }
     }
 }
@@ -299,9 +312,9 @@ void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_solver *solve
         if (k->nline) line_acceleration(m, d, k, x + k->nperp);
         jo_real t[8] = {0};
         for (int side = 0; side < k->nside; side++) {   /* rigid coordinates: C X Z^-1 z = V^T z */
-            const int body = m->marker[k->side[side]].body;
-            if (body < 0) continue;
-#define CALL(n) add_columns(t, w->V[side], d->body[body].z, n)
+            const jo_side_work *here = &w->side[side];
+            if (!here->body) continue;
+#define CALL(n) add_columns(t, here->V, here->body->z, n)
             JO_BY_ROWS(k->nrow, CALL)
 #undef CALL
         }
@@ -349,23 +362,23 @@ void jo_joint_apply(const jo_model *m, jo_data *d)
         const jo_joint *k = &m->joint[i];
         const jo_joint_work *w = &d->joint[i];
         for (int side = 0; side < k->nside; side++) {
-            const jo_marker *mk = &m->marker[k->side[side]];
-            if (mk->body < 0) continue;
-            jo_body_work *bw = &d->body[mk->body];
-            const jo_real *C = w->C[side], *V = w->V[side];
-            const int np = m->body[mk->body].np;
-#define CALL(n) subtract_rows(bw->y, V, w->x, n)
+            const jo_side_work *here = &w->side[side];
+            if (!here->body) continue;
+            jo_body_work *bw = here->body;
+#define CALL(n) subtract_rows(bw->y, here->V, w->x, n)
             JO_BY_ROWS(k->nrow, CALL)
 #undef CALL
-            const int moving = k->coincident ? 3 : 0, ld = jo_padded(k->nrow);
+            if (!here->L) continue;   /* rigid */
+            const jo_marker *mk = &m->marker[k->side[side]];
+            const int moving = k->coincident ? 3 : 0, ld = jo_padded(k->nrow), np = m->body[mk->body].np;
             jo_real f[3];
             if (mk->Phi && (moving || k->nline)) {
-                row_force(f, C, ld, w->x, 0, k->nline ? k->nrow : moving);
-                subtract_modal(bw->fp, d->marker[k->side[side]].Phi, f, np);
+                row_force(f, here->C, ld, w->x, 0, k->nline ? k->nrow : moving);
+                subtract_modal(bw->fp, here->marker->Phi, f, np);
             }
             if (mk->Psi && k->nrow > moving) {
-                row_force(f, C + 3 * ld, ld, w->x, moving, k->nrow);
-                subtract_modal(bw->fp, d->marker[k->side[side]].Psi, f, np);
+                row_force(f, here->C + 3 * ld, ld, w->x, moving, k->nrow);
+                subtract_modal(bw->fp, here->marker->Psi, f, np);
             }
         }
     }

@@ -31,28 +31,106 @@ void jo_joint_setup(const jo_model *m, jo_data *d, int set)
     for (int i = 0; i < m->npair; i++) pair_gram(m, d, i, set);
 }
 
+/* which kernel: rows 4 or 8 and columns n as constants where they are common */
+static int kind_of(int ld, int n)
+{
+    if (ld == 4) return n == 3 ? 0 : 5;
+    return n == 3 ? 1 : n == 5 ? 2 : n == 6 ? 3 : 5;
+}
+#define JO_BY_KIND(kind, ld, n, call) \
+    switch (kind) {                   \
+    case 0: call(4, 3); break;        \
+    case 1: call(8, 3); break;        \
+    case 2: call(8, 5); break;        \
+    case 3: call(8, 6); break;        \
+    default: call(ld, n); break;      \
+    }
+
+/* where everything lies, and what comes first into each block */
+void jo_joint_plan(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->njoint; i++)
+        for (int s = 0; s < m->joint[i].nside; s++) {
+            jo_side_work *w = &d->joint[i].side[s];
+            const jo_marker *k = &m->marker[m->joint[i].side[s]];
+            w->marker = &d->marker[m->joint[i].side[s]];
+            w->body = k->body < 0 ? 0 : &d->body[k->body];
+            w->L = k->body < 0 || !m->body[k->body].n ? 0 : w->body->L;
+            w->T = k->Psi ? w->marker->T : 0;
+        }
+    for (int b = 0; b < m->nblock; b++) d->S[JO_BLOCK * b] = 1.0;   /* no pair yet */
+    for (int i = 0; i < m->npair; i++) {
+        const jo_pair *p = &m->pair[i];
+        jo_pair_plan *w = &d->pairs[i];
+        w->S = d->S + JO_BLOCK * p->block;
+        w->k = &d->joint[p->joint_k].side[p->side_k];
+        w->l = &d->joint[p->joint_l].side[p->side_l];
+        w->flexible = w->k->L != 0;
+        w->kind = kind_of(jo_padded(m->joint[p->joint_k].nrow), m->joint[p->joint_l].nrow);
+        w->first = JO_RE(w->S[0]) != 0.0;
+        w->S[0] = 0.0;
+    }
+    for (int c = 0; c < m->ncolumn; c++) {
+        const jo_column *col = &m->column[c];
+        const jo_joint *k = &m->joint[col->joint];
+        jo_joint_work *joint = &d->joint[col->joint];
+        jo_column_plan *w = &d->columns[c];
+        w->S = d->S + JO_BLOCK * c;
+        w->x = joint->x;
+        w->scale = joint->scale;
+        w->n = k->nrow;
+        w->first = col->first;
+        w->count = col->count;
+        w->update = m->update_first[c];
+        w->updates = m->update_first[c + 1] - w->update;
+        w->lock = k->lock;
+        if (JO_RE(w->S[0]) != 0.0) d->fills[d->nfill++] = w->S;   /* both sides on ground */
+        for (int i = col->first; i < col->first + col->count; i++) {
+            const int row = m->below[i].joint;
+            jo_below_plan *x = &d->belows[i];
+            x->X = d->S + JO_BLOCK * m->below[i].block;
+            x->x = d->joint[row].x;
+            x->rows = m->joint[row].nrow;
+            x->ld = jo_padded(x->rows);
+            x->kind = kind_of(x->ld, k->nrow);
+            if (JO_RE(x->X[0]) != 0.0) d->fills[d->nfill++] = x->X;
+        }
+        for (int u = w->update; u < w->update + w->updates; u++) {
+            const jo_update *up = &m->update[u];
+            jo_update_plan *x = &d->updates[u];
+            x->T = d->S + JO_BLOCK * up->target;
+            x->X = d->S + JO_BLOCK * up->left;
+            x->Y = d->S + JO_BLOCK * up->right;
+            x->ld = jo_padded(up->left_rows);
+            x->ny = up->right_rows;
+            x->kind = up->right_rows == k->nrow ? kind_of(x->ld, k->nrow) : 5;
+        }
+    }
+}
+
 /* Blocks lie column after column, S[ld s + r]; r are the rows of the joint that is eliminated later. Work on them is
  * done four rows at a time, for every number of columns that occurs, so that loops unroll. */
 
-/* four rows of S += V_k^T V_l */
+/* four rows of S = V_k^T V_l, or += */
 static inline void add_rows(jo_real *restrict S, const int ld, const jo_real *restrict Vk, const jo_real *restrict Vl,
-                            const int ldl, const int n)
+                            const int ldl, const int n, const int first)
 {
     for (int l = 0; l < 4; l += JO_WIDTH) {
         jo_lanes v[6];
         for (int c = 0; c < 6; c++) v[c] = JO_LOAD(Vk + c * ld + l);
         for (int s = 0; s < n; s++) {
-            jo_lanes x = JO_LOAD(S + ld * s + l);
-            for (int c = 0; c < 6; c++) x += Vl[c * ldl + s] * v[c];
+            jo_lanes x = Vl[s] * v[0];
+            if (!first) x += JO_LOAD(S + ld * s + l);
+            for (int c = 1; c < 6; c++) x += Vl[c * ldl + s] * v[c];
             JO_STORE(S + ld * s + l) = x;
         }
     }
 }
 
 static inline void add_product(jo_real *restrict S, const int ld, const jo_real *restrict Vk, const jo_real *restrict Vl,
-                               const int n)
+                               const int n, const int first)
 {
-    for (int r = 0; r < ld; r += 4) add_rows(S + r, ld, Vk + r, Vl, jo_padded(n), n);
+    for (int r = 0; r < ld; r += 4) add_rows(S + r, ld, Vk + r, Vl, jo_padded(n), n, first);
 }
 
 /* four rows of S += C_k gram C_l^T; rows of k see its coordinates from `from` to `to`, the first `moving` rows of l
@@ -103,16 +181,31 @@ static inline int factor_diagonal(jo_real *restrict S, const int n, const double
     const int ld = jo_padded(n);
     int regular = 1;
     for (int k = 0; k < n; k++) {
-        const jo_real x = S[(ld + 1) * k], inverse = 1.0 / x;
+        jo_real *column = S + ld * k;
+        const jo_real x = column[k], inverse = 1.0 / x;
         if (regular == 1 && !(JO_RE(x) > 1e-12 * scale[k])) regular = isfinite(JO_RE(x)) ? 0 : -1;
         for (int j = k + 1; j < n; j++) {
-            const jo_real y = S[ld * k + j] * inverse;
-            for (int i = j; i < n; i++) S[ld * j + i] -= S[ld * k + i] * y;
+            const jo_real y = column[j] * inverse;
+            for (int i = j; i < n; i++) S[ld * j + i] -= column[i] * y;
         }
-        for (int j = k + 1; j < n; j++) S[ld * k + j] *= inverse;
-        S[(ld + 1) * k] = inverse;
+        for (int j = k + 1; j < n; j++) column[j] *= inverse;
+        column[k] = inverse;
     }
     return regular;
+}
+
+/* X = X D^-1 L^-1 after that, so that the solution depends on as few operations in a row as can be */
+static inline void finish(jo_real *restrict X, const int ld, const jo_real *restrict L, const int n)
+{
+    const int ldl = jo_padded(n);
+    for (int l = 0; l < ld; l += JO_WIDTH) {
+        jo_lanes x[6];
+        for (int j = n - 1; j >= 0; j--) {
+            x[j] = L[(ldl + 1) * j] * JO_LOAD(X + ld * j + l);
+            for (int k = j + 1; k < n; k++) x[j] -= L[ldl * j + k] * x[k];
+            JO_STORE(X + ld * j + l) = x[j];
+        }
+    }
 }
 
 /* X = X L^-T, ld rows */
@@ -145,44 +238,23 @@ static inline void subtract_product(jo_real *restrict T, const jo_real *restrict
     }
 }
 
-/* call(rows, n): rows 4 or 8 and columns n as constants */
-#define JO_BY_BLOCK(rows, n, call)                                                    \
-    switch ((rows) == 4 ? (n) : 10 + (n)) {                                           \
-    case 3: call(4, 3); break;                                                        \
-    case 5: call(4, 5); break;                                                        \
-    case 13: call(8, 3); break;                                                       \
-    case 15: call(8, 5); break;                                                       \
-    case 16: call(8, 6); break;                                                       \
-    default: call(rows, n); break;                                                    \
-    }
-
 static void assemble(const jo_model *m, jo_data *d)
 {
-    jo_real *S = d->S;
-    for (int c = 0; c < m->ncolumn; c++) {
-        const jo_column *col = &m->column[c];
-        const int n = m->joint[col->joint].nrow;
-        for (int j = 0; j < jo_padded(n) * n; j++) S[JO_BLOCK * c + j] = 0.0;
-        for (int i = col->first; i < col->first + col->count; i++) {
-            jo_real *X = S + JO_BLOCK * m->below[i].block;
-            const int size = jo_padded(m->joint[m->below[i].joint].nrow) * n;
-            for (int j = 0; j < size; j++) X[j] = 0.0;
-        }
-    }
     for (int i = 0; i < m->npair; i++) {
-        const jo_pair *p = &m->pair[i];
-        const jo_joint *k = &m->joint[p->joint_k], *l = &m->joint[p->joint_l];
-        const jo_joint_work *wk = &d->joint[p->joint_k], *wl = &d->joint[p->joint_l];
-        const jo_real *X = wk->V[p->side_k], *Y = wl->V[p->side_l];
-        jo_real *block = S + JO_BLOCK * p->block;
-        const int ld = jo_padded(k->nrow), n = l->nrow;
-#define CALL(ld, n) add_product(block, ld, X, Y, n)
-        JO_BY_BLOCK(ld, n, CALL)
+        const jo_pair_plan *p = &d->pairs[i];
+        const jo_joint *k = &m->joint[m->pair[i].joint_k], *l = &m->joint[m->pair[i].joint_l];
+#define FIRST(ld, n) add_product(p->S, ld, p->k->V, p->l->V, n, 1)
+#define CALL(ld, n) add_product(p->S, ld, p->k->V, p->l->V, n, 0)
+        if (p->first) JO_BY_KIND(p->kind, jo_padded(k->nrow), l->nrow, FIRST)
+        else JO_BY_KIND(p->kind, jo_padded(k->nrow), l->nrow, CALL)
 #undef CALL
-        if (!m->body[m->marker[k->side[p->side_k]].body].n) continue;
-        if (m->marker[k->side[p->side_k]].chi) pair_gram(m, d, i, d->set);
-        add_gram(block, k, wk->C[p->side_k], l, wl->C[p->side_l], d->gram[d->set] + 36 * i);
+#undef FIRST
+        if (!p->flexible) continue;
+        if (m->marker[k->side[m->pair[i].side_k]].chi) pair_gram(m, d, i, d->set);
+        add_gram(p->S, k, p->k->C, l, p->l->C, d->gram[d->set] + 36 * i);
     }
+    for (int i = 0; i < d->nfill; i++)
+        for (int j = 0; j < JO_BLOCK; j++) d->fills[i][j] = 0.0;
 }
 
 /* S + eps diag(S), which is regular; S itself is kept for the refinement */
@@ -198,54 +270,49 @@ static void regularise(const jo_model *m, jo_data *d)
 /* sparse block Cholesky in the fixed elimination order */
 static int factor(const jo_model *m, jo_data *d)
 {
-    jo_real *S = d->S;
     assemble(m, d);
     for (int c = 0; c < m->ncolumn; c++) {
-        const jo_joint *k = &m->joint[m->column[c].joint];
-        const int n = k->nrow, ld = jo_padded(n), absent = jo_absent(d, k);
-        double *scale = d->joint[m->column[c].joint].scale;
-        for (int r = 0; r < n; r++) {
-            if (absent) S[JO_BLOCK * c + (ld + 1) * r] = 1.0;
-            scale[r] = JO_RE(S[JO_BLOCK * c + (ld + 1) * r]);
-        }
+        jo_column_plan *w = &d->columns[c];
+        const int n = w->n, step = jo_padded(n) + 1;
+        if (w->lock >= 0 && !d->locked[w->lock])
+            for (int r = 0; r < n; r++) w->S[step * r] = 1.0;
+        for (int r = 0; r < n; r++) w->scale[r] = JO_RE(w->S[step * r]);
     }
     if (d->regular) regularise(m, d);
     for (int c = 0; c < m->ncolumn; c++) {
-        const jo_column *col = &m->column[c];
-        const int n = m->joint[col->joint].nrow;
-        jo_real *diag = S + JO_BLOCK * c;
-        const double *scale = d->joint[col->joint].scale;
+        const jo_column_plan *w = &d->columns[c];
         int regular;
-#define CALL(n) regular = factor_diagonal(diag, n, scale)
-        JO_BY_ROWS(n, CALL)
+#define CALL(n) regular = factor_diagonal(w->S, n, w->scale)
+        JO_BY_ROWS(w->n, CALL)
 #undef CALL
         if (regular != 1) {
-            const jo_joint *k = &m->joint[col->joint];
+            const int joint = m->column[c].joint;
+            const jo_joint *k = &m->joint[joint];
             const int body = m->marker[k->side[1]].body;
-            d->error_index = regular == 0 ? col->joint : body < 0 ? m->marker[k->side[0]].body : body;
+            d->error_index = regular == 0 ? joint : body < 0 ? m->marker[k->side[0]].body : body;
             return regular == 0 ? JO_SINGULAR_JOINT : JO_NOT_FINITE;
         }
-        for (int i = col->first; i < col->first + col->count; i++) {
-            jo_real *X = S + JO_BLOCK * m->below[i].block;
-            const int ld = jo_padded(m->joint[m->below[i].joint].nrow);
-#define CALL(ld, n) divide(X, ld, diag, n)
-            JO_BY_BLOCK(ld, n, CALL)
+        for (int i = w->first; i < w->first + w->count; i++) {
+            const jo_below_plan *x = &d->belows[i];
+#define CALL(ld, n) divide(x->X, ld, w->S, n)
+            JO_BY_KIND(x->kind, x->ld, w->n, CALL)
 #undef CALL
         }
-        for (int u = m->update_first[c]; u < m->update_first[c + 1]; u++) {
-            const jo_update *up = &m->update[u];
-            jo_real *T = S + JO_BLOCK * up->target;
-            const jo_real *X = S + JO_BLOCK * up->left, *Y = S + JO_BLOCK * up->right;
-            const int ld = jo_padded(up->left_rows), ny = up->right_rows;
-            if (ny == n) {
-#define CALL(ld, n) subtract_product(T, X, ld, Y, n, diag, n)
-                JO_BY_BLOCK(ld, n, CALL)
-#undef CALL
+        for (int i = w->update; i < w->update + w->updates; i++) {
+            const jo_update_plan *u = &d->updates[i];
+            if (u->kind == 5) {
+                subtract_product(u->T, u->X, u->ld, u->Y, u->ny, w->S, w->n);
             } else {
-#define CALL(ld, n) subtract_product(T, X, ld, Y, ny, diag, n)
-                JO_BY_BLOCK(ld, n, CALL)
+#define CALL(ld, n) subtract_product(u->T, u->X, ld, u->Y, n, w->S, n)
+                JO_BY_KIND(u->kind, u->ld, w->n, CALL)
 #undef CALL
             }
+        }
+        for (int i = w->first; i < w->first + w->count; i++) {
+            const jo_below_plan *x = &d->belows[i];
+#define CALL(ld, n) finish(x->X, ld, w->S, n)
+            JO_BY_KIND(x->kind, x->ld, w->n, CALL)
+#undef CALL
         }
     }
     return JO_OK;
@@ -265,24 +332,18 @@ int jo_joint_factor(const jo_model *m, jo_data *d)
     return status;
 }
 
-/* x = D^-1 L^-1 x */
-static inline void solve_forward(const jo_real *restrict L, jo_real *restrict x, const int n)
+/* x = L^-T D^-1 L^-1 x */
+static inline void solve_diagonal(const jo_real *restrict L, jo_real *restrict x, const int n)
 {
     const int ld = jo_padded(n);
     jo_real y[6];
     for (int i = 0; i < n; i++) y[i] = x[i];
     for (int k = 0; k < n; k++)
         for (int i = k + 1; i < n; i++) y[i] -= L[ld * k + i] * y[k];
-    for (int i = 0; i < n; i++) x[i] = y[i] * L[(ld + 1) * i];
-}
-
-/* x = L^-T (x - D^-1 y) */
-static inline void solve_backward(const jo_real *restrict L, jo_real *restrict x, const jo_real *restrict y, const int n)
-{
-    const int ld = jo_padded(n);
-    for (int i = 0; i < n; i++) x[i] -= L[(ld + 1) * i] * y[i];
+    for (int i = 0; i < n; i++) y[i] *= L[(ld + 1) * i];
     for (int i = n - 1; i >= 0; i--)
-        for (int k = 0; k < i; k++) x[k] -= L[ld * k + i] * x[i];
+        for (int k = 0; k < i; k++) y[k] -= L[ld * k + i] * y[i];
+    for (int i = 0; i < n; i++) x[i] = y[i];
 }
 
 /* y -= X x, padded */
@@ -296,55 +357,45 @@ static inline void subtract_left(jo_real *restrict y, const jo_real *restrict X,
     }
 }
 
-/* x += X^T y */
-static inline void add_right(jo_real *restrict x, const jo_real *restrict X, const jo_real *restrict y,
+/* x -= X^T y */
+static inline void subtract_right(jo_real *restrict x, const jo_real *restrict X, const jo_real *restrict y,
                                   const int rows, const int n)
 {
     const int ld = jo_padded(rows);
     for (int k = 0; k < n; k++) {
         jo_real s = x[k];
-        for (int r = 0; r < rows; r++) s += X[ld * k + r] * y[r];
+        for (int r = 0; r < rows; r++) s -= X[ld * k + r] * y[r];
         x[k] = s;
     }
 }
 
-/* x = (L D L^T)^-1 x for all joints */
+/* S^-1 x for all joints: x of the later ones lose what the earlier take, all are divided, and what the later give goes back */
 static void solve_factored(const jo_model *m, jo_data *d)
 {
     for (int c = 0; c < m->ncolumn; c++) {
-        const jo_column *col = &m->column[c];
-        const int n = m->joint[col->joint].nrow;
-        jo_real *x = d->joint[col->joint].x;
-#define CALL(n) solve_forward(d->S + JO_BLOCK * c, x, n)
-        JO_BY_ROWS(n, CALL)
-#undef CALL
-        for (int i = col->first; i < col->first + col->count; i++) {
-            const jo_real *X = d->S + JO_BLOCK * m->below[i].block;
-            jo_real *y = d->joint[m->below[i].joint].x;
-            const int ld = jo_padded(m->joint[m->below[i].joint].nrow);
-#define CALL(ld, n) subtract_left(y, X, x, ld, n)
-            JO_BY_BLOCK(ld, n, CALL)
+        const jo_column_plan *w = &d->columns[c];
+        for (int i = w->first; i < w->first + w->count; i++) {
+            const jo_below_plan *x = &d->belows[i];
+#define CALL(ld, n) subtract_left(x->x, x->X, w->x, ld, n)
+            JO_BY_KIND(x->kind, x->ld, w->n, CALL)
 #undef CALL
         }
+#define CALL(n) solve_diagonal(w->S, w->x, n)
+        JO_BY_ROWS(w->n, CALL)
+#undef CALL
     }
     for (int c = m->ncolumn - 1; c >= 0; c--) {
-        const jo_column *col = &m->column[c];
-        const int n = m->joint[col->joint].nrow;
-        jo_real *x = d->joint[col->joint].x, s[6] = {0};
-        for (int i = col->first; i < col->first + col->count; i++) {
-            const jo_real *X = d->S + JO_BLOCK * m->below[i].block, *y = d->joint[m->below[i].joint].x;
-            const int rows = m->joint[m->below[i].joint].nrow;
-            if (rows == n) {
-#define CALL(n) add_right(s, X, y, n, n)
-                JO_BY_ROWS(n, CALL)
+        const jo_column_plan *w = &d->columns[c];
+        for (int i = w->first; i < w->first + w->count; i++) {
+            const jo_below_plan *x = &d->belows[i];
+            if (x->rows == w->n) {
+#define CALL(n) subtract_right(w->x, x->X, x->x, n, n)
+                JO_BY_ROWS(w->n, CALL)
 #undef CALL
             } else {
-                add_right(s, X, y, rows, n);
+                subtract_right(w->x, x->X, x->x, x->rows, w->n);
             }
         }
-#define CALL(n) solve_backward(d->S + JO_BLOCK * c, x, s, n)
-        JO_BY_ROWS(n, CALL)
-#undef CALL
     }
 }
 
@@ -365,9 +416,7 @@ static void residual(const jo_model *m, jo_data *d)
             jo_joint_work *v = &d->joint[m->below[i].joint];
             const int rows = m->joint[m->below[i].joint].nrow;
             subtract_left(v->x, X, w->sum, jo_padded(rows), n);
-            jo_real s[6] = {0};
-            add_right(s, X, v->sum, rows, n);
-            for (int j = 0; j < n; j++) w->x[j] -= s[j];
+            subtract_right(w->x, X, v->sum, rows, n);
         }
     }
 }

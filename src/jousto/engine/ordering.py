@@ -82,20 +82,23 @@ def eliminate(
         for j in before:
             awaited.setdefault(j, []).append(i)
     known = [missing(i) for i in range(count)]
-    heap = [(known[i], len(near[i]), i) for i in range(count) if not waits.get(i)]
+    # the longest unchanged first: a chain is eliminated from both ends in turn, two short
+    # sequences of dependent operations that the processor overlaps
+    turn = 0
+    heap = [(known[i], len(near[i]), turn, i) for i in range(count) if not waits.get(i)]
     heapq.heapify(heap)
     order: list[int] = []
     later: list[list[int]] = []
     done = [False] * count
     while heap:
-        fills, _, i = heapq.heappop(heap)
-        if done[i] or fills != known[i]:
+        fills, degree, _, i = heapq.heappop(heap)
+        if done[i] or fills != known[i] or degree != len(near[i]):
             continue  # an entry of an earlier neighbourhood
         done[i] = True
         order.append(i)
         around = sorted(near[i])
         later.append(around)
-        touched = {a for a in around if known[a]}
+        touched = set(around)
         for a in around:
             near[a].discard(i)
             if fills:
@@ -105,10 +108,11 @@ def eliminate(
             waits[a].discard(i)
             if not waits[a]:
                 touched.add(a)
-        for a in touched:
-            known[a] = missing(a)
+        for a in sorted(touched):
+            known[a] = missing(a) if known[a] or fills else 0
+            turn += 1
             if not waits.get(a):
-                heapq.heappush(heap, (known[a], len(near[a]), a))
+                heapq.heappush(heap, (known[a], len(near[a]), turn, a))
     place = {joint: c for c, joint in enumerate(order)}
     blocks = {(joint, joint): c for c, joint in enumerate(order)}
     below: list[tuple[tuple[int, int], ...]] = []
