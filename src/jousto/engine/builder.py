@@ -168,7 +168,7 @@ class Builder:
         lines: tuple[LineModel, ...],
         lock: int = -1,
     ) -> int:
-        row = sum(other.rows for other in self.joints)
+        row = self.joints[-1].row + self.joints[-1].rows if self.joints else 0
         self.joints.append(JointModel(name, sides, coincident, perpendicular, row, lines, lock))
         return len(self.joints) - 1
 

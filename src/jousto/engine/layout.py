@@ -44,6 +44,7 @@ SENSORS = {
     "principal": 17,
     "friction": 18,
 }
+CHUNK = 4096  # scalars that are allocated together
 
 
 class Layout:
@@ -87,11 +88,9 @@ class Layout:
         self._strict = strict
         self._keep: list[Any] = []
         self._shared: dict[int, tuple[Any, Any]] = {}
+        self._room, self._used, self._address = np.zeros(0, dtype), 0, 0
         self.raised: list[BaseException] = []
         self.model = self._native_model()
-
-    def _pointer(self, array: NDArray[Any]) -> Any:
-        return self._ffi.cast("jo_real *", array.ctypes.data)
 
     def _constant(
         self, array: Any, key: tuple[str, int, str] | None = None, shared: Any = None
@@ -108,14 +107,28 @@ class Layout:
         if shared is not None and id(shared) in self._shared:
             return self._shared[id(shared)][1]
         flat = np.asarray(array, dtype=self._dtype).ravel()
-        room = np.zeros(flat.nbytes + 128, np.uint8)  # aligned to cache lines
-        start = -room.ctypes.data % 64
-        copy = room[start : start + max(flat.nbytes, self._dtype.itemsize)].view(self._dtype)
-        copy[: flat.size] = flat
-        self._keep.append(copy)
+        pointer = self._place(flat)
         if shared is not None:
-            self._shared[id(shared)] = (shared, self._pointer(copy))
-        return self._pointer(copy)
+            self._shared[id(shared)] = (shared, pointer)
+        return pointer
+
+    def _place(self, flat: NDArray[Any]) -> Any:
+        """Copy an array behind the one before; large ones start on a cache line."""
+        size = self._dtype.itemsize
+        line = 64 // size
+        if flat.size >= 2 * line:
+            self._used += -self._used % line
+        if not self._room.size or self._used + flat.size > self._room.size:
+            count = max(CHUNK, flat.size)
+            raw = np.zeros((count + line) * size, np.uint8)
+            start = -raw.ctypes.data % 64
+            self._room = raw[start : start + count * size].view(self._dtype)
+            self._used, self._address = 0, self._room.ctypes.data
+            self._keep.append(self._room)
+        self._room[self._used : self._used + flat.size] = flat
+        pointer = self._ffi.cast("jo_real *", self._address + self._used * size)
+        self._used += flat.size
+        return pointer
 
     def _structs(self, kind: str, count: int) -> Any:
         array = self._ffi.new(f"{kind}[]", max(count, 1))

@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.engine.dependency import dependencies, joint_fronts
 from jousto.engine.model import JointModel, Model
 from jousto.engine.native import Engine, displaced
 from jousto.errors import Problems
@@ -18,6 +19,9 @@ Array = NDArray[np.float64]
 RANK = 1e-9  # singular values of unit rows in the mass metric below this are zero
 SHARE = 1e-6  # share of a row in a dependency that counts
 NEARBY = 1e-2  # m or rad, how far the neighbouring position is
+LISTED = 24  # names in a sentence
+TOGETHER = 100  # rows left out before the whole basis is renewed
+DENSE = 400  # rows up to which one singular value decomposition is quick
 
 
 @dataclass(frozen=True)
@@ -51,7 +55,7 @@ class Redundancy:
     @property
     def sentence(self) -> str:
         """What repeats, what it means and what to do."""
-        names = ", ".join(f"'{name}'" for name in self.joints)
+        names = _some([f"'{name}'" for name in self.joints], ", ")
         if self.only_here:
             return (
                 f"the initial position is singular: {self.count} of the constraint rows of {names} "
@@ -67,8 +71,16 @@ class Redundancy:
             "reactions of these joints are not unique (given: those of least norm)"
         )
         if self.advice:
-            text += f"; to make them unique, {' and '.join(self.advice)}"
+            text += f"; to make them unique, {_some(self.advice, ' and ')}"
         return text
+
+
+def _some(items: Sequence[str], between: str) -> str:
+    """Return the items, of very many only the first."""
+    more = len(items) - LISTED
+    if more <= 1:
+        return between.join(items)
+    return between.join([*items[:LISTED], f"{more} more"])
 
 
 def constraint_matrix(model: Model, engine: Engine) -> Array:
@@ -103,42 +115,45 @@ def unit_rows(model: Model, engine: Engine) -> Array:
     return np.asarray(G / np.where(length > 0.0, length, 1.0)[:, None])
 
 
+def dependent_rows(model: Model, engine: Engine) -> Array:
+    """Return an orthonormal basis Y (rows, d) of what repeats at the engine's state, Y^T Cq = 0."""
+    rows = model.permanent
+    if rows <= DENSE:
+        U, s, _ = np.linalg.svd(unit_rows(model, engine))
+        return np.asarray(U[:, int((s > RANK).sum()) :])
+    return dependencies(joint_fronts(model, engine, rows), len(model.bodies), RANK)
+
+
 def repeated_rows(model: Model) -> Redundancy | None:
     """Return the rows of a model that repeat one another at its initial pose, None if none do."""
-    engine = Engine(model)
-    G = unit_rows(model, engine)
-    U, s, _ = np.linalg.svd(G)
-    rank = int((s > RANK).sum())
-    if rank == len(G):
+    Y = dependent_rows(model, Engine(model))
+    rows, count = Y.shape
+    if not count:
         return None
-    share = np.linalg.norm(U[:, rank:], axis=1)
+    share = np.linalg.norm(Y, axis=1)
     taking = [j for j in model.joints if share[j.row : j.row + j.rows].max(initial=0.0) > SHARE]
     return Redundancy(
         joints=tuple(joint.name for joint in taking),
-        count=len(G) - rank,
-        mobility=model.nv - rank,
-        advice=tuple(_advice(G, taking, rank)),
+        count=count,
+        mobility=model.nv - (rows - count),
+        advice=tuple(_advice(Y, taking)),
         drives=tuple(joint.name for joint in taking if is_drive(joint)),
-        only_here=_rank_nearby(model) > rank,
+        only_here=_repeated_nearby(model) < count,
     )
 
 
-def _rank_nearby(model: Model) -> int:
-    """Return the rank a small way along a motion that the joints allow."""
+def _repeated_nearby(model: Model) -> int:
+    """Return how many rows repeat others a small way along a motion that the joints allow."""
     engine = Engine(replace(model, redundant=True))
     engine.v[:] = np.random.default_rng(0).normal(size=model.nv)
     engine.assemble()
     size = float(np.abs(engine.v).max(initial=0.0))
     if size < 1e-6:
-        return 0  # nothing can move
+        return model.permanent  # nothing can move
     engine.q[:] = displaced(model, engine.q, engine.v * (NEARBY / size))
     engine.v[:] = model.v0
     engine.assemble()
-    return _rank(unit_rows(model, engine))
-
-
-def _rank(G: Array) -> int:
-    return int((np.linalg.svd(G, compute_uv=False) > RANK).sum()) if len(G) else 0
+    return int(dependent_rows(model, engine).shape[1])
 
 
 def is_drive(joint: JointModel) -> bool:
@@ -155,45 +170,63 @@ def place(joint: JointModel) -> str:
     return f"{'coupling' if coupled else 'joint'} '{joint.name}'"
 
 
-def _advice(G: Array, joints: Sequence[JointModel], rank: int) -> list[str]:
+class _Spare:
+    """Rows that can be left out while the others still hold every motion that all of them hold.
+
+    Leaving out rows R keeps the rank if the rows R of Y are independent; what repeats then is the
+    part of Y that vanishes on R.
+    """
+
+    def __init__(self, Y: Array) -> None:
+        self._Y = Y
+        self._gone = np.zeros((Y.shape[1], 0))  # orthonormal columns that Y has still to lose
+        self.left = Y.shape[1]
+
+    def free(self, rows: Sequence[int]) -> bool:
+        """Whether these rows can be left out."""
+        if len(rows) > self.left:
+            return False
+        return bool(np.linalg.svd(self._rest(self._Y[list(rows)]), compute_uv=False).min() > SHARE)
+
+    def leave_out(self, rows: Sequence[int]) -> None:
+        """Leave them out."""
+        rest = self._rest(self._rest(self._Y[list(rows)]))  # twice for round-off
+        self._gone = np.hstack([self._gone, np.linalg.qr(rest.T)[0]])
+        self.left -= len(rows)
+        if self._gone.shape[1] > TOGETHER:
+            self._Y = self._rest(self._Y)
+            self._gone = self._gone[:, :0]
+
+    def _rest(self, rows: Array) -> Array:
+        return np.asarray(rows - (rows @ self._gone) @ self._gone.T)
+
+
+def _advice(Y: Array, joints: Sequence[JointModel]) -> list[str]:
     """Leave out what is repeated as a whole, drives first; then free rotations of point joints."""
-    keep = np.ones(len(G), dtype=bool)
+    spare = _Spare(Y)
     advice: list[str] = []
+    gone: set[str] = set()
     last_first = list(reversed(joints))
     for joint in sorted(last_first, key=lambda joint: not is_drive(joint)):
         rows = range(joint.row, joint.row + joint.rows)
-        if len(rows) <= keep.sum() - rank and _rank(G[_without(keep, rows)]) == rank:
-            keep = _without(keep, rows)
+        if spare.free(rows):
+            spare.leave_out(rows)
+            gone.add(joint.name)
             advice.append(f"leave out the {place(joint)}")
     for joint in joints:
         count = len(joint.perpendicular)
-        if not keep[joint.row]:
-            continue
-        if not joint.coincident or count not in (2, 3) or keep.sum() == rank:
+        if joint.name in gone or not joint.coincident or count not in (2, 3):
             continue
         first = joint.row + 3
         for freed in sorted(range(1, count + 1), reverse=True):
-            trial = next(
-                (
-                    rows
-                    for rows in combinations(range(first, first + count), freed)
-                    if freed <= keep.sum() - rank and _rank(G[_without(keep, rows)]) == rank
-                ),
-                None,
-            )
-            if trial is not None:
-                keep = _without(keep, trial)
+            choices = combinations(range(first, first + count), freed)
+            if (trial := next((rows for rows in choices if spare.free(rows)), None)) is not None:
+                spare.leave_out(trial)
                 old = "revolute" if count == 2 else "fixed"
                 new = {0: "spherical", 1: "universal", 2: "revolute"}[count - freed]
                 advice.append(f"replace the {old} joint '{joint.name}' by a {new} one")
                 break
-    return advice if keep.sum() == rank else []
-
-
-def _without(keep: NDArray[np.bool_], rows: Sequence[int]) -> NDArray[np.bool_]:
-    out = keep.copy()
-    out[list(rows)] = False
-    return out
+    return advice if spare.left == 0 else []
 
 
 def check_closed(model: Model, engine: Engine, found: Redundancy | None) -> None:
