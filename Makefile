@@ -76,8 +76,9 @@ engine: $(LIB)/.built  ## the C engine, built into src/jousto/engine/lib
 demo: $(LIB)/.built  ## the flexible pendulum against its reference; plot and animation in out/
 	@$(PY) $(EXAMPLE)
 
-bench: $(LIB)/.built $(VENV)/.bench  ## speed side by side with EXUDYN
+bench: $(LIB)/.built $(VENV)/.bench  ## speed side by side with EXUDYN and Pinocchio
 	@$(PY) benchmarks/speed.py
+	@$(PY) benchmarks/mechanisms.py
 
 docs: $(LIB)/.built $(VENV)/.docs  ## documentation in build/docs, warnings are errors
 	@$(PY) -m sphinx -W --keep-going -q -b html docs build/docs

@@ -58,7 +58,7 @@ def beam(modes: int) -> jo.ReducedPart:
         length=LENGTH,
         section=jo.Rectangle(0.03, 0.04),
         elements=max(ELEMENTS, modes // 4),
-        material=jo.Material(E=min(e for n, e in YOUNG.items() if n >= modes), nu=0.3, rho=7850.0),
+        material=jo.Material(E=max(e for n, e in YOUNG.items() if n >= modes), nu=0.3, rho=7850.0),
         lumped=True,
     )
     return jo.reduce(part, jo.FreeFree(modes=modes))

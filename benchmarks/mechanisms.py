@@ -1,0 +1,169 @@
+"""Rigid chains and flexible loops side by side with EXUDYN, rigid chains with Pinocchio.
+
+.venv/bin/python benchmarks/mechanisms.py         two minutes, part of `make bench`
+.venv/bin/python benchmarks/mechanisms.py quick   without the chains of 1000
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+# one thread, also in the linear algebra around the engine
+os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
+import numpy as np
+
+import exudyn_machines as peer
+import jousto as jo
+import machines
+from machines import RIGID_CHAINS, RigidChain
+
+H = 1e-3  # s, step of both codes
+
+AGREEMENT = 2e-4  # m, of both codes at the coarse step with jousto at a fine step
+
+
+def motion(model: jo.Model, solver: Any, times: np.ndarray) -> np.ndarray:
+    run = jo.simulate(model, times[-1], solver=solver, output_step=times[0])
+    return np.asarray(run["tip"][1:])
+
+
+def gap(a: np.ndarray, b: np.ndarray) -> float:
+    return float(np.linalg.norm(a - b, axis=1).max())
+
+
+def cost(model: jo.Model, solver: Any, t_end: float) -> float:
+    """Microseconds per step of the run that is compared: the least of several, processor time.
+
+    The engine alone, as `simulate` calls it; what Python adds does not depend on the steps.
+    """
+    engine = jo.Engine(model)
+    native = engine.native_solver(solver.method, solver.step, solver.projection)
+    rows = np.zeros((1, engine.row_size))
+    steps, best, begin = round(t_end / solver.step), np.inf, time.monotonic()
+    for k in range(1000):
+        engine.q[:], engine.v[:], engine.time[0] = model.q0, model.v0, 0.0
+        start = time.process_time()
+        engine.run(native, steps, 10**9, rows)
+        best = min(best, time.process_time() - start)
+        if k > 3 and time.monotonic() - begin > 1.0:
+            break
+    return 1e6 * best / steps
+
+
+def compare(
+    name: str, mechanism: jo.Mechanism, build: Callable[[], tuple[Any, Any]], t_end: float
+) -> tuple[float, float, float]:
+    """Print one line; return microseconds per step of RK4, ROS2 and the peer."""
+    times = np.linspace(0.0, t_end, 6)[1:]
+    model = jo.compile(mechanism)
+    solvers = (jo.RK4(step=H), jo.ROS2(step=H))
+    rk4, ros2 = (cost(model, solver, t_end) for solver in solvers)
+    bodies = len(model.bodies)
+    run = peer.runner(*build(), times, dense=bodies <= 3)
+    theirs = run(H, {3: 5, 10: 5, 100: 3}.get(bodies, 1))
+    reference = motion(model, jo.RK4(step=H / 8), times)
+    tips = [motion(model, solver, times) for solver in solvers] + [theirs.tip]
+    errors = [gap(tip, reference) for tip in tips]
+    print(
+        f"{name:32s} {rk4:9.2f} {ros2:9.2f} {theirs.microseconds:9.0f} {theirs.newton:6.1f} "
+        f"{theirs.microseconds / ros2:7.1f} {theirs.microseconds / rk4:7.1f}   "
+        f"{errors[0]:8.1e} {errors[1]:8.1e} {errors[2]:8.1e}",
+        flush=True,
+    )
+    if not max(errors) < AGREEMENT:
+        raise RuntimeError(f"{name}: the codes differ by {max(errors):.1e} m")
+    return rk4, ros2, theirs.microseconds
+
+
+def growth(costs: dict[int, tuple[float, ...]]) -> str:
+    """Exponents of N between neighbouring sizes, for every column of costs."""
+    sizes = sorted(costs)
+    lines = []
+    for a, b in zip(sizes, sizes[1:], strict=False):
+        powers = [
+            f"{np.log(y / x) / np.log(b / a):.2f}" for x, y in zip(costs[a], costs[b], strict=True)
+        ]
+        lines.append(f"N = {a} to {b}: {', '.join(powers)}")
+    return "; ".join(lines)
+
+
+def trees(chains: list[RigidChain], rk4: dict[int, float]) -> None:
+    """Revolute chains in EXUDYN's joint angles with the same Runge-Kutta method."""
+    print(
+        "\nrevolute chains, classical Runge-Kutta in both; EXUDYN in joint angles (kinematic tree)"
+    )
+    print(f"{'':32s} {'jousto':>9s} {'EXUDYN':>9s} {'ratio':>7s} {'apart, m':>9s}")
+    for case in chains:
+        if case.joint != "revolute" or case.bodies > 100:
+            continue
+        times = np.linspace(0.0, case.t_end, 6)[1:]
+        model = jo.compile(machines.rigid_chain(case))
+        run = peer.runner(*peer.tree(case), times, dense=True, explicit=True)
+        theirs = run(H, 5 if case.bodies <= 10 else 1)
+        apart = gap(theirs.tip, motion(model, jo.RK4(step=H), times))
+        ours = rk4[case.bodies]
+        print(
+            f"{case.name:32s} {ours:9.2f} {theirs.microseconds:9.1f} "
+            f"{theirs.microseconds / ours:7.1f} {apart:9.1e}",
+            flush=True,
+        )
+
+
+def forward_dynamics(chains: list[RigidChain]) -> None:
+    """One evaluation of the accelerations against Pinocchio."""
+    try:
+        import pinocchio_peer
+    except ImportError:
+        print("\nPinocchio is not installed (pip install pin)")
+        return
+    print("\naccelerations, us, called from Python: jousto (with reactions), Pinocchio's ABA")
+    print(f"{'':32s} {'jousto':>9s} {'Pinocchio':>9s} {'ratio':>7s} {'apart':>9s}")
+    for case in chains:
+        if case.joint != "revolute":
+            continue
+        r = pinocchio_peer.compare(case)
+        print(
+            f"{case.name:32s} {r.ours:9.2f} {r.theirs:9.2f} {r.theirs / r.ours:7.2f} "
+            f"{r.apart:9.1e}",
+            flush=True,
+        )
+
+
+def main(arguments: list[str]) -> None:
+    warnings.simplefilter("ignore", jo.JoustoWarning)
+    chains = [c for c in RIGID_CHAINS if not arguments or c.bodies <= 100]
+    print(f"one core; step {H * 1e3:g} ms; EXUDYN: generalised alpha, modified Newton")
+    print("distance: largest one of the sensor from jousto's RK4 at 1/8 of the step\n")
+    print(
+        f"{'':32s} {'jousto, us/step':>19s} {'EXUDYN':>9s} {'Newton':>6s} {'ratio':>15s}   "
+        f"{'distance, m':>26s}"
+    )
+    print(
+        f"{'':32s} {'RK4':>9s} {'ROS2':>9s} {'us/step':>9s} {'/step':>6s} {'ROS2':>7s} "
+        f"{'RK4':>7s}   {'RK4':>8s} {'ROS2':>8s} {'EXUDYN':>8s}"
+    )
+    compare("slider-crank, flexible rod", machines.slider_crank(), peer.slider_crank, 1.0)
+    compare("four-bar, flexible links", machines.four_bar(), peer.four_bar, 1.0)
+    costs: dict[str, dict[int, tuple[float, ...]]] = {"spherical": {}, "revolute": {}}
+    for case in chains:
+        costs[case.joint][case.bodies] = compare(
+            case.name,
+            machines.rigid_chain(case),
+            lambda case=case: peer.rigid_chain(case),  # type: ignore[misc]
+            case.t_end,
+        )
+    print("\ncost ~ N^p, p of RK4, ROS2, EXUDYN")
+    for joint, found in costs.items():
+        print(f"{joint:12s} {growth(found)}")
+    trees(chains, {n: c[0] for n, c in costs["revolute"].items()})
+    forward_dynamics(chains)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
