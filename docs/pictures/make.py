@@ -30,6 +30,7 @@ WIDTHS = {  # pixels
     "four_bar.png": 1200,
     "spin_up.png": 1100,
     "four_bar_still.png": 500,
+    "portal_frame.png": 800,
     "crane.png": 1200,
     "crane_still.png": 700,
     "robot.png": 1200,

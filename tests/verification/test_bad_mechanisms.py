@@ -17,6 +17,7 @@ X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 GRAVITY = jo.Gravity((0.0, -9.81, 0.0))
 O = jo.ground["origin"]
 RUN = jo.RK4(step=1e-2)
+SOLVERS = [RUN, jo.ROS2(step=1e-2), jo.GeneralizedAlpha(step=1e-2), jo.Newmark(step=1e-2)]
 
 
 def bar(name, **where):
@@ -110,14 +111,21 @@ def test_drives_that_conflict_from_the_start():
 
 @over_driven
 @pytest.mark.filterwarnings("ignore:.*driven twice:jousto.JoustoWarning")
-def test_drives_that_conflict_later_stop_the_run():
+@pytest.mark.parametrize("solver", SOLVERS, ids=lambda solver: type(solver).__name__)
+def test_drives_that_conflict_later_stop_the_run(solver):
     # position and rate agree at first
     curve = jo.SCurve([0.0, 1.0], [0.0, 1.0])
     model = jo.compile(geared(curve, curve))
+    with pytest.raises(
+        jo.SimulationError,
+        match="cannot follow .* 'gear', 'motor a', 'motor b' disagree from there on, a motion is "
+        "driven twice; drive each motion once",
+    ):
+        jo.kinematics(model, [0.0, 0.5, 1.0])
     with pytest.raises(jo.RunFailed) as problem:
-        jo.simulate(model, 1.0, solver=RUN)
+        jo.simulate(model, 1.0, solver=solver)
     text = str(problem.value)
-    assert "coupling 'gear' is open by" in text
+    assert "coupling 'gear' is open by" in text or "drive 'motor" in text
     assert "it contradicts 'motor a', 'motor b'; drive each motion once" in text
     assert 0.0 < problem.value.time < 0.1
     assert len(problem.value.solution) > 1
@@ -139,6 +147,8 @@ def test_a_drive_beyond_what_the_lengths_allow():
         match="cannot follow its drives past .* keep the drives within what the lengths allow",
     ):
         jo.kinematics(model, [0.0, 0.5, 1.0])
+    with pytest.raises(jo.RunFailed, match=r"lengths do not allow what the drives \('lift'\) ask"):
+        jo.simulate(model, 1.0, solver=RUN)
 
 
 # -- loops -----------------------------------------------------------------------------------------

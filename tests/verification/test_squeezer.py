@@ -92,10 +92,11 @@ def test_jousto_agrees_with_the_reference_beyond_the_published_digits(model, ref
 
 
 @pytest.mark.parametrize(
-    ("method", "steps"), [(jo.RK4, (300, 600)), (jo.ROS2, (3000, 6000))], ids=["RK4", "ROS2"]
+    ("method", "steps"),
+    [(jo.RK4, (300, 600)), (jo.ROS2, (3000, 6000)), (jo.GeneralizedAlpha, (1500, 3000))],
+    ids=["RK4", "ROS2", "GeneralizedAlpha"],
 )
-def test_jousto_converges_to_the_published_angles(method, steps):
-    model = jo.compile(squeezer.mechanism(repeated=False))
+def test_jousto_converges_to_the_published_angles(model, method, steps):
     errors = []
     for n in steps:
         angles, _ = relative(march(model, method(step=squeezer.T_END / n), squeezer.T_END))

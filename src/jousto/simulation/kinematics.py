@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.engine import Engine, Model
 from jousto.engine.native import displaced
-from jousto.engine.redundancy import RANK, unit_rows
+from jousto.engine.redundancy import RANK, repeated_rows, unit_rows
 from jousto.errors import InputError, Problem, Problems, SimulationError
 from jousto.simulation.bending import Bending
 from jousto.simulation.results import DIAGNOSTICS, ResultsWriter
@@ -207,14 +207,28 @@ def positions(model: Model, instants: Array) -> Iterator[Array]:
                 h *= 0.5
                 if abs(h) < SHORTEST * span:
                     raise SimulationError(
-                        f"the mechanism cannot follow its drives past {engine.time[0]:.6g} s: it "
-                        "is stretched out or at a dead centre there, or a drive jumps; keep the "
-                        "drives within what the lengths allow"
+                        f"the mechanism cannot follow its drives past {engine.time[0]:.6g} s: "
+                        + _obstacle(model)
                         + (f"; or {SOFT}" if bending else ""),
                         time=float(engine.time[0]),
                     )
             piece = 2.0 * abs(h)
         yield np.array(engine.row())
+
+
+def _obstacle(model: Model) -> str:
+    """Return why a mechanism cannot follow its drives, and the remedy."""
+    found = repeated_rows(model) if model.redundant else None
+    if found and found.drives:
+        names = ", ".join(f"'{name}'" for name in found.joints)
+        return (
+            f"{names} disagree from there on, a motion is driven twice; drive each motion once, "
+            "and leave a free motion for every drive"
+        )
+    return (
+        "it is stretched out or at a dead centre there, or a drive jumps; keep the drives within "
+        "what the lengths allow"
+    )
 
 
 def _reach(model: Model, v: Array) -> float:

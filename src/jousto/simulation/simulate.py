@@ -23,7 +23,7 @@ from jousto.engine.failures import (
     SINGULAR_BODY,
     SINGULAR_JOINT,
 )
-from jousto.engine.redundancy import disagreement
+from jousto.engine.redundancy import disagreement, is_drive
 from jousto.errors import InputError, Problem, Problems, SimulationError, warn
 from jousto.simulation.linear import State
 from jousto.simulation.progress import Report, reporter
@@ -407,6 +407,9 @@ def _cause(
             f"the step of {plan.step:.3g} s may be too large for this motion, try half; or "
             "forces, masses or stiffnesses have the wrong unit"
         )
+        drives = ", ".join(f"'{joint.name}'" for joint in model.joints if is_drive(joint))
+        if drives:
+            sentence += f"; or the lengths do not allow what the drives ({drives}) ask for"
     what = f"body '{body}'" if body else "the motion"
     return f"{what} diverged; likely cause: {sentence}", body
 
