@@ -264,7 +264,7 @@ static void modal_load(const jo_model *m, jo_data *d, const jo_force *f, jo_forc
 }
 
 /* the piece of a path at s and the powers of the way into it; 0 beyond the ends */
-static const jo_real *piece(const jo_real *x, jo_real s, jo_real *power)
+const jo_real *jo_moving_piece(const jo_real *x, jo_real s, jo_real *power)
 {
     const int count = (int)JO_RE(x[0]), n = (int)JO_RE(x[1]);
     const jo_real *at = x + 5;
@@ -277,7 +277,7 @@ static const jo_real *piece(const jo_real *x, jo_real s, jo_real *power)
 }
 
 /* a point or a mode shape (3) there */
-static void there(jo_real *y, const jo_real *c, const jo_real *power)
+void jo_moving_shape(jo_real *y, const jo_real *c, const jo_real *power)
 {
     for (int i = 0; i < 3; i++, c += 4) y[i] = c[0] + c[1] * power[1] + c[2] * power[2] + c[3] * power[3];
 }
@@ -292,16 +292,16 @@ static void moving_load(const jo_model *m, jo_data *d, const jo_force *f, jo_for
     /* its power now, what it pushes a lead ahead */
     for (int ahead = 0; ahead < 2; ahead++) {
         const jo_real time = d->time[0] + lead[ahead];
-        const jo_real *c = piece(f->data, jo_signal_at(m, d, f->reference, time).value, power);
+        const jo_real *c = jo_moving_piece(f->data, jo_signal_at(m, d, f->reference, time).value, power);
         if (!c) continue;
         const jo_real factor = f->signal >= 0 ? jo_signal_at(m, d, f->signal, time).value : 1.0;
         if (f->follow) jo_set3(F, f->data + 2);
         else jo_mul3t(F, w->A, f->data + 2);
         for (int i = 0; i < 3; i++) F[i] *= factor;
-        there(u, c, power);
+        jo_moving_shape(u, c, power);
         jo_set3(v, w->V);
         for (int j = 0; j < n; j++) {
-            there(phi, c + 12 * (1 + j), power);
+            jo_moving_shape(phi, c + 12 * (1 + j), power);
             for (int i = 0; i < 3; i++) {
                 u[i] += phi[i] * w->p[j];
                 v[i] += phi[i] * w->pd[j];

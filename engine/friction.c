@@ -114,6 +114,73 @@ static void sliding(const jo_model *m, const jo_data *d, int i, jo_real *y)
     for (int k = 0; k < count_of(f); k++) y[k] = -e[k] * (arm(m, f, k) * N + (turns(m, f, k) ? collar : 0.0));
 }
 
+/* gradient of |(x, y)| */
+static void gradient_of_length(jo_real *g, jo_real x, jo_real y, jo_real factor)
+{
+    const jo_real whole = length(x, y);
+    g[0] = JO_RE(whole) > 0.0 ? factor * x / whole : 0.0;
+    g[1] = JO_RE(whole) > 0.0 ? factor * y / whole : 0.0;
+    g[2] = 0.0;
+}
+
+/* derivative of mu_by_speed with respect to the square of the speed */
+static jo_real mu_rate(const jo_friction *f, jo_real square)
+{
+    const jo_real kinetic = f->data[0], top = f->data[1], velocity = f->data[2];
+    const jo_real w2 = square / (velocity * velocity);
+    if (JO_RE(w2) < 1.0) return top * (6.0 * w2 - 10.0) / (8.0 * velocity * velocity * velocity);
+    const jo_real speed = jo_sqrt(square), x = speed / velocity - 1.0, y = 1.0 - x;
+    const jo_real rate = JO_RE(x) > 1.0 ? 0.0 : 30.0 * (kinetic - top) * x * x * y * y / velocity;
+    return (rate - mu_by_speed(f, square)) / (2.0 * square);
+}
+
+void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y)
+{
+    const jo_friction *f = &m->friction[i];
+    const jo_real *A = d->marker[m->joint[f->joint].side[0]].A, *data = f->data;
+    const jo_slopes none = {{{0.0}}, {{0.0}}, {{0.0}}};
+    jo_real s[2], e[2], E[2][2] = {{0.0}}, reaction[6], F[3], M[3], collar, g[3], h[3], c[3] = {0.0, 0.0, 0.0};
+    *y = none;
+    if (sticks(m, d, f)) return;
+    const jo_real N = press(m, d, f, &collar);
+    slip_velocity(m, d, f, s);
+    const jo_real square = s[0] * s[0] + s[1] * s[1];
+    if (f->law) {
+        direction(m, d, i, e);
+        const jo_real speed = length(s[0], s[1]);
+        const int follows = count_of(f) == 2 && JO_RE(speed) > 1e-10 * m->size;
+        for (int k = 0; k < 2; k++) {
+            for (int j = 0; follows && j < 2; j++) E[k][j] = data[0] * ((k == j) - e[k] * e[j]) / speed;
+        }
+        for (int k = 0; k < 2; k++) e[k] *= data[0];
+    } else {
+        const jo_real mu = mu_by_speed(f, square), rate = JO_RE(square) > 0.0 ? mu_rate(f, square) : 0.0;
+        for (int k = 0; k < 2; k++) {
+            for (int j = 0; j < 2; j++) E[k][j] = mu * (k == j) + 2.0 * rate * s[k] * s[j];
+            e[k] = mu * s[k];
+        }
+    }
+    /* gradients g, h of N and c of the collar, in the axes of side 0 */
+    jo_reaction(m, d, f->joint, reaction);
+    jo_mul3t(F, A, reaction);
+    jo_mul3t(M, A, reaction + 3);
+    gradient_of_length(g, F[0], F[1], 1.0);
+    gradient_of_length(h, M[0], M[1], JO_RE(data[4]) > 0.0 ? 1.0 / data[4] : 0.0);
+    if (JO_RE(data[5]) > 0.0) {
+        if (turns(m, f, 0)) c[2] = JO_RE(F[2]) < 0.0 ? -data[5] : data[5];
+        else h[2] = (JO_RE(M[2]) < 0.0 ? -1.0 : 1.0) / data[5];
+    }
+    for (int k = 0; k < count_of(f); k++) {
+        const jo_real a = arm(m, f, k), around = turns(m, f, k);
+        for (int j = 0; j < count_of(f); j++) y->rate[k][j] = -E[k][j] * arm(m, f, j) * (a * N + around * collar);
+        jo_real x[3];
+        for (int j = 0; j < 3; j++) x[j] = -e[k] * (a * g[j] + around * c[j]);
+        jo_mul3(y->force[k], A, x);
+        for (int j = 0; j < 3; j++) x[j] = -e[k] * a * h[j];
+        jo_mul3(y->moment[k], A, x);
+    }
+}
+
 /* forces with which sticking friction holds */
 static void held(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y)
 {

@@ -256,6 +256,8 @@ int jo_apply_forces(const jo_model *m, jo_data *d);
 jo_real jo_stored(const jo_model *m, jo_data *d);   /* in springs, where markers and coordinates stand */
 void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f);
 void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T);
+const jo_real *jo_moving_piece(const jo_real *x, jo_real s, jo_real *power);
+void jo_moving_shape(jo_real *y, const jo_real *c, const jo_real *power);
 void jo_relative_pose(const jo_data *d, const jo_force *f, jo_real *r, jo_real *R);
 void jo_relative_velocity(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *v, jo_real *w);
 void jo_rotation_vector(jo_real *theta, const jo_real *R);
@@ -269,6 +271,9 @@ jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i);
 int jo_friction_switch(const jo_model *m, jo_data *d, int i);
 int jo_friction_settle(const jo_model *m, jo_data *d);
 void jo_friction_turn(const jo_model *m, jo_data *d);
+/* changes of the two sliding forces with the rates of the coordinates, and with force and moment (world) of the reaction */
+typedef struct { jo_real rate[2][2], force[2][3], moment[2][3]; } jo_slopes;
+void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y);
 
 /* step.c */
 int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* by exactly s->step */

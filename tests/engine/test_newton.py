@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from engine import test_forces, test_joints, test_layouts, test_tangent
+from engine import (
+    test_forces,
+    test_friction,
+    test_joints,
+    test_layouts,
+    test_moving_load,
+    test_tangent,
+)
 from jousto.engine.model import ForceModel
 from jousto.engine.native import displaced
 from jousto.engine.newton import newton_pattern
@@ -32,9 +39,24 @@ def rate_tangent(engine):
     return out
 
 
+def multiplier_tangent(engine):
+    """Return dr/dlam by complex steps: Cq^T, and what friction makes of the multipliers."""
+    twin = jo.Engine(engine.model, complex_scalars=True)
+    names = ("q", "v", "a", "lam", "time", "input", "turn", "locked", "slip", "direction")
+    for name in names:
+        getattr(twin, name)[:] = getattr(engine, name)
+    out = np.zeros((engine.model.nv, engine.model.nrow))
+    for j in range(engine.model.nrow):
+        twin.lam[j] += 1j * STEP
+        out[:, j] = twin.residual().imag / STEP
+        twin.lam[j] = engine.lam[j]
+    return out
+
+
 def assert_exact(engine, tolerance=1e-12):
     """The formulas agree with complex steps, term by term, at any accelerations."""
     nv = engine.model.nv
+    by_lam = multiplier_tangent(engine)
     engine.a += np.random.default_rng(1).normal(size=nv)
     t, zero = engine.tangent(), np.zeros((engine.model.nrow, nv))
     for weights, wanted, rows in (
@@ -47,8 +69,12 @@ def assert_exact(engine, tolerance=1e-12):
         np.testing.assert_allclose(found[:nv, :nv], wanted, rtol=0, atol=tolerance * scale)
         scale = max(1.0, np.abs(rows).max(initial=0.0))
         np.testing.assert_allclose(found[nv:, :nv], rows, rtol=0, atol=tolerance * scale)
-        np.testing.assert_allclose(found[:nv, nv:], t.Cq.T, rtol=0, atol=1e-11)
-        assert not found[nv:, nv:].any()
+        np.testing.assert_allclose(found[:nv, nv:], by_lam, rtol=0, atol=1e-11)
+        absent = [j for j in engine.model.joints if j.lock >= 0 and not engine.locked[j.lock]]
+        ones = np.zeros(engine.model.nrow)
+        for joint in absent:  # their multipliers are zero
+            ones[joint.row : joint.row + joint.rows] = 1.0
+        np.testing.assert_array_equal(found[nv:, nv:], np.diag(ones))
 
 
 @pytest.mark.parametrize("case", test_tangent.CASES)
@@ -91,6 +117,36 @@ def test_every_force(name, turn):
     if name not in ("limited servo", "modal load"):
         assert np.abs(engine.newton_matrix(0.0, 0.0, 1.0)).max() > 100.0
         assert np.abs(engine.newton_matrix(0.0, 1.0, 0.0)).max() > 0.2
+
+
+@pytest.mark.parametrize("law", [jo.StickSlip(), test_friction.FAST, jo.Regularised(0.2)], ids=repr)
+@pytest.mark.parametrize("kind", test_friction.KINDS)
+def test_rubbing_joints(kind, law):
+    engine = jo.Engine(jo.compile(test_friction.machine(kind, law=law)))
+    rng = np.random.default_rng(6)
+    engine.q[:] = displaced(engine.model, engine.q, 0.02 * rng.normal(size=engine.model.nv))
+    engine.v += 0.1 * rng.normal(size=engine.model.nv)
+    engine.accelerations()
+    engine.slip[:] = np.where(engine.slip == 0, 1, engine.slip) * isinstance(law, jo.StickSlip)
+    assert_exact(engine, tolerance=1e-11)
+    change = multiplier_tangent(engine) - engine.tangent().Cq.T
+    assert np.abs(change).max() > 1e-3
+
+
+@pytest.mark.parametrize("follow", [False, True])
+def test_a_force_on_its_way_along_a_body(follow):
+    body = test_moving_load.bridge(4, 6)
+    place = jo.Ramp(0, 1.0, before=0, after=test_moving_load.LENGTH)
+    load = jo.MovingLoad(
+        "wheel", body, ("start", "end"), (30.0, 20.0, -500.0), place, follow=follow
+    )
+    engine = jo.Engine(test_moving_load.supported(body, load))
+    engine.time[0] = 0.41
+    rng = np.random.default_rng(6)
+    engine.q[:] = displaced(engine.model, engine.q, 0.05 * rng.normal(size=engine.model.nv))
+    engine.v += rng.normal(size=engine.model.nv)
+    engine.accelerations()
+    assert_exact(engine)
 
 
 def test_user_functions_by_differences():

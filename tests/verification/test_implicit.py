@@ -223,6 +223,28 @@ def test_a_very_stiff_bushing_is_a_spherical_joint():
         march(bushed(1e10), jo.ROS2(step=1e-3), 0.5)
 
 
+def hinged(law):
+    """A bar that falls from the horizontal on a hinge that rubs."""
+    body = jo.RigidBody("bar", 2.0, (0.05, 0.2, 0.2), center=(0.5, 0, 0))
+    hinge = jo.Revolute("hinge", jo.ground["origin"], body["origin"], axis=(0, 0, 1))
+    rub = jo.Friction("rub", hinge, 0.3, 0.4, radius=0.1, law=law)
+    return jo.compile(
+        jo.Mechanism(body, hinge, rub, jo.Gravity(G), jo.CoordinateSensor("angle", hinge.angle))
+    )
+
+
+def test_friction_that_is_steep_at_rest():
+    """Exact derivatives of the friction, the multipliers included: few iterations at any step."""
+    wanted = march(hinged(jo.StickSlip()), jo.RK4(step=1e-3), 3.0)
+    for step in (2e-2, 5e-3):
+        solver = jo.GeneralizedAlpha(step=step, max_iterations=7)
+        run = march(hinged(jo.Regularised(1e-3)), solver, 3.0, 0.1)
+        np.testing.assert_allclose(run.sensors["angle"][-1], wanted.sensors["angle"][-1], atol=4e-3)
+        assert run.energy[-1, 5] == pytest.approx(wanted.energy[-1, 5], rel=2e-3)
+        assert (np.diff(run.energy[:, 5]) > -1e-12).all()  # friction never adds energy
+        assert np.abs(run.balance).max() < 0.02 * run.energy[-1, 5]
+
+
 def test_a_run_counts_its_iterations():
     model = double_pendulum()
     for tangent in ("exact", "modified"):
