@@ -236,10 +236,10 @@ def hinged(law):
 def test_friction_that_is_steep_at_rest():
     """Exact derivatives of the friction, the multipliers included: few iterations at any step."""
     wanted = march(hinged(jo.StickSlip()), jo.RK4(step=1e-3), 3.0)
-    for step in (2e-2, 5e-3):
+    for step, miss in ((2e-2, 6e-3), (5e-3, 6e-4)):
         solver = jo.GeneralizedAlpha(step=step, max_iterations=7)
         run = march(hinged(jo.Regularised(1e-3)), solver, 3.0, 0.1)
-        np.testing.assert_allclose(run.sensors["angle"][-1], wanted.sensors["angle"][-1], atol=4e-3)
+        np.testing.assert_allclose(run.sensors["angle"][-1], wanted.sensors["angle"][-1], atol=miss)
         assert run.energy[-1, 5] == pytest.approx(wanted.energy[-1, 5], rel=2e-3)
         assert (np.diff(run.energy[:, 5]) > -1e-12).all()  # friction never adds energy
         assert np.abs(run.balance).max() < 0.02 * run.energy[-1, 5]
