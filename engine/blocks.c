@@ -213,10 +213,11 @@ static void modal_sums(const jo_body *b, const jo_real *E, int components, int r
             for (int j = 0; j < np; j += JO_PAD) {
                 const int at = c * np + j;
                 const jo_real *e = E + (at / rows) * n * rows + at % rows;
+                const jo_real factor = sign * coef[c];   /* E_jk = sign E_kj: rows stay rows */
                 for (int k = 0; k < n; k++, e += rows)
-                    for (int i = 0; i < JO_PAD && j + i < n; i++) {   /* E_jk = sign E_kj: rows stay rows */
-                        y[at + i] += e[i] * x[k];
-                        N.at[k * N.stride + j + i] += sign * coef[c] * e[i];
+                    for (int i = 0; i < JO_PAD; i += JO_WIDTH) {   /* beyond n zeros are added */
+                        JO_STORE(y + at + i) += JO_LOAD(e + i) * x[k];
+                        JO_STORE(N.at + k * N.stride + j + i) += factor * JO_LOAD(e + i);
                     }
             }
         return;

@@ -66,7 +66,7 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched)
     d->fills = take(a, (size_t)nbelow * sizeof *d->fills);
     d->coordinate = take(a, (size_t)m->ncoordinate * sizeof(jo_coordinate_work));
     d->force = take(a, (size_t)m->nforce * sizeof(jo_force_work));
-    d->N = reals(a, m->nnewton);
+    d->N = reals(a, m->nnewton + JO_PAD);
     d->x = reals(a, m->nv + m->nrow);
     d->pivot = take(a, (size_t)(m->nv + m->nrow) * sizeof(int));
     jo_real **mixing[4] = {&d->mixing.g, &d->mixing.r, &d->mixing.before, &d->mixing.change};

@@ -59,18 +59,20 @@ void jo_element_finish(const jo_model *m, jo_data *d, const jo_element *e)
                 for (int k = 0; k < 4; k++) any |= used[k] = !is_zero(e, 6 * s + 3 * half, 12 * t + 3 * k);
                 if (!any) continue;
                 const jo_real *L = w->L + 3 * half * row;
-                for (int j = 0; j < 6 + m->body[other].n; j++) {
-                    jo_real h[3] = {0.0, 0.0, 0.0};
+                JO_EACH(j, columns) {   /* beyond the last column W is zero */
+                    const jo_lanes zero = {0};
+                    jo_lanes h[3] = {zero, zero, zero};
                     for (int k = 0; k < 4; k++) {
                         if (!used[k]) continue;
                         const jo_real *x = W + 3 * k * columns + j;
+                        const jo_lanes x0 = JO_LOAD(x), x1 = JO_LOAD(x + columns), x2 = JO_LOAD(x + 2 * columns);
                         for (int i = 0; i < 3; i++) {
                             const jo_real *y = &e->Y[6 * s + 3 * half + i][12 * t + 3 * k];
-                            h[i] += y[0] * x[0] + y[1] * x[columns] + y[2] * x[2 * columns];
+                            h[i] += y[0] * x0 + y[1] * x1 + y[2] * x2;
                         }
                     }
                     for (int i = half ? 3 : 0; i < n; i++)
-                        N.at[i * N.stride + j] -= L[i] * h[0] + L[row + i] * h[1] + L[2 * row + i] * h[2];
+                        JO_STORE(N.at + i * N.stride + j) -= L[i] * h[0] + L[row + i] * h[1] + L[2 * row + i] * h[2];
                 }
             }
         }
@@ -203,10 +205,8 @@ static void add_row(const jo_model *m, jo_data *d, int joint, int row, int a, in
             const jo_real *W = w->W + i * stride, *V = W + 6 * stride;
             if (d->weights.position) V = W;   /* C itself changes with the position as C' with the velocity */
             if (y == 0.0 && z == 0.0) continue;
-            for (int j = 0; j < n; j++) {
-                N.at[row * N.stride + j] += d->weights.rows * (y * V[j] + z * W[j]);
-                T.at[j * T.stride + row] += y * L[j];
-            }
+            JO_EACH(j, stride) JO_STORE(N.at + row * N.stride + j) += d->weights.rows * (y * JO_LOAD(V + j) + z * JO_LOAD(W + j));
+            for (int j = 0; j < n; j++) T.at[j * T.stride + row] += y * L[j];
         }
     }
 }

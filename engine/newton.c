@@ -83,21 +83,48 @@ static int factor_dense(jo_real *A, const int n, const int stride, int *pivot, d
     return -1;
 }
 
+/* B = A^-1 B, `count` times JO_WIDTH columns at a time so that sums stay in registers */
+static inline void solve_panel(const jo_real *restrict A, const int n, const int stride, jo_real *restrict B,
+                               const int padded, const int count)
+{
+    for (int i = 1; i < n; i++) {
+        jo_lanes sum[4];
+        for (int c = 0; c < count; c++) sum[c] = JO_LOAD(B + i * padded + c * JO_WIDTH);
+        for (int k = 0; k < i; k++)
+            for (int c = 0; c < count; c++) sum[c] -= A[i * stride + k] * JO_LOAD(B + k * padded + c * JO_WIDTH);
+        for (int c = 0; c < count; c++) JO_STORE(B + i * padded + c * JO_WIDTH) = sum[c];
+    }
+    for (int i = n - 1; i >= 0; i--) {
+        jo_lanes sum[4];
+        for (int c = 0; c < count; c++) sum[c] = JO_LOAD(B + i * padded + c * JO_WIDTH);
+        for (int k = i + 1; k < n; k++)
+            for (int c = 0; c < count; c++) sum[c] -= A[i * stride + k] * JO_LOAD(B + k * padded + c * JO_WIDTH);
+        for (int c = 0; c < count; c++) JO_STORE(B + i * padded + c * JO_WIDTH) = A[i * stride + i] * sum[c];
+    }
+}
+
 /* B = A^-1 B for `padded` columns */
 static void solve_rows(const jo_real *A, const int n, const int stride, const int *pivot, jo_real *B, const int padded)
 {
     for (int k = 0; k < n; k++)
         if (pivot[k] != k) swap_rows(B + k * padded, B + pivot[k] * padded, padded);
-    for (int i = 1; i < n; i++)
-        for (int k = 0; k < i; k++) {
-            const jo_real s = A[i * stride + k];
-            if (JO_RE(s) != 0.0) subtract_row(B + i * padded, s, B + k * padded, padded);
-        }
-    for (int i = n - 1; i >= 0; i--) {
-        for (int k = i + 1; k < n; k++) subtract_row(B + i * padded, A[i * stride + k], B + k * padded, padded);
-        const jo_real s = A[i * stride + i];
-        for (int j = 0; j < padded; j++) B[i * padded + j] *= s;
+    int j = 0;
+    for (; j + 4 * JO_WIDTH <= padded; j += 4 * JO_WIDTH) solve_panel(A, n, stride, B + j, padded, 4);
+    for (; j + 2 * JO_WIDTH <= padded; j += 2 * JO_WIDTH) solve_panel(A, n, stride, B + j, padded, 2);
+    for (; j < padded; j += JO_WIDTH) solve_panel(A, n, stride, B + j, padded, 1);
+}
+
+static inline jo_real dot(const jo_real *restrict a, const jo_real *restrict b, const int n)
+{
+    jo_lanes sum = {0}, other = {0};
+    int k = 0;
+    for (; k + 2 * JO_WIDTH <= n; k += 2 * JO_WIDTH) {
+        sum += JO_LOAD(a + k) * JO_LOAD(b + k);
+        other += JO_LOAD(a + k + JO_WIDTH) * JO_LOAD(b + k + JO_WIDTH);
     }
+    jo_real s = jo_sum(sum + other);
+    for (; k < n; k++) s += a[k] * b[k];
+    return s;
 }
 
 /* the same for one column */
@@ -105,12 +132,8 @@ static void solve_column(const jo_real *A, const int n, const int stride, const 
 {
     for (int k = 0; k < n; k++)
         if (pivot[k] != k) swap_rows(x + k, x + pivot[k], 1);
-    for (int i = 1; i < n; i++)
-        for (int k = 0; k < i; k++) x[i] -= A[i * stride + k] * x[k];
-    for (int i = n - 1; i >= 0; i--) {
-        for (int k = i + 1; k < n; k++) x[i] -= A[i * stride + k] * x[k];
-        x[i] *= A[i * stride + i];
-    }
+    for (int i = 1; i < n; i++) x[i] -= dot(A + i * stride, x, i);
+    for (int i = n - 1; i >= 0; i--) x[i] = A[i * stride + i] * (x[i] - dot(A + i * stride + i + 1, x + i + 1, n - i - 1));
 }
 
 /* T -= X Y, (rows x n) (n x padded), four rows and four columns at a time */
@@ -224,8 +247,7 @@ void jo_newton_solve(const jo_model *m, jo_data *d)
             const jo_branch *branch = &m->branch[b];
             const jo_real *X = d->N + branch->lower;
             jo_real *y = d->x + m->node[branch->node].at;
-            for (int i = 0; i < branch->width; i++)
-                for (int k = 0; k < node->size; k++) y[i] -= X[i * stride + k] * x[k];
+            for (int i = 0; i < branch->width; i++) y[i] -= dot(X + i * stride, x, node->size);
         }
     }
     for (int c = m->nnode - 1; c >= 0; c--) {
@@ -235,8 +257,7 @@ void jo_newton_solve(const jo_model *m, jo_data *d)
             const jo_branch *branch = &m->branch[b];
             const int stride = jo_pad(branch->width);
             const jo_real *Y = d->N + branch->upper, *y = d->x + m->node[branch->node].at;
-            for (int i = 0; i < node->size; i++)
-                for (int k = 0; k < branch->width; k++) x[i] -= Y[i * stride + k] * y[k];
+            for (int i = 0; i < node->size; i++) x[i] -= dot(Y + i * stride, y, branch->width);
         }
     }
 }
