@@ -9,7 +9,9 @@ import pytest
 
 import jousto as jo
 from jousto.simulation.implicit import spectral_radius
+from verification import iftomm
 from verification.mechanisms import STEEL, G, chain, march, orders
+from verification.test_iftomm import corner_at, end_of, upright_at
 
 pytestmark = pytest.mark.filterwarnings("ignore::jousto.JoustoWarning")
 
@@ -221,6 +223,50 @@ def test_a_very_stiff_bushing_is_a_spherical_joint():
     np.testing.assert_allclose(found.v[-1], wanted.v[-1], atol=2e-4)
     with pytest.raises(AssertionError, match="the engine stopped"):
         march(bushed(1e10), jo.ROS2(step=1e-3), 0.5)
+
+
+def test_loops_through_singular_positions_and_with_repeated_rows():
+    """Published loops: IFToMM A02 passes its singular position, A04 has a row too many."""
+    ladder, bricard = jo.compile(iftomm.four_bars(2)), jo.compile(iftomm.bricard())
+    assert bricard.redundant
+    turned, corner = upright_at(1.0), corner_at(np.array([0.0, 1.0]))[-1]
+    for projection in (True, False):
+        far: dict[str, list[float]] = {"ladder": [], "bricard": []}
+        for steps in (250, 500):
+            solver = jo.GeneralizedAlpha(step=1.0 / steps, projection=projection)
+            run = march(ladder, solver, 1.0)
+            far["ladder"].append(float(np.abs(end_of(run) - turned).max()))
+            run = march(bricard, solver, 1.0)
+            far["bricard"].append(float(np.abs(run.sensors["P3"][-1] - corner).max()))
+            assert run.residuals[-1, 0] < 1e-12
+        for name, errors in far.items():
+            assert orders(errors)[0] == pytest.approx(2.0, abs=0.2), (name, errors)
+
+
+def test_a_stiff_governor_at_a_hundred_times_the_explicit_step():
+    """IFToMM A05: the dampers of its rods are as fast as 2e4 1/s."""
+    model = jo.compile(iftomm.governor())
+    exact = march(model, jo.RK4(step=5e-5), 0.2)
+    errors = []
+    for step in (1e-2, 5e-3, 2.5e-3):
+        run = march(model, jo.GeneralizedAlpha(step=step), 0.2)
+        errors.append(float(np.abs(run.sensors["s"][-1] - exact.sensors["s"][-1]).max()))
+    assert errors[-1] < 2e-5
+    np.testing.assert_allclose(orders(errors), 2.0, atol=0.5)
+
+
+def test_events_are_found_between_steps():
+    """A falling body reaches 0.5 m when the closed form says, and the run goes on from there."""
+    body = jo.RigidBody("ball", 1.0, (1e-3,) * 3, position=(0, 2.0, 0))
+    place = jo.PositionSensor("place", body["origin"])
+    floor = jo.Event("floor", place, 0.5, "falling", component="y")
+    model = jo.compile(jo.Mechanism(body, place, floor, jo.Gravity(G)))
+    engine = jo.Engine(model)
+    solver = native(engine, jo.GeneralizedAlpha(step=0.1))
+    engine.run(solver, 8, 8, np.zeros((2, engine.row_size)))
+    ((time, *_),) = engine.happenings()
+    assert time == pytest.approx(np.sqrt(3.0 / 9.81), abs=1e-11)
+    assert engine.q[1] == pytest.approx(2.0 - 0.5 * 9.81 * 0.8**2, abs=1e-11)
 
 
 def hinged(law):
