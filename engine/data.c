@@ -48,6 +48,12 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched)
     d->dv = reals(a, m->nv);
     d->rate = reals(a, m->nv);
     d->acc = reals(a, m->nv);
+    d->stage = reals(a, 7 * (2 * m->nv + 3));
+    d->change = reals(a, 2 * m->nv + 3);
+    d->q1 = reals(a, m->nq);
+    d->v1 = reals(a, m->nv);
+    d->lam1 = reals(a, m->nrow);
+    d->extent = take(a, 3 * (size_t)m->nbody * sizeof(double));
     d->S = reals(a, JO_BLOCK * m->nblock);
     d->S0 = reals(a, m->redundant >= 0 ? JO_BLOCK * m->nblock : 0);
     for (int s = 0; s < 2; s++) d->gram[s] = reals(a, 36 * m->npair);

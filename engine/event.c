@@ -334,6 +334,43 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
     return status;
 }
 
+/* -- the same for steps of another length ------------------------------------------------------- */
+
+int jo_event_keep(const jo_model *m, jo_data *d)
+{
+    const int status = d->watching ? JO_OK : start(m, d);
+    keep(d);
+    return status;
+}
+
+/* the step from the kept state of *length ends at the first crossing, if there is one */
+int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, double *length, int *found)
+{
+    *found = 0;
+    int status = values(m, d, d->above);
+    if (status != JO_OK) return status;
+    if (first) leave(m, d, d->above);
+    *found = any_crosses(m, d, d->above);
+    if (!*found) {
+        accept(m, d, d->above);
+        return JO_OK;
+    }
+    for (int i = 0; i < jo_watched(m); i++) d->scale[i] = fabs(d->above[i] - d->level[i]);
+    const long long steps = d->counts[5];
+    status = locate(m, d, s, length);
+    d->counts[5] = steps;
+    return status;
+}
+
+int jo_event_happen(const jo_model *m, jo_data *d, int *chain)
+{
+    int stop;
+    const int status = all_happen(m, d, &stop, chain);
+    if (status != JO_OK || stop < 0) return status;
+    d->error_index = stop;
+    return JO_EVENT;
+}
+
 int jo_log_room(const jo_model *m) { return jo_watched(m) ? 4 * most(m) : 0; }
 
 /* whether another step may be logged */

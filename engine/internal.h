@@ -123,6 +123,23 @@ typedef struct { jo_real *S, *x; double *scale; int n, first, count, update, upd
 typedef struct { jo_real *X, *x; int ld, rows, kind; } jo_below_plan;
 typedef struct { jo_real *T; const jo_real *X, *Y; int ld, ny, kind; } jo_update_plan;
 
+/* Error control of the adaptive method, and its last step for the dense output. */
+typedef struct {
+    double start;           /* time of the first row */
+    double from, length;    /* the last step began at `from`; the state stands at from + length */
+    double next;            /* length that the next step should have */
+    double error;           /* of the last accepted step, 1 is what the tolerance allows */
+    jo_real work[3];        /* at the start of the last step */
+    long long tries;        /* since the last row */
+    int shortened;          /* the last try was rejected */
+    int known;              /* a and power belong to the present state though it is not fresh */
+    int found;              /* the last step ends at an event */
+    int first;              /* no step yet: values at a threshold may leave it either way */
+    int chain;              /* events since the last step without one */
+    int status;             /* why it could not be evaluated, or JO_OK */
+    int worst;              /* body with the largest error */
+} jo_control;
+
 struct jo_data {
     jo_real time[1];
     jo_real work[3], power[3];      /* lost to damping, to friction, done by forces: energy so far, rate at the last evaluation */
@@ -132,6 +149,11 @@ struct jo_data {
     jo_real *q, *v, *a, *lam;
     jo_real *q0, *v0, *dq, *dv, *rate;   /* stages of a step: (nq) and (nv) */
     jo_real *acc;           /* (nv) first stage of ROS2 */
+    jo_real *stage;         /* (7 x (2 nv + 3)) rates of increments, velocities and work in an adaptive step */
+    jo_real *change;        /* (2 nv + 3) what the step changed */
+    jo_real *q1, *v1, *lam1;   /* the state at its end, while rows before it are written */
+    double *extent;         /* (3 x nbody) largest speed, modal coordinates and their speed so far */
+    jo_control control;
     jo_body_work *body;
     jo_marker_work *marker;
     jo_coordinate_work *coordinate;
@@ -158,7 +180,7 @@ struct jo_data {
     double *log;            /* (jo_log_room x 3) time, event or nevent + friction, direction or slip */
     int logged;
     double left;            /* time at the end of the last call */
-    long long counts[5];    /* evaluations, Newton iterations, factorisations, rejected steps, singular positions */
+    long long counts[6];    /* evaluations, Newton iterations, factorisations, rejected steps, singular positions, steps */
     int regular;            /* S is regularised */
     jo_pair_plan *pairs;
     jo_column_plan *columns;
@@ -283,6 +305,9 @@ void jo_add_work(jo_data *d);
 int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* the same, with the events on the way */
 void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list);
 int jo_watched(const jo_model *m);
+int jo_event_keep(const jo_model *m, jo_data *d);   /* the state from which a step may be repeated */
+int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, double *length, int *found);   /* after it */
+int jo_event_happen(const jo_model *m, jo_data *d, int *chain);
 int jo_log_room(const jo_model *m);
 int jo_log_has_room(const jo_model *m, const jo_data *d);
 
@@ -307,5 +332,13 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set);
 void jo_use_step(const jo_model *m, jo_data *d, double gh);
 void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment);
 void jo_project(const jo_model *m, jo_data *d);
+
+/* step.c */
+void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *v);
+int jo_check(const jo_model *m, jo_data *d);   /* JO_OK if the state is finite and of a reasonable size */
+int jo_write_row(const jo_model *m, jo_data *d, jo_real *row);
+
+/* adaptive.c */
+int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen);
 
 #endif

@@ -29,7 +29,7 @@ enum { JO_DENSE = 32 };        /* np up to which ED, EB are blocks of rows, abov
 enum { JO_MAX_ROWS = 6 };      /* constraint rows of one joint */
 
 enum { JO_MAX_SIDES = 4 };     /* markers of one joint: two, or those of two coupled coordinates */
-enum { JO_BALANCE = 11 };      /* entries of a row of results between the multipliers and the sensors */
+enum { JO_BALANCE = 14 };      /* entries of a row of results between the multipliers and the sensors */
 
 typedef enum { JO_OK = 0, JO_NOT_FINITE = 1, JO_SINGULAR_BODY = 2, JO_SINGULAR_JOINT = 3, JO_NO_MEMORY = 4,
                JO_CALLBACK_FAILED = 5,    /* error_index: force */
@@ -200,6 +200,7 @@ typedef struct {
 typedef struct {
     int nbody, nmarker, nactive, ncoordinate, njoint, nline, npair, ncolumn, nblock, nsignal, nforce, nfriction, nevent, nsensor;
     int nturn, nlock, ninput, nnode, nnewton;   /* nnewton: reals of Newton's matrix */
+    int nbreak;             /* times at which a signal jumps or has a kink */
     int nq, nv, nrow, nout;
     int redundant;          /* 1: rows repeat one another, multipliers of least norm; 0: only in singular positions;
                              * -1: never, a singular position is an error */
@@ -225,18 +226,20 @@ typedef struct {
     const jo_friction *friction;
     const jo_event *event;
     const jo_sensor *sensor;
+    const jo_real *breaks;  /* (nbreak) s, ascending: adaptive steps end there */
 } jo_model;
 
 typedef struct {
     int method;             /* jo_method */
     int projection;         /* positions and velocities are projected after every step */
-    double step;            /* s */
+    double step;            /* s; jo_follow: between rows */
     double alpha, beta;     /* Baumgarte: C'' + 2 alpha C' + beta^2 C = 0; 0 = off */
     double alpha_m, alpha_f, newmark_beta, newmark_gamma;   /* ALPHA */
     double tolerance;       /* ALPHA: Newton, relative, 0: always all iterations; DOPRI: relative error of a step */
-    double absolute;        /* DOPRI: absolute error of a step */
-    double largest;         /* DOPRI: largest step, s */
-    int iterations;         /* ALPHA: most iterations of a step */
+    double absolute;        /* DOPRI: errors below it do not matter, m (m/s; rotations: over the size of the mechanism) */
+    double largest;         /* DOPRI: largest step, s; 0: none */
+    double first;           /* DOPRI: first step, s; 0: automatic */
+    int iterations;         /* ALPHA: most iterations of a step; DOPRI: most steps between two rows */
     int modified;           /* ALPHA: keep the factors while they converge */
 } jo_solver;
 
@@ -264,8 +267,8 @@ int *jo_data_happened(jo_data *d);               /* (nevent) how often each even
 const double *jo_data_log(const jo_data *d);     /* (logged x 3) of the last jo_run or jo_step: time, event and +1 rising
                                                   * or -1 falling, or nevent + friction and its slip from then on */
 int jo_data_logged(const jo_data *d);
-long long *jo_data_counts(jo_data *d);           /* (5) evaluations, Newton iterations, factorisations,
-                                                  * rejected steps, evaluations in a singular position */
+long long *jo_data_counts(jo_data *d);           /* (6) evaluations, Newton iterations, factorisations,
+                                                  * rejected steps, evaluations in a singular position, steps */
 int jo_data_error_index(const jo_data *d);       /* body or joint of the last error */
 
 int jo_accelerations(const jo_model *m, jo_data *d);          /* a, lam from time, q, v */
@@ -282,12 +285,17 @@ int jo_newton_matrix(const jo_model *m, jo_data *d, double ca, double cv, double
 void jo_sensors(const jo_model *m, jo_data *d, jo_real *out);     /* (nout), after jo_accelerations */
 
 /* Advance nsteps; whenever the step count is a multiple of `every` write one row
- * [time q v lam kinetic strain potential springs dissipated friction work |C| |Cq v| evaluations iterations sensors
- *  turn locked slip held direction happened input].
+ * [time q v lam kinetic strain potential springs dissipated friction work |C| |Cq v| evaluations iterations
+ *  steps rejected length-of-the-last-step sensors turn locked slip held direction happened input].
  * `count` holds the steps done before and is advanced, `written` the rows. At an event that stops the run a row more is
  * written there. Does fewer steps when the log of events is full. Returns a jo_status. */
 int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
            long long *count, int *written, jo_real *rows);
+/* With error control (DOPRI): rows at start + k step, k = *count .. last, from steps of their own length. *count = 0 begins
+ * at the present state, which is the first row; later calls go on where the one before stopped. Stops after `tries`
+ * steps or `room` rows as well. */
+int jo_follow(const jo_model *m, jo_data *d, const jo_solver *s, long long last, long long tries, int room,
+              long long *count, int *written, jo_real *rows);
 int jo_row(const jo_model *m, jo_data *d, jo_real *row);   /* one such row of the present state */
 int jo_row_size(const jo_model *m);
 /* END */

@@ -7,7 +7,7 @@
 #define JO_LARGEST 1e15   /* no coordinate of a machine is as large, in any unit: the run has diverged */
 
 /* rate of the increments x at the velocities v */
-static void increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *v)
+void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *v)
 {
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
@@ -44,7 +44,7 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s)
             int status = jo_evaluate(m, d, s, 0);
             if (status != JO_OK) return status;
         }
-        increment_rate(m, d->rate, d->rate, d->v);
+        jo_increment_rate(m, d->rate, d->rate, d->v);
         for (int i = 0; i < m->nv; i++) {
             d->acc[i] = d->a[i];
             d->dq[i] += weight[k] * h * d->rate[i];
@@ -118,7 +118,7 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
     if (status != JO_OK) return status;
     d->work[1] += 0.5 * h * d->power[1];
     d->work[2] += 0.5 * h * d->drive;
-    increment_rate(m, d->rate, d->dq, d->v);
+    jo_increment_rate(m, d->rate, d->dq, d->v);
     for (int i = 0; i < m->nv; i++) {
         d->dq[i] = 0.5 * h * (d->v0[i] + d->rate[i] + gh * (d->a[i] - d->acc[i]));
         d->v[i] = d->v0[i] + 0.5 * h * (d->acc[i] + d->a[i]);
@@ -127,18 +127,8 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
     return JO_OK;
 }
 
-int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
+int jo_check(const jo_model *m, jo_data *d)
 {
-    const int implicit = s->method == JO_ALPHA;
-    int status = implicit ? jo_step_alpha(m, d, s) : s->method == JO_RK4 ? step_rk4(m, d, s) : step_ros2(m, d, s);
-    d->fresh = d->current = 0;
-    if (status != JO_OK) return status;
-    if (implicit) d->fresh = m->redundant <= 0;   /* it knows a and lam, but not those of least norm */
-    else if (s->projection) jo_project(m, d);
-    if (m->nturn) {   /* without projection the coordinates are those of the last stage, near enough to count */
-        if (!s->projection) jo_coordinates(m, d, m->ncoordinate);
-        jo_count_turns(m, d);
-    }
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         double sum = 0.0;
@@ -150,6 +140,28 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
         }
     }
     return JO_OK;
+}
+
+int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    int status;
+    d->counts[5]++;
+    d->control.known = 0;
+    d->control.length = s->step;
+    if (s->method == JO_DOPRI) status = jo_step_dopri(m, d, s, s->step, JO_RE(d->time[0]) + s->step);
+    else {
+        const int implicit = s->method == JO_ALPHA;
+        status = implicit ? jo_step_alpha(m, d, s) : s->method == JO_RK4 ? step_rk4(m, d, s) : step_ros2(m, d, s);
+        d->fresh = d->current = 0;
+        if (implicit) d->fresh = status == JO_OK && m->redundant <= 0;   /* it knows a and lam, but not those of least norm */
+        else if (status == JO_OK && s->projection) jo_project(m, d);
+    }
+    if (status != JO_OK) return status;
+    if (m->nturn) {   /* without projection the coordinates are those of the last stage, near enough to count */
+        if (!s->projection) jo_coordinates(m, d, m->ncoordinate);
+        jo_count_turns(m, d);
+    }
+    return jo_check(m, d);
 }
 
 static int step(const jo_model *m, jo_data *d, const jo_solver *s)
@@ -185,7 +197,7 @@ int jo_row_size(const jo_model *m)
            + m->nevent + m->ninput;
 }
 
-static int write_row(const jo_model *m, jo_data *d, jo_real *row)
+int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
 {
     int status = d->fresh ? JO_OK : jo_accelerations(m, d);
     if (status != JO_OK) return status;
@@ -199,6 +211,9 @@ static int write_row(const jo_model *m, jo_data *d, jo_real *row)
     jo_residuals(m, d, row + 7);
     row[9] = (double)d->counts[0];
     row[10] = (double)d->counts[1];
+    row[11] = (double)d->counts[5];
+    row[12] = (double)d->counts[3];
+    row[13] = d->control.length;
     jo_sensors(m, d, row + JO_BALANCE);
     row += JO_BALANCE + m->nout;
     for (int i = 0; i < m->nturn; i++) *row++ = d->turn[i];
@@ -215,7 +230,7 @@ int jo_row(const jo_model *m, jo_data *d, jo_real *row)
 {
     d->current = d->fresh = 0;
     const int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
-    return status == JO_OK ? write_row(m, d, row) : status;
+    return status == JO_OK ? jo_write_row(m, d, row) : status;
 }
 
 static int run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
@@ -226,7 +241,7 @@ static int run(const jo_model *m, jo_data *d, const jo_solver *s, long long nste
     for (long long i = 0; i < nsteps && (!jo_watched(m) || jo_log_has_room(m, d)); i++) {
         int status = step(m, d, s);
         if (status == JO_EVENT) {
-            const int event = d->error_index, failed = write_row(m, d, rows + (size_t)*written * size);
+            const int event = d->error_index, failed = jo_write_row(m, d, rows + (size_t)*written * size);
             if (failed != JO_OK) return failed;
             d->error_index = event;
             ++*written;
@@ -235,7 +250,7 @@ static int run(const jo_model *m, jo_data *d, const jo_solver *s, long long nste
         ++*count;
         d->time[0] = start + (double)*count * s->step;
         if (*count % every == 0) {
-            status = write_row(m, d, rows + (size_t)*written * size);
+            status = jo_write_row(m, d, rows + (size_t)*written * size);
             if (status != JO_OK) return status;
             ++*written;
         }

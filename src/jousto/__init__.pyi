@@ -287,6 +287,9 @@ from .simulation import (
     Campbell as Campbell,
 )
 from .simulation import (
+    DormandPrince as DormandPrince,
+)
+from .simulation import (
     GeneralizedAlpha as GeneralizedAlpha,
 )
 from .simulation import (

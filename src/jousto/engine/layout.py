@@ -163,6 +163,7 @@ class Layout:
             "nnode": len(newton.nodes),
             "nnewton": newton.reals,
             "redundant": -1 if self._strict else int(m.redundant),
+            "nbreak": len(m.breaks),
             "nq": m.nq,
             "nv": m.nv,
             "nrow": m.nrow,
@@ -171,6 +172,7 @@ class Layout:
         for name, size in sizes.items():
             setattr(model, name, size)
         model.size = m.size
+        model.breaks = self._constant(m.breaks)
         model.gravity = self._constant(m.gravity, ("model", 0, "gravity"))
         model.body = self._bodies()
         model.marker = self._markers()

@@ -309,6 +309,23 @@ class Model:
         return tuple(signal.name for signal in sorted(signals, key=lambda signal: signal.count))
 
     @property
+    def breaks(self) -> Array:
+        """Times at which a signal of a force or a drive jumps or has a kink, s, ascending."""
+        used = {line.signal for joint in self.joints for line in joint.lines}
+        used |= {signal for force in self.forces for signal in (force.signal, force.reference)}
+        times: list[Array] = []
+        for place in range(len(self.signals) - 1, -1, -1):  # parts come before what they make
+            if place not in used:
+                continue
+            signal = self.signals[place]
+            used.update(signal.children)
+            if signal.kind in ("table", "pieces"):
+                times.append(signal.data[: signal.count])
+            elif signal.kind == "step":
+                times.append(signal.data[:1])
+        return np.unique(np.concatenate([np.zeros(0), *times]))
+
+    @property
     def nout(self) -> int:
         """Number of sensor values."""
         return sum(sensor.count for sensor in self.sensors)

@@ -24,7 +24,7 @@ from jousto.engine.model import Model
 from jousto.errors import InputError, Problem, SimulationError
 
 Scalars = NDArray[Any]  # float64, or complex128 in the build for derivatives
-BALANCE = 11  # entries of a row between the multipliers and the sensors
+BALANCE = 14  # entries of a row between the multipliers and the sensors
 
 # what a twin of an engine needs to stand where it stands
 STATE = (
@@ -113,7 +113,7 @@ class Engine:
         self.rub = self._view(self._library.jo_data_rub(data), frictions)
         self.slip = self._view(self._library.jo_data_slip(data), len(model.frictions), np.intc)
         self.happened = self._view(self._library.jo_data_happened(data), len(model.events), np.intc)
-        self.counts = self._view(self._library.jo_data_counts(data), 5, np.longlong)
+        self.counts = self._view(self._library.jo_data_counts(data), 6, np.longlong)
         self.row_size = int(self._library.jo_row_size(self._model))
         self._count = self._ffi.new("long long *", 0)
         for signal in model.signals:
@@ -180,6 +180,33 @@ class Engine:
     def restart(self) -> None:
         """Forget what methods and events remember of the last step: the state was replaced."""
         self._library.jo_restart(self._data)
+
+    def follow(self, solver: Any, last: int, tries: int, rows: Scalars) -> tuple[int, int]:
+        """Advance with error control until `rows` is full, row `last` written or `tries` spent.
+
+        Rows are at times ``start + k step``; the first call begins at the present state, which is
+        row 0, later ones go on where the one before stopped.
+
+        Returns
+        -------
+        status : int
+            0, or what the engine could not do (see `problem`).
+        written : int
+            Rows written.
+        """
+        written = self._ffi.new("int *", 0)
+        status = self._library.jo_follow(
+            self._model,
+            self._data,
+            solver,
+            last,
+            tries,
+            len(rows),
+            self._count,
+            written,
+            self._pointer(rows),
+        )
+        return int(status), int(written[0])
 
     def row(self) -> Scalars:
         """Return the present state as one row of `run`."""

@@ -27,6 +27,7 @@ from jousto.schema.entries import (
     Flag,
     Force3,
     InertiaTensor,
+    Length,
     Marker,
     Mass,
     Number,
@@ -159,16 +160,22 @@ class BaumgarteEntry(Entry):
 
 
 class SolverEntry(Entry):
-    """`RK4`, `ROS2`, `GeneralizedAlpha` or `Newmark`, with the options of that class."""
+    """A class of solver with its options."""
 
-    type: Literal["RK4", "ROS2", "GeneralizedAlpha", "Newmark"]
+    type: Literal["RK4", "ROS2", "GeneralizedAlpha", "Newmark", "DormandPrince"]
     step: Duration | None = Field(None, description="Step size, 1 ms if not given")
     projection: Flag | None = Field(None, description="Project onto the constraints every step")
     baumgarte: BaumgarteEntry | None = Field(None, description="RK4, ROS2")
     rho: Number | None = Field(None, description="GeneralizedAlpha: what is left of fast motion")
     beta: Number | None = Field(None, description="Newmark, 1/4 if not given")
     gamma: Number | None = Field(None, description="Newmark, 1/2 if not given")
-    tolerance: Number | None = Field(None, description="Of Newton's iteration")
+    tolerance: Number | None = Field(
+        None, description="Of Newton's iteration; DormandPrince: error of a step, 1e-6"
+    )
+    absolute: Length | None = Field(None, description="DormandPrince: errors of no interest")
+    first_step: Duration | None = Field(None, description="DormandPrince")
+    max_step: Duration | None = Field(None, description="DormandPrince: a tenth of the run")
+    output: Duration | None = Field(None, description="DormandPrince: time between results")
     max_iterations: Count | None = Field(None, description="Of Newton's iteration")
     tangent: Literal["exact", "modified"] | None = Field(None, description="Of Newton's iteration")
 

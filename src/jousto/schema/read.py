@@ -29,7 +29,7 @@ class Simulation:
     ----------
     t_end : float
         End time, s.
-    solver : RK4 or ROS2 or None
+    solver : RK4, ROS2, DormandPrince or None
         The integrator; None for the default of `simulate`.
     output_step : float or None
         Distance of the recorded times, s; None for the default of `simulate`.

@@ -1,11 +1,12 @@
 """SIMULATE: run a model, stream its results, read them."""
 
+from jousto.simulation.adaptive import DormandPrince
 from jousto.simulation.campbell import Campbell, campbell
 from jousto.simulation.implicit import GeneralizedAlpha, Newmark
 from jousto.simulation.kinematics import inverse_dynamics, kinematics
 from jousto.simulation.linear import LinearModel, MechanismModes, State, linearise, modes
 from jousto.simulation.simulate import RunFailed, RunInterrupted, describe, simulate
-from jousto.simulation.solution import BodyShape, Energy, Residuals, Solution, load
+from jousto.simulation.solution import BodyShape, Energy, Residuals, Solution, Work, load
 from jousto.simulation.solver import RK4, ROS2, SOLVERS, Baumgarte, Solver
 from jousto.simulation.statics import equilibrium
 
@@ -16,6 +17,7 @@ __all__ = [
     "Baumgarte",
     "BodyShape",
     "Campbell",
+    "DormandPrince",
     "Energy",
     "GeneralizedAlpha",
     "LinearModel",
@@ -27,6 +29,7 @@ __all__ = [
     "Solution",
     "Solver",
     "State",
+    "Work",
     "describe",
     "campbell",
     "equilibrium",

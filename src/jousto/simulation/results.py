@@ -40,6 +40,9 @@ DIAGNOSTICS = (
     ("velocity_residual", "m/s or 1/s", "largest velocity constraint residual |Cq v|"),
     ("evaluations", "1", "evaluations of the accelerations since the start"),
     ("iterations", "1", "iterations of Newton's method since the start"),
+    ("steps", "1", "steps taken since the start"),
+    ("rejected", "1", "steps tried again with a shorter one since the start"),
+    ("step", "s", "length of the last step"),
 )
 CONTENTS = ("rows", "time", "state", "diagnostics", "sensors", "bodies", "model")
 ENDED = 240  # bytes kept for the sentence that says how a run ended

@@ -22,16 +22,18 @@ from jousto.engine.failures import (
     NOT_FINITE,
     SINGULAR_BODY,
     SINGULAR_JOINT,
+    STEP_TOO_SMALL,
 )
 from jousto.engine.redundancy import disagreement, is_drive
 from jousto.errors import InputError, Problem, Problems, SimulationError, warn
+from jousto.simulation.adaptive import LONGEST, follow, too_many_steps
 from jousto.simulation.linear import State
 from jousto.simulation.progress import Report, reporter
 from jousto.simulation.results import ResultsWriter
 from jousto.simulation.solution import Solution
 from jousto.simulation.solver import ROS2, SOLVERS, Solver
 from jousto.simulation.spin import Spin
-from jousto.simulation.stability import friction_warning, stability_warning
+from jousto.simulation.stability import friction_warning, many_steps, stability_warning
 
 Record = Callable[[NDArray[np.float64]], None]
 
@@ -64,7 +66,10 @@ class RunFailed(SimulationError):
 
 @dataclass(frozen=True)
 class Schedule:
-    """Steps of a run: `steps` of size `step`, a row every `every` steps."""
+    """Steps of a run: `steps` of size `step`, a row every `every` steps.
+
+    Of an adaptive method these are the intervals between rows.
+    """
 
     step: float
     steps: int
@@ -93,11 +98,12 @@ def simulate(
         From `compile`.
     t_end : float
         End of the run, s.
-    solver : RK4, ROS2, GeneralizedAlpha or Newmark, optional
-        Method and step; None is ``ROS2(step=1e-3)``. The step is shortened, never lengthened, so
-        that outputs and the end fall on steps.
+    solver : RK4, ROS2, GeneralizedAlpha, Newmark or DormandPrince, optional
+        Method and step; None is ``ROS2(step=1e-3)``. A fixed step is shortened, never lengthened,
+        so that outputs and the end fall on steps.
     output_step : float, optional
-        Time between stored instants, s; None stores every step.
+        Time between stored instants, s; None stores every step, or the `output` of an adaptive
+        solver.
     path : path, optional
         Results file (HDF5), overwritten; None keeps the results in a temporary file that goes
         with the returned object.
@@ -296,8 +302,10 @@ def schedule(model: Any, t_end: Any, solver: Any, output_step: Any = None) -> Sc
             )
         )
     pieces = max(1, int(np.ceil(unit / solver.step * (1.0 - 1e-12))))
+    if solver.adaptive and output_step is not None:
+        pieces = 1  # rows are not tied to steps
     step = unit / pieces
-    if abs(step - solver.step) > 1e-9 * solver.step:
+    if abs(step - solver.step) > 1e-9 * solver.step and not solver.adaptive:
         logger.info("step shortened from %g to %g s", solver.step, step)
     if output_step is None:
         return Schedule(step, pieces, 1)
@@ -319,6 +327,9 @@ def cautions(model: Model, solver: Solver, plan: Schedule) -> list[str]:
     sentence = stability_warning(model, solver, plan.step)
     if sentence:
         found.append(f"the run will probably diverge: {sentence}")
+    if solver.adaptive:
+        sentence = many_steps(model, plan.step * plan.steps)
+        return [sentence] if sentence else []
     sentence = friction_warning(model, solver, plan.step)
     if sentence:
         found.append(sentence)
@@ -356,6 +367,12 @@ def _loop(
     )
     capacity = max(2, min(4096, BUFFER_BYTES // (8 * engine.row_size)))
     rows = np.zeros((capacity, engine.row_size))
+    if solver.adaptive:
+        native.largest = native.largest or LONGEST * plan.step * plan.steps
+        status = follow(engine, native, plan.steps, rows, record, report)
+        if status == STEP_TOO_SMALL:
+            return too_many_steps(engine, plan.step)
+        return _cause(model, solver, plan, engine, status) if status else None
     rows[0] = engine.row()
     record(rows[:1])
     started = clock.perf_counter()

@@ -52,6 +52,26 @@ class Residuals:
 
 
 @dataclass(frozen=True, eq=False)
+class Work:
+    """What a run cost, each (nt,).
+
+    Attributes
+    ----------
+    steps, rejected, evaluations, iterations : array
+        Steps taken, steps tried again with a shorter one, evaluations of the accelerations and
+        iterations of Newton's method, all since the start.
+    step : array
+        Length of the last step, s.
+    """
+
+    steps: Array
+    rejected: Array
+    evaluations: Array
+    iterations: Array
+    step: Array
+
+
+@dataclass(frozen=True, eq=False)
 class BodyShape:
     """How to draw a body and where its state is.
 
@@ -189,6 +209,12 @@ class Solution:
         return Residuals(
             self._read("diagnostics/position_residual"), self._read("diagnostics/velocity_residual")
         )
+
+    @property
+    def work(self) -> Work:
+        """Steps taken and what they cost."""
+        names = ("steps", "rejected", "evaluations", "iterations", "step")
+        return Work(**{name: self._read(f"diagnostics/{name}") for name in names})
 
     @property
     def sensors(self) -> tuple[str, ...]:

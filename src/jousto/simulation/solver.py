@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.errors import Problems
+from jousto.simulation.adaptive import DormandPrince
 from jousto.simulation.implicit import GeneralizedAlpha, Newmark
 
 
@@ -18,10 +19,11 @@ class Solver(Protocol):
     method: ClassVar[int]
     order: ClassVar[int]
     evaluations: ClassVar[int]
+    adaptive: ClassVar[bool]
 
     @property
     def step(self) -> float:
-        """Step size, s."""
+        """Step size, s; of an adaptive method the time between outputs."""
 
     @property
     def options(self) -> dict[str, float | int]:
@@ -89,6 +91,7 @@ class RK4:
     method: ClassVar[int] = 1
     order: ClassVar[int] = 4
     evaluations: ClassVar[int] = 4
+    adaptive: ClassVar[bool] = False
     step: float = 1e-3
     projection: bool = True
     baumgarte: Baumgarte | None = None
@@ -132,6 +135,7 @@ class ROS2:
     method: ClassVar[int] = 2
     order: ClassVar[int] = 2
     evaluations: ClassVar[int] = 2
+    adaptive: ClassVar[bool] = False
     step: float = 1e-3
     projection: bool = True
     baumgarte: Baumgarte | None = None
@@ -153,7 +157,7 @@ class ROS2:
         return np.asarray(np.abs(1.0 + z * (1.0 + z / 2.0)))
 
 
-SOLVERS: tuple[type[Solver], ...] = (RK4, ROS2, GeneralizedAlpha, Newmark)
+SOLVERS: tuple[type[Solver], ...] = (RK4, ROS2, GeneralizedAlpha, Newmark, DormandPrince)
 
 
 def _is_number(value: Any) -> bool:

@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 Eigenvalues = NDArray[np.complex128]
 DENSE = 300  # states up to which all eigenvalues are computed
 IMAGINARY = 1e-30
+MANY_STEPS = 1e6
 DIFFERENCE = 1e-6  # relative step of the central differences
 
 
@@ -139,6 +140,21 @@ def friction_warning(model: Model, solver: Solver, step: float) -> str:
         f"regularised friction {names} stops the slip at a rate of {fastest:.3g} 1/s, for which "
         f"{type(solver).__name__} needs a step below {limit:.2g} s (it is {step:.3g} s), or the "
         "joint chatters; take a smaller step, a larger velocity of the law, or law=StickSlip()"
+    )
+
+
+def many_steps(model: Model, duration: float) -> str:
+    """Return a sentence if the modes force an explicit method to very many steps, else nothing."""
+    fastest = [
+        float(np.abs(body_eigenvalues(model, i)).max(initial=0.0)) for i in range(len(model.bodies))
+    ]
+    steps = duration * max(fastest, default=0.0) / 2.0
+    if steps < MANY_STEPS:
+        return ""
+    body = model.bodies[int(np.argmax(fastest))].name
+    return (
+        f"modes of body '{body}' up to {max(fastest) / (2 * np.pi):.4g} Hz force an explicit "
+        f"method to about {steps:.2g} steps; ROS2 does not mind them, or take fewer modes"
     )
 
 
