@@ -177,8 +177,15 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
     interpolate(m, d, (t - d->control.from) / d->control.length);
     d->time[0] = t;
     d->fresh = d->current = 0;
-    if (s->projection) jo_project(m, d);
-    const int status = jo_write_row(m, d, row);
+    int status = JO_OK;
+    if (s->projection && m->njoint) {
+        jo_project(m, d);   /* with the factors of the end of the step; with those of this state if they differ too much */
+        if (jo_joint_residual(m, d) > 1e-12 * m->size || jo_joint_residual_rate(m, d) > 1e-10 * m->size) {
+            status = jo_accelerations(m, d);
+            if (status == JO_OK) jo_project(m, d);
+        }
+    }
+    if (status == JO_OK) status = jo_write_row(m, d, row);
     for (int i = 0; i < m->nq; i++) d->q[i] = d->q1[i];
     for (int i = 0; i < m->nv; i++) d->v[i] = d->v1[i];
     for (int i = 0; i < m->nrow; i++) d->lam[i] = d->lam1[i];
