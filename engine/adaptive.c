@@ -232,10 +232,11 @@ static double defect(const jo_model *m, const jo_data *d, int i, int n)
 
 /* error of the step against the tolerance, the largest over the bodies of: position against the size of the mechanism,
  * turn against 1 rad, modal coordinates against their largest; speeds against their largest. What moves less than a
- * thousandth of the whole mechanism is measured against that. */
+ * thousandth of the whole mechanism is measured against that, and what is slower than a thousandth of the size of the
+ * mechanism in the time of the run, against that. */
 static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
 {
-    const double size = size_of(m), top = fastest(m, d);
+    const double size = size_of(m), top = largest(fastest(m, d), size / d->control.duration);
     double error = 0.0;
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
@@ -357,7 +358,6 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double en
     const double seen = broken ? nextafter(limit, t) : whole ? limit : t + h;
     int status = jo_step_dopri(m, d, s, h, seen), found = 0;
     if (status != JO_OK) {
-        if (status == JO_CALLBACK_FAILED) return status;
         c->status = status;
         withdraw(m, d, 0.25 * h);
         return JO_OK;
@@ -398,7 +398,7 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double en
     return JO_OK;
 }
 
-static int begin(const jo_model *m, jo_data *d, const jo_solver *s)
+static int begin(const jo_model *m, jo_data *d, const jo_solver *s, long long last)
 {
     static const jo_control clean = {0};
     jo_control *c = &d->control;
@@ -412,6 +412,7 @@ static int begin(const jo_model *m, jo_data *d, const jo_solver *s)
     remember_extent(m, d);
     c->start = JO_RE(d->time[0]);
     c->first = 1;
+    c->duration = (double)last * s->step;
     c->error = 1e-4;
     c->next = s->first > 0.0 ? s->first : first_step(m, d, s);
     return JO_OK;
@@ -463,7 +464,7 @@ int jo_follow(const jo_model *m, jo_data *d, const jo_solver *s, long long last,
 {
     *written = 0;
     d->logged = 0;
-    int status = *count == 0 ? begin(m, d, s) : JO_OK;
+    int status = *count == 0 ? begin(m, d, s, last) : JO_OK;
     if (status == JO_OK) status = follow(m, d, s, last, tries, room, count, written, rows);
     d->left = JO_RE(d->time[0]);
     return status;

@@ -126,6 +126,7 @@ typedef struct { jo_real *T; const jo_real *X, *Y; int ld, ny, kind; } jo_update
 /* Error control of the adaptive method, and its last step for the dense output. */
 typedef struct {
     double start;           /* time of the first row */
+    double duration;        /* to the last row */
     double from, length;    /* the last step began at `from`; the state stands at from + length */
     double next;            /* length that the next step should have */
     double error;           /* of the last accepted step, 1 is what the tolerance allows */

@@ -37,7 +37,8 @@ class DormandPrince:
         Largest error of a step: of positions, as a share of the size of the mechanism; of
         rotations, in rad; of speeds, as a share of the largest speed of the body so far; of
         modal coordinates and their rates, as a share of the largest so far of the body. What moves
-        less than a thousandth of the mechanism is measured against that thousandth.
+        less than a thousandth of the mechanism is measured against that thousandth; so is a speed
+        below a thousandth of the size of the mechanism per duration of the run.
     absolute : float, optional
         Errors below this do not matter, m and m/s (rad and rad/s times the size of the
         mechanism); None: they all do.
