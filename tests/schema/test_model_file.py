@@ -388,3 +388,5 @@ sensors:
     assert arm.inertia == pytest.approx(np.diag(closed), rel=1e-9, abs=1e-9)
     assert rigid.sensors[0].marker.r == pytest.approx(flexible.sensors[-1].marker.r, abs=1e-12)
     assert arm.orientation == pytest.approx(soft.orientation)
+    # drawn from end to end and back
+    assert arm.outline[:, 0] == pytest.approx([0, 0.5, 1, 1.5, 2, 1.5, 1, 0.5, 0], abs=1e-12)

@@ -398,8 +398,30 @@ def rigid_body(name: str, *, reduced: Any, **values: Any) -> jm.RigidBody:
         center=center,
         markers=nodes,
         **{key: values[key] for key in pose if key in values},
-        outline=reduced.nodes,
+        outline=round_trip(reduced.nodes, reduced.elements),
     )
+
+
+def round_trip(nodes: Any, elements: Any) -> Any:
+    """Return a polyline (k, 3) along all elements and back, None where there are none."""
+    if np.ndim(elements) != 2 or not len(elements):
+        return None
+    neighbours: dict[int, list[int]] = {}
+    for a, b in np.asarray(elements)[:, [0, -1]].tolist():
+        neighbours.setdefault(a, []).append(b)
+        neighbours.setdefault(b, []).append(a)
+    way, drawn, here = [int(elements[0][0])], set(), [int(elements[0][0])]
+    while here:
+        a = here[-1]
+        ahead = [b for b in neighbours[a] if frozenset((a, b)) not in drawn]
+        if ahead:
+            drawn.add(frozenset((a, ahead[0])))
+            here.append(ahead[0])
+        else:
+            here.pop()
+        if here:
+            way.append(here[-1])
+    return np.asarray(nodes)[way]
 
 
 def shorten(where: str, message: str, own: set[str], name: Any) -> str:
