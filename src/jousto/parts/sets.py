@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 
 from jousto.errors import Problems, suggest
 from jousto.parts._arrays import Floats, Ints, some
@@ -110,6 +109,8 @@ def connectivity(problems: Problems, where: str, xyz: Floats, elements: Ints) ->
 
 def pieces(problems: Problems, where: str, xyz: Floats, graph: Any) -> None:
     """Note a graph of nodes, (nn, nn) sparse, that is not connected."""
+    from scipy.sparse.csgraph import connected_components  # slow to import and rarely needed
+
     count, label = connected_components(graph, directed=False)
     if count == 1:
         return

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from jousto.engine import Model
 from jousto.errors import InputError, Problem
@@ -77,6 +76,8 @@ def campbell(
     InputError
         If there are no values, or the models have different numbers of coordinates.
     """
+    from scipy.optimize import linear_sum_assignment  # slow to import and rarely needed
+
     points = np.asarray(values, dtype=np.float64)
     if points.ndim != 1 or not len(points) or not np.isfinite(points).all():
         raise InputError(Problem("campbell", "values must be a list of finite numbers, not empty"))

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from jousto.engine import Engine, Model
@@ -311,6 +310,8 @@ def modes(model: Model, state: State | None = None, *, damped: bool = False) -> 
 
 def stiffness_modes(t: Tangent) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return omega^2 (f,) and shapes (f, f) of ``K x = omega^2 M x``, K = -M du'/dy."""
+    import scipy.linalg  # slow to import and rarely needed
+
     M = t.N.T @ t.M @ t.N
     K = -M @ t.Ay
     if not K.size:

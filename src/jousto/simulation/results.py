@@ -279,15 +279,20 @@ def _describe(
         names = np.array([c.encode() for c in sensor.components])
         file.create_dataset(f"components/{sensor.name}", data=names)
     bodies = file.create_group("bodies", track_order=True)
+    known: dict[tuple[Any, ...], h5py.Dataset] = {}  # equal arrays of several bodies stand once
     for body, shape in zip(model.bodies, model.shapes, strict=True):
         group = bodies.create_group(body.name)
         group.attrs["kind"] = shape.kind
         group.attrs["q_offset"] = body.iq
         group.attrs["v_offset"] = body.iv
         group.attrs["modes"] = body.n
-        group["nodes"] = shape.nodes
-        group["elements"] = shape.elements
-        group["mode_shapes"] = shape.modes
+        arrays = {"nodes": shape.nodes, "elements": shape.elements, "mode_shapes": shape.modes}
+        for name, array in arrays.items():
+            content = (array.shape, array.dtype.str, array.tobytes())
+            if content in known:
+                group[name] = known[content]
+            else:
+                known[content] = group.create_dataset(name, data=array)
     joints = file.create_group("joints", track_order=True)
     for joint in model.joints:
         group = joints.create_group(joint.name)

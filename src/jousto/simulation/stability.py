@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import scipy.sparse.linalg
 from numpy.typing import NDArray
 
 from jousto.engine import Engine, Model
@@ -71,6 +70,8 @@ def mechanism_eigenvalues(model: Model) -> Eigenvalues:
     if 2 * nv <= DENSE:
         matrix = np.stack([product(column) for column in np.eye(2 * nv)], axis=1)
         return np.asarray(np.linalg.eigvals(matrix), dtype=np.complex128)
+    import scipy.sparse.linalg  # slow to import and rarely needed
+
     operator = scipy.sparse.linalg.LinearOperator((2 * nv, 2 * nv), matvec=product, dtype=float)
     start = np.random.default_rng(0).normal(size=2 * nv)
     values = scipy.sparse.linalg.eigs(
@@ -93,9 +94,11 @@ def stability_warning(model: Model, solver: Solver, step: float) -> str:
     if not any(largest):
         return ""
     body = model.bodies[int(np.argmax(largest))].name
+    from scipy.sparse.linalg import ArpackNoConvergence  # slow to import and rarely needed
+
     try:
         joined = mechanism_eigenvalues(model)
-    except scipy.sparse.linalg.ArpackNoConvergence:
+    except ArpackNoConvergence:
         joined = np.concatenate(eigenvalues)  # on the safe side
     # the undamped motions of a mechanism may grow slowly on their own (an upright pendulum)
     modes = joined[np.abs(joined) * step > 1.0]

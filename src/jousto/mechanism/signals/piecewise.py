@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
 
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.mechanism.fields import number, set_fields
@@ -174,6 +173,8 @@ class Table(Signal):
         if len(t) == 1:
             return np.zeros((2, 0))
         if self.interpolation == "cubic" and len(t) > 2:
+            from scipy.interpolate import CubicSpline  # slow to import and rarely needed
+
             return np.asarray(CubicSpline(t, y).c, dtype=np.float64)
         return np.stack([np.diff(y) / np.diff(t), y[:-1]])
 
