@@ -181,6 +181,7 @@ struct jo_data {
     double *log;            /* (jo_log_room x 3) time, event or nevent + friction, direction or slip */
     int logged;
     double left;            /* time at the end of the last call */
+    struct { jo_real start; double step; long long count; int valid; } grid;   /* of the instants of jo_run, and its last call */
     long long counts[6];    /* evaluations, Newton iterations, factorisations, rejected steps, singular positions, steps */
     int regular;            /* S is regularised */
     jo_pair_plan *pairs;

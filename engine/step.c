@@ -180,7 +180,7 @@ static void enter(jo_data *d)
 void jo_restart(jo_data *d)
 {
     d->restart = 1;
-    d->watching = 0;
+    d->watching = d->grid.valid = 0;
 }
 
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
@@ -233,11 +233,19 @@ int jo_row(const jo_model *m, jo_data *d, jo_real *row)
     return status == JO_OK ? jo_write_row(m, d, row) : status;
 }
 
+/* rounded before it is added, so that time does not depend on how a run is cut into calls */
+static double instant(long long count, double step)
+{
+    volatile double product = (double)count * step;
+    return product;
+}
+
 static int run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
                long long *count, int *written, jo_real *rows)
 {
     const size_t size = (size_t)jo_row_size(m);
-    const jo_real start = d->time[0] - (double)*count * s->step;
+    if (!d->grid.valid || d->grid.count != *count || d->grid.step != s->step)
+        d->grid.start = d->time[0] - instant(*count, s->step);
     for (long long i = 0; i < nsteps && (!jo_watched(m) || jo_log_has_room(m, d)); i++) {
         int status = step(m, d, s);
         if (status == JO_EVENT) {
@@ -248,7 +256,7 @@ static int run(const jo_model *m, jo_data *d, const jo_solver *s, long long nste
         }
         if (status != JO_OK) return status;
         ++*count;
-        d->time[0] = start + (double)*count * s->step;
+        d->time[0] = d->grid.start + instant(*count, s->step);
         if (*count % every == 0) {
             status = jo_write_row(m, d, rows + (size_t)*written * size);
             if (status != JO_OK) return status;
@@ -265,5 +273,8 @@ int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, 
     enter(d);
     const int status = run(m, d, s, nsteps, every, count, written, rows);
     d->left = JO_RE(d->time[0]);
+    d->grid.valid = status == JO_OK;
+    d->grid.count = *count;
+    d->grid.step = s->step;
     return status;
 }

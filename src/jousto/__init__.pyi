@@ -293,6 +293,9 @@ from .simulation import (
     GeneralizedAlpha as GeneralizedAlpha,
 )
 from .simulation import (
+    Happening as Happening,
+)
+from .simulation import (
     LinearModel as LinearModel,
 )
 from .simulation import (
@@ -306,6 +309,9 @@ from .simulation import (
 )
 from .simulation import (
     RunInterrupted as RunInterrupted,
+)
+from .simulation import (
+    Simulator as Simulator,
 )
 from .simulation import (
     Solution as Solution,

@@ -2,12 +2,15 @@
 
 from jousto.simulation.adaptive import DormandPrince
 from jousto.simulation.campbell import Campbell, campbell
+from jousto.simulation.events import Happening
 from jousto.simulation.implicit import GeneralizedAlpha, Newmark
 from jousto.simulation.kinematics import inverse_dynamics, kinematics
-from jousto.simulation.linear import LinearModel, MechanismModes, State, linearise, modes
+from jousto.simulation.linear import LinearModel, MechanismModes, linearise, modes
 from jousto.simulation.simulate import RunFailed, RunInterrupted, describe, simulate
+from jousto.simulation.simulator import Simulator
 from jousto.simulation.solution import BodyShape, Energy, Residuals, Solution, Work, load
 from jousto.simulation.solver import RK4, ROS2, SOLVERS, Baumgarte, Solver
+from jousto.simulation.state import State
 from jousto.simulation.statics import equilibrium
 
 __all__ = [
@@ -20,12 +23,14 @@ __all__ = [
     "DormandPrince",
     "Energy",
     "GeneralizedAlpha",
+    "Happening",
     "LinearModel",
     "MechanismModes",
     "Newmark",
     "Residuals",
     "RunFailed",
     "RunInterrupted",
+    "Simulator",
     "Solution",
     "Solver",
     "State",

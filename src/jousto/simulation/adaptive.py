@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine import Engine
-from jousto.engine.failures import EVENT
 from jousto.errors import Problems
 from jousto.simulation.progress import Report
 
@@ -119,7 +118,7 @@ def follow(
     record: Callable[[NDArray[np.float64]], None],
     report: Report,
 ) -> int:
-    """Run to row `last` in calls of about a tenth of a second; return 0 or what went wrong."""
+    """Run to row `last` in calls of about a tenth of a second; return 0 or why it ended before."""
     started = clock.perf_counter()
     tries = 1
     while engine.steps_done <= last:  # rows so far
@@ -128,7 +127,7 @@ def follow(
         now = clock.perf_counter()
         record(rows[:written])
         if status:
-            return 0 if status == EVENT else status
+            return status
         report(float(engine.time[0].real), now - started)
         spent = max(now - before, 1e-6)
         tries = max(1, min(int(tries * WALL_PER_CALL / spent), 4 * tries))

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from jousto.engine import Model
 from jousto.errors import InputError, Problem
-from jousto.simulation.linear import State, modes
+from jousto.simulation.linear import modes
+from jousto.simulation.state import State
 
 Array = NDArray[np.float64]
 

@@ -13,22 +13,13 @@ from jousto.engine import Engine, Model
 from jousto.engine.native import displaced
 from jousto.errors import InputError, Problem
 from jousto.mechanism import rotation_matrix, skew
+from jousto.simulation.state import State, put
 
 Array = NDArray[np.float64]
 Eigenvalues = NDArray[np.complex128]
 IMAGINARY = 1e-30  # imaginary step: derivatives to round-off
 RANK = 1e-10  # of the largest singular value of the scaled constraint matrix
 SYMMETRIC = 1e-8  # relative asymmetry of a stiffness that is taken as round-off
-
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """Positions q (nq,), velocities v (nv,), multipliers lam (nrow,) at a time in s."""
-
-    q: Array
-    v: Array
-    lam: Array
-    time: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +130,8 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
     q, v, time = (model.q0, model.v0, 0.0) if state is None else (state.q, state.v, state.time)
     nv, T = model.nv, turning(model, q)
     engine, steps = Engine(model), Engine(model, complex_scalars=True)
-    engine.q[:], engine.v[:], engine.time[0] = q, v, time
+    for twin in (engine, steps):
+        put(twin, State(q, v, np.zeros(model.nrow), time) if state is None else state, "linearise")
     a, lam = (np.array(x) for x in engine.accelerations())
     M = np.zeros((nv, nv))
     for k, body in enumerate(model.bodies):

@@ -22,7 +22,9 @@ from numpy.typing import NDArray
 from jousto import __version__
 from jousto.engine import Model
 from jousto.errors import InputError, Problem
+from jousto.simulation.events import sources
 from jousto.simulation.image import SparseImage
+from jousto.simulation.state import MEMORY, memory_sizes
 
 Array = NDArray[np.float64]
 Facts = dict[str, Any]  # how a run ended: ended, wall_time, real_time_factor
@@ -46,6 +48,13 @@ DIAGNOSTICS = (
 )
 CONTENTS = ("rows", "time", "state", "diagnostics", "sensors", "bodies", "model")
 ENDED = 240  # bytes kept for the sentence that says how a run ended
+EVENTS = 10_000  # that a file keeps
+EVENT_COLUMNS = (
+    ("time", "s", "when"),
+    ("source", "1", "place in events/names"),
+    ("change", "1", "1 rising, -1 falling; of friction its slip from then on, 0 sticks"),
+    ("count", "1", "the first, second, .. time"),
+)
 PIECE_BYTES = 1 << 24
 
 
@@ -63,6 +72,7 @@ class ResultsWriter:
     ) -> None:
         self.path = path
         self.written = 0
+        self.happened = np.zeros((0, len(EVENT_COLUMNS)))
         self._rows = rows
         self._about = (model, {**attributes, "run": uuid.uuid4().hex}, text)
         running: Facts = {"ended": "running or killed", "wall_time": np.nan}
@@ -88,6 +98,7 @@ class ResultsWriter:
         image = SparseImage()
         with h5py.File(image, "w") as file:
             places = _describe(file, rows, complete, facts, *self._about)
+            self._event_places = _describe_events(file, self._about[0])
         return image, places
 
     @staticmethod
@@ -116,13 +127,27 @@ class ResultsWriter:
         self.written += len(rows)
         self._count(self._file, self._places)
 
+    def note(self, happened: Array) -> None:
+        """Add what happened (k, 4): time, source, change and count; EVENTS are kept at most."""
+        room = EVENTS - len(self.happened)
+        if len(happened) and room > 0:
+            self.happened = np.vstack([self.happened, happened[:room]])
+            self._note_all(self._file)
+
+    def _note_all(self, file: BinaryIO) -> None:
+        if not self._event_places:
+            return
+        for column, place in enumerate(self._event_places[1:]):
+            _write(file, place.offset, self.happened[:, column].astype("<f8").tobytes())
+        _write(file, self._event_places[0].offset, np.array(len(self.happened), "<i8").tobytes())
+
     def _count(self, file: BinaryIO, places: list[Place]) -> None:
         _write(file, places[0].offset, np.array(self.written, "<i8").tobytes())
 
     def close(self, complete: bool, facts: Facts) -> None:
         """Note how the run ended, cut the file if it ended early, and close it."""
         with uninterrupted(), self._file:
-            if not complete and self._cut(facts):
+            if (not complete or self.written < self._rows) and self._cut(complete, facts):
                 return
             # the same layout with other values: only they change
             image, _ = self._image(self._rows, complete, facts)
@@ -130,14 +155,15 @@ class ResultsWriter:
                 for offset, piece in image.pieces():
                     _write(self._file, offset, piece)
                 self._count(self._file, self._places)
+                self._note_all(self._file)
             except OSError:
                 if complete:
                     raise
 
-    def _cut(self, facts: Facts) -> bool:
+    def _cut(self, complete: bool, facts: Facts) -> bool:
         """Put a file of its own length in place; False if the disk has no room for it."""
         short = self.path.with_name(self.path.name + ".cut")
-        image, places = self._image(self.written, False, facts)
+        image, places = self._image(self.written, complete, facts)
         try:
             with self._lay_out(short, image) as target, open(self.path, "rb") as source:
                 for new, old in zip(places[1:], self._places[1:], strict=True):
@@ -149,6 +175,7 @@ class ResultsWriter:
                         at += len(piece)
                         left -= len(piece)
                 self._count(target, places)
+                self._note_all(target)
             self._file.close()
             os.replace(short, self.path)
         except OSError:
@@ -197,6 +224,39 @@ def _write(file: BinaryIO, offset: int, data: bytes) -> None:
         view = view[file.write(view) :]
 
 
+def _reserve(file: h5py.File, place: str, shape: tuple[int, ...], kind: str) -> h5py.Dataset:
+    # contiguous, allocated now and never filled: the data gets a fixed place in the file
+    layout = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    layout.set_layout(h5py.h5d.CONTIGUOUS)
+    layout.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    layout.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+    links = h5py.h5p.create(h5py.h5p.LINK_CREATE)
+    links.set_create_intermediate_group(True)
+    space = h5py.h5s.create_simple(shape) if shape else h5py.h5s.create(h5py.h5s.SCALAR)
+    numbers = h5py.h5t.py_create(np.dtype(kind))
+    name = place.encode()
+    return h5py.Dataset(h5py.h5d.create(file.id, name, numbers, space, layout, links))
+
+
+def _describe_events(file: h5py.File, model: Model) -> list[Place]:
+    """Create the table of what happens; return the places of its length and columns."""
+    names = sources(model)
+    if not names:
+        return []
+    counter = _reserve(file, "events/rows", (), "<i8")
+    counter.attrs["description"] = "entries written so far"
+    made = [counter]
+    for name, unit, description in EVENT_COLUMNS:
+        dataset = _reserve(file, f"events/{name}", (EVENTS,), "<f8")
+        dataset.attrs["unit"] = unit
+        dataset.attrs["description"] = description
+        made.append(dataset)
+    file["events/names"] = np.array([name.encode() for name in names])
+    file["events"].attrs["events"] = len(model.events)  # the names after them are of frictions
+    file.flush()
+    return [Place(dataset.id.get_offset(), 0, 1) for dataset in made]
+
+
 def _describe(
     file: h5py.File,
     rows: int,
@@ -214,25 +274,15 @@ def _describe(
     file.attrs["ended"] = np.bytes_(str(facts["ended"]).encode()[:ENDED].ljust(ENDED))
     file.attrs["wall_time"] = float(facts["wall_time"])
     file.attrs["real_time_factor"] = float(facts.get("real_time_factor", np.nan))
-    for key, value in attributes.items():
-        file.attrs[key] = value
+    for about, fact in attributes.items():
+        file.attrs[about] = fact
     file["model"] = text
     file["model"].attrs["version"] = __version__
     datasets: list[tuple[h5py.Dataset, int, int]] = []
     at = 0
 
     def reserve(place: str, shape: tuple[int, ...], kind: str) -> h5py.Dataset:
-        # contiguous, allocated now and never filled: the data gets a fixed place in the file
-        layout = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-        layout.set_layout(h5py.h5d.CONTIGUOUS)
-        layout.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
-        layout.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
-        links = h5py.h5p.create(h5py.h5p.LINK_CREATE)
-        links.set_create_intermediate_group(True)
-        space = h5py.h5s.create_simple(shape) if shape else h5py.h5s.create(h5py.h5s.SCALAR)
-        numbers = h5py.h5t.py_create(np.dtype(kind))
-        name = place.encode()
-        return h5py.Dataset(h5py.h5d.create(file.id, name, numbers, space, layout, links))
+        return _reserve(file, place, shape, kind)
 
     def column(place: str, width: int | None, **attrs: Any) -> None:
         nonlocal at
@@ -278,6 +328,12 @@ def _describe(
         # a dataset, since attributes may not exceed 64 kB
         names = np.array([c.encode() for c in sensor.components])
         file.create_dataset(f"components/{sensor.name}", data=names)
+    for name, width in memory_sizes(model).items():
+        if width:
+            unit, description = MEMORY[name]
+            column(f"state/{name}", width, unit=unit, description=description)
+    if model.inputs:
+        file["state/input"].attrs["names"] = np.array([name.encode() for name in model.inputs])
     bodies = file.create_group("bodies", track_order=True)
     known: dict[tuple[Any, ...], h5py.Dataset] = {}  # equal arrays of several bodies stand once
     for body, shape in zip(model.bodies, model.shapes, strict=True):

@@ -7,7 +7,7 @@ import logging
 import shutil
 import tempfile
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,13 +27,15 @@ from jousto.engine.failures import (
 from jousto.engine.redundancy import disagreement, is_drive
 from jousto.errors import InputError, Problem, Problems, SimulationError, warn
 from jousto.simulation.adaptive import LONGEST, follow, too_many_steps
-from jousto.simulation.linear import State
+from jousto.simulation.events import Chronicle
+from jousto.simulation.inputs import Feed, InputFailed, connect
 from jousto.simulation.progress import Report, reporter
-from jousto.simulation.results import ResultsWriter
+from jousto.simulation.results import EVENTS, ResultsWriter
 from jousto.simulation.solution import Solution
 from jousto.simulation.solver import ROS2, SOLVERS, Solver
 from jousto.simulation.spin import Spin
 from jousto.simulation.stability import friction_warning, many_steps, stability_warning
+from jousto.simulation.state import State, put
 
 Record = Callable[[NDArray[np.float64]], None]
 
@@ -66,7 +68,7 @@ class RunFailed(SimulationError):
 
 @dataclass(frozen=True)
 class Schedule:
-    """Steps of a run: `steps` of size `step`, a row every `every` steps.
+    """Steps of a run: `steps` of size `step` from `start`, a row every `every` steps.
 
     Of an adaptive method these are the intervals between rows.
     """
@@ -74,6 +76,25 @@ class Schedule:
     step: float
     steps: int
     every: int
+    start: float = 0.0
+
+    @property
+    def before(self) -> int:
+        """Steps from time 0 to the start, 0 if it does not lie on a step with a row.
+
+        Counted from 0, the instants of a continued run are those of the whole one to the last bit.
+        """
+        count = round(self.start / self.step)
+        return count if count * self.step == self.start and count % self.every == 0 else 0
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a run ended before its time: what to say, the body that shows it, whether it failed."""
+
+    sentence: str
+    body: str = ""
+    failed: bool = True
 
 
 def simulate(
@@ -86,8 +107,9 @@ def simulate(
     progress: bool | Report | None = None,
     model_text: str = "",
     state: State | None = None,
+    inputs: Mapping[str, Any] | None = None,
 ) -> Solution:
-    """Run a model from time 0 to `t_end`.
+    """Run a model to time `t_end`, from 0 or the time of a state.
 
     The results are written in pieces while the run goes on; the memory it needs does not grow
     with its length.
@@ -113,13 +135,19 @@ def simulate(
     model_text : str
         Text of the model file, kept with the results.
     state : State, optional
-        Positions and velocities at time 0, for example from `equilibrium`; None is the initial
-        state of the model.
+        Where to start, at its own time: from `equilibrium`, or ``run.state()`` to go on with a
+        run. None is the initial state of the model at time 0.
+    inputs : dict, optional
+        External inputs by name. A Signal is evaluated exactly, as if it stood in the model; a
+        number is constant; a function of time, s, is asked at the start of every step and held
+        during it; an array has a value for every interval between outputs, held during it. Inputs
+        that are not named keep their value.
 
     Returns
     -------
     Solution
-        The results.
+        The results. An event with ``stop=True`` ends a run early; ``run.attributes["ended"]``
+        says which and when.
 
     Raises
     ------
@@ -137,12 +165,14 @@ def simulate(
         do not fit the joints and drives, after it if the energy balance misses more than 5 %.
     """
     solver = ROS2() if solver is None else solver
-    plan = schedule(model, t_end, solver, output_step)
+    plan = schedule(model, t_end, solver, output_step, 0.0 if state is None else state.time)
+    model, feed = connect(model, inputs, plan.steps, plan.every)
     for sentence in cautions(model, solver, plan):
         warn(f"simulate {model.name!r}", sentence)
     engine = Engine(model)
     if state is not None:
         _start(engine, state)
+        engine.steps_done = plan.before
     folder = Path(tempfile.mkdtemp(prefix="jousto-")) if path is None else None
     try:
         target = folder / "run.h5" if folder else Path(path or "")
@@ -155,7 +185,7 @@ def simulate(
         }
         rows = plan.steps // plan.every + 1
         writer = ResultsWriter(target, model, rows, attributes, str(model_text))
-        return _run(engine, solver, plan, writer, progress, temporary=path is None)
+        return _run(engine, solver, plan, writer, progress, feed, temporary=path is None)
     except BaseException as error:
         if folder and getattr(error, "solution", None) is None:
             shutil.rmtree(folder, ignore_errors=True)
@@ -164,19 +194,7 @@ def simulate(
 
 def _start(engine: Engine, state: State) -> None:
     """Put the engine into a state that fits the model."""
-    problems = Problems()
-    for name, value, room in (("positions", state.q, engine.q), ("velocities", state.v, engine.v)):
-        given = np.asarray(value, dtype=np.float64)
-        if given.shape != room.shape:
-            problems.add(
-                "simulate",
-                f"state has {given.size} {name}, the model {room.size}; take one of this model",
-            )
-        elif not np.isfinite(given).all():
-            problems.add("simulate", f"the {name} of the state are not finite")
-        else:
-            room[:] = given
-    problems.raise_if_any()
+    put(engine, state, "simulate")
     _, rates = engine.constraints()
     row = int(np.argmax(np.abs(rates))) if len(rates) else -1
     if row >= 0 and abs(rates[row]) > JOLT * max(1.0, engine.model.size):
@@ -184,8 +202,8 @@ def _start(engine: Engine, state: State) -> None:
         warn(
             f"simulate {engine.model.name!r}",
             f"the velocities of the state do not fit '{joint.name}' by {abs(rates[row]):.3g} m/s "
-            "or rad/s at time 0, the run begins with a jolt; let drives start from rest, or leave "
-            "the state out to start with the velocities of the drives",
+            f"or rad/s at {engine.time[0]:g} s, the run begins with a jolt; let drives start from "
+            "rest, or leave the state out to start with the velocities of the drives",
         )
 
 
@@ -195,15 +213,18 @@ def _run(
     plan: Schedule,
     writer: ResultsWriter,
     progress: bool | Report | None,
+    feed: Feed,
     *,
     temporary: bool,
 ) -> Solution:
     """Step, write, and leave a closed file with how it ended whatever happens."""
     watch = RunWatch(engine.model, projected=solver.projection)
+    chronicle = Chronicle(engine)
 
     def record(rows: NDArray[np.float64]) -> None:
         try:
             writer.append(rows)
+            writer.note(chronicle.read())
         except OSError as error:  # the disk is full or gone
             raise _DiskError(f"cannot write {writer.path}: {error}{_remedy(error)}") from error
         watch.see(rows)
@@ -213,36 +234,41 @@ def _run(
     def close(ended: str) -> Solution:
         wall = clock.perf_counter() - started
         reached = float(engine.time[0].real)
-        factor = reached / wall if wall > 0 else 0.0
+        factor = (reached - plan.start) / wall if wall > 0 else 0.0
         facts = {"ended": ended, "wall_time": wall, "real_time_factor": factor}
         try:
-            writer.close(ended == "completed", facts)
+            writer.close(ended.startswith(("completed", "stopped")), facts)
         except OSError as error:
             message = f"cannot write {writer.path}: {error}{_remedy(error)}"
             raise RunFailed(message, None, time=reached, body="") from error
         return Solution(writer.path, temporary=temporary)
 
-    failure: tuple[str, str] | None
+    ending: Ending | None
     try:
-        with reporter(progress, plan.step * plan.steps) as report:
-            failure = _loop(engine, solver, plan, record, report)
+        with reporter(progress, plan.start + plan.step * plan.steps) as report:
+            ending = _loop(engine, solver, plan, record, report, feed)
     except KeyboardInterrupt:
         solution = close("interrupted")
         raise RunInterrupted(
             f"stopped at {engine.time[0]:g} s; the results up to then are in {writer.path}",
             solution,
         ) from None
-    except (_DiskError, _Contradiction) as error:
-        failure = (str(error), "")
+    except (_DiskError, _Contradiction, InputFailed) as error:
+        ending = Ending(str(error))
     except BaseException as error:
         close(f"failed: {type(error).__name__} in the progress function")
         raise
-    solution = close("completed" if failure is None else f"failed: {failure[0]}")
-    if failure is not None:
+    if ending is None or not ending.failed:
+        solution = close("completed" if ending is None else ending.sentence)
+    else:
+        solution = close(f"failed: {ending.sentence}")
         time = float(engine.time[0].real)
-        message, body = failure
-        raise RunFailed(
-            f"the run stopped at {time:.6g} s: {message}", solution, time=time, body=body
+        sentence = f"the run stopped at {time:.6g} s: {ending.sentence}"
+        raise RunFailed(sentence, solution, time=time, body=ending.body)
+    if len(writer.happened) == EVENTS:
+        warn(
+            f"simulate {engine.model.name!r}",
+            f"only the first {EVENTS} events are in the results; watch for fewer crossings",
         )
     watch.judge()
     if engine.counts[4] and not engine.model.redundant:
@@ -267,8 +293,10 @@ def _remedy(error: OSError) -> str:
     return "; free some space and run again" if full else ""
 
 
-def schedule(model: Any, t_end: Any, solver: Any, output_step: Any = None) -> Schedule:
-    """Return the steps of a run.
+def schedule(
+    model: Any, t_end: Any, solver: Any, output_step: Any = None, start: float = 0.0
+) -> Schedule:
+    """Return the steps of a run that starts at time `start`, s.
 
     Raises
     ------
@@ -291,7 +319,11 @@ def schedule(model: Any, t_end: Any, solver: Any, output_step: Any = None) -> Sc
         if problems.array(where, name, value, ()) is not None:
             problems.positive(where, name, float(value), "s")
     problems.raise_if_any()
-    end = float(t_end)
+    end = float(t_end) - start
+    if not end > 0.0:
+        raise InputError(
+            Problem(where, f"t_end = {t_end:g} s is not after the state's time, {start:.9g} s")
+        )
     unit = end if output_step is None else float(output_step)
     if end / min(solver.step, unit) > MOST_STEPS:
         raise InputError(
@@ -305,20 +337,26 @@ def schedule(model: Any, t_end: Any, solver: Any, output_step: Any = None) -> Sc
     if solver.adaptive and output_step is not None:
         pieces = 1  # rows are not tied to steps
     step = unit / pieces
+    if abs(step - solver.step) <= 1e-12 * solver.step:  # round-off of the end
+        step = solver.step
     if abs(step - solver.step) > 1e-9 * solver.step and not solver.adaptive:
         logger.info("step shortened from %g to %g s", solver.step, step)
     if output_step is None:
-        return Schedule(step, pieces, 1)
+        return Schedule(step, pieces, 1, start)
     rows = round(end / unit)
     if rows < 1 or abs(rows * unit - end) > 1e-9 * end:
         raise InputError(
             Problem(
                 where,
-                f"t_end = {end:g} s is not a multiple of output_step = {unit:g} s; "
-                f"for example t_end = {max(rows, 1) * unit:g} s fits",
+                f"{_span(end, start)} is not a multiple of output_step = {unit:g} s; "
+                f"for example t_end = {start + max(rows, 1) * unit:g} s fits",
             )
         )
-    return Schedule(step, rows * pieces, pieces)
+    return Schedule(step, rows * pieces, pieces, start)
+
+
+def _span(length: float, start: float) -> str:
+    return f"t_end = {length:g} s" if start == 0.0 else f"the run of {length:g} s"
 
 
 def cautions(model: Model, solver: Solver, plan: Schedule) -> list[str]:
@@ -355,9 +393,9 @@ def cautions(model: Model, solver: Solver, plan: Schedule) -> list[str]:
 
 
 def _loop(
-    engine: Engine, solver: Solver, plan: Schedule, record: Record, report: Report
-) -> tuple[str, str] | None:
-    """Step to the end in calls of about a tenth of a second; return what went wrong and where."""
+    engine: Engine, solver: Solver, plan: Schedule, record: Record, report: Report, feed: Feed
+) -> Ending | None:
+    """Step to the end in calls of about a tenth of a second; return why it ended before."""
     model = engine.model
     alpha, beta = (
         (solver.baumgarte.alpha, solver.baumgarte.beta) if solver.baumgarte else (0.0, 0.0)
@@ -369,24 +407,24 @@ def _loop(
     rows = np.zeros((capacity, engine.row_size))
     if solver.adaptive:
         native.largest = native.largest or LONGEST * plan.step * plan.steps
-        status = follow(engine, native, plan.steps, rows, record, report)
-        if status == STEP_TOO_SMALL:
-            return too_many_steps(engine, plan.step)
-        return _cause(model, solver, plan, engine, status) if status else None
+        return _adaptive(engine, solver, plan, native, rows, record, report, feed)
+    done = 0
+    feed.set(engine, done)
     rows[0] = engine.row()
     record(rows[:1])
     started = clock.perf_counter()
     call = 1
-    done = 0
     while done < plan.steps:
         room = (capacity - 1) * plan.every
-        count = min(call, plan.steps - done, max(room, plan.every))
+        count = min(call, plan.steps - done, max(room, plan.every), feed.ahead(done))
+        if done:
+            feed.set(engine, done)
         before, first = clock.perf_counter(), engine.steps_done
         status, written = engine.run(native, count, plan.every, rows)
         now = clock.perf_counter()
         record(rows[:written])
         if status == EVENT:
-            return None
+            return stopped(engine)
         if status:
             return _cause(model, solver, plan, engine, status)
         count = engine.steps_done - first  # fewer if the log of events was full
@@ -397,25 +435,68 @@ def _loop(
     return None
 
 
-def _cause(
-    model: Model, solver: Solver, plan: Schedule, engine: Engine, status: int
-) -> tuple[str, str]:
+def _adaptive(
+    engine: Engine,
+    solver: Solver,
+    plan: Schedule,
+    native: Any,
+    rows: NDArray[np.float64],
+    record: Record,
+    report: Report,
+    feed: Feed,
+) -> Ending | None:
+    """Do the same with error control; it starts anew wherever the value of an input jumps."""
+    done = 0
+    while done < plan.steps:
+        feed.set(engine, done)
+        count = min(plan.steps - done, feed.ahead(done))
+        engine.steps_done = 0  # rows from here
+        seen: Record = record if done == 0 else _without_first(record)
+        status = follow(engine, native, count, rows, seen, report)
+        if status == EVENT:
+            return stopped(engine)
+        if status == STEP_TOO_SMALL:
+            return Ending(*too_many_steps(engine, plan.step))
+        if status:
+            return _cause(engine.model, solver, plan, engine, status)
+        done += count
+    return None
+
+
+def _without_first(record: Record) -> Record:
+    """Return a function that leaves out the first row, which is known."""
+    waiting = [True]
+
+    def rest(rows: NDArray[np.float64]) -> None:
+        skipped = 1 if waiting and len(rows) and waiting.pop() else 0
+        record(rows[skipped:])
+
+    return rest
+
+
+def stopped(engine: Engine) -> Ending:
+    """Return that an event ended the run as it should."""
+    name = engine.model.events[engine.error_index].name
+    return Ending(f"stopped by event '{name}' at {engine.time[0]:.9g} s", failed=False)
+
+
+def _cause(model: Model, solver: Solver, plan: Schedule, engine: Engine, status: int) -> Ending:
     """Return why the run cannot go on, and which body shows it."""
     if status == NO_CONVERGENCE:
         body = model.bodies[engine.error_index].name
-        return (
+        return Ending(
             f"{engine.problem(status)}; the step is {plan.step:.3g} s, try {0.5 * plan.step:.3g} s",
             body,
         )
     if status not in (NOT_FINITE, SINGULAR_BODY, SINGULAR_JOINT):
-        return str(engine.problem(status)), ""
+        return Ending(str(engine.problem(status)))
     sentence = stability_warning(model, solver, plan.step)
     gap = engine.residuals()[0]
     fast = float(np.abs(engine.v).max()) > 1e6 * max(1.0, float(np.abs(model.v0).max(initial=0.0)))
     diverged = bool(sentence) or not gap < 1e-3 * model.size or fast
     if status != NOT_FINITE and not diverged:
         problem = engine.problem(status)
-        return f"{problem} (it was regular at the start: a singular position was reached)", ""
+        return Ending(f"{problem} (it was regular at the start: a singular position was reached)")
     body = ""
     if status == NOT_FINITE:
         body = model.bodies[engine.error_index].name
@@ -428,7 +509,7 @@ def _cause(
         if drives:
             sentence += f"; or the lengths do not allow what the drives ({drives}) ask for"
     what = f"body '{body}'" if body else "the motion"
-    return f"{what} diverged; likely cause: {sentence}", body
+    return Ending(f"{what} diverged; likely cause: {sentence}", body)
 
 
 class RunWatch:

@@ -14,9 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, suggest
-from jousto.simulation.results import open_results
+from jousto.simulation.events import Happening, happenings
+from jousto.simulation.results import EVENT_COLUMNS, open_results
+from jousto.simulation.state import MEMORY, State
 
 Array = NDArray[np.float64]
+WORK = ("dissipated", "friction", "work")
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,9 +41,9 @@ class Energy:
 
     @property
     def error(self) -> Array:
-        """What the balance misses: total - total(0) + dissipated + friction - work."""
-        total = self.total
-        return np.asarray(total - total[0] + self.dissipated + self.friction - self.work)
+        """What the balance misses since the start: total + dissipated + friction - work."""
+        balance = self.total + self.dissipated + self.friction - self.work
+        return np.asarray(balance - balance[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,6 +218,59 @@ class Solution:
         """Steps taken and what they cost."""
         names = ("steps", "rejected", "evaluations", "iterations", "step")
         return Work(**{name: self._read(f"diagnostics/{name}") for name in names})
+
+    @property
+    def events(self) -> tuple[Happening, ...]:
+        """Events and transitions of friction that happened, in their order."""
+        with self._open() as file:
+            if "events" not in file:
+                return ()
+            table = file["events"]
+            count = int(table["rows"][()])
+            columns = [table[name][:count] for name, _, _ in EVENT_COLUMNS]
+            names = [name.decode() for name in table["names"][()]]
+            return happenings(np.stack(columns, axis=1), names, int(table.attrs["events"]))
+
+    def state(self, time: float = -1.0) -> State:
+        """Return the state at a stored instant, from which `simulate` can go on.
+
+        Parameters
+        ----------
+        time : float
+            A stored instant, s; negative for the last one.
+
+        Raises
+        ------
+        InputError
+            If nothing is stored at that time.
+        """
+        instants = self.time
+        k = len(instants) - 1 if time < 0 else int(np.argmin(np.abs(instants - time)))
+        if time >= 0 and abs(instants[k] - time) > 1e-9 * max(1.0, abs(time)):
+            raise InputError(
+                Problem(
+                    str(self.path),
+                    f"no instant is stored at {time:g} s, the nearest is {instants[k]:.9g} s",
+                )
+            )
+        with self._open() as file:
+            memory: dict[str, Any] = {
+                name: np.asarray(file[f"state/{name}"][k])
+                for name in MEMORY
+                if f"state/{name}" in file
+            }
+            if "input" in memory:
+                names = [name.decode() for name in file["state/input"].attrs["names"]]
+                values = memory.pop("input")
+                memory["inputs"] = dict(zip(names, map(float, values), strict=True))
+            return State(
+                q=np.asarray(file["state/q"][k]),
+                v=np.asarray(file["state/v"][k]),
+                lam=np.asarray(file["state/multipliers"][k]),
+                time=float(instants[k]),
+                work=np.array([file[f"diagnostics/{name}"][k] for name in WORK]),
+                **memory,
+            )
 
     @property
     def sensors(self) -> tuple[str, ...]:

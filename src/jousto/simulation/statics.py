@@ -7,7 +7,8 @@ import numpy as np
 from jousto.engine import Engine, Model
 from jousto.engine.native import displaced
 from jousto.errors import SimulationError
-from jousto.simulation.linear import State, stiffness_modes, tangent, turning
+from jousto.simulation.linear import stiffness_modes, tangent, turning
+from jousto.simulation.state import State
 
 ITERATIONS = 200
 TURN = 0.5  # largest rotation of an iteration, rad
