@@ -158,8 +158,7 @@ def test_every_class_can_be_said_in_a_file():
     assert loads == set(LOADS)
     assert elements == set(jm.ELEMENTS)
     assert couplings == set(jm.COUPLINGS)
-    # a switched signal needs an event, which the file has not
-    assert signals == set(jm.SIGNALS) - {jm.Switched}
+    assert signals == set(jm.SIGNALS)
     assert sensors == set(jm.SENSORS)
     definitions = model_schema()["$defs"]
     assert set(definitions["SolverEntry"]["properties"]["type"]["enum"]) == {
@@ -169,7 +168,7 @@ def test_every_class_can_be_said_in_a_file():
         jp.Rectangle, jp.Circle, jp.Tube, jp.Box, jp.IBeam, jp.GeneralSection, jp.SectionPoint,
         jp.Material, jp.PointMass, jp.Timoshenko, jp.EulerBernoulli, jp.Member,
         jr.CraigBampton, jr.FreeFree, jr.Rayleigh, *joints, *loads, *signals, *couplings, *elements,
-        *sensors, jm.RigidBody, Baumgarte,
+        *sensors, jm.RigidBody, jm.Event, Baumgarte,
     ):  # fmt: skip
         name = "MotionSensor" if cls in jm.MOTION_SENSORS else cls.__name__
         keys = set(definitions[f"{name}Entry"]["properties"]) - {"type"}
@@ -321,7 +320,7 @@ def test_the_schema_knows_every_key_of_the_file():
     schema = model_schema()
     assert set(schema["properties"]) == {
         "$schema", "name", "parts", "bodies", "joints", "couplings", "forces", "frictions",
-        "gravity", "sensors", "simulation",
+        "gravity", "sensors", "events", "simulation",
     }  # fmt: skip
     assert schema["required"] == ["bodies"]
     assert schema["additionalProperties"] is False

@@ -16,6 +16,9 @@ from jousto.errors import InputError, JoustoWarning, Problem
 if TYPE_CHECKING:
     from jousto.reduction import ReducedPart
     from jousto.schema import ModelFile
+    from jousto.simulation import Solution
+
+MOST_EVENTS = 20  # that are printed
 
 
 def _version(value: bool) -> None:
@@ -105,6 +108,7 @@ def run(
     )
     if not quiet:
         facts([(name, plain(value)) for name, value in describe(solution).items()])
+        tell_events(solution)
         say(f"results in {target}", style="green")
 
 
@@ -252,6 +256,16 @@ def describe_part(part: ReducedPart) -> None:
     facts(part_facts(part), f"reduced part {part.name}")
 
 
+def tell_events(solution: Solution) -> None:
+    """Print what happened in a run, the first events of many."""
+    events = solution.events
+    rows = [(f"{e.time:.9g} s", f"{e.name} {e.change}") for e in events[:MOST_EVENTS]]
+    if len(events) > MOST_EVENTS:
+        rows.append(("...", f"{len(events) - MOST_EVENTS} more in the results"))
+    if rows:
+        facts(rows, "events")
+
+
 def describe_result(path: Path) -> None:
     """Print what is in a results file."""
     from jousto.schema.summary import count
@@ -267,3 +281,5 @@ def describe_result(path: Path) -> None:
         text += f", {about['unit']}" if about["unit"] != "1" else ""
         rows.append((f"sensor {name}", text))
     facts(rows)
+    tell_events(solution)
+    tell_events(solution)

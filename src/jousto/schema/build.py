@@ -19,6 +19,7 @@ from jousto.schema.document import Document, Loc
 from jousto.schema.elements import build_load
 from jousto.schema.entries import Entry, MarkerEntry, RotateEntry
 from jousto.schema.files import read_matrix, read_points
+from jousto.schema.happen import build_event, is_late, watches_late
 from jousto.schema.sense import FLEXIBLE_ONLY, build_sensor
 
 T = TypeVar("T")
@@ -54,6 +55,8 @@ class Builder:
         self.rigid = rigid
         self.found: list[tuple[Loc, Problem]] = []
         self.warnings: list[str] = []
+        self.events: dict[str, Any] = {}
+        self.late_events: set[str] = set()
 
     # -- placing problems -------------------------------------------------------------------
 
@@ -293,6 +296,18 @@ class Builder:
         axes = self.orientations(loc, {"axes": entry.axes})["axes"]
         return None if axes is None else self.make((*loc, "axes"), marker.turned, axes)
 
+    def event(self, loc: Loc, name: str) -> Any:
+        """Return the event that switches a signal, None if there is none that can."""
+        if name in self.late_events:
+            self.note(
+                loc,
+                f"event {name!r} watches a force, a coupling or a signal and cannot switch one; "
+                "let it watch a coordinate or the motion of a marker",
+            )
+        elif name not in self.events:
+            self.unknown(loc, "events", "event", name, self.events)
+        return self.events.get(name)
+
     def section_items(
         self, key: str, entries: Any, index: list[int], build: Callable[[Loc, Any], Any]
     ) -> list[tuple[Loc, Any]]:
@@ -327,28 +342,58 @@ class Builder:
         def named(items: list[tuple[Loc, Any]]) -> dict[str, Any]:
             return {item.name: item for _, item in items}
 
-        def listed(key: str, build: Callable[[Loc, Any], Any]) -> list[tuple[Loc, Any]]:
+        def listed(
+            key: str,
+            build: Callable[[Loc, Any], Any],
+            now: Callable[[Any], bool] = lambda e: True,
+        ) -> list[tuple[Loc, Any]]:
             entries, places = getattr(entry, key) or (), index[key]
-            if self.rigid:
-                # a rigid body has neither modes nor stress
-                kept = [
-                    i for i, e in enumerate(entries) if getattr(e, "type", "") not in FLEXIBLE_ONLY
-                ]
-                entries, places = [entries[i] for i in kept], [places[i] for i in kept]
+            # a rigid body has neither modes nor stress
+            kept = [
+                i
+                for i, e in enumerate(entries)
+                if now(e) and not (self.rigid and getattr(e, "type", "") in FLEXIBLE_ONLY)
+            ]
+            entries, places = [entries[i] for i in kept], [places[i] for i in kept]
             return self.section_items(key, entries, places, build)
 
         bodies = listed("bodies", lambda at, e: self.body(at, e, parts))
         by_name = named(bodies)
         joints = listed("joints", lambda at, e: build_joint(self, at, e, by_name))
         free = named(joints)
+        # sensors of bodies and joints, the events that watch them, then what events switch
+        names = [e.name for e in entry.sensors or ()]
+        late = {e.name for e in entry.sensors or () if is_late(e, free)}
+        known = {"bodies": by_name, "joints": free, "couplings": {}, "forces": {}}
+
+        def sensed(early: bool) -> list[tuple[Loc, Any]]:
+            return listed(
+                "sensors",
+                lambda at, e: build_sensor(self, at, e, known),
+                lambda e: (e.name not in late) == early,
+            )
+
+        def watched(early: bool) -> list[tuple[Loc, Any]]:
+            return listed(
+                "events",
+                lambda at, e: build_event(self, at, e, known, names),
+                lambda e: watches_late(e, late) != early,
+            )
+
+        sensors = sensed(True)
+        known["sensors"] = named(sensors)
+        events = watched(True)
+        self.events = named(events)
+        self.late_events = {e.name for e in entry.events or () if watches_late(e, late)}
         couplings = listed("couplings", lambda at, e: build_coupler(self, at, e, by_name, free))
         loads = listed("forces", lambda at, e: build_load(self, at, e, by_name, free))
         frictions = listed("frictions", lambda at, e: build_friction(self, at, e, free))
-        known = {"bodies": by_name, "joints": free}
         known |= {"couplings": named(couplings), "forces": named(loads)}
         known["frictions"] = named(frictions)
-        sensors = listed("sensors", lambda at, e: build_sensor(self, at, e, known))
-        items = [*bodies, *joints, *couplings, *loads, *frictions, *sensors]
+        sensors = sorted(sensors + sensed(False))
+        known["sensors"] = named(sensors)
+        events = sorted(events + watched(False))
+        items = [*bodies, *joints, *couplings, *loads, *frictions, *sensors, *events]
         if not bodies and (self.found or self.broken):
             return None
         gravity = [] if entry.gravity is None else [jm.Gravity(entry.gravity)]

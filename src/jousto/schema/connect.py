@@ -8,7 +8,7 @@ from jousto import mechanism as jm
 from jousto.errors import suggest
 from jousto.schema.document import Loc
 from jousto.schema.entries import Entry
-from jousto.schema.signals import TableEntry
+from jousto.schema.signals import SwitchedEntry, TableEntry
 from jousto.schema.units import UnitError, quantity
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ SIGNALS = {
     "ramp": jm.Ramp,
     "s-curve": jm.SCurve,
     "input": jm.Input,
+    "switched": jm.Switched,
     "sum": jm.Sum,
     "product": jm.Product,
 }
@@ -114,6 +115,11 @@ def build_signal(builder: Builder, loc: Loc, entry: Any, unit: str) -> Any:
 
         return build_table(builder, loc, entry, "s", unit)
     values = entry.given()
+    if isinstance(entry, SwitchedEntry):
+        values["event"] = builder.event((*loc, "event"), entry.event)
+        for key in ("before", "after"):
+            values[key] = build_signal(builder, (*loc, key), values[key], unit)
+        return None if None in values.values() else builder.make(loc, jm.Switched, **values)
     for key in ("terms", "factors"):
         if key in values:
             units = [unit if key == "terms" or i == 0 else "1" for i in range(len(values[key]))]

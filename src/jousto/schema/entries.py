@@ -189,6 +189,11 @@ class _Text:
 Count: TypeAlias = Annotated[int, _Integer()]
 Flag: TypeAlias = Annotated[bool, _Flag()]
 Text: TypeAlias = Annotated[str, _Text()]
+# number from 0, or name
+Component: TypeAlias = Annotated[
+    Annotated[int, _Integer(), Tag("number")] | Annotated[str, _Text(), Tag("text")],
+    Discriminator(lambda v: "text" if isinstance(v, str) else "number"),
+]
 
 
 def tagged(tag: Callable[[dict[str, Any]], str | None] | None = None) -> Discriminator:

@@ -107,6 +107,7 @@ SINGULAR = {
     "forces": "force",
     "frictions": "friction",
     "sensors": "sensor",
+    "events": "event",
     "sections": "section",
     "reduce": "reduction",
 }

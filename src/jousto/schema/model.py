@@ -8,6 +8,7 @@ from pydantic import Field, Tag
 
 from jousto.schema.connections import (
     BushingEntry,
+    CoordinateForm,
     CouplerEntry,
     FrictionEntry,
     JointEntry,
@@ -21,6 +22,7 @@ from jousto.schema.connections import (
 from jousto.schema.entries import (
     Acceleration3,
     AngularVelocity3,
+    Component,
     Count,
     Duration,
     Entry,
@@ -43,7 +45,7 @@ from jousto.schema.entries import (
 )
 from jousto.schema.parts import PartEntry
 from jousto.schema.sensors import SensorEntry
-from jousto.schema.signals import SignalEntry
+from jousto.schema.signals import Amount, SignalEntry
 
 # -- bodies ---------------------------------------------------------------------------------
 
@@ -149,6 +151,22 @@ LoadEntry: TypeAlias = Annotated[
     tagged(),
 ]
 
+# -- events ---------------------------------------------------------------------------------
+
+
+class EventEntry(Entry):
+    """`Event`: what is watched passes a threshold."""
+
+    name: Text
+    watch: Annotated[
+        Annotated[Text, Tag("scalar")] | Annotated[CoordinateForm, Tag("mapping")], by_form()
+    ] = Field(description="Name of a sensor, or a coordinate such as hinge.angle")
+    threshold: Amount | None = Field(None, description="In the unit of what is watched; 0 if none")
+    direction: Literal["both", "rising", "falling"] | None = Field(None, description="Both if none")
+    stop: Flag | None = Field(None, description="Whether the run ends there")
+    component: Component | None = Field(None, description="Of a sensor with several")
+
+
 # -- simulation and the whole file ----------------------------------------------------------
 
 
@@ -204,4 +222,5 @@ class ModelEntry(Entry):
     frictions: tuple[FrictionEntry, ...] | None = None
     gravity: Acceleration3 | None = None
     sensors: tuple[SensorEntry, ...] | None = None
+    events: tuple[EventEntry, ...] | None = None
     simulation: SimulationEntry | None = None

@@ -18,7 +18,7 @@ from jousto.schema.explain import explain
 from jousto.schema.model import ModelEntry, SimulationEntry
 from jousto.schema.parts import PartEntry
 
-LISTS = ("bodies", "joints", "couplings", "forces", "frictions", "sensors")
+LISTS = ("bodies", "joints", "couplings", "forces", "frictions", "sensors", "events")
 
 
 @dataclass(frozen=True, eq=False)

@@ -154,6 +154,15 @@ class ProductEntry(Entry):
     )
 
 
+class SwitchedEntry(Entry):
+    """`Switched`: one signal until an event, another from then on."""
+
+    type: Literal["switched"]
+    event: Text = Field(description="Name of an entry of events")
+    before: SignalOrNumber
+    after: SignalOrNumber
+
+
 SignalEntry: TypeAlias = Annotated[
     Annotated[ConstantEntry, Tag("constant")]
     | Annotated[HarmonicEntry, Tag("harmonic")]
@@ -162,6 +171,7 @@ SignalEntry: TypeAlias = Annotated[
     | Annotated[RampEntry, Tag("ramp")]
     | Annotated[SCurveEntry, Tag("s-curve")]
     | Annotated[InputEntry, Tag("input")]
+    | Annotated[SwitchedEntry, Tag("switched")]
     | Annotated[SumEntry, Tag("sum")]
     | Annotated[ProductEntry, Tag("product")],
     tagged(),

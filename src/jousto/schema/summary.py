@@ -39,6 +39,10 @@ def model_facts(file: ModelFile) -> Facts:
         text = f"of joint {friction.joint.name}, mu {friction.mu_kinetic:g}"
         rows.append((f"friction {friction.name}", f"{text}, {friction.law}"))
     rows += [(f"sensor {s.name}", f"{s.description}, {s.unit}") for s in mechanism.sensors]
+    for event in mechanism.events:
+        mark = {"both": "passes", "rising": "rises above", "falling": "falls below"}
+        text = f"{event.watch.name} {mark[event.direction]} {event.threshold:g}"
+        rows.append((f"event {event.name}", text + (", stops the run" if event.stop else "")))
     rows.append(("gravity", " ".join(f"{g:g}" for g in mechanism.gravity) + " m/s2"))
     if file.simulation is not None:
         solver = file.simulation.solver
