@@ -27,6 +27,7 @@ WIDTHS = {  # pixels
     "chain.gif": 420,
     "cantilever_stress.png": 1100,
     "slider_crank.png": 1100,
+    "slewing_limit.png": 1100,
     "four_bar.png": 1200,
     "spin_up.png": 1100,
     "four_bar_still.png": 500,

@@ -179,7 +179,7 @@ def check_member(problems: Problems, item: Any, used: Any, known: tuple[Any, ...
 
 def signals_of(item: Any) -> Iterator[Signal]:
     """Yield the signals an item uses and all signals they are made of."""
-    for key in ("signal", "reference"):
+    for key in ("signal", "reference", "position"):
         signal = getattr(item, key, None)
         if isinstance(signal, Signal):
             yield from leaves(signal)
