@@ -359,6 +359,7 @@ int jo_newton_matrix(const jo_model *m, jo_data *d, double ca, double cv, double
         for (int j = 0; j < 9; j++) d->body[i].turn[j] = j % 4 == 0;
     int status = jo_residual(m, d, d->rate);
     d->weights = weights;
+    d->factored = 0;
     if (status == JO_OK) status = jo_newton_assemble(m, d);
     if (status != JO_OK) return status;
     for (int i = 0; i < count * count; i++) out[i] = 0.0;

@@ -14,16 +14,22 @@
 #define JO_SLOW 0.1       /* kept factors are renewed when an iteration gains less than this */
 #define JO_ROUND_OFF 1e-6 /* increments that no longer shrink below this are round-off */
 
+#ifdef JO_COMPLEX
+enum { JO_AFTER = 1 };    /* iterations after the last one: derivatives, in the imaginary part, converge one behind */
+#else
+enum { JO_AFTER = 0 };
+#endif
+
 /* of accelerations, in the metric of the masses: m R''^2 + J w'^2 + p''^2 */
 static double size_of(const jo_model *m, const jo_data *d, int body, const jo_real *x)
 {
     const jo_body *b = &m->body[body];
     double sum = 0.0;
     for (int j = 0; j < 3; j++) {
-        const double R = fabs(JO_RE(x[j])), w = fabs(JO_RE(x[3 + j]));
+        const double R = JO_RE(x[j]), w = JO_RE(x[3 + j]);
         sum += JO_RE(b->mass[0]) * R * R + JO_RE(d->body[body].J[j]) * w * w;
     }
-    for (int j = 6; j < 6 + b->n; j++) sum += fabs(JO_RE(x[j])) * fabs(JO_RE(x[j]));
+    for (int j = 6; j < 6 + b->n; j++) sum += JO_RE(x[j]) * JO_RE(x[j]);
     return sum;
 }
 
@@ -35,13 +41,14 @@ static double reference(const jo_model *m, const jo_data *d, double h)
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         const jo_real *a = d->a + b->iv;
-        double mass = 0.0;
-        for (int j = 0; j < 3; j++) mass += fabs(JO_RE(a[j] - m->gravity[j])) * fabs(JO_RE(a[j] - m->gravity[j]))
-                                            - fabs(JO_RE(a[j])) * fabs(JO_RE(a[j]));
-        sum += size_of(m, d, i, a) + JO_RE(b->mass[0]) * mass + 1e-6 / (h * h) * size_of(m, d, i, d->v + b->iv);
+        sum += 1e-6 / (h * h) * size_of(m, d, i, d->v + b->iv);
+        for (int j = 0; j < 3; j++) {
+            const double R = JO_RE(a[j] - m->gravity[j]), w = JO_RE(a[3 + j]);
+            sum += JO_RE(b->mass[0]) * R * R + JO_RE(d->body[i].J[j]) * w * w;
+        }
         for (int j = 0; j < b->n; j++) {
-            const double f = fabs(JO_RE(b->K[j] * d->body[i].p[j]));
-            sum += f * f;
+            const double f = JO_RE(b->K[j] * d->body[i].p[j]), a2 = JO_RE(a[6 + j]);
+            sum += f * f + a2 * a2;
         }
     }
     return sqrt(sum);
@@ -159,7 +166,8 @@ static jo_real *solution_of(const jo_model *m, jo_data *d, int item)
 static int newton(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     double before = 0.0;
-    for (int k = 0; k < s->iterations; k++) {
+    int after = -1;
+    for (int k = 0; k < s->iterations + JO_AFTER; k++) {
         move(m, d, s);
         int status = jo_residual(m, d, d->acc);
         if (status != JO_OK) return status;
@@ -194,8 +202,10 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s)
             if (k + 1 == s->iterations) return JO_OK;
             continue;
         }
-        if (size <= small || (k && gain < 1.0 && size * gain / (1.0 - gain) <= small)) return JO_OK;
-        if (k > 1 && gain > 0.5 && size * s->tolerance <= JO_ROUND_OFF * small) return JO_OK;
+        if (after >= 0 || size <= small || (k && gain < 1.0 && size * gain / (1.0 - gain) <= small)
+            || (k > 1 && gain > 0.5 && size * s->tolerance <= JO_ROUND_OFF * small)) {
+            if (++after == JO_AFTER) return JO_OK;
+        }
         if (s->modified && !renewed && k && gain > JO_SLOW) d->factored = 0;
         before = size;
     }

@@ -269,6 +269,36 @@ def test_events_are_found_between_steps():
     assert engine.q[1] == pytest.approx(2.0 - 0.5 * 9.81 * 0.8**2, abs=1e-11)
 
 
+def test_derivatives_of_a_run_by_complex_steps():
+    """An imaginary step in gravity passes Newton's iteration: against central differences."""
+    model, ends = slider_crank(), []
+    up = np.array([0.3, 1.0, 0.2])
+    for g, kind in ((1e-30j, True), (1e-4, False), (-1e-4, False)):
+        engine = jo.Engine(
+            model, complex_scalars=kind, override={("model", 0, "gravity"): model.gravity + g * up}
+        )
+        solver = native(engine, jo.GeneralizedAlpha(step=2e-3))
+        engine.run(solver, 50, 50, np.zeros((2, engine.row_size), engine.dtype))
+        ends.append(np.concatenate([engine.q, engine.v]))
+    exact, difference = ends[0].imag / 1e-30, (ends[1] - ends[2]) / 2e-4
+    assert np.abs(exact).max() > 1e-3
+    np.testing.assert_allclose(difference, exact, rtol=0, atol=1e-5 * np.abs(exact).max())
+
+
+def test_free_fall_and_rest_have_no_scale_of_their_own():
+    """No acceleration but gravity, or none at all: the iteration still ends."""
+    for gravity in (G, 0.0 * G):
+        body = jo.RigidBody("body", 2.0, (0.1, 0.2, 0.25))
+        model = jo.compile(jo.Mechanism(body, jo.Gravity(gravity)))
+        run = march(model, jo.GeneralizedAlpha(step=1e-2), 1.0)
+        np.testing.assert_allclose(run.q[-1, :3], 0.5 * gravity, atol=1e-12)
+
+
+@pytest.mark.filterwarnings("error::jousto.JoustoWarning")
+def test_friction_that_explicit_methods_cannot_bear_raises_no_warning():
+    jo.simulate(hinged(jo.Regularised(1e-4)), 0.1, solver=jo.GeneralizedAlpha(step=1e-3))
+
+
 def hinged(law):
     """A bar that falls from the horizontal on a hinge that rubs."""
     body = jo.RigidBody("bar", 2.0, (0.05, 0.2, 0.2), center=(0.5, 0, 0))

@@ -88,8 +88,8 @@ class GeneralizedAlpha:
         return _unstable(self, step, eigenvalues)
 
     def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
-        """Return the growth of a linear oscillation in a step, z = step * lambda."""
-        return spectral_radius(self, z)
+        """Return 0: nothing is explicit."""
+        return np.zeros(len(z))
 
 
 @dataclass(frozen=True)
@@ -151,8 +151,8 @@ class Newmark:
         return _unstable(self, step, eigenvalues)
 
     def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
-        """Return the growth of a linear oscillation in a step, z = step * lambda."""
-        return spectral_radius(self, z)
+        """Return 0: nothing is explicit."""
+        return np.zeros(len(z))
 
 
 Implicit = GeneralizedAlpha | Newmark
