@@ -32,6 +32,7 @@ WIDTHS = {  # pixels
     "spin_up.png": 1100,
     "four_bar_still.png": 500,
     "portal_frame.png": 800,
+    "squeezer.png": 1100,
     "crane.png": 1200,
     "crane_still.png": 700,
     "robot.png": 1200,

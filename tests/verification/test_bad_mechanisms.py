@@ -91,6 +91,23 @@ def test_drives_that_repeat_one_another_run_and_are_named():
     assert run.residuals.position.max() < 1e-12
 
 
+@over_driven
+def test_a_drive_of_what_cannot_move():
+    arm = bar("arm")
+    hinge, post = (
+        jo.Revolute("hinge", O, arm["origin"], Z),
+        jo.Rod("post", jo.ground.at((1, 1, 0)), arm["end"]),
+    )
+    motor = jo.Drive("motor", hinge.angle, jo.SCurve([0.0, 1.0], [0.0, 1.0]))
+    with pytest.warns(jo.JoustoWarning) as caught:
+        model = jo.compile(jo.Mechanism(arm, hinge, post, motor))
+    text = str(caught[-1].message)
+    assert "the drive 'motor' moves what joints hold or move already: the run stops" in text
+    assert "leave out the drive 'motor'" in text
+    with pytest.raises(jo.RunFailed, match="joint 'post' is open .* contradicts 'hinge', 'motor'"):
+        jo.simulate(model, 1.0, solver=RUN)
+
+
 # -- conflicting drives ----------------------------------------------------------------------------
 
 
@@ -118,8 +135,8 @@ def test_drives_that_conflict_later_stop_the_run(solver):
     model = jo.compile(geared(curve, curve))
     with pytest.raises(
         jo.SimulationError,
-        match="cannot follow .* 'gear', 'motor a', 'motor b' disagree from there on, a motion is "
-        "driven twice; drive each motion once",
+        match="cannot follow .* 'gear', 'motor a', 'motor b' disagree from there on; "
+        "drive each motion once",
     ):
         jo.kinematics(model, [0.0, 0.5, 1.0])
     with pytest.raises(jo.RunFailed) as problem:

@@ -108,6 +108,17 @@ def test_balance_and_bins(name):
         assert np.diff(runs[1].energy[:, 4]).min() > 0.0
 
 
+@pytest.mark.parametrize("method", [jo.ROS2, jo.GeneralizedAlpha], ids=lambda m: m.__name__)
+@pytest.mark.parametrize("name", ALL)
+def test_balance_of_the_methods_of_second_order(name, method):
+    _, model = pair(name)
+    runs = [march(model, method(step=4 * STEP / k), SPAN, SPAN / 5) for k in (1, 4)]
+    exchanged = np.ptp(runs[1].energy, axis=0).max()
+    errors = [float(np.abs(run.balance).max()) for run in runs]
+    assert errors[1] < 2e-3 * exchanged
+    assert 0.5 * orders(errors)[0] > 1.4  # two halvings
+
+
 @pytest.mark.parametrize("name", ELEMENTS)
 def test_momentum_stays(name):
     bodies, model = pair(name)

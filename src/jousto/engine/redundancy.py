@@ -65,7 +65,12 @@ class Redundancy:
         motion = "the motion is right, but" if self.mobility else "nothing can move, and"
         if self.drives:
             drives = ", ".join(f"'{name}'" for name in self.drives)
-            motion = f"a motion is driven twice ({drives}): the run stops where they disagree, and"
+            motion = (
+                f"a motion is driven twice ({drives})"
+                if len(self.drives) > 1
+                else f"the drive {drives} moves what joints hold or move already"
+            )
+            motion += ": the run stops where they disagree, and"
         text = (
             f"{self.count} of the constraint rows of {names} repeat the others; {motion} the "
             "reactions of these joints are not unique (given: those of least norm)"

@@ -222,8 +222,8 @@ def _obstacle(model: Model) -> str:
     if found and found.drives:
         names = ", ".join(f"'{name}'" for name in found.joints)
         return (
-            f"{names} disagree from there on, a motion is driven twice; drive each motion once, "
-            "and leave a free motion for every drive"
+            f"{names} disagree from there on; drive each motion once, and leave a free motion for "
+            "every drive"
         )
     return (
         "it is stretched out or at a dead centre there, or a drive jumps; keep the drives within "
