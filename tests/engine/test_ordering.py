@@ -62,3 +62,16 @@ def test_update_rows_are_those_of_the_joints():
 def test_a_thousand_joints_are_ordered_quickly():
     chain = [(k, k + 1) for k in range(999)]
     assert eliminate([3] * 1000, chain).count == 1999
+
+
+def test_a_chain_is_eliminated_from_both_ends() -> None:
+    """Two sequences of half the length that do not wait for each other."""
+    count = 11
+    found = eliminate([3] * count, [(k, k + 1) for k in range(count - 1)])
+    depth = dict.fromkeys(range(count), 1)
+    for joint, column in zip(found.order, found.below, strict=True):
+        for _, later in column:
+            depth[later] = max(depth[later], depth[joint] + 1)
+    assert max(depth.values()) == (count + 1) // 2
+    # and in turn, so that both are under way at the same time
+    assert found.order[:4] == (0, 10, 1, 9)
