@@ -19,8 +19,10 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import numpy as np
 
 import exudyn_machines as peer
+import exudyn_peer
 import jousto as jo
 import machines
+from cases import Case, beam, mechanism
 from machines import RIGID_CHAINS, RigidChain
 
 H = 1e-3  # s, step of both codes
@@ -57,11 +59,11 @@ def cost(model: jo.Model, solver: Any, t_end: float) -> float:
 
 
 def compare(
-    name: str, mechanism: jo.Mechanism, build: Callable[[], tuple[Any, Any]], t_end: float
+    name: str, ours: jo.Mechanism, build: Callable[[], tuple[Any, Any]], t_end: float
 ) -> tuple[float, float, float]:
     """Print one line; return microseconds per step of RK4, ROS2 and the peer."""
     times = np.linspace(0.0, t_end, 6)[1:]
-    model = jo.compile(mechanism)
+    model = jo.compile(ours)
     solvers = (jo.RK4(step=H), jo.ROS2(step=H))
     rk4, ros2 = (cost(model, solver, t_end) for solver in solvers)
     bodies = len(model.bodies)
@@ -152,18 +154,29 @@ def main(arguments: list[str]) -> None:
     )
     compare("slider-crank, flexible rod", machines.slider_crank(), peer.slider_crank, 1.0)
     compare("four-bar, flexible links", machines.four_bar(), peer.four_bar, 1.0)
-    costs: dict[str, dict[int, tuple[float, ...]]] = {"spherical": {}, "revolute": {}}
+    costs: dict[str, dict[int, tuple[float, ...]]] = {}
+    reduced = beam(10)
+    for joint in ("spherical", "revolute"):
+        found = costs.setdefault(f"{joint}, n = 10", {})
+        for bodies, t_end in ((10, 0.5), (100, 0.1)):
+            flexible = Case(joint, bodies, 10, t_end)
+            found[bodies] = compare(
+                flexible.name,
+                mechanism(flexible, reduced),
+                lambda case=flexible: exudyn_peer.model(case, reduced),  # type: ignore[misc]
+                t_end,
+            )
     for case in chains:
-        costs[case.joint][case.bodies] = compare(
+        costs.setdefault(f"{case.joint}, rigid", {})[case.bodies] = compare(
             case.name,
             machines.rigid_chain(case),
             lambda case=case: peer.rigid_chain(case),  # type: ignore[misc]
             case.t_end,
         )
     print("\ncost ~ N^p, p of RK4, ROS2, EXUDYN")
-    for joint, found in costs.items():
-        print(f"{joint:12s} {growth(found)}")
-    trees(chains, {n: c[0] for n, c in costs["revolute"].items()})
+    for kind, found in costs.items():
+        print(f"{kind:18s} {growth(found)}")
+    trees(chains, {n: c[0] for n, c in costs["revolute, rigid"].items()})
     forward_dynamics((10, 100, 200))
 
 
