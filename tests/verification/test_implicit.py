@@ -270,19 +270,39 @@ def test_events_are_found_between_steps():
 
 
 def test_derivatives_of_a_run_by_complex_steps():
-    """An imaginary step in gravity passes Newton's iteration: against central differences."""
-    model, ends = slider_crank(), []
-    up = np.array([0.3, 1.0, 0.2])
-    for g, kind in ((1e-30j, True), (1e-4, False), (-1e-4, False)):
+    """An imaginary step in gravity passes Newton's iteration: against differences of order 4."""
+    model, up = slider_crank(), np.array([0.3, 1.0, 0.2])
+
+    def end(change, tolerance=1e-13):
         engine = jo.Engine(
-            model, complex_scalars=kind, override={("model", 0, "gravity"): model.gravity + g * up}
+            model,
+            complex_scalars=isinstance(change, complex),
+            override={("model", 0, "gravity"): model.gravity + change * up},
         )
-        solver = native(engine, jo.GeneralizedAlpha(step=2e-3))
-        engine.run(solver, 50, 50, np.zeros((2, engine.row_size), engine.dtype))
-        ends.append(np.concatenate([engine.q, engine.v]))
-    exact, difference = ends[0].imag / 1e-30, (ends[1] - ends[2]) / 2e-4
+        solver = native(engine, jo.GeneralizedAlpha(step=2e-3, tolerance=tolerance))
+        engine.run(solver, 25, 25, np.zeros((2, engine.row_size), engine.dtype))
+        return np.concatenate([engine.q, engine.v])
+
+    d = 0.02
+    exact = end(1e-30j, 1e-2).imag / 1e-30
+    near, far = end(d) - end(-d), end(2 * d) - end(-2 * d)
+    difference = (8 * near - far) / (12 * d)
     assert np.abs(exact).max() > 1e-3
-    np.testing.assert_allclose(difference, exact, rtol=0, atol=1e-5 * np.abs(exact).max())
+    np.testing.assert_allclose(exact, difference, rtol=0, atol=1e-8 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_multipliers_are_right_from_the_start(name):
+    """After three steps, at the order of the method; index 3 would begin with an error of order 1.
+
+    Arnold, Bruels and Cardona, Numer. Math. 129 (2015).
+    """
+    model, errors = MODELS[name](), []
+    for step in (1e-3, 2.5e-4):
+        run = march(model, jo.GeneralizedAlpha(step=step), 3 * step)
+        exact = march(model, jo.RK4(step=step / 8), 3 * step)
+        errors.append(float(np.abs(run.lam[-1] - exact.lam[-1]).max()))
+    assert 0.5 * orders(errors)[0] > 1.8  # the steps are in the ratio 4
 
 
 def test_free_fall_and_rest_have_no_scale_of_their_own():
