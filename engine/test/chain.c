@@ -204,8 +204,39 @@ int main(void)
     ros2.alpha = ros2.beta = 20.0;
     CHECK(drift(&m, ros2) < 1e-1);
 
-    /* errors are codes with the offending index */
+    /* events: a position and a reaction half-way between two steps of a plain run; the reaction stops */
+    const int size = jo_row_size(&m), out = size - m.nout;
+    double *plain = calloc((size_t)(202 * (size + 3)), sizeof *plain);
+    long long count = 0;
+    int written;
     jo_data *d = jo_data_new(&m);
+    CHECK(plain && jo_assemble(&m, d, 30, 1e-13) == JO_OK);
+    CHECK(jo_run(&m, d, &rk4, 200, 1, &count, &written, plain) == JO_OK && written == 200);
+    jo_data_free(d);
+    jo_event event[] = {{1, 0, 0, 0.0}, {24, 0, 1, 0.0}, {0, 0, 0, 1e9}};
+    for (int i = 0; i < 2; i++) {
+        const double *row = plain + (size_t)(size * (i ? 150 : 4)) + out + event[i].output;
+        event[i].threshold = 0.5 * (row[0] + row[size]);
+    }
+    m.nevent = 3;
+    m.event = event;
+    d = jo_data_new(&m);
+    count = 0;
+    CHECK(jo_row_size(&m) == size + 3 && jo_assemble(&m, d, 30, 1e-13) == JO_OK);
+    CHECK(jo_run(&m, d, &rk4, 200, 1, &count, &written, plain) == JO_EVENT && jo_data_error_index(d) == 1);
+    const int *happened = jo_data_happened(d);
+    const double *last = plain + (size_t)(written - 1) * (size_t)(size + 3);
+    printf("%d events, stopped at %.9g s\n", jo_data_logged(d), last[0]);
+    CHECK(happened[0] >= 1 && happened[1] == 1 && happened[2] == 0 && count <= 151 && written == count + 1);
+    CHECK(jo_data_logged(d) == happened[0] + happened[1]);
+    CHECK(fabs(last[out + 24] - event[1].threshold) < 1e-8 * (1.0 + fabs(event[1].threshold)));
+    CHECK(last[size] == happened[0]);   /* rows end with what the run remembers */
+    jo_data_free(d);
+    free(plain);
+    m.nevent = 0;
+
+    /* errors are codes with the offending index */
+    d = jo_data_new(&m);
     CHECK(jo_assemble(&m, d, 30, 1e-13) == JO_OK);
     jo_data_v(d)[m.body[2].iv] = 1e16;
     CHECK(jo_step(&m, d, &rk4) != JO_OK);

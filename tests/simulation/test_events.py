@@ -113,6 +113,21 @@ def test_a_run_goes_on_as_if_it_had_not_been_interrupted(solver, law):
         assert np.abs(rest.energy.error).max() < 2 * np.abs(whole.energy.error).max() + 1e-12
 
 
+@pytest.mark.parametrize(
+    ("solver", "tolerance"),
+    [(jo.GeneralizedAlpha(0.005), 2e-4), (jo.DormandPrince(1e-9), 1e-6)],
+    ids=lambda x: type(x).__name__,
+)
+def test_methods_with_a_memory_start_anew_within_their_accuracy(solver, tolerance):
+    model = slewing(stop=False)
+    whole = jo.simulate(model, 4.0, solver=solver, output_step=0.05)
+    first = jo.simulate(model, 2.5, solver=solver, output_step=0.05)
+    rest = jo.simulate(model, 4.0, solver=solver, output_step=0.05, state=first.state())
+    np.testing.assert_allclose(rest["angle"], whole["angle"][50:], atol=tolerance)
+    assert first.events + rest.events == whole.events
+    assert whole.events
+
+
 def test_states_that_do_not_fit_are_refused(pendulum):
     model = slewing()
     run = jo.simulate(model, 0.1, solver=jo.RK4(0.01))
@@ -173,6 +188,8 @@ def test_functions_and_samples_are_held():
     samples = force(0.1 * np.arange(10))
     same = jo.simulate(cart(), 1.0, solver=jo.RK4(0.1), inputs={"u": samples})
     np.testing.assert_allclose(same["x"], run["x"], atol=1e-15)
+    free = jo.simulate(cart(), 1.0, solver=jo.DormandPrince(), output_step=0.1, inputs={"u": force})
+    np.testing.assert_allclose(free["x"], run["x"], atol=1e-12)
     fine = jo.simulate(
         cart(), 1.0, solver=jo.RK4(0.01), output_step=0.1, inputs={"u": np.append(samples, 9.0)}
     )
@@ -255,3 +272,5 @@ def test_a_simulator_names_what_it_does_not_know():
         sim.read("y")
     with pytest.raises(jo.InputError, match="solver is 3, must be one of RK4"):
         jo.Simulator(cart(), 3)
+    with pytest.raises(jo.InputError, match="DormandPrince chooses its steps itself"):
+        jo.Simulator(cart(), jo.DormandPrince())

@@ -66,6 +66,11 @@ class Simulator:
         if not isinstance(chosen, SOLVERS):
             known = ", ".join(s.__name__ for s in SOLVERS)
             problems.add("Simulator", f"solver is {solver!r}, must be one of {known}")
+        elif chosen.adaptive:
+            problems.add(
+                "Simulator",
+                f"{type(chosen).__name__} chooses its steps itself; take a method of fixed step",
+            )
         problems.raise_if_any()
         self.model = model
         self.events: tuple[Happening, ...] = ()
@@ -77,7 +82,7 @@ class Simulator:
         if chosen.baumgarte:
             alpha, beta = chosen.baumgarte.alpha, chosen.baumgarte.beta
         self._native = self._engine.native_solver(
-            chosen.method, chosen.step, chosen.projection, alpha, beta
+            chosen.method, chosen.step, chosen.projection, alpha, beta, **chosen.options
         )
         self._rows = np.zeros((1, self._engine.row_size))
         self._chronicle = Chronicle(self._engine)
