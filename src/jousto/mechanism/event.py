@@ -17,6 +17,9 @@ DIRECTIONS = ("both", "rising", "falling")
 class Event:
     """A zero crossing: the watched value passes the threshold.
 
+    `simulate` locates it in time by repeating the step with other lengths, to 1e-12 s; a value that
+    comes back within one step is not seen. Who starts at the threshold has not crossed it.
+
     Parameters
     ----------
     name : str

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 class Switched(Signal):
     """`before` until an event has happened for the first time, `after` from then on.
 
-    When that is depends on the motion, so it has no value as a function of time.
+    When that is depends on the motion, so it has no value as a function of time. In a drive both
+    signals have to agree at the event, since positions cannot jump.
 
     Parameters
     ----------
