@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import warnings
 
 import numpy as np
@@ -143,6 +144,21 @@ def test_gauges_of_strain_say_what_is_wrong(rod, solid):
     # the constants are those of the part
     assert gauge.E == pytest.approx(210e9)
     assert gauge.nu == pytest.approx(0.3)
+
+
+def test_reduced_files_keep_the_elastic_constants(rod, tmp_path):
+    rod.save(tmp_path / "rod.h5")
+    loaded = type(rod).load(tmp_path / "rod.h5")
+    np.testing.assert_array_equal(loaded.stress.elasticity, rod.stress.elasticity)
+    jm.StrainSensor("e", jm.FlexibleBody("beam", loaded), "e1.a.top")
+    # files of parts that do not know them
+    old = dataclasses.replace(rod, stress=dataclasses.replace(rod.stress, elasticity=None))
+    old.save(tmp_path / "old.h5")
+    beam = jm.FlexibleBody("beam", type(rod).load(tmp_path / "old.h5"))
+    assert sentences(jm.StrainSensor, "e", beam, "e1.a.top") == [
+        "sensor 'e': E is missing: the part of body 'beam' does not know it",
+        "sensor 'e': nu is missing: the part of body 'beam' does not know it",
+    ]
 
 
 # -- interfaces -------------------------------------------------------------------------------
