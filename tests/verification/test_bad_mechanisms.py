@@ -17,7 +17,13 @@ X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 GRAVITY = jo.Gravity((0.0, -9.81, 0.0))
 O = jo.ground["origin"]
 RUN = jo.RK4(step=1e-2)
-SOLVERS = [RUN, jo.ROS2(step=1e-2), jo.GeneralizedAlpha(step=1e-2), jo.Newmark(step=1e-2)]
+SOLVERS = [
+    RUN,
+    jo.ROS2(step=1e-2),
+    jo.GeneralizedAlpha(step=1e-2),
+    jo.Newmark(step=1e-2),
+    jo.DormandPrince(),
+]
 
 
 def bar(name, **where):
@@ -144,7 +150,7 @@ def test_drives_that_conflict_later_stop_the_run(solver):
     text = str(problem.value)
     assert "coupling 'gear' is open by" in text or "drive 'motor" in text
     assert "it contradicts 'motor a', 'motor b'; drive each motion once" in text
-    assert 0.0 < problem.value.time < 0.1
+    assert 0.0 < problem.value.time < 0.2
     assert len(problem.value.solution) > 1
 
 

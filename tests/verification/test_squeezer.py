@@ -83,6 +83,13 @@ def test_jousto_ends_in_the_published_state(model):
     assert run.residuals.max() < 1e-14
 
 
+def test_jousto_finds_its_own_steps_to_the_published_angles(model):
+    run = jo.simulate(model, squeezer.T_END, solver=jo.DormandPrince(tolerance=1e-10, output=1e-3))
+    turns = np.array([run[f"{bar} pivot angle"][-1, 0] for bar in squeezer.BARS])
+    # 1.4e-9 rad is the error of the published crank angle
+    np.testing.assert_allclose(squeezer.START + turns, squeezer.ANGLES, rtol=0, atol=3e-9)
+
+
 @pytest.mark.slow
 def test_jousto_agrees_with_the_reference_beyond_the_published_digits(model, reference):
     run = march(model, jo.RK4(step=5e-7), squeezer.T_END)
