@@ -30,6 +30,9 @@ WIDTHS = {  # pixels
     "slewing_limit.png": 1100,
     "four_bar.png": 1200,
     "spin_up.png": 1100,
+    "trolley.png": 800,
+    "work_precision.png": 700,
+    "orders.png": 1200,
     "four_bar_still.png": 500,
     "portal_frame.png": 800,
     "squeezer.png": 1100,
@@ -67,6 +70,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         for script in sorted(EXAMPLES.glob("*.py")):
             subprocess.run([sys.executable, str(script), folder], check=True)
+        subprocess.run([sys.executable, str(HERE / "orders.py"), folder], check=True)
         for name, width in WIDTHS.items():
             shrink(Path(folder) / name, HERE / name, width)
     sizes = {path.name: path.stat().st_size for path in HERE.iterdir() if path.name in WIDTHS}

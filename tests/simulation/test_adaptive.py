@@ -8,14 +8,17 @@ import signal
 import subprocess
 import sys
 import time as clock
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 import scipy.special
+from typer.testing import CliRunner
 
 import jousto as jo
+from jousto.cli import app
 from jousto.simulation import State
 from verification.mechanisms import chain, orders
 
@@ -398,6 +401,33 @@ def test_absolute_errors_that_do_not_matter_save_steps():
     fine = follow(model, 1.0, 1e-9)
     coarse = follow(model, 1.0, 1e-9, absolute=1e-4)
     assert coarse.work.steps[-1] < 0.3 * fine.work.steps[-1]
+
+
+FILE = """
+name: swing
+bodies:
+  - {name: ball, mass: 2 kg, inertia: [0.01, 0.01, 0.01], center: [0, -1, 0]}
+joints: [{type: spherical, name: pivot, a: ground.origin, b: ball.origin}]
+gravity: [0, -9.81, 0]
+simulation:
+  t_end: 0.5 s
+  solver:
+    {type: DormandPrince, tolerance: 1e-4, absolute: 1 um, first_step: 1 ms, max_step: 20 ms,
+     output: 50 ms}
+"""
+
+
+def test_a_model_file_and_the_command_line_know_it(tmp_path):
+    path = tmp_path / "swing.yaml"
+    path.write_text(FILE)
+    solver = jo.read_model(path).simulation.solver
+    assert solver == jo.DormandPrince(1e-4, 1e-6, 1e-3, 0.02, 0.05)
+    for options, tolerance in ((), 1e-4), (("--tolerance", "1e-9"), 1e-9):
+        words = ["run", str(path), "-o", str(tmp_path / "swing.h5"), "-q", *options]
+        assert CliRunner().invoke(app, words, prog_name="jousto").exit_code == 0
+        run = jo.load(tmp_path / "swing.h5")
+        assert run.attributes["solver"] == repr(replace(solver, tolerance=tolerance))
+        assert len(run) == 11
 
 
 KILLED = """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -72,6 +73,10 @@ def run(
         str | None,
         typer.Option("--t-end", metavar="TIME", help="End of the run such as 2 or '500 ms'."),
     ] = None,
+    tolerance: Annotated[
+        float | None,
+        typer.Option(metavar="SHARE", help="Choose the steps by their error, such as 1e-6."),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no summary.")] = False,
     rigid: Annotated[bool, typer.Option("--rigid", help="Make flexible bodies rigid.")] = False,
     trust: Trust = False,
@@ -95,16 +100,23 @@ def run(
                 )
             )
         end = settings.t_end
-    from jousto.simulation import describe, simulate
+    from jousto.simulation import DormandPrince, describe, simulate
 
     compiled = compile_model(file)
+    given = settings.given(compiled) if settings is not None else {}
+    if tolerance is not None:
+        solver = given.get("solver")
+        if isinstance(solver, DormandPrince):
+            given["solver"] = replace(solver, tolerance=tolerance)
+        else:
+            given["solver"] = DormandPrince(tolerance=tolerance)
     solution = simulate(
         compiled,
         end,
         path=target,
         progress=not quiet and sys.stderr.isatty(),
         model_text=file.text,
-        **(settings.given(compiled) if settings is not None else {}),
+        **given,
     )
     if not quiet:
         facts([(name, plain(value)) for name, value in describe(solution).items()])
