@@ -258,6 +258,70 @@ def test_max_step_catches_a_pulse_of_a_function():
     assert run["v"][-1, 0] == pytest.approx(10.0, rel=1e-5)
 
 
+# -- events and friction ------------------------------------------------------------------------
+
+
+def watched(stop):
+    """2 kg pushed by 5 N until 0.3 m, then pulled by 1 N."""
+    body = jo.RigidBody("block", 2.0, (1.0,) * 3)
+    slide = jo.Prismatic("slide", jo.ground["origin"], body["origin"], axis=(1, 0, 0))
+    place = jo.PositionSensor("x", body["origin"])
+    there = jo.Event("there", place, 0.3, "rising", stop, component="x")
+    push = jo.Force("push", body["origin"], (1.0, 0, 0), signal=jo.Switched(there, 5.0, -1.0))
+    faster = jo.AccelerationSensor("a", body["origin"])
+    return jo.compile(jo.Mechanism(body, slide, push, place, faster, there))
+
+
+def test_signals_switch_at_events_within_steps():
+    run = follow(watched(False), 5.0, 1e-6, 0.05)
+    t = run.time
+    t1 = np.sqrt(2 * 0.3 * 2.0 / 5.0)
+    v1 = 2.5 * t1
+    x = np.where(t < t1, 1.25 * t**2, 0.3 + v1 * (t - t1) - 0.25 * (t - t1) ** 2)
+    np.testing.assert_allclose(run["x"][:, 0], x, rtol=0, atol=1e-10)
+    # rows before the event, in the same step, know the force of before
+    np.testing.assert_allclose(run["a"][:, 0], np.where(t < t1, 2.5, -0.5), rtol=0, atol=1e-12)
+    assert run.work.steps[-1] < 25
+    assert np.abs(run.energy.error).max() < 1e-12
+
+
+def test_an_event_stops_a_run():
+    run = follow(watched(True), 5.0, 1e-6, 0.05)
+    assert run.complete
+    assert len(run) == 11  # at 0 to 0.45 s and at the event
+    assert run.time[-1] == pytest.approx(np.sqrt(0.24), abs=1e-11)
+    np.testing.assert_allclose(run.time[:-1], 0.05 * np.arange(len(run) - 1), atol=1e-15)
+
+
+def test_sticking_and_slipping_block():
+    # pulled by 3 N/s, on a spring: it slips when the pull passes what friction and spring hold
+    body = jo.RigidBody("block", 1.0, (0.1,) * 3)
+    slide = jo.Prismatic("slide", jo.ground["origin"], body["origin"], axis=(1, 0, 0))
+    model = jo.compile(
+        jo.Mechanism(
+            body,
+            slide,
+            jo.Spring("spring", slide.displacement, stiffness=100.0, free=0.0),
+            jo.JointForce("pull", slide.displacement, jo.Ramp(0.0, 10.0, 0.0, 30.0)),
+            jo.Friction("rub", slide, mu_kinetic=0.3, mu_static=0.5, law=jo.StickSlip()),
+            jo.Gravity((0, 0, -G)),
+            jo.CoordinateSensor("x", slide.displacement),
+        )
+    )
+    run = follow(model, 3.0, 1e-8, 0.01)
+    start = 0.5 * G / 3.0  # s
+    rest = run.time < start
+    assert np.abs(run["x"][rest]).max() == 0.0
+    # then 0.2 G and a rising force against a spring, until it rests again:
+    # x = (0.2 G (1 - cos w t) + 3 (t - sin(w t) / w)) / k
+    t = run.time[~rest] - start
+    moves = t < 0.25
+    x = (0.2 * G * (1 - np.cos(10 * t)) + 3.0 * (t - np.sin(10 * t) / 10)) / 100.0
+    np.testing.assert_allclose(run["x"][~rest][moves, 0], x[moves], rtol=0, atol=1e-9)
+    assert run.energy.friction[-1] > 0.1
+    assert np.abs(run.energy.error).max() < 1e-7
+
+
 # -- what cannot be done ------------------------------------------------------------------------
 
 
