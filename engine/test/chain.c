@@ -131,6 +131,38 @@ static double drift(const jo_model *m, jo_solver s)
     return worst;
 }
 
+/* the same with error control, in many calls that end in the middle of everything */
+static double followed(const jo_model *m, jo_solver s)
+{
+    jo_data *d = jo_data_new(m);
+    CHECK(d);
+    double *q = jo_data_q(d), *v = jo_data_v(d), start, worst = 0.0;
+    q[m->body[1].iq] = 1.0;
+    q[m->body[2].iq] = 2.0;
+    for (int i = 0; i < m->nv; i++) v[i] = 0.2;
+    CHECK(jo_assemble(m, d, 30, 1e-13) == JO_OK);
+    start = energy(m, d);
+    int width = jo_row_size(m), written;
+    double *rows = malloc(sizeof(double) * (size_t)width * 3);
+    long long count = 0, last = 100;
+    while (count <= last) {
+        const long long before = count;
+        CHECK(jo_follow(m, d, &s, last, 7, 3, &count, &written, rows) == JO_OK);
+        CHECK(count == before + written && written <= 3);
+        for (int i = 0; i < written; i++) {
+            const double *e = rows + i * width + 1 + m->nq + m->nv + m->nrow;
+            CHECK(fabs(rows[i * width] - (double)(before + i) * s.step) < 1e-15);
+            worst = fmax(worst, fabs(e[0] + e[1] + e[2] + e[3] + e[4] + e[5] - e[6] - start));
+            CHECK(e[7] < 1e-10 && e[8] < 1e-9);
+            for (int j = 0; j < width; j++) CHECK(isfinite(rows[i * width + j]));
+        }
+    }
+    CHECK(jo_data_counts(d)[5] > 10);
+    free(rows);
+    jo_data_free(d);
+    return worst;
+}
+
 int main(void)
 {
     make_body();
@@ -178,8 +210,10 @@ int main(void)
         {JO_ANGULAR_VELOCITY, 7, -1, -1, 10, 3, 0}, {JO_MODAL, 2, -1, -1, 13, 2 * N, 0}, {JO_REACTION, 1, -1, -1, 23, 6, 0},
         {JO_STRESS, 0, -1, -1, 29, 6, rows},
     };
+    static const double breaks[4] = {0, 0.5, 2, 5};   /* of the table and the jump */
     jo_model m;
     memset(&m, 0, sizeof m);
+    m.nbreak = 4; m.breaks = breaks;
     m.nbody = BODIES; m.nmarker = 8; m.nactive = 7; m.njoint = JOINTS; m.npair = 7; m.ncolumn = JOINTS;
     m.nblock = 5; m.nforce = 4; m.nsignal = 3; m.nsensor = 7;
     m.nq = 21 + 2 * N; m.nv = 18 + 2 * N; m.nrow = 14; m.nout = 35;
@@ -203,6 +237,24 @@ int main(void)
     CHECK(fine < coarse / 3.0 && fine < 1e-1);
     ros2.alpha = ros2.beta = 20.0;
     CHECK(drift(&m, ros2) < 1e-1);
+    jo_solver dopri = rk4;
+    dopri.method = JO_DOPRI; dopri.step = 1e-2; dopri.iterations = 10000;
+    dopri.tolerance = 1e-5;
+    coarse = followed(&m, dopri);
+    dopri.tolerance = 1e-8;
+    fine = followed(&m, dopri);
+    printf("DOPRI energy error %.2e -> %.2e J\n", coarse, fine);
+    CHECK(fine < coarse / 100.0 && fine < 1e-6);
+    dopri.iterations = 2;
+    jo_data *few = jo_data_new(&m);
+    long long count = 0;
+    int written;
+    double *row = malloc(sizeof(double) * (size_t)jo_row_size(&m));
+    CHECK(jo_assemble(&m, few, 30, 1e-13) == JO_OK);
+    CHECK(jo_follow(&m, few, &dopri, 1, 100, 1, &count, &written, row) == JO_OK && written == 1);
+    CHECK(jo_follow(&m, few, &dopri, 1, 100, 1, &count, &written, row) == JO_STEP_TOO_SMALL);
+    free(row);
+    jo_data_free(few);
 
     /* events: a position and a reaction half-way between two steps of a plain run; the reaction stops */
     const int size = jo_row_size(&m), out = size - m.nout;
