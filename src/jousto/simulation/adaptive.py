@@ -134,11 +134,11 @@ def follow(
     return 0
 
 
-def too_many_steps(engine: Engine, output: float) -> tuple[str, str]:
-    """Return why the error control cannot go on, and which body shows it."""
+def too_many_steps(engine: Engine, start: float, output: float) -> tuple[str, str]:
+    """Return why the error control cannot go on, and which body shows it; rows began at `start`."""
     body = engine.model.bodies[engine.error_index].name
     time = float(engine.time[0].real)
-    mean = (time - (engine.steps_done - 1) * output) / DormandPrince.most
+    mean = (time - start - (engine.steps_done - 1) * output) / DormandPrince.most
     if mean > 1e-12 * max(abs(time), output):
         return (
             f"it needs steps of about {mean:.2g} s, more than {DormandPrince.most} between two "

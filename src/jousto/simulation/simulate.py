@@ -456,7 +456,7 @@ def _adaptive(
         if status == EVENT:
             return stopped(engine)
         if status == STEP_TOO_SMALL:
-            return Ending(*too_many_steps(engine, plan.step))
+            return Ending(*too_many_steps(engine, plan.start + done * plan.step, plan.step))
         if status:
             return _cause(engine.model, solver, plan, engine, status)
         done += count
