@@ -36,6 +36,7 @@ WIDTHS = {  # pixels
     "four_bar_still.png": 500,
     "portal_frame.png": 800,
     "squeezer.png": 1100,
+    "belt_friction.png": 1100,
     "crane.png": 1200,
     "crane_still.png": 700,
     "robot.png": 1200,
