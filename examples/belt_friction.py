@@ -1,8 +1,8 @@
 """Stick and slip of a block on a moving belt, against the closed form.
 
-The model is ``belt_friction.yaml``. A spring k holds a block m on a belt of speed v. It sticks until
-the spring pulls with mu_static m g and slips under mu_kinetic m g until its speed is v again: with
-D = (mu_static - mu_kinetic) m g / k and w = sqrt(k / m) it sticks for 2 D / v and slips for
+The model is ``belt_friction.yaml``. A spring k holds a block m on a belt of speed v. It sticks
+until the spring pulls with mu_static m g and slips under mu_kinetic m g until its speed is v again.
+With D = (mu_static - mu_kinetic) m g / k and w = sqrt(k / m) it sticks for 2 D / v and slips for
 2 / w (pi - atan(D w / v)), between x = mu_kinetic m g / k +- sqrt(D**2 + (v / w)**2).
 """
 

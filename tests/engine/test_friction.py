@@ -138,6 +138,32 @@ def test_the_residual_holds_the_same_friction(kind, law):
     assert engine.rub[0] / before[0] > 1.05
 
 
+@pytest.mark.parametrize("law", [jo.StickSlip(), FAST, jo.Regularised(0.4)], ids=repr)
+@pytest.mark.parametrize("kind", KINDS)
+def test_newtons_matrix_knows_how_friction_follows_rates_and_multipliers(kind, law):
+    """Against complex steps of the residual."""
+    engine = jo.Engine(jo.compile(machine(kind, law=law)))
+    engine.row()  # what moves is said to slip
+    nv, rows = engine.model.nv, engine.model.permanent
+    twin = jo.Engine(engine.model, complex_scalars=True)
+    for name in jo.engine.native.STATE:
+        getattr(twin, name)[:] = getattr(engine, name)
+    wanted = np.zeros((nv, nv + rows))
+    for x, start in ((twin.v, 0), (twin.lam, nv)):
+        for j in range(nv if start == 0 else rows):
+            kept = x[j]
+            x[j] += 1e-30j
+            wanted[:, start + j] = twin.residual().imag / 1e-30
+            x[j] = kept
+    engine.residual()
+    rates = engine.newton_matrix(0.0, 1.0, 0.0)[:nv, : nv + rows]
+    np.testing.assert_allclose(rates, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
+    plain = jo.Engine(jo.compile(machine(kind, friction=False)))
+    plain.accelerations()
+    frictionless = plain.newton_matrix(0.0, 1.0, 0.0)[:nv, nv : nv + rows]
+    assert np.abs(frictionless - rates[:, nv:]).max() > 1e-3
+
+
 @pytest.mark.parametrize("law", [jo.StickSlip(), FAST], ids=repr)
 @pytest.mark.parametrize("kind", KINDS)
 def test_linearised_motion_holds_its_derivatives(kind, law):
