@@ -421,13 +421,32 @@ static int stop(const jo_model *m, jo_data *d)
     return evaluate(m, d);
 }
 
-/* what cannot hold lets go, the most overloaded first */
+/* whether friction i is to slip along its one coordinate from rest, but is accelerated against that */
+static int pushed_back(const jo_model *m, const jo_data *d, int i)
+{
+    const jo_friction *f = &m->friction[i];
+    jo_real s[2], a[6], b[6];
+    if (!f->law || sticks(m, d, f) || !d->slip[i] || count_of(f) == 2) return 0;
+    slip_velocity(m, d, f, s);
+    if (fabs(JO_RE(s[0])) > 1e-10 * m->size) return 0;
+    const jo_coordinate *c = &m->coordinate[f->coordinate];
+    const jo_coordinate_work *w = &d->coordinate[f->coordinate];
+    jo_marker_acceleration(m, d, c->a, a);
+    jo_marker_acceleration(m, d, c->b, b);
+    for (int j = 0; j < 3; j++) b[j] -= a[j];
+    const jo_real second = jo_dot3(w->along, b) + jo_dot3(w->turn_a, a + 3) + jo_dot3(w->turn_b, b + 3) + w->bias;
+    return d->slip[i] * JO_RE(arm(m, f, 0) * second) < -1e-9 * m->size;
+}
+
+/* What cannot hold lets go, the most overloaded first. Others that have just let go may be pushed back by it: they hold again.
+ * Coupled frictions seldom need more than a few rounds; the number is bounded. */
 static int release(const jo_model *m, jo_data *d)
 {
-    for (;;) {
-        int weakest = -1;
+    for (int round = 0; round < 8 + 4 * m->nfriction; round++) {
+        int weakest = -1, back = -1;
         double least = 0.0;
         for (int i = 0; i < m->nfriction; i++) {
+            if (pushed_back(m, d, i)) back = i;
             if (!sticks(m, d, &m->friction[i])) continue;
             jo_real y[2];
             held(m, d, &m->friction[i], y);
@@ -437,11 +456,13 @@ static int release(const jo_model *m, jo_data *d)
                 weakest = i;
             }
         }
-        if (weakest < 0) return JO_OK;
-        let_go(m, d, weakest);
+        if (weakest >= 0) let_go(m, d, weakest);
+        else if (back >= 0) hold(m, d, back);
+        else break;
         const int status = evaluate(m, d);
         if (status != JO_OK) return status;
     }
+    return JO_OK;
 }
 
 /* the state of friction i ends, after jo_evaluate: what sticks lets go, what slips sticks if it can, else it turns round */

@@ -273,6 +273,7 @@ void jo_joint_solve(const jo_model *m, jo_data *d);
 
 /* sensor.c */
 void jo_reaction(const jo_model *m, const jo_data *d, int joint, jo_real *y);   /* force and moment on side 1, world */
+void jo_marker_acceleration(const jo_model *m, const jo_data *d, int marker, jo_real *y);
 void jo_quaternion(jo_real *e, const jo_real *A);   /* scalar first and not negative */
 
 /* force.c */

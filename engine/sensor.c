@@ -87,6 +87,15 @@ static void marker_motion(const jo_model *m, const jo_data *d, int marker, int a
     jo_mul3(y->al, A, t);
 }
 
+/* translation and rotation (6), world, after jo_evaluate */
+void jo_marker_acceleration(const jo_model *m, const jo_data *d, int marker, jo_real *y)
+{
+    motion of;
+    marker_motion(m, d, marker, 1, &of);
+    jo_set3(y, of.a);
+    jo_set3(y + 3, of.al);
+}
+
 /* y as an observer sees it who moves and turns with o: v - v_o - om_o x r, and so on with all derivatives in its frame */
 static void observe(motion *y, const motion *o)
 {
