@@ -10,6 +10,9 @@ enum { JO_ITERATIONS = 60, JO_STAGNANT = 3 };   /* at most, and without coming n
 #define JO_AGREED 1e-12    /* relative difference of the friction and of what its reaction makes of it */
 #define JO_NEARLY 1e-6     /* the same where rounding allows no better */
 
+#define JO_REST 1e-10      /* of the size of the mechanism, 1/s: slip below this is rest */
+#define JO_HOLDS 1e-9      /* share of the static friction by which a joint may be overloaded, for round-off */
+
 #ifdef JO_COMPLEX
 #define JO_IM(x) cimag(x)
 #else
@@ -85,7 +88,7 @@ static void direction(const jo_model *m, const jo_data *d, int i, jo_real *e)
         return;
     }
     const jo_real speed = length(s[0], s[1]);
-    const int slow = !(JO_RE(speed) > 1e-10 * m->size);
+    const int slow = !(JO_RE(speed) > JO_REST * m->size);
     if (d->slip[i] && (slow || JO_RE(s[0] * old[0] + s[1] * old[1]) < 0.0)) {
         e[0] = old[0];
         e[1] = old[1];
@@ -359,20 +362,21 @@ int jo_friction_solve(const jo_model *m, jo_data *d, const jo_solver *s)
 }
 
 /* Positive while friction i keeps its state, after jo_evaluate: N or N m that it could hold more while it sticks, speed
- * along its direction, m/s, while it slips */
+ * along its direction, m/s, while it slips. Both begin a little above zero, so that round-off is no change of state. */
 jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
     jo_real y[2], collar;
     if (sticks(m, d, f)) {
-        const jo_real N = press(m, d, f, &collar);
+        const jo_real N = press(m, d, f, &collar), limit = (1.0 + JO_HOLDS) * f->data[1];
         held(m, d, f, y);
-        if (count_of(f) == 1) return f->data[1] * (arm(m, f, 0) * N + collar) - size(y[0]);
-        return f->data[1] * N - length(y[0] / arm(m, f, 0), y[1] / arm(m, f, 1));
+        if (count_of(f) == 1) return limit * (arm(m, f, 0) * N + collar) - size(y[0]);
+        return limit * N - length(y[0] / arm(m, f, 0), y[1] / arm(m, f, 1));
     }
     if (!f->law || !d->slip[i]) return 1.0;
     slip_velocity(m, d, f, y);
-    return count_of(f) == 1 ? d->slip[i] * y[0] : d->direction[2 * i] * y[0] + d->direction[2 * i + 1] * y[1];
+    const jo_real *e = d->direction + 2 * i;
+    return JO_REST * m->size + (count_of(f) == 1 ? d->slip[i] * y[0] : e[0] * y[0] + e[1] * y[1]);
 }
 
 static int evaluate(const jo_model *m, jo_data *d)
@@ -428,7 +432,7 @@ static int pushed_back(const jo_model *m, const jo_data *d, int i)
     jo_real s[2], a[6], b[6];
     if (!f->law || sticks(m, d, f) || !d->slip[i] || count_of(f) == 2) return 0;
     slip_velocity(m, d, f, s);
-    if (fabs(JO_RE(s[0])) > 1e-10 * m->size) return 0;
+    if (fabs(JO_RE(s[0])) > 2.0 * JO_REST * m->size) return 0;
     const jo_coordinate *c = &m->coordinate[f->coordinate];
     const jo_coordinate_work *w = &d->coordinate[f->coordinate];
     jo_marker_acceleration(m, d, c->a, a);

@@ -187,3 +187,22 @@ def test_a_stuck_hinge_of_a_vibrating_beam_does_not_creep():
     assert np.ptp(run["tip"][:, 1]) > 1e-3
     assert np.abs(run["angle"]).max() < 1e-12
     assert run.energy.friction[-1] < 1e-12
+
+
+def test_thirty_rubbing_hinges_of_a_flexible_chain_do_not_chatter():
+    """Let go from rest: frictions that release and hold one another settle in a few evaluations."""
+    items: list[object] = [jo.Gravity((0, -GRAVITY, 0))]
+    at = jo.ground["origin"]
+    for i in range(30):
+        body = jo.FlexibleBody(f"link {i}", rod(), position=(i, 0, 0))
+        joint = jo.Revolute(f"hinge {i}", at, body["start"], axis=(0, 0.1 * i, 1))
+        rub = jo.Friction(f"rub {i}", joint, 0.1, radius=0.02, law=jo.StickSlip())
+        items += [body, joint, rub]
+        at = body["end"]
+    engine = jo.Engine(jo.compile(jo.Mechanism(*items)))
+    solver = engine.native_solver(1, 1e-4, True)
+    engine.row()
+    for _ in range(30):
+        engine.step(solver)
+    assert engine.counts[0] < 30 * 60
+    assert engine.work[1] > 0.0

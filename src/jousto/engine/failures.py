@@ -76,6 +76,12 @@ def failure(model: Model, status: int, index: int, cause: BaseException | None =
             "stiff here; make it smoother, switch it by an event, give a larger tolerance, or take "
             "a method with a fixed step such as ROS2",
         )
+    if status == ENDLESS and index >= len(model.events):
+        return Problem(
+            f"friction '{model.frictions[index - len(model.events)].name}'",
+            "sticks and slips again and again within one step; take a smaller step, or "
+            "law=Regularised(velocity), which knows no such instants",
+        )
     if status == ENDLESS:
         name = model.events[index].name if index < len(model.events) else ""
         return Problem(
