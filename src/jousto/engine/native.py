@@ -291,7 +291,7 @@ class Engine:
             np.zeros((nv, nv)),
             np.zeros((nrow, nv)),
         )
-        moves = self._increments()
+        moves = self.increments()
         for j in range(nv):
             for x, out in ((twin.a, M), (twin.v, D)):
                 kept = x[j]
@@ -306,8 +306,8 @@ class Engine:
             twin.q[:] = kept_q
         return Tangent(M, D, K, Cq)
 
-    def _increments(self) -> NDArray[np.float64]:
-        """Return dq (nq, nv) of unit increments [dR, dtheta (body frame), dp]."""
+    def increments(self) -> NDArray[np.float64]:
+        """Return dq (nq, nv) of unit increments [dR (world), dtheta (body frame), dp]."""
         moves = np.zeros((self.model.nq, self.model.nv))
         for b in self.model.bodies:
             e0, e1, e2, e3 = self.q[b.iq + 3 : b.iq + 7].real
@@ -401,6 +401,11 @@ def displaced(model: Model, q: Scalars, increment: Scalars) -> Scalars:
         angle = np.sqrt(half @ half)
         d0, d = np.cos(angle), half * (np.sin(angle) / angle if angle != 0.0 else 1.0)
         out[body.iq + 3] = e0 * d0 - e @ d
-        out[body.iq + 4 : body.iq + 7] = e0 * d + d0 * e + np.cross(e, d)
+        cross = (
+            e[1] * d[2] - e[2] * d[1],  # numpy.cross is slow for single vectors
+            e[2] * d[0] - e[0] * d[2],
+            e[0] * d[1] - e[1] * d[0],
+        )
+        out[body.iq + 4 : body.iq + 7] = e0 * d + d0 * e + cross
         out[body.iq + 7 : body.iq + 7 + body.n] += dx[6:]
     return out

@@ -80,8 +80,8 @@ class Bending:
         for name in ("v", "a", "lam", "time", "input", "turn", "locked", "slip", "happened"):
             getattr(twin, name)[:] = getattr(engine, name)
         Cq, K = np.zeros((model.nrow, model.nv)), np.zeros((model.nv, model.nv))
-        for j, unit in enumerate(np.eye(model.nv)):
-            twin.q[:] = displaced(model, engine.q, 1j * IMAGINARY * unit)
+        for j, move in enumerate(engine.increments().T):
+            twin.q[:] = engine.q + 1j * IMAGINARY * move
             K[:, j] = twin.residual().imag / IMAGINARY
             Cq[:, j] = twin.constraints()[0].imag / IMAGINARY
         return Cq, K
