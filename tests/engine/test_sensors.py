@@ -91,7 +91,7 @@ def derivatives(request):
     # a complex step along the motion: q + i h q', v + i h a
     twin = jo.Engine(model, complex_scalars=True)
     twin.q[:] = q
-    moves = twin._increments()
+    moves = twin.increments()
     twin.q += 1j * TINY * (moves @ v)
     twin.v[:] = v + 1j * TINY * a
     twin.accelerations()

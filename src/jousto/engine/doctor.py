@@ -97,7 +97,7 @@ def doctor(mechanism: Mechanism | Model) -> Diagnosis:
     Examples
     --------
     >>> import jousto as jo
-    >>> wheel = jo.RigidBody("wheel", mass=3.0, inertia=(0.01, 0.01, 0.02))
+    >>> wheel = jo.RigidBody("wheel", 3.0, (0.01, 0.01, 0.02), angular_velocity=(0, 0, 9))
     >>> axle = jo.Revolute("axle", jo.ground["origin"], wheel["origin"], axis=(0, 0, 1))
     >>> print(jo.doctor(jo.Mechanism(wheel, axle)))
     mobility: 5 constraint rows leave 1 free motion
