@@ -402,7 +402,7 @@ def test_many_steps_are_foretold():
             arm, jo.Spherical("pivot", jo.ground["origin"], arm["start"]), jo.Gravity((0, -G, 0))
         )
     )
-    from jousto.simulation.simulate import cautions, schedule
+    from jousto.simulation.schedule import cautions, schedule
 
     solver = jo.DormandPrince()
     (sentence,) = cautions(model, solver, schedule(model, 100.0, solver))

@@ -53,7 +53,7 @@ def check(model: Model, trust: Trust = False, debug: Debug = False) -> None:
     settings = file.simulation
     if settings is not None:
         from jousto.simulation import ROS2
-        from jousto.simulation.simulate import schedule
+        from jousto.simulation.schedule import schedule
         from jousto.simulation.stability import stability_warning
 
         solver = settings.solver or ROS2()

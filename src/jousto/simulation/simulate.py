@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import logging
 import shutil
 import tempfile
 import time as clock
@@ -24,30 +23,25 @@ from jousto.engine.failures import (
     SINGULAR_JOINT,
     STEP_TOO_SMALL,
 )
-from jousto.engine.redundancy import disagreement, is_drive
-from jousto.errors import InputError, Problem, Problems, SimulationError, warn
+from jousto.engine.redundancy import is_drive
+from jousto.errors import SimulationError, warn
 from jousto.simulation.adaptive import LONGEST, follow, too_many_steps
 from jousto.simulation.events import Chronicle
 from jousto.simulation.inputs import Feed, InputFailed, connect
 from jousto.simulation.progress import Report, reporter
 from jousto.simulation.results import EVENTS, ResultsWriter
+from jousto.simulation.schedule import Schedule, cautions, schedule
 from jousto.simulation.solution import Solution
-from jousto.simulation.solver import ROS2, SOLVERS, Solver
-from jousto.simulation.spin import Spin
-from jousto.simulation.stability import friction_warning, many_steps, stability_warning
+from jousto.simulation.solver import ROS2, Solver
+from jousto.simulation.stability import stability_warning
 from jousto.simulation.state import State, put
+from jousto.simulation.watch import Contradiction, RunWatch
 
 Record = Callable[[NDArray[np.float64]], None]
 
-logger = logging.getLogger(__name__)
-
 WALL_PER_CALL = 0.1  # s between looks at the clock, the bar and Ctrl-C
 BUFFER_BYTES = 4 << 20
-MOST_STEPS = 1e12
-GAP_LIMIT = 1e-9  # of the size of the mechanism, with projection
-OPEN_LIMIT = 1e-4  # the same: where repeated rows contradict one another the run ends
 JOLT = 1e-6  # m/s or rad/s, and of the size of the mechanism: velocities that do not fit
-ENERGY_LIMIT = 0.05  # share of the exchanged energy that the balance may miss unnoticed
 
 
 class RunInterrupted(KeyboardInterrupt):
@@ -64,28 +58,6 @@ class RunFailed(SimulationError):
     def __init__(self, message: str, solution: Solution | None, *, time: float, body: str) -> None:
         super().__init__(message, time=time, body=body)
         self.solution = solution
-
-
-@dataclass(frozen=True)
-class Schedule:
-    """Steps of a run: `steps` of size `step` from `start`, a row every `every` steps.
-
-    Of an adaptive method these are the intervals between rows.
-    """
-
-    step: float
-    steps: int
-    every: int
-    start: float = 0.0
-
-    @property
-    def before(self) -> int:
-        """Steps from time 0 to the start, 0 if it does not lie on a step with a row.
-
-        Counted from 0, the instants of a continued run are those of the whole one to the last bit.
-        """
-        count = round(self.start / self.step)
-        return count if count * self.step == self.start and count % self.every == 0 else 0
 
 
 @dataclass(frozen=True)
@@ -253,7 +225,7 @@ def _run(
             f"stopped at {engine.time[0]:g} s; the results up to then are in {writer.path}",
             solution,
         ) from None
-    except (_DiskError, _Contradiction, InputFailed) as error:
+    except (_DiskError, Contradiction, InputFailed) as error:
         ending = Ending(str(error))
     except BaseException as error:
         close(f"failed: {type(error).__name__} in the progress function")
@@ -284,112 +256,9 @@ class _DiskError(Exception):
     """The results could not be written."""
 
 
-class _Contradiction(Exception):
-    """Joints, couplings or drives that repeat one another disagree."""
-
-
 def _remedy(error: OSError) -> str:
     full = error.errno in (errno.ENOSPC, errno.EDQUOT)
     return "; free some space and run again" if full else ""
-
-
-def schedule(
-    model: Any, t_end: Any, solver: Any, output_step: Any = None, start: float = 0.0
-) -> Schedule:
-    """Return the steps of a run that starts at time `start`, s.
-
-    Raises
-    ------
-    InputError
-        If the model, the solver or the times make no sense.
-    """
-    problems = Problems()
-    where = "simulate"
-    if not isinstance(model, Model):
-        kind = type(model).__name__
-        hint = (
-            "; compile it first: simulate(compile(mechanism), ...)" if kind == "Mechanism" else ""
-        )
-        problems.add(where, f"model is a {kind}, must be a Model{hint}")
-    if not isinstance(solver, SOLVERS):
-        known = ", ".join(s.__name__ for s in SOLVERS)
-        problems.add(where, f"solver is {solver!r}, must be one of {known}, e.g. ROS2(step=1e-3)")
-    times = [("t_end", t_end)] + ([] if output_step is None else [("output_step", output_step)])
-    for name, value in times:
-        if problems.array(where, name, value, ()) is not None:
-            problems.positive(where, name, float(value), "s")
-    problems.raise_if_any()
-    end = float(t_end) - start
-    if not end > 0.0:
-        raise InputError(
-            Problem(where, f"t_end = {t_end:g} s is not after the state's time, {start:.9g} s")
-        )
-    unit = end if output_step is None else float(output_step)
-    if end / min(solver.step, unit) > MOST_STEPS:
-        raise InputError(
-            Problem(
-                where,
-                f"{end:g} s in steps of {solver.step:g} s are {end / solver.step:.3g} steps, more "
-                f"than {MOST_STEPS:g}; check the units of t_end, step and output_step",
-            )
-        )
-    pieces = max(1, int(np.ceil(unit / solver.step * (1.0 - 1e-12))))
-    if solver.adaptive and output_step is not None:
-        pieces = 1  # rows are not tied to steps
-    step = unit / pieces
-    if abs(step - solver.step) <= 1e-12 * solver.step:  # round-off of the end
-        step = solver.step
-    if abs(step - solver.step) > 1e-9 * solver.step and not solver.adaptive:
-        logger.info("step shortened from %g to %g s", solver.step, step)
-    if output_step is None:
-        return Schedule(step, pieces, 1, start)
-    rows = round(end / unit)
-    if rows < 1 or abs(rows * unit - end) > 1e-9 * end:
-        raise InputError(
-            Problem(
-                where,
-                f"{_span(end, start)} is not a multiple of output_step = {unit:g} s; "
-                f"for example t_end = {start + max(rows, 1) * unit:g} s fits",
-            )
-        )
-    return Schedule(step, rows * pieces, pieces, start)
-
-
-def _span(length: float, start: float) -> str:
-    return f"t_end = {length:g} s" if start == 0.0 else f"the run of {length:g} s"
-
-
-def cautions(model: Model, solver: Solver, plan: Schedule) -> list[str]:
-    """Return what is probably wrong with a run, known before it starts."""
-    found = []
-    sentence = stability_warning(model, solver, plan.step)
-    if sentence:
-        found.append(f"the run will probably diverge: {sentence}")
-    if solver.adaptive:
-        sentence = many_steps(model, plan.step * plan.steps)
-        return [sentence] if sentence else []
-    sentence = friction_warning(model, solver, plan.step)
-    if sentence:
-        found.append(sentence)
-    for force in model.forces:
-        if force.signal < 0:
-            continue
-        signal = model.signals[force.signal]
-        if signal.kind == "harmonic" and signal.data[2] * plan.step > 0.2 * np.pi:
-            frequency = signal.data[2] / (2 * np.pi)
-            found.append(
-                f"load '{force.name}' oscillates with {frequency:.4g} Hz, the step of "
-                f"{plan.step:.3g} s does not resolve it; take {0.05 / frequency:.2g} s or less"
-            )
-        elif signal.kind == "table":
-            times = signal.data[: len(signal.data) // 2]
-            shortest = float(np.diff(times).min(initial=np.inf))
-            if shortest < plan.step:
-                found.append(
-                    f"load '{force.name}' has table points {shortest:.3g} s apart, the step of "
-                    f"{plan.step:.3g} s may jump over them; take {shortest:.2g} s or less"
-                )
-    return found
 
 
 def _loop(
@@ -510,79 +379,6 @@ def _cause(model: Model, solver: Solver, plan: Schedule, engine: Engine, status:
             sentence += f"; or the lengths do not allow what the drives ({drives}) ask for"
     what = f"body '{body}'" if body else "the motion"
     return Ending(f"{what} diverged; likely cause: {sentence}", body)
-
-
-class RunWatch:
-    """What the energy balance missed and how far the joints opened so far, in fixed memory."""
-
-    def __init__(self, model: Model, *, projected: bool) -> None:
-        self._model = model
-        self._projected = projected
-        self._first = 1 + model.nq + model.nv + model.nrow
-        self._low = np.full(7, np.inf)
-        self._high = np.full(7, -np.inf)
-        self._start: float | None = None
-        self._missed = 0.0
-        self._gap = 0.0
-        self._open: NDArray[np.float64] | None = None  # the row with the largest gap
-        self._spins = [
-            Spin(model, k) for k, b in enumerate(model.bodies) if b.n and not b.stiffening
-        ]
-
-    def see(self, rows: NDArray[np.float64]) -> None:
-        """Look at rows of the engine."""
-        if not len(rows):
-            return
-        terms = rows[:, self._first : self._first + 7]
-        balance = terms[:, :6].sum(axis=1) - terms[:, 6]
-        if self._start is None:
-            self._start = float(balance[0])
-        self._missed = max(self._missed, float(np.abs(balance - self._start).max()))
-        self._low = np.minimum(self._low, terms.min(axis=0))
-        self._high = np.maximum(self._high, terms.max(axis=0))
-        for spin in self._spins:
-            spin.see(rows)
-        gaps = rows[:, self._first + 7]
-        if gaps.max() > self._gap:
-            self._gap, self._open = float(gaps.max()), rows[int(np.argmax(gaps))].copy()
-        if self._projected and self._model.redundant:
-            limit = OPEN_LIMIT * self._model.size
-            if self._gap > limit:
-                raise _Contradiction(self._gaping(rows[int(np.argmax(gaps > limit))]))
-
-    def _gaping(self, row: NDArray[np.float64]) -> str:
-        """Return which joint is open at an instant, and why."""
-        return disagreement(self._model, row[1 : 1 + self._model.nq], float(row[0]))
-
-    def judge(self) -> None:
-        """Warn if the balance misses a noticeable share of the energy exchanged."""
-        where = f"simulate {self._model.name!r}"
-        for sentence in filter(None, (spin.sentence for spin in self._spins)):
-            warn(where, sentence)
-        exchanged = float((self._high - self._low)[:4].sum())
-        # shares of what moves only by round-off mean nothing
-        level = np.maximum(np.abs(self._high), np.abs(self._low))
-        mass = sum(float(b.mass[0]) for b in self._model.bodies)
-        weight = mass * np.abs(self._model.gravity).max()
-        small = max(
-            1e-6 * float(level[[0, 1, 3, 4, 5, 6]].max()),
-            1e-12 * float(level[2]),
-            1e-12 * float(weight) * self._model.size,
-            1e-18 * mass,  # a speed of 1 nm/s
-        )
-        if self._missed > ENERGY_LIMIT * exchanged and self._missed > small:
-            warn(
-                where,
-                f"the energy balance misses {self._missed:.3g} J of {exchanged:.3g} J exchanged "
-                f"({100 * self._missed / max(exchanged, 1e-300):.2g} %); a smaller step is more "
-                "accurate",
-            )
-        if self._projected and self._open is not None and self._gap > GAP_LIMIT * self._model.size:
-            warn(
-                where,
-                f"joints opened by up to {self._gap:.3g} (m, or rad) in spite of the projection, "
-                f"at {self._open[0]:.4g} s {self._gaping(self._open)}; take a smaller step",
-            )
 
 
 def describe(solution: Solution) -> dict[str, Any]:
