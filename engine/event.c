@@ -252,16 +252,21 @@ static int events_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
 static int frictions_switch(const jo_model *m, jo_data *d, int *chain)
 {
     const int *before = (const int *)(d->kept.state + ((char *)d->slip - d->state));
-    int any = 0, status = JO_OK;
+    const int logged = d->logged;
+    int last = -1, status = JO_OK;
     for (int i = m->nevent; i < jo_watched(m) && status == JO_OK; i++)
         if (crosses(m, d, i, d->above[i])) {
             status = jo_friction_switch(m, d, i - m->nevent);
-            any = 1;
+            last = i;
         }
-    if (!any || status != JO_OK) return status;
+    if (last < 0 || status != JO_OK) return status;
     d->restart = 1;
     for (int k = 0; k < m->nfriction && status == JO_OK; k++)
         if (d->slip[k] != before[k]) status = note(m, d, m->nevent + k, d->slip[k], chain);
+    if (d->logged == logged && status == JO_OK && ++*chain > most(m)) {   /* back in its state, again and again */
+        d->error_index = last;
+        status = JO_ENDLESS;
+    }
     return status == JO_OK ? values(m, d, d->above) : status;
 }
 
