@@ -259,8 +259,7 @@ int main(void)
     /* events: a position and a reaction half-way between two steps of a plain run; the reaction stops */
     const int size = jo_row_size(&m), out = size - m.nout;
     double *plain = calloc((size_t)(202 * (size + 3)), sizeof *plain);
-    long long count = 0;
-    int written;
+    count = 0;
     jo_data *d = jo_data_new(&m);
     CHECK(plain && jo_assemble(&m, d, 30, 1e-13) == JO_OK);
     CHECK(jo_run(&m, d, &rk4, 200, 1, &count, &written, plain) == JO_OK && written == 200);
