@@ -10,6 +10,7 @@ enum { JO_ITERATIONS = 60, JO_STAGNANT = 3 };   /* at most, and without coming n
 #define JO_AGREED 1e-12    /* relative difference of the friction and of what its reaction makes of it */
 #define JO_NEARLY 1e-6     /* the same where rounding allows no better */
 
+#define JO_PASSES 1e-7      /* of the size of the mechanism per second: a slip along two coordinates that does not stop */
 #define JO_REST 1e-10      /* of the size of the mechanism, 1/s: slip below this is rest */
 #define JO_HOLDS 1e-9      /* share of the static friction by which a joint may be overloaded, for round-off */
 
@@ -479,6 +480,14 @@ int jo_friction_switch(const jo_model *m, jo_data *d, int i)
         let_go(m, d, i);
         status = evaluate(m, d);
     } else {
+        jo_real e[2];
+        slip_velocity(m, d, f, e);
+        const jo_real speed = length(e[0], e[1]);
+        if (count_of(f) == 2 && JO_RE(speed) > JO_PASSES * m->size) {   /* it turned past rest without coming to rest */
+            for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k] / speed;
+            d->restart = 1;
+            return evaluate(m, d);
+        }
         hold(m, d, i);
         status = stop(m, d);
     }

@@ -442,3 +442,51 @@ def test_a_step_that_the_smooth_law_cannot_bear_is_said():
     limit = float(text.split("below ")[1].split(" s")[0])
     assert 0.85 * 2.785 / rate < limit < 2.785 / rate
     jo.simulate(model, 0.1, solver=jo.RK4(limit))  # warnings are errors
+
+
+@pytest.mark.parametrize("solver", [jo.RK4(4e-3), jo.ROS2(4e-3), jo.DormandPrince(1e-6)])
+def test_a_slip_that_turns_near_rest_is_not_stopped(solver):
+    """Thrown up with a slow spin: the spin goes on through the turning point.
+
+    The loss is mu N times the way, up and down 2 (v^2 / 2 g) and on, along which N = 1 N presses.
+    """
+    body = jo.RigidBody(
+        "b", 1.0, (0.1, 0.1, 0.1), velocity=(0, 0, 0.5), angular_velocity=(0, 0, 0.1)
+    )
+    joint = jo.Cylindrical("joint", jo.ground["origin"], body["origin"], (0, 0, 1))
+    rub = jo.Friction("rub", joint, 1e-4, radius=0.05, preload=1.0, law=jo.StickSlip())
+    spin = jo.RateSensor("spin", joint.angle)
+    model = jo.compile(jo.Mechanism(body, joint, rub, spin, jo.Gravity((0, 0, -9.81))))
+    run = jo.simulate(model, 0.2, solver=solver, output_step=0.02)
+    t = np.linspace(0.0, 0.2, 20001)
+    slip = np.hypot(0.5 - 9.81 * t, 0.05 * 0.1)  # friction changes the speeds by 1e-5 only
+    loss = 1e-4 * np.sum(0.5 * (slip[1:] + slip[:-1]) * np.diff(t))
+    np.testing.assert_allclose(run.energy.friction[-1], loss, rtol=2e-4)
+    assert 0.0999 < run["spin"][-1, 0] < 0.1
+
+
+def idle(kind):
+    """A joint that slips but that nothing presses, for one of three reasons."""
+    body = jo.RigidBody("b", 1.0, (0.1, 0.1, 0.1), velocity=(0, 0, 1.0 * (kind != "thrust")))
+    if kind == "thrust":
+        body = jo.RigidBody("b", 1.0, (0.1, 0.1, 0.1), angular_velocity=(0, 0, 5.0))
+        joint = jo.Revolute("joint", jo.ground["origin"], body["origin"], (0, 0, 1))
+        return body, joint, jo.Friction("rub", joint, 0.3, radius=0.05), jo.Gravity((0, 0, -9.81))
+    joint = jo.Prismatic("joint", jo.ground["origin"], body["origin"], (0, 0, 1))
+    load = jo.Torque("bend", body["origin"], (3.0, 0, 0)) if kind == "moment" else None
+    rub = jo.Friction("rub", joint, 0.3)
+    return tuple(x for x in (body, joint, rub, load) if x is not None)
+
+
+@pytest.mark.parametrize("kind", ["nothing", "moment", "thrust"])
+def test_friction_without_a_load_path_is_said(kind):
+    model = jo.compile(jo.Mechanism(*idle(kind)))
+    with pytest.warns(jo.JoustoWarning, match="'rub': took no energy.*nothing presses it"):
+        jo.simulate(model, 0.1, solver=jo.RK4(1e-3))
+
+
+def test_a_distance_of_nothing_has_no_direction():
+    body = jo.RigidBody("b", 1.0, (0.1, 0.1, 0.1))
+    distance = jo.Distance(jo.ground["origin"], body["origin"])
+    with pytest.raises(jo.InputError, match="at one point, so that their distance has no direct"):
+        jo.Mechanism(body, jo.Spring("spring", distance, stiffness=10.0))

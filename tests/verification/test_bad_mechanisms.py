@@ -1,7 +1,8 @@
 """Bad mechanisms: each ends in a sentence that names the culprit, what was found and the remedy.
 
 Every case says where it must be noticed (as a whole mechanism, at compilation, during the run) and
-the words that an engineer needs to act on. Friction without a load path is tested with friction.
+the words that an engineer needs to act on. Friction without a load path is in
+tests/engine/test_friction.py.
 """
 
 from __future__ import annotations

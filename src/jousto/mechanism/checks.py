@@ -247,6 +247,18 @@ def check_drives(problems: Problems, mechanism: Mechanism) -> None:
                 )
 
 
+def check_distances(problems: Problems, mechanism: Mechanism) -> None:
+    """Note distances between points that coincide: they have no direction."""
+    for item in (*mechanism.couplings, *mechanism.forces, *mechanism.sensors):
+        for s in coordinates_of(item):
+            if isinstance(s, Distance) and s.initial <= 1e-12 * mechanism.size:
+                problems.add(
+                    where(item),
+                    f"{s.name}: {s.a.label} and {s.b.label} are at one point, so that their "
+                    "distance has no direction; move one of them, or take a Displacement",
+                )
+
+
 def check_frictions(problems: Problems, mechanism: Mechanism) -> None:
     """Note joints with two frictions and joints that cannot stick since they are driven."""
     for i, friction in enumerate(mechanism.frictions):

@@ -144,6 +144,7 @@ class Mechanism:
         checks.check_joints(problems, self)
         checks.check_rotations(problems, self)
         checks.check_drives(problems, self)
+        checks.check_distances(problems, self)
         checks.check_frictions(problems, self)
         problems.raise_if_any()
         checks.warn_unconnected(self)

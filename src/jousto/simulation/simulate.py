@@ -243,6 +243,8 @@ def _run(
             f"only the first {EVENTS} events are in the results; watch for fewer crossings",
         )
     watch.judge()
+    if not watch.rubbed:
+        _warn_idle_friction(engine)
     if engine.counts[4] and not engine.model.redundant:
         warn(
             f"simulate {engine.model.name!r}",
@@ -250,6 +252,18 @@ def _run(
             "motion may be one of several, and the reactions there are those of least norm",
         )
     return solution
+
+
+def _warn_idle_friction(engine: Engine) -> None:
+    """Warn of frictions that slip for nothing."""
+    for i, friction in enumerate(engine.model.frictions):
+        if friction.data[0] > 0.0 and not (friction.sticks and engine.slip[i] == 0):
+            warn(
+                f"friction '{friction.name}'",
+                "took no energy: its joint does not move, or nothing presses it. Forces along the "
+                "axis of a hinge press with collar_radius only, bending moments with "
+                "bearing_length only; preload presses always",
+            )
 
 
 class _DiskError(Exception):
@@ -389,6 +403,7 @@ def describe(solution: Solution) -> dict[str, Any]:
         "end of the run (s)": float(solution.time[-1]) if len(solution) else 0.0,
         "ended": solution.attributes.get("ended", "still running or killed"),
         "solver": solution.attributes["solver"],
+        "steps": int(solution.work.steps[-1]) if len(solution) else 0,
         "wall time (s)": solution.attributes.get("wall_time", float("nan")),
         "real-time factor": solution.attributes.get("real_time_factor", float("nan")),
         "largest position residual": float(residuals.position.max(initial=0.0)),

@@ -61,6 +61,11 @@ class RunWatch:
         """Return which joint is open at an instant, and why."""
         return disagreement(self._model, row[1 : 1 + self._model.nq], float(row[0]))
 
+    @property
+    def rubbed(self) -> bool:
+        """Whether friction took energy, or nothing moved."""
+        return bool(self._high[5] > self._low[5]) or not self._high[0] > 0.0
+
     def judge(self) -> None:
         """Warn if the balance misses a noticeable share of the energy exchanged."""
         where = f"simulate {self._model.name!r}"
