@@ -294,4 +294,3 @@ def describe_result(path: Path) -> None:
         rows.append((f"sensor {name}", text))
     facts(rows)
     tell_events(solution)
-    tell_events(solution)

@@ -6,11 +6,12 @@ import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jousto.engine.compile import compile
 from jousto.engine.model import Model
 from jousto.engine.native import Engine
-from jousto.engine.redundancy import RANK, Redundancy, repeated_rows, unit_rows
+from jousto.engine.redundancy import RANK, Redundancy, is_drive, repeated_rows, unit_rows
 from jousto.errors import InputError, JoustoWarning, Problem
 from jousto.mechanism import Mechanism
 
@@ -32,8 +33,9 @@ class Diagnosis:
         cannot be assembled.
     rigid_mobility : int or None
         The same if all bodies were rigid; None where unknown.
-    moving, still : tuple of str
-        Bodies that can move and that cannot, at the initial pose.
+    moving, driven, still : tuple of str
+        Bodies that can move freely, that move only as drives say, and that cannot move, at the
+        initial pose.
     redundancy : Redundancy or None
         Rows that repeat one another.
     problems : tuple of Problem
@@ -47,6 +49,7 @@ class Diagnosis:
     mobility: int | None = None
     rigid_mobility: int | None = None
     moving: tuple[str, ...] = ()
+    driven: tuple[str, ...] = ()
     still: tuple[str, ...] = ()
     redundancy: Redundancy | None = None
     problems: tuple[Problem, ...] = ()
@@ -66,6 +69,8 @@ class Diagnosis:
             if self.rigid_mobility is not None and self.rigid_mobility != self.mobility:
                 text += f", {self.rigid_mobility} if the bodies were rigid"
             out.append(("mobility", text))
+        if self.driven:
+            out.append(("moves as driven", ", ".join(self.driven)))
         if self.still:
             out.append(("cannot move", ", ".join(self.still)))
         if self.redundancy is not None:
@@ -127,17 +132,30 @@ def _with_motions(diagnosis: Diagnosis, model: Model) -> Diagnosis:
     G = unit_rows(model, Engine(model))
     rigid = np.array([b.iv + k for b in model.bodies for k in range(6)], dtype=int)
     s = np.linalg.svd(G[:, rigid], compute_uv=False)
-    _, values, Vt = np.linalg.svd(G)
-    free = Vt[int((values > RANK).sum()) :]  # in coordinates of unit mass
-    moves = {
-        b.name: float(np.abs(free[:, b.iv : b.iv + 6 + b.n]).max(initial=0.0)) for b in model.bodies
-    }
+    drives = np.zeros(len(G), dtype=bool)
+    for joint in model.joints:
+        if is_drive(joint):
+            drives[joint.row : joint.row + joint.rows] = True
+    moving = _moving(model, G)
+    loose = _moving(model, G[~drives]) if drives.any() else moving
     return replace(
         diagnosis,
         rigid_mobility=len(rigid) - int((s > RANK).sum()),
-        moving=tuple(name for name, size in moves.items() if size > 1e-6),
-        still=tuple(name for name, size in moves.items() if size <= 1e-6),
+        moving=tuple(b.name for b in model.bodies if b.name in moving),
+        driven=tuple(b.name for b in model.bodies if b.name in loose - moving),
+        still=tuple(b.name for b in model.bodies if b.name not in loose),
     )
+
+
+def _moving(model: Model, G: NDArray[np.float64]) -> set[str]:
+    """Return the bodies that move in the null space of unit rows."""
+    _, values, Vt = np.linalg.svd(G)
+    free = Vt[int((values > RANK).sum()) :]  # in coordinates of unit mass
+    return {
+        b.name
+        for b in model.bodies
+        if np.abs(free[:, b.iv : b.iv + 6 + b.n]).max(initial=0.0) > 1e-6
+    }
 
 
 def _count(number: int, noun: str) -> str:

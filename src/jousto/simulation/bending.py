@@ -12,6 +12,7 @@ Array = NDArray[np.float64]
 IMAGINARY = 1e-30  # imaginary step: derivatives to round-off
 RANK = 1e-10  # of the largest singular value
 ITERATIONS = 40
+FAR = 1e3  # the same: lost
 CLOSE = 1e-11  # of the size of the mechanism, or rad, or the modal coordinates: converged
 
 
@@ -49,10 +50,10 @@ class Bending:
             r, c = engine.residual(), engine.constraints()[0]
             closing = -inverse @ c
             move = closing + N @ np.linalg.solve(stiffness, -N.T @ (r + K @ closing))
+            if not np.abs(move).max(initial=0.0) < FAR * self._scale(engine):
+                return False
             engine.q[:] = displaced(self._model, engine.q, move)
             engine.lam[:] -= inverse.T @ (r + K @ move)
-            if not np.isfinite(engine.q).all():
-                return False
             if np.abs(move).max(initial=0.0) <= CLOSE * self._scale(engine):
                 engine.v[:] = self._motion(engine, N, inverse, bend)[0]
                 return True

@@ -42,6 +42,10 @@ class LinearModel:
     output_names: tuple[str, ...]
     state_names: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        inputs, outputs = ", ".join(self.input_names), ", ".join(self.output_names)
+        return f"<LinearModel: {len(self.A)} states, inputs [{inputs}], outputs [{outputs}]>"
+
     @property
     def eigenvalues(self) -> Eigenvalues:
         """Eigenvalues of A, 1/s."""
@@ -77,6 +81,10 @@ class MechanismModes:
     eigenvalues: Eigenvalues
     increments: NDArray[Any]
     shapes: dict[str, NDArray[Any]]
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{f:.5g}" for f in self.frequencies[:6])
+        return f"<MechanismModes: {found}{', ...' if len(self.frequencies) > 6 else ''} Hz>"
 
 
 @dataclass(frozen=True, eq=False)

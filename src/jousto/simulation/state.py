@@ -54,6 +54,9 @@ class State:
     inputs: Mapping[str, float] | None = None
     work: Array | None = None
 
+    def __repr__(self) -> str:
+        return f"<State at {self.time:g} s: {len(self.q)} positions, {len(self.v)} velocities>"
+
 
 # further arrays of a state and what they are, in the order of the engine's rows after the sensors
 MEMORY = {
