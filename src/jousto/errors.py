@@ -158,3 +158,8 @@ def warn(where: str, message: str) -> None:
         frame = frame.f_back
         level += 1
     warnings.warn(JoustoWarning(f"{where}: {message}" if where else message), stacklevel=level)
+
+
+def count(number: int, noun: str) -> str:
+    """Return ``1 mode`` or ``2 modes``."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"

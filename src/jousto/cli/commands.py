@@ -12,7 +12,7 @@ import typer
 
 from jousto.cli.options import Debug, Model, Output, Result, Trust, app, compile_model, end_time
 from jousto.cli.terminal import command, facts, plain, progress_bar, say
-from jousto.errors import InputError, JoustoWarning, Problem
+from jousto.errors import InputError, JoustoWarning, Problem, count
 
 if TYPE_CHECKING:
     from jousto.reduction import ReducedPart
@@ -280,7 +280,6 @@ def tell_events(solution: Solution) -> None:
 
 def describe_result(path: Path) -> None:
     """Print what is in a results file."""
-    from jousto.schema.summary import count
     from jousto.simulation import describe, load
 
     solution = load(path)

@@ -11,8 +11,15 @@ from numpy.typing import NDArray
 from jousto.engine.compile import compile
 from jousto.engine.model import Model
 from jousto.engine.native import Engine
-from jousto.engine.redundancy import RANK, Redundancy, is_drive, repeated_rows, unit_rows
-from jousto.errors import InputError, JoustoWarning, Problem
+from jousto.engine.redundancy import (
+    RANK,
+    Redundancy,
+    is_drive,
+    null_space,
+    repeated_rows,
+    unit_rows,
+)
+from jousto.errors import InputError, JoustoWarning, Problem, count
 from jousto.mechanism import Mechanism
 
 LARGE = 2000  # velocity coordinates above which the moving bodies are not told apart
@@ -64,8 +71,8 @@ class Diagnosis:
         """Return names and findings for people, one pair for each line."""
         out: list[tuple[str, str]] = []
         if self.mobility is not None:
-            text = f"{_count(self.rows, 'constraint row')} leave{'s' * (self.rows == 1)} "
-            text += _count(self.mobility, "free motion")
+            text = f"{count(self.rows, 'constraint row')} leave{'s' * (self.rows == 1)} "
+            text += count(self.mobility, "free motion")
             if self.rigid_mobility is not None and self.rigid_mobility != self.mobility:
                 text += f", {self.rigid_mobility} if the bodies were rigid"
             out.append(("mobility", text))
@@ -149,14 +156,9 @@ def _with_motions(diagnosis: Diagnosis, model: Model) -> Diagnosis:
 
 def _moving(model: Model, G: NDArray[np.float64]) -> set[str]:
     """Return the bodies that move in the null space of unit rows."""
-    _, values, Vt = np.linalg.svd(G)
-    free = Vt[int((values > RANK).sum()) :]  # in coordinates of unit mass
+    free = null_space(G)  # in coordinates of unit mass
     return {
         b.name
         for b in model.bodies
         if np.abs(free[:, b.iv : b.iv + 6 + b.n]).max(initial=0.0) > 1e-6
     }
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}"

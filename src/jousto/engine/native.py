@@ -31,7 +31,7 @@ STATE = (
     *("q", "v", "a", "lam", "time", "input", "turn", "happened"),
     *("locked", "held", "slip", "direction"),
 )
-_STEP = 1e-30  # imaginary
+IMAGINARY = 1e-30  # imaginary step: derivatives to round-off
 
 
 @dataclass(frozen=True, eq=False)
@@ -295,14 +295,14 @@ class Engine:
         for j in range(nv):
             for x, out in ((twin.a, M), (twin.v, D)):
                 kept = x[j]
-                x[j] += 1j * _STEP
-                out[:, j] = twin.residual().imag / _STEP
+                x[j] += 1j * IMAGINARY
+                out[:, j] = twin.residual().imag / IMAGINARY
                 if x is twin.v:
-                    Cq[:, j] = twin.constraints()[1].imag / _STEP
+                    Cq[:, j] = twin.constraints()[1].imag / IMAGINARY
                 x[j] = kept
             kept_q = twin.q.copy()
-            twin.q += 1j * _STEP * moves[:, j]
-            K[:, j] = twin.residual().imag / _STEP
+            twin.q += 1j * IMAGINARY * moves[:, j]
+            K[:, j] = twin.residual().imag / IMAGINARY
             twin.q[:] = kept_q
         return Tangent(M, D, K, Cq)
 

@@ -120,6 +120,12 @@ def unit_rows(model: Model, engine: Engine) -> Array:
     return np.asarray(G / np.where(length > 0.0, length, 1.0)[:, None])
 
 
+def null_space(G: Array) -> Array:
+    """Return the motions (f, nv) that unit rows leave free, orthonormal."""
+    _, s, Vt = np.linalg.svd(G)
+    return np.asarray(Vt[int((s > RANK).sum()) :])
+
+
 def dependent_rows(model: Model, engine: Engine) -> Array:
     """Return an orthonormal basis Y (rows, d) of what repeats at the engine's state, Y^T Cq = 0."""
     rows = model.permanent

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeAlias
 
+from jousto.errors import count
 from jousto.mechanism import FlexibleBody
 
 if TYPE_CHECKING:
@@ -68,8 +69,3 @@ def part_facts(part: ReducedPart) -> Facts:
         ("stress", stress),
         *((str(k), str(v)) for k, v in part.provenance.items()),
     ]
-
-
-def count(number: int, noun: str) -> str:
-    """Return ``1 mode`` or ``2 modes``."""
-    return f"{number} {noun}{'' if number == 1 else 's'}"

@@ -6,14 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine import Engine, Model
-from jousto.engine.native import displaced
+from jousto.engine.native import IMAGINARY, displaced
+from jousto.simulation.linear import free_motions
 
 Array = NDArray[np.float64]
-IMAGINARY = 1e-30  # imaginary step: derivatives to round-off
-RANK = 1e-10  # of the largest singular value
 ITERATIONS = 40
-FAR = 1e3  # the same: lost
 CLOSE = 1e-11  # of the size of the mechanism, or rad, or the modal coordinates: converged
+FAR = 1e3  # the same: lost
 
 
 class Bending:
@@ -39,9 +38,7 @@ class Bending:
     def settle(self, engine: Engine) -> bool:
         """Solve at the engine's time, from its q and lam; set q and v. False: no convergence."""
         Cq, K = self._slopes(engine)
-        U, s, Vt = np.linalg.svd(Cq)
-        rank = int((s > RANK * s.max(initial=0.0)).sum())
-        N, inverse = Vt[rank:].T, (Vt[:rank].T / s[:rank]) @ U[:, :rank].T
+        N, inverse = free_motions(Cq)
         bend = np.linalg.pinv(N[self._modal])
         stiffness = N.T @ K @ N
         for _ in range(ITERATIONS):

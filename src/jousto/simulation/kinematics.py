@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.engine import Engine, Model
 from jousto.engine.native import displaced
-from jousto.engine.redundancy import RANK, repeated_rows, unit_rows
+from jousto.engine.redundancy import RANK, null_space, repeated_rows, unit_rows
 from jousto.errors import InputError, Problem, Problems, SimulationError
 from jousto.simulation.bending import Bending
 from jousto.simulation.results import DIAGNOSTICS, ResultsWriter
@@ -144,8 +144,7 @@ def _check_driven(model: Model) -> None:
             )
     problems.raise_if_any()
     Cq = unit_rows(model, Engine(model)) if model.permanent else np.zeros((0, model.nv))
-    _, s, Vt = np.linalg.svd(Cq)
-    N = Vt[int((s > RANK).sum()) :]
+    N = null_space(Cq)
     modal = [body.iv + 6 + j for body in model.bodies for j in range(body.n)]
     bending = int((np.linalg.svd(N[:, modal], compute_uv=False) > RANK).sum()) if modal else 0
     free = len(N) - bending

@@ -10,14 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine import Engine, Model
-from jousto.engine.native import displaced
+from jousto.engine.native import IMAGINARY, displaced
 from jousto.errors import InputError, Problem
 from jousto.mechanism import rotation_matrix, skew
 from jousto.simulation.state import State, put
 
 Array = NDArray[np.float64]
 Eigenvalues = NDArray[np.complex128]
-IMAGINARY = 1e-30  # imaginary step: derivatives to round-off
 RANK = 1e-10  # of the largest singular value of the scaled constraint matrix
 SYMMETRIC = 1e-8  # relative asymmetry of a stiffness that is taken as round-off
 
@@ -164,7 +163,7 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
     by_v = [_columns(rows) for rows in zip(*(slopes(none, e, still) for e in unit), strict=True)]
     by_u = [slopes(none, none, e) for e in np.eye(nu)]
     Cq, Cdot = by_q[0], by_q[1]
-    N, pseudo = _free(Cq)
+    N, pseudo = free_motions(Cq)
     P = -pseudo @ (Cdot @ N)
     # rates seen from the turning body frames
     frames, spins = np.zeros((nv, nv)), np.zeros((nv, nv))
@@ -194,7 +193,7 @@ def _columns(rows: Sequence[Array]) -> Array:
     return np.array(rows).T
 
 
-def _free(Cq: Array) -> tuple[Array, Array]:
+def free_motions(Cq: Array) -> tuple[Array, Array]:
     """Return the null space N (nv, f), orthonormal, and the pseudoinverse of Cq."""
     if not Cq.size:
         return np.eye(Cq.shape[1]), np.zeros(Cq.shape[::-1])

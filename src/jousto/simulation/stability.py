@@ -8,13 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine import Engine, Model
-from jousto.engine.native import displaced
+from jousto.engine.native import IMAGINARY, displaced
 from jousto.simulation.solver import Solver
 
 Array = NDArray[np.float64]
 Eigenvalues = NDArray[np.complex128]
 DENSE = 300  # states up to which all eigenvalues are computed
-IMAGINARY = 1e-30
 MANY_STEPS = 1e6
 DIFFERENCE = 1e-6  # relative step of the central differences
 

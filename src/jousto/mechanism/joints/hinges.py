@@ -58,25 +58,10 @@ class Revolute(AxisJoint):
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class Cylindrical(AxisJoint):
-    """The markers share an axis: 4 rows, turning about it and sliding along it are free.
-
-    ``f_a . h_b = g_a . h_b = 0``, ``f_a . d = g_a . d = 0`` (Rantalainen 2007, eq. 3.96, 3.97)
-
-    Parameters
-    ----------
-    name, a, b, as_placed
-        As for every joint; b is on the axis through a at the start.
-    axis : (3,) array_like, optional
-        Axis in the world frame at the initial pose; None for the z axis of marker a.
-    """
+class SharedAxisJoint(AxisJoint):
+    """A joint that keeps one axis for both markers, with a turn about and a way along it."""
 
     perpendicular: ClassVar[tuple[tuple[int, int], ...]] = PARALLEL
-
-    @cached_property
-    def lines(self) -> tuple[Line, ...]:
-        """No displacement along x and y of a."""
-        return held(self, "x", "y")
 
     @cached_property
     def angle(self) -> Angle:
@@ -95,7 +80,27 @@ class Cylindrical(AxisJoint):
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class Screw(AxisJoint):
+class Cylindrical(SharedAxisJoint):
+    """The markers share an axis: 4 rows, turning about it and sliding along it are free.
+
+    ``f_a . h_b = g_a . h_b = 0``, ``f_a . d = g_a . d = 0`` (Rantalainen 2007, eq. 3.96, 3.97)
+
+    Parameters
+    ----------
+    name, a, b, as_placed
+        As for every joint; b is on the axis through a at the start.
+    axis : (3,) array_like, optional
+        Axis in the world frame at the initial pose; None for the z axis of marker a.
+    """
+
+    @cached_property
+    def lines(self) -> tuple[Line, ...]:
+        """No displacement along x and y of a."""
+        return held(self, "x", "y")
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Screw(SharedAxisJoint):
     """A cylindrical joint with a thread: 5 rows, ``s - s0 = pitch (phi - phi0) / 2 pi``.
 
     Index 0 is the initial pose.
@@ -110,7 +115,6 @@ class Screw(AxisJoint):
         Axis in the world frame at the initial pose; None for the z axis of marker a.
     """
 
-    perpendicular: ClassVar[tuple[tuple[int, int], ...]] = PARALLEL
     pitch: float
 
     def __init__(
@@ -137,21 +141,6 @@ class Screw(AxisJoint):
         ratio = self.pitch / (2 * np.pi)
         offset = s.initial - ratio * phi.initial
         return (*held(self, "x", "y"), Line((s, phi), (1.0, -ratio), offset))
-
-    @cached_property
-    def angle(self) -> Angle:
-        """Turn of b against a about the axis, rad; 0 at the initial pose if `as_placed`."""
-        return free_angle(self)
-
-    @cached_property
-    def displacement(self) -> Displacement:
-        """Displacement of b along the axis, m; 0 where the origins meet."""
-        return along(self, "z", "displacement")
-
-    @property
-    def coordinates(self) -> tuple[Coordinate, ...]:
-        """The displacement and the angle."""
-        return self.displacement, self.angle
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
