@@ -1,4 +1,4 @@
-"""Commands on models, results and parts: check, run, info, plot, reduce, animate, schema."""
+"""Commands on models and results: check, run, info, plot, animate, schema."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from jousto.cli.options import Debug, Model, Output, Result, Trust, app, compile_model, end_time
+from jousto.cli.parts import describe_part
 from jousto.cli.terminal import command, facts, plain, progress_bar, say
 from jousto.errors import InputError, JoustoWarning, Problem, count
 
 if TYPE_CHECKING:
-    from jousto.reduction import ReducedPart
     from jousto.schema import ModelFile
     from jousto.simulation import Solution
 
@@ -173,32 +173,6 @@ def plot(
     say(f"plot in {target}", style="green")
 
 
-@app.command(name="reduce")
-@command
-def reduce_part(
-    part: Annotated[
-        Path, typer.Argument(metavar="PART", help="YAML file of a part, or a model file.")
-    ],
-    name: Annotated[
-        str | None, typer.Argument(metavar="[NAME]", help="Which of the model's parts.")
-    ] = None,
-    output: Output = None,
-    debug: Debug = False,
-) -> None:
-    """Reduce a part to modes; it goes to NAME.h5 next to the file unless -o says otherwise."""
-    from jousto.schema import read_part
-    from jousto.schema.targets import REDUCED_PART, output_path
-
-    # a wrong output should not cost a reduction
-    if output is not None:
-        output_path(output, part, ".h5", kind=REDUCED_PART)
-    reduced = read_part(part, name)
-    target = output_path(output, part, f"{reduced.name}.h5", kind=REDUCED_PART)
-    reduced.save(target)
-    describe_part(reduced)
-    say(f"reduced part in {target}", style="green")
-
-
 @app.command()
 @command
 def animate(
@@ -259,13 +233,6 @@ def describe_model(file: ModelFile) -> None:
     from jousto.schema.summary import model_facts
 
     facts(model_facts(file), file.mechanism.name)
-
-
-def describe_part(part: ReducedPart) -> None:
-    """Print what is in a reduced part."""
-    from jousto.schema.summary import part_facts
-
-    facts(part_facts(part), f"reduced part {part.name}")
 
 
 def tell_events(solution: Solution) -> None:
