@@ -1,8 +1,8 @@
-"""Write link_arm.step: a cast link arm with an I-section, two bosses and four holes, in millimetres.
+"""Write link_arm.step: a cast link arm with an I-section, two bosses and four holes, in mm.
 
-Run it in this folder with the extra ``cad`` installed: ``python link_arm.py``. The arm lies along x,
-its bores run along z: one of 90 mm through the boss at the origin, one of 60 mm through the boss at
-x = 1200 mm, and two of 40 mm through the web.
+Run it in this folder with the extra ``cad`` installed: ``python link_arm.py``. The arm lies along
+x, its bores run along z: one of 90 mm through the boss at the origin, one of 60 mm through the boss
+at x = 1200 mm, and two of 80 mm through the web.
 """
 
 import gmsh
