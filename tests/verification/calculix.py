@@ -1,0 +1,234 @@
+"""CalculiX (ccx) as a second opinion: write a deck, run it, read what it found.
+
+G. Dhondt and K. Wittig, CalculiX, a free three-dimensional structural finite element program. The
+deck holds the nodes with all digits that ccx reads, so that both programs solve one problem.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+PROGRAM = shutil.which("ccx")
+LIMIT = 120.0
+"""Seconds after which ccx is stopped."""
+
+needed = pytest.mark.skipif(PROGRAM is None, reason="CalculiX (ccx) is not installed")
+
+TYPES = {
+    "tetra": "C3D4",
+    "tetra10": "C3D10",
+    "wedge": "C3D6",
+    "wedge15": "C3D15",
+    "hexahedron": "C3D8",
+    "hexahedron20": "C3D20",
+}
+FACES = {  # corners of the faces P1, P2, ...
+    4: ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
+    6: ((0, 1, 2), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)),
+    8: (
+        (0, 1, 2, 3),
+        (4, 7, 6, 5),
+        (0, 4, 5, 1),
+        (1, 5, 6, 2),
+        (2, 6, 7, 3),
+        (3, 7, 4, 0),
+    ),
+}
+CORNERS = {4: 4, 10: 4, 6: 6, 15: 6, 8: 8, 20: 8}
+
+
+@dataclass(frozen=True)
+class Deck:
+    """What ccx is asked to compute: a mesh, one material, held nodes.
+
+    Parameters
+    ----------
+    mesh : Mesh or Grid
+        With ``nodes`` (nn, 3) in m and ``cells``, each of a ``kind`` and with ``nodes`` (ne, k).
+    material : Material
+        E, nu, rho.
+    fixed : sequence of int
+        Nodes, from 0, whose three displacements are zero.
+    types : mapping of str to str
+        ccx's element for a kind, where it is not that of `TYPES`.
+    """
+
+    mesh: Any
+    material: Any
+    fixed: Sequence[int] = ()
+    types: dict[str, str] = field(default_factory=dict)
+
+    def head(self) -> list[str]:
+        lines = ["*NODE, NSET=NALL"]
+        for number, (x, y, z) in enumerate(self.mesh.nodes, 1):
+            lines.append(f"{number}, {x:.12e}, {y:.12e}, {z:.12e}")
+        first = 1
+        for cells in self.mesh.cells:
+            lines.append(f"*ELEMENT, TYPE={(TYPES | self.types)[cells.kind]}, ELSET=EALL")
+            for number, nodes in enumerate(np.asarray(cells.nodes) + 1, first):
+                words = [str(n) for n in (number, *nodes)]
+                # at most 16 entries a line
+                for start in range(0, len(words), 14):
+                    more = "," if start + 14 < len(words) else ""
+                    lines.append(", ".join(words[start : start + 14]) + more)
+            first += len(cells.nodes)
+        m = self.material
+        lines += ["*MATERIAL, NAME=M", "*ELASTIC", f"{m.E:.12e}, {m.nu:.12e}"]
+        lines += ["*DENSITY", f"{m.rho:.12e}", "*SOLID SECTION, ELSET=EALL, MATERIAL=M"]
+        if len(self.fixed):
+            lines += ["*BOUNDARY"] + [f"{n + 1}, 1, 3" for n in self.fixed]
+        return lines
+
+
+def frequencies(deck: Deck, number: int = 10) -> np.ndarray:
+    """Return the lowest natural frequencies in Hz, without those of rigid motion.
+
+    ccx prints eight digits.
+    """
+    rigid = 0 if len(deck.fixed) else 6
+    steps = ["*STEP", "*FREQUENCY", str(number + rigid), "*END STEP"]
+    text = run(deck.head() + steps, ("dat",))["dat"]
+    table = text.split("E I G E N V A L U E   O U T P U T")[1].split("P A R T I C I P A T I O N")[0]
+    rows = [line.split() for line in table.splitlines() if re.match(r"\s+\d+\s+[-0-9.]+E", line)]
+    found = np.array([float(row[3]) for row in rows])
+    assert len(found) == number + rigid
+    return found[rigid:]
+
+
+def matrices(deck: Deck) -> tuple[sp.csr_array, sp.csr_array]:
+    """Return stiffness and mass (3 nn, 3 nn) of the free mesh, node after node, x, y, z."""
+    assert not len(deck.fixed)
+    steps = ["*STEP", "*FREQUENCY, SOLVER=MATRIXSTORAGE", "10", "*END STEP"]
+    out = run(deck.head() + steps, ("dof", "sti", "mas"))
+    places = []
+    for line in out["dof"].split():
+        node, direction = line.split(".")
+        places.append(3 * (int(node) - 1) + int(direction) - 1)
+    dofs = np.array(places)
+    size = 3 * len(deck.mesh.nodes)
+
+    def read(text: str) -> sp.csr_array:
+        # one triangle: row, column, value
+        table = np.array(text.split()).reshape(-1, 3)
+        i, j = (dofs[table[:, c].astype(int) - 1] for c in (0, 1))
+        value = table[:, 2].astype(float)
+        off = i != j
+        return sp.csr_array(
+            (
+                np.concatenate([value, value[off]]),
+                (np.concatenate([i, j[off]]), np.concatenate([j, i[off]])),
+            ),
+            shape=(size, size),
+        )
+
+    return read(out["sti"]), read(out["mas"])
+
+
+@dataclass(frozen=True)
+class Static:
+    """Nodal displacements (nn, 3) in m, nodal stresses (nn, 6) in Pa: xx yy zz xy yz zx."""
+
+    u: np.ndarray
+    stress: np.ndarray
+
+
+def static(
+    deck: Deck,
+    *,
+    forces: Iterable[tuple[int, Sequence[float]]] = (),
+    pressure: tuple[np.ndarray, float] | None = None,
+    spin: tuple[float, Sequence[float], Sequence[float]] | None = None,
+) -> Static:
+    """Return the response to loads.
+
+    Parameters
+    ----------
+    forces : iterable of (node, (3,) N)
+    pressure : (nodes, Pa), optional
+        On every element face all corners of which are among the nodes.
+    spin : (rad/s, point, axis), optional
+        Centrifugal load.
+    """
+    lines = deck.head() + ["*STEP", "*STATIC"]
+    rows = [
+        f"{node + 1}, {direction + 1}, {value:.12e}"
+        for node, force in forces
+        for direction, value in enumerate(force)
+        if value
+    ]
+    lines += ["*CLOAD", *rows] if rows else []
+    if pressure is not None:
+        lines += ["*DLOAD", *_pressed(deck, *pressure)]
+    if spin is not None:
+        speed, point, axis = spin
+        words = ", ".join(f"{x:.12e}" for x in (speed**2, *point, *axis))
+        lines += ["*DLOAD", f"EALL, CENTRIF, {words}"]
+    lines += ["*NODE PRINT, NSET=NALL", "U", "*NODE FILE", "U", "*EL FILE", "S", "*END STEP"]
+    out = run(lines, ("dat", "frd"))
+    nn = len(deck.mesh.nodes)
+    u = np.full((nn, 3), np.nan)
+    for line in out["dat"].splitlines():
+        words = line.split()
+        if len(words) == 4 and words[0].isdigit():
+            u[int(words[0]) - 1] = [float(w) for w in words[1:]]
+    stress = np.full((nn, 6), np.nan)
+    block = out["frd"].split("STRESS")[1].split("\n -3")[0]
+    for line in block.splitlines():
+        if line.startswith(" -1"):
+            columns = [line[13 + 12 * k : 25 + 12 * k] for k in range(6)]
+            stress[int(line[3:13]) - 1] = [float(c) for c in columns]
+    return Static(u, stress)
+
+
+def _pressed(deck: Deck, nodes: np.ndarray, value: float) -> list[str]:
+    held = {int(n) for n in nodes}
+    lines, first = [], 1
+    for cells in deck.mesh.cells:
+        array = np.asarray(cells.nodes)
+        for number, face in enumerate(FACES[CORNERS[array.shape[1]]], 1):
+            whole = np.all(np.isin(array[:, list(face)], list(held)), axis=1)
+            lines += [f"{first + e}, P{number}, {value:.12e}" for e in np.flatnonzero(whole)]
+        first += len(array)
+    assert lines, "no element face lies among the nodes"
+    return lines
+
+
+def run(lines: Sequence[str], wanted: Sequence[str]) -> dict[str, str]:
+    """Run a deck in a folder of its own and return the text of the wanted files.
+
+    Raises
+    ------
+    RuntimeError
+        ccx takes too long, fails or leaves out a file.
+    """
+    assert PROGRAM is not None
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "deck.inp").write_text("\n".join(lines) + "\n")
+        try:
+            done = subprocess.run(
+                [PROGRAM, "-i", "deck"],
+                cwd=folder,
+                capture_output=True,
+                text=True,
+                timeout=LIMIT,
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            raise RuntimeError(f"ccx did not finish within {LIMIT:g} s") from None
+        files = {suffix: Path(folder, f"deck.{suffix}") for suffix in wanted}
+        missing = [str(path.name) for path in files.values() if not path.is_file()]
+        if missing or "*ERROR" in done.stdout:
+            tail = "\n".join(done.stdout.splitlines()[-15:])
+            raise RuntimeError(f"ccx failed ({done.returncode}); missing {missing}:\n{tail}")
+        return {suffix: path.read_text() for suffix, path in files.items()}
