@@ -2,11 +2,22 @@
 
 from jousto.schema.read import (
     ModelFile,
+    PartFile,
     Simulation,
     model_schema,
     parse_model,
     read_model,
     read_part,
+    read_part_file,
 )
 
-__all__ = ["ModelFile", "Simulation", "read_model", "read_part", "model_schema", "parse_model"]
+__all__ = [
+    "ModelFile",
+    "PartFile",
+    "Simulation",
+    "model_schema",
+    "parse_model",
+    "read_model",
+    "read_part",
+    "read_part_file",
+]

@@ -117,24 +117,37 @@ class Builder:
 
     def reduced(self, loc: Loc, name: str, entry: Any) -> Any:
         """Return the ReducedPart of an entry of parts, None if anything is wrong with it."""
-        from jousto.reduction import CraigBampton, FreeFree, ReducedPart, reduce
+        from jousto.reduction import ReducedPart
 
         if entry.in_plane is not None and entry.keep is not None:
             self.note((*loc, "keep"), "give either keep or in_plane, not both")
             return None
-        reduced: Any
         if isinstance(entry, sp.ReducedEntry):
             reduced = self.make((*loc, "file"), ReducedPart.load, self.file(entry.file))
-        else:
-            part = self.part(loc, name, entry)
-            here = (*loc, "reduce")
-            craig = isinstance(entry.reduce, sp.CraigBamptonEntry)
-            kind: Any = CraigBampton if craig else FreeFree
-            method = self.make(here, kind, **entry.reduce.given())
-            if part is None or method is None:
-                return None
-            stiffening = bool(getattr(entry, "stiffening", None))
-            reduced = self.make(here, reduce, part, method, stiffening=stiffening)
+            return self.chosen(loc, entry, reduced)
+        part, method = self.part(loc, name, entry), self.method(loc, entry)
+        return self.reduction(loc, entry, part, method)
+
+    def method(self, loc: Loc, entry: Any) -> Any:
+        """Return the CraigBampton or FreeFree of an entry, None if it is wrong."""
+        from jousto.reduction import CraigBampton, FreeFree
+
+        craig = isinstance(entry.reduce, sp.CraigBamptonEntry)
+        kind: Any = CraigBampton if craig else FreeFree
+        return self.make((*loc, "reduce"), kind, **entry.reduce.given())
+
+    def reduction(self, loc: Loc, entry: Any, part: Any, method: Any) -> Any:
+        """Return the ReducedPart of a part as the entry asks for, None if anything is wrong."""
+        from jousto.reduction import reduce
+
+        if part is None or method is None:
+            return None
+        stiffening = bool(getattr(entry, "stiffening", None))
+        reduced = self.make((*loc, "reduce"), reduce, part, method, stiffening=stiffening)
+        return self.chosen(loc, entry, reduced)
+
+    def chosen(self, loc: Loc, entry: Any, reduced: Any) -> Any:
+        """Return the ReducedPart with the modes that the entry keeps."""
         if reduced is not None and entry.in_plane is not None:
             modes = reduced.in_plane(entry.in_plane)
             reduced = self.make((*loc, "in_plane"), reduced.keep, modes)

@@ -16,7 +16,7 @@ from jousto.schema.build import Builder
 from jousto.schema.document import Document, Loc, parse_document, read_document
 from jousto.schema.explain import explain
 from jousto.schema.model import ModelEntry, SimulationEntry
-from jousto.schema.parts import PartEntry
+from jousto.schema.parts import PartEntry, ReducedEntry
 
 LISTS = ("bodies", "joints", "couplings", "forces", "frictions", "sensors", "events")
 
@@ -227,6 +227,28 @@ def build_simulation(builder: Builder, entry: SimulationEntry) -> Simulation | N
 # -- parts alone and the schema -------------------------------------------------------------
 
 
+@dataclass(frozen=True, eq=False)
+class PartFile:
+    """What a file says of one part.
+
+    Parameters
+    ----------
+    name : str
+        Name of the part.
+    part : Part or None
+        The part with its mesh; None if the file names a part that was reduced before.
+    method : CraigBampton, FreeFree or None
+        How it is to be reduced.
+    reduced : ReducedPart or None
+        Its modes; None if they were not asked for.
+    """
+
+    name: str
+    part: Any
+    method: Any
+    reduced: Any
+
+
 def read_part(path: str | Path, name: str | None = None) -> Any:
     """Return the ReducedPart of a file with one part, or of one entry of a model's parts.
 
@@ -236,6 +258,24 @@ def read_part(path: str | Path, name: str | None = None) -> Any:
         YAML file whose top level is a part (``type: beam`` ...), or a model file.
     name : str, optional
         Name of the part in a model file; not needed if there is only one.
+
+    Raises
+    ------
+    InputError
+        Everything that is wrong with the part, with lines.
+    """
+    return read_part_file(path, name).reduced
+
+
+def read_part_file(path: str | Path, name: str | None = None, *, reduce: bool = True) -> PartFile:
+    """Return the part of a file, how it is to be reduced, and its modes.
+
+    Parameters
+    ----------
+    path, name
+        As in `read_part`.
+    reduce : bool
+        Whether the part is reduced; reading alone is quick.
 
     Raises
     ------
@@ -264,9 +304,19 @@ def read_part(path: str | Path, name: str | None = None) -> Any:
         entry: Any = TypeAdapter(PartEntry).validate_python(data, context=classes)
     except ValidationError as error:
         finish(document, explain(error, document, classes, prefix=loc), [])
-    reduced = builder.reduced(loc, name, entry)
+    part: Any = None
+    method: Any = None
+    reduced: Any = None
+    if isinstance(entry, ReducedEntry):
+        reduced = builder.reduced(loc, name, entry)
+    else:
+        part, method = builder.part(loc, name, entry), builder.method(loc, entry)
+        if entry.in_plane is not None and entry.keep is not None:
+            builder.note((*loc, "keep"), "give either keep or in_plane, not both")
+        elif reduce:
+            reduced = builder.reduction(loc, entry, part, method)
     finish(document, builder.found, builder.warnings)
-    return reduced
+    return PartFile(name, part, method, reduced)
 
 
 def model_schema() -> dict[str, Any]:
