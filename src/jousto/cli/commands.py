@@ -10,7 +10,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from jousto.cli.options import Debug, Model, Output, Result, Trust, app, compile_model, end_time
+from jousto.cli.options import (
+    Debug,
+    Model,
+    Output,
+    Result,
+    Trust,
+    amount,
+    app,
+    compile_model,
+    end_time,
+)
 from jousto.cli.parts import describe_part
 from jousto.cli.terminal import command, facts, plain, progress_bar, say
 from jousto.errors import InputError, JoustoWarning, Problem, count
@@ -190,16 +200,26 @@ def animate(
         list[str] | None,
         typer.Option("--trail", metavar="SENSOR", help="Position sensor that leaves a trail."),
     ] = None,
+    stress: Annotated[
+        bool, typer.Option("--stress", help="Colour solids by their von Mises stress.")
+    ] = False,
+    stress_limit: Annotated[
+        str | None,
+        typer.Option(
+            "--stress-limit", metavar="STRESS", help="Stress of the highest colour, '200 MPa'."
+        ),
+    ] = None,
     debug: Debug = False,
 ) -> None:
     """Film the motion; it goes to RESULT.gif unless -o says otherwise.
 
     The ending of the file says what is made: .gif, .mp4 or .html films, .png, .svg or .pdf
-    pictures of several instants.
+    pictures of several instants. Beams are lines, solids are surfaces.
     """
     from jousto.schema.targets import output_path
 
     target = output_path(output, result, ".gif")
+    limit = None if stress_limit is None else amount(stress_limit, "Pa", "--stress-limit")
     from jousto.output import animate as draw
     from jousto.simulation import load
 
@@ -212,6 +232,7 @@ def animate(
             scale=scale,
             view=view,
             trail=trail,
+            stress=stress if limit is None else limit,
             progress=report,
         )
     say(f"animation in {target}", style="green")

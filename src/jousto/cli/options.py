@@ -39,12 +39,17 @@ def compile_model(file: ModelFile) -> Any:
 
 def end_time(text: str) -> float:
     """Return the end time of an option, s."""
+    return amount(text, "s", "--t-end")
+
+
+def amount(text: str, unit: str, option: str) -> float:
+    """Return the positive value of an option, a number or a text such as '12 mm', in SI."""
     from jousto.schema.units import UnitError, quantity
 
     try:
-        value = quantity(text, "s")
+        value = quantity(text, unit)
     except UnitError as error:
-        raise InputError(Problem("--t-end", str(error))) from None
+        raise InputError(Problem(option, str(error))) from None
     if value <= 0:
-        raise InputError(Problem("--t-end", f"is {value:g} s, must be positive"))
+        raise InputError(Problem(option, f"is {value:g} {unit}, must be positive"))
     return value

@@ -29,6 +29,7 @@ from jousto.mechanism import (
     rotation_matrix,
     skew,
 )
+from jousto.reduction import ReducedPart
 
 Array = NDArray[np.float64]
 
@@ -213,6 +214,7 @@ def _shape(body: RigidBody | FlexibleBody) -> Shape:
             np.array(reduced.nodes, dtype=float),
             np.array(reduced.elements, dtype=np.int64),
             np.array(reduced.modes, dtype=float),
+            *_stress_at_nodes(reduced),
         )
     points = body.outline
     if points is None:  # a star from the centre of mass to the origin and the named points
@@ -222,6 +224,22 @@ def _shape(body: RigidBody | FlexibleBody) -> Shape:
         elements = np.array([[i, i + 1] for i in range(len(points) - 1)], dtype=np.int64)
     nodes = np.array(points, dtype=float)
     return Shape("rigid", nodes, elements.reshape(-1, 2), np.zeros((len(nodes), 3, 0)))
+
+
+def _stress_at_nodes(
+    reduced: ReducedPart,
+) -> tuple[NDArray[np.int64], NDArray[np.float32]] | tuple[None, None]:
+    """Return the nodes (ns,) of a surface whose stress is known, and their stress modes."""
+    if reduced.stress is None or reduced.elements.shape[1] != 3 or not len(reduced.elements):
+        return None, None
+    # stress sites of solids are nodes of the surface
+    surface = np.unique(reduced.elements)
+    places = {tuple(x): int(k) for k, x in zip(surface, reduced.nodes[surface], strict=True)}
+    nodes = np.array([places.get(tuple(x), -1) for x in reduced.stress.positions], dtype=np.int64)
+    known = nodes >= 0
+    if not known.any():
+        return None, None
+    return nodes[known], reduced.stress.modes[known].astype(np.float32)
 
 
 def _consistent(model: Model) -> Model:

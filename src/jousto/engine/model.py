@@ -230,12 +230,18 @@ class SensorModel:
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """What a body looks like, for pictures: nodes (nn, 3) m, elements, modes (nn, 3, n)."""
+    """What a body looks like, for pictures: nodes (nn, 3) m, elements, modes (nn, 3, n).
+
+    Bodies with a surface may know the stress of each mode at nodes, (ns,) and (ns, 6, n) in Pa per
+    unit modal coordinate.
+    """
 
     kind: str
     nodes: Array
     elements: NDArray[np.int64]
     modes: Array
+    stress_nodes: NDArray[np.int64] | None = None
+    stress_modes: NDArray[np.float32] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,13 +18,16 @@ from jousto.output.scene import (
     Scene,
     body_color,
     body_lines,
+    body_skin,
     line_width,
     make_scene,
     nearness,
     new_picture,
     shadow_lines,
+    skin_shadow,
 )
 from jousto.output.style import INK, MUTED, PAPER, PICTURES, blend, save, styled, target
+from jousto.output.surface import Skin, plain
 from jousto.output.view import View
 from jousto.simulation import Solution
 
@@ -47,6 +50,7 @@ def animate(
     view: View | str | None = None,
     trail: Sequence[str] | str | None = None,
     stills: int | ArrayLike = INSTANTS,
+    stress: bool | float = False,
     progress: Report | None = None,
 ) -> Path:
     """Write a film of a run, or a picture of several instants.
@@ -72,6 +76,9 @@ def animate(
         Position sensors that leave a trail.
     stills : int or (k,) array_like
         Number of instants, or instants in s, for a picture.
+    stress : bool or float
+        Whether solids are coloured by their von Mises stress; a number is the stress of the
+        highest colour in Pa, which else is the largest that is shown.
     progress : function, optional
         Called with the number of frames done and their total.
 
@@ -93,7 +100,7 @@ def animate(
     out = target(f"{run.name}.gif" if path is None else path, FILMS + PICTURES)
     suffix = out.suffix.lower().lstrip(".")
     if suffix in PICTURES:
-        return still(run, out, times=stills, scale=scale, view=view, trail=trail)
+        return still(run, out, times=stills, scale=scale, view=view, trail=trail, stress=stress)
     problems = Problems()
     problems.positive("animate", "fps", float(fps), "1/s")
     problems.positive("animate", "speed", float(speed), "")
@@ -103,7 +110,7 @@ def animate(
     fps = frame_rate(suffix, float(fps))
     times, speed = _instants(run, fps, float(speed), MOST_FRAMES[suffix])
     with styled():
-        scene = make_scene(run, times, scale=scale, view=view, trail=trail)
+        scene = make_scene(run, times, scale=scale, view=view, trail=trail, stress=stress)
         frames = _frames(scene, run.name, _note(speed, scale), fps, speed, progress)
         write_film(out, frames, len(times), fps)
     return out
@@ -117,6 +124,7 @@ def still(
     scale: float = 1.0,
     view: View | str | None = None,
     trail: Sequence[str] | str | None = None,
+    stress: bool | float = False,
 ) -> Path:
     """Write one picture with several instants over one another, the first ones pale.
 
@@ -128,7 +136,7 @@ def still(
         File to write: png, svg, pdf, jpg, webp or eps.
     times : int or (k,) array_like
         Number of instants spread over the run, or instants in s.
-    scale, view, trail
+    scale, view, trail, stress
         As for `animate`.
 
     Raises
@@ -147,7 +155,7 @@ def still(
     else:
         instants = np.sort(np.atleast_1d(np.asarray(times, dtype=np.float64)))
     with styled():
-        scene = make_scene(run, instants, scale=scale, view=view, trail=trail)
+        scene = make_scene(run, instants, scale=scale, view=view, trail=trail, stress=stress)
         figure, ax = new_picture(scene, run.name, _note(1.0, scale))
         _overlay(ax, scene)
         figure.text(
@@ -199,10 +207,18 @@ def _overlay(ax: Axes, scene: Scene) -> None:
             shadow = LineCollection(shadow_lines(scene, i), colors="#EDEFF2", linewidths=width)
             shadow.set_capstyle("round")
             ax.add_collection(shadow)
+            for k in range(len(scene.bodies)):
+                fallen = skin_shadow(scene, k, i)
+                if fallen is not None:
+                    _add_skin(ax, fallen, plain(fallen, "#EDEFF2"), 1.5)
     for i in range(count):
         share = 1.0 if count == 1 else 0.22 + 0.78 * (i / (count - 1)) ** 1.3
         bodies = body_lines(scene, i)
         for k in nearness(scene, i):
+            skin = body_skin(scene, k, i, share)
+            if skin is not None:
+                _add_skin(ax, *skin, 3.0)
+                continue
             lines, dots = bodies[k]
             color = blend(body_color(k), share)
             for edge, extra in ((PAPER, 2.0), (color, 0.0)):
@@ -220,6 +236,13 @@ def _overlay(ax: Axes, scene: Scene) -> None:
                 markeredgewidth=1.4,
                 zorder=3.1,
             )
+
+
+def _add_skin(ax: Axes, corners: Array, shades: Array, order: float) -> None:
+    skin = Skin()
+    skin.show(corners, shades)
+    skin.set_zorder(order)
+    ax.add_artist(skin)
 
 
 def _frames(
@@ -247,17 +270,28 @@ def _frames(
     trails = [LineCollection([], linewidths=1.6) for _ in scene.trails]
     for artist in (shadow, *trails):
         ax.add_collection(artist)
+    fallen = Skin()
+    ax.add_artist(fallen)
     for i, t in enumerate(scene.times):
         canvas.restore_region(background)
         if not scene.flat:
             shadow.set_segments(shadow_lines(scene, i))
             ax.draw_artist(shadow)
+            for k in range(len(scene.bodies)):
+                below = skin_shadow(scene, k, i)
+                if below is not None:
+                    fallen.show(below, plain(below, "#E3E6EA"))
+                    ax.draw_artist(fallen)
         for k, trail in enumerate(trails):
             _glow(trail, scene, k, float(t), AFTERGLOW * speed)
             ax.draw_artist(trail)
         bodies = body_lines(scene, i)
         for k in nearness(scene, i):
-            pens[k].draw(*bodies[k])
+            skin = body_skin(scene, k, i)
+            if skin is not None:
+                pens[k].fill(*skin)
+            else:
+                pens[k].draw(*bodies[k])
         clock.set_text(f"{t:.{digits}f} s")
         figure.draw_artist(clock)
         yield np.array(canvas.buffer_rgba(), dtype=np.uint8)[:, :, :3].copy()
@@ -266,11 +300,13 @@ def _frames(
 
 
 class _Pen:
-    """Draws one body again and again: a white edge, the lines, the dots at its ends."""
+    """Draws one body again and again: a white edge, the lines, the dots at its ends; a surface."""
 
     def __init__(self, ax: Axes, k: int, scene: Scene) -> None:
         width, color = line_width(scene), body_color(k)
         self.ax = ax
+        self.skin = Skin()
+        ax.add_artist(self.skin)
         self.edge = LineCollection([], colors=PAPER, linewidths=width + 2.0)
         self.line = LineCollection([], colors=color, linewidths=width)
         for lines in (self.edge, self.line):
@@ -287,6 +323,10 @@ class _Pen:
             markeredgecolor=color,
             markeredgewidth=1.4,
         )
+
+    def fill(self, corners: Array, shades: Array) -> None:
+        self.skin.show(corners, shades)
+        self.ax.draw_artist(self.skin)
 
     def draw(self, lines: list[Array], dots: Array) -> None:
         for artist in (self.edge, self.line):

@@ -1,13 +1,14 @@
-"""Bodies as smooth lines: chains of elements, drawn as splines through their nodes."""
+"""Bodies as smooth lines, splines through the nodes of their beams; solids are surfaces."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from jousto.output.surface import Surface, is_surface, make_surface
 from jousto.simulation import BodyShape
 
 Array = NDArray[np.float64]
@@ -35,10 +36,25 @@ class Chain:
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """What is drawn of a body: its chains, and the nodes that get a dot."""
+    """What is drawn of a body: its chains, and the nodes that get a dot; or its surface."""
 
     chains: tuple[Chain, ...]
     dots: Ints
+    surface: Surface | None = None
+
+
+def drawn(shape: BodyShape) -> tuple[BodyShape, Outline]:
+    """Return a body with the nodes that its picture needs, and what is drawn of it."""
+    if not is_surface(shape.elements):
+        return shape, outline(shape)
+    surface = make_surface(shape.nodes, shape.elements)
+    kept = replace(
+        shape,
+        nodes=shape.nodes[surface.nodes],
+        modes=shape.modes[surface.nodes],
+        elements=surface.triangles,
+    )
+    return kept, Outline((), np.zeros(0, dtype=np.intp), surface)
 
 
 def outline(shape: BodyShape) -> Outline:

@@ -1,4 +1,4 @@
-"""A moving mechanism as lines in a picture: the part that films and stills share."""
+"""A moving mechanism as lines and surfaces in a picture: what films and stills share."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from jousto.errors import Problems, suggest
-from jousto.output.lines import Outline, outline
+from jousto.output.lines import Outline, drawn
 from jousto.output.style import COLORS, MUTED, Picture
+from jousto.output.surface import DARKEST, DARKEST_STRESS, STRESS_COLORS, lit
 from jousto.output.view import View, choose_view
-from jousto.recovery import positions
+from jousto.recovery import positions, surface_stress
 from jousto.simulation import Solution
 
 Array = NDArray[np.float64]
@@ -23,6 +25,8 @@ Array = NDArray[np.float64]
 WIDTH = 7.2  # inch
 MARGIN = 0.07
 FLATTEST, TALLEST = 0.35, 1.0  # height of a picture by its width
+LEGEND = 0.8  # inch, room for the colours of stress
+UNKNOWN = "#B9BEC5"  # where the stress is not known
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +51,10 @@ class Scene:
         Height and spacing of the grid on the floor, m; there is none in a plane view.
     grid : tuple of (2, 2) arrays
         Its projected lines, m.
+    stress : tuple of (nt, m) arrays or None
+        Von Mises stress at the drawn nodes of each body, Pa; None where it is not shown.
+    limit : float
+        Stress of the highest colour, Pa; 0 if no stress is shown.
     """
 
     times: Array
@@ -59,6 +67,8 @@ class Scene:
     level: float
     step: float
     grid: tuple[Array, ...]
+    stress: tuple[Array | None, ...] = ()
+    limit: float = 0.0
 
     @property
     def flat(self) -> bool:
@@ -73,13 +83,15 @@ def make_scene(
     scale: float,
     view: View | str | None,
     trail: Sequence[str] | str | None,
+    stress: bool | float = False,
 ) -> Scene:
     """Return the scene of a run at some instants.
 
     Raises
     ------
     InputError
-        If there is nothing to draw, a trail is not of a position sensor, or the scale is no number.
+        If there is nothing to draw, a trail is not of a position sensor, the scale is no number,
+        or no body knows the stress that is to be shown.
     """
     problems = Problems()
     problems.positive("animate", "scale", float(scale), "")
@@ -92,9 +104,11 @@ def make_scene(
     shapes = run.bodies
     if not shapes:
         problems.add(str(run.path), "there are no bodies to draw")
+    values, limit = _stress(run, times, stress, problems)
     problems.raise_if_any()
 
-    world = [positions(run, shape, times, scale=scale) for shape in shapes]
+    pairs = [drawn(shape) for shape in shapes]
+    world = [positions(run, shape, times, scale=scale) for shape, _ in pairs]
     within = (run.time >= times[0]) & (run.time <= times[-1])
     trail_times = run.time[within]
     every = max(1, len(trail_times) // 4000)
@@ -106,9 +120,7 @@ def make_scene(
     if np.all(np.abs(np.clip(0.0, low, high)) <= size):
         low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
     chosen = choose_view(view, np.stack([low, high]), run.attributes.get("gravity"))
-    bodies = tuple(
-        (outline(shape), chosen.project(x)) for shape, x in zip(shapes, world, strict=True)
-    )
+    bodies = tuple((lines, chosen.project(x)) for (_, lines), x in zip(pairs, world, strict=True))
     trails = tuple(chosen.project(path) for path in paths)
     corners = np.stack([low, high])
     level, step, grid = (0.0, 0.0, ()) if chosen.plane else _floor(chosen, corners)
@@ -123,7 +135,39 @@ def make_scene(
         level=level,
         step=step,
         grid=grid,
+        stress=tuple(
+            None if v is None or lines.surface is None else v[:, lines.surface.nodes]
+            for v, (_, lines) in zip(values, pairs, strict=True)
+        ),
+        limit=limit,
     )
+
+
+def _stress(
+    run: Solution, times: Array, wanted: bool | float, problems: Problems
+) -> tuple[list[Array | None], float]:
+    """Return the von Mises stress (nt, nn) of each body, nan where unknown, and the top of it."""
+    shapes = run.bodies
+    if wanted is False or not shapes:
+        return [None] * len(shapes), 0.0
+    if wanted is not True:
+        problems.positive("animate", "stress", float(wanted), "Pa")
+    values: list[Array | None] = []
+    for shape in shapes:
+        found = surface_stress(run, shape.name, times)
+        if found is None:
+            values.append(None)
+            continue
+        whole = np.full((len(times), len(shape.nodes)), np.nan)
+        whole[:, found[0]] = found[1]
+        values.append(whole)
+    if all(v is None for v in values):
+        problems.add(
+            "stress", "no body of this run has a surface with stress; beams have no colours"
+        )
+        return values, 0.0
+    highest = max(float(np.nanmax(v)) for v in values if v is not None)
+    return values, float(wanted) if wanted is not True else max(highest, 1e-300)
 
 
 def _has_origin(corners: Array) -> bool:
@@ -184,6 +228,8 @@ def new_picture(
     """Return a figure with everything in it that does not move."""
     size = scene.box[1] - scene.box[0]
     left, right, bottom, top = (0.62, 0.2, 0.55, 0.5) if scene.flat else (0.15, 0.15, 0.15, 0.5)
+    edge = right
+    right += LEGEND if scene.limit else 0.0
     inner = width - left - right
     height = inner * size[1] / size[0]
     total = height + bottom + top
@@ -199,9 +245,42 @@ def new_picture(
     _origin(ax, scene)
     figure.text(left / width, 1 - 0.3 / total, title, fontsize=10.5, fontweight="bold", va="center")
     if note:
-        x = 1 - right / width
+        x = 1 - edge / width
         figure.text(x, 0.14 / total, note, color=MUTED, fontsize=8.5, ha="right", va="center")
+    if scene.limit:
+        color_bar(
+            figure, scene.limit, (1 - (LEGEND - 0.05) / width, bottom / total, height / total)
+        )
     return figure, ax
+
+
+def color_bar(
+    figure: Picture, limit: float, place: tuple[float, float, float], title: str = "von Mises"
+) -> None:
+    """Draw the colours of stress from 0 to a limit in Pa; place is left, bottom and height."""
+    left, bottom, height = place
+    height = min(height, 2.4 / figure.get_figheight())
+    ax = figure.add_axes((left, bottom, 0.13 / figure.get_figwidth(), height))
+    power, prefix = next(
+        ((p, s) for p, s in ((6, "M"), (3, "k"), (0, "")) if limit >= 10.0**p), (0, "")
+    )
+    top = limit / 10.0**power
+    ax.imshow(
+        np.linspace(0.0, 1.0, 256)[:, None],
+        cmap=STRESS_COLORS,
+        aspect="auto",
+        origin="lower",
+        extent=(0.0, 1.0, 0.0, top),
+    )
+    ax.set_xticks([])
+    ax.yaxis.tick_right()
+    ax.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
+    ax.tick_params(length=0)
+    ax.grid(False)
+    for spine in ax.spines.values():
+        spine.set_visible(False)
+    y = bottom + height + 0.08 / figure.get_figheight()
+    figure.text(left, y, f"{title}\n{prefix}Pa", color=MUTED, fontsize=8.5, va="bottom")
 
 
 def _rulers(ax: Axes, view: View) -> None:
@@ -265,6 +344,38 @@ def shadow_lines(scene: Scene, instant: int) -> list[Array]:
             world[:, up] = scene.level
             found.append(scene.view.project(world)[:, :2])
     return found
+
+
+def body_skin(scene: Scene, k: int, instant: int, share: float = 1.0) -> tuple[Array, Array] | None:
+    """Return the visible triangles of body k and their colours, None if it has no surface.
+
+    See `lit`; a share below 1 mixes the colours with white.
+    """
+    shape, x = scene.bodies[k]
+    if shape.surface is None:
+        return None
+    values = scene.stress[k] if scene.stress else None
+    if values is None:
+        colors = np.array(to_rgb(body_color(k) if not scene.limit else UNKNOWN))
+    else:
+        v = values[instant]
+        colors = np.asarray(STRESS_COLORS(np.clip(v / scene.limit, 0.0, 1.0)))[:, :3]
+        colors[np.isnan(v)] = to_rgb(UNKNOWN)
+    darkest = DARKEST if values is None else DARKEST_STRESS
+    corners, shades = lit(shape.surface, x[instant], colors, darkest)
+    if values is None:  # a pale colour would be read as another stress
+        shades[:, :, :3] = 1.0 + share * (shades[:, :, :3] - 1.0)
+    return corners, shades
+
+
+def skin_shadow(scene: Scene, k: int, instant: int) -> Array | None:
+    """Return the triangles (nt, 3, 2) of body k straight down on the floor, if it has some."""
+    shape, x = scene.bodies[k]
+    if shape.surface is None:
+        return None
+    world = x[instant] @ scene.view.axes
+    world[:, scene.view.up] = scene.level
+    return np.asarray(scene.view.project(world)[:, :2][shape.surface.triangles])
 
 
 def nearness(scene: Scene, instant: int) -> list[int]:

@@ -86,7 +86,8 @@ def positions(
 
 def _place(shape: BodyShape, q: Array, scale: float) -> Array:
     R, e, p = q[:, :3], q[:, 3:7], q[:, 7:]
-    u = shape.nodes + scale * np.einsum("kaj,tj->tka", shape.modes, p)
+    bent = p @ shape.modes.reshape(3 * len(shape.nodes), shape.n).T
+    u = shape.nodes + scale * bent.reshape(len(q), -1, 3)
     return np.asarray(R[:, None, :] + np.einsum("tab,tkb->tka", rotation_matrices(e), u))
 
 

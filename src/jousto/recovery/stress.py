@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import InputError, Problem, Problems, suggest
-from jousto.recovery.shape import find_body
+from jousto.recovery.shape import bracket, find_body
 from jousto.reduction import ReducedPart
 from jousto.simulation import Solution
 
@@ -107,6 +107,51 @@ def peak(
             time = float(run.time[start + int(at)])
             best = Peak(labels[int(site)], time, float(value[at, site]))
     return best
+
+
+def surface_stress(
+    run: Solution, body: str, times: ArrayLike | None = None
+) -> tuple[NDArray[np.int64], Array] | None:
+    """Return the von Mises stress over the surface of a solid body, for pictures.
+
+    Parameters
+    ----------
+    run : Solution
+        The results; they hold the stress of each mode with seven digits.
+    body : str
+        Name of the body.
+    times : (nt,) array_like, optional
+        Instants in s, as for `positions`; None takes every stored instant.
+
+    Returns
+    -------
+    nodes : (ns,) int array
+        Nodes whose stress is known.
+    values : (nt, ns) array
+        Pa. None instead of both if the body has no surface or no stress.
+
+    Raises
+    ------
+    InputError
+        If there is no such body, or a time is outside the run.
+    """
+    shape = find_body(run, body)
+    known = run.surface_stress(body)
+    if known is None:
+        return None
+    nodes, S = known
+    start = shape.q_offset + 7
+    p = run.q[:, start : start + shape.n]
+    if times is not None:
+        before, after, share = bracket(run, times)
+        p = (1.0 - share[:, None]) * p[before] + share[:, None] * p[after]
+    flat = S.reshape(-1, shape.n).astype(np.float64)
+    values = np.empty((len(p), len(nodes)))
+    rows = max(1, BLOCK_BYTES // (8 * max(len(flat), 1)))
+    for first in range(0, len(p), rows):
+        s = p[first : first + rows] @ flat.T
+        values[first : first + rows] = von_mises(s.reshape(len(s), -1, 6))
+    return nodes, values
 
 
 def _modes(

@@ -342,7 +342,13 @@ def _describe(
         group.attrs["q_offset"] = body.iq
         group.attrs["v_offset"] = body.iv
         group.attrs["modes"] = body.n
-        arrays = {"nodes": shape.nodes, "elements": shape.elements, "mode_shapes": shape.modes}
+        arrays: dict[str, Any] = {
+            "nodes": shape.nodes,
+            "elements": shape.elements,
+            "mode_shapes": shape.modes,
+        }
+        if shape.stress_nodes is not None and shape.stress_modes is not None:
+            arrays |= {"stress_nodes": shape.stress_nodes, "stress_modes": shape.stress_modes}
         for name, array in arrays.items():
             content = (array.shape, array.dtype.str, array.tobytes())
             if content in known:

@@ -328,6 +328,23 @@ class Solution:
                 for name, group in file["bodies"].items()
             )
 
+    def surface_stress(self, name: str) -> tuple[NDArray[np.int64], NDArray[np.float32]] | None:
+        """Return what colours the surface of a body by its stress, None if it is not known.
+
+        Returns
+        -------
+        nodes : (ns,) int array
+            Nodes of the body whose stress is known.
+        modes : (ns, 6, n) array
+            Their stress ``[s11 s22 s33 s12 s23 s13]`` in each mode, Pa per unit modal coordinate,
+            with seven digits; of the reduced part for numbers, see `jousto.recovery.stress`.
+        """
+        with self._open() as file:
+            group = file["bodies"].get(name)
+            if group is None or "stress_nodes" not in group:
+                return None
+            return np.asarray(group["stress_nodes"]), np.asarray(group["stress_modes"])
+
 
 def _plain(value: Any) -> Any:
     if isinstance(value, bytes):

@@ -1,0 +1,185 @@
+"""Bodies as shaded surfaces: triangles seen from the eye, lit, far ones first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from matplotlib.artist import Artist
+from matplotlib.colors import Colormap, LinearSegmentedColormap, to_rgb
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
+
+MOST_TRIANGLES = 24_000  # of a body in a picture; finer surfaces are thinned
+CREASE = np.cos(np.deg2rad(35.0))  # faces that meet at a larger angle have an edge there
+LIGHT = np.array([-0.35, 0.55, 0.76])  # in the picture: right, up, to the eye
+DARKEST, GLOSS = 0.5, 0.10
+DARKEST_STRESS = 0.75  # colours that mean something must be seen in the shade, too
+
+STRESS_COLORS: Colormap = LinearSegmentedColormap.from_list(
+    "stress", ("#2B4C9B", "#3E8FC6", "#63BFA8", "#B9D86B", "#F5D547", "#EE8A32", "#C7282D")
+)
+"""Colours of von Mises stress, low to high."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Outer triangles of a body.
+
+    Attributes
+    ----------
+    nodes : (m,) int array
+        The nodes of the body that the triangles use.
+    triangles : (nt, 3) int array
+        Corners, as places in `nodes`; counterclockwise seen from outside.
+    smoothing : (3 nt, nt) sparse array
+        Sums the normals of faces around each corner that meet without an edge.
+    closed : bool
+        Whether every edge has a face on either side: the back is then never seen.
+    """
+
+    nodes: Ints
+    triangles: Ints
+    smoothing: sp.csr_array
+    closed: bool
+
+
+def is_surface(elements: Any) -> bool:
+    """Return whether elements are triangles, the outer surface of a solid."""
+    found = np.asarray(elements)
+    return bool(found.ndim == 2 and found.shape[1] == 3 and len(found))
+
+
+def make_surface(nodes: Array, triangles: Any, most: int = MOST_TRIANGLES) -> Surface:
+    """Return the surface that is drawn of triangles (nt, 3) between nodes (nn, 3), m."""
+    kept = _thinned(nodes, np.asarray(triangles, dtype=np.intp), most)
+    used, corners = np.unique(kept, return_inverse=True)
+    corners = corners.reshape(-1, 3).astype(np.intp)
+    x = nodes[used]
+    normals = face_normals(x[corners])
+    # faces at the same corner, by pairs (place of the corner, face)
+    count = len(corners)
+    at_node = sp.csr_array(
+        (np.ones(3 * count), (np.repeat(np.arange(count), 3), corners.ravel())),
+        shape=(count, len(used)),
+    )
+    around = sp.coo_array((at_node[:, corners.ravel()]).T)
+    places, faces = around.coords
+    unit = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    alike = np.einsum("ij,ij->i", unit[places // 3], unit[faces]) >= CREASE
+    smoothing = sp.csr_array(
+        (np.ones(int(alike.sum())), (places[alike], faces[alike])), shape=(3 * count, count)
+    )
+    return Surface(used.astype(np.intp), corners, smoothing, _is_closed(corners))
+
+
+def face_normals(x: Array) -> Array:
+    """Return the normals (nt, 3) of triangles (nt, 3, 3), as long as twice their areas."""
+    return np.asarray(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]))
+
+
+def _is_closed(corners: Ints) -> bool:
+    """Return whether each edge is run through as often one way as the other."""
+    edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
+    size = int(corners.max()) + 1
+    there, back = edges[:, 0] * size + edges[:, 1], edges[:, 1] * size + edges[:, 0]
+    return bool(np.array_equal(np.sort(there), np.sort(back)))
+
+
+def _thinned(nodes: Array, triangles: Ints, most: int) -> Ints:
+    """Return fewer triangles: the nodes of each cell of a grid become one of them."""
+    kept = triangles
+    low, size = (
+        nodes[triangles].min(axis=(0, 1)),
+        float(np.ptp(nodes[triangles], axis=(0, 1)).max()),
+    )
+    # a surface over a grid of k cells along the longest side has some k^2 of them
+    cells = 2.0 * np.sqrt(float(most))
+    while len(kept) > most and size > 0.0:
+        cell = np.floor((nodes - low) / size * cells).astype(np.int64)
+        key = (cell[:, 0] * 1_000_003 + cell[:, 1]) * 1_000_003 + cell[:, 2]
+        used = np.unique(triangles)
+        _, first, inverse = np.unique(key[used], return_index=True, return_inverse=True)
+        place = np.arange(len(nodes))
+        place[used] = used[first][inverse]
+        kept = place[triangles]
+        a, b, c = kept.T
+        kept = kept[(a != b) & (b != c) & (a != c)]
+        # faces that fell onto one another
+        _, first = np.unique(np.sort(kept, axis=1), axis=0, return_index=True)
+        kept = kept[np.sort(first)]
+        cells *= 0.8
+    return kept
+
+
+def lit(surface: Surface, x: Array, colors: Array, darkest: float = DARKEST) -> tuple[Array, Array]:
+    """Return the visible triangles of a projected surface, the farthest first.
+
+    Parameters
+    ----------
+    surface : Surface
+    x : (m, 3) array
+        Right, up and nearness of its nodes, m.
+    colors : (3,) or (m, 3) array
+        Colour of the body or of each node, 0 to 1.
+    darkest : float
+        Share of the colour that is left in the shade.
+
+    Returns
+    -------
+    corners : (k, 3, 2) array
+        Right and up of the corners, m.
+    shades : (k, 3, 4) array
+        Their colours with shade and light.
+    """
+    triangles = surface.triangles
+    corners = x[triangles]
+    normals = face_normals(corners)
+    seen = np.flatnonzero(normals[:, 2] > 0.0) if surface.closed else np.arange(len(triangles))
+    order = seen[np.argsort(corners[seen, :, 2].mean(axis=1), kind="stable")]
+    smooth = (surface.smoothing @ normals).reshape(-1, 3, 3)[order]
+    smooth /= np.maximum(np.linalg.norm(smooth, axis=2, keepdims=True), 1e-300)
+    if not surface.closed:
+        smooth *= np.where(smooth[:, :, 2:] < 0.0, -1.0, 1.0)
+    light = LIGHT / np.linalg.norm(LIGHT)
+    facing = np.clip(smooth @ light, 0.0, 1.0)
+    shade = darkest + (1.0 - darkest) * facing
+    gloss = GLOSS * np.clip(facing, 0.0, 1.0) ** 12
+    base = np.broadcast_to(colors, (len(x), 3))[triangles[order]]
+    shades = np.ones((len(order), 3, 4))
+    shades[:, :, :3] = np.clip(base * shade[:, :, None] + gloss[:, :, None], 0.0, 1.0)
+    return corners[order, :, :2], shades
+
+
+class Skin(Artist):
+    """Triangles with a colour at each corner, drawn in their order."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.corners: Array = np.zeros((0, 3, 2))
+        self.shades: Array = np.zeros((0, 3, 4))
+
+    def show(self, corners: Array, shades: Array) -> None:
+        """Take the triangles (k, 3, 2) in data coordinates and their colours (k, 3, 4)."""
+        self.corners, self.shades = corners, shades
+        self.stale = True
+
+    def draw(self, renderer: Any) -> None:
+        """Draw onto a canvas."""
+        if not self.get_visible() or not len(self.corners):
+            return
+        axes: Any = self.axes
+        gc = renderer.new_gc()
+        self._set_gc_clip(gc)  # type: ignore[attr-defined]
+        renderer.draw_gouraud_triangles(gc, self.corners, self.shades, axes.transData.frozen())
+        gc.restore()
+        self.stale = False
+
+
+def plain(corners: Array, color: str) -> Array:
+    """Return one colour for all corners (k, 3, 4) of triangles, as of a shadow."""
+    return np.asarray(np.broadcast_to((*to_rgb(color), 1.0), (len(corners), 3, 4)))
