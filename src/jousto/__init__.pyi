@@ -235,10 +235,25 @@ from .parts import (
     IBeam as IBeam,
 )
 from .parts import (
+    InBox as InBox,
+)
+from .parts import (
+    InCylinder as InCylinder,
+)
+from .parts import (
+    InSphere as InSphere,
+)
+from .parts import (
+    Interface as Interface,
+)
+from .parts import (
     Material as Material,
 )
 from .parts import (
     Member as Member,
+)
+from .parts import (
+    Nearest as Nearest,
 )
 from .parts import (
     Part as Part,

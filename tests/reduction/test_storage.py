@@ -132,7 +132,10 @@ DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
         "not a reduced part: it names no",
     ),
     "other format": (attribute("format", "results"), "its format is 'results'"),
-    "newer": (attribute("version", 2), "version 2 of the format, this jousto reads version 1"),
+    "newer": (
+        attribute("version", 3),
+        "version 3 of the format, this jousto reads versions up to 2",
+    ),
     "no header": (delete("header"), "incomplete or damaged"),
     "bad header": (replace_dataset("header", np.zeros(5, np.uint8)), "is damaged"),
     "no modes": (delete("modes"), "modes is missing"),

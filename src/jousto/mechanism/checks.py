@@ -356,11 +356,22 @@ def check_rotations(problems: Problems, mechanism: Mechanism) -> None:
     items = (*mechanism.joints, *mechanism.couplings, *mechanism.forces, *mechanism.sensors)
     for item in (*items, *mechanism.frictions):
         for argument, marker in turning(item):
-            if isinstance(marker.body, FlexibleBody) and marker.body.reduced.rotations is None:
+            body = marker.body
+            if not isinstance(body, FlexibleBody) or marker.node is None:
+                continue
+            if body.reduced.rotation(marker.node) is None:
+                reduced = body.reduced
+                known = [] if reduced.rotation_nodes is None else list(reduced.rotation_nodes)
+                turn = [k for k, v in reduced.node_sets.items() if len(v) == 1 and v[0] in known]
+                remedy = (
+                    f"; nodes that turn are {', '.join(repr(name) for name in turn)}"
+                    if turn
+                    else "; tie a surface of the part to a node that turns, Interface(name, nodes)"
+                )
                 problems.add(
                     where(item),
                     f"{argument}: {marker.label} has no rotation mode shapes "
-                    "(three degrees of freedom per node), only translations can be used",
+                    f"(three degrees of freedom per node), only translations can be used{remedy}",
                 )
 
 

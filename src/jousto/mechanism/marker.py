@@ -87,9 +87,10 @@ class Marker:
         reduced = getattr(self.body, "reduced", None)
         if reduced is None or self.node is None:
             return np.zeros((3, 0))
-        if reduced.rotations is None:
+        turn = reduced.rotation(self.node)
+        if turn is None:
             return np.zeros((3, reduced.modes.shape[2]))
-        return np.asarray(reduced.rotations[self.node], dtype=np.float64)
+        return np.asarray(turn, dtype=np.float64)
 
     @property
     def r(self) -> Array:

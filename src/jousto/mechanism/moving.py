@@ -81,16 +81,16 @@ class MovingLoad:
             problems.add(where, f"path is {path!r}, {text}")
         elif isinstance(body, RigidBody):
             points = corners_of(problems, where, body, names)
-        elif body.reduced.rotations is None:
-            problems.add(
-                where,
-                f"body {body.name!r} knows no rotations of its nodes, so that the way between them "
-                "is unknown; use a part made of beams, or forces at its nodes",
-            )
         else:
             points = corners_of(problems, where, body, names)
             nodes = nodes_on(body, points)
             points = np.asarray(body.reduced.nodes)[list(nodes)]
+            if any(body.reduced.rotation(k) is None for k in nodes):
+                problems.add(
+                    where,
+                    f"body {body.name!r} knows no rotations of its nodes, so that the way between "
+                    "them is unknown; use a part made of beams, or forces at its nodes",
+                )
         F = problems.array(where, "vector", vector, (3,))
         s = check_signal(problems, where, "position", position)
         factor = None if signal is None else check_factor(problems, where, "signal", signal)
@@ -125,8 +125,8 @@ class MovingLoad:
         if isinstance(self.body, RigidBody):
             return readonly(position)
         reduced, nodes = self.body.reduced, list(self.nodes)
-        assert reduced.rotations is not None
-        u, theta = reduced.modes[nodes], reduced.rotations[nodes]
+        u = reduced.modes[nodes]
+        theta = np.stack([np.asarray(reduced.rotation(k)) for k in nodes])
         rise = (u[1:] - u[:-1]) / h
         # across the line the slope follows the rotations, along it the stretch is even
         along = t[:, :, None] * np.einsum("ka,kaj->kj", t, rise)[:, None, :]

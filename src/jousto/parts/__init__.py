@@ -1,10 +1,12 @@
 """Parts: what a flexible body is made of, before it is reduced."""
 
 from jousto.parts.beam import EulerBernoulli, Theory, Timoshenko
+from jousto.parts.interface import Interface, Tie
 from jousto.parts.mass import MassPoints, PointMass
 from jousto.parts.material import Material
 from jousto.parts.members import Member
 from jousto.parts.part import Part
+from jousto.parts.picks import InBox, InCylinder, InSphere, Nearest, Pick
 from jousto.parts.profiles import Box, IBeam
 from jousto.parts.section import (
     Circle,
@@ -23,16 +25,23 @@ __all__ = [
     "EulerBernoulli",
     "GeneralSection",
     "IBeam",
+    "InBox",
+    "InCylinder",
+    "InSphere",
+    "Interface",
     "MassPoints",
     "Material",
     "Member",
+    "Nearest",
     "Part",
+    "Pick",
     "PointMass",
     "Rectangle",
     "Section",
     "SectionPoint",
     "StressOperator",
     "Theory",
+    "Tie",
     "Timoshenko",
     "Tube",
     "polar_moment",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,6 +13,7 @@ from jousto.errors import InputError, Problem, Problems
 from jousto.parts._arrays import Floats, Ints, Sparse, read_only, skew, times
 from jousto.parts.beam import Theory, Timoshenko
 from jousto.parts.frame import BeamOptions, Frame, assemble, check_frame
+from jousto.parts.interface import Interface, Tie, resolve
 from jousto.parts.mass import MassPoints, PointMass
 from jousto.parts.material import Material
 from jousto.parts.matrices import check_matrices, points_from_blocks, rigid_modes
@@ -49,6 +50,11 @@ class Part:
         Stress from nodal displacements.
     second_order : SecondOrder, optional
         Second-order displacements, for geometric stiffness; parts made of beams have them.
+    interfaces : sequence of Interface
+        Surfaces tied to one node of six motions each.
+    faces : sequence of (nf, k) ndarray of int
+        Outer faces of solids by kind, k = 3, 4, 6 or 8 node indices each, corners first, then the
+        middles of the sides: averages over a surface weigh by area where they are known.
     """
 
     name: str
@@ -61,6 +67,8 @@ class Part:
     mass_points: MassPoints | None = None
     stress: StressOperator | None = None
     second_order: SecondOrder | None = None
+    interfaces: Sequence[Interface] = ()
+    faces: Sequence[Ints] = ()
 
     def __post_init__(self) -> None:
         where, problems = f"part '{self.name}'", Problems()
@@ -83,6 +91,14 @@ class Part:
                         f"{letter} has shape {matrix.shape}, must be {(ndof, ndof)} for"
                         f" {len(nodes)} nodes with {self.dofs_per_node} degrees of freedom",
                     )
+            given: Any = self.interfaces
+            interfaces = (given,) if isinstance(given, Interface) else tuple(given)
+            faces = tuple(np.asarray(group, dtype=np.int64) for group in self.faces)
+            object.__setattr__(self, "interfaces", interfaces)
+            object.__setattr__(self, "faces", faces)
+            if not problems.found:
+                ties = resolve(problems, where, interfaces, nodes, self.dofs_per_node, sets, faces)
+                object.__setattr__(self, "_ties", ties)
         problems.raise_if_any()
 
     @classmethod
@@ -313,6 +329,7 @@ class Part:
         dofs_per_node: int | None = None,
         node_sets: Mapping[str, Any] | None = None,
         elements: Any = None,
+        interfaces: Sequence[Interface] = (),
         name: str = "part",
     ) -> Part:
         """Return a part from the matrices of another program.
@@ -328,6 +345,8 @@ class Part:
         node_sets : mapping of str to node indices, optional
         elements : (ne, m) array_like of int, optional
             For drawing only.
+        interfaces : sequence of Interface
+            Surfaces tied to one node of six motions each.
         name : str
 
         Raises
@@ -358,7 +377,35 @@ class Part:
             K=stiff,
             node_sets=node_sets or {},
             mass_points=points_from_blocks(mass, xyz, dofs),
+            interfaces=interfaces,
         )
+
+    def with_interfaces(self, *interfaces: Interface) -> Part:
+        """Return the part with these interfaces in place of those it has.
+
+        Parameters
+        ----------
+        *interfaces : Interface
+
+        Raises
+        ------
+        InputError
+            If an interface has no nodes, shares some with another, or does not tie six motions.
+
+        Examples
+        --------
+        >>> from jousto.parts import Rectangle
+        >>> beam = Part.beam(1.0, Rectangle(0.1, 0.1), 2, Material(2e11, 0.3, 7850.0))
+        >>> beam.with_interfaces(Interface("tip", "end", at=(1.0, 0.2, 0.0))).ties
+        (<Tie 'tip': rigid, 1 nodes about (1, 0.2, 0) m>,)
+        """
+        return replace(self, interfaces=interfaces)
+
+    @property
+    def ties(self) -> tuple[Tie, ...]:
+        """The interfaces with their nodes, reference points and averages found."""
+        ties: tuple[Tie, ...] = self.__dict__["_ties"]
+        return ties
 
     def node(self, name: str) -> int:
         """Return the index of the node of a one-node set.

@@ -42,8 +42,8 @@ class ReducedPart:
         Named nodes, from 0.
     modes : (nn, 3, n) array
         Nodal translation of each mode, part frame, kg^-0.5.
-    rotations : (nn, 3, n) array or None
-        Nodal rotation of each mode, kg^-0.5/m; None where nodes do not rotate.
+    rotations : (nr, 3, n) array or None
+        Rotation of the nodes that turn in each mode, kg^-0.5/m; None where none does.
     frequencies : (n,) array
         Hz.
     invariants : Invariants
@@ -56,6 +56,9 @@ class ReducedPart:
         Method, versions and hash of the input.
     stiffening : Stiffening or None
         Second-order displacements: what makes forces along the body stiffen or soften it.
+    rotation_nodes : (nr,) int array or None
+        Which nodes turn, ascending: the reference nodes of the interfaces of a solid. None if all
+        do (or none does).
 
     Raises
     ------
@@ -75,6 +78,7 @@ class ReducedPart:
     interfaces: tuple[str, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
     stiffening: Stiffening | None = None
+    rotation_nodes: NDArray[np.intp] | None = None
 
     def __post_init__(self) -> None:
         where = f"reduced part '{self.name}'"
@@ -85,8 +89,19 @@ class ReducedPart:
         n = 0 if f is None else len(f)
         modes = problems.array(where, "modes", self.modes, (nn, 3, n))
         rotations = self.rotations
+        turning = self.rotation_nodes
+        if turning is not None:
+            turning = np.array(turning, dtype=np.intp)
+            if turning.ndim != 1 or np.any(np.diff(turning) <= 0):
+                problems.add(where, "rotation_nodes are not node numbers in ascending order")
+            elif len(turning) and not (0 <= turning[0] and turning[-1] < nn):
+                problems.add(where, f"rotation_nodes name nodes outside 0..{nn - 1}")
+            if rotations is None:
+                problems.add(where, "rotation_nodes are given without rotations")
+            turning.setflags(write=False)
         if rotations is not None:
-            rotations = problems.array(where, "rotations", rotations, (nn, 3, n))
+            count = nn if turning is None else len(turning)
+            rotations = problems.array(where, "rotations", rotations, (count, 3, n))
         if f is not None and n == 0:
             problems.add(where, "there are no modes; use a RigidBody")
         if f is not None and n and f.min() <= 0.0:
@@ -121,6 +136,7 @@ class ReducedPart:
         object.__setattr__(self, "node_sets", MappingProxyType(sets))
         object.__setattr__(self, "modes", modes)
         object.__setattr__(self, "rotations", rotations)
+        object.__setattr__(self, "rotation_nodes", turning)
         object.__setattr__(self, "frequencies", f)
         object.__setattr__(self, "interfaces", tuple(self.interfaces))
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
@@ -157,6 +173,23 @@ class ReducedPart:
                 Problem(where, f"node set '{name}' has {len(members)} nodes; name a single node")
             )
         return members[0]
+
+    def rotation(self, node: int) -> Array | None:
+        """Return the rotation of a node in each mode (3, n), kg^-0.5/m; None if it does not turn.
+
+        Parameters
+        ----------
+        node : int
+            Node number, from 0.
+        """
+        if self.rotations is None:
+            return None
+        if self.rotation_nodes is None:
+            return np.asarray(self.rotations[node])
+        place = int(np.searchsorted(self.rotation_nodes, node))
+        if place == len(self.rotation_nodes) or self.rotation_nodes[place] != node:
+            return None
+        return np.asarray(self.rotations[place])
 
     def keep(self, indices: Sequence[int] | NDArray[Any]) -> ReducedPart:
         """Return the part with only these modes, in the order given.

@@ -20,7 +20,8 @@ from jousto.reduction.stiffening import Stiffening
 from jousto.reduction.stress import StressModes
 
 FORMAT = "jousto reduced part"
-VERSION = 1
+VERSION = 2
+"""2 adds `rotation_nodes`; files of version 1 are read."""
 AGAIN = "reduce the part again and save it"
 
 UNITS = {
@@ -148,6 +149,8 @@ def _arrays(part: ReducedPart) -> Arrays:
     }
     if part.rotations is not None:
         arrays["rotations"] = part.rotations
+    if part.rotation_nodes is not None:
+        arrays["rotation_nodes"] = part.rotation_nodes.astype(np.int64)
     if part.stress is not None:
         arrays["stress/positions"] = part.stress.positions
         arrays["stress/axes"] = part.stress.axes
@@ -186,6 +189,7 @@ def _part(header: str, arrays: Arrays) -> ReducedPart:
         node_sets={k: tuple(v) for k, v in text["node_sets"].items()},
         modes=arrays["modes"],
         rotations=arrays.get("rotations"),
+        rotation_nodes=arrays.get("rotation_nodes"),
         frequencies=arrays["frequencies"],
         invariants=Invariants(
             float(arrays["invariants/mass"]),
@@ -208,11 +212,11 @@ def _check_version(file: h5py.File, where: str) -> None:
         shown = f"its format is {found!r}" if found is not None else "it names no format"
         raise InputError(Problem(where, f"is not a reduced part: {shown}; {AGAIN}"))
     version = file.attrs.get("version")
-    if version != VERSION:
+    if version not in range(1, VERSION + 1):
         raise InputError(
             Problem(
                 where,
-                f"has version {version} of the format, this jousto reads version {VERSION}; "
+                f"has version {version} of the format, this jousto reads versions up to {VERSION}; "
                 f"{AGAIN}",
             )
         )

@@ -1,0 +1,335 @@
+"""Interfaces: surfaces of a part tied to one node that translates and turns."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from jousto.errors import Problems, suggest, warn
+from jousto.parts._arrays import Floats, Ints, read_only, skew
+from jousto.parts.area import KINDS, area_matrix
+from jousto.parts.cylinders import cylinder_middle
+from jousto.parts.picks import Pick
+from jousto.parts.sets import read_integers
+
+LOOSE, NARROW = 1e-8, 1e-3
+"""Least ratio of the weakest to the strongest of the six motions of the tied nodes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Interface:
+    """Where a part meets its neighbours: nodes tied to a reference node of six motions.
+
+    Solids have nodes that only translate. A joint or a torque needs one that turns, and a pin
+    touches a whole bore, not a point. The reference node q = [u, theta] is tied to the nodes at
+    ``s_i`` from it in one of two ways:
+
+    * rigid (RBE2): the nodes follow it, ``u_i = u + theta x s_i``. Stiffens the surface: for bolted
+      flanges, pressed pins, and bodies much stiffer than the part.
+    * average (RBE3): it follows the nodes, ``q = (sum w_i R_i^T R_i)^-1 sum w_i R_i^T u_i`` with
+      ``R_i = [E, -s_i~]``. Adds no stiffness; forces spread as an even and linear traction: for
+      bores with play, soft bushings and loads.
+
+    Parameters
+    ----------
+    name : str
+        Name of the interface; the reduced part has its reference node under this name.
+    nodes : str, array_like of int or pick
+        Name of a node set, node indices, ``InBox``, ``InCylinder``, ``InSphere``, ``Nearest``, or
+        faces as rows of node indices (nf, k), corners first, then the middles of the sides.
+    kind : "rigid" or "average"
+    at : (3,) array_like, optional
+        Reference point in m, part frame. If not given: the middle of the axis if the nodes lie on
+        a cylinder, else their centroid.
+    weights : (k,) array_like, optional
+        Weights of the nodes in the order of `nodes`, for averages. If not given: by area
+        (``int N N^T dA``) where the faces are known, else equal.
+
+    Raises
+    ------
+    InputError
+        If the name, kind, point or weights cannot be used.
+
+    Examples
+    --------
+    >>> Interface("pin", "bore", kind="average", at=(0.0, 0.0, 0.1))
+    <Interface 'pin': average of 'bore'>
+    """
+
+    name: str
+    nodes: Any
+    kind: Literal["rigid", "average"] = "rigid"
+    at: Any = None
+    weights: Any = None
+
+    def __post_init__(self) -> None:
+        where, problems = f"interface {self.name!r}", Problems()
+        name: object = self.name
+        if not isinstance(name, str) or not name:
+            problems.add(where, f"its name is {name!r}, must be a word")
+        elif re.fullmatch(r"node\d+", name):
+            problems.add(where, "this name is kept for the node of that number; take another")
+        if self.kind not in ("rigid", "average"):
+            problems.add(
+                where,
+                f"kind is {self.kind!r}, must be 'rigid' (the nodes follow the reference node) or"
+                " 'average' (it follows the nodes)",
+            )
+        if self.at is not None:
+            object.__setattr__(self, "at", problems.array(where, "at", self.at, (3,)))
+        if self.weights is not None:
+            weights = problems.array(where, "weights", self.weights, (None,))
+            object.__setattr__(self, "weights", weights)
+            if self.kind == "rigid":
+                problems.add(where, "a rigid interface has no weights; use kind='average'")
+            elif weights is not None and (np.any(weights < 0.0) or not np.any(weights)):
+                problems.add(where, "weights must not be negative and not all zero")
+        problems.raise_if_any()
+
+    def __repr__(self) -> str:
+        shown = repr(self.nodes)
+        if not isinstance(self.nodes, str | Pick):
+            shape = np.shape(self.nodes)
+            shown = f"{shape[0]} {'faces' if len(shape) == 2 else 'nodes'}" if shape else shown
+        word = "rigid on" if self.kind == "rigid" else "average of"
+        return f"<Interface {self.name!r}: {word} {shown}>"
+
+
+@dataclass(frozen=True, eq=False)
+class Tie:
+    """An interface of a part with its nodes and reference point found.
+
+    Parameters
+    ----------
+    name : str
+    kind : "rigid" or "average"
+    nodes : (k,) ndarray of int
+        The tied nodes, ascending.
+    at : (3,) ndarray
+        The reference point in m, part frame.
+    following : (k, d, 6) ndarray
+        Motion of each node when the reference node moves rigidly with ``[u, theta]``, d its
+        degrees of freedom.
+    averaging : (6, k d) ndarray
+        Motion ``[u, theta]`` of the reference node from the nodes' displacements; of a rigid
+        motion it is exact. Its transpose are the nodal forces of a force and a moment on the
+        reference node.
+    conditioning : float
+        Weakest of the six motions of the nodes relative to the strongest: 1 for a sphere, 0 for
+        nodes on a line, small for a reference point far from the nodes.
+    by_area : bool
+        Whether nodes weigh by their share of the surface.
+    """
+
+    name: str
+    kind: Literal["rigid", "average"]
+    nodes: Ints
+    at: Floats
+    following: Floats
+    averaging: Floats
+    conditioning: float
+    by_area: bool
+
+    def __repr__(self) -> str:
+        at = ", ".join(f"{x:.6g}" for x in self.at)
+        return f"<Tie {self.name!r}: {self.kind}, {len(self.nodes)} nodes about ({at}) m>"
+
+    @property
+    def dofs(self) -> Ints:
+        """Degrees of freedom of the tied nodes (k d,), ascending."""
+        d = self.following.shape[1]
+        return np.asarray((self.nodes[:, None] * d + np.arange(d)).ravel())
+
+
+def resolve(
+    problems: Problems,
+    where: str,
+    interfaces: Sequence[Interface],
+    nodes: Floats,
+    dofs_per_node: int,
+    node_sets: Mapping[str, tuple[int, ...]],
+    faces: Sequence[Ints],
+) -> tuple[Tie, ...]:
+    """Return the ties of a part, or note everything that is wrong with its interfaces."""
+    ties: list[Tie] = []
+    owner: dict[int, str] = {}
+    names: set[str] = set()
+    for interface in interfaces:
+        given: object = interface
+        if not isinstance(given, Interface):
+            problems.add(where, f"interfaces: {given!r} is no Interface(name, nodes, ...)")
+            continue
+        label = f"{where}, interface '{interface.name}'"
+        if interface.name in names:
+            problems.add(where, f"two interfaces are named '{interface.name}'")
+        names.add(interface.name)
+        found = _nodes(problems, label, interface, nodes, node_sets)
+        if found is None:
+            continue
+        shared = next((int(i) for i in found[0] if int(i) in owner), None)
+        if shared is not None:
+            problems.add(
+                label,
+                f"node{shared + 1} is tied to interface '{owner[shared]}' already; make the picks"
+                " smaller so that they share no node",
+            )
+            continue
+        owner |= {int(i): interface.name for i in found[0]}
+        tie = _tie(problems, label, interface, *found, nodes, dofs_per_node, faces)
+        if tie is not None:
+            ties.append(tie)
+    return tuple(ties)
+
+
+def _nodes(
+    problems: Problems,
+    label: str,
+    interface: Interface,
+    nodes: Floats,
+    node_sets: Mapping[str, tuple[int, ...]],
+) -> tuple[Ints, Ints | None] | None:
+    """Return the nodes of an interface, in the order given, and its faces if it names those."""
+    value = interface.nodes
+    if isinstance(value, str):
+        if value not in node_sets:
+            problems.add(label, f"no node set '{value}'{suggest(value, node_sets)}")
+            return None
+        return np.array(node_sets[value], dtype=np.int64), None
+    if isinstance(value, Pick):
+        found = np.asarray(value.of(nodes), dtype=np.int64)
+        if not len(found):
+            low, high = nodes.min(axis=0), nodes.max(axis=0)
+            box = " to ".join("(" + ", ".join(f"{x:.4g}" for x in p) + ")" for p in (low, high))
+            problems.add(
+                label,
+                f"no node lies there; the nodes fill {box} m. Is the pick in metres and in the"
+                " part's frame?",
+            )
+            return None
+        return found, None
+    array = read_integers(value)
+    if array is None or array.ndim not in (1, 2) or not array.size:
+        problems.add(
+            label,
+            f"nodes is {value!r}, must be the name of a node set, node indices, faces or a pick"
+            " such as InBox(low, high)",
+        )
+        return None
+    outside = array[(array < 0) | (array >= len(nodes))]
+    if len(outside):
+        problems.add(label, f"names node {outside[0]}, must be an index in 0..{len(nodes) - 1}")
+        return None
+    if array.ndim == 1:
+        if len(np.unique(array)) < len(array):
+            problems.add(label, "names a node twice")
+            return None
+        return array, None
+    if array.shape[1] not in KINDS:
+        known = ", ".join(f"{k} ({kind})" for k, kind in KINDS.items())
+        problems.add(label, f"its faces have {array.shape[1]} nodes, must be {known}")
+        return None
+    return np.unique(array), array
+
+
+def _tie(
+    problems: Problems,
+    label: str,
+    interface: Interface,
+    found: Ints,
+    own_faces: Ints | None,
+    nodes: Floats,
+    d: int,
+    faces: Sequence[Ints],
+) -> Tie | None:
+    order = np.argsort(found)
+    index = found[order]
+    k, x = len(index), nodes[index]
+
+    # weights: given, by area, equal
+    by_area = False
+    if interface.weights is not None:
+        if len(interface.weights) != k:
+            problems.add(label, f"has {len(interface.weights)} weights for {k} nodes")
+            return None
+        weights = interface.weights[order]
+    else:
+        weights = np.ones(k)
+    share = _area(nodes, index, [own_faces] if own_faces is not None else faces)
+    if share is not None and interface.weights is None:
+        by_area = True
+        weights = np.asarray(share.sum(axis=1))
+
+    # the reference point
+    at = interface.at
+    if at is None:
+        at = cylinder_middle(x)
+    if at is None:
+        at = weights @ x / weights.sum()
+    s = x - at
+
+    following = np.zeros((k, d, 6))
+    following[:, :3, :3] = np.eye(3)
+    following[:, :3, 3:] = -skew(s)
+    weighted = weights[:, None, None] * following
+    if by_area:
+        assert share is not None
+        weighted[:, :3] = (share @ following[:, :3].reshape(k, 18)).reshape(k, 3, 6)
+    # rotations of rigidly tied nodes count as much as translations at the distance of the others
+    size = float(np.sqrt(weights @ np.einsum("ka,ka->k", s, s) / weights.sum()))
+    if d == 6:
+        following[:, 3:, 3:] = np.eye(3)
+        if interface.kind == "rigid":
+            arm = size**2 if size > 0.0 else 1.0
+            weighted[:, 3:, 3:] = (weights * arm)[:, None, None] * np.eye(3)
+    G = np.einsum("kda,kdb->ab", following, weighted)
+    scale = np.repeat([1.0, 1.0 / size if size > 0.0 else 1.0], 3)
+    values = np.linalg.eigvalsh(scale[:, None] * G * scale)
+    conditioning = float(np.sqrt(max(values[0], 0.0) / values[-1]))
+    if conditioning < LOOSE:
+        remedy = "pick nodes of a surface, or name the node set itself among the interfaces of the"
+        what = "one point" if np.ptp(x, axis=0).max() == 0.0 else "one line"
+        problems.add(
+            label,
+            f"its {k} node{'s'[: k != 1]} lie{'s'[: k == 1]} on {what}, so that a rotation about it"
+            f" is not tied; {remedy} reduction",
+        )
+        return None
+    if conditioning < NARROW:
+        warn(
+            label,
+            f"the {k} tied nodes lie almost on a line or far from the reference point (least motion"
+            f" {conditioning:.1e} of the largest): moments there strain the part without bounds;"
+            " pick a wider surface or move the reference point",
+        )
+    averaging = scale[:, None] * np.linalg.solve(
+        scale[:, None] * G * scale, scale[:, None] * weighted.reshape(k * d, 6).T
+    )
+    return Tie(
+        name=interface.name,
+        kind=interface.kind,
+        nodes=index,
+        at=read_only(at),
+        following=read_only(following),
+        averaging=read_only(averaging),
+        conditioning=conditioning,
+        by_area=by_area,
+    )
+
+
+def _area(nodes: Floats, index: Ints, faces: Sequence[Ints]) -> Any:
+    """Return ``int N N^T dA`` (k, k) over the faces among the nodes; None if one has no face."""
+    inside = np.zeros(len(nodes), dtype=bool)
+    inside[index] = True
+    chosen = [group[np.all(inside[group], axis=1)] for group in faces if len(group)]
+    covered = np.zeros(len(nodes), dtype=bool)
+    for group in chosen:
+        covered[group] = True
+    if not np.all(covered[index]):
+        return None
+    local = np.zeros(len(nodes), dtype=np.int64)
+    local[index] = np.arange(len(index))
+    return area_matrix(nodes[index], [local[group] for group in chosen])
