@@ -256,6 +256,9 @@ from .parts import (
     Nearest as Nearest,
 )
 from .parts import (
+    Orthotropic as Orthotropic,
+)
+from .parts import (
     Part as Part,
 )
 from .parts import (
@@ -272,6 +275,12 @@ from .parts import (
 )
 from .parts import (
     Tube as Tube,
+)
+from .parts import (
+    material as material,
+)
+from .parts import (
+    materials as materials,
 )
 from .reduction import (
     CraigBampton as CraigBampton,

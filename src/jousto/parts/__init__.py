@@ -2,9 +2,11 @@
 
 from jousto.parts.beam import EulerBernoulli, Theory, Timoshenko
 from jousto.parts.interface import Interface, Tie
+from jousto.parts.library import material, materials
 from jousto.parts.mass import MassPoints, PointMass
 from jousto.parts.material import Material
 from jousto.parts.members import Member
+from jousto.parts.orthotropic import Orthotropic
 from jousto.parts.part import Part
 from jousto.parts.picks import InBox, InCylinder, InSphere, Nearest, Pick
 from jousto.parts.profiles import Box, IBeam
@@ -33,6 +35,7 @@ __all__ = [
     "Material",
     "Member",
     "Nearest",
+    "Orthotropic",
     "Part",
     "Pick",
     "PointMass",
@@ -44,5 +47,7 @@ __all__ = [
     "Tie",
     "Timoshenko",
     "Tube",
+    "material",
+    "materials",
     "polar_moment",
 ]

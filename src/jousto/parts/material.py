@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from jousto.errors import JoustoWarning, Problems
 
@@ -23,6 +23,8 @@ class Material:
         Density in kg/m^3; zero makes a massless member.
     name : str
         Shown in messages.
+    source : str
+        Where the values come from; the materials of :func:`material` say it.
 
     Raises
     ------
@@ -45,6 +47,7 @@ class Material:
     nu: float
     rho: float
     name: str = ""
+    source: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
         where = f"material '{self.name}'" if self.name else "material"

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from jousto.errors import InputError, Problem, Problems
-from jousto.parts._arrays import Floats, Ints, Sparse, read_only, skew, times
+from jousto.errors import InputError, Problem, Problems, warn
+from jousto.parts._arrays import Floats, Ints, Sparse, read_only, skew, some, times
 from jousto.parts.beam import Theory, Timoshenko
 from jousto.parts.frame import BeamOptions, Frame, assemble, check_frame
 from jousto.parts.interface import Interface, Tie, resolve
@@ -18,9 +18,12 @@ from jousto.parts.mass import MassPoints, PointMass
 from jousto.parts.material import Material
 from jousto.parts.matrices import check_matrices, points_from_blocks, rigid_modes
 from jousto.parts.members import Member, join_members
+from jousto.parts.orthotropic import Orthotropic
 from jousto.parts.second_order import SecondOrder
 from jousto.parts.section import Section
 from jousto.parts.sets import node_index, read_elements, read_sets
+from jousto.parts.solids.build import solid_masses, solid_model
+from jousto.parts.solids.model import SolidModel
 from jousto.parts.stress import StressOperator
 
 
@@ -28,7 +31,8 @@ from jousto.parts.stress import StressOperator
 class Part:
     """A flexible component before reduction, in its own part frame, free of supports.
 
-    Made by :meth:`beam`, :meth:`frame`, :meth:`from_members` or :meth:`from_matrices`.
+    Made by :meth:`beam`, :meth:`frame`, :meth:`from_members`, :meth:`solid` or
+    :meth:`from_matrices`.
 
     Parameters
     ----------
@@ -37,7 +41,8 @@ class Part:
     nodes : (nn, 3) ndarray
         Undeformed positions in m, part frame.
     elements : (ne, m) ndarray of int
-        Node indices from 0; for drawing, and two columns for beams.
+        Node indices from 0; for drawing: two columns are beams, three the outer surface of
+        solids in triangles with their normals outwards.
     dofs_per_node : int
         6: ``[ux uy uz rx ry rz]`` for each node, or 3: ``[ux uy uz]``; node after node.
     M, K : (ndof, ndof) sparse array
@@ -55,6 +60,12 @@ class Part:
     faces : sequence of (nf, k) ndarray of int
         Outer faces of solids by kind, k = 3, 4, 6 or 8 node indices each, corners first, then the
         middles of the sides: averages over a surface weigh by area where they are known.
+    solids : SolidModel, optional
+        The solid elements with their materials.
+    mesh : Mesh, optional
+        The mesh of the solids.
+    attached : MassPoints, optional
+        Rigid masses that stand in M beside the consistent mass of solids.
     """
 
     name: str
@@ -69,6 +80,9 @@ class Part:
     second_order: SecondOrder | None = None
     interfaces: Sequence[Interface] = ()
     faces: Sequence[Ints] = ()
+    solids: SolidModel | None = None
+    mesh: Any = None
+    attached: MassPoints | None = None
 
     def __post_init__(self) -> None:
         where, problems = f"part '{self.name}'", Problems()
@@ -317,6 +331,90 @@ class Part:
             mass_points=points,
             stress=stress,
             second_order=second_order,
+        )
+
+    @classmethod
+    def solid(
+        cls,
+        mesh: Any,
+        materials: Material | Orthotropic | Mapping[str, Material | Orthotropic],
+        *,
+        lumped: bool = False,
+        point_masses: Sequence[PointMass] = (),
+        weighed_mass: float | None = None,
+        interfaces: Sequence[Interface] = (),
+        name: str | None = None,
+    ) -> Part:
+        """Return a part of solid elements from a mesh.
+
+        Nodes keep the order of the mesh; nodes that no solid element uses are left out with a
+        warning. ``K = int B^T C B dV`` and ``M = int rho N^T N dV`` are integrated exactly for
+        straight elements, the mass for curved ones, too. Take quadratic elements (``tetra10``,
+        ``hexahedron20``, ``wedge15``): linear ones are far too stiff in bending.
+
+        Parameters
+        ----------
+        mesh : Mesh
+            With ``tetra tetra10 hexahedron hexahedron20 wedge wedge15`` elements.
+        materials : Material, Orthotropic or {str: Material or Orthotropic}
+            One for all elements, or one for each element set (or each material named in the file).
+        lumped : bool
+            Mass on the nodes instead of the consistent mass: shares of each element's mass like
+            the diagonal of its consistent matrix.
+        point_masses : sequence of PointMass
+            Rigid masses on a node, or on the mean of a node set; inertia and offset need a set.
+        weighed_mass : float, optional
+            Mass of the real part in kg, with its point masses: densities are scaled to meet it.
+        interfaces : sequence of Interface
+            Surfaces tied to one node of six motions each.
+        name : str, optional
+            The name of the mesh if not given.
+
+        Raises
+        ------
+        InputError
+            With everything that is wrong: no solid elements, unknown sets, elements without a
+            material or turned inside out, point masses that cannot be held.
+
+        Warns
+        -----
+        JoustoWarning
+            If nodes belong to no solid element, or the weighed mass is far from the model's.
+        """
+        label = mesh.name if name is None else name
+        where = f"part '{label}'"
+        model, used = solid_model(mesh, materials, where)
+        new = np.full(len(mesh.nodes), -1, dtype=np.int64)
+        new[used] = np.arange(len(used))
+        if len(used) < len(mesh.nodes):
+            lost = np.asarray(mesh.node_ids)[np.flatnonzero(new < 0)]
+            warn(
+                where,
+                f"{len(lost)} nodes of the mesh belong to no solid element and are left out (node"
+                f" {some([str(i) for i in lost])})",
+            )
+        sets = {key: new[np.asarray(value)] for key, value in mesh.node_sets.items()}
+        sets = {key: value[value >= 0] for key, value in sets.items() if np.any(value >= 0)}
+        numbers = {key: tuple(int(i) for i in value) for key, value in sets.items()}
+        problems = Problems()
+        known = read_sets(problems, where, numbers, len(used))
+        problems.raise_if_any()
+        model, M, points, attached = solid_masses(
+            model, point_masses, known, lumped=lumped, weighed_mass=weighed_mass, where=where
+        )
+        return cls(
+            name=label,
+            nodes=model.nodes,
+            elements=new[np.asarray(mesh.triangles)],
+            dofs_per_node=3,
+            M=M,
+            K=model.stiffness(),
+            node_sets=numbers,
+            mass_points=points,
+            interfaces=interfaces,
+            solids=model,
+            mesh=mesh,
+            attached=attached,
         )
 
     @classmethod

@@ -93,6 +93,17 @@ class Invariants:
         """Number of modes."""
         return int(self.I3.shape[1])
 
+    def __add__(self, other: Invariants) -> Invariants:
+        """Return the invariants of two masses that move with the same modes."""
+        return Invariants(
+            self.mass + other.mass,
+            self.first_moment + other.first_moment,
+            self.second_moment + other.second_moment,
+            self.I3 + other.I3,
+            self.N0 + other.N0,
+            self.E + other.E,
+        )
+
     def keep(self, indices: NDArray[np.intp]) -> Invariants:
         """Return the invariants of some of the modes, in the order given."""
         return Invariants(

@@ -167,12 +167,18 @@ def _assemble(
 def invariants(part: Part, X: ArrayLike) -> Invariants:
     """Return the inertia invariants of mode shapes (ndof, n) of a part.
 
-    Mass points are used where the part has them, else bilinear forms of its mass matrix.
+    Mass points are used where the part has them, else bilinear forms of its mass matrix; rigid
+    masses attached to a consistent mass matrix are points again.
     """
     modes = np.asarray(X, dtype=np.float64)
     if part.mass_points is not None:
         return invariants_from_points(part.mass_points, modes)
-    return invariants_from_matrix(sp.csr_array(part.M), part.nodes, part.dofs_per_node, modes)
+    M = sp.csr_array(part.M)
+    if part.attached is None:
+        return invariants_from_matrix(M, part.nodes, part.dofs_per_node, modes)
+    elements = sp.csr_array(M - part.attached.matrix())
+    own = invariants_from_matrix(elements, part.nodes, part.dofs_per_node, modes)
+    return own + invariants_from_points(part.attached, modes)
 
 
 def _stress(part: Part, X: Array) -> StressModes | None:

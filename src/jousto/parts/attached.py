@@ -1,0 +1,93 @@
+"""Rigid masses on the nodes of a solid part, whose nodes do not turn."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from jousto.errors import Problems
+from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, scatter, skew
+from jousto.parts.mass import MassPoints, PointMass, second_moment
+from jousto.parts.sets import node_index
+
+
+def attached_points(
+    problems: Problems,
+    where: str,
+    masses: Sequence[PointMass],
+    nodes: Floats,
+    node_sets: Mapping[str, tuple[int, ...]],
+) -> MassPoints | None:
+    """Return point masses on nodes of three degrees of freedom, or None if there are none.
+
+    A mass on one node moves with it. A mass on several nodes moves with their mean and turns with
+    the rotation that fits their displacements best: with ``r`` from their mean position,
+    ``theta = (sum r^2 E - r r^T)^-1 sum r x u``. It does not stiffen them.
+    """
+    if not masses:
+        return None
+    k, ndof = len(masses), 3 * len(nodes)
+    position, arm = np.zeros((k, 3)), np.zeros((k, 3))
+    N: list[tuple[Floats, Ints]] = []
+    turn: list[tuple[Floats, Ints]] = []
+    for i, mass in enumerate(masses):
+        at = f"{where}: point mass at {mass.node!r}"
+        if isinstance(mass.node, str) and mass.node in node_sets:
+            members = np.array(node_sets[mass.node], dtype=np.int64)
+        else:
+            try:
+                members = np.array([node_index(mass.node, node_sets)])
+            except KeyError as error:
+                problems.add(at, str(error.args[0]))
+                continue
+            if not 0 <= members[0] < len(nodes):
+                problems.add(at, f"no such node, must be in 0..{len(nodes) - 1}")
+                continue
+        spread = _averages(nodes[members])
+        rigid = bool(np.any(mass.inertia != 0.0) or np.any(mass.offset != 0.0))
+        if rigid and spread is None:
+            problems.add(
+                at,
+                "has an inertia or an offset, but its nodes cannot turn it (nodes of solids have no"
+                " rotation of their own): name a node set with three nodes or more that are not in"
+                " a line",
+            )
+            continue
+        columns = (3 * members[:, None] + np.arange(3)).ravel()
+        mean = np.tile(np.eye(3), len(members)) / len(members)
+        rotation = np.zeros_like(mean) if spread is None or not rigid else spread
+        N.append((mean - skew(mass.offset) @ rotation, columns))
+        turn.append((rotation, columns))
+        position[i] = nodes[members].mean(axis=0) + mass.offset
+        arm[i] = mass.offset
+    if problems.found:
+        return None
+    moment = second_moment(np.stack([m.inertia for m in masses]))
+    total = np.array([m.mass for m in masses], dtype=np.float64)
+    return MassPoints(total, position, moment, _rows(N, ndof), _rows(turn, ndof), arm)
+
+
+def _averages(x: Floats) -> Floats | None:
+    """Return the rotation (3, 3 m) that fits displacements best; None if it is not determined."""
+    if len(x) < 3:
+        return None
+    r = x - x.mean(axis=0)
+    J = np.einsum("ka,ka,bc->bc", r, r, np.eye(3)) - r.T @ r
+    values = np.linalg.eigvalsh(J)
+    if values[0] < 1e-8 * values[-1]:
+        return None
+    return np.linalg.solve(J, skew(r).transpose(1, 0, 2).reshape(3, -1))
+
+
+def _rows(blocks: list[tuple[Floats, Ints]], ndof: int) -> Sparse:
+    parts = [
+        scatter(
+            block[None], np.arange(3 * i, 3 * i + 3)[None], columns[None], (3 * len(blocks), ndof)
+        )
+        for i, (block, columns) in enumerate(blocks)
+    ]
+    total = parts[0]
+    for part in parts[1:]:
+        total = total + part
+    return as_csr(total)

@@ -1,0 +1,234 @@
+"""From a mesh and materials to a part of solids: checks, assembly, masses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from jousto.errors import Problems, count, suggest, warn
+from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, read_only, some
+from jousto.parts.attached import attached_points
+from jousto.parts.mass import MassPoints, PointMass, joined
+from jousto.parts.material import Material
+from jousto.parts.orthotropic import Orthotropic
+from jousto.parts.solids.elements import KINDS, jacobians, table
+from jousto.parts.solids.model import SolidGroup, SolidModel
+
+AnyMaterial = Material | Orthotropic
+LIKELY_FACTOR = (0.8, 1.25)
+"""Mass scaling beyond these is more likely a mistake than a casting tolerance."""
+
+
+def solid_model(mesh: Any, materials: Any, where: str) -> tuple[SolidModel, Ints]:
+    """Return the elements of a mesh with their materials, and the nodes that they use.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong: no solid elements, sets that do not exist, elements without
+        or with two materials, elements that are turned inside out.
+    """
+    problems = Problems()
+    cells = [c for c in mesh.cells if c.kind in KINDS]
+    others = sorted({c.kind for c in mesh.cells} - set(KINDS))
+    if not cells:
+        found = f"it has {', '.join(others)} only" if others else "it has no elements"
+        known = ", ".join(KINDS)
+        problems.add(where, f"mesh '{mesh.name}' has no solid elements ({known}); {found}")
+        problems.raise_if_any()
+    for kind in ("pyramid", "pyramid13"):
+        if kind in others:
+            problems.add(
+                where,
+                f"mesh '{mesh.name}' has {kind} elements, which have no stiffness here; mesh the"
+                " transition with tetrahedra",
+            )
+    names, found_materials, owner = _materials(problems, where, mesh, cells, materials)
+    problems.raise_if_any()
+
+    used = np.unique(np.concatenate([c.nodes.ravel() for c in cells]))
+    new = np.full(len(mesh.nodes), -1, dtype=np.int64)
+    new[used] = np.arange(len(used))
+    groups, start = [], 0
+    for c in cells:
+        mine = owner[start : start + len(c.nodes)]
+        start += len(c.nodes)
+        for m in np.unique(mine):
+            rows = np.flatnonzero(mine == m)
+            ids = np.asarray(c.ids)[rows]
+            groups.append(SolidGroup(c.kind, new[np.asarray(c.nodes)[rows]], ids, int(m)))
+    nodes = read_only(np.asarray(mesh.nodes)[used])
+    model = SolidModel(
+        nodes, np.asarray(mesh.node_ids)[used], tuple(groups), found_materials, names
+    )
+    _check_volumes(problems, where, model)
+    problems.raise_if_any()
+    return model, used
+
+
+def _materials(
+    problems: Problems, where: str, mesh: Any, cells: Sequence[Any], given: Any
+) -> tuple[tuple[str, ...], tuple[AnyMaterial, ...], Ints]:
+    """Return names, materials and, for each element, the index of its material."""
+    ne = sum(len(c.nodes) for c in cells)
+    if isinstance(given, (Material, Orthotropic)):
+        _check_material(problems, where, given)
+        return (given.name or "solid",), (given,), np.zeros(ne, dtype=np.int64)
+    owner = np.full(ne, -1, dtype=np.int64)
+    if not isinstance(given, Mapping) or not given:
+        problems.add(
+            where,
+            f"materials is {given!r}, must be a Material, an Orthotropic or"
+            " {element set: material} with at least one entry",
+        )
+        return (), (), owner
+    by_file: dict[str, list[Ints]] = {}
+    start = 0
+    for c in cells:
+        if c.material:
+            by_file.setdefault(c.material, []).append(np.arange(start, start + len(c.nodes)))
+        start += len(c.nodes)
+    known = {**{k: np.concatenate(v) for k, v in by_file.items()}, **mesh.element_sets}
+    names = tuple(str(name) for name in given)
+    for m, (name, material) in enumerate(given.items()):
+        if not isinstance(material, (Material, Orthotropic)):
+            problems.add(where, f"material of '{name}' is {material!r}, must be a Material")
+            continue
+        _check_material(problems, where, material)
+        if name not in known:
+            problems.add(where, f"no element set '{name}' for a material{suggest(name, known)}")
+            continue
+        members = np.asarray(known[name], dtype=np.int64)
+        twice = members[owner[members] >= 0]
+        if len(twice):
+            other = names[int(owner[twice[0]])]
+            problems.add(
+                where,
+                f"{len(twice)} elements have two materials: they are in the sets '{other}' and"
+                f" '{name}'",
+            )
+        owner[members] = m
+    if not problems.found and np.any(owner < 0):
+        left = np.flatnonzero(owner < 0)
+        ids = np.concatenate([np.asarray(c.ids) for c in cells])[left]
+        problems.add(
+            where,
+            f"{len(left)} elements have no material (element {some([str(i) for i in ids])}); give"
+            f" one for each element set{suggest('', known)}",
+        )
+    return names, tuple(given.values()), owner
+
+
+def _check_material(problems: Problems, where: str, material: AnyMaterial) -> None:
+    if isinstance(material, Material) and material.nu > 0.495:
+        problems.add(
+            where,
+            f"Poisson's ratio of material '{material.name}' is {material.nu:g}: solids lock above"
+            " 0.495; take 0.49",
+        )
+    if material.rho == 0.0:
+        problems.add(where, f"density of material '{material.name}' is zero; solids need a mass")
+
+
+def _check_volumes(problems: Problems, where: str, model: SolidModel) -> None:
+    """Note elements that are turned inside out or flat."""
+    bad: list[str] = []
+    for group in model.groups:
+        x = model.nodes[group.nodes]
+        # a relative measure: the least ratio of volumes against the element's mean size
+        least = np.full(len(group), np.inf)
+        for purpose in ("stiffness", "mass"):
+            t = table(group.kind, purpose)
+            step = max(1, (1 << 22) // (9 * len(t.weights)))
+            for i in range(0, len(group), step):
+                detJ = jacobians(t.dN, x[i : i + step])
+                least[i : i + step] = np.minimum(least[i : i + step], detJ.min(axis=1))
+        size = np.ptp(x, axis=1).max(axis=1)
+        bad += [str(i) for i in group.ids[least <= 1e-12 * size**3]]
+    if bad:
+        problems.add(
+            where,
+            f"{count(len(bad), 'element')} turned inside out, folded or flat: element {some(bad)};"
+            " repair the mesh there (mesh.check() says more)",
+        )
+
+
+def solid_masses(
+    model: SolidModel,
+    point_masses: Sequence[PointMass],
+    node_sets: Mapping[str, tuple[int, ...]],
+    *,
+    lumped: bool,
+    weighed_mass: float | None,
+    where: str,
+) -> tuple[SolidModel, Sparse, MassPoints | None, MassPoints | None]:
+    """Return the model with its scaled density, M, all mass as points, and attached points.
+
+    All mass as points only if it is lumped; the points attached to a consistent mass otherwise.
+    """
+    problems = Problems()
+    points = attached_points(problems, where, point_masses, model.nodes, node_sets)
+    if weighed_mass is not None:
+        problems.positive(where, "weighed_mass", weighed_mass, "kg")
+    problems.raise_if_any()
+    added = 0.0 if points is None else float(points.mass.sum())
+    scalar = None if lumped else model.scalar_mass()
+    nodal = model.lumped_mass() if lumped else None
+    own = float(nodal.sum() if nodal is not None else scalar.sum())  # type: ignore[union-attr]
+    if weighed_mass is not None:
+        factor = (weighed_mass - added) / own
+        if factor <= 0.0:
+            problems.add(
+                where,
+                f"weighed_mass is {weighed_mass:g} kg, but the point masses alone are {added:g} kg",
+            )
+            problems.raise_if_any()
+        low, high = LIKELY_FACTOR
+        if not low < factor < high:
+            warn(
+                where,
+                f"the weighed mass of {weighed_mass:g} kg is {factor:.3g} times that of the model"
+                f" ({own + added:.6g} kg): check units, material and whether parts are missing",
+            )
+        model = replace(model, density_factor=factor)
+        scalar = None if scalar is None else scalar * factor
+        nodal = None if nodal is None else nodal * factor
+    if nodal is not None:
+        own_points = _nodal_points(nodal, model.nodes)
+        everything = joined([own_points] if points is None else [own_points, points])
+        return model, everything.matrix(), everything, points
+    assert scalar is not None
+    M = expanded(scalar)
+    if points is not None:
+        M = as_csr(M + points.matrix())
+    return model, M, None, points
+
+
+def expanded(scalar: Sparse) -> Sparse:
+    """Return the mass matrix of three directions from that of one."""
+    csr = sp.csr_array(scalar)
+    count = np.repeat(np.diff(csr.indptr), 3)
+    indptr = np.concatenate([[0], np.cumsum(count)])
+    # row 3 a + i holds the row a at the columns 3 b + i
+    row = np.repeat(np.arange(csr.shape[0]), np.diff(csr.indptr))
+    place = np.arange(csr.nnz) - csr.indptr[row]
+    width = np.diff(csr.indptr)[row]
+    at = 3 * csr.indptr[row] + place
+    indices = np.empty(3 * csr.nnz, dtype=np.int32)
+    data = np.empty(3 * csr.nnz)
+    for i in range(3):
+        indices[at + i * width] = 3 * csr.indices + i
+        data[at + i * width] = csr.data
+    shape = (3 * csr.shape[0], 3 * csr.shape[0])
+    return sp.csr_array((data, indices, indptr.astype(np.int32)), shape=shape)
+
+
+def _nodal_points(mass: Floats, nodes: Floats) -> MassPoints:
+    nn = len(nodes)
+    E = sp.identity(3 * nn, format="csr")
+    nothing = sp.csr_array((3 * nn, 3 * nn))
+    return MassPoints(mass, nodes, np.zeros((nn, 3, 3)), as_csr(E), as_csr(nothing))
