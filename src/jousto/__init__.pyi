@@ -219,6 +219,7 @@ from .output import plot as plot
 from .output import plot_campbell as plot_campbell
 from .output import plot_root_locus as plot_root_locus
 from .output import still as still
+from .output import write_certificate as write_certificate
 from .parts import (
     Box as Box,
 )
@@ -283,6 +284,12 @@ from .parts import (
     materials as materials,
 )
 from .reduction import (
+    Certificate as Certificate,
+)
+from .reduction import (
+    Check as Check,
+)
+from .reduction import (
     CraigBampton as CraigBampton,
 )
 from .reduction import (
@@ -293,6 +300,9 @@ from .reduction import (
 )
 from .reduction import (
     ReducedPart as ReducedPart,
+)
+from .reduction import (
+    certify as certify,
 )
 from .reduction import (
     reduce as reduce,

@@ -2,6 +2,7 @@
 
 from jousto.output.animate import animate, still
 from jousto.output.campbell import plot_campbell, plot_root_locus
+from jousto.output.certificate import write_certificate
 from jousto.output.plot import plot
 from jousto.output.style import COLORS, STYLE
 from jousto.output.view import View
@@ -15,4 +16,5 @@ __all__ = [
     "plot_campbell",
     "plot_root_locus",
     "still",
+    "write_certificate",
 ]

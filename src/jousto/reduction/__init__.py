@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from jousto.reduction.certificate import Certificate, Check, Silhouette, Table, certify
 from jousto.reduction.damping import Damping, Rayleigh, modal_damping
 from jousto.reduction.invariants import Invariants
 from jousto.reduction.methods import CraigBampton, FreeFree, Method
@@ -11,6 +12,8 @@ from jousto.reduction.stiffening import Stiffening
 from jousto.reduction.stress import StressModes
 
 __all__ = [
+    "Certificate",
+    "Check",
     "CraigBampton",
     "Damping",
     "FreeFree",
@@ -18,8 +21,11 @@ __all__ = [
     "Method",
     "Rayleigh",
     "ReducedPart",
+    "Silhouette",
     "Stiffening",
     "StressModes",
+    "Table",
+    "certify",
     "modal_damping",
     "reduce",
 ]

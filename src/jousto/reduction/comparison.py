@@ -1,0 +1,471 @@
+"""Checks of a reduced part against the full model: parts of the certificate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from jousto.errors import count
+from jousto.reduction.certificate import Check, Table, number
+from jousto.reduction.inspection import FullModel
+from jousto.reduction.partition import determinate_dofs, dof_label
+from jousto.reduction.rigid import rigid_modes
+
+if TYPE_CHECKING:
+    from jousto.reduction.reduced import ReducedPart
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+CLOSE = 0.01
+"""Relative error of a frequency that counts as good."""
+
+SHARE = 0.95
+"""Least share of a mode of the full model that the reduced part must hold."""
+
+ORTHONORMAL = 1e-5
+"""Largest deviation of the modal matrices from their diagonal."""
+
+EXACT = 1e-8
+"""Relative error of a static displacement that counts as exact."""
+
+MOST_LOADS = 60
+"""Interface loads that are solved; more are sampled evenly."""
+
+MANY_DOFS = 120
+"""Degrees of freedom of all interfaces above which a tie to one node is better."""
+
+HOLD = (1e-6, 1e-3)
+"""Least independent motion of an interface over the size of the body: to fail, to warn."""
+
+MASS_SHARE, HALF = 0.8, 0.5
+"""Share of the mass that the fixed modes should hold in a direction, and in one at least."""
+
+CONDITION = (1e8, 1e12)
+"""Condition number of the flexibility of the interfaces: to warn, and not to count at all."""
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """The modes of a reduced part on the degrees of freedom of the full model.
+
+    Parameters
+    ----------
+    reduced : ReducedPart
+    X : (ndof, n) array
+        Mass-normalised modes.
+    interfaces : tuple of (str, (k,) int array)
+        Names and degrees of freedom of the interfaces.
+    """
+
+    reduced: ReducedPart
+    X: Array
+    interfaces: tuple[tuple[str, Index], ...]
+
+    @property
+    def boundary(self) -> Index:
+        """Degrees of freedom of all interfaces, ascending."""
+        if not self.interfaces:
+            return np.zeros(0, dtype=np.intp)
+        return np.unique(np.concatenate([dofs for _, dofs in self.interfaces]))
+
+
+def orthonormality(full: FullModel, modes: Modes) -> Check:
+    """Return whether the modes are those of M and K: orthonormal, diagonal, without rigid part."""
+    X = modes.X
+    mass = np.abs(X.T @ (full.M @ X) - np.eye(X.shape[1])).max()
+    omega = 2.0 * np.pi * modes.reduced.frequencies
+    stiff = X.T @ (full.K @ X) / np.multiply.outer(omega, omega)
+    stiff = np.abs(stiff - np.eye(len(omega))).max()
+    rigid = 0.0 if full.rigid is None else np.abs(full.rigid.MR.T @ X).max()
+    worst = float(max(mass, stiff, rigid))
+    value = f"{number(mass, 2)} mass, {number(stiff, 2)} stiffness, {number(rigid, 2)} rigid part"
+    limit = f"below {ORTHONORMAL:g}"
+    if worst < ORTHONORMAL:
+        sentence = "the modes are orthonormal and free of rigid motion"
+        return Check("modes", "ok", value, limit, sentence)
+    status: Any = "warn" if worst < 1e-3 else "fail"
+    return Check(
+        "modes",
+        status,
+        value,
+        limit,
+        "the modes are not the orthonormal modes of this mass and stiffness matrix",
+        "reduce this part again; give printed mode shapes all the digits there are",
+    )
+
+
+def hold(full: FullModel, modes: Modes) -> Check:
+    """Return how well each interface holds the body, and how large it is."""
+    topic = "interfaces"
+    if not modes.interfaces:
+        return Check(
+            topic,
+            "note",
+            "none",
+            "",
+            "the modes are those of a body that nothing holds: near joints they converge slowly",
+            "use CraigBampton with the nodes where joints and forces act",
+        )
+    R = rigid_modes(full.nodes, full.dofs, full.nodes.mean(axis=0))
+    R[:, 3:] /= full.length
+    R = R * full.weights[:, None]
+    least = []
+    for name, dofs in modes.interfaces:
+        s = np.linalg.svd(R[dofs], compute_uv=False)
+        # over the norm of one node, so that many nodes do not look stiffer
+        norm = np.sqrt(len(dofs) / full.dofs)
+        least.append((float(s[5] / norm) if len(s) > 5 else 0.0, name, len(dofs)))
+    b = modes.boundary
+    value = ", ".join(f"{name} {number(s, 2)}" for s, name, _ in least)
+    limit = f"hold every rigid motion by more than {HOLD[1]:g}"
+    if len(b) > MANY_DOFS:
+        return Check(
+            topic,
+            "warn",
+            f"{count(len(b), 'degree')} of freedom",
+            f"at most {MANY_DOFS}",
+            "each interface degree of freedom costs one mode, and most of them are of very high "
+            "frequency, which makes steps small",
+            "tie the nodes of the surface to one node, rigidly or on average",
+        )
+    together = np.linalg.svd(R[b], compute_uv=False)
+    if len(together) < 6 or together[5] < HOLD[0]:
+        return Check(
+            topic,
+            "fail",
+            value,
+            limit,
+            "the interfaces together do not hold the body",
+            "add interface nodes that are not on one line",
+        )
+    weak = [name for s, name, _ in least if s < HOLD[1]]
+    if weak:
+        if full.dofs == 3:
+            reason = "its nodes do not turn and are few, on one line or very close to one another"
+            remedy = "tie the surface of the joint to one node that turns"
+        else:
+            reason = "it has too few nodes"
+            remedy = "add nodes to it"
+        status: Any = "note" if full.dofs == 3 and len(modes.interfaces) > 1 else "warn"
+        return Check(
+            topic,
+            status,
+            value,
+            limit,
+            f"'{weak[0]}' alone cannot transmit every moment: {reason}",
+            f"fine for joints that transmit forces only; otherwise {remedy}",
+        )
+    return Check(topic, "ok", value, limit, "every interface can transmit all forces and moments")
+
+
+def conditioning(full: FullModel, modes: Modes) -> Check | None:
+    """Return the condition number of the elastic flexibility of the interfaces."""
+    b = modes.boundary
+    # one interface node, or supports that are just determinate, have no flexibility of their own
+    rank = len(b) - 6
+    if rank < 1 or len(b) > 6 * MANY_DOFS:
+        return None
+    C = (modes.X[b] * full.weights[b, None]) / (2.0 * np.pi * modes.reduced.frequencies)
+    values = np.linalg.svd(C, compute_uv=False) ** 2
+    value = float(values[0] / max(values[min(rank, len(values)) - 1], np.finfo(float).tiny))
+    text, limit = number(value, 2), f"below {CONDITION[0]:.0e}"
+    topic = "conditioning"
+    moved = int(np.sum(values > values[0] / CONDITION[1]))
+    if moved < rank:
+        return Check(
+            topic,
+            "warn",
+            f"{moved} of {rank} motions",
+            "all",
+            "the modes do not move the interfaces in all ways they can move",
+            "keep all modes of the reduction, unless a plane motion is meant; tie interface nodes "
+            "that lie close together to one node",
+        )
+    if value > CONDITION[0]:
+        return Check(
+            topic,
+            "warn",
+            text,
+            limit,
+            "some motion of the interfaces is far stiffer than others, digits are lost in it",
+            "tie interface nodes that lie close together to one node",
+        )
+    return Check(topic, "ok", text, limit, "the interfaces move in all ways without loss of digits")
+
+
+def frequencies(full: FullModel, modes: Modes) -> tuple[Check, Table] | None:
+    """Return the free-free frequencies of the reduced part beside those of the full model."""
+    f = full.frequencies
+    if not len(f):
+        return None
+    overlap = (modes.X.T @ (full.M @ full.shapes)) ** 2
+    held = overlap.sum(axis=0)
+    best = overlap.argmax(axis=0)
+    error = modes.reduced.frequencies[best] / f - 1.0
+    rows = tuple(
+        (
+            str(k + 1),
+            number(f[k], 6),
+            number(modes.reduced.frequencies[best[k]], 6) if held[k] > 0.3 else "-",
+            _percent(error[k]) if held[k] > 0.3 else "-",
+            f"{100.0 * min(held[k], 1.0):.2f} %",
+        )
+        for k in range(len(f))
+    )
+    table = Table(
+        "free-free frequencies",
+        ("mode", "full model (Hz)", "reduced (Hz)", "error", "held"),
+        rows,
+        "Held: how much of the full model's mode shape the reduced part can take on.",
+    )
+    good = (np.abs(error) < CLOSE) & (held > SHARE)
+    first = len(f) if good.all() else int(np.argmin(good))
+    topic = "frequencies"
+    limit = "within 1 %"
+    low = np.flatnonzero((error < -1e-5) & (held > 0.999))
+    if len(low):
+        return Check(
+            topic,
+            "fail",
+            f"mode {low[0] + 1} is {_percent(error[low[0]])} too low",
+            limit,
+            "a reduced part can only be stiffer than its full model; this one is softer",
+            "the modes belong to another mass or stiffness matrix: reduce this part again",
+        ), table
+    if first == 0:
+        what = f"mode 1 ({number(f[0])} Hz) is missing"
+        sentence = "the reduced part does not have the lowest mode of the free part"
+        if held[0] > 0.8:
+            what = f"mode 1 ({number(f[0])} Hz) is off by {_percent(error[0])}"
+            sentence = "already the lowest mode of the free part is not within 1 %"
+        return Check(
+            topic,
+            "warn",
+            what,
+            limit,
+            sentence,
+            "ask for more modes, unless modes were left out on purpose (in_plane, keep)",
+        ), table
+    value = f"first {count(first, 'mode')} good, to {number(f[first - 1])} Hz"
+    sentence = f"the free body vibrates right up to {number(f[first - 1])} Hz"
+    return Check(topic, "ok", value, limit, sentence), table
+
+
+def static_loads(full: FullModel, modes: Modes) -> tuple[list[Check], Table] | None:
+    """Return how the reduced part answers each interface load, against the full model.
+
+    Each interface degree of freedom gets a unit force or moment. First balanced by the statically
+    determinate supports of the interfaces: the modes must give the full model's displacements
+    ``K^-1 F`` exactly. Then on the free body, which it accelerates (inertia relief,
+    ``F - M R R^T F``): here the error tells whether there are vibration modes enough.
+    """
+    b = modes.boundary
+    if full.held is None or full.held.solve is None or full.rigid is None or not len(b):
+        return None
+    supports = determinate_dofs(full.nodes, full.dofs, b)
+    if supports is None:
+        return None
+    chosen = b
+    if len(b) > MOST_LOADS:
+        chosen = b[np.linspace(0, len(b) - 1, MOST_LOADS).astype(np.intp)]
+    F = np.zeros((full.K.shape[0], len(chosen)))
+    F[chosen, np.arange(len(chosen))] = 1.0
+    R, MR = full.rigid.R, full.rigid.MR
+
+    # balanced by supports: reactions r with R^T (F + S r) = 0
+    r = -np.linalg.solve(R[supports].T, R[chosen].T)
+    balanced = F.copy()
+    balanced[supports] += r
+    trivial = np.isin(chosen, supports)
+    relieved = F - MR @ (R.T @ F)
+
+    both = np.concatenate([balanced, relieved], axis=1)
+    exact = elastic_response(full, both)
+    omega2 = (2.0 * np.pi * modes.reduced.frequencies) ** 2
+    found = modes.X @ ((modes.X.T @ both) / omega2[:, None])
+    w = full.weights[:, None]
+    scale = np.abs(exact * w).max(axis=0)
+    error = np.abs((found - exact) * w).max(axis=0) / np.maximum(scale, np.finfo(float).tiny)
+    m = len(chosen)
+    static, dynamic = np.where(trivial, 0.0, error[:m]), error[m:]
+    # work of load and reactions: the displacement where the load acts, as if on the supports
+    own = np.einsum("ij,ij->j", balanced, exact[:, :m])
+    rows = tuple(
+        (
+            _load_name(full, modes, int(dof)),
+            "support" if trivial[k] else number(own[k]),
+            "-" if trivial[k] else number(static[k], 2),
+            _percent(dynamic[k]),
+        )
+        for k, dof in enumerate(chosen)
+    )
+    table = Table(
+        "unit interface loads, reduced part against full model",
+        ("load", "displacement (m/N, rad/N m)", "static error", "error when accelerating"),
+        rows,
+        "Static: balanced at the supports of the interfaces. Accelerating: on the free body.",
+    )
+    return [_static_check(full, modes, chosen, static, trivial), _relief_check(dynamic)], table
+
+
+def elastic_response(full: FullModel, F: Array) -> Array:
+    """Return displacements of self-equilibrated loads (ndof, m), without rigid part."""
+    assert full.held is not None and full.held.solve is not None and full.rigid is not None
+    f = full.held.lower(F)
+    y = full.held.solve(f)
+    # the residual of fine meshes is worth one more solve
+    y = y + full.held.solve(f - full.held.B @ y)
+    return full.rigid.remove(full.held.lift(y))
+
+
+def _static_check(
+    full: FullModel, modes: Modes, chosen: Index, error: Array, trivial: NDArray[np.bool_]
+) -> Check:
+    topic = "static loads"
+    limit = f"relative error below {EXACT:g}"
+    loads = count(len(chosen), "interface load")
+    if trivial.all():
+        sentence = (
+            "a single node carries every load as a rigid body; nothing bends unless it accelerates"
+        )
+        return Check(topic, "ok", "single support", "", sentence)
+    worst = int(np.argmax(error))
+    value = f"{number(error[worst], 2)} at worst"
+    # what the solver itself leaves
+    if error[worst] < EXACT:
+        what = f"every one of {loads} bends the reduced part as the full model"
+        return Check(topic, "ok", value, limit, what)
+    name = _load_name(full, modes, int(chosen[worst]))
+    if error[worst] > 0.999:
+        rigid = int(np.sum(error > 0.999))
+        return Check(
+            topic,
+            "warn",
+            value,
+            limit,
+            f"the reduced part does not bend at all under {rigid} of {loads}, such as {name}",
+            "right if modes were left out on purpose (in_plane, keep); otherwise keep all modes",
+        )
+    # with fewer modes than static deformations of the interfaces some were left out
+    left_out = modes.reduced.n < len(modes.boundary) - 6
+    status: Any = "warn" if error[worst] < 1e-4 or left_out else "fail"
+    return Check(
+        topic,
+        status,
+        value,
+        limit,
+        f"under {name} the reduced part bends otherwise than the full model",
+        "keep the constraint modes of all interfaces (CraigBampton with these interfaces, all "
+        "modes); if it was made so, the stiffness matrix is too ill-conditioned for this accuracy",
+    )
+
+
+def _relief_check(error: Array) -> Check:
+    worst = float(error.max())
+    value, limit = f"{_percent(worst)} at worst", "below 5 %"
+    topic = "accelerating loads"
+    if worst < 0.05:
+        sentence = "loads that accelerate the free body bend it as they bend the full model"
+        return Check(topic, "ok", value, limit, sentence)
+    return Check(
+        topic,
+        "note",
+        value,
+        limit,
+        "a load that accelerates the free body bends it otherwise than the full model, since the "
+        "modes of its own inertia are few",
+        "ask for more fixed-interface modes; no matter where such loads do not occur",
+    )
+
+
+def effective_mass(full: FullModel, modes: Modes) -> tuple[Check, Table] | None:
+    """Return the modal effective mass of the modes of the reduced part, interfaces held.
+
+    In mass-orthonormal coordinates ``z = (a, p)`` of rigid motion and modes the held interface is
+    ``[R_b X_b] z = 0``; the modes of what is left have the participation ``L = r^T M phi`` in a
+    unit rigid motion r, and the effective mass ``L^2``. All of them together weigh at most
+    ``r^T M r`` (Wijker 2004, Mechanical Vibrations in Spacecraft Design, section 6.4).
+    """
+    b = modes.boundary
+    if full.rigid is None or not len(b):
+        return None
+    R, MR = full.rigid.R, full.rigid.MR
+    n = modes.reduced.n
+    C = np.concatenate([R[b], modes.X[b]], axis=1) * full.weights[b, None]
+    size = np.maximum(np.sqrt(np.einsum("ij,ij->j", C, C)), np.finfo(float).tiny)
+    Z = scipy.linalg.null_space(C / size, rcond=1e-10) / size[:, None]
+    if not Z.shape[1]:
+        return None
+    omega2 = (2.0 * np.pi * modes.reduced.frequencies) ** 2
+    stiff = Z.T @ (np.concatenate([np.zeros(6), omega2])[:, None] * Z)
+    values, Y = scipy.linalg.eigh(stiff, Z.T @ Z)
+    about = full.nodes[np.unique(b // full.dofs)].mean(axis=0)
+    unit = rigid_modes(full.nodes, full.dofs, about)
+    coordinates = MR.T @ unit
+    L = coordinates.T @ (Z @ Y)[:6]
+    total = np.einsum("ij,ij->j", coordinates, coordinates)
+    share = L**2 / np.maximum(total, np.finfo(float).tiny)[:, None]
+    # a direction in which hardly anything can move by inertia has no share
+    share[total <= 1e-9 * np.repeat([full.mass, full.mass * full.length**2], 3)] = np.nan
+    f = np.sqrt(np.maximum(values, 0.0)) / (2.0 * np.pi)
+    shown = min(len(f), 12)
+    rows = [
+        (str(k + 1), number(f[k], 6), *(_share(share[a, k]) for a in range(6)))
+        for k in range(shown)
+    ]
+    if len(f) > shown:
+        rest = share[:, shown:].sum(axis=1)
+        rows.append((f"{shown + 1} to {len(f)}", f"to {number(f[-1])}", *map(_share, rest)))
+    held = share.sum(axis=1)
+    rows.append(("all", "", *map(_share, held)))
+    table = Table(
+        "modal effective mass, interfaces held",
+        ("mode", "Hz", "x", "y", "z", "about x", "about y", "about z"),
+        tuple(rows),
+        "Share of the mass (moment of inertia about the middle of the interfaces) that vibrates "
+        f"in each of {n} modes less what the interfaces hold.",
+    )
+    topic = "effective mass"
+    value = " ".join(f"{x} {_share(h)}" for x, h in zip("xyz", held, strict=False))
+    poor = [x for x, h in zip("xyz", held, strict=False) if not h >= MASS_SHARE]
+    limit = f"at least {100 * MASS_SHARE:.0f} % in each direction"
+    if not poor:
+        sentence = "the modes hold the vibrating mass in every direction"
+        return Check(topic, "ok", value, limit, sentence), table
+    sentence = (
+        f"shaken along {', '.join(poor)} much of the mass only follows its interfaces: what it "
+        f"would do above {number(f[-1])} Hz is left out"
+    )
+    remedy = (
+        "ask for more fixed-interface modes if excitations in that direction come near the lowest "
+        "mode that is missing; slender parts need many for their own axis"
+    )
+    status: Any = "note" if np.nanmax(held[:3]) >= HALF else "warn"
+    return Check(topic, status, value, limit, sentence, remedy), table
+
+
+def _share(value: float) -> str:
+    return "-" if not np.isfinite(value) else f"{100.0 * value:.1f} %"
+
+
+def _percent(value: float) -> str:
+    size = abs(value)
+    if size < 1e-6:
+        return "0 %"
+    return f"{100.0 * value:.2g} %" if size < 0.1 else f"{100.0 * value:.3g} %"
+
+
+def _load_name(full: FullModel, modes: Modes, dof: int) -> str:
+    """Return a name such as ``end fy`` or ``foot (node3) mz``."""
+    kind = ("fx", "fy", "fz", "mx", "my", "mz")[dof % full.dofs]
+    for name, dofs in modes.interfaces:
+        if dof in dofs:
+            several = len(dofs) > full.dofs
+            node = f" ({dof_label(dof, full.dofs).split()[0]})" if several else ""
+            return f"{name}{node} {kind}"
+    return dof_label(dof, full.dofs)

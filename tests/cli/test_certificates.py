@@ -1,0 +1,69 @@
+"""The end of `jousto reduce`: the certificate."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from jousto.cli import app
+
+PART = """\
+type: beam
+length: 1 m
+section: {type: rectangle, width: 20 mm, height: 30 mm}
+elements: 6
+material: {E: 210 GPa, nu: 0.3, rho: 7850}
+reduce: {type: craig-bampton, interfaces: [start, end], modes: 6}
+"""
+
+
+def jousto(*args: object) -> tuple[int, str, str]:
+    result = CliRunner().invoke(app, [str(arg) for arg in args])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result.exit_code, result.stdout, result.stderr
+
+
+@pytest.fixture
+def rod(tmp_path: Path) -> Path:
+    path = tmp_path / "rod.yml"
+    path.write_text(PART)
+    return path
+
+
+def test_reduce_ends_with_the_certificate(rod: Path) -> None:
+    code, out, err = jousto("reduce", rod, "--html", rod.with_suffix(".html"))
+    assert (code, err) == (0, "")
+    lines = out.splitlines()
+    assert "certificate of part 'rod': 2 notes, 12 of 14 checks ok" in lines
+    assert "  bounding size         1000 x 0 x 0 mm (of the nodes)" in lines
+    assert any(line.startswith("  ok    static loads") for line in lines)
+    assert lines[-2:] == [
+        f"certificate in {rod.with_suffix('.html')}",
+        f"reduced part in {rod.with_suffix('.h5')}",
+    ]
+    assert "Certificate of part" in rod.with_suffix(".html").read_text(encoding="utf-8")
+
+
+def test_without_certificate(rod: Path) -> None:
+    code, out, _ = jousto("reduce", rod, "--no-certificate")
+    assert code == 0 and "certificate of" not in out
+
+
+def test_a_part_reduced_before_has_none(rod: Path) -> None:
+    assert jousto("reduce", rod)[0] == 0
+    again = rod.with_name("again.yml")
+    again.write_text("file: rod.h5\n")
+    code, out, _ = jousto("reduce", again)
+    assert code == 0
+    assert "no certificate: the part was reduced before, its mesh is not in the file" in out
+
+
+def test_a_wrong_page_is_said_before_anything_is_computed(rod: Path) -> None:
+    code, out, err = jousto("reduce", rod, "--html", rod.with_suffix(".pdf"))
+    assert (code, out) == (2, "")
+    assert "must end with .html; print it to PDF in a browser" in err
+    code, out, err = jousto("reduce", rod, "--html", rod.with_name("no") / "rod.html")
+    assert (code, out) == (2, "") and "there is no folder" in err
+    assert not rod.with_suffix(".h5").exists()

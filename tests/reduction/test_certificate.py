@@ -1,0 +1,355 @@
+"""The certificate: what it says of a sound part, and each fault with its sentence and remedy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from jousto.errors import InputError, JoustoWarning
+from jousto.parts import Part, Rectangle
+from jousto.reduction import Check, CraigBampton, FreeFree, ReducedPart, certify, reduce
+from jousto.reduction.examine import full_model
+from jousto.reduction.inspection import speed_of_sound
+from reduction.bodies import STEEL, bent, lattice, pendulum
+
+SECTION = Rectangle(0.02, 0.03)
+
+
+def rod(elements: int = 10, **options: object) -> Part:
+    return Part.beam(1.0, SECTION, elements, STEEL, name="rod", **options)  # type: ignore[arg-type]
+
+
+def both_ends(modes: int = 6) -> CraigBampton:
+    return CraigBampton(("start", "end"), modes=modes)
+
+
+def scaled(part: Part, K: float, M: float, length: float = 1.0) -> Part:
+    """The part as another system of units would write it."""
+    assert part.dofs_per_node == 6
+    s = np.tile(np.repeat([1.0, length], 3), len(part.nodes)) / length
+    S = sp.diags_array(s)
+    return replace(
+        part,
+        nodes=part.nodes * length,
+        K=sp.csr_array(K * (S @ part.K @ S)),
+        M=sp.csr_array(M * (S @ part.M @ S)),
+        mass_points=None,
+        stress=None,
+        second_order=None,
+    )
+
+
+def softened(part: Part, node: int, factor: float) -> Part:
+    """The part with the elements between two of its nodes made softer."""
+    K = part.K.tolil()
+    a, b = slice(6 * node, 6 * node + 6), slice(6 * node + 6, 6 * node + 12)
+    element = Part.frame(
+        part.nodes[node : node + 2], [[0, 1]], sections=SECTION, materials=STEEL
+    ).K.toarray()
+    for rows, i in ((a, 0), (b, 6)):
+        for columns, j in ((a, 0), (b, 6)):
+            block = K[rows, columns].toarray() - (1.0 - factor) * element[i : i + 6, j : j + 6]
+            K[rows, columns] = block
+    return replace(part, K=sp.csr_array(K))
+
+
+# -- a sound part ---------------------------------------------------------------------------
+
+
+def test_a_sound_part_and_its_modes() -> None:
+    part = rod()
+    c = certify(part, reduce(part, both_ends(modes=10)))
+    assert c.passed and c.status == "ok"
+    assert {check.status for check in c.checks} <= {"ok", "note"}
+    facts = dict(c.facts)
+    assert facts["mass"] == "4.71 kg"
+    assert facts["centre"] == "500, 0, 0 mm"
+    # m L^2 / 12 and the section's own part
+    J = 4.71 / 12.0 * (1.0 + 0.03**2)
+    assert float(facts["inertia about it"].split()[4].rstrip(",")) == pytest.approx(J, rel=1e-5)
+    assert facts["bounding size"].startswith("1000 x 0 x 0 mm")
+    assert c["static loads"].status == "ok"
+    with pytest.raises(KeyError, match="no check of 'statics'; there are: rigid motions"):
+        c["statics"]
+
+
+def test_the_part_alone_is_examined_without_modes() -> None:
+    c = certify(rod())
+    assert [check.topic for check in c.checks] == [
+        "rigid motions", "units", "rotary inertia", "loose nodes", "mechanisms", "content",
+    ]  # fmt: skip
+    assert c.status == "ok"
+
+
+def test_static_displacement_of_an_end_moment_is_the_closed_form() -> None:
+    """A simply supported beam under an end moment turns by L/(3 E I) + 1/(k G A L) there."""
+    part = rod()
+    c = certify(part, reduce(part, both_ends()))
+    table = next(t for t in c.tables if "interface loads" in t.title)
+    row = next(r for r in table.rows if r[0] == "end mz")
+    k = 10.0 * (1.0 + STEEL.nu) / (12.0 + 11.0 * STEEL.nu)
+    exact = 1.0 / (3.0 * STEEL.E * SECTION.Iz) + 1.0 / (k * STEEL.G * SECTION.A)
+    assert float(row[1]) == pytest.approx(exact, rel=2e-3)
+    assert float(row[2]) < 1e-8
+
+
+def test_effective_mass_of_a_clamped_beam_is_the_closed_form() -> None:
+    """Clamped and free: m_eff / m = (2 s / l)^2 (Blevins 1979, table 8-1: l and s)."""
+    part = Part.beam(1.0, Rectangle(0.01, 0.015), 24, STEEL)
+    c = certify(part, reduce(part, CraigBampton(("start",), modes=8)))
+    table = next(t for t in c.tables if "effective mass" in t.title)
+    share = [float(row[2].split()[0]) for row in table.rows[:-1]]
+    y = sorted((float(row[3].split()[0]) for row in table.rows[:-1]), reverse=True)
+    assert max(share) == 0.0
+    for found, l, s in zip(y, (1.87510407, 4.69409113), (0.734095514, 1.018467319), strict=False):
+        assert found == pytest.approx(100.0 * (2.0 * s / l) ** 2, abs=0.2)
+
+
+def test_free_frequencies_of_the_full_model_are_those_of_all_modes() -> None:
+    part = bent()
+    c = certify(part, reduce(part, both_ends()))
+    table = next(t for t in c.tables if t.title == "free-free frequencies")
+    full = reduce(part, FreeFree(modes=10)).frequencies
+    np.testing.assert_allclose([float(row[1]) for row in table.rows], full, rtol=1e-5)
+
+
+def test_speed_of_sound_of_beams_is_that_of_a_thin_rod() -> None:
+    for part in (rod(), bent(mass=False)):
+        full, _ = full_model(part)
+        assert full is not None
+        assert speed_of_sound(full) == pytest.approx(np.sqrt(210e9 / 7850.0), rel=1e-9)
+
+
+def test_the_page_of_text_holds_facts_checks_advice_and_tables() -> None:
+    part = pendulum()
+    text = str(certify(part, reduce(part, CraigBampton(("start",), modes=4))))
+    assert text.startswith("certificate of part 'pendulum': 2 warnings")
+    assert "  warn  units" in text and "6 rigid" not in text
+    assert "six rigid motions" in text and "strain energy of 1 mm or 1 mrad (J)" in text
+    assert max(map(len, text.splitlines())) < 130
+
+
+def test_repeatable() -> None:
+    part = bent()
+    reduced = reduce(part, both_ends())
+    assert str(certify(part, reduced)) == str(certify(part, reduced))
+
+
+# -- each check fails once ------------------------------------------------------------------
+
+
+def expect(check: Check, status: str, sentence: str, remedy: str) -> None:
+    assert check.status == status, check
+    assert sentence in check.sentence, check.sentence
+    assert remedy in check.remedy, check.remedy
+
+
+def test_support_left_in_the_stiffness_matrix() -> None:
+    part = rod()
+    K = part.K.tolil()
+    K[1, 1] += 1e5
+    c = certify(replace(part, K=sp.csr_array(K)))
+    expect(c["rigid motions"], "fail", "moving the rigid body along y stores", "remove supports")
+    assert not c.passed
+    K[1, 1] -= 1e5 - 1.0
+    soft = certify(replace(part, K=sp.csr_array(K)))
+    expect(soft["rigid motions"], "warn", "as if it were a mode of", "remove supports")
+
+
+def test_nodes_that_do_not_belong_to_the_matrices() -> None:
+    part = bent(mass=False)
+    c = certify(replace(part, nodes=1.01 * part.nodes, mass_points=None))
+    check = c["rigid motions"]
+    assert check.status in ("warn", "fail")
+    assert "moving the rigid body about" in check.sentence
+    assert "node positions are in m, in the order of the matrices" in check.remedy
+
+
+@pytest.mark.parametrize(
+    ("part", "speed", "remedy"),
+    [
+        # N/mm, t, mm from N/m, kg, m
+        (scaled(rod(), 1e3, 1e3, 1e3), "5.172e+06 m/s", "matrices are in mm, t and s"),
+        (scaled(rod(), 1e-6, 1.0), "5.172 m/s", "E is in MPa"),
+        (scaled(rod(), 1.0, 1e-3), "1.636e+05 m/s", "density is in g/cm3"),
+        (scaled(rod(), 1e-9, 1.0), "0.1636 m/s", "E is in GPa"),
+        (scaled(rod(), 1.0, 1e-12), "5.172e+09 m/s", "density is in t/mm3"),
+        (scaled(rod(), 1e-4, 1.0), "51.72 m/s", "check the units of E, density and lengths"),
+    ],
+)
+def test_other_units(part: Part, speed: str, remedy: str) -> None:
+    check = certify(part)["units"]
+    expect(check, "warn", f"sound would travel at {speed}", remedy)
+
+
+def test_millimetres_read_as_metres() -> None:
+    with pytest.warns(JoustoWarning, match="is 1000 m large"):
+        part = Part.beam(1000.0, Rectangle(20.0, 30.0), 4, STEEL)
+    check = certify(part)["units"]
+    expect(check, "warn", "the part is 1e+06 mm long", "scale the mesh by 0.001")
+    check = certify(Part.beam(1e-4, Rectangle(2e-6, 3e-6), 4, STEEL))["units"]
+    expect(check, "warn", "the part is 0.1 mm long", "scale the mesh by 1000")
+
+
+def test_heavier_than_a_solid_block() -> None:
+    part = lattice()
+    heavy = replace(part, M=sp.csr_array(1000.0 * part.M), K=sp.csr_array(1000.0 * part.K))
+    check = certify(heavy)["units"]
+    expect(check, "warn", "more than a solid block of osmium", "point masses")
+
+
+def test_mass_on_a_line() -> None:
+    part = rod(lumped=True, rotary_inertia=False)
+    c = certify(part)
+    expect(c["rotary inertia"], "fail", "all mass lies on a line", "rotary_inertia=True")
+    assert certify(pendulum())["rotary inertia"].status == "warn"
+
+
+def test_rotations_without_inertia() -> None:
+    part = bent(lumped=True, rotary=False, mass=False)
+    check = certify(part)["rotary inertia"]
+    expect(check, "note", "rotations of these nodes move no mass", "consistent mass")
+    assert check.value == "10 nodes of 10 without"
+
+
+def test_nodes_that_nothing_holds() -> None:
+    part = bent()
+    loose = np.r_[np.ones(54), np.zeros(6)]
+    D = sp.diags_array(loose)
+    c = certify(replace(part, K=sp.csr_array(D @ part.K @ D)))
+    expect(c["loose nodes"], "fail", "no element holds them", "connect them")
+    assert c["loose nodes"].value == "1 node: node10"
+    assert c["mechanisms"].status == "fail"
+    turning = np.ones(60)
+    turning[57:] = 0.0
+    D = sp.diags_array(turning)
+    c = certify(replace(part, K=sp.csr_array(D @ part.K @ D)))
+    expect(c["loose nodes"], "fail", "turn without any stiffness", "leave out their rotations")
+
+
+def test_a_part_of_two_pieces() -> None:
+    c = certify(softened(rod(), 4, 0.0))
+    expect(c["loose nodes"], "fail", "falls into pieces", "merge coinciding nodes")
+    assert c["loose nodes"].value == "2 pieces"
+    expect(c["mechanisms"], "fail", "moves without any force", "merge nodes of touching meshes")
+
+
+def test_a_node_that_swings() -> None:
+    c = certify(lattice(bars_of_last_node=2))
+    expect(c["mechanisms"], "fail", "node16 u", "connect what should be connected")
+
+
+def test_something_that_hangs_almost_loose() -> None:
+    c = certify(softened(rod(), 4, 1e-9))
+    expect(c["mechanisms"], "warn", "something hangs almost loose", "connect what should be")
+    assert "modes up to" in c["mechanisms"].sentence
+
+
+def test_matrices_have_no_stress() -> None:
+    check = certify(lattice())["content"]
+    assert check.status == "note"
+    assert "no stress" in check.sentence and "no stiffening" in check.sentence
+
+
+def test_modes_of_another_part() -> None:
+    c = certify(rod(), reduce(softened(rod(), 4, 0.9), both_ends()))
+    expect(c["input"], "fail", "from other nodes or matrices", "reduce this part again")
+    expect(c["frequencies"], "fail", "this one is softer", "reduce this part again")
+    expect(c["modes"], "fail", "not the orthonormal modes", "reduce this part again")
+    with pytest.raises(InputError, match="'rod' has 11 nodes, part 'rod' has 6: give the part"):
+        certify(rod(5), reduce(rod(), both_ends()))
+    with pytest.raises(InputError, match="part is 3, must be a Part"):
+        certify(3)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="must be a ReducedPart, the result of reduce"):
+        certify(rod(), rod())  # type: ignore[arg-type]
+
+
+def test_printed_modes_with_few_digits() -> None:
+    part = bent()
+    exact = reduce(part, FreeFree(modes=3))
+    assert exact.rotations is not None
+    X = np.concatenate([exact.modes, exact.rotations], axis=1).reshape(-1, 3)
+    short = ReducedPart.from_modes(part, X * 1.0001, exact.frequencies)
+    expect(certify(part, short)["modes"], "warn", "not the orthonormal modes", "all the digits")
+
+
+def test_no_interface() -> None:
+    part = bent()
+    check = certify(part, reduce(part, FreeFree(modes=5)))["interfaces"]
+    expect(check, "note", "nothing holds", "use CraigBampton")
+
+
+def test_an_interface_that_transmits_no_moment() -> None:
+    part = lattice()
+    sets = dict(part.node_sets) | {"pin": (0,), "far": (4, 13, 14)}
+    part = replace(part, node_sets=sets)
+    c = certify(part, reduce(part, CraigBampton(("pin", "far"), modes=2)))
+    expect(c["interfaces"], "note", "'pin' alone cannot transmit every moment", "tie the surface")
+
+
+def test_an_interface_of_many_nodes() -> None:
+    part = replace(rod(30), node_sets={"all": tuple(range(25))})
+    c = certify(part, reduce(part, CraigBampton(("all",), modes=2)))
+    expect(c["interfaces"], "warn", "each interface degree of freedom costs", "tie the nodes")
+    assert c["static loads"].status == "ok"
+
+
+def test_interface_nodes_close_together() -> None:
+    nodes = [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [1.0, 0.0, 0.0], [1.00005, 0.0, 0.0]]
+    part = Part.frame(
+        nodes, [[0, 1], [1, 2], [2, 3]], sections=SECTION, materials=STEEL,
+        node_sets={"ends": (0, 2, 3)},
+    )  # fmt: skip
+    c = certify(part, reduce(part, CraigBampton(("ends",), modes=2)))
+    expect(c["conditioning"], "warn", "far stiffer than others", "to one node")
+
+
+def test_modes_left_out() -> None:
+    part = rod()
+    reduced = reduce(part, both_ends())
+    c = certify(part, reduced.keep(reduced.in_plane("xy")))
+    expect(c["conditioning"], "warn", "in all ways they can move", "a plane motion is meant")
+    expect(c["static loads"], "warn", "does not bend at all under", "in_plane")
+    part = bent()
+    c = certify(part, reduce(part, both_ends()).keep(range(5)))
+    expect(c["static loads"], "warn", "otherwise than the full model", "constraint modes")
+
+
+def test_static_answer_that_is_wrong_although_no_mode_is_missing() -> None:
+    part = rod()
+    reduced = reduce(part, both_ends())
+    wrong = replace(reduced, frequencies=1.001 * reduced.frequencies)
+    c = certify(part, wrong)
+    expect(c["static loads"], "fail", "bends otherwise than the full model", "ill-conditioned")
+
+
+def test_too_few_modes() -> None:
+    part = lattice()
+    c = certify(part, reduce(part, CraigBampton(("foot",), modes=0)))
+    expect(c["frequencies"], "warn", "lowest mode of the free part", "more modes")
+    part = bent()
+    c = certify(part, reduce(part, both_ends(modes=1)))
+    expect(c["effective mass"], "warn", "much of the mass only follows", "more fixed-interface")
+    expect(c["accelerating loads"], "note", "modes of its own inertia are few", "ask for more")
+
+
+def test_a_plane_body_lacks_the_lowest_mode_out_of_its_plane() -> None:
+    part = rod()
+    reduced = reduce(part, both_ends())
+    c = certify(part, reduced.keep(reduced.in_plane("xz")))
+    expect(c["frequencies"], "warn", "does not have the lowest mode", "left out on purpose")
+    assert "mode 1" in c["frequencies"].value and "missing" in c["frequencies"].value
+
+
+def test_no_mass() -> None:
+    part = rod()
+    c = certify(replace(part, M=sp.csr_array(part.M.shape), mass_points=None))
+    expect(c["mass"], "fail", "the mass is 0 kg, must be positive", "whole mass matrix")
+
+
+def test_a_status_that_does_not_exist() -> None:
+    with pytest.raises(InputError, match="status is 'fine', must be one of ok, note, warn, fail"):
+        Check("units", "fine", "1")  # type: ignore[arg-type]
