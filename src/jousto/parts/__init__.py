@@ -19,6 +19,7 @@ from jousto.parts.section import (
     Tube,
     polar_moment,
 )
+from jousto.parts.solids import SolidStress
 from jousto.parts.stress import StressOperator
 
 __all__ = [
@@ -42,6 +43,7 @@ __all__ = [
     "Rectangle",
     "Section",
     "SectionPoint",
+    "SolidStress",
     "StressOperator",
     "Theory",
     "Tie",

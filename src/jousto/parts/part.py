@@ -24,6 +24,7 @@ from jousto.parts.section import Section
 from jousto.parts.sets import node_index, read_elements, read_sets
 from jousto.parts.solids.build import solid_masses, solid_model
 from jousto.parts.solids.model import SolidModel
+from jousto.parts.solids.stress import SolidStress
 from jousto.parts.stress import StressOperator
 
 
@@ -51,7 +52,7 @@ class Part:
         Named nodes; ``node1`` .. ``nodeN`` (counted from 1) are added up to 10000 nodes.
     mass_points : MassPoints, optional
         The description from which M was computed.
-    stress : StressOperator, optional
+    stress : StressOperator or SolidStress, optional
         Stress from nodal displacements.
     second_order : SecondOrder, optional
         Second-order displacements, for geometric stiffness; parts made of beams have them.
@@ -76,7 +77,7 @@ class Part:
     K: Sparse
     node_sets: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     mass_points: MassPoints | None = None
-    stress: StressOperator | None = None
+    stress: StressOperator | SolidStress | None = None
     second_order: SecondOrder | None = None
     interfaces: Sequence[Interface] = ()
     faces: Sequence[Ints] = ()
@@ -411,6 +412,7 @@ class Part:
             K=model.stiffness(),
             node_sets=numbers,
             mass_points=points,
+            stress=SolidStress.everywhere(model),
             interfaces=interfaces,
             solids=model,
             mesh=mesh,
@@ -575,6 +577,11 @@ class Part:
         problems.raise_if_any()
         assert self.second_order is not None and u is not None
         return self.second_order.geometric_stiffness(u)
+
+    @property
+    def strain(self) -> SolidStress | None:
+        """Strain ``[e11 e22 e33 g12 g23 g13]`` at the nodes of solids; None for other parts."""
+        return None if self.solids is None else SolidStress.everywhere(self.solids, "strain")
 
     @cached_property
     def _rigid_mass(self) -> Floats:

@@ -1,0 +1,225 @@
+"""Stress and strain at the nodes of solids, element by element, without one explicit matrix."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+
+from jousto.errors import InputError, Problem, suggest
+from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, read_only, times
+from jousto.parts.material import Material
+from jousto.parts.orthotropic import elasticity
+from jousto.parts.solids.elements import CORNERS, gradients, places, shape_functions, table
+from jousto.parts.solids.model import VOIGT, SolidGroup, SolidModel
+
+BLOCK_BYTES = 96 << 20
+"""Memory of the strains of one block of displacement columns."""
+
+
+@dataclass(frozen=True, eq=False)
+class SolidStress:
+    """Stress or strain at nodes of solids from nodal displacements.
+
+    Strains are taken at the points of each element where they are most accurate (Barlow, *Int. J.
+    Num. Meth. Eng.* 10 (1976) 243-251), continued to its nodes by the shape functions of the
+    element of the same corners, and averaged over the elements of one material around a node. Nodes
+    where materials meet are one site for each of them.
+
+    Attributes
+    ----------
+    model : SolidModel
+    node : (ns,) ndarray of int
+        Node index of each site.
+    material : (ns,) ndarray of int
+        Index of the material of each site.
+    quantity : str
+        ``"stress"`` in Pa: ``[s11 s22 s33 s12 s23 s13]``, or ``"strain"``:
+        ``[e11 e22 e33 g12 g23 g13]`` with engineering shear strains g. Part axes.
+    """
+
+    model: SolidModel
+    node: Ints
+    material: Ints
+    quantity: str = "stress"
+
+    @classmethod
+    def everywhere(cls, model: SolidModel, quantity: str = "stress") -> SolidStress:
+        """Return the operator of all nodes."""
+        pairs = [
+            np.unique(g.nodes).astype(np.int64) * len(model.materials) + g.material
+            for g in model.groups
+        ]
+        both = np.unique(np.concatenate(pairs))
+        return cls(model, both // len(model.materials), both % len(model.materials), quantity)
+
+    def __len__(self) -> int:
+        return len(self.node)
+
+    @cached_property
+    def sites(self) -> tuple[str, ...]:
+        """Labels: ``n12`` is the node of number 12 in the mesh; ``n12.left`` if materials meet."""
+        ids = self.model.node_ids[self.node]
+        if len(self.model.materials) == 1:
+            return tuple(f"n{i}" for i in ids)
+        count = np.zeros((len(self.model.nodes), len(self.model.materials)), dtype=np.int64)
+        for group in self.model.groups:
+            count[np.unique(group.nodes), group.material] = 1
+        several = count.sum(axis=1)[self.node] > 1
+        names = self.model.names
+        return tuple(
+            f"n{i}.{names[m]}" if shared else f"n{i}"
+            for i, m, shared in zip(ids, self.material, several, strict=True)
+        )
+
+    @cached_property
+    def positions(self) -> Floats:
+        """Undeformed positions in m, part frame, (ns, 3)."""
+        return read_only(self.model.nodes[self.node])
+
+    @cached_property
+    def axes(self) -> Floats:
+        """Axes in which the components are resolved, (ns, 3, 3): those of the part."""
+        return np.broadcast_to(np.eye(3), (len(self), 3, 3))
+
+    @cached_property
+    def elasticity(self) -> Floats | None:
+        """Young's modulus in Pa and Poisson's ratio, (ns, 2); None if one is orthotropic."""
+        constants = []
+        for m in self.model.materials:
+            if not isinstance(m, Material):
+                return None
+            constants.append((m.E, m.nu))
+        return np.array(constants)[self.material]
+
+    def evaluate(self, d: Floats) -> Floats:
+        """Return stress or strain, (ns, 6, ncol), from displacements (ndof, ncol) or (ndof,).
+
+        A single column of displacements gives (ns, 6).
+        """
+        x = np.asarray(d, dtype=np.float64)
+        X = x.reshape(len(x), -1)
+        weights, rows = self._averages
+        points = weights.shape[1]
+        step = max(1, BLOCK_BYTES // (48 * max(points, 1)))
+        out = np.empty((len(self), 6, X.shape[1]))
+        for i in range(0, X.shape[1], step):
+            part = X[:, i : i + step]
+            strains = np.empty((points, 6, part.shape[1]))
+            at = 0
+            for group, chosen in zip(self.model.groups, rows, strict=True):
+                nq = len(table(group.kind, "stress").weights)
+                size = len(chosen) * nq
+                point_strains(self.model, group, chosen, part, strains[at : at + size])
+                at += size
+            mean = times(weights, strains.reshape(points, -1)).reshape(len(self), 6, -1)
+            out[:, :, i : i + step] = mean
+        if self.quantity == "stress":
+            for m, material in enumerate(self.model.materials):
+                mine = slice(None) if len(self.model.materials) == 1 else self.material == m
+                out[mine] = np.einsum("ij,sjk->sik", elasticity(material), out[mine])
+        return out[:, :, 0] if x.ndim == 1 else out
+
+    @cached_property
+    def _index(self) -> dict[str, int]:
+        return {site: i for i, site in enumerate(self.sites)}
+
+    def index(self, site: str) -> int:
+        """Return the index of a site.
+
+        Raises
+        ------
+        InputError
+            If there is no such site; the nearest name is suggested.
+        """
+        if site not in self._index:
+            raise InputError(Problem(self.quantity, f"no site '{site}'{suggest(site, self.sites)}"))
+        return self._index[site]
+
+    def select(self, sites: Sequence[str]) -> SolidStress:
+        """Return the operator of some sites, in the given order.
+
+        Raises
+        ------
+        InputError
+            If a site does not exist.
+        """
+        i = np.array([self.index(site) for site in sites], dtype=np.int64)
+        return SolidStress(self.model, self.node[i], self.material[i], self.quantity)
+
+    def at(self, nodes: Sequence[int] | Ints) -> SolidStress:
+        """Return the operator of the sites of some nodes (indices of the part), in node order."""
+        i = np.flatnonzero(np.isin(self.node, np.asarray(nodes)))
+        return SolidStress(self.model, self.node[i], self.material[i], self.quantity)
+
+    @cached_property
+    def _averages(self) -> tuple[Sparse, tuple[Ints, ...]]:
+        """Weights (ns, points) of the strains at the points; and the elements that have them."""
+        site = np.full((len(self.model.materials), len(self.model.nodes)), -1, dtype=np.int64)
+        site[self.material, self.node] = np.arange(len(self))
+        chosen, rows, columns, values, at = [], [], [], [], 0
+        for group in self.model.groups:
+            mine = site[group.material][group.nodes]
+            touching = np.flatnonzero(np.any(mine >= 0, axis=1))
+            chosen.append(touching)
+            E = continuation(group.kind)
+            k, nq = E.shape
+            row = np.broadcast_to(mine[touching][:, :, None], (len(touching), k, nq))
+            column = at + np.arange(len(touching) * nq).reshape(-1, 1, nq)
+            keep = row >= 0
+            rows.append(row[keep])
+            columns.append(np.broadcast_to(column, row.shape)[keep])
+            values.append(np.broadcast_to(E, row.shape)[keep])
+            at += len(touching) * nq
+        row, value = np.concatenate(rows), np.concatenate(values)
+        # weights of every element add up to one at its nodes
+        total = np.bincount(row, weights=value, minlength=len(self))
+        value = value / total[row]
+        matrix = sp.coo_array((value, (row, np.concatenate(columns))), shape=(len(self), at))
+        return as_csr(matrix.tocsr()), tuple(chosen)
+
+
+def continuation(kind: str) -> Floats:
+    """Return the weights (k, nq) that continue values at the points of stress to the nodes."""
+    points = table(kind, "stress").points
+    corners = CORNERS[kind]
+    if len(points) == 1:
+        return np.ones((len(places(kind)), 1))
+    at_points = shape_functions(corners, points)[0]
+    at_nodes = shape_functions(corners, places(kind))[0]
+    return np.asarray(at_nodes @ np.linalg.inv(at_points))
+
+
+def point_strains(
+    model: SolidModel, group: SolidGroup, chosen: Ints, X: Floats, out: Floats
+) -> None:
+    """Write the strains (len(chosen) * nq, 6, n) at the points of some elements.
+
+    Parameters
+    ----------
+    model : SolidModel
+    group : SolidGroup
+    chosen : (m,) ndarray of int
+        Elements of the group.
+    X : (ndof, n) ndarray
+        Displacements.
+    out : (m * nq, 6, n) ndarray
+        ``[e11 e22 e33 g12 g23 g13]`` at the points of the first element, of the second and so on.
+    """
+    t = table(group.kind, "stress")
+    nq, n, k = len(t.weights), X.shape[1], group.nodes.shape[1]
+    step = max(1, (16 << 20) // (8 * (3 * k * n + 9 * nq * n + 12 * nq * k)))
+    U = X.reshape(len(model.nodes), 3 * n)
+    for start in range(0, len(chosen), step):
+        nodes = group.nodes[chosen[start : start + step]]
+        G, _ = gradients(t.dN, model.nodes[nodes])
+        m = len(nodes)
+        D = np.matmul(G.reshape(m, 3 * nq, k), U[nodes]).reshape(m * nq, 3, 3, n)
+        block = out[start * nq : (start + m) * nq]
+        for i in range(3):
+            block[:, i] = D[:, i, i]
+        for i, j in ((0, 1), (1, 2), (0, 2)):
+            np.add(D[:, i, j], D[:, j, i], out=block[:, VOIGT[i, j]])
