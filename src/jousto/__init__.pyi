@@ -302,10 +302,19 @@ from .reduction import (
     ReducedPart as ReducedPart,
 )
 from .reduction import (
+    ReductionCache as ReductionCache,
+)
+from .reduction import (
+    SolverInfo as SolverInfo,
+)
+from .reduction import (
     certify as certify,
 )
 from .reduction import (
     reduce as reduce,
+)
+from .reduction import (
+    solvers as solvers,
 )
 from .schema import read_model as read_model
 from .simulation import (

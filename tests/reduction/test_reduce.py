@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any
 
 import numpy as np
 import pytest
 import scipy.linalg
 import scipy.sparse as sp
-import scipy.sparse.linalg as spl
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
@@ -178,25 +176,6 @@ def test_frequency_limit_of_a_large_part(monkeypatch: pytest.MonkeyPatch) -> Non
     limit = 0.5 * full_frequencies(part, [])[[6 + 39, 6 + 40]].sum()
     monkeypatch.setattr(eigen, "DENSE_LIMIT", 0)
     assert reduce(part, FreeFree(frequency_limit=limit)).n == 40
-
-
-def test_lanczos_looks_again_for_missed_modes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A single vector may miss one of two equal frequencies; here it is made to."""
-    part = Part.beam(3.0, Rectangle(0.05, 0.05), 40, STEEL)
-    truth = reduce(part, FreeFree(modes=6))
-    original, calls = spl.eigsh, []
-
-    def forgetful(*args: Any, **kwargs: Any) -> Any:
-        mu, Y = original(*args, **kwargs)
-        calls.append(len(mu))
-        keep = np.arange(len(mu)) != len(mu) - 2
-        return (mu[keep], Y[:, keep]) if len(calls) == 1 else (mu, Y)
-
-    monkeypatch.setattr(eigen, "DENSE_LIMIT", 0)
-    monkeypatch.setattr(spl, "eigsh", forgetful)
-    again = reduce(part, FreeFree(modes=6))
-    assert len(calls) == 3
-    assert again.frequencies == pytest.approx(truth.frequencies, rel=1e-8)
 
 
 def test_highest_modes_have_their_digits_too() -> None:

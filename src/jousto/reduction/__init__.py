@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from jousto.reduction.cache import ReductionCache
 from jousto.reduction.certificate import Certificate, Check, Silhouette, Table, certify
 from jousto.reduction.damping import Damping, Rayleigh, modal_damping
+from jousto.reduction.factor import SolverInfo, solvers
 from jousto.reduction.invariants import Invariants
 from jousto.reduction.methods import CraigBampton, FreeFree, Method
 from jousto.reduction.reduced import ReducedPart
@@ -22,10 +24,13 @@ __all__ = [
     "Rayleigh",
     "ReducedPart",
     "Silhouette",
+    "ReductionCache",
+    "SolverInfo",
     "Stiffening",
     "StressModes",
     "Table",
     "certify",
     "modal_damping",
     "reduce",
+    "solvers",
 ]

@@ -9,15 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
-import scipy.sparse.linalg as spl
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, warn
+from jousto.reduction.factor import Solver
+from jousto.reduction.lanczos import lanczos
 
 Array = NDArray[np.float64]
 
@@ -33,72 +33,6 @@ mass."""
 
 CLUSTER = 1e-8
 """Relative difference of mu below which frequencies count as equal."""
-
-PIVOT = 1e-14
-"""Least pivot of the scaled stiffness matrix."""
-
-
-class Solver(Protocol):
-    """Solves ``K x = f`` for a held body."""
-
-    def __call__(self, f: Array, /) -> Array:
-        """Return x for right-hand sides f (n,) or (n, m)."""
-        ...
-
-
-def factorise(K: sp.csc_array, where: str, dof_name: Callable[[int], str]) -> Solver:
-    """Factorise a sparse symmetric positive definite matrix.
-
-    Raises
-    ------
-    InputError
-        K is not positive definite; `dof_name` names the degree of freedom that is loose.
-    """
-    n = K.shape[0]
-    diagonal = K.diagonal()
-    if n == 0:
-        return lambda f: f
-    if diagonal.min() <= 0.0:
-        raise _not_held(where, dof_name(int(np.argmin(diagonal))))
-    # unit diagonal: translations and rotations become comparable
-    scale = 1.0 / np.sqrt(diagonal)
-    scaled = sp.csc_array(sp.diags_array(scale) @ K @ sp.diags_array(scale))
-    try:
-        lu = spl.splu(
-            scaled,
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
-    except RuntimeError:
-        raise _not_held(where, dof_name(_loosest(scaled))) from None
-    if lu.U.diagonal().min() < PIVOT:
-        raise _not_held(where, dof_name(_loosest(scaled)))
-
-    def solve(f: Array, /) -> Array:
-        s = scale if f.ndim == 1 else scale[:, None]
-        return np.asarray(s * lu.solve(np.ascontiguousarray(s * f)), dtype=np.float64)
-
-    return solve
-
-
-def _loosest(scaled: sp.csc_array) -> int:
-    # a small shift makes the matrix regular; its solution then is the motion without stiffness
-    n = scaled.shape[0]
-    lu = spl.splu(sp.csc_array(scaled + sp.diags_array(np.full(n, 1e-10))))
-    motion = lu.solve(np.random.default_rng(20070607).standard_normal(n))
-    return int(np.argmax(np.abs(motion)))
-
-
-def _not_held(where: str, dof: str) -> InputError:
-    return InputError(
-        Problem(
-            where,
-            "the stiffness matrix lets the body move without force even where it is held; "
-            f"{dof} moves most: are all elements connected, and does every node have stiffness in "
-            "all its degrees of freedom?",
-        )
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +67,7 @@ def spectrum(
     modes: int | None,
     frequency_limit: float | None,
     where: str,
+    report: Callable[[float], None] | None = None,
 ) -> tuple[Array, Array]:
     """Solve ``X0^T M X0 y = mu B y`` for at least the softest modes asked for.
 
@@ -148,6 +83,8 @@ def spectrum(
         All below this frequency are wanted, Hz.
     where : str
         Name for errors.
+    report : callable, optional
+        Called with the part of the modes that is found, from 0 to 1.
 
     Returns
     -------
@@ -167,7 +104,7 @@ def spectrum(
     if problem.solve is None or problem.size <= DENSE_LIMIT or count + 8 > problem.size // 3:
         mu, Y = _dense(problem, M, where)
     else:
-        mu, Y = _lanczos(problem, problem.solve, M, count + 4)
+        mu, Y = lanczos(_operator(problem, M), problem.B, problem.solve, count + 4, report)
         wanted = 0.0 if frequency_limit is None else 1.0 / (2.0 * np.pi * frequency_limit) ** 2
         # without a number, double until the limit is passed
         while modes is None and mu[-1] > max(wanted, MASSLESS * mu[0]):
@@ -175,7 +112,7 @@ def spectrum(
             if count + 8 > problem.size // 3:
                 mu, Y = _dense(problem, M, where)
                 break
-            mu, Y = _lanczos(problem, problem.solve, M, count + 4)
+            mu, Y = lanczos(_operator(problem, M), problem.B, problem.solve, count + 4, report)
     if mu[-1] < -1e-9 * abs(mu[0]):
         raise InputError(
             Problem(
@@ -186,6 +123,10 @@ def spectrum(
         )
     moving = mu > MASSLESS * mu[0]
     return polish(problem.lift(Y[:, moving]), M)
+
+
+def _operator(problem: Flexibility, M: sp.csr_array) -> Callable[[Array], Array]:
+    return lambda y: problem.lower(np.asarray(M @ problem.lift(y)))
 
 
 def _dense(problem: Flexibility, M: sp.csr_array, where: str) -> tuple[Array, Array]:
@@ -204,48 +145,6 @@ def _dense(problem: Flexibility, M: sp.csr_array, where: str) -> tuple[Array, Ar
     scale = 1.0 / np.sqrt(np.diag(B))
     mu, Y = scipy.linalg.eigh(scale[:, None] * A * scale, scale[:, None] * B * scale)
     return mu[::-1], (scale[:, None] * Y)[:, ::-1]
-
-
-def _lanczos(
-    problem: Flexibility, solve: Solver, M: sp.csr_array, count: int
-) -> tuple[Array, Array]:
-    n = problem.size
-    B = sp.csc_array(problem.B)
-    # a fixed start makes the result repeatable
-    random = np.random.default_rng(20070607)
-
-    def apply(y: Array) -> Array:
-        column = y.reshape(n, 1)
-        return problem.lower(np.asarray(M @ problem.lift(column))).reshape(n)
-
-    def largest(k: int, found: Array) -> tuple[Array, Array]:
-        # the operator without what is found already
-        held = B @ found
-
-        def deflated(y: Array) -> Array:
-            y = y.reshape(n)
-            f = apply(y - found @ (held.T @ y))
-            return f - held @ (found.T @ f)
-
-        mu, Y = spl.eigsh(
-            spl.LinearOperator((n, n), matvec=deflated, dtype=np.float64),
-            k=k,
-            M=B,
-            Minv=spl.LinearOperator((n, n), matvec=solve, dtype=np.float64),
-            which="LA",
-            v0=solve(deflated(random.standard_normal(n))),
-        )
-        return mu, Y
-
-    mu, Y = largest(count, np.zeros((n, 0)))
-    # one vector at a time may miss one of several equal frequencies: look again without the found
-    while len(mu) < n // 2:
-        more, y = largest(1, Y)
-        if more[0] <= mu.min() * (1.0 + 1e-9):
-            break
-        mu, Y = np.append(mu, more), np.column_stack([Y, y])
-    order = np.argsort(mu)[::-1]
-    return mu[order], Y[:, order]
 
 
 def polish(X: Array, M: sp.csr_array) -> tuple[Array, Array]:

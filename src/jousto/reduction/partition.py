@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.reduction import eigen
+from jousto.reduction.factor import Solver
 from jousto.reduction.methods import CraigBampton
 from jousto.reduction.rigid import length_scale, rigid_modes
+from jousto.reduction.run import Lazy, Report, Run
 
 if TYPE_CHECKING:
     from jousto.parts import Part
@@ -85,7 +87,7 @@ def interface_dofs(part: Part, names: tuple[str, ...]) -> Index:
 
 
 def craig_bampton_basis(
-    part: Part, M: sp.csr_array, K: sp.csr_array, method: CraigBampton
+    part: Part, M: sp.csr_array, K: sp.csr_array, method: CraigBampton, run: Run
 ) -> eigen.Flexibility:
     """Return constraint and fixed-interface modes, held at six interface degrees of freedom.
 
@@ -114,26 +116,26 @@ def craig_bampton_basis(
     # constraint modes Phi_C = -K_II^-1 K_IB
     K_II = sp.csc_array(K[i][:, i])
     K_IB = K[i][:, b]
-    solve = eigen.factorise(K_II, where, lambda k: dof_label(i[k], d))
-    Phi_C = -solve(K_IB.toarray())
+    solve = Lazy(lambda: run.factorise(K_II, where, lambda k: dof_label(i[k], d)))
+    kept = run.found("constraint modes")
+    if kept is None:
+        solve.prepare()
+        with run.stage("constraint modes"):
+            Phi_C = -solve(K_IB.toarray())
+        run.keep("constraint modes", Phi_C=Phi_C)
+    else:
+        Phi_C = kept["Phi_C"]
     K_C = K[b][:, b].toarray() + K_IB.T @ Phi_C
 
     # fixed-interface modes
-    M_II = sp.csr_array(M[i][:, i])
-    identity = eigen.Flexibility(len(i), lambda y: y, lambda f: f, K_II, solve)
-    mu, inner = eigen.spectrum(
-        identity,
-        M_II,
-        modes=method.modes,
-        frequency_limit=method.frequency_limit,
-        where=where,
-    )
-    full = np.zeros((ndof, len(mu)))
-    full[i] = inner
-    mu, full = eigen.canonical(mu, full, M, d, length_scale(part.nodes))
-    mu, full = eigen.select(
-        mu, full, method.modes, method.frequency_limit, "fixed-interface", where
-    )
+    kept = run.found("fixed-interface modes")
+    if kept is None:
+        solve.prepare()
+        with run.stage("fixed-interface modes") as report:
+            mu, full = _fixed_modes(part, M, i, K_II, solve, method, report)
+        run.keep("fixed-interface modes", mu=mu, modes=full)
+    else:
+        mu, full = kept["mu"], kept["modes"]
 
     # T without the six columns of the held degrees of freedom
     free = np.flatnonzero(~np.isin(b, held))
@@ -146,7 +148,40 @@ def craig_bampton_basis(
     return eigen.Flexibility(T.shape[1], lambda y: T @ y, lambda f: T.T @ f, B, None)
 
 
-def whole_part_basis(part: Part, K: sp.csr_array) -> eigen.Flexibility:
+def _fixed_modes(
+    part: Part,
+    M: sp.csr_array,
+    i: Index,
+    K_II: sp.csc_array,
+    solve: Solver,
+    method: CraigBampton,
+    report: Report,
+) -> tuple[Array, Array]:
+    where = f"part '{part.name}'"
+    # modes of all degrees of freedom, zero at the interface: M needs no copy of its interior
+    interior = eigen.Flexibility(
+        len(i), lambda y: embedded(y, i, M.shape[0]), lambda f: f[i], K_II, solve
+    )
+    mu, full = eigen.spectrum(
+        interior,
+        M,
+        modes=method.modes,
+        frequency_limit=method.frequency_limit,
+        where=where,
+        report=lambda done: report("fixed-interface modes", done),
+    )
+    mu, full = eigen.canonical(mu, full, M, part.dofs_per_node, length_scale(part.nodes))
+    return eigen.select(mu, full, method.modes, method.frequency_limit, "fixed-interface", where)
+
+
+def embedded(y: Array, rows: Index, size: int) -> Array:
+    """Return y (m, k) at some rows of zeros (size, k)."""
+    x = np.zeros((size, y.shape[1]))
+    x[rows] = y
+    return x
+
+
+def whole_part_basis(part: Part, K: sp.csr_array, run: Run | None = None) -> eigen.Flexibility:
     """Return all displacements of the part, held at six degrees of freedom.
 
     Raises
@@ -163,11 +198,8 @@ def whole_part_basis(part: Part, K: sp.csr_array) -> eigen.Flexibility:
         raise InputError(Problem(where, message))
     free = np.setdiff1d(np.arange(ndof), held)
     K_Z = sp.csc_array(K[free][:, free])
-    solve = eigen.factorise(K_Z, where, lambda k: dof_label(free[k], d))
-
-    def lift(y: Array) -> Array:
-        x = np.zeros((ndof, y.shape[1]))
-        x[free] = y
-        return x
-
-    return eigen.Flexibility(len(free), lift, lambda f: f[free], K_Z, solve)
+    run = run or Run()
+    solve = run.factorise(K_Z, where, lambda k: dof_label(free[k], d))
+    return eigen.Flexibility(
+        len(free), lambda y: embedded(y, free, ndof), lambda f: f[free], K_Z, solve
+    )

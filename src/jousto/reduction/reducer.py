@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import importlib.metadata
+import logging
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import scipy.sparse as sp
@@ -13,6 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from jousto.errors import InputError, Problem, Problems, warn
 from jousto.parts import Part
 from jousto.reduction import eigen
+from jousto.reduction.cache import Entry, NotHashable, ReductionCache
+from jousto.reduction.cache import choose as choose_cache
+from jousto.reduction.cache import key as content_key
 from jousto.reduction.invariants import (
     Invariants,
     invariants_from_matrix,
@@ -25,10 +30,12 @@ from jousto.reduction.partition import (
 )
 from jousto.reduction.reduced import ReducedPart
 from jousto.reduction.rigid import (
+    RigidBasis,
     check_stiffness_is_free,
     length_scale,
     mass_orthonormal_rigid_modes,
 )
+from jousto.reduction.run import Report, Run, reporter
 from jousto.reduction.stiffening import stiffening as second_order_field
 from jousto.reduction.stress import StressModes
 
@@ -37,8 +44,22 @@ Array = NDArray[np.float64]
 ORTHONORMALITY = 1e-10
 """Largest deviation of the modal mass matrix from the identity."""
 
+STRESS_BLOCK = 8
+"""Modes whose stress is computed at a time."""
 
-def reduce(part: Part, method: Method, *, stiffening: bool = False) -> ReducedPart:
+HASH_BLOCK = 1 << 20
+"""Numbers that are hashed at a time."""
+
+
+def reduce(
+    part: Part,
+    method: Method,
+    *,
+    stiffening: bool = False,
+    solver: str | None = None,
+    cache: ReductionCache | Path | str | bool | None = None,
+    progress: bool | Report | None = None,
+) -> ReducedPart:
     """Reduce a part to its elastic modes, orthonormal and free of rigid-body motion.
 
     Craig-Bampton: ``T = [E 0; Phi_C Phi_N]``, the rigid motions R are taken out of T by the
@@ -55,6 +76,17 @@ def reduce(part: Part, method: Method, *, stiffening: bool = False) -> ReducedPa
         Whether forces along the body stiffen or soften it: for blades, shafts and arms that spin
         fast, and members near buckling. Parts made of beams only. Off by default: without it the
         body is the linear one of other programs, and costs less.
+    solver : str, optional
+        Library that factorises the stiffness matrix, see `solvers`; the best that is installed if
+        not given.
+    cache : ReductionCache, path or bool, optional
+        Where the result is kept for the next time, and the stages of a reduction that may be
+        killed: asked for again, it goes on after the last stage that was finished. True is the
+        user's cache folder, False keeps nothing; by default parts of 30,000 degrees of freedom and
+        more are kept.
+    progress : bool or function, optional
+        True shows a bar for each stage; a function is called with (stage, part of it that is
+        done, from 0 to 1).
 
     Returns
     -------
@@ -77,37 +109,85 @@ def reduce(part: Part, method: Method, *, stiffening: bool = False) -> ReducedPa
     if not isinstance(given, (CraigBampton, FreeFree)):
         message = f"method is {given!r}, must be CraigBampton(...) or FreeFree(...)"
         raise InputError(Problem(where, message))
+    chosen = choose_cache(cache, part.K.shape[0])
+    with reporter(progress) as report:
+        entry = None if chosen is None else _entry(chosen, part, method, stiffening)
+        if entry is not None and (finished := entry.finished()) is not None:
+            return finished
+        run = Run(solver, report, entry)
+        reduced = _reduced(part, method, stiffening, run)
+        if entry is not None:
+            entry.finish(reduced)
+    return reduced
+
+
+def _entry(cache: ReductionCache, part: Part, method: Method, stiffening: bool) -> Entry | None:
+    try:
+        return cache.entry(content_key(part, method, stiffening, _versions()))
+    except NotHashable as error:
+        logging.getLogger(__name__).info("the reduction is not kept: it depends on a %s", error)
+        return None
+
+
+def _reduced(part: Part, method: Method, stiffening: bool, run: Run) -> ReducedPart:
+    where = f"part '{part.name}'"
     M, K = sp.csr_array(part.M), sp.csr_array(part.K)
-    check_stiffness_is_free(K, part.nodes, part.dofs_per_node, where)
-    rigid = mass_orthonormal_rigid_modes(M, part.nodes, part.dofs_per_node, where)
-    interfaces: tuple[str, ...] = ()
+    with run.stage("checks"):
+        check_stiffness_is_free(K, part.nodes, part.dofs_per_node, where)
+        rigid = mass_orthonormal_rigid_modes(M, part.nodes, part.dofs_per_node, where)
+    interfaces = method.interfaces if isinstance(method, CraigBampton) else ()
+    kept = run.found("modes")
+    if kept is None:
+        mu, X = _modes(part, M, K, method, rigid, run)
+        run.keep("modes", mu=mu, modes=X)
+    else:
+        mu, X = kept["mu"], kept["modes"]
+    frequencies = 1.0 / (2.0 * np.pi * np.sqrt(mu))
+    reduced = _assemble(part, X, frequencies, interfaces, repr(method), run)
+    if not stiffening:
+        return reduced
+    with run.stage("stiffening"):
+        return replace(reduced, stiffening=second_order_field(part, X))
+
+
+def _modes(
+    part: Part, M: sp.csr_array, K: sp.csr_array, method: Method, rigid: RigidBasis, run: Run
+) -> tuple[Array, Array]:
+    """Return ``1 / omega^2`` and the elastic modes, mass-normalised."""
+    where = f"part '{part.name}'"
+    length = length_scale(part.nodes)
     wanted: int | None
     limit: float | None
     if isinstance(method, CraigBampton):
-        interfaces = method.interfaces
-        basis = craig_bampton_basis(part, M, K, method)
-        wanted, limit = basis.size, None
+        basis = craig_bampton_basis(part, M, K, method, run)
+        wanted, limit, stage = basis.size, None, "orthonormalisation"
     else:
-        basis = whole_part_basis(part, K)
-        wanted, limit = method.modes, method.frequency_limit
+        basis = whole_part_basis(part, K, run)
+        wanted, limit, stage = method.modes, method.frequency_limit, "free-free modes"
     # the basis is held at six degrees of freedom; the rigid motion that adds is taken out again
     # (P^T M P = M P, so that lower needs no projection)
     elastic = replace(basis, lift=lambda y: rigid.remove(basis.lift(y)))
-    mu, X = eigen.spectrum(elastic, M, modes=wanted, frequency_limit=limit, where=where)
-    mu, X = eigen.canonical(mu, X, M, part.dofs_per_node, length_scale(part.nodes))
-    if isinstance(method, FreeFree):
-        mu, X = eigen.select(mu, X, method.modes, method.frequency_limit, "free-free", where)
-    if not len(mu):
-        message = (
-            "the method leaves no elastic mode: ask for more modes, or use a RigidBody with the "
-            "mass and inertia of the part"
+    with run.stage(stage) as report:
+        mu, X = eigen.spectrum(
+            elastic,
+            M,
+            modes=wanted,
+            frequency_limit=limit,
+            where=where,
+            report=lambda done: report(stage, done),
         )
-        raise InputError(Problem(where, message))
-    X = X / np.sqrt(mu)
-    _check_orthonormal(X, M, where)
-    frequencies = 1.0 / (2.0 * np.pi * np.sqrt(mu))
-    reduced = _assemble(part, X, frequencies, interfaces, repr(method))
-    return replace(reduced, stiffening=second_order_field(part, X)) if stiffening else reduced
+        mu, X = eigen.canonical(mu, X, M, part.dofs_per_node, length)
+        if isinstance(method, FreeFree):
+            mu, X = eigen.select(mu, X, method.modes, method.frequency_limit, "free-free", where)
+        if not len(mu):
+            message = (
+                "the method leaves no elastic mode: ask for more modes, or use a RigidBody with "
+                "the mass and inertia of the part"
+            )
+            raise InputError(Problem(where, message))
+        X = X / np.sqrt(mu)
+        _check_orthonormal(X, M, where)
+    return mu, X
 
 
 def _check_orthonormal(X: Array, M: sp.csr_array, where: str) -> None:
@@ -141,14 +221,21 @@ def from_modes(part: Part, modes: ArrayLike, frequencies: ArrayLike) -> ReducedP
             f"{error[i, j]:.2g} (limit 1e-3); the modal mass matrix is taken as the identity. "
             "Check units and the order of degrees of freedom",
         )
-    return _assemble(part, X, f, (), "given mode shapes")
+    return _assemble(part, X, f, (), "given mode shapes", Run())
 
 
 def _assemble(
-    part: Part, X: Array, frequencies: Array, interfaces: tuple[str, ...], method: str
+    part: Part,
+    X: Array,
+    frequencies: Array,
+    interfaces: tuple[str, ...],
+    method: str,
+    run: Run,
 ) -> ReducedPart:
     nn, n = len(part.nodes), X.shape[1]
     vectors = X.reshape(nn, part.dofs_per_node, n)
+    with run.stage("invariants"):
+        integrals = invariants(part, X)
     return ReducedPart(
         name=part.name,
         nodes=part.nodes,
@@ -157,10 +244,10 @@ def _assemble(
         modes=vectors[:, :3],
         rotations=vectors[:, 3:] if part.dofs_per_node == 6 else None,
         frequencies=frequencies,
-        invariants=invariants(part, X),
-        stress=_stress(part, X),
+        invariants=integrals,
+        stress=_stress(part, X, run),
         interfaces=interfaces,
-        provenance=_provenance(part, method),
+        provenance=_provenance(part, method, run),
     )
 
 
@@ -181,21 +268,33 @@ def invariants(part: Part, X: ArrayLike) -> Invariants:
     return own + invariants_from_points(part.attached, modes)
 
 
-def _stress(part: Part, X: Array) -> StressModes | None:
+def _stress(part: Part, X: Array, run: Run) -> StressModes | None:
     if part.stress is None:
         return None
     s = part.stress
-    return StressModes(tuple(s.sites), s.positions, s.axes, s.evaluate(X), s.elasticity)
+    modes = np.empty((len(s.sites), 6, X.shape[1]))
+    with run.stage("stress modes") as report:
+        # a few modes at a time: what elements need in between stays small
+        for k in range(0, X.shape[1], STRESS_BLOCK):
+            some = slice(k, k + STRESS_BLOCK)
+            modes[:, :, some] = s.evaluate(X[:, some])
+            report("stress modes", min(k + STRESS_BLOCK, X.shape[1]) / X.shape[1])
+    return StressModes(tuple(s.sites), s.positions, s.axes, modes, s.elasticity)
 
 
-def _provenance(part: Part, method: str) -> dict[str, str]:
+def _versions() -> dict[str, str]:
     versions = {}
     for package in ("jousto", "numpy", "scipy"):
         try:
             versions[package] = importlib.metadata.version(package)
         except importlib.metadata.PackageNotFoundError:
             versions[package] = "unknown"
-    return {"method": method, "input": content_hash(part), **versions}
+    return versions
+
+
+def _provenance(part: Part, method: str, run: Run) -> dict[str, str]:
+    solver = {"solver": run.used} if run.used else {}
+    return {"method": method, "input": content_hash(part), **solver, **_versions()}
 
 
 def content_hash(part: Part) -> str:
@@ -204,9 +303,12 @@ def content_hash(part: Part) -> str:
     digest.update(f"{part.dofs_per_node}".encode())
     digest.update(np.ascontiguousarray(part.nodes, dtype="<f8").tobytes())
     for matrix in (part.M, part.K):
-        csr = sp.csr_array(matrix, copy=True)
-        csr.sum_duplicates()
-        digest.update(np.asarray(csr.indptr, dtype="<i8").tobytes())
-        digest.update(np.asarray(csr.indices, dtype="<i8").tobytes())
-        digest.update(np.asarray(csr.data, dtype="<f8").tobytes())
+        csr = sp.csr_array(matrix)
+        if not csr.has_canonical_format:
+            csr = csr.copy()
+            csr.sum_duplicates()
+        # in pieces: large matrices are not copied as a whole
+        for array, kind in ((csr.indptr, "<i8"), (csr.indices, "<i8"), (csr.data, "<f8")):
+            for start in range(0, len(array), HASH_BLOCK):
+                digest.update(array[start : start + HASH_BLOCK].astype(kind).data)
     return "sha256:" + digest.hexdigest()

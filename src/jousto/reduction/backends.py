@@ -1,0 +1,222 @@
+"""Libraries that factorise sparse symmetric positive definite matrices, behind one interface.
+
+Each takes both triangles of a matrix with unit diagonal, sorted and without duplicates, and is
+imported only when it is used.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import weakref
+from typing import Any, Protocol
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+PIVOT = 1e-14
+"""Least pivot of a matrix with unit diagonal."""
+
+
+class NotPositiveDefinite(Exception):
+    """The factorisation met a pivot that is not positive.
+
+    Parameters
+    ----------
+    row : int
+        Where, in the order of the matrix; -1 if the library does not tell.
+    """
+
+    def __init__(self, row: int = -1) -> None:
+        self.row = row
+        super().__init__(f"pivot {row}")
+
+
+class Backend(Protocol):
+    """The factor of one matrix."""
+
+    memory: int
+
+    def solve(self, f: Array) -> Array:
+        """Return x (n, m) for right-hand sides f (n, m)."""
+        ...
+
+
+class SuperLU:
+    """Scipy's SuperLU in symmetric mode."""
+
+    def __init__(self, matrix: sp.csr_array) -> None:
+        import scipy.sparse.linalg as spl
+
+        try:
+            self._lu = spl.splu(
+                sp.csc_array((matrix.data, matrix.indices, matrix.indptr), shape=matrix.shape),
+                permc_spec="MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
+            )
+        except RuntimeError:
+            raise NotPositiveDefinite from None
+        if self._lu.U.diagonal().min() < PIVOT:
+            raise NotPositiveDefinite
+        self.memory = 12 * int(self._lu.nnz)
+
+    def solve(self, f: Array) -> Array:
+        """Return x (n, m) for right-hand sides f (n, m)."""
+        return np.asarray(self._lu.solve(np.ascontiguousarray(f)))
+
+
+class Pardiso:
+    """PARDISO of Intel MKL: nested dissection, supernodal Cholesky factorisation.
+
+    pypardiso brings and finds the library; it is called for a symmetric positive definite matrix,
+    upper triangle, indices from 0.
+    """
+
+    def __init__(self, matrix: sp.csr_array) -> None:
+        from pypardiso import PyPardisoSolver
+
+        # a function object of our own, so that pypardiso keeps its argument types
+        self._call: Any = PyPardisoSolver().libmkl["pardiso"]
+        self._call.restype = None
+        self._call.argtypes = [ctypes.c_void_p] * 16
+        upper = sp.csr_array(sp.triu(matrix, format="csr"))
+        self._n = matrix.shape[0]
+        self._a = np.ascontiguousarray(upper.data)
+        self._ia = upper.indptr.astype(np.int32)
+        self._ja = upper.indices.astype(np.int32)
+        self._pt = np.zeros(64, dtype=np.int64)
+        self._iparm = np.zeros(64, dtype=np.int32)
+        self._iparm[0] = 1  # the values below count
+        self._iparm[1] = 2  # nested dissection
+        self._iparm[17] = -1  # count the entries of the factor
+        self._iparm[34] = 1  # indices from 0
+        self._release = weakref.finalize(
+            self, _free, self._call, self._pt, self._iparm, self._ia, self._ja, self._n
+        )
+        self._run(11)
+        # KiB of the factor and of what solves need beside it
+        self.memory = 1024 * int(self._iparm[15] + self._iparm[16])
+        self._run(22)
+
+    def solve(self, f: Array) -> Array:
+        """Return x (n, m) for right-hand sides f (n, m)."""
+        f = np.asfortranarray(f)
+        x = np.empty(f.shape, order="F")
+        self._run(33, f, x)
+        return x
+
+    def _run(self, phase: int, f: Array | None = None, x: Array | None = None) -> None:
+        error = _pardiso(
+            self._call, self._pt, self._iparm, phase, self._n, self._a, self._ia, self._ja, f, x
+        )
+        if error == -4:
+            raise NotPositiveDefinite(int(self._iparm[29]) - 1)
+        if error == -2:
+            raise MemoryError("PARDISO ran out of memory")
+        if error:
+            raise RuntimeError(f"PARDISO stopped with error {error} in phase {phase}")
+
+
+def _pardiso(
+    call: Any,
+    pt: NDArray[np.int64],
+    iparm: NDArray[np.int32],
+    phase: int,
+    n: int,
+    a: Array | None,
+    ia: NDArray[np.int32],
+    ja: NDArray[np.int32],
+    f: Array | None,
+    x: Array | None,
+) -> int:
+    def number(value: int) -> Any:
+        return ctypes.byref(ctypes.c_int32(value))
+
+    def address(array: NDArray[Any] | None) -> Any:
+        return None if array is None else array.ctypes.data_as(ctypes.c_void_p)
+
+    error = ctypes.c_int32(0)
+    call(
+        address(pt),
+        number(1),
+        number(1),
+        number(2),  # real, symmetric, positive definite
+        number(phase),
+        number(n),
+        address(a),
+        address(ia),
+        address(ja),
+        None,
+        number(1 if f is None else f.shape[1]),
+        address(iparm),
+        number(0),
+        address(f),
+        address(x),
+        ctypes.byref(error),
+    )
+    return int(error.value)
+
+
+def _free(
+    call: Any,
+    pt: NDArray[np.int64],
+    iparm: NDArray[np.int32],
+    ia: NDArray[np.int32],
+    ja: NDArray[np.int32],
+    n: int,
+) -> None:
+    _pardiso(call, pt, iparm, -1, n, None, ia, ja, None, None)
+
+
+class NGSolve:
+    """The sparse Cholesky factorisation of NGSolve."""
+
+    def __init__(self, matrix: sp.csr_array) -> None:
+        from ngsolve import TaskManager
+        from ngsolve.la import SparseMatrixd
+
+        n = matrix.shape[0]
+        rows = np.repeat(np.arange(n, dtype=np.int32), np.diff(matrix.indptr))
+        own = SparseMatrixd.CreateFromCOO(
+            rows, matrix.indices.astype(np.int32), np.ascontiguousarray(matrix.data), n, n
+        )
+        with TaskManager():
+            self._inverse = own.Inverse(inverse="sparsecholesky")
+        self._f, self._x = own.CreateColVector(), own.CreateColVector()
+        # entries of eight bytes; the pattern of supernodes is small
+        self.memory = 8 * int(self._inverse.nze)
+
+    def solve(self, f: Array) -> Array:
+        """Return x (n, m) for right-hand sides f (n, m)."""
+        out = np.empty(f.shape)
+        for k in range(f.shape[1]):
+            self._f.FV().NumPy()[:] = f[:, k]
+            self._x.data = self._inverse * self._f
+            out[:, k] = self._x.FV().NumPy()
+        return out
+
+
+class Cholmod:
+    """CHOLMOD of SuiteSparse by scikit-sparse."""
+
+    def __init__(self, matrix: sp.csr_array) -> None:
+        from sksparse import cholmod
+
+        columns = sp.csc_matrix((matrix.data, matrix.indices, matrix.indptr), shape=matrix.shape)
+        try:
+            # version 0.5 renamed what makes a factor
+            if hasattr(cholmod, "cho_factor"):
+                factor = cholmod.cho_factor(columns, supernodal_mode="supernodal")
+                self._solve = factor.solve
+            else:
+                self._solve = cholmod.cholesky(columns, mode="supernodal")
+        except cholmod.CholmodNotPositiveDefiniteError as error:
+            raise NotPositiveDefinite(int(getattr(error, "column", -1))) from None
+        self.memory = 0
+
+    def solve(self, f: Array) -> Array:
+        """Return x (n, m) for right-hand sides f (n, m)."""
+        return np.asarray(self._solve(np.asfortranarray(f)))

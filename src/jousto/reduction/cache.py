@@ -1,0 +1,281 @@
+"""Reductions kept on disk by the content of what they are made of.
+
+A finished reduction is read back instead of computed again; one that was killed goes on after the
+last stage it finished. The key is a hash of the part, the method and the options, so that nothing
+stale is ever found. Every file appears complete or not at all.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import hashlib
+import os
+import shutil
+import time
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from jousto.errors import InputError, warn
+
+if TYPE_CHECKING:
+    from jousto.reduction.reduced import ReducedPart
+
+Array = NDArray[np.float64]
+
+RECIPE = 1
+"""Raised when the same input gives another result, so that older entries are not found."""
+
+AUTOMATIC = 30_000
+"""Degrees of freedom from which reductions are kept without being asked to."""
+
+FINISHED = "part.h5"
+
+
+class NotHashable(Exception):
+    """The input holds something whose content is unknown, such as a function."""
+
+
+@dataclass(frozen=True)
+class ReductionCache:
+    """A folder of finished and interrupted reductions.
+
+    Parameters
+    ----------
+    folder : path, optional
+        Where they are kept; the user's cache folder (``~/.cache/jousto/reductions`` on Linux) if
+        not given.
+    limit : float
+        Bytes in all; the reductions used longest ago are removed above it.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> cache = ReductionCache(tempfile.mkdtemp())
+    >>> cache.size
+    0
+    """
+
+    folder: Path | str | None = None
+    limit: float = 10e9
+
+    @property
+    def path(self) -> Path:
+        """The folder."""
+        if self.folder is not None:
+            return Path(self.folder)
+        import platformdirs
+
+        return Path(platformdirs.user_cache_dir("jousto", appauthor=False)) / "reductions"
+
+    @property
+    def size(self) -> int:
+        """Bytes that are used."""
+        return sum(_size(entry) for entry in self.entries())
+
+    def entries(self) -> tuple[Path, ...]:
+        """Return the folders of all reductions, the one used longest ago first."""
+        if not self.path.is_dir():
+            return ()
+        found = [p for p in self.path.iterdir() if p.is_dir() and not p.name.startswith(".")]
+        return tuple(sorted(found, key=_used))
+
+    def clear(self) -> None:
+        """Remove all reductions."""
+        for entry in self.entries():
+            shutil.rmtree(entry, ignore_errors=True)
+
+    def entry(self, key: str) -> Entry:
+        """Return the place of one reduction."""
+        return Entry(self, self.path / key)
+
+    def prune(self, keep: Path) -> None:
+        """Remove the reductions used longest ago until the rest fits the limit."""
+        entries = self.entries()
+        total = sum(_size(entry) for entry in entries)
+        for entry in entries:
+            if total <= self.limit:
+                break
+            if entry != keep:
+                total -= _size(entry)
+                shutil.rmtree(entry, ignore_errors=True)
+
+
+class Entry:
+    """The files of one reduction: one for each stage it finished, or the reduced part."""
+
+    def __init__(self, cache: ReductionCache, folder: Path) -> None:
+        self.cache = cache
+        self.folder = folder
+        self._full = False
+
+    def finished(self) -> ReducedPart | None:
+        """Return the reduced part if it is there."""
+        from jousto.reduction.reduced import ReducedPart
+
+        path = self.folder / FINISHED
+        if not path.exists():
+            return None
+        try:
+            reduced = ReducedPart.load(path)
+        except InputError:
+            # damaged, or of another version: compute again
+            with contextlib.suppress(OSError):
+                path.unlink()
+            return None
+        with contextlib.suppress(OSError):
+            os.utime(self.folder)
+        return reduced
+
+    def finish(self, reduced: ReducedPart) -> None:
+        """Keep the reduced part and drop what led to it."""
+        if self._full:
+            return
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            reduced.save(self.folder / FINISHED)
+        except (InputError, OSError) as error:
+            self._give_up(error)
+            return
+        for path in self.folder.glob("*.npz"):
+            with contextlib.suppress(OSError):
+                path.unlink()
+        self.cache.prune(self.folder)
+
+    def read(self, stage: str) -> dict[str, Array] | None:
+        """Return the arrays of a stage, or None if they are not there or damaged."""
+        path = self._file(stage)
+        try:
+            with path.open("rb") as raw, np.load(raw, allow_pickle=False) as file:
+                return {name: np.asarray(file[name]) for name in file.files}
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile):
+            with contextlib.suppress(OSError):
+                path.unlink()
+            return None
+
+    def write(self, stage: str, arrays: Mapping[str, Array]) -> None:
+        """Write the arrays of a stage; the file appears when it is complete."""
+        if self._full:
+            return
+        path = self._file(stage)
+        temporary = path.parent / f".{path.name}.{os.getpid()}.part"
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            with temporary.open("wb") as file:
+                np.savez(file, **arrays)  # type: ignore[arg-type]
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(temporary, path)
+        except OSError as error:
+            self._give_up(error)
+        finally:
+            with contextlib.suppress(OSError):
+                temporary.unlink()
+
+    def _file(self, stage: str) -> Path:
+        return self.folder / f"{stage.replace(' ', '-')}.npz"
+
+    def _give_up(self, error: Exception) -> None:
+        self._full = True
+        warn(
+            "reduce",
+            f"cannot keep results of the reduction in {self.folder} ({error}); it goes on, but "
+            "would start again if it were killed. Free space, name another folder "
+            "(cache=...), or say cache=False",
+        )
+
+
+def choose(cache: ReductionCache | Path | str | bool | None, size: int) -> ReductionCache | None:
+    """Return the cache for a part of `size` degrees of freedom: see `reduce`."""
+    if cache is None:
+        return ReductionCache() if size >= AUTOMATIC else None
+    if isinstance(cache, bool):
+        return ReductionCache() if cache else None
+    return cache if isinstance(cache, ReductionCache) else ReductionCache(cache)
+
+
+def key(*things: object) -> str:
+    """Return a hash of the content of arrays, matrices, dataclasses and plain values.
+
+    Raises
+    ------
+    NotHashable
+        Something whose content is unknown.
+
+    Examples
+    --------
+    >>> key(np.eye(2), {"a": 1}) == key(np.eye(2), {"a": 1}) != key(np.eye(2), {"a": 2})
+    True
+    """
+    digest = hashlib.blake2b(digest_size=20)
+    _add(digest, RECIPE)
+    for thing in things:
+        _add(digest, thing)
+    return digest.hexdigest()
+
+
+def _add(digest: Any, thing: object) -> None:
+    digest.update(type(thing).__qualname__.encode() + b":")
+    if thing is None or isinstance(thing, (bool, int, float, complex, str, Path)):
+        digest.update(repr(thing).encode() + b";")
+    elif isinstance(thing, bytes):
+        digest.update(thing + b";")
+    elif isinstance(thing, (np.ndarray, np.generic)):
+        array = np.asarray(thing)
+        if array.dtype.hasobject:
+            raise NotHashable(f"array of {array.dtype}")
+        digest.update(f"{array.dtype.str}{array.shape};".encode())
+        digest.update(np.ascontiguousarray(array).data)
+    elif sp.issparse(thing):
+        matrix: Any = thing
+        if matrix.format not in ("csr", "csc"):
+            matrix = matrix.tocsr()
+        if not matrix.has_canonical_format:
+            matrix = matrix.copy()
+            matrix.sum_duplicates()
+        for array in (matrix.indptr, matrix.indices):
+            _add(digest, array.astype(np.int64) if array.dtype != np.int32 else array)
+        _add(digest, matrix.data)
+    elif isinstance(thing, Mapping):
+        digest.update(f"{len(thing)};".encode())
+        for name, value in thing.items():
+            _add(digest, name)
+            _add(digest, value)
+    elif isinstance(thing, (tuple, list)):
+        digest.update(f"{len(thing)};".encode())
+        for item in thing:
+            _add(digest, item)
+    elif isinstance(thing, (set, frozenset)):
+        _add(digest, sorted(thing, key=repr))
+    elif dataclasses.is_dataclass(thing) and not isinstance(thing, type):
+        for item in dataclasses.fields(thing):
+            _add(digest, item.name)
+            _add(digest, getattr(thing, item.name))
+    elif callable(thing) or not hasattr(thing, "__dict__"):
+        raise NotHashable(type(thing).__qualname__)
+    else:
+        _add(digest, dict(vars(thing)))
+
+
+def _size(folder: Path) -> int:
+    total = 0
+    for path in folder.rglob("*"):
+        with contextlib.suppress(OSError):
+            total += path.stat().st_size
+    return total
+
+
+def _used(folder: Path) -> float:
+    try:
+        return folder.stat().st_mtime
+    except OSError:
+        return time.time()

@@ -1,0 +1,133 @@
+"""One reduction on its way: its stages, the solver, and what is kept of it in case it is killed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from jousto.reduction import factor
+from jousto.reduction.cache import Entry
+
+Array = NDArray[np.float64]
+Report = Callable[[str, float], None]
+"""Function of (stage, part of it that is done, from 0 to 1)."""
+
+STAGES = (
+    "checks",
+    "factorisation",
+    "constraint modes",
+    "fixed-interface modes",
+    "free-free modes",
+    "orthonormalisation",
+    "invariants",
+    "stress modes",
+    "stiffening",
+)
+"""Stages in their order; a reduction runs those it needs."""
+
+
+class Run:
+    """What the stages of a reduction share.
+
+    Parameters
+    ----------
+    solver : str, optional
+        Library that factorises; the best if not given.
+    report : callable, optional
+        Called with the stage and how much of it is done.
+    entry : Entry, optional
+        Where results of stages are kept.
+    """
+
+    def __init__(
+        self, solver: str | None = None, report: Report | None = None, entry: Entry | None = None
+    ) -> None:
+        self.solver = solver
+        self.used = ""
+        self._report = report
+        self._entry = entry
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[Report]:
+        """Report the beginning and the end of a stage; yields a function of (name, done)."""
+        report = self._report or (lambda stage, done: None)
+        report(name, 0.0)
+        yield report
+        report(name, 1.0)
+
+    def factorise(
+        self,
+        K: sp.csc_array | sp.csr_array,
+        where: str,
+        dof_name: Callable[[int], str],
+    ) -> factor.Solver:
+        """Factorise a stiffness matrix as a stage of its own; see `factor.factorise`."""
+        with self.stage("factorisation"):
+            solve = factor.factorise(K, where, dof_name, solver=self.solver)
+        self.used = getattr(solve, "name", "")
+        return solve
+
+    def found(self, stage: str) -> dict[str, Array] | None:
+        """Return what a killed reduction left of this stage, or None."""
+        return None if self._entry is None else self._entry.read(stage)
+
+    def keep(self, stage: str, **arrays: Array) -> None:
+        """Keep the result of a stage until the reduction is finished."""
+        if self._entry is not None:
+            self._entry.write(stage, arrays)
+
+
+class Lazy:
+    """A factorisation that is made when it is first needed; a resumed run may never need it."""
+
+    def __init__(self, make: Callable[[], factor.Solver]) -> None:
+        self._make = make
+        self._solver: factor.Solver | None = None
+
+    def prepare(self) -> None:
+        """Factorise now if that is not done yet."""
+        if self._solver is None:
+            self._solver = self._make()
+
+    def __call__(self, f: Array, /) -> Array:
+        """Return x for right-hand sides f (n,) or (n, m)."""
+        self.prepare()
+        assert self._solver is not None
+        return self._solver(f)
+
+
+@contextmanager
+def reporter(progress: bool | Report | None) -> Iterator[Report | None]:
+    """Yield the function that reports stages.
+
+    `progress` is True for bars on standard error, a function of your own, or None for silence.
+    """
+    if callable(progress):
+        yield progress
+        return
+    if not progress:
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    bars = Progress(
+        SpinnerColumn(finished_text="[green]✓"),
+        TextColumn("{task.description:24}"),
+        BarColumn(bar_width=24),
+        TimeElapsedColumn(),
+        console=Console(stderr=True),
+    )
+    with bars:
+        tasks: dict[str, int] = {}
+
+        def report(stage: str, done: float) -> None:
+            if stage not in tasks:
+                tasks[stage] = bars.add_task(stage, total=1.0)
+            bars.update(tasks[stage], completed=done)  # type: ignore[arg-type]
+
+        yield report

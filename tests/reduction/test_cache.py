@@ -1,0 +1,256 @@
+"""Reductions that are kept: found again, gone on with after a kill, and never stale."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from jousto.errors import JoustoWarning
+from jousto.parts import Part
+from jousto.reduction import (
+    CraigBampton,
+    FreeFree,
+    ReducedPart,
+    ReductionCache,
+    cache,
+    factor,
+    reduce,
+)
+from reduction.blocks import block
+from reduction.bodies import bent
+
+METHOD = CraigBampton(("left", "right"), modes=4)
+
+
+def same(a: ReducedPart, b: ReducedPart) -> None:
+    assert np.array_equal(a.frequencies, b.frequencies)
+    assert np.array_equal(a.modes, b.modes)
+    assert np.array_equal(a.invariants.E, b.invariants.E)
+    assert dict(a.provenance) == dict(b.provenance)
+
+
+class Counter:
+    """Counts factorisations."""
+
+    def __init__(self, patch: pytest.MonkeyPatch) -> None:
+        self.count = 0
+        original = factor.factorise
+
+        def counted(*args: Any, **kwargs: Any) -> Any:
+            self.count += 1
+            return original(*args, **kwargs)
+
+        patch.setattr(factor, "factorise", counted)
+
+
+def test_the_second_time_it_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    counter = Counter(monkeypatch)
+    part = block((6, 2, 2))
+    first = reduce(part, METHOD, cache=tmp_path)
+    assert counter.count == 1
+    second = reduce(block((6, 2, 2)), METHOD, cache=ReductionCache(tmp_path))
+    assert counter.count == 1
+    same(first, second)
+    same(first, reduce(part, METHOD, cache=False))
+    assert counter.count == 2
+    # only the finished part stays
+    (entry,) = ReductionCache(tmp_path).entries()
+    assert [path.name for path in entry.iterdir()] == ["part.h5"]
+
+
+def test_small_parts_are_not_kept_unless_asked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import platformdirs
+
+    monkeypatch.setattr(platformdirs, "user_cache_dir", lambda *args, **kwargs: str(tmp_path))
+    part = block((3, 1, 1))
+    reduce(part, METHOD)
+    assert not list(tmp_path.iterdir())
+    monkeypatch.setattr(cache, "AUTOMATIC", part.K.shape[0])
+    reduce(part, METHOD, cache=False)
+    assert not list(tmp_path.iterdir())
+    reduce(part, METHOD)
+    assert len(ReductionCache().entries()) == 1
+    assert ReductionCache().path == tmp_path / "reductions"
+    reduce(part, FreeFree(modes=3), cache=True)
+    assert len(ReductionCache().entries()) == 2
+    ReductionCache().clear()
+    assert ReductionCache().size == 0
+
+
+def test_any_change_is_another_reduction(tmp_path: Path) -> None:
+    part = block((3, 1, 1))
+    nodes = part.nodes.copy()
+    nodes[0, 0] -= 1e-12
+    K = sp.csr_array(part.K, copy=True)
+    K.data *= 1.0 + 1e-15
+    variants: list[tuple[Part, Any]] = [
+        (part, METHOD),
+        (part, replace(METHOD, modes=3)),
+        (part, FreeFree(modes=3)),
+        (replace(part, K=K), METHOD),
+        (replace(part, M=sp.csr_array(part.M * 2.0)), METHOD),
+        (replace(part, nodes=nodes), METHOD),
+        (replace(part, name="other"), METHOD),
+        (replace(part, node_sets={**part.node_sets, "tip": (0,)}), METHOD),
+    ]
+    keys = {cache.key(p, m) for p, m in variants}
+    assert len(keys) == len(variants)
+    assert cache.key(block((3, 1, 1)), METHOD) == cache.key(part, METHOD)
+    # a mass without explicit zeros, or in another order of storage, is the same mass
+    assert cache.key(replace(part, K=sp.csr_array(part.K.tocoo()))) == cache.key(part)
+
+
+def test_stress_belongs_to_the_key(tmp_path: Path) -> None:
+    part = bent()
+    assert part.stress is not None
+    fewer = replace(part, stress=part.stress.select(part.stress.sites[:3]))
+    method = CraigBampton(("start",), modes=3)
+    all_sites = reduce(part, method, cache=tmp_path).stress
+    some = reduce(fewer, method, cache=tmp_path).stress
+    assert all_sites is not None and some is not None
+    assert len(some.labels) == 3 < len(all_sites.labels)
+
+
+KILLED = """
+import os, signal
+from jousto.reduction import reduce
+from reduction.test_cache import METHOD, block
+def progress(stage, done):
+    if stage == "orthonormalisation":
+        os.kill(os.getpid(), signal.SIGKILL)
+reduce(block((6, 2, 2)), METHOD, cache={folder!r}, progress=progress)
+"""
+
+
+def goes_on(folder: Path, stage: str, factorisations: int, patch: pytest.MonkeyPatch) -> None:
+    """Reduce again what was stopped at the beginning of a stage: no stage before it is repeated."""
+    (entry,) = ReductionCache(folder).entries()
+    assert not (entry / "part.h5").exists()
+    counter = Counter(patch)
+    seen: list[str] = []
+    again = reduce(
+        block((6, 2, 2)), METHOD, cache=folder, progress=lambda name, done: seen.append(name)
+    )
+    assert counter.count == factorisations
+    assert (entry / "part.h5").exists()
+    order = ["constraint modes", "fixed-interface modes", "orthonormalisation", "invariants"]
+    assert [name for name in order if name in seen] == order[order.index(stage) :]
+    whole = reduce(block((6, 2, 2)), METHOD)
+    assert np.array_equal(again.frequencies, whole.frequencies)
+    assert np.array_equal(again.modes, whole.modes)
+
+
+def test_a_killed_reduction_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Kill -9 after the fixed-interface modes: nothing is factorised again."""
+    path = os.pathsep.join(entry for entry in sys.path if entry)
+    child = subprocess.run(
+        [sys.executable, "-c", KILLED.format(folder=str(tmp_path))],
+        env={**os.environ, "PYTHONPATH": path},
+        timeout=60,
+    )
+    assert child.returncode == -signal.SIGKILL
+    goes_on(tmp_path, "orthonormalisation", 0, monkeypatch)
+
+
+@pytest.mark.parametrize("stage, factorisations", [("fixed-interface modes", 1), ("invariants", 0)])
+def test_a_stopped_reduction_goes_on(
+    stage: str, factorisations: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def progress(name: str, done: float) -> None:
+        if name == stage:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        reduce(block((6, 2, 2)), METHOD, cache=tmp_path, progress=progress)
+    goes_on(tmp_path, stage, factorisations, monkeypatch)
+
+
+def test_damaged_files_are_computed_again(tmp_path: Path) -> None:
+    part = block((4, 1, 1))
+    first = reduce(part, METHOD, cache=tmp_path)
+    (entry,) = ReductionCache(tmp_path).entries()
+    file = entry / "part.h5"
+    file.write_bytes(file.read_bytes()[:1000])
+    same(first, reduce(part, METHOD, cache=tmp_path))
+    # a stage cut short, and one that is no archive
+    for content in (b"PK\x03\x04 cut", b""):
+        file.unlink()
+        (entry / "modes.npz").write_bytes(content)
+        (entry / "constraint-modes.npz").write_bytes(content)
+        same(first, reduce(part, METHOD, cache=tmp_path))
+
+
+def test_a_full_disk_does_not_stop_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*args: Any, **kwargs: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(np, "savez", full)
+    with pytest.warns(JoustoWarning, match="No space left.*it goes on") as caught:
+        reduced = reduce(block((4, 1, 1)), METHOD, cache=tmp_path)
+    assert len(caught) == 1
+    assert reduced.n == 4 + 24 - 6
+    assert not list(tmp_path.rglob("*.part"))
+
+
+def test_the_oldest_are_removed_above_the_limit(tmp_path: Path) -> None:
+    part = block((4, 1, 1))
+    reduce(part, METHOD, cache=tmp_path)
+    room = 2.5 * ReductionCache(tmp_path).size
+    for modes in (3, 2, 1):
+        for age, entry in enumerate(ReductionCache(tmp_path).entries()):
+            os.utime(entry, (1e9 + age, 1e9 + age))
+        # used again: the last to go
+        if modes == 2:
+            reduce(part, METHOD, cache=tmp_path)
+        reduce(part, replace(METHOD, modes=modes), cache=ReductionCache(tmp_path, room))
+    kept = ReductionCache(tmp_path)
+    assert len(kept.entries()) == 2
+    assert kept.size <= room
+
+
+def test_what_cannot_be_hashed_is_not_kept(tmp_path: Path) -> None:
+    class Odd:
+        def __init__(self) -> None:
+            self.sites, self.positions, self.axes = ("a",), np.zeros((1, 3)), np.eye(3)[None]
+            self.elasticity = None
+            self.how = lambda d: np.zeros((1, 6, d.shape[1]))
+
+        def evaluate(self, d: Any) -> Any:
+            return self.how(d)
+
+    odd: Any = Odd()
+    part = replace(block((3, 1, 1)), stress=odd)
+    assert reduce(part, METHOD, cache=tmp_path).stress is not None
+    assert not ReductionCache(tmp_path).entries()
+
+
+def test_stages_are_reported_in_order() -> None:
+    seen: list[tuple[str, float]] = []
+    reduce(block((4, 1, 1)), METHOD, progress=lambda stage, done: seen.append((stage, done)))
+    names = list(dict.fromkeys(stage for stage, _ in seen))
+    assert names == [
+        "checks", "factorisation", "constraint modes", "fixed-interface modes",
+        "orthonormalisation", "invariants",
+    ]  # fmt: skip
+    for name in names:
+        done = [value for stage, value in seen if stage == name]
+        assert done[0] == 0.0 and done[-1] == 1.0
+        assert all(0.0 <= value <= 1.0 for value in done)
+
+
+def test_bars_on_standard_error(capsys: pytest.CaptureFixture[str]) -> None:
+    reduce(block((4, 1, 1)), METHOD, progress=True)
+    captured = capsys.readouterr()
+    assert "fixed-interface modes" in captured.err
+    assert not captured.out
