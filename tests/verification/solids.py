@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -9,14 +10,29 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import eigsh, spsolve
 
 import jousto as jo
-from verification import bricks
 from verification.boxes import Grid
 
 
 def solid(grid: Grid, material: Any, sets: dict[str, Any] | None = None) -> jo.Part:
     """Return a part of this grid."""
-    return jo.Part.from_matrices(
-        bricks.mass(grid, material), bricks.stiffness(grid, material), grid.nodes, node_sets=sets
+    return jo.Part.solid(mesh(grid, sets), material)
+
+
+def mesh(grid: Grid, sets: dict[str, Any] | None = None) -> Any:
+    """Return the grid as a mesh with node sets."""
+    cells = tuple(
+        SimpleNamespace(kind=c.kind, nodes=c.nodes, ids=np.arange(1, len(c.nodes) + 1), material="")
+        for c in grid.cells
+    )
+    return SimpleNamespace(
+        name="grid",
+        nodes=grid.nodes,
+        cells=cells,
+        node_ids=np.arange(1, len(grid.nodes) + 1),
+        node_sets=sets or {},
+        element_sets={},
+        triangles=np.zeros((0, 3), dtype=int),
+        surfaces={},
     )
 
 

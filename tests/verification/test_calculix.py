@@ -1,0 +1,139 @@
+"""Parts of solids against CalculiX: matrices, frequencies, static displacements and stresses.
+
+Both programs get the same nodes. CalculiX integrates the mass of tetrahedra and wedges with few
+points (`bricks.calculix`); frequencies are compared with that rule, and how far it is from the
+exact integral of jousto is a result of its own.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import jousto as jo
+from verification import bricks, calculix
+from verification.boxes import KINDS, block
+from verification.solids import at_rest, dofs, solid, supported
+from verification.test_calculix_rules import bent
+
+STEEL = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)
+SIZE = (0.8, 0.1, 0.06)
+COUNTS = {
+    "tetra": (16, 2, 2),
+    "tetra10": (10, 2, 1),
+    "wedge": (16, 2, 2),
+    "wedge15": (10, 2, 1),
+    "hexahedron": (16, 2, 2),
+    "hexahedron20": (10, 2, 2),
+}
+SAME_MASS = ("hexahedron", "hexahedron20")
+SAME_STIFFNESS = ("tetra", "tetra10", "hexahedron", "hexahedron20")
+DIGITS = 5e-7
+"""ccx prints seven digits."""
+
+
+def beam(kind):
+    return block(kind, SIZE, COUNTS[kind])
+
+
+def as_calculix(grid, part):
+    """The same part with the mass (and for wedges the stiffness) integrated as ccx does."""
+    kind = grid.cells[0].kind
+    K = part.K if kind in SAME_STIFFNESS else bricks.stiffness(grid, STEEL, bricks.calculix)
+    M = part.M if kind in SAME_MASS else bricks.mass(grid, STEEL, bricks.calculix)
+    return jo.Part.from_matrices(M, K, part.nodes)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_matrices_are_those_of_first_principles(kind):
+    # without ccx, too
+    grid = block(kind, (1.0, 0.1, 0.06), (4, 1, 1), bend=bent)
+    part = solid(grid, STEEL)
+    M = bricks.mass(grid, STEEL, lambda k: bricks.rule(k, 6))
+    assert abs(part.M - M).max() < 1e-13 * abs(M).max()
+    if kind in SAME_STIFFNESS:
+        K = bricks.stiffness(grid, STEEL, bricks.calculix)
+        assert abs(part.K - K).max() < 1e-13 * abs(K).max()
+    else:
+        # wedges: exact where straight; curved ones have rational integrands
+        grid = block(kind, (1.0, 0.1, 0.06), (4, 1, 1))
+        part, K = solid(grid, STEEL), bricks.stiffness(grid, STEEL)
+        assert abs(part.K - K).max() < 1e-13 * abs(K).max()
+
+
+@calculix.needed
+@pytest.mark.parametrize("kind", SAME_STIFFNESS)
+def test_stiffness_is_that_of_calculix(kind):
+    grid = block(kind, (1.0, 0.1, 0.06), (4, 1, 1), bend=bent)
+    part = solid(grid, STEEL)
+    K, M = calculix.matrices(calculix.Deck(grid, STEEL))
+    assert abs(part.K - K).max() < 5e-12 * abs(K).max()
+    if kind in SAME_MASS[1:]:
+        assert abs(part.M - M).max() < 2e-4 * abs(M).max()
+
+
+@calculix.needed
+@pytest.mark.parametrize("kind", KINDS)
+def test_ten_free_frequencies(kind):
+    grid = beam(kind)
+    theirs = calculix.frequencies(calculix.Deck(grid, STEEL))
+    part = as_calculix(grid, solid(grid, STEEL))
+    ours = jo.reduce(part, jo.FreeFree(modes=10)).frequencies
+    np.testing.assert_allclose(ours, theirs, rtol=DIGITS)
+
+
+@calculix.needed
+@pytest.mark.parametrize("kind", KINDS)
+def test_ten_clamped_frequencies(kind):
+    grid = beam(kind)
+    clamp = grid.plane(0, 0.0)
+    theirs = calculix.frequencies(calculix.Deck(grid, STEEL, clamp))
+    part = as_calculix(grid, solid(grid, STEEL))
+    ours, _ = supported(part, dofs(clamp), 10)
+    np.testing.assert_allclose(ours, theirs, rtol=DIGITS)
+
+
+@calculix.needed
+@pytest.mark.parametrize(
+    ("kind", "first", "tenth"),
+    [("tetra10", 5e-5, 3e-3), ("wedge15", 6e-4, 6e-3), ("hexahedron20", DIGITS, DIGITS)],
+)
+def test_what_the_exact_integrals_change(kind, first, tenth):
+    grid = beam(kind)
+    theirs = calculix.frequencies(calculix.Deck(grid, STEEL))
+    ours = jo.reduce(solid(grid, STEEL), jo.FreeFree(modes=10)).frequencies
+    change = np.abs(ours / theirs - 1.0)
+    assert change[0] < first
+    assert change.max() < tenth
+
+
+def test_the_mass_rule_of_four_points_matters_less_on_finer_meshes():
+    changes = []
+    for n in (1, 2):
+        grid = block("tetra10", (0.4, 0.1, 0.06), (4 * n, n, n))
+        part = solid(grid, STEEL)
+        exact = jo.reduce(part, jo.FreeFree(modes=3)).frequencies
+        other = jo.reduce(as_calculix(grid, part), jo.FreeFree(modes=3)).frequencies
+        changes.append(np.abs(other / exact - 1.0))
+    assert np.all(changes[1] < changes[0] / 8.0), changes
+
+
+def tip_load(grid, force):
+    tip = grid.plane(0, SIZE[0])
+    return [(int(n), np.asarray(force) / len(tip)) for n in tip]
+
+
+@calculix.needed
+@pytest.mark.parametrize("kind", SAME_STIFFNESS)
+def test_displacements_under_a_tip_load(kind):
+    grid = beam(kind)
+    clamp = grid.plane(0, 0.0)
+    forces = tip_load(grid, (1e5, 2e3, -1e3))
+    theirs = calculix.static(calculix.Deck(grid, STEEL, clamp), forces=forces)
+    part = solid(grid, STEEL)
+    load = np.zeros((len(grid.nodes), 3))
+    for node, force in forces:
+        load[node] += force
+    d = at_rest(part, dofs(clamp), load.ravel())
+    u = d.reshape(-1, 3)
+    np.testing.assert_allclose(u, theirs.u, rtol=0, atol=DIGITS * np.abs(u).max())
