@@ -30,6 +30,7 @@ SAME_MASS = ("hexahedron", "hexahedron20")
 SAME_STIFFNESS = ("tetra", "tetra10", "hexahedron", "hexahedron20")
 DIGITS = 5e-7
 """ccx prints seven digits."""
+PULL = (1e5, 2e3, -1e3)  # N
 
 
 def beam(kind):
@@ -123,17 +124,44 @@ def tip_load(grid, force):
     return [(int(n), np.asarray(force) / len(tip)) for n in tip]
 
 
-@calculix.needed
-@pytest.mark.parametrize("kind", SAME_STIFFNESS)
-def test_displacements_under_a_tip_load(kind):
+def pulled(kind):
+    """The beam pulled, and bent about both axes, at its tip; clamped."""
     grid = beam(kind)
-    clamp = grid.plane(0, 0.0)
-    forces = tip_load(grid, (1e5, 2e3, -1e3))
+    clamp, forces = grid.plane(0, 0.0), tip_load(grid, PULL)
     theirs = calculix.static(calculix.Deck(grid, STEEL, clamp), forces=forces)
     part = solid(grid, STEEL)
     load = np.zeros((len(grid.nodes), 3))
     for node, force in forces:
         load[node] += force
     d = at_rest(part, dofs(clamp), load.ravel())
-    u = d.reshape(-1, 3)
+    return grid, theirs, d.reshape(-1, 3), part.stress.evaluate(d)
+
+
+@calculix.needed
+@pytest.mark.parametrize("kind", SAME_STIFFNESS)
+def test_displacements_under_a_tip_load(kind):
+    _, theirs, u, _ = pulled(kind)
     np.testing.assert_allclose(u, theirs.u, rtol=0, atol=DIGITS * np.abs(u).max())
+
+
+@calculix.needed
+@pytest.mark.parametrize("kind", ["tetra", "tetra10", "hexahedron"])
+def test_nodal_stresses_under_a_tip_load(kind):
+    # the same points, continued to the nodes and averaged in the same way; six digits printed
+    _, theirs, _, s = pulled(kind)
+    np.testing.assert_allclose(s, theirs.stress, rtol=0, atol=4e-5 * np.abs(s).max())
+
+
+@calculix.needed
+@pytest.mark.parametrize(("kind", "limit"), [("tetra10", 6e-3), ("hexahedron20", 6e-3)])
+def test_nodal_stresses_against_beam_theory(kind, limit):
+    # CalculiX continues the stress of C3D20 from 27 points, jousto from the eight best ones
+    grid, theirs, _, s = pulled(kind)
+    x, y, z = grid.nodes.T
+    (L, b, h), (N, Fy, Fz) = SIZE, PULL
+    bending = Fy * (y - b / 2) * 12.0 / (h * b**3) + Fz * (z - h / 2) * 12.0 / (b * h**3)
+    exact = N / (b * h) - (L - x) * bending
+    away = np.abs(x - L / 2.0) < 0.3 * L
+    ours, other = (np.abs(a[:, 0] - exact)[away].max() / exact.max() for a in (s, theirs.stress))
+    assert ours < limit
+    assert ours < 1.01 * other
