@@ -224,10 +224,16 @@ from .parts import (
     Box as Box,
 )
 from .parts import (
+    Cells as Cells,
+)
+from .parts import (
     Circle as Circle,
 )
 from .parts import (
     EulerBernoulli as EulerBernoulli,
+)
+from .parts import (
+    Finding as Finding,
 )
 from .parts import (
     GeneralSection as GeneralSection,
@@ -254,6 +260,9 @@ from .parts import (
     Member as Member,
 )
 from .parts import (
+    Mesh as Mesh,
+)
+from .parts import (
     Nearest as Nearest,
 )
 from .parts import (
@@ -264,6 +273,9 @@ from .parts import (
 )
 from .parts import (
     PointMass as PointMass,
+)
+from .parts import (
+    Quality as Quality,
 )
 from .parts import (
     Rectangle as Rectangle,
@@ -282,6 +294,9 @@ from .parts import (
 )
 from .parts import (
     materials as materials,
+)
+from .parts import (
+    read_mesh as read_mesh,
 )
 from .reduction import (
     Certificate as Certificate,

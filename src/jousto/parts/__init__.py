@@ -1,15 +1,20 @@
 """Parts: what a flexible body is made of, before it is reduced."""
 
 from jousto.parts.beam import EulerBernoulli, Theory, Timoshenko
+from jousto.parts.cells import Cells
+from jousto.parts.inspection import Finding
 from jousto.parts.interface import Interface, Tie
 from jousto.parts.library import material, materials
 from jousto.parts.mass import MassPoints, PointMass
 from jousto.parts.material import Material
 from jousto.parts.members import Member
+from jousto.parts.mesh import Mesh
 from jousto.parts.orthotropic import Orthotropic
 from jousto.parts.part import Part
 from jousto.parts.picks import InBox, InCylinder, InSphere, Nearest, Pick
 from jousto.parts.profiles import Box, IBeam
+from jousto.parts.quality import Quality
+from jousto.parts.readers import read_mesh
 from jousto.parts.section import (
     Circle,
     GeneralSection,
@@ -24,8 +29,10 @@ from jousto.parts.stress import StressOperator
 
 __all__ = [
     "Box",
+    "Cells",
     "Circle",
     "EulerBernoulli",
+    "Finding",
     "GeneralSection",
     "IBeam",
     "InBox",
@@ -37,9 +44,11 @@ __all__ = [
     "Member",
     "Nearest",
     "Orthotropic",
+    "Mesh",
     "Part",
     "Pick",
     "PointMass",
+    "Quality",
     "Rectangle",
     "Section",
     "SectionPoint",
@@ -52,4 +61,5 @@ __all__ = [
     "material",
     "materials",
     "polar_moment",
+    "read_mesh",
 ]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from jousto.parts._arrays import Floats
@@ -14,10 +16,28 @@ GAP = np.radians(210.0)
 """Widest angle without points."""
 
 
+@dataclass(frozen=True, eq=False)
+class Cylinder:
+    """A cylinder through points.
+
+    Attributes
+    ----------
+    middle : (3,) ndarray
+        Middle of its axis in m.
+    axis : (3,) ndarray
+        Unit vector along it.
+    radius, length : float
+        In m.
+    """
+
+    middle: Floats
+    axis: Floats
+    radius: float
+    length: float
+
+
 def cylinder_middle(x: Floats) -> Floats | None:
     """Return the middle of the axis of the cylinder through points, or None if there is none.
-
-    Least squares over axis, centre and radius, from the three principal directions of the points.
 
     Parameters
     ----------
@@ -31,6 +51,27 @@ def cylinder_middle(x: Floats) -> Floats | None:
     >>> cylinder_middle(x).round(9) + 0.0
     array([0.  , 0.  , 0.15])
     """
+    found = cylinder_through(x)
+    return None if found is None else found.middle
+
+
+def cylinder_through(x: Floats) -> Cylinder | None:
+    """Return the cylinder through points, or None if there is none.
+
+    Least squares over axis, centre and radius, from the three principal directions of the points.
+
+    Parameters
+    ----------
+    x : (k, 3) ndarray
+        Points in m.
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 4.0, 12)  # 230 degrees of a ring
+    >>> x = np.stack([np.cos(t), np.sin(t), 0.3 * (np.arange(12) % 2)], axis=1)
+    >>> round(cylinder_through(x).radius, 9)
+    1.0
+    """
     if len(x) < LEAST:
         return None
     centroid = x.mean(axis=0)
@@ -38,18 +79,19 @@ def cylinder_middle(x: Floats) -> Floats | None:
     if size == 0.0:
         return None
     y = (x - centroid) / size
-    best: tuple[float, Floats] | None = None
+    best: tuple[float, Cylinder] | None = None
     for axis in np.linalg.eigh(y.T @ y)[1].T:
         found = _fit(y, axis)
         if found is not None and (best is None or found[0] < best[0]):
             best = found
     if best is None or best[0] > ROUND:
         return None
-    return np.asarray(centroid + size * best[1])
+    c = best[1]
+    return Cylinder(centroid + size * c.middle, c.axis, size * c.radius, size * c.length)
 
 
-def _fit(y: Floats, axis: Floats) -> tuple[float, Floats] | None:
-    """Return the error relative to the radius and the middle of the axis, from a first axis."""
+def _fit(y: Floats, axis: Floats) -> tuple[float, Cylinder] | None:
+    """Return the error relative to the radius and the cylinder, from a first axis."""
     from scipy.optimize import least_squares  # slow to import and rarely needed
 
     u, v = np.linalg.svd(axis[None, :])[2][1:]
@@ -88,4 +130,5 @@ def _fit(y: Floats, axis: Floats) -> tuple[float, Floats] | None:
     angle = np.sort(np.arctan2(arm @ second, arm @ first))
     if np.diff(angle, append=angle[0] + 2.0 * np.pi).max() > GAP:
         return None
-    return error, centre + 0.5 * (along.min() + along.max()) * e
+    low, high = float(along.min()), float(along.max())
+    return error, Cylinder(centre + 0.5 * (low + high) * e, e, float(p[4]), high - low)

@@ -1,0 +1,205 @@
+"""What a mesh file says, by the file's own numbers, and how it becomes a Mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from jousto.errors import InputError, Problem, Problems, count
+from jousto.parts._arrays import Floats, Ints, some
+from jousto.parts.cells import LINES, SOLIDS, SURFACES, Cells, faces
+from jousto.parts.mesh import Mesh
+from jousto.parts.surface import face_kind
+
+
+@dataclass
+class RawCells:
+    """Elements of one kind by the numbers of the file."""
+
+    kind: str
+    nodes: Ints  # (ne, k) node numbers
+    ids: Ints  # (ne,) element numbers
+    material: str = ""
+
+
+@dataclass
+class RawMesh:
+    """Collects what a reader finds; nodes in the file's unit, everything by the file's numbers."""
+
+    node_ids: list[Ints] = field(default_factory=list)
+    nodes: list[Floats] = field(default_factory=list)
+    cells: list[RawCells] = field(default_factory=list)
+    node_sets: dict[str, list[Ints]] = field(default_factory=dict)
+    element_sets: dict[str, list[Ints]] = field(default_factory=dict)
+    # faces of elements: element numbers and sides from 0
+    sides: dict[str, list[tuple[Ints, Ints]]] = field(default_factory=dict)
+    # materials of element sets
+    materials: dict[str, str] = field(default_factory=dict)
+    # what was left out: place and sentence
+    left_out: list[tuple[str, str]] = field(default_factory=list)
+
+    def build(self, where: str, name: str, factor: float) -> Mesh:
+        """Return the mesh in m, or raise with everything that does not fit together."""
+        problems = Problems()
+        ids, nodes = self._all_nodes(problems, where)
+        index = Numbers(ids)
+        blocks = []
+        for block in self._by_material():
+            found = index(block.nodes.ravel()).reshape(block.nodes.shape)
+            missing = np.argwhere(found < 0)
+            if len(missing):
+                i, j = missing[0]
+                wrong = len(np.unique(missing[:, 0]))
+                problems.add(
+                    where,
+                    f"element {block.ids[i]} needs node {block.nodes[i, j]}, which the file does"
+                    f" not hold ({count(wrong, 'element')} like that); is the file complete?",
+                )
+            else:
+                blocks.append(Cells(block.kind, found, block.ids, block.material))
+        problems.raise_if_any()
+        if not blocks:
+            raise InputError(Problem(where, "holds no elements; is the file complete?"))
+
+        node_sets = {}
+        for title, parts in self.node_sets.items():
+            members = np.concatenate([np.zeros(0, dtype=np.int64), *parts])
+            at = index(members)
+            if np.any(at < 0):
+                lost = some([str(i) for i in members[at < 0]])
+                problems.add(where, f"node set '{title}' holds node {lost}, which is not there")
+            node_sets[title] = np.unique(at[at >= 0])
+        problems.raise_if_any()
+        elements, surfaces, more = self._element_sets(blocks)
+        for title, members in more.items():
+            node_sets.setdefault(title, members)
+        surfaces |= self._side_sets(blocks, where)
+        return Mesh(name, nodes * factor, tuple(blocks), ids, node_sets, elements, surfaces)
+
+    def _all_nodes(self, problems: Problems, where: str) -> tuple[Ints, Floats]:
+        if not self.node_ids or not sum(len(part) for part in self.node_ids):
+            raise InputError(Problem(where, "holds no nodes; is the file complete?"))
+        ids, nodes = np.concatenate(self.node_ids), np.concatenate(self.nodes)
+        values, first, number = np.unique(ids, return_index=True, return_counts=True)
+        if np.any(number > 1):
+            # the same node said twice at one place is harmless
+            order = np.argsort(ids, kind="stable")
+            again = np.flatnonzero(np.diff(ids[order]) == 0)
+            apart = nodes[order[again]] != nodes[order[again + 1]]
+            wrong = np.unique(ids[order[again[apart.any(axis=1)]]])
+            if len(wrong):
+                names = some([str(i) for i in wrong])
+                problems.add(where, f"node {names} stands there twice, at different places")
+            keep = np.sort(first)
+            ids, nodes = ids[keep], nodes[keep]
+        bad = ids[~np.isfinite(nodes).all(axis=1)]
+        if len(bad):
+            problems.add(where, f"node {some([str(i) for i in bad])} has no finite position")
+        problems.raise_if_any()
+        return ids, nodes
+
+    def _by_material(self) -> list[RawCells]:
+        """Return the elements joined to one block for each kind and material, in file order."""
+        material: dict[str, Ints] = {}
+        for title, name in self.materials.items():
+            members = np.concatenate([np.zeros(0, np.int64), *self.element_sets.get(title, [])])
+            material[name] = np.union1d(material.get(name, np.zeros(0, np.int64)), members)
+        groups: dict[tuple[str, str], list[tuple[Ints, Ints]]] = {}
+        for block in self.cells:
+            rest = np.ones(len(block.ids), dtype=bool)
+            for name, members in material.items():
+                here = rest & np.isin(block.ids, members)
+                if here.any():
+                    group = groups.setdefault((block.kind, name), [])
+                    group.append((block.nodes[here], block.ids[here]))
+                    rest &= ~here
+            if rest.any():
+                group = groups.setdefault((block.kind, block.material), [])
+                group.append((block.nodes[rest], block.ids[rest]))
+        return [
+            RawCells(kind, np.concatenate([p[0] for p in g]), np.concatenate([p[1] for p in g]), m)
+            for (kind, m), g in groups.items()
+        ]
+
+    def _element_sets(
+        self, blocks: Sequence[Cells]
+    ) -> tuple[dict[str, Ints], dict[str, Ints], dict[str, Ints]]:
+        """Return sets of solid elements, surfaces (of shells) and nodes (of lines)."""
+        solid = [block for block in blocks if block.kind in SOLIDS]
+        number = Numbers(np.concatenate([np.zeros(0, np.int64), *(b.ids for b in solid)]))
+        others = [(block, Numbers(block.ids)) for block in blocks if block.kind not in SOLIDS]
+        elements: dict[str, Ints] = {}
+        surfaces: dict[str, Ints] = {}
+        nodes: dict[str, Ints] = {}
+        for title, parts in self.element_sets.items():
+            members = np.unique(np.concatenate([np.zeros(0, np.int64), *parts]))
+            solids = number(members)
+            found = [block.nodes[at[at >= 0]] for block, at in ((b, n(members)) for b, n in others)]
+            kinds = [block.kind for block, _ in others]
+            shells = [x for x, kind in zip(found, kinds, strict=True) if kind in SURFACES]
+            lines = [x.ravel() for x, kind in zip(found, kinds, strict=True) if kind in LINES]
+            surface = padded([part for part in shells if len(part)])
+            if np.any(solids >= 0) or not (len(surface) or any(len(x) for x in lines)):
+                elements[title] = solids[solids >= 0]
+            if len(surface):
+                surfaces[title] = surface
+            elif any(len(x) for x in lines):
+                nodes[title] = np.unique(np.concatenate(lines))
+        return elements, surfaces, nodes
+
+    def _side_sets(self, blocks: Sequence[Cells], where: str) -> dict[str, Ints]:
+        """Return surfaces given as sides of elements."""
+        problems = Problems()
+        out: dict[str, Ints] = {}
+        numbers = [(block, Numbers(block.ids)) for block in blocks]
+        for title, pairs in self.sides.items():
+            parts = []
+            for members, sides in pairs:
+                missing = np.ones(len(members), dtype=bool)
+                for block, number in numbers:
+                    at = number(members)
+                    here = at >= 0
+                    missing &= ~here
+                    if block.kind in SURFACES:  # a shell is its own face
+                        parts.append(block.nodes[at[here]])
+                        continue
+                    if block.kind not in SOLIDS:
+                        continue
+                    for side, face in enumerate(faces(block.kind)):
+                        chosen = here & (sides == side)
+                        parts.append(block.nodes[at[chosen]][:, face])
+                if missing.any():
+                    lost = some([str(i) for i in members[missing]])
+                    problems.add(where, f"surface '{title}' holds element {lost}, not in the file")
+            out[title] = padded([part for part in parts if len(part)])
+        problems.raise_if_any()
+        return out
+
+
+class Numbers:
+    """Index of each number of the file: -1 for a number that is not there."""
+
+    def __init__(self, ids: Ints) -> None:
+        self.order = np.argsort(ids, kind="stable")
+        self.sorted = ids[self.order]
+
+    def __call__(self, wanted: Ints) -> Ints:
+        """Return the indices (m,) of numbers (m,)."""
+        if not len(self.sorted):
+            return np.full(len(wanted), -1)
+        at = np.minimum(np.searchsorted(self.sorted, wanted), len(self.sorted) - 1)
+        found: Ints = np.where(self.sorted[at] == wanted, self.order[at], -1)
+        return found
+
+
+def padded(parts: Sequence[Ints]) -> Ints:
+    """Return faces of different kinds as one array, corners first, rows filled up with -1.
+
+    A face with fewer nodes keeps its own order: its corners, its midside nodes, then -1.
+    """
+    width = max((part.shape[1] for part in parts), default=3)
+    face_kind(width)
+    out = [np.pad(part, ((0, 0), (0, width - part.shape[1])), constant_values=-1) for part in parts]
+    return np.concatenate(out) if out else np.zeros((0, 3), dtype=np.int64)
