@@ -239,6 +239,9 @@ from .parts import (
     GeneralSection as GeneralSection,
 )
 from .parts import (
+    Hole as Hole,
+)
+from .parts import (
     IBeam as IBeam,
 )
 from .parts import (
@@ -294,6 +297,9 @@ from .parts import (
 )
 from .parts import (
     materials as materials,
+)
+from .parts import (
+    mesh_step as mesh_step,
 )
 from .parts import (
     read_mesh as read_mesh,

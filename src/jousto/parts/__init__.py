@@ -2,6 +2,7 @@
 
 from jousto.parts.beam import EulerBernoulli, Theory, Timoshenko
 from jousto.parts.cells import Cells
+from jousto.parts.holes import Hole
 from jousto.parts.inspection import Finding
 from jousto.parts.interface import Interface, Tie
 from jousto.parts.library import material, materials
@@ -14,7 +15,7 @@ from jousto.parts.part import Part
 from jousto.parts.picks import InBox, InCylinder, InSphere, Nearest, Pick
 from jousto.parts.profiles import Box, IBeam
 from jousto.parts.quality import Quality
-from jousto.parts.readers import read_mesh
+from jousto.parts.readers import mesh_step, read_mesh
 from jousto.parts.section import (
     Circle,
     GeneralSection,
@@ -34,6 +35,7 @@ __all__ = [
     "EulerBernoulli",
     "Finding",
     "GeneralSection",
+    "Hole",
     "IBeam",
     "InBox",
     "InCylinder",
@@ -42,9 +44,9 @@ __all__ = [
     "MassPoints",
     "Material",
     "Member",
+    "Mesh",
     "Nearest",
     "Orthotropic",
-    "Mesh",
     "Part",
     "Pick",
     "PointMass",
@@ -60,6 +62,7 @@ __all__ = [
     "Tube",
     "material",
     "materials",
+    "mesh_step",
     "polar_moment",
     "read_mesh",
 ]

@@ -137,9 +137,9 @@ def _fit(nodes: Floats, corners: Ints, all_nodes: Ints, normals: Floats) -> _Wal
     """Return the cylinder of a wall, or None if it is none or its normals point outwards."""
     if len(normals) < 3:
         return None
-    # the axis: no normal has a component along it
+    # along the axis of a cylinder normals have next to no component (facets may lean a bit)
     values = np.linalg.eigvalsh(normals.T @ normals / len(normals))
-    if values[0] > 0.01 or values[1] < 0.02:
+    if values[0] > 0.06 or values[1] < 0.02:
         return None
     used = np.unique(corners[corners >= 0])
     shape = cylinder_through(nodes[used])

@@ -1,0 +1,402 @@
+"""STEP and BREP files, meshed with curved tetrahedra by Gmsh (extra ``cad``)."""
+
+from __future__ import annotations
+
+import logging
+import os
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jousto.errors import InputError, Problem, Problems, count, suggest, warn
+from jousto.parts._arrays import Floats, Ints
+from jousto.parts.cells import Cells, edges
+from jousto.parts.mesh import Mesh
+from jousto.parts.readers.files import UNITS, unit_factor
+from jousto.parts.readers.msh import vtk_order
+
+log = logging.getLogger(__name__)
+
+# round faces refine down to this part of the size and no further
+FINEST = 0.25
+# a scaled Jacobian below this starts the search for better midside nodes
+POOR = 0.1
+# sizes grow away from a refined face by this much per length
+GROWTH = 0.4
+# more tetrahedra than this are refused: 10 million degrees of freedom
+TOO_MANY = 2_000_000
+# tetrahedra in a cube of their size
+_PER_CUBE = 8.0
+_SI = {"": 1.0, "MILLI": 1e-3, "CENTI": 1e-2, "MICRO": 1e-6, "DECI": 1e-1, "KILO": 1e3}
+
+
+def mesh_step(
+    path: str | os.PathLike[str],
+    *,
+    size: float,
+    order: int = 2,
+    unit: str | None = None,
+    curved: bool = True,
+    refine: Mapping[str, float] | None = None,
+    per_circle: int = 12,
+    name: str | None = None,
+) -> Mesh:
+    """Return a mesh of tetrahedra of a CAD file (STEP or BREP), by Gmsh.
+
+    Every face of the geometry becomes a surface and a node set ``face1``, ``face2`` and so on,
+    named faces and solids keep their names, too; ``mesh.holes()`` finds the bores. Several solids
+    that touch share the nodes there and are the element sets ``solid1``, ``solid2``.
+
+    Parameters
+    ----------
+    path : path
+        A ``.step``, ``.stp`` or ``.brep`` file.
+    size : float
+        Wanted length of the elements' edges in m.
+    order : {2, 1}
+        2 for tetrahedra of 10 nodes; those of 4 nodes (1) are far too stiff in bending.
+    unit : {"m", "mm", "cm", "in", "ft", "um"}, optional
+        Unit of the numbers in the file. A STEP file says it itself (mostly mm) and is converted to
+        m; give it to overrule the file. A BREP file does not say, so it must be given.
+    curved : bool
+        Whether midside nodes lie on curved faces; straight edges shift frequencies by up to 0.5 %.
+    refine : mapping of str to float, optional
+        Smaller sizes in m on named faces, such as ``{"face12": 2e-3}``, from where they grow.
+    per_circle : int
+        Elements along a full turn of a curved face, at least.
+    name : str, optional
+        Name of the mesh; the file's name if not given.
+
+    Raises
+    ------
+    InputError
+        If Gmsh is not installed, the file is missing, damaged or holds no solid, a face is not
+        known, or the size does not fit the part.
+
+    Warns
+    -----
+    JoustoWarning
+        If curved elements had to be straightened.
+
+    Examples
+    --------
+    >>> mesh = mesh_step("arm.step", size=8e-3)  # doctest: +SKIP
+    """
+    path, problems = Path(path), Problems()
+    where = path.name
+    problems.positive(where, "size", size, "m")
+    if order not in (1, 2):
+        problems.add(where, f"order is {order}, must be 1 or 2")
+    if per_circle < 4:
+        problems.add(where, f"per_circle is {per_circle}, must be 4 or more")
+    for face, length in (refine or {}).items():
+        problems.positive(where, f"size at '{face}'", length, "m")
+    problems.raise_if_any()
+    factor = _scale(path, unit)
+    gmsh = _gmsh(where)
+    with _session(gmsh, where):
+        _load(gmsh, path, factor)
+        names = _names(gmsh)
+        _sizes(gmsh, where, size, refine or {}, names)
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", per_circle)
+        gmsh.option.setNumber("Mesh.SecondOrderLinear", 0 if curved else 1)
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.optimize("Netgen")
+        if order == 2:
+            gmsh.model.mesh.setOrder(2)
+        mesh = _collect(gmsh, name or path.stem, order, names)
+        if order == 2 and curved and mesh.quality().scaled_jacobian.min() < POOR:
+            gmsh.option.setNumber("Mesh.HighOrderThresholdMin", 0.3)
+            for _ in range(2):
+                gmsh.model.mesh.optimize("HighOrder")
+            mesh = _collect(gmsh, name or path.stem, order, names)
+    if order == 2 and curved:
+        mesh = _straightened(mesh, where)
+    log.info("%s: %s, %.4g m^3; %s", where, mesh, mesh.volume, mesh.quality())
+    return mesh
+
+
+# ---- the file ------------------------------------------------------------------------------------
+
+
+def _scale(path: Path, unit: str | None) -> float:
+    """Return the factor that turns metres of the import into metres, after checking the file."""
+    where = path.name
+    if unit is not None:
+        unit_factor(where, unit)
+    if not path.is_file():
+        near = [file.name for file in path.parent.glob("*")] if path.parent.is_dir() else []
+        hint = suggest(path.name, near) if near else f"; there is no folder '{path.parent}'"
+        raise InputError(Problem(where, f"no such file{hint}"))
+    data = path.read_bytes()
+    if data.lstrip()[:12] == b"ISO-10303-21":
+        if b"END-ISO-10303-21" not in data[-4096:]:
+            raise InputError(
+                Problem(where, "has no END-ISO-10303-21 at its end: it is cut off; export it again")
+            )
+        said = step_unit(data)
+        return 1.0 if unit is None else UNITS[unit] / said
+    if re.match(rb"\s*(DBRep_DrawableShape|CASCADE Topology|Open CASCADE Topology)", data):
+        if unit is None:
+            raise InputError(
+                Problem(where, "a BREP file does not say its unit: give unit='mm' or another")
+            )
+        return UNITS[unit]
+    if not data.strip():
+        raise InputError(Problem(where, "is empty"))
+    if path.suffix.lower() in (".msh", ".inp", ".bdf", ".nas", ".med", ".vtk", ".vtu", ".cdb"):
+        raise InputError(Problem(where, "is a mesh, no geometry: read it with jo.read_mesh(path)"))
+    raise InputError(Problem(where, "is neither a STEP nor a BREP file"))
+
+
+def step_unit(data: bytes) -> float:
+    """Return the unit of length of a STEP file in m; mm if it says none.
+
+    Examples
+    --------
+    >>> step_unit(b"#9=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));")
+    0.001
+    """
+    text = re.sub(rb"\s+", b"", data)
+    # inches and feet are conversions of millimetres or metres
+    found = re.search(
+        rb"LENGTH_UNIT\(\)[^;]*?CONVERSION_BASED_UNIT\('(\w+)'|"
+        rb"CONVERSION_BASED_UNIT\('(\w+)',#\d+\)LENGTH_UNIT",
+        text,
+    )
+    if found:
+        title = (found[1] or found[2]).decode().lower()
+        known = {"inch": 0.0254, "foot": 0.3048, "millimetre": 1e-3, "metre": 1.0}
+        if title in known:
+            return known[title]
+    found = re.search(rb"LENGTH_UNIT\(\)NAMED_UNIT\(\*\)SI_UNIT\((?:\.(\w+)\.|\$),\.METRE\.", text)
+    if found:
+        return _SI.get((found[1] or b"").decode(), 1e-3)
+    return 1e-3
+
+
+# ---- gmsh ----------------------------------------------------------------------------------------
+
+
+def _gmsh(where: str) -> Any:
+    try:
+        import gmsh
+    except (ImportError, OSError) as error:
+        if isinstance(error, OSError):  # installed, but a library of the system is missing
+            message = f"Gmsh cannot be loaded: {error}; install that library of the system"
+        else:
+            message = "meshing CAD files needs Gmsh: pip install jousto[cad]"
+        raise InputError(Problem(where, message)) from None
+    return gmsh
+
+
+@contextmanager
+def _session(gmsh: Any, where: str) -> Iterator[None]:
+    """Run in a model of our own; leave a session that the user has open as it was."""
+    running = bool(gmsh.isInitialized())
+    before, options = "", {}
+    names = (
+        "General.Terminal",
+        "General.NumThreads",
+        "Mesh.MeshSizeMin",
+        "Mesh.MeshSizeMax",
+        "Mesh.MeshSizeFromCurvature",
+        "Mesh.SecondOrderLinear",
+        "Mesh.ElementOrder",
+        "Mesh.HighOrderThresholdMin",
+        "Geometry.OCCImportLabels",
+    )
+    if running:
+        before = gmsh.model.getCurrent()
+        options = {name: gmsh.option.getNumber(name) for name in names}
+    else:
+        gmsh.initialize(["gmsh"], readConfigFiles=False, interruptible=False)
+    target = gmsh.option.getString("Geometry.OCCTargetUnit")
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("General.NumThreads", 1)
+        gmsh.option.setNumber("Mesh.ElementOrder", 1)
+        gmsh.option.setNumber("Geometry.OCCImportLabels", 1)
+        gmsh.model.add("jousto")
+        yield
+    except InputError:
+        raise
+    except Exception as error:  # Gmsh raises plain exceptions with a message
+        said = " ".join(str(error).split())[:200]
+        raise InputError(
+            Problem(
+                where, f"Gmsh cannot mesh this geometry ({said}); repair it or try another size"
+            )
+        ) from None
+    finally:
+        gmsh.option.setString("Geometry.OCCTargetUnit", target)
+        if running:
+            gmsh.model.remove()
+            gmsh.model.setCurrent(before)
+            for name, value in options.items():
+                gmsh.option.setNumber(name, value)
+        else:
+            gmsh.finalize()
+
+
+def _load(gmsh: Any, path: Path, factor: float) -> None:
+    """Import the shapes in m."""
+    occ = gmsh.model.occ
+    step = path.read_bytes().lstrip()[:12] == b"ISO-10303-21"
+    gmsh.option.setString("Geometry.OCCTargetUnit", "M" if step else "")
+    try:
+        shapes = occ.importShapes(str(path), format="step" if step else "brep")
+    except Exception as error:
+        said = " ".join(str(error).split())[:160]
+        raise InputError(
+            Problem(path.name, f"cannot be read; is it damaged? (Gmsh: {said})")
+        ) from None
+    solids = [shape for shape in shapes if shape[0] == 3]
+    if not solids:
+        faces = sum(1 for shape in shapes if shape[0] == 2)
+        raise InputError(
+            Problem(
+                path.name,
+                f"holds no solid, only {count(faces, 'face')}; sew the faces to a solid in the CAD"
+                " program and export that",
+            )
+        )
+    if factor != 1.0:
+        occ.dilate(solids, 0, 0, 0, factor, factor, factor)
+    if len(solids) > 1:  # solids that touch must share nodes
+        occ.fragment(solids, [])
+    occ.synchronize()
+
+
+def _names(gmsh: Any) -> dict[str, tuple[int, int]]:
+    """Return names of faces and solids: (dimension, tag)."""
+    out: dict[str, tuple[int, int]] = {}
+    solids = gmsh.model.getEntities(3)
+    for dim, kind in ((3, "solid"), (2, "face")):
+        for _, tag in gmsh.model.getEntities(dim):
+            if dim == 2 or len(solids) > 1:
+                out[f"{kind}{tag}"] = dim, tag
+    for title, entity in list(out.items()):
+        label = gmsh.model.getEntityName(*entity).rpartition("/")[2].strip()
+        if label and label not in out and not re.match(r"(Open CASCADE|STEP)\b", label):
+            out[label] = entity
+            log.info("%s is named '%s'", title, label)
+    return out
+
+
+def _sizes(
+    gmsh: Any,
+    where: str,
+    size: float,
+    refine: Mapping[str, float],
+    names: Mapping[str, tuple[int, int]],
+) -> None:
+    """Set the size of elements, smaller near refined faces."""
+    problems = Problems()
+    box = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3)
+    long = float(np.linalg.norm(box[1] - box[0]))
+    volume = sum(gmsh.model.occ.getMass(3, tag) for _, tag in gmsh.model.getEntities(3))
+    wanted = _PER_CUBE * volume / size**3
+    if size >= long:
+        problems.add(
+            where,
+            f"size is {size:g} m and the part {long:.3g} m across; sizes are in m, was"
+            f" {1e-3 * size:g} meant?",
+        )
+    elif wanted > TOO_MANY:
+        least = (_PER_CUBE * volume / TOO_MANY) ** (1 / 3)
+        problems.add(
+            where,
+            f"size {size:g} m would make some {wanted:.0e} elements of a part {long:.3g} m across,"
+            f" at most {TOO_MANY:.0e} are sensible: take {least:.2g} m or more",
+        )
+    for face in refine:
+        if names.get(face, (0, 0))[0] != 2:
+            known = [title for title, (dim, _) in names.items() if dim == 2]
+            problems.add(where, f"refine: no face '{face}'{suggest(face, known)}")
+    problems.raise_if_any()
+    gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+    gmsh.option.setNumber("Mesh.MeshSizeMin", FINEST * min([size, *refine.values()]))
+    fields = []
+    for face, length in refine.items():
+        distance = gmsh.model.mesh.field.add("Distance")
+        gmsh.model.mesh.field.setNumbers(distance, "SurfacesList", [names[face][1]])
+        gmsh.model.mesh.field.setNumber(distance, "Sampling", 60)
+        grown = gmsh.model.mesh.field.add("Threshold")
+        for key, value in (
+            ("InField", distance),
+            ("SizeMin", length),
+            ("SizeMax", size),
+            ("DistMin", length),
+            ("DistMax", length + max(size - length, 0.0) / GROWTH),
+        ):
+            gmsh.model.mesh.field.setNumber(grown, key, value)
+        fields.append(grown)
+    if fields:
+        least = gmsh.model.mesh.field.add("Min")
+        gmsh.model.mesh.field.setNumbers(least, "FieldsList", fields)
+        gmsh.model.mesh.field.setAsBackgroundMesh(least)
+
+
+def _collect(gmsh: Any, name: str, order: int, names: Mapping[str, tuple[int, int]]) -> Mesh:
+    """Return the tetrahedra with their faces' names, nodes numbered from 1."""
+    solid, face = ("tetra", "triangle") if order == 1 else ("tetra10", "triangle6")
+    code, wide = (4, 4) if order == 1 else (11, 10)
+    tags, xyz, _ = gmsh.model.mesh.getNodes()
+    index = np.full(int(tags.max()) + 1, -1)
+    found: dict[int, Ints] = {}
+    for _, tag in gmsh.model.getEntities(3):
+        _, nodes = gmsh.model.mesh.getElementsByType(code, tag)
+        found[tag] = vtk_order(solid, nodes.astype(np.int64).reshape(-1, wide))
+    cells = np.concatenate(list(found.values()))
+    used = np.unique(cells)
+    index[used] = np.arange(len(used))
+    at = np.full(len(index), -1)
+    at[tags] = np.arange(len(tags))
+    nodes_m: Floats = xyz.reshape(-1, 3)[at[used]]
+
+    surfaces, elements = {}, {}
+    starts = dict(zip(found, np.cumsum([0, *(len(x) for x in found.values())]), strict=False))
+    for title, (dim, tag) in names.items():
+        if dim == 3:
+            elements[title] = np.arange(starts[tag], starts[tag] + len(found[tag]))
+            continue
+        _, nodes = gmsh.model.mesh.getElementsByType(2 if order == 1 else 9, tag)
+        faces = index[nodes.astype(np.int64).reshape(-1, 3 if order == 1 else 6)]
+        surfaces[title] = vtk_order(face, faces)
+    return Mesh(
+        name,
+        nodes_m,
+        Cells(solid, index[cells]),  # type: ignore[arg-type]
+        element_sets=elements,
+        surfaces=surfaces,
+    )
+
+
+def _straightened(mesh: Mesh, where: str) -> Mesh:
+    """Return the mesh with the midside nodes of folded elements on straight edges."""
+    bad = mesh.quality().negative
+    if not len(bad):
+        return mesh
+    nodes = mesh.nodes.copy()
+    cells = mesh.solids[0].nodes[bad]
+    nodes[cells[:, 4:]] = nodes[cells[:, edges("tetra10")]].mean(axis=2)
+    out = Mesh(
+        mesh.name,
+        nodes,
+        mesh.cells,
+        mesh.node_ids,
+        mesh.node_sets,
+        mesh.element_sets,
+        mesh.surfaces,
+    )
+    warn(
+        where,
+        f"{count(len(bad), 'element')} (element {mesh.element_ids[bad[0]]}) would be folded between"
+        " curved faces; their edges are straight now. A smaller size there follows the faces",
+    )
+    return out
