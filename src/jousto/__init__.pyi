@@ -305,6 +305,9 @@ from .parts import (
     read_mesh as read_mesh,
 )
 from .reduction import (
+    Advice as Advice,
+)
+from .reduction import (
     Certificate as Certificate,
 )
 from .reduction import (
@@ -327,6 +330,9 @@ from .reduction import (
 )
 from .reduction import (
     SolverInfo as SolverInfo,
+)
+from .reduction import (
+    advise as advise,
 )
 from .reduction import (
     certify as certify,

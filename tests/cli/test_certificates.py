@@ -67,3 +67,40 @@ def test_a_wrong_page_is_said_before_anything_is_computed(rod: Path) -> None:
     code, out, err = jousto("reduce", rod, "--html", rod.with_name("no") / "rod.html")
     assert (code, out) == (2, "") and "there is no folder" in err
     assert not rod.with_suffix(".h5").exists()
+
+
+# -- advise ---------------------------------------------------------------------------------
+
+
+def test_advise_proposes_modes(rod: Path) -> None:
+    code, out, err = jousto("advise", rod, "--frequency-limit", "0.5 kHz")
+    assert (code, err) == (0, "")
+    lines = out.splitlines()
+    assert (
+        lines[0] == "take CraigBampton(interfaces=('start', 'end'), modes=4, frequency_limit=None)"
+    )
+    assert lines[1].startswith("The free part has 4 elastic modes up to 500 Hz, from ")
+    assert any(line.startswith("  4 <") for line in lines)
+
+
+def test_advise_for_a_load(rod: Path) -> None:
+    code, out, _ = jousto("advise", rod, "--load", "node4.fz", "--accuracy", "0.05")
+    assert code == 0 and "node4.fz: stress" in out
+
+
+def test_advise_takes_the_limit_of_the_file(rod: Path) -> None:
+    rod.write_text(PART.replace("modes: 6", "frequency_limit: 500"))
+    assert "up to 500 Hz" in jousto("advise", rod)[1]
+
+
+def test_advise_says_what_is_wrong(rod: Path) -> None:
+    assert jousto("advise", rod)[::2] == (
+        2, "advise: give frequency_limit=Hz or loads=patterns (or both)\n",
+    )  # fmt: skip
+    assert "did you mean 'end'?" in jousto("advise", rod, "--load", "edn.fx")[2]
+    assert "must be a node set and one of fx, fy" in jousto("advise", rod, "--load", "end")[2]
+    assert jousto("advise", rod, "--frequency-limit", "5 kg")[0] == 2
+    assert jousto("reduce", rod)[0] == 0
+    again = rod.with_name("again.yml")
+    again.write_text("file: rod.h5\n")
+    assert "was reduced before: advice needs the part" in jousto("advise", again)[2]

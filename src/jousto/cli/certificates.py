@@ -1,16 +1,18 @@
-"""What commands say of a part: its certificate, in the terminal and as a page."""
+"""What commands say of a part: its certificate, and which modes it needs."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from jousto.cli.terminal import say
+from jousto.cli.options import Debug, app
+from jousto.cli.terminal import command, say
 from jousto.errors import InputError, Problem
 
 if TYPE_CHECKING:
+    from jousto.parts import Part
     from jousto.schema import PartFile
 
 Html = Annotated[
@@ -48,3 +50,80 @@ def tell_certificate(file: PartFile, page: Path | None) -> None:
 
         write_certificate(certificate, page)
         say(f"certificate in {page}", style="green")
+
+
+@app.command()
+@command
+def advise(
+    part: Annotated[
+        Path, typer.Argument(metavar="PART", help="YAML file of a part, or a model file.")
+    ],
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME]", help="Which of the model's parts.")
+    ] = None,
+    frequency_limit: Annotated[
+        str | None,
+        typer.Option("--frequency-limit", metavar="HZ", help="Highest frequency that matters."),
+    ] = None,
+    load: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--load", metavar="NODES.fx", help="Unit force or moment to be met: tip.fz, node3.mx."
+        ),
+    ] = None,
+    accuracy: Annotated[
+        float, typer.Option("--accuracy", metavar="SHARE", help="Largest relative error.")
+    ] = 0.01,
+    debug: Debug = False,
+) -> None:
+    """Propose the modes of a part for a frequency limit or loads, with what each number gains.
+
+    The interfaces are those of the part's `reduce` entry; without --frequency-limit and --load its
+    frequency_limit counts.
+    """
+    from jousto.reduction import CraigBampton
+    from jousto.reduction import advise as propose
+    from jousto.schema import read_part_file
+
+    file = read_part_file(part, name, reduce=False)
+    if file.part is None:
+        message = "was reduced before: advice needs the part with its mesh"
+        raise InputError(Problem(f"part '{file.name}'", message))
+    limit = None if frequency_limit is None else _hertz(frequency_limit)
+    if limit is None and not load:
+        limit = file.method.frequency_limit
+    interfaces = file.method.interfaces if isinstance(file.method, CraigBampton) else ()
+    loads = {text: _load(file.part, text) for text in load} if load else None
+    advice = propose(file.part, interfaces, frequency_limit=limit, loads=loads, accuracy=accuracy)
+    for line in str(advice).splitlines():
+        say(line, style="green" if line.startswith("take ") else "")
+
+
+def _hertz(text: str) -> float:
+    from jousto.schema.units import UnitError, quantity
+
+    try:
+        return quantity(text, "Hz")
+    except UnitError as error:
+        raise InputError(Problem("--frequency-limit", str(error))) from None
+
+
+def _load(part: Part, text: str) -> Any:
+    """Return the nodal loads of a unit force or moment, shared by the nodes of a set."""
+    import numpy as np
+
+    from jousto.errors import suggest
+
+    kinds = ("fx", "fy", "fz", "mx", "my", "mz")[: part.dofs_per_node]
+    place, _, kind = text.rpartition(".")
+    if kind not in kinds or not place:
+        known = ", ".join(kinds)
+        message = f"is {text!r}, must be a node set and one of {known}, such as tip.{kinds[0]}"
+        raise InputError(Problem("--load", message))
+    if place not in part.node_sets:
+        message = f"no node set '{place}'{suggest(place, part.node_sets)}"
+        raise InputError(Problem("--load", message))
+    nodes = np.array(part.node_sets[place])
+    f = np.zeros((len(part.nodes), part.dofs_per_node))
+    f[nodes, kinds.index(kind)] = 1.0 / len(nodes)
+    return f.ravel()

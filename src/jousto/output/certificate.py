@@ -40,12 +40,16 @@ th {{ color: {MUTED}; font-weight: 500; border-bottom: 1px solid #9AA1AB; }}
 .numbers td {{ white-space: nowrap; }}
 .name {{ color: {MUTED}; white-space: nowrap; }} .advice {{ color: {MUTED}; }}
 .advice b {{ color: {INK}; font-weight: 600; }} .scroll {{ overflow-x: auto; }}
+.checks td:nth-child(2) {{ white-space: nowrap; }} .checks td:nth-child(3) {{ width: 34%; }}
 .tables {{ display: grid; grid-template-columns: repeat(auto-fit, minmax(440px, 1fr));
        gap: 0 32px; align-items: start; }}
 .remark, footer {{ color: {MUTED}; font-size: 11.5px; }} footer {{ margin-top: 22px; }}
-@media print {{ body {{ font-size: 9.5px; margin: 0; max-width: none; }} h1 {{ font-size: 15px; }}
-       h2 {{ font-size: 11px; margin: 8px 0 2px; }} td, th {{ padding: 1px 7px 1px 0; }}
-       .tables {{ grid-template-columns: 1fr 1fr; }} }}
+@media print {{ body {{ font-size: 8.6px; margin: 0; max-width: none; padding: 0; }}
+       h1 {{ font-size: 15px; }} h2 {{ font-size: 10.5px; margin: 7px 0 2px; }}
+       td, th {{ padding: 1px 6px 1px 0; line-height: 1.25; }} .verdict {{ margin: 2px 0 6px; }}
+       .top {{ flex-wrap: nowrap; }} .top > * {{ flex: 1 1 45%; }} img {{ max-height: 44mm; }}
+       .tables {{ grid-template-columns: 1fr 1fr; gap: 0 20px; }}
+       .remark, footer {{ font-size: 7.6px; margin: 2px 0; }} }}
 """
 
 
@@ -94,7 +98,8 @@ def page(certificate: Certificate) -> str:
 <div><img alt="shape of the part with its interfaces" src="{_picture(certificate.silhouette)}">
 </div></div>
 <h2>Checks</h2>
-<table><tr><th></th><th>what</th><th>found</th><th>what it means and what to do</th></tr>
+<table class="checks">
+<tr><th></th><th>what</th><th>found</th><th>what it means and what to do</th></tr>
 {checks}</table>
 <div class="tables">{tables}</div>
 <footer>Written by jousto {html.escape(_version())}.</footer>

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from jousto.reduction.advice import Advice, advise
 from jousto.reduction.cache import ReductionCache
 from jousto.reduction.certificate import Certificate, Check, Silhouette, Table, certify
 from jousto.reduction.damping import Damping, Rayleigh, modal_damping
@@ -14,6 +15,7 @@ from jousto.reduction.stiffening import Stiffening
 from jousto.reduction.stress import StressModes
 
 __all__ = [
+    "Advice",
     "Certificate",
     "Check",
     "CraigBampton",
@@ -29,6 +31,7 @@ __all__ = [
     "Stiffening",
     "StressModes",
     "Table",
+    "advise",
     "certify",
     "modal_damping",
     "reduce",

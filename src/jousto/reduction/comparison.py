@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.linalg
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from jousto.errors import count
 from jousto.reduction.certificate import Check, Table, number
 from jousto.reduction.inspection import FullModel
-from jousto.reduction.partition import determinate_dofs, dof_label
 from jousto.reduction.rigid import rigid_modes
 
 if TYPE_CHECKING:
@@ -45,6 +45,8 @@ HOLD = (1e-6, 1e-3)
 MASS_SHARE, HALF = 0.8, 0.5
 """Share of the mass that the fixed modes should hold in a direction, and in one at least."""
 
+LOADS = ("fx", "fy", "fz", "mx", "my", "mz")
+
 CONDITION = (1e8, 1e12)
 """Condition number of the flexibility of the interfaces: to warn, and not to count at all."""
 
@@ -58,20 +60,84 @@ class Modes:
     reduced : ReducedPart
     X : (ndof, n) array
         Mass-normalised modes.
+    loads : (ndof, nb) sparse array
+        Nodal loads of unit forces and moments on the interfaces; ``loads^T u`` is how these move.
+    names : tuple of str
+        A name for each load, such as ``end fy``.
+    weights : (nb,) array
+        1 for forces, the size of the body for moments.
     interfaces : tuple of (str, (k,) int array)
-        Names and degrees of freedom of the interfaces.
+        Names of the interfaces and numbers of their loads.
     """
 
     reduced: ReducedPart
     X: Array
+    loads: sp.csc_array
+    names: tuple[str, ...]
+    weights: Array
     interfaces: tuple[tuple[str, Index], ...]
 
-    @property
-    def boundary(self) -> Index:
-        """Degrees of freedom of all interfaces, ascending."""
-        if not self.interfaces:
-            return np.zeros(0, dtype=np.intp)
-        return np.unique(np.concatenate([dofs for _, dofs in self.interfaces]))
+    def moved(self, u: Array) -> Array:
+        """Return how the interfaces move, (nb, m), rotations times the size of the body."""
+        return np.asarray((self.loads.T @ u) * self.weights[:, None])
+
+
+def modes_of(full: FullModel, reduced: ReducedPart) -> Modes:
+    """Return the modes of a reduced part and the loads of its interfaces.
+
+    The load on the node to which a surface is tied spreads over the surface by the transpose of
+    the average that gives its motion.
+    """
+    part, d = full.part, full.dofs
+    nn = len(part.nodes)
+    blocks = [reduced.modes[:nn]]
+    if d == 6 and reduced.rotations is not None:
+        blocks.append(reduced.rotations[:nn])
+    X = np.concatenate(blocks, axis=1).reshape(-1, reduced.n)
+    ties = {tie.name: tie for tie in part.ties}
+    columns: list[Any] = []
+    names: list[str] = []
+    kinds: list[int] = []
+    interfaces = []
+    for name in reduced.interfaces:
+        first = len(names)
+        if name in ties:
+            tie = ties[name]
+            rows, unit = tie.dofs, tie.averaging.T
+            names += [f"{name} {load}" for load in LOADS]
+            kinds += range(6)
+        else:
+            members = part.node_sets[name]
+            rows = (d * np.array(members)[:, None] + np.arange(d)).ravel()
+            unit = np.eye(len(rows))
+            for node in members:
+                place = name if len(members) == 1 else f"{name} (node{node + 1})"
+                names += [f"{place} {load}" for load in LOADS[:d]]
+                kinds += range(d)
+        i, j = np.nonzero(unit)
+        shape = (X.shape[0], unit.shape[1])
+        columns.append(sp.coo_array((unit[i, j], (rows[i], j)), shape=shape))
+        interfaces.append((name, np.arange(first, len(names))))
+    loads = sp.csc_array(sp.hstack(columns)) if columns else sp.csc_array((X.shape[0], 0))
+    weights = np.where(np.array(kinds) < 3, 1.0, full.length)
+    return Modes(reduced, X, loads, tuple(names), weights, tuple(interfaces))
+
+
+def _determinate(P: Array) -> Index | None:
+    """Return six loads, rows of their work in rigid motions (nb, 6), that hold the body."""
+    if len(P) < 6:
+        return None
+    r, pivots = scipy.linalg.qr(P.T, mode="r", pivoting=True)
+    if abs(r[5, 5]) < HOLD[0] * abs(r[0, 0]):
+        return None
+    return np.asarray(np.sort(pivots[:6]), dtype=np.intp)
+
+
+def _rigid(full: FullModel) -> Array:
+    """Return rigid motions about the middle, rotations over the size of the body."""
+    R = rigid_modes(full.nodes, full.dofs, full.nodes.mean(axis=0))
+    R[:, 3:] /= full.length
+    return R
 
 
 def orthonormality(full: FullModel, modes: Modes) -> Check:
@@ -111,30 +177,27 @@ def hold(full: FullModel, modes: Modes) -> Check:
             "the modes are those of a body that nothing holds: near joints they converge slowly",
             "use CraigBampton with the nodes where joints and forces act",
         )
-    R = rigid_modes(full.nodes, full.dofs, full.nodes.mean(axis=0))
-    R[:, 3:] /= full.length
-    R = R * full.weights[:, None]
+    P = modes.moved(_rigid(full))
+    nb = len(P)
     least = []
-    for name, dofs in modes.interfaces:
-        s = np.linalg.svd(R[dofs], compute_uv=False)
+    for name, rows in modes.interfaces:
+        s = np.linalg.svd(P[rows], compute_uv=False)
         # over the norm of one node, so that many nodes do not look stiffer
-        norm = np.sqrt(len(dofs) / full.dofs)
-        least.append((float(s[5] / norm) if len(s) > 5 else 0.0, name, len(dofs)))
-    b = modes.boundary
-    value = ", ".join(f"{name} {number(s, 2)}" for s, name, _ in least)
+        norm = max(np.sqrt(len(rows) / full.dofs), 1.0)
+        least.append((float(s[5] / norm) if len(s) > 5 else 0.0, name))
+    value = ", ".join(f"{name} {number(s, 2)}" for s, name in least)
     limit = f"hold every rigid motion by more than {HOLD[1]:g}"
-    if len(b) > MANY_DOFS:
+    if nb > MANY_DOFS:
         return Check(
             topic,
             "warn",
-            f"{count(len(b), 'degree')} of freedom",
+            f"{count(nb, 'degree')} of freedom",
             f"at most {MANY_DOFS}",
             "each interface degree of freedom costs one mode, and most of them are of very high "
             "frequency, which makes steps small",
             "tie the nodes of the surface to one node, rigidly or on average",
         )
-    together = np.linalg.svd(R[b], compute_uv=False)
-    if len(together) < 6 or together[5] < HOLD[0]:
+    if _determinate(P) is None:
         return Check(
             topic,
             "fail",
@@ -143,7 +206,7 @@ def hold(full: FullModel, modes: Modes) -> Check:
             "the interfaces together do not hold the body",
             "add interface nodes that are not on one line",
         )
-    weak = [name for s, name, _ in least if s < HOLD[1]]
+    weak = [name for s, name in least if s < HOLD[1]]
     if weak:
         if full.dofs == 3:
             reason = "its nodes do not turn and are few, on one line or very close to one another"
@@ -165,12 +228,11 @@ def hold(full: FullModel, modes: Modes) -> Check:
 
 def conditioning(full: FullModel, modes: Modes) -> Check | None:
     """Return the condition number of the elastic flexibility of the interfaces."""
-    b = modes.boundary
     # one interface node, or supports that are just determinate, have no flexibility of their own
-    rank = len(b) - 6
-    if rank < 1 or len(b) > 6 * MANY_DOFS:
+    rank = len(modes.names) - 6
+    if rank < 1 or len(modes.names) > 6 * MANY_DOFS:
         return None
-    C = (modes.X[b] * full.weights[b, None]) / (2.0 * np.pi * modes.reduced.frequencies)
+    C = modes.moved(modes.X) / (2.0 * np.pi * modes.reduced.frequencies)
     values = np.linalg.svd(C, compute_uv=False) ** 2
     value = float(values[0] / max(values[min(rank, len(values)) - 1], np.finfo(float).tiny))
     text, limit = number(value, 2), f"below {CONDITION[0]:.0e}"
@@ -264,24 +326,17 @@ def static_loads(full: FullModel, modes: Modes) -> tuple[list[Check], Table] | N
     ``K^-1 F`` exactly. Then on the free body, which it accelerates (inertia relief,
     ``F - M R R^T F``): here the error tells whether there are vibration modes enough.
     """
-    b = modes.boundary
-    if full.held is None or full.held.solve is None or full.rigid is None or not len(b):
+    if full.held is None or full.held.solve is None or full.rigid is None or not modes.names:
         return None
-    supports = determinate_dofs(full.nodes, full.dofs, b)
+    supports = _determinate(modes.moved(_rigid(full)))
     if supports is None:
         return None
-    chosen = b
-    if len(b) > MOST_LOADS:
-        chosen = b[np.linspace(0, len(b) - 1, MOST_LOADS).astype(np.intp)]
-    F = np.zeros((full.K.shape[0], len(chosen)))
-    F[chosen, np.arange(len(chosen))] = 1.0
+    chosen = np.arange(len(modes.names))
+    if len(chosen) > MOST_LOADS:
+        chosen = np.linspace(0, len(chosen) - 1, MOST_LOADS).astype(np.intp)
+    F = modes.loads[:, chosen].toarray()
     R, MR = full.rigid.R, full.rigid.MR
-
-    # balanced by supports: reactions r with R^T (F + S r) = 0
-    r = -np.linalg.solve(R[supports].T, R[chosen].T)
-    balanced = F.copy()
-    balanced[supports] += r
-    trivial = np.isin(chosen, supports)
+    balanced, trivial = _balanced(full, modes, F, chosen, supports)
     relieved = F - MR @ (R.T @ F)
 
     both = np.concatenate([balanced, relieved], axis=1)
@@ -297,12 +352,12 @@ def static_loads(full: FullModel, modes: Modes) -> tuple[list[Check], Table] | N
     own = np.einsum("ij,ij->j", balanced, exact[:, :m])
     rows = tuple(
         (
-            _load_name(full, modes, int(dof)),
+            modes.names[load],
             "support" if trivial[k] else number(own[k]),
             "-" if trivial[k] else number(static[k], 2),
             _percent(dynamic[k]),
         )
-        for k, dof in enumerate(chosen)
+        for k, load in enumerate(chosen)
     )
     table = Table(
         "unit interface loads, reduced part against full model",
@@ -310,7 +365,36 @@ def static_loads(full: FullModel, modes: Modes) -> tuple[list[Check], Table] | N
         rows,
         "Static: balanced at the supports of the interfaces. Accelerating: on the free body.",
     )
-    return [_static_check(full, modes, chosen, static, trivial), _relief_check(dynamic)], table
+    return [_static_check(modes, chosen, static, trivial), _relief_check(dynamic)], table
+
+
+def _balanced(
+    full: FullModel, modes: Modes, F: Array, chosen: Index, supports: Index
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Return loads with the reactions of six supports, and which of them nothing can react to.
+
+    A load on a support itself is balanced by six others, where there are such.
+    """
+    assert full.rigid is not None
+    R = full.rigid.R
+    P = modes.moved(_rigid(full))
+    balanced = F.copy()
+    trivial = np.zeros(len(chosen), dtype=bool)
+    own = {int(load): k for k, load in enumerate(chosen) if load in supports}
+    groups: list[tuple[Any, Index | None]] = [(~np.isin(chosen, supports), supports)]
+    for load, k in own.items():
+        others = np.setdiff1d(np.arange(len(P)), [load])
+        found = _determinate(P[others])
+        groups.append(([k], None if found is None else others[found]))
+    for columns, six in groups:
+        if six is None:
+            trivial[columns] = True
+            balanced[:, columns] = 0.0
+            continue
+        # reactions r with R^T (F + S r) = 0
+        S = modes.loads[:, six].toarray()
+        balanced[:, columns] -= S @ np.linalg.solve(R.T @ S, R.T @ F[:, columns])
+    return balanced, trivial
 
 
 def elastic_response(full: FullModel, F: Array) -> Array:
@@ -323,9 +407,7 @@ def elastic_response(full: FullModel, F: Array) -> Array:
     return full.rigid.remove(full.held.lift(y))
 
 
-def _static_check(
-    full: FullModel, modes: Modes, chosen: Index, error: Array, trivial: NDArray[np.bool_]
-) -> Check:
+def _static_check(modes: Modes, chosen: Index, error: Array, trivial: NDArray[np.bool_]) -> Check:
     topic = "static loads"
     limit = f"relative error below {EXACT:g}"
     loads = count(len(chosen), "interface load")
@@ -340,7 +422,7 @@ def _static_check(
     if error[worst] < EXACT:
         what = f"every one of {loads} bends the reduced part as the full model"
         return Check(topic, "ok", value, limit, what)
-    name = _load_name(full, modes, int(chosen[worst]))
+    name = modes.names[chosen[worst]]
     if error[worst] > 0.999:
         rigid = int(np.sum(error > 0.999))
         return Check(
@@ -352,7 +434,7 @@ def _static_check(
             "right if modes were left out on purpose (in_plane, keep); otherwise keep all modes",
         )
     # with fewer modes than static deformations of the interfaces some were left out
-    left_out = modes.reduced.n < len(modes.boundary) - 6
+    left_out = modes.reduced.n < len(modes.names) - 6
     status: Any = "warn" if error[worst] < 1e-4 or left_out else "fail"
     return Check(
         topic,
@@ -387,16 +469,15 @@ def effective_mass(full: FullModel, modes: Modes) -> tuple[Check, Table] | None:
     """Return the modal effective mass of the modes of the reduced part, interfaces held.
 
     In mass-orthonormal coordinates ``z = (a, p)`` of rigid motion and modes the held interface is
-    ``[R_b X_b] z = 0``; the modes of what is left have the participation ``L = r^T M phi`` in a
-    unit rigid motion r, and the effective mass ``L^2``. All of them together weigh at most
-    ``r^T M r`` (Wijker 2004, Mechanical Vibrations in Spacecraft Design, section 6.4).
+    ``B^T [R X] z = 0`` with the loads B; the modes of what is left have the participation
+    ``L = r^T M phi`` in a unit rigid motion r, and the effective mass ``L^2``. All of them together
+    weigh at most ``r^T M r`` (Wijker 2004, Mechanical Vibrations in Spacecraft Design, chapter 6).
     """
-    b = modes.boundary
-    if full.rigid is None or not len(b):
+    if full.rigid is None or not modes.names:
         return None
     R, MR = full.rigid.R, full.rigid.MR
     n = modes.reduced.n
-    C = np.concatenate([R[b], modes.X[b]], axis=1) * full.weights[b, None]
+    C = modes.moved(np.concatenate([R, modes.X], axis=1))
     size = np.maximum(np.sqrt(np.einsum("ij,ij->j", C, C)), np.finfo(float).tiny)
     Z = scipy.linalg.null_space(C / size, rcond=1e-10) / size[:, None]
     if not Z.shape[1]:
@@ -404,7 +485,8 @@ def effective_mass(full: FullModel, modes: Modes) -> tuple[Check, Table] | None:
     omega2 = (2.0 * np.pi * modes.reduced.frequencies) ** 2
     stiff = Z.T @ (np.concatenate([np.zeros(6), omega2])[:, None] * Z)
     values, Y = scipy.linalg.eigh(stiff, Z.T @ Z)
-    about = full.nodes[np.unique(b // full.dofs)].mean(axis=0)
+    places = [modes.reduced.nodes[list(modes.reduced.node_sets[k])] for k, _ in modes.interfaces]
+    about = np.concatenate(places).mean(axis=0)
     unit = rigid_modes(full.nodes, full.dofs, about)
     coordinates = MR.T @ unit
     L = coordinates.T @ (Z @ Y)[:6]
@@ -458,14 +540,3 @@ def _percent(value: float) -> str:
     if size < 1e-6:
         return "0 %"
     return f"{100.0 * value:.2g} %" if size < 0.1 else f"{100.0 * value:.3g} %"
-
-
-def _load_name(full: FullModel, modes: Modes, dof: int) -> str:
-    """Return a name such as ``end fy`` or ``foot (node3) mz``."""
-    kind = ("fx", "fy", "fz", "mx", "my", "mz")[dof % full.dofs]
-    for name, dofs in modes.interfaces:
-        if dof in dofs:
-            several = len(dofs) > full.dofs
-            node = f" ({dof_label(dof, full.dofs).split()[0]})" if several else ""
-            return f"{name}{node} {kind}"
-    return dof_label(dof, full.dofs)

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from jousto.errors import InputError, Problem
 from jousto.reduction import comparison, eigen, inspection
 from jousto.reduction.certificate import Certificate, Check, Silhouette, Table, number, vector
-from jousto.reduction.comparison import Modes
 from jousto.reduction.inspection import FullModel, fault_of
+from jousto.reduction.meshes import mesh_checks, mesh_facts
 from jousto.reduction.partition import whole_part_basis
 from jousto.reduction.rigid import (
     RigidBasis,
@@ -50,9 +50,12 @@ def examine(part: Part, reduced: ReducedPart | None) -> Certificate:
     checks.append(inspection.rotary_inertia(full))
     checks.append(inspection.loose_nodes(full))
     checks.append(inspection.mechanisms(full, faults.get("held", "")))
+    about_mesh, worst = mesh_checks(part)
+    checks += about_mesh
+    tables += worst
     checks.append(inspection.content(full))
     if reduced is not None:
-        modes = modes_of(full, reduced)
+        modes = comparison.modes_of(full, reduced)
         checks.append(_same_part(part, reduced))
         checks.append(comparison.orthonormality(full, modes))
         checks.append(comparison.hold(full, modes))
@@ -81,16 +84,18 @@ def _check_arguments(part: object, reduced: object) -> None:
     if reduced is not None and not isinstance(reduced, ReducedPart):
         message = f"reduced is {reduced!r}, must be a ReducedPart, the result of reduce(part, ...)"
         raise InputError(Problem("certify", message))
-    if reduced is not None:
-        turns = reduced.rotations is not None
-        if len(reduced.nodes) != len(part.nodes) or turns != (part.dofs_per_node == 6):
-            raise InputError(
-                Problem(
-                    "certify",
-                    f"reduced part '{reduced.name}' has {len(reduced.nodes)} nodes, part "
-                    f"'{part.name}' has {len(part.nodes)}: give the part that was reduced",
-                )
+    if reduced is None:
+        return
+    nn = len(part.nodes)
+    known = len(reduced.nodes) in (nn, nn + len(part.ties))
+    if not known or (part.dofs_per_node == 6 and reduced.rotations is None):
+        raise InputError(
+            Problem(
+                "certify",
+                f"reduced part '{reduced.name}' has {len(reduced.nodes)} nodes, part "
+                f"'{part.name}' has {nn}: give the part that was reduced",
             )
+        )
 
 
 def full_model(part: Part, modes: int = FREE_MODES) -> tuple[FullModel | None, dict[str, str]]:
@@ -134,21 +139,6 @@ def _free_modes(
     return 1.0 / (2.0 * np.pi * np.sqrt(mu)), X / np.sqrt(mu)
 
 
-def modes_of(full: FullModel, reduced: ReducedPart) -> Modes:
-    """Return the modes on the degrees of freedom of the full model."""
-    blocks = [reduced.modes] if reduced.rotations is None else [reduced.modes, reduced.rotations]
-    X = np.concatenate(blocks, axis=1).reshape(-1, reduced.n)
-    d = full.dofs
-    interfaces = tuple(
-        (
-            name,
-            (d * np.array(reduced.node_sets[name], dtype=np.intp)[:, None] + np.arange(d)).ravel(),
-        )
-        for name in reduced.interfaces
-    )
-    return Modes(reduced, X, interfaces)
-
-
 def _same_part(part: Part, reduced: ReducedPart) -> Check:
     from jousto.reduction.reducer import content_hash
 
@@ -183,11 +173,12 @@ def _facts(
             ("principal moments", f"{vector(moments)} kg m2"),
             *facts,
         ]
+    facts += mesh_facts(part)
     ndof = part.K.shape[0]
     facts.append(
         (
             "finite element model",
-            f"{len(part.nodes)} nodes, {len(part.elements)} elements, {ndof} degrees of freedom",
+            f"{len(part.nodes)} nodes, {_elements(part)} elements, {ndof} degrees of freedom",
         )
     )
     if reduced is not None:
@@ -199,6 +190,13 @@ def _facts(
     return tuple(facts)
 
 
+def _elements(part: Part) -> int:
+    """Return the number of elements; of solids, `elements` holds the surface alone."""
+    if part.solids is not None:
+        return sum(len(group.nodes) for group in part.solids.groups)
+    return len(part.elements)
+
+
 def _products(J: Array, largest: float) -> Array:
     products = np.array([J[0, 1], J[1, 2], J[2, 0]])
     return np.where(np.abs(products) <= 1e-12 * largest, 0.0, products)
@@ -206,10 +204,13 @@ def _products(J: Array, largest: float) -> Array:
 
 def _shape(part: Part, reduced: ReducedPart | None = None) -> Silhouette:
     """Return the shape of a part: its surface, or the edges of its elements."""
-    elements = np.asarray(part.elements)
-    lines = np.zeros((0, 2), dtype=np.int64)
-    if elements.size and elements.shape[1] == 2:
-        lines = elements.astype(np.int64)
-    names = () if reduced is None else reduced.interfaces
-    sets = tuple((name, tuple(part.node_sets[name])) for name in names if name in part.node_sets)
-    return Silhouette(part.nodes, lines, np.zeros((0, 3), dtype=np.int64), sets)
+    elements = np.asarray(part.elements, dtype=np.int64)
+    empty = np.zeros((0, 3), dtype=np.int64)
+    columns = elements.shape[1] if elements.size else 0
+    lines = elements if columns == 2 else empty[:, :2]
+    triangles = elements if columns == 3 else empty
+    ties = {tie.name: tuple(int(i) for i in tie.nodes) for tie in part.ties}
+    known = {**part.node_sets, **ties}
+    names = tuple(ties) if reduced is None else reduced.interfaces
+    sets = tuple((name, tuple(known[name])) for name in names if name in known)
+    return Silhouette(part.nodes, lines, triangles, sets)

@@ -1,0 +1,516 @@
+"""Which modes a part needs: proposed from what they cost and what they gain, with the numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.errors import InputError, Problem, Problems, count
+from jousto.reduction import eigen
+from jousto.reduction.certificate import Table, number
+from jousto.reduction.comparison import Modes, modes_of
+from jousto.reduction.examine import full_model
+from jousto.reduction.inspection import FullModel
+from jousto.reduction.methods import CraigBampton, FreeFree, Method
+
+if TYPE_CHECKING:
+    from jousto.parts import Part
+
+Array = NDArray[np.float64]
+
+SHARE = 0.95
+"""Least share of a mode of the full part that the modes must hold."""
+
+REACH = (2.0, 4.0, 8.0)
+"""Fixed-interface modes are looked for up to these multiples of the frequency limit."""
+
+TRIED = (40, 20, 10, 5, 2, 1)
+"""Numbers of fixed-interface modes tried where no frequency is given; small parts have few."""
+
+LEAST = 3
+"""Fixed-interface modes proposed at least where no frequency is given."""
+
+
+@dataclass(frozen=True, eq=False)
+class Advice:
+    """Which modes to take, and why; ``print`` shows all of it.
+
+    Parameters
+    ----------
+    method : CraigBampton or FreeFree
+        For `reduce`.
+    table : Table
+        What each number of modes gains.
+    explanation : tuple of str
+        Sentences.
+    reached : bool
+        Whether the accuracy asked for is met.
+    """
+
+    method: Method
+    table: Table
+    explanation: tuple[str, ...]
+    reached: bool = True
+
+    def __str__(self) -> str:
+        rows = self.table.lines()
+        return "\n".join(
+            [f"take {self.method!r}", *self.explanation, self.table.title, *rows, self.table.remark]
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Family:
+    """Craig-Bampton bases of 0, 1, 2 ... fixed-interface modes, all inside the largest one.
+
+    Coordinates z of the mass-orthonormal motions ``[R X]``; `fixed` are the fixed-interface modes
+    (columns, mass-normalised), `static` spans what is left: the constraint modes.
+    """
+
+    full: FullModel
+    modes: Modes
+    omega2: Array
+    fixed: Array
+    static: Array
+    frequencies: Array
+
+    def motions(self, z: Array) -> Array:
+        """Return displacements (ndof, m)."""
+        assert self.full.rigid is not None
+        return self.full.rigid.R @ z[:6] + self.modes.X @ z[6:]
+
+
+def advise(
+    part: Part,
+    interfaces: Sequence[str] | str = (),
+    *,
+    frequency_limit: float | None = None,
+    loads: Mapping[str, ArrayLike] | ArrayLike | None = None,
+    accuracy: float = 0.01,
+) -> Advice:
+    """Propose the modes that a part needs, and show what fewer and more would give.
+
+    Frequencies: every free-free mode of the full part up to the limit must be met to the accuracy.
+    They are computed of the full part and of the reduced one with 0, 1, 2 ... fixed-interface
+    modes. Loads: the static displacement, and the stress where the part knows it, under each load
+    while the interfaces are held, must be met to the accuracy; where that takes more modes than
+    there are loads, residual vectors are proposed, which make it exact.
+
+    Parameters
+    ----------
+    part : Part
+        The free part.
+    interfaces : sequence of str
+        Node sets or interfaces where joints and forces act. None: free-free modes.
+    frequency_limit : float, optional
+        Highest frequency that matters, Hz.
+    loads : mapping of str to (ndof,) array, or (ndof,) or (ndof, m) array, optional
+        Nodal load patterns in the part's degrees of freedom, any unit.
+    accuracy : float
+        Largest relative error, of frequencies and of the largest displacement and stress.
+
+    Returns
+    -------
+    Advice
+        With ``method`` for `reduce`.
+
+    Raises
+    ------
+    InputError
+        Neither a limit nor loads, wrong values, or a part that cannot be reduced.
+
+    Examples
+    --------
+    >>> import jousto as jo
+    >>> steel = jo.Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> rod = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.03), 10, steel, name="rod")
+    >>> advice = advise(rod, ("start", "end"), frequency_limit=500.0)
+    >>> advice.method.modes
+    6
+    >>> arm = jo.reduce(rod, advice.method)
+    """
+    names, patterns = _arguments(part, interfaces, frequency_limit, loads, accuracy)
+    full, faults = full_model(part, modes=1)
+    if full is None or full.rigid is None or full.held is None or full.held.solve is None:
+        raise InputError(
+            Problem(f"part '{part.name}'", next(iter(faults.values()), "is too small"))
+        )
+    truth = None
+    if frequency_limit is not None:
+        truth = _below(full, frequency_limit)
+    if not names:
+        return _free(full, truth, frequency_limit)
+    if frequency_limit is None:
+        return _choose(_family(full, names, None), truth, None, patterns, accuracy)
+    for reach in REACH:
+        family = _family(full, names, reach * frequency_limit)
+        advice = _choose(family, truth, frequency_limit, patterns, accuracy)
+        if advice.reached:
+            break
+    return advice
+
+
+def _arguments(
+    part: object,
+    interfaces: Sequence[str] | str,
+    frequency_limit: float | None,
+    loads: Any,
+    accuracy: float,
+) -> tuple[tuple[str, ...], dict[str, Array]]:
+    from jousto.parts import Part
+
+    if not isinstance(part, Part):
+        message = f"part is {part!r}, must be a Part such as Part.beam(...)"
+        raise InputError(Problem("advise", message))
+    problems = Problems()
+    names = (interfaces,) if isinstance(interfaces, str) else tuple(interfaces)
+    if frequency_limit is None and loads is None:
+        problems.add("advise", "give frequency_limit=Hz or loads=patterns (or both)")
+    if frequency_limit is not None and not (np.isfinite(frequency_limit) and frequency_limit > 0):
+        problems.add("advise", f"frequency_limit is {frequency_limit:g} Hz, must be positive")
+    if not 0.0 < accuracy < 1.0:
+        problems.add("advise", f"accuracy is {accuracy:g}, must be between 0 and 1 such as 0.01")
+    if loads is not None and not names:
+        problems.add("advise", "loads need interfaces that hold the part; name node sets of it")
+    ndof = part.K.shape[0]
+    patterns: dict[str, Array] = {}
+    if isinstance(loads, Mapping):
+        given = {str(name): value for name, value in loads.items()}
+    elif loads is None:
+        given = {}
+    elif np.ndim(loads) == 2:
+        given = {f"load {j + 1}": column for j, column in enumerate(np.asarray(loads).T)}
+    else:
+        given = {"load": loads}
+    for name, value in given.items():
+        array = problems.array("advise", name, value, (ndof,))
+        if array is not None and not np.any(array):
+            problems.add("advise", f"{name} is zero everywhere")
+        elif array is not None:
+            patterns[name] = array
+    problems.raise_if_any()
+    return names, patterns
+
+
+def _below(full: FullModel, limit: float) -> tuple[Array, Array]:
+    """Return frequencies and mass-normalised modes of the full free part up to a limit."""
+    assert full.rigid is not None and full.held is not None
+    rigid, held = full.rigid, full.held
+    elastic = replace(held, lift=lambda y: rigid.remove(held.lift(y)))
+    where = f"part '{full.part.name}'"
+    mu, X = eigen.spectrum(elastic, full.M, modes=None, frequency_limit=limit, where=where)
+    f = 1.0 / (2.0 * np.pi * np.sqrt(mu))
+    # one more than asked for, so that there is something to compare with
+    keep = max(int(np.searchsorted(f, limit, side="right")), 1)
+    return f[:keep], (X / np.sqrt(mu))[:, :keep]
+
+
+def _free(full: FullModel, truth: tuple[Array, Array] | None, limit: float | None) -> Advice:
+    assert truth is not None and limit is not None
+    f = truth[0][truth[0] <= limit]
+    rows = tuple((str(k + 1), number(x, 6)) for k, x in enumerate(f))
+    if not len(f):
+        message = (
+            f"its lowest elastic mode, {number(truth[0][0])} Hz, lies above the frequency limit "
+            f"{number(limit)} Hz: a RigidBody is enough"
+        )
+        raise InputError(Problem(f"part '{full.part.name}'", message))
+    sentences = (
+        f"The free part has {count(len(f), 'elastic mode')} up to {number(limit)} Hz.",
+        "Nothing is named that holds it: where joints or forces act, name their nodes as interfaces"
+        " and take CraigBampton, since free modes converge slowly there.",
+    )
+    table = Table("free-free modes", ("mode", "Hz"), rows)
+    return Advice(FreeFree(modes=len(f)), table, sentences)
+
+
+def _family(full: FullModel, names: tuple[str, ...], limit: float | None) -> _Family:
+    from jousto.reduction.reducer import reduce
+
+    if limit is not None:
+        reduced = reduce(full.part, CraigBampton(names, frequency_limit=limit))
+    else:
+        for modes in TRIED:
+            try:
+                reduced = reduce(full.part, CraigBampton(names, modes=modes))
+                break
+            except InputError as error:
+                # a small part has fewer
+                if modes == TRIED[-1] or "modes asked for" not in str(error):
+                    raise
+    modes_ = modes_of(full, reduced)
+    assert full.rigid is not None
+    omega2 = np.concatenate([np.zeros(6), (2.0 * np.pi * reduced.frequencies) ** 2])
+    C = modes_.moved(np.concatenate([full.rigid.R, modes_.X], axis=1))
+    size = np.maximum(np.sqrt(np.einsum("ij,ij->j", C, C)), np.finfo(float).tiny)
+    Z = scipy.linalg.null_space(C / size, rcond=1e-10) / size[:, None]
+    n = len(omega2)
+    if not Z.shape[1]:
+        return _Family(full, modes_, omega2, np.zeros((n, 0)), np.eye(n), np.zeros(0))
+    values, Y = scipy.linalg.eigh(Z.T @ (omega2[:, None] * Z), Z.T @ Z)
+    fixed = Z @ Y
+    # what stores no energy together with the fixed modes
+    static = scipy.linalg.null_space((omega2[:, None] * fixed).T / values[:, None], rcond=1e-10)
+    f = np.sqrt(np.maximum(values, 0.0)) / (2.0 * np.pi)
+    return _Family(full, modes_, omega2, fixed, static, f)
+
+
+def _choose(
+    family: _Family,
+    truth: tuple[Array, Array] | None,
+    limit: float | None,
+    patterns: dict[str, Array],
+    accuracy: float,
+) -> Advice:
+    most = family.fixed.shape[1]
+    errors = [np.zeros(most + 1)] if truth is None else [_frequency_errors(family, truth)]
+    bends, stresses = _load_errors(family, patterns)
+    dynamic = _first(errors[0] <= accuracy)
+    static = [np.maximum(bends[name], stresses[name]) for name in patterns]
+    loaded = _first(np.max(static, axis=0) <= accuracy) if static else 0
+    least = 0 if limit is not None else min(LEAST, most)
+    if dynamic is not None and limit is not None:
+        # a held body vibrates with its fixed-interface modes: none below the limit may miss
+        dynamic = max(dynamic, int(np.sum(family.frequencies <= limit)))
+    k = max(dynamic if dynamic is not None else most, least)
+    known = "residuals" in CraigBampton.__dataclass_fields__
+    use_residuals = bool(static) and known and (loaded is None or loaded > k + len(patterns))
+    if static and not use_residuals and loaded is not None:
+        k = max(k, loaded)
+    names = tuple(name for name, _ in family.modes.interfaces)
+    method = CraigBampton(names, modes=k)
+    if use_residuals:
+        options: dict[str, Any] = {"residuals": tuple(patterns.values())}
+        method = CraigBampton(names, modes=k, **options)
+    reached = dynamic is not None
+    sentences = _explain(
+        family, truth, limit, accuracy, (k, dynamic, loaded), tuple(patterns), use_residuals
+    )
+    table = _table(family, errors[0] if truth is not None else None, bends, stresses, k)
+    return Advice(method, table, sentences, reached)
+
+
+def _first(good: NDArray[np.bool_]) -> int | None:
+    """Return the least number of modes from which on all is good."""
+    bad = np.flatnonzero(~good)
+    k = int(bad[-1]) + 1 if len(bad) else 0
+    return k if k < len(good) else None
+
+
+def _spectrum(family: _Family, k: int) -> tuple[Array, Array]:
+    """Return free-free frequencies and modes (coordinates z) with k fixed-interface modes."""
+    B = np.concatenate([family.static, family.fixed[:, :k]], axis=1)
+    values, Y = scipy.linalg.eigh(B.T @ (family.omega2[:, None] * B), B.T @ B)
+    # the six rigid motions come first
+    return np.sqrt(np.maximum(values[6:], 0.0)) / (2.0 * np.pi), (B @ Y)[:, 6:]
+
+
+def _frequency_errors(family: _Family, truth: tuple[Array, Array]) -> Array:
+    """Return the worst relative error of the frequencies, for 0, 1, 2 ... fixed modes."""
+    f, shapes = truth
+    assert family.full.rigid is not None
+    M_shapes = family.full.M @ shapes
+    seen = np.concatenate([family.full.rigid.R.T @ M_shapes, family.modes.X.T @ M_shapes])
+    worst = np.ones(family.fixed.shape[1] + 1)
+    for k in range(len(worst)):
+        found, z = _spectrum(family, k)
+        if not len(found):
+            continue
+        overlap = (z.T @ seen) ** 2
+        error = np.abs(found[overlap.argmax(axis=0)] / f - 1.0)
+        error[overlap.sum(axis=0) < SHARE] = 1.0
+        worst[k] = min(float(error.max()), 1.0)
+    return worst
+
+
+def _load_errors(
+    family: _Family, patterns: dict[str, Array]
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return errors of displacement and stress of each load, for 0, 1, 2 ... fixed modes.
+
+    The interfaces are held: ``u = K_II^-1 f``, of which k modes give
+    ``sum phi_j phi_j^T f / omega_j^2``.
+    """
+    bends: dict[str, Array] = {}
+    stresses: dict[str, Array] = {}
+    if not patterns:
+        return bends, stresses
+    F = np.column_stack(list(patterns.values()))
+    exact = held_response(family.full, family.modes, F)
+    phi = family.motions(family.fixed)
+    omega2 = (2.0 * np.pi * family.frequencies) ** 2
+    moves = np.arange(F.shape[0]) % family.full.dofs < 3
+    for j, name in enumerate(patterns):
+        u = exact[:, j]
+        share = phi * ((phi.T @ F[:, j]) / omega2)
+        left = u[:, None] - np.concatenate(
+            [np.zeros((len(u), 1)), np.cumsum(share, axis=1)], axis=1
+        )
+        size = np.abs(u[moves]).max()
+        bends[name] = np.abs(left[moves]).max(axis=0) / max(size, np.finfo(float).tiny)
+        stresses[name] = _stress_errors(family.full.part, u, left)
+    return bends, stresses
+
+
+def _stress_errors(part: Part, u: Array, left: Array) -> Array:
+    """Return the largest error of the von Mises stress over its largest value."""
+    if part.stress is None:
+        return np.zeros(left.shape[1])
+    exact = np.asarray(part.stress.evaluate(u))
+    peak = float(_von_mises(exact).max())
+    if not peak > 0.0:
+        return np.zeros(left.shape[1])
+    return np.asarray(_von_mises(np.asarray(part.stress.evaluate(left))).max(axis=0) / peak)
+
+
+def _von_mises(s: Array) -> Array:
+    a, b, c, d, e, f = np.moveaxis(s, 1, 0)
+    square = 0.5 * ((a - b) ** 2 + (b - c) ** 2 + (c - a) ** 2) + 3.0 * (d**2 + e**2 + f**2)
+    return np.asarray(np.sqrt(square))
+
+
+def held_response(full: FullModel, modes: Modes, F: Array) -> Array:
+    """Return displacements (ndof, m) of loads while the interfaces are held.
+
+    ``u = S (F + L lam) + R a`` with the response S of the part held at six degrees of freedom, the
+    interface loads L and their reactions lam: ``L^T u = 0``, ``R^T (F + L lam) = 0``.
+    """
+    assert full.held is not None and full.held.solve is not None and full.rigid is not None
+    held, R = full.held, full.rigid.R
+    L = modes.loads.toarray() / modes.weights
+    both = np.concatenate([L, F], axis=1)
+    assert held.solve is not None
+    S = held.lift(held.solve(held.lower(both)))
+    nb = L.shape[1]
+    LR = L.T @ R
+    A = np.block([[L.T @ S[:, :nb], LR], [LR.T, np.zeros((6, 6))]])
+    b = -np.concatenate([L.T @ S[:, nb:], R.T @ F])
+    scale = np.ones(len(A))
+    for _ in range(4):
+        scale /= np.sqrt(np.maximum(np.abs(scale[:, None] * A * scale).max(axis=1), 1e-300))
+    x = scale[:, None] * np.linalg.lstsq(scale[:, None] * A * scale, scale[:, None] * b)[0]
+    return np.asarray(S[:, nb:] + S[:, :nb] @ x[:nb] + R @ x[nb:])
+
+
+def _table(
+    family: _Family,
+    frequency: Array | None,
+    bends: dict[str, Array],
+    stresses: dict[str, Array],
+    chosen: int,
+) -> Table:
+    most = family.fixed.shape[1]
+    shown = sorted({*(k for k in (0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64) if k <= most)} | {
+        chosen, max(chosen - 1, 0), most
+    })  # fmt: skip
+    columns = ["fixed modes", "up to (Hz)", "all modes"]
+    if frequency is not None:
+        columns.append("frequency error")
+    for name in bends:
+        columns.append(f"{name}: displacement")
+        if family.full.part.stress is not None:
+            columns.append(f"{name}: stress")
+    rows = []
+    for k in shown:
+        row = [f"{k} <" if k == chosen else str(k)]
+        row.append(number(family.frequencies[k - 1]) if k else "-")
+        row.append(str(family.static.shape[1] - 6 + k))
+        if frequency is not None:
+            row.append(_error(frequency[k]))
+        for name, error in bends.items():
+            row.append(_error(error[k]))
+            if family.full.part.stress is not None:
+                row.append(_error(stresses[name][k]))
+        rows.append(tuple(row))
+    return Table(
+        "what fixed-interface modes gain",
+        tuple(columns),
+        tuple(rows),
+        "All modes: with the constraint modes of the interfaces, without rigid motion.",
+    )
+
+
+def _error(value: float) -> str:
+    return "missing" if value >= 1.0 else f"{100.0 * value:.2g} %"
+
+
+def _explain(
+    family: _Family,
+    truth: tuple[Array, Array] | None,
+    limit: float | None,
+    accuracy: float,
+    numbers: tuple[int, int | None, int | None],
+    patterns: tuple[str, ...],
+    use_residuals: bool,
+) -> tuple[str, ...]:
+    k, dynamic, loaded = numbers
+    f = family.frequencies
+    sentences = []
+    goal = f"{100.0 * accuracy:g} %"
+    if truth is not None and limit is not None:
+        there = int(np.sum(truth[0] <= limit))
+        if there:
+            sentences.append(
+                f"The free part has {count(there, 'elastic mode')} up to {number(limit)} Hz, from "
+                f"{number(truth[0][0])} Hz."
+            )
+        else:
+            rigid = "" if len(f) and f[0] <= limit else "; a RigidBody may be enough"
+            sentences.append(
+                f"The free part has no elastic mode up to {number(limit)} Hz: its lowest, "
+                f"{number(truth[0][0])} Hz, is met instead{rigid}."
+            )
+        below = int(np.sum(f <= limit))
+        if below:
+            held = ", ".join(name for name, _ in family.modes.interfaces)
+            sentences.append(
+                f"Held at {held} it has {count(below, 'mode')} up to the limit, from "
+                f"{number(f[0])} Hz."
+            )
+        if dynamic is None:
+            sentences.append(
+                f"With {count(len(f), 'fixed-interface mode')} they are not yet met to {goal}; "
+                "refine the mesh, name fewer interface nodes, or accept a larger error."
+            )
+        elif dynamic:
+            sentences.append(
+                f"{count(dynamic, 'fixed-interface mode')}, up to {number(f[dynamic - 1])} Hz "
+                f"({number(f[dynamic - 1] / limit, 2)} times the limit), and the constraint modes "
+                f"of the interfaces meet all of them to {goal}."
+            )
+        else:
+            sentences.append(f"The constraint modes of the interfaces alone meet it to {goal}.")
+    else:
+        sentences.append(
+            f"No frequency limit is given: {count(k, 'mode')} up to {number(f[k - 1])} Hz are kept "
+            "for vibration." if k else "No frequency limit is given."
+        )  # fmt: skip
+    if patterns and use_residuals:
+        needs = "more modes than were tried" if loaded is None else count(loaded, "mode")
+        sentences.append(
+            f"Static accuracy of {goal} under {', '.join(patterns)} alone would take {needs}: "
+            f"{count(len(patterns), 'residual vector')} instead makes the static response exact."
+        )
+    elif patterns:
+        sentences.append(
+            f"Displacement and stress under {', '.join(patterns)} are met to {goal} with "
+            f"{count(loaded or 0, 'mode')}."
+            if family.full.part.stress is not None
+            else f"Displacement under {', '.join(patterns)} is met to {goal} with "
+            f"{count(loaded or 0, 'mode')}; the part has no stress to compare."
+        )
+    highest = float(_spectrum(family, k)[0].max(initial=0.0))
+    if highest:
+        # stability of RK4 on the imaginary axis, h omega < 2.83
+        step = 2.8 / (2.0 * np.pi * highest)
+        sentences.append(
+            f"The stiffest of the {family.static.shape[1] - 6 + k} modes has {number(highest)} Hz: "
+            f"RK4 would need steps below {number(step, 2)} s; ROS2 and the implicit methods step "
+            "as the motion needs."
+        )
+    return tuple(sentences)

@@ -1,0 +1,177 @@
+"""The adviser: what it proposes is enough, one mode less is not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jousto.errors import InputError
+from jousto.parts import Material, Part, Rectangle
+from jousto.reduction import CraigBampton, FreeFree, advise, reduce
+from reduction.bodies import STEEL, bent, lattice, pendulum, without_points
+
+ENDS = ("start", "end")
+
+
+def rod(elements: int = 12) -> Part:
+    return Part.beam(1.0, Rectangle(0.02, 0.03), elements, STEEL, name="rod")
+
+
+def frequency_error(part: Part, modes: int, limit: float, interfaces: tuple[str, ...]) -> float:
+    """Worst error of the frequencies up to a limit, those of equal rank compared."""
+    full = reduce(part, FreeFree(frequency_limit=limit)).frequencies
+    found = reduce(part, CraigBampton(interfaces, modes=modes)).frequencies[: len(full)]
+    return float(np.abs(found / full - 1.0).max()) if len(found) == len(full) else 1.0
+
+
+@pytest.mark.parametrize(("part", "limit"), [(rod(), 500.0), (bent(), 200.0), (bent(), 60.0)])
+def test_the_modes_proposed_meet_every_frequency_and_one_less_does_not(
+    part: Part, limit: float
+) -> None:
+    advice = advise(part, ENDS, frequency_limit=limit)
+    assert isinstance(advice.method, CraigBampton) and advice.reached
+    k = advice.method.modes
+    assert k is not None
+    assert frequency_error(part, k, limit, ENDS) <= 0.01
+    held = reduce(part, CraigBampton(ENDS, frequency_limit=limit))
+    fixed = held.n - 6
+    # one less leaves a frequency out, free or held
+    assert frequency_error(part, k - 1, limit, ENDS) > 0.01 or k == fixed
+
+
+def test_a_body_that_is_held_vibrates_below_its_free_frequencies() -> None:
+    """Clamped at its start the rod has two modes below its first free one."""
+    part = rod()
+    advice = advise(part, ("start",), frequency_limit=50.0)
+    text = str(advice)
+    assert "has no elastic mode up to 50 Hz: its lowest, 106.2 Hz, is met instead." in text
+    assert "Held at start it has 2 modes up to the limit, from 16.71 Hz." in text
+    assert isinstance(advice.method, CraigBampton) and advice.method.modes is not None
+    assert advice.method.modes >= 2
+    rigid = str(advise(part, ("start",), frequency_limit=10.0))
+    assert "is met instead; a RigidBody may be enough" in rigid
+
+
+def test_a_finer_accuracy_takes_more_modes() -> None:
+    counts = [
+        advise(bent(elements=8), ENDS, frequency_limit=150.0, accuracy=a).method.modes
+        for a in (0.05, 0.01, 0.001)
+    ]
+    assert counts == sorted(counts) and counts[0] < counts[-1]
+
+
+def test_the_table_shows_what_reduce_gives() -> None:
+    part = rod()
+    advice = advise(part, ENDS, frequency_limit=500.0)
+    for row in advice.table.rows[1:]:
+        k = int(row[0].split()[0])
+        reduced = reduce(part, CraigBampton(ENDS, modes=k))
+        assert reduced.n == int(row[2])
+        if row[3] != "missing":
+            error = frequency_error(part, k, 500.0, ENDS)
+            if error < 0.05:
+                assert float(row[3].split()[0]) == pytest.approx(100.0 * error, rel=0.05)
+
+
+def middle_force(part: Part) -> np.ndarray:
+    f = np.zeros((len(part.nodes), 6))
+    f[len(part.nodes) // 2, 1] = 1.0
+    return f.ravel()
+
+
+def test_static_error_of_a_load_is_that_of_the_modal_series() -> None:
+    """Clamped-clamped beam, force in the middle: the first mode leaves 1 - F^2 / (w^2 d) of d.
+
+    The shares of the modes at the middle, (phi_j(L/2)^2 / w_j^2) / (L^3 / (192 E I)), of the
+    symmetric modes l = 4.730041, 10.995608: 0.9692, 0.0230 (Blevins 1979, table 8-1).
+    """
+    part = Part.beam(1.0, Rectangle(0.004, 0.006), 24, STEEL)
+    advice = advise(part, ENDS, loads={"middle": middle_force(part)}, accuracy=1e-3)
+    rows = {int(row[0].split()[0]): row for row in advice.table.rows}
+    shares = []
+    for x in (4.730041, 10.995608):
+        s = (np.cosh(x) - np.cos(x)) / (np.sinh(x) - np.sin(x))
+        phi = np.cosh(x / 2) - np.cos(x / 2) - s * (np.sinh(x / 2) - np.sin(x / 2))
+        shares.append(192.0 * phi**2 / x**4)
+    assert float(rows[1][3].split()[0]) == pytest.approx(100.0 * (1.0 - shares[0]), rel=0.05)
+    # modes 3 and 4 of both planes lie before the second symmetric one
+    later = float(next(row for k, row in rows.items() if k >= 6)[3].split()[0])
+    assert later == pytest.approx(100.0 * (1.0 - sum(shares)), rel=0.15)
+
+
+@pytest.mark.skipif(
+    "residuals" not in CraigBampton.__dataclass_fields__, reason="no residual vectors yet"
+)
+def test_residual_vectors_where_modes_converge_slowly() -> None:
+    part = rod()
+    advice = advise(part, ENDS, frequency_limit=500.0, loads=middle_force(part), accuracy=1e-3)
+    assert isinstance(advice.method, CraigBampton)
+    assert len(advice.method.residuals) == 1
+    assert "1 residual vector instead makes the static response exact" in str(advice)
+    # and it does: displacement in the middle of the clamped beam
+    reduced = reduce(part, advice.method)
+    assert reduced.rotations is not None
+    X = np.concatenate([reduced.modes, reduced.rotations], axis=1).reshape(-1, reduced.n)
+    f = middle_force(part)
+    K = part.K.toarray()[6:-6, 6:-6]
+    exact = f[6:-6] @ np.linalg.solve(K, f[6:-6])
+    R = part.rigid_modes()
+    Z = np.concatenate([R, X], axis=1)
+    ends = Z[np.r_[0:6, len(Z) - 6 : len(Z)]]
+    N = np.linalg.svd(ends / np.abs(ends).max(axis=0))[2][12:].T / np.abs(ends).max(axis=0)[:, None]
+    S = Z @ N
+    found = (S.T @ f) @ np.linalg.solve(S.T @ (part.K @ S), S.T @ f)
+    assert found == pytest.approx(exact, rel=1e-6)
+
+
+def test_stress_needs_more_modes_than_displacement() -> None:
+    part = rod()
+    loads = {"middle": middle_force(part)}
+    with_stress = advise(part, ENDS, loads=loads, accuracy=0.05)
+    without = advise(replace(part, stress=None), ENDS, loads=loads, accuracy=0.05)
+    assert "middle: stress" in with_stress.table.columns
+    assert "middle: stress" not in without.table.columns
+    assert "the part has no stress to compare" in str(without)
+
+
+def test_without_interfaces() -> None:
+    advice = advise(bent(), frequency_limit=100.0)
+    assert advice.method == FreeFree(modes=4)
+    assert "name their nodes as interfaces" in str(advice)
+    with pytest.raises(InputError, match=r"17.37 Hz, lies above the frequency limit 5 Hz: a Rigid"):
+        advise(bent(), frequency_limit=5.0)
+
+
+def test_small_parts_and_matrices() -> None:
+    advice = advise(without_points(pendulum()), "start", frequency_limit=4.0)
+    assert isinstance(advice.method, CraigBampton)
+    part = lattice()
+    f = np.zeros(48)
+    f[45:] = 1.0
+    assert advise(part, "foot", loads=f, accuracy=0.1).reached
+
+
+def test_what_cannot_be_advised() -> None:
+    part = rod()
+    with pytest.raises(InputError) as error:
+        advise(part, ENDS, accuracy=2.0)
+    assert "give frequency_limit=Hz or loads=patterns" in str(error.value)
+    assert "accuracy is 2, must be between 0 and 1" in str(error.value)
+    with pytest.raises(InputError, match="frequency_limit is -1 Hz, must be positive"):
+        advise(part, ENDS, frequency_limit=-1.0)
+    with pytest.raises(InputError, match=r"tip has shape \(3,\), must be \(78\)"):
+        advise(part, ENDS, loads={"tip": np.ones(3)})
+    with pytest.raises(InputError, match="load 2 is zero everywhere"):
+        advise(part, ENDS, loads=np.eye(78)[:, :2] * [1.0, 0.0])
+    with pytest.raises(InputError, match="loads need interfaces that hold the part"):
+        advise(part, loads=np.ones(78))
+    with pytest.raises(InputError, match="no node set 'strat'; did you mean 'start'"):
+        advise(part, ("strat",), frequency_limit=100.0)
+    with pytest.raises(InputError, match="must be a Part such as"):
+        advise(3, frequency_limit=1.0)  # type: ignore[arg-type]
+    steel = Material(E=210e9, nu=0.3, rho=7850.0)
+    line = Part.beam(1.0, Rectangle(0.1, 0.1), 2, steel, lumped=True, rotary_inertia=False)
+    with pytest.raises(InputError, match="all mass lies on a line"):
+        advise(line, ("start",), frequency_limit=1.0)
