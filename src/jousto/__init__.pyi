@@ -320,6 +320,9 @@ from .reduction import (
     FreeFree as FreeFree,
 )
 from .reduction import (
+    InertiaRelief as InertiaRelief,
+)
+from .reduction import (
     Rayleigh as Rayleigh,
 )
 from .reduction import (
@@ -336,6 +339,9 @@ from .reduction import (
 )
 from .reduction import (
     certify as certify,
+)
+from .reduction import (
+    inertia_relief as inertia_relief,
 )
 from .reduction import (
     reduce as reduce,

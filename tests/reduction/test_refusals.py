@@ -123,7 +123,7 @@ def test_nothing_left() -> None:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: CraigBampton((), modes=1), "interfaces is empty"),
+        (lambda: reduce(bent(), CraigBampton(modes=1)), "the reduction names none"),
         (lambda: CraigBampton(("a",)), "give modes=number or frequency_limit=Hz"),
         (lambda: CraigBampton(("a", "a"), modes=1), "'a' is named more than once"),
         (lambda: CraigBampton((3,), modes=1), "3 is not the name"),  # type: ignore[arg-type]

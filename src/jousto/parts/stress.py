@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from jousto.errors import InputError, Problem, suggest
-from jousto.parts._arrays import Floats, Ints, Sparse, node_dofs, read_only, scatter, times
+from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, node_dofs, read_only, scatter, times
 from jousto.parts.beam import BeamElements, end_displacements, stiffness
 from jousto.parts.section import Section
 
@@ -75,6 +75,17 @@ class StressOperator:
         if site not in self._index:
             raise InputError(Problem("stress", f"no site '{site}'{suggest(site, self.sites)}"))
         return self._index[site]
+
+    def rows(self, sites: Sequence[str]) -> Sparse:
+        """Return the operator (6 m, ndof) from nodal displacements to the stress at sites.
+
+        Raises
+        ------
+        InputError
+            If a site does not exist.
+        """
+        i = np.array([self.index(site) for site in sites], dtype=np.int64)
+        return as_csr(self.matrix[node_dofs(i[:, None], 6).ravel()])
 
     def select(self, sites: Sequence[str]) -> StressOperator:
         """Return the operator of some sites, in the given order.

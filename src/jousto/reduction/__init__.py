@@ -11,6 +11,7 @@ from jousto.reduction.invariants import Invariants
 from jousto.reduction.methods import CraigBampton, FreeFree, Method
 from jousto.reduction.reduced import ReducedPart
 from jousto.reduction.reducer import reduce
+from jousto.reduction.relief import InertiaRelief, inertia_relief
 from jousto.reduction.stiffening import Stiffening
 from jousto.reduction.stress import StressModes
 
@@ -21,6 +22,7 @@ __all__ = [
     "CraigBampton",
     "Damping",
     "FreeFree",
+    "InertiaRelief",
     "Invariants",
     "Method",
     "Rayleigh",
@@ -33,6 +35,7 @@ __all__ = [
     "Table",
     "advise",
     "certify",
+    "inertia_relief",
     "modal_damping",
     "reduce",
     "solvers",

@@ -51,6 +51,9 @@ class Flexibility:
         Stiffness.
     solve : Solver or None
         Solves with B; None if the problem is small enough for dense matrices.
+    explicit : callable, optional
+        The same body in coordinates for dense matrices, where `solve` keeps y in a subspace in
+        which alone B is definite.
     """
 
     size: int
@@ -58,6 +61,7 @@ class Flexibility:
     lower: Callable[[Array], Array]
     B: Array | sp.csc_array
     solve: Solver | None
+    explicit: Callable[[], Flexibility] | None = None
 
 
 def spectrum(
@@ -101,8 +105,9 @@ def spectrum(
     if problem.size == 0:
         return np.zeros(0), problem.lift(np.zeros((0, 0)))
     count = modes if modes is not None else 20
+    solved = problem
     if problem.solve is None or problem.size <= DENSE_LIMIT or count + 8 > problem.size // 3:
-        mu, Y = _dense(problem, M, where)
+        solved, mu, Y = _dense(problem, M, where)
     else:
         mu, Y = lanczos(_operator(problem, M), problem.B, problem.solve, count + 4, report)
         wanted = 0.0 if frequency_limit is None else 1.0 / (2.0 * np.pi * frequency_limit) ** 2
@@ -110,7 +115,7 @@ def spectrum(
         while modes is None and mu[-1] > max(wanted, MASSLESS * mu[0]):
             count *= 2
             if count + 8 > problem.size // 3:
-                mu, Y = _dense(problem, M, where)
+                solved, mu, Y = _dense(problem, M, where)
                 break
             mu, Y = lanczos(_operator(problem, M), problem.B, problem.solve, count + 4, report)
     if mu[-1] < -1e-9 * abs(mu[0]):
@@ -122,14 +127,14 @@ def spectrum(
             )
         )
     moving = mu > MASSLESS * mu[0]
-    return polish(problem.lift(Y[:, moving]), M)
+    return polish(solved.lift(Y[:, moving]), M)
 
 
 def _operator(problem: Flexibility, M: sp.csr_array) -> Callable[[Array], Array]:
     return lambda y: problem.lower(np.asarray(M @ problem.lift(y)))
 
 
-def _dense(problem: Flexibility, M: sp.csr_array, where: str) -> tuple[Array, Array]:
+def _dense(problem: Flexibility, M: sp.csr_array, where: str) -> tuple[Flexibility, Array, Array]:
     if problem.size > ALL_LIMIT:
         raise InputError(
             Problem(
@@ -138,13 +143,15 @@ def _dense(problem: Flexibility, M: sp.csr_array, where: str) -> tuple[Array, Ar
                 "or a lower frequency_limit",
             )
         )
+    if problem.explicit is not None:
+        problem = problem.explicit()
     X0 = problem.lift(np.eye(problem.size))
     A = X0.T @ (M @ X0)
     B = problem.B if isinstance(problem.B, np.ndarray) else problem.B.toarray()
     # unit diagonal of B: Cholesky then sees no units
     scale = 1.0 / np.sqrt(np.diag(B))
     mu, Y = scipy.linalg.eigh(scale[:, None] * A * scale, scale[:, None] * B * scale)
-    return mu[::-1], (scale[:, None] * Y)[:, ::-1]
+    return problem, mu[::-1], (scale[:, None] * Y)[:, ::-1]
 
 
 def polish(X: Array, M: sp.csr_array) -> tuple[Array, Array]:

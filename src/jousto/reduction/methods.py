@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from jousto.errors import Problems
+from jousto.reduction.residuals import read_residuals
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CraigBampton:
     """Fixed-interface modes plus constraint modes of the interface nodes.
 
@@ -20,20 +21,29 @@ class CraigBampton:
     six constraint modes; the six rigid-body modes are taken away, so that
     ``n = modes + 6 * len(interfaces) - 6``, less the modes that move no mass.
 
+    Residual vectors ``(K_II^-1 - Phi_N W^-2 Phi_N^T) f`` add what the fixed-interface modes leave
+    out of a static response: one more mode for each load or stress component.
+
     Parameters
     ----------
     interfaces : tuple of str
-        Node sets of the part where joints and forces act. Every node of a set is an interface
-        node.
+        Where joints and forces act: interfaces of the part, or node sets, of which every node is
+        an interface node then. All interfaces of the part if none is named.
     modes : int, optional
         Number of fixed-interface modes, the lowest are taken; 0 is static condensation.
     frequency_limit : float, optional
         Highest fixed-interface frequency kept, Hz. With `modes` as well, both limits hold.
+    residuals : sequence of (ndof,) or (ndof, m) arrays and str
+        Nodal load patterns in the part's degrees of freedom, any unit: the static response to them
+        is exact. Names of stress sites: their static stress is exact under all loads.
+    inertia_relief : bool
+        Whether the response to the six rigid accelerations is added too: weight and slow
+        acceleration then act on the part as on its mesh.
 
     Raises
     ------
     InputError
-        No interface, neither limit given, or a limit that is not a usable number.
+        Neither limit given, or a limit or residual that cannot be used.
 
     Examples
     --------
@@ -41,34 +51,37 @@ class CraigBampton:
     CraigBampton(interfaces=('start',), modes=4, frequency_limit=None)
     """
 
-    interfaces: tuple[str, ...]
+    interfaces: tuple[str, ...] = ()
     modes: int | None = None
     frequency_limit: float | None = None
+    residuals: tuple[Any, ...] = ()
+    inertia_relief: bool = False
 
     def __post_init__(self) -> None:
         problems = Problems()
-        given: Any = self.interfaces
-        names = (given,) if isinstance(given, str) else tuple(given)
-        if not names:
-            problems.add(
-                "CraigBampton", "interfaces is empty; name node sets of the part or use FreeFree()"
-            )
-        for name in names:
-            if not isinstance(name, str):
-                problems.add("CraigBampton", f"interface {name!r} is not the name of a node set")
-            elif names.count(name) > 1:
-                problems.add("CraigBampton", f"interface '{name}' is named more than once")
-                break
+        names = _names("CraigBampton", self.interfaces, problems)
         _check_limits("CraigBampton", self.modes, self.frequency_limit, problems)
+        residuals = read_residuals("CraigBampton", self.residuals, problems)
         problems.raise_if_any()
         object.__setattr__(self, "interfaces", names)
+        object.__setattr__(self, "residuals", residuals)
+
+    def __repr__(self) -> str:
+        more = f", residuals={self.residuals}" if self.residuals else ""
+        more += ", inertia_relief=True" if self.inertia_relief else ""
+        return (
+            f"CraigBampton(interfaces={self.interfaces}, modes={self.modes}, "
+            f"frequency_limit={self.frequency_limit}{more})"
+        )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FreeFree:
     """Free-free elastic modes of the whole part: no interface, mean-axis frame.
 
-    Good for a part that nothing holds; near a joint they converge slower than `CraigBampton`.
+    Good for a part that nothing holds; near a joint they converge slower than `CraigBampton`,
+    unless attachment modes are added: what the modes leave out of the response to unit forces and
+    moments on the interfaces of the accelerated part (MacNeal 1971, Rubin 1975).
 
     Parameters
     ----------
@@ -76,11 +89,15 @@ class FreeFree:
         Number of elastic modes, the lowest are taken. The rigid-body modes do not count.
     frequency_limit : float, optional
         Highest frequency kept, Hz. With `modes` as well, both limits hold.
+    interfaces : tuple of str
+        Interfaces or node sets that get attachment modes.
+    residuals : sequence of (ndof,) or (ndof, m) arrays and str
+        Load patterns and stress sites as in `CraigBampton`.
 
     Raises
     ------
     InputError
-        Neither limit given, or a limit that is not a usable number.
+        Neither limit given, or a limit or residual that cannot be used.
 
     Examples
     --------
@@ -90,16 +107,38 @@ class FreeFree:
 
     modes: int | None = None
     frequency_limit: float | None = None
+    interfaces: tuple[str, ...] = ()
+    residuals: tuple[Any, ...] = ()
 
     def __post_init__(self) -> None:
         problems = Problems()
+        names = _names("FreeFree", self.interfaces, problems)
         _check_limits("FreeFree", self.modes, self.frequency_limit, problems)
-        if self.modes == 0:
+        residuals = read_residuals("FreeFree", self.residuals, problems)
+        if self.modes == 0 and not residuals and not names:
             problems.add("FreeFree", "modes is 0, must be at least 1")
         problems.raise_if_any()
+        object.__setattr__(self, "interfaces", names)
+        object.__setattr__(self, "residuals", residuals)
+
+    def __repr__(self) -> str:
+        more = f", interfaces={self.interfaces}" if self.interfaces else ""
+        more += f", residuals={self.residuals}" if self.residuals else ""
+        return f"FreeFree(modes={self.modes}, frequency_limit={self.frequency_limit}{more})"
 
 
 Method = CraigBampton | FreeFree
+
+
+def _names(where: str, given: Any, problems: Problems) -> tuple[str, ...]:
+    names = (given,) if isinstance(given, str) else tuple(given)
+    for name in names:
+        if not isinstance(name, str):
+            problems.add(where, f"interface {name!r} is not the name of an interface or node set")
+        elif names.count(name) > 1:
+            problems.add(where, f"interface '{name}' is named more than once")
+            break
+    return names
 
 
 def _check_limits(

@@ -29,6 +29,7 @@ from jousto.reduction.partition import (
     whole_part_basis,
 )
 from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.relief import free_loads, with_residuals
 from jousto.reduction.rigid import (
     RigidBasis,
     check_stiffness_is_free,
@@ -38,6 +39,7 @@ from jousto.reduction.rigid import (
 from jousto.reduction.run import Report, Run, reporter
 from jousto.reduction.stiffening import stiffening as second_order_field
 from jousto.reduction.stress import StressModes
+from jousto.reduction.ties import interface_names
 
 Array = NDArray[np.float64]
 
@@ -135,7 +137,9 @@ def _reduced(part: Part, method: Method, stiffening: bool, run: Run) -> ReducedP
     with run.stage("checks"):
         check_stiffness_is_free(K, part.nodes, part.dofs_per_node, where)
         rigid = mass_orthonormal_rigid_modes(M, part.nodes, part.dofs_per_node, where)
-    interfaces = method.interfaces if isinstance(method, CraigBampton) else ()
+    interfaces = method.interfaces
+    if isinstance(method, CraigBampton):
+        interfaces = interface_names(part, interfaces)
     kept = run.found("modes")
     if kept is None:
         mu, X = _modes(part, M, K, method, rigid, run)
@@ -168,17 +172,26 @@ def _modes(
     # (P^T M P = M P, so that lower needs no projection)
     elastic = replace(basis, lift=lambda y: rigid.remove(basis.lift(y)))
     with run.stage(stage) as report:
-        mu, X = eigen.spectrum(
-            elastic,
-            M,
-            modes=wanted,
-            frequency_limit=limit,
-            where=where,
-            report=lambda done: report(stage, done),
-        )
-        mu, X = eigen.canonical(mu, X, M, part.dofs_per_node, length)
+        mu, X = np.zeros(0), np.zeros((M.shape[0], 0))
+        if wanted != 0:
+            mu, X = eigen.spectrum(
+                elastic,
+                M,
+                modes=wanted,
+                frequency_limit=limit,
+                where=where,
+                report=lambda done: report(stage, done),
+            )
+            mu, X = eigen.canonical(mu, X, M, part.dofs_per_node, length)
         if isinstance(method, FreeFree):
             mu, X = eigen.select(mu, X, method.modes, method.frequency_limit, "free-free", where)
+            loads = free_loads(part, method)
+            if loads.shape[1]:
+                Y = with_residuals(X, loads, elastic, rigid, K)
+                n = Y.shape[1]
+                whole = eigen.Flexibility(n, lambda y: Y @ y, lambda f: Y.T @ f, np.eye(n), None)
+                mu, X = eigen.spectrum(whole, M, modes=n, frequency_limit=None, where=where)
+                mu, X = eigen.canonical(mu, X, M, part.dofs_per_node, length)
         if not len(mu):
             message = (
                 "the method leaves no elastic mode: ask for more modes, or use a RigidBody with "
@@ -236,19 +249,41 @@ def _assemble(
     vectors = X.reshape(nn, part.dofs_per_node, n)
     with run.stage("invariants"):
         integrals = invariants(part, X)
+    nodes, modes = part.nodes, vectors[:, :3]
+    rotations = vectors[:, 3:] if part.dofs_per_node == 6 else None
+    turning = None
+    if part.ties:
+        # the reference nodes follow the nodes they are tied to
+        q = np.stack([tie.averaging @ X[tie.dofs] for tie in part.ties])
+        nodes = np.concatenate([nodes, [tie.at for tie in part.ties]])
+        modes = np.concatenate([modes, q[:, :3]])
+        if rotations is None:
+            rotations, turning = q[:, 3:], nn + np.arange(len(part.ties))
+        else:
+            rotations = np.concatenate([rotations, q[:, 3:]])
     return ReducedPart(
         name=part.name,
-        nodes=part.nodes,
+        nodes=nodes,
         elements=part.elements,
-        node_sets=part.node_sets,
-        modes=vectors[:, :3],
-        rotations=vectors[:, 3:] if part.dofs_per_node == 6 else None,
+        node_sets=_sets(part),
+        modes=modes,
+        rotations=rotations,
+        rotation_nodes=turning,
         frequencies=frequencies,
         invariants=integrals,
         stress=_stress(part, X, run),
         interfaces=interfaces,
         provenance=_provenance(part, method, run),
     )
+
+
+def _sets(part: Part) -> dict[str, tuple[int, ...]]:
+    """Return the node sets with the reference node of each tie under its name."""
+    sets = dict(part.node_sets)
+    for number, tie in enumerate(part.ties):
+        sets.setdefault(f"{tie.name}.nodes", tuple(int(i) for i in tie.nodes))
+        sets[tie.name] = (len(part.nodes) + number,)
+    return sets
 
 
 def invariants(part: Part, X: ArrayLike) -> Invariants:
@@ -298,7 +333,7 @@ def _provenance(part: Part, method: str, run: Run) -> dict[str, str]:
 
 
 def content_hash(part: Part) -> str:
-    """Return a hash of what a reduction depends on: nodes, M and K."""
+    """Return a hash of what a reduction depends on: nodes, M, K and ties."""
     digest = hashlib.sha256()
     digest.update(f"{part.dofs_per_node}".encode())
     digest.update(np.ascontiguousarray(part.nodes, dtype="<f8").tobytes())
@@ -311,4 +346,8 @@ def content_hash(part: Part) -> str:
         for array, kind in ((csr.indptr, "<i8"), (csr.indices, "<i8"), (csr.data, "<f8")):
             for start in range(0, len(array), HASH_BLOCK):
                 digest.update(array[start : start + HASH_BLOCK].astype(kind).data)
+    for tie in part.ties:
+        digest.update(f"{tie.name} {tie.kind}".encode())
+        for values in (tie.nodes, tie.at, tie.averaging):
+            digest.update(np.ascontiguousarray(values).tobytes())
     return "sha256:" + digest.hexdigest()
