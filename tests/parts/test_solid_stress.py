@@ -104,3 +104,14 @@ def test_blocks_of_columns(monkeypatch: pytest.MonkeyPatch) -> None:
     s = solid_stress(part).evaluate(d)
     monkeypatch.setattr("jousto.parts.solids.stress.BLOCK_BYTES", 1)
     np.testing.assert_allclose(solid_stress(part).evaluate(d), s, rtol=1e-12)
+
+
+def test_rows_of_a_few_sites(rng: np.random.Generator) -> None:
+    """The explicit operator of some sites is the one that goes element by element."""
+    part = Part.solid(grid("tetra10", (3, 2, 2), SIZE, distort=0.25), STEEL)
+    stress = solid_stress(part)
+    sites = [stress.sites[i] for i in (17, 3, 40)]
+    d = rng.standard_normal((part.K.shape[0], 2))
+    found = (stress.rows(sites) @ d).reshape(3, 6, 2)
+    np.testing.assert_allclose(found, stress.evaluate(d)[[17, 3, 40]], rtol=1e-12)
+    assert stress.rows(sites).nnz < 0.8 * 18 * part.K.shape[0]

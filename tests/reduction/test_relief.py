@@ -69,7 +69,8 @@ def test_clamp_stress_by_modes() -> None:
     """Tip load on a clamped beam: stress at the clamp over F L h / (2 I).
 
     By clamped normal modes it is that of the truncated series of 20 elements; with constraint
-    modes it is exact (component mode synthesis: Braccesi and Cianetti, Proc IMechE D 219 (2005) 633).
+    modes it is exact (component mode synthesis:
+    Braccesi and Cianetti, Proc IMechE D 219 (2005) 633).
     """
     section, F, h, a = Rectangle(0.02, 0.01), 100.0, 0.01, 2
     analytic = F * 1.0 * h / (2.0 * section.Iy)

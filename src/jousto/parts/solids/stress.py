@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
 
 from jousto.errors import InputError, Problem, suggest
-from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, read_only, times
+from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, read_only, scatter, times
 from jousto.parts.material import Material
 from jousto.parts.orthotropic import elasticity
 from jousto.parts.solids.elements import CORNERS, gradients, places, shape_functions, table
@@ -149,6 +149,42 @@ class SolidStress:
         """
         i = np.array([self.index(site) for site in sites], dtype=np.int64)
         return SolidStress(self.model, self.node[i], self.material[i], self.quantity)
+
+    def rows(self, sites: Sequence[str]) -> Sparse:
+        """Return the operator (6 m, ndof) from nodal displacements to the stress at a few sites.
+
+        Raises
+        ------
+        InputError
+            If a site does not exist.
+        """
+        few = self.select(sites)
+        # the elements around the sites as a model of their own
+        groups = [
+            (group, chosen)
+            for group, chosen in zip(self.model.groups, few._averages[1], strict=True)
+            if len(chosen)
+        ]
+        used = np.unique(np.concatenate([group.nodes[chosen].ravel() for group, chosen in groups]))
+        around = replace(
+            self.model,
+            nodes=self.model.nodes[used],
+            node_ids=self.model.node_ids[used],
+            groups=tuple(
+                replace(
+                    group,
+                    nodes=np.searchsorted(used, group.nodes[chosen]),
+                    ids=group.ids[chosen],
+                )
+                for group, chosen in groups
+            ),
+        )
+        local = SolidStress(around, np.searchsorted(used, few.node), few.material, self.quantity)
+        block = local.evaluate(np.eye(3 * len(used)))
+        rows = np.arange(6 * len(few)).reshape(1, -1)
+        columns = (3 * used[:, None] + np.arange(3)).reshape(1, -1)
+        shape = (6 * len(few), 3 * len(self.model.nodes))
+        return scatter(block.reshape(1, 6 * len(few), -1), rows, columns, shape)
 
     def at(self, nodes: Sequence[int] | Ints) -> SolidStress:
         """Return the operator of the sites of some nodes (indices of the part), in node order."""
