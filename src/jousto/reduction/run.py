@@ -21,6 +21,7 @@ STAGES = (
     "factorisation",
     "constraint modes",
     "fixed-interface modes",
+    "residual vectors",
     "free-free modes",
     "orthonormalisation",
     "invariants",
