@@ -24,6 +24,7 @@ from jousto.parts.section import Section
 from jousto.parts.sets import node_index, read_elements, read_sets
 from jousto.parts.solids.build import solid_masses, solid_model
 from jousto.parts.solids.model import SolidModel
+from jousto.parts.solids.second_order import SolidSecondOrder
 from jousto.parts.solids.stress import SolidStress
 from jousto.parts.stress import StressOperator
 
@@ -54,8 +55,8 @@ class Part:
         The description from which M was computed.
     stress : StressOperator or SolidStress, optional
         Stress from nodal displacements.
-    second_order : SecondOrder, optional
-        Second-order displacements, for geometric stiffness; parts made of beams have them.
+    second_order : SecondOrder or SolidSecondOrder, optional
+        Second-order displacements, for geometric stiffness; beams and solids have them.
     interfaces : sequence of Interface
         Surfaces tied to one node of six motions each.
     faces : sequence of (nf, k) ndarray of int
@@ -78,7 +79,7 @@ class Part:
     node_sets: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     mass_points: MassPoints | None = None
     stress: StressOperator | SolidStress | None = None
-    second_order: SecondOrder | None = None
+    second_order: SecondOrder | SolidSecondOrder | None = None
     interfaces: Sequence[Interface] = ()
     faces: Sequence[Ints] = ()
     solids: SolidModel | None = None
@@ -413,6 +414,7 @@ class Part:
             node_sets=numbers,
             mass_points=points,
             stress=SolidStress.everywhere(model),
+            second_order=SolidSecondOrder(model, M, attached),
             interfaces=interfaces,
             solids=model,
             mesh=mesh,
@@ -533,8 +535,9 @@ class Part:
         Under a static load f with the displacements d, ``K d = f``, a further small displacement x
         meets the stiffness K + Kg: tension stiffens a beam, compression softens it. The part
         buckles under c f for the least c with ``det(K + c Kg) = 0`` (on the free degrees of
-        freedom). Kg holds the stretch of the elements, ``N int v'^2 + w'^2 + (Iy + Iz)/A rx'^2
-        dx``, the rotation of bending and twisting moments, and rigid arms.
+        freedom). For beams, Kg holds the stretch of the elements, ``N int v'^2 + w'^2 + (Iy +
+        Iz)/A rx'^2 dx``, the rotation of bending and twisting moments, and rigid arms; for solids
+        it is ``x^T Kg x = int s : (grad x^T grad x) dV``.
 
         Parameters
         ----------
@@ -549,7 +552,7 @@ class Part:
         Raises
         ------
         InputError
-            If the part is not made of beams, or d has another shape.
+            If the part is made neither of beams nor of solids, or d has another shape.
 
         Examples
         --------
@@ -571,7 +574,8 @@ class Part:
             problems.add(
                 where,
                 "has no geometric stiffness: it comes from matrices, only parts made of beams"
-                " (Part.beam, Part.frame, Part.from_members) know their stress",
+                " (Part.beam, Part.frame, Part.from_members) or solids (Part.solid) know their"
+                " stress",
             )
         u = problems.array(where, "displacements", d, (self.K.shape[0],))
         problems.raise_if_any()

@@ -116,10 +116,7 @@ class SecondOrder:
         for f in range(FIELDS):
             W[f] = np.einsum("eaj,eab,ebk->jk", ends, self._field_forms[:, f], ends, optimize=True)
         if len(self.points):
-            turn = np.asarray(self.points.N_rot @ X).reshape(-1, 3, n)
-            A = _arm_forms(self._point_moments())
-            for f in range(FIELDS):
-                W[f] += np.einsum("kaj,kab,kbl->jl", turn, A[:, f], turn, optimize=True)
+            W += point_work(self.points, X)
         return 0.5 * (W + W.swapaxes(1, 2))
 
     @cached_property
@@ -133,11 +130,8 @@ class SecondOrder:
         nodal = transposed(self.to_local) @ ends
         out = np.zeros((self.ndof, FIELDS))
         np.add.at(out, self.dofs.ravel(), nodal.reshape(-1, FIELDS))
-        p = self.points
-        if len(p):
-            g = p.mass[:, None, None] * _fields(p.position)
-            out += np.asarray(p.N.T @ g.reshape(-1, FIELDS))
-            out += np.asarray(p.N_rot.T @ _moments(p.second_moment).reshape(-1, FIELDS))
+        if len(self.points):
+            out += point_field_loads(self.points)
         return out
 
     # -- the pieces ----------------------------------------------------------------------------
@@ -152,7 +146,7 @@ class SecondOrder:
         b = self.beams
         loads = np.zeros((len(b), 12, FIELDS))
         for xi, w in GAUSS:
-            g = transposed(b.axes) @ _fields(_places(b, xi))
+            g = transposed(b.axes) @ affine_fields(_places(b, xi))
             N = shape_functions(b, xi)[:, :3]
             loads += (w * b.length * self.line_mass)[:, None, None] * (transposed(N) @ g)
         return np.asarray(loads)
@@ -174,7 +168,7 @@ class SecondOrder:
             )
         # shortening between the nodes: axial force varies along the element by -q
         q = [
-            self.line_mass[:, None] * np.einsum("ea,eaf->ef", b.axes[:, :, 0], _fields(x))
+            self.line_mass[:, None] * np.einsum("ea,eaf->ef", b.axes[:, :, 0], affine_fields(x))
             for x in (_places(b, 0.0), _places(b, 1.0))
         ]
         first = shortening_forms(b, self.gyration, lambda xi: 0.5 - xi)
@@ -189,13 +183,27 @@ class SecondOrder:
         half = np.einsum("ecab,ea->ecb", forms, ends[:, :, j])
         return np.asarray(half @ ends)
 
-    def _point_moments(self) -> Floats:
-        """``int g (arm + s)^T dm`` (k, 12, 3, 3) of the points on nodes."""
-        p = self.points
-        f = p.mass[:, None, None] * _fields(p.position)
-        P = np.einsum("kaf,kb->kfab", f, np.asarray(p.arm))
-        P[:, 3:] += np.einsum("kcb,dg->kcdgb", p.second_moment, np.eye(3)).reshape(-1, 9, 3, 3)
-        return np.asarray(P)
+
+def point_field_loads(p: MassPoints) -> Floats:
+    """Return nodal loads (ndof, 12) with ``int g . u dm = loads^T d`` of masses on nodes."""
+    g = p.mass[:, None, None] * affine_fields(p.position)
+    loads = np.asarray(p.N.T @ g.reshape(-1, FIELDS))
+    return np.asarray(loads + p.N_rot.T @ _moments(p.second_moment).reshape(-1, FIELDS))
+
+
+def point_work(p: MassPoints, X: Floats) -> Floats:
+    """Return ``int g . chi dm`` (12, n, n) of masses that turn with their nodes, chi = 0 there."""
+    n = X.shape[1]
+    # int g (arm + s)^T dm
+    f = p.mass[:, None, None] * affine_fields(p.position)
+    P = np.einsum("kaf,kb->kfab", f, np.asarray(p.arm))
+    P[:, 3:] += np.einsum("kcb,dg->kcdgb", p.second_moment, np.eye(3)).reshape(-1, 9, 3, 3)
+    turn = np.asarray(p.N_rot @ X).reshape(-1, 3, n)
+    A = _arm_forms(P)
+    W = np.stack(
+        [np.einsum("kaj,kab,kbl->jl", turn, A[:, f], turn, optimize=True) for f in range(FIELDS)]
+    )
+    return np.asarray(0.5 * (W + W.swapaxes(1, 2)))
 
 
 def deformation_forms(beams: BeamElements, gyration: Floats) -> Floats:
@@ -273,7 +281,7 @@ def _places(beams: BeamElements, xi: float) -> Floats:
     return np.asarray(beams.origin + xi * beams.length[:, None] * beams.axes[:, :, 0])
 
 
-def _fields(x: Floats) -> Floats:
+def affine_fields(x: Floats) -> Floats:
     """Return the twelve affine fields (k, 3, 12) at points x (k, 3)."""
     g = np.zeros((len(x), 3, FIELDS))
     g[:, :, :3] = np.eye(3)

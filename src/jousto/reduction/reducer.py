@@ -76,8 +76,8 @@ def reduce(
         Which modes.
     stiffening : bool
         Whether forces along the body stiffen or soften it: for blades, shafts and arms that spin
-        fast, and members near buckling. Parts made of beams only. Off by default: without it the
-        body is the linear one of other programs, and costs less.
+        fast, and members near buckling. Parts made of beams or of solids only. Off by default:
+        without it the body is the linear one of other programs, and costs less.
     solver : str, optional
         Library that factorises the stiffness matrix, see `solvers`; the best that is installed if
         not given.
@@ -100,7 +100,7 @@ def reduce(
     InputError
         The stiffness matrix is not free or lets the held body move, all mass lies on a line, an
         interface is unknown or does not hold the body, there are fewer modes than asked for, or
-        stiffening is asked of a part that is not made of beams.
+        stiffening is asked of a part that comes from matrices.
     """
     body: object = part
     if not isinstance(body, Part):

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+LARGEST_FIELD = 1 << 30
+"""Largest array of the field, bytes; three of them are needed at a time."""
+
 
 @dataclass(frozen=True, eq=False)
 class Stiffening:
@@ -78,9 +81,10 @@ class Stiffening:
 
 
 def stiffening(part: Part, X: Array) -> Stiffening:
-    """Return the second-order displacement field of mode shapes (ndof, n) of a part of beams.
+    """Return the second-order displacement field of mode shapes (ndof, n) of beams or solids.
 
-    An element stores the energy of ``B d + s(d, d)/2``, see `parts.second_order`. Displacements
+    An element stores the energy of ``B d + s(d, d)/2``, see `parts.second_order` and
+    `parts.solids.second_order`. Displacements
     ``d = X p + chi(p, p)/2`` free of energy of the second order solve
 
         ``K chi_jk = -sum_e B^T k s(x_j, x_k)``,
@@ -92,18 +96,26 @@ def stiffening(part: Part, X: Array) -> Stiffening:
     Raises
     ------
     InputError
-        If the part is not made of beams.
+        If the part is made neither of beams nor of solids, or the field needs too much memory.
     """
     where = f"part '{part.name}'"
     second = part.second_order
     if second is None:
         message = (
             "has no geometric stiffening: it comes from matrices, only parts made of beams "
-            "(Part.beam, Part.frame, Part.from_members) know their stress; reduce with "
-            "stiffening=False, or cut the part into several bodies"
+            "(Part.beam, Part.frame, Part.from_members) or solids (Part.solid) know their stress; "
+            "reduce with stiffening=False, or cut the part into several bodies"
         )
         raise InputError(Problem(where, message))
     ndof, n = X.shape
+    size = 8.0 * ndof * n * n
+    if size > LARGEST_FIELD:
+        message = (
+            f"stiffening of {n} modes at {len(part.nodes)} nodes needs {3.0 * size / 2**30:.1f} "
+            f"GiB; ask for fewer modes (up to {int(np.sqrt(LARGEST_FIELD / (8.0 * ndof)))}) or "
+            "reduce with stiffening=False"
+        )
+        raise InputError(Problem(where, message))
     basis = whole_part_basis(part, sp.csr_array(part.K))
     assert basis.solve is not None
     chi = np.empty((ndof, n, n))
@@ -118,25 +130,24 @@ def stiffening(part: Part, X: Array) -> Stiffening:
     # take the rigid motions out, twice for the digits
     M = sp.csr_array(part.M)
     rigid = mass_orthonormal_rigid_modes(M, part.nodes, part.dofs_per_node, where).R
-    fields = _affine(rigid, part.nodes)
+    fields = _affine(rigid, part)
     gram = fields.T @ (loads.T @ rigid)
     for _ in range(2):
         c = np.linalg.solve(gram, np.einsum("fr,fjk->rjk", fields, work).reshape(6, -1))
         chi -= (rigid @ c).reshape(chi.shape)
         work -= ((loads.T @ rigid) @ c).reshape(work.shape)
     N = work[3:].reshape(3, 3, n, n)
-    nodal = chi.reshape(-1, 6, n, n)
-    return Stiffening(
-        0.5 * (N + N.swapaxes(0, 1)).transpose(2, 3, 0, 1), nodal[:, :3], nodal[:, 3:]
-    )
+    nodal = chi.reshape(-1, part.dofs_per_node, n, n)
+    rotations = nodal[:, 3:] if part.dofs_per_node == 6 else np.zeros((len(nodal), 3, n, n))
+    moment = 0.5 * (N + N.swapaxes(0, 1)).transpose(2, 3, 0, 1)
+    return Stiffening(moment, nodal[:, :3], rotations)
 
 
-def _affine(rigid: Array, nodes: Array) -> Array:
+def _affine(rigid: Array, part: Part) -> Array:
     """Return the coefficients (12, 6) of rigid motions ``a + b x x`` as affine fields."""
-    first = rigid.reshape(len(nodes), 6, 6)[0]
-    b = first[3:]
+    a, b = np.split(np.linalg.lstsq(part.rigid_modes(), rigid, rcond=None)[0], 2)
     out = np.zeros((12, 6))
-    out[:3] = first[:3] - np.cross(b.T, nodes[0]).T
+    out[:3] = a
     for c in range(3):
         # b x x = H x with H[d, c] = (b x e_c)_d
         out[3 + 3 * c : 6 + 3 * c] = np.cross(b.T, np.eye(3)[c]).T

@@ -49,6 +49,6 @@ class Spin:
             f"body '{self._name}' spins with up to {speed:.3g} rad/s, {100 * share:.0f} % of its "
             f"lowest natural frequency of {self._lowest / (2 * np.pi):.3g} Hz, and is linear: "
             f"above {100 * LIMIT:.0f} % it bends too far and in the end diverges; reduce its part "
-            "with stiffening=True (parts made of beams), or cut it into several bodies fixed "
+            "with stiffening=True (parts of beams or solids), or cut it into several bodies fixed "
             "together"
         )

@@ -16,7 +16,7 @@ from jousto.parts.mass import MassPoints, PointMass, joined
 from jousto.parts.material import Material
 from jousto.parts.orthotropic import Orthotropic
 from jousto.parts.solids.elements import KINDS, jacobians, table
-from jousto.parts.solids.model import SolidGroup, SolidModel
+from jousto.parts.solids.model import SolidGroup, SolidModel, expanded
 
 AnyMaterial = Material | Orthotropic
 LIKELY_FACTOR = (0.8, 1.25)
@@ -206,25 +206,6 @@ def solid_masses(
     if points is not None:
         M = as_csr(M + points.matrix())
     return model, M, None, points
-
-
-def expanded(scalar: Sparse) -> Sparse:
-    """Return the mass matrix of three directions from that of one."""
-    csr = sp.csr_array(scalar)
-    count = np.repeat(np.diff(csr.indptr), 3)
-    indptr = np.concatenate([[0], np.cumsum(count)])
-    # row 3 a + i holds the row a at the columns 3 b + i
-    row = np.repeat(np.arange(csr.shape[0]), np.diff(csr.indptr))
-    place = np.arange(csr.nnz) - csr.indptr[row]
-    width = np.diff(csr.indptr)[row]
-    at = 3 * csr.indptr[row] + place
-    indices = np.empty(3 * csr.nnz, dtype=np.int32)
-    data = np.empty(3 * csr.nnz)
-    for i in range(3):
-        indices[at + i * width] = 3 * csr.indices + i
-        data[at + i * width] = csr.data
-    shape = (3 * csr.shape[0], 3 * csr.shape[0])
-    return sp.csr_array((data, indices, indptr.astype(np.int32)), shape=shape)
 
 
 def _nodal_points(mass: Floats, nodes: Floats) -> MassPoints:

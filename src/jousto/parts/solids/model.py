@@ -204,3 +204,22 @@ def element_mass(kind: str, x: Floats, rho: float) -> Floats:
     NN = (t.N[:, :, None] * t.N[:, None, :]).reshape(-1, k * k)
     detJ = jacobians(t.dN, x)
     return np.asarray((rho * t.weights * detJ) @ NN).reshape(-1, k, k)
+
+
+def expanded(scalar: Sparse) -> Sparse:
+    """Return the mass matrix of three directions from that of one."""
+    csr = sp.csr_array(scalar)
+    count = np.repeat(np.diff(csr.indptr), 3)
+    indptr = np.concatenate([[0], np.cumsum(count)])
+    # row 3 a + i holds the row a at the columns 3 b + i
+    row = np.repeat(np.arange(csr.shape[0]), np.diff(csr.indptr))
+    place = np.arange(csr.nnz) - csr.indptr[row]
+    width = np.diff(csr.indptr)[row]
+    at = 3 * csr.indptr[row] + place
+    indices = np.empty(3 * csr.nnz, dtype=np.int32)
+    data = np.empty(3 * csr.nnz)
+    for i in range(3):
+        indices[at + i * width] = 3 * csr.indices + i
+        data[at + i * width] = csr.data
+    shape = (3 * csr.shape[0], 3 * csr.shape[0])
+    return sp.csr_array((data, indices, indptr.astype(np.int32)), shape=shape)

@@ -1,0 +1,135 @@
+"""Second-order displacements of solids: what geometric stiffness is made of.
+
+Displacements d of the nodes are followed to the second order, ``d + 1/2 chi(d, d)``. Elastic energy
+is a function of Green's strain ``E = (grad u + grad u^T + grad u^T grad u)/2``, whose part of
+second order, with ``eta(x, y) = (grad x^T grad y + grad y^T grad x)/2``, is
+``(eps(chi) + eta(d, d))/2``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from jousto.parts._arrays import Floats, Ints, Sparse, scatter, times
+from jousto.parts.mass import MassPoints
+from jousto.parts.orthotropic import elasticity
+from jousto.parts.second_order import FIELDS, affine_fields, point_field_loads, point_work
+from jousto.parts.solids.elements import gradients, table
+from jousto.parts.solids.model import VOIGT, SolidGroup, SolidModel, expanded
+
+BLOCK_BYTES = 32 << 20
+PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+
+
+@dataclass(frozen=True, eq=False)
+class SolidSecondOrder:
+    """Quadratic forms of the nodal displacements of solids; a trusted noun.
+
+    Attributes
+    ----------
+    model : SolidModel
+    M : (ndof, ndof) sparse array
+        Mass of the part.
+    attached : MassPoints, optional
+        Rigid masses on nodes that are part of M.
+    """
+
+    model: SolidModel
+    M: Sparse
+    attached: MassPoints | None
+
+    def geometric_stiffness(self, d: Floats) -> Sparse:
+        """Return Kg (ndof, ndof) of the stress s of nodal displacements d (ndof,).
+
+        ``x^T Kg x = int s : (grad x^T grad x) dV``: the same block for every direction of x.
+        """
+        nn = len(self.model.nodes)
+        shape = (nn, nn)
+        total: Sparse | None = None
+        for group, nodes, G, volume in self._blocks(1):
+            s = self._stress(group, self._gradient(G, d.reshape(nn, 3)[nodes][..., None]))
+            S = s[:, :, VOIGT, 0] * volume[:, :, None, None]
+            k = np.einsum("eqma,eqmn,eqnb->eab", G, S, G, optimize=True)
+            block = scatter(0.5 * (k + k.swapaxes(1, 2)), nodes, nodes, shape)
+            total = block if total is None else total + block
+        assert total is not None
+        return expanded(total)
+
+    def forces(self, X: Floats, j: int) -> Floats:
+        """Return ``int B^T C eta(x_j, x_k) dV`` (ndof, n) for the columns k of X (ndof, n).
+
+        These are the nodal forces that hold the elements against the second-order part of their
+        strain: ``K chi_jk = -forces``.
+        """
+        nn, n = len(self.model.nodes), X.shape[1]
+        U = X.reshape(nn, 3, n)
+        out = np.zeros((nn, 3 * n))
+        for group, nodes, G, volume in self._blocks(n):
+            D = self._gradient(G, U[nodes])  # (e, q, i, m, n): du_i/dx_m
+            own = D[..., j]
+            eta = np.empty((*D.shape[:2], 6, n))
+            for c, (a, b) in enumerate(PAIRS):
+                first = np.einsum("eqi,eqin->eqn", own[:, :, :, a], D[:, :, :, b])
+                if a == b:
+                    eta[:, :, c] = first
+                else:  # engineering shear: twice the component
+                    eta[:, :, c] = first + np.einsum("eqi,eqin->eqn", own[..., b], D[:, :, :, a])
+            C = elasticity(self.model.materials[group.material])
+            s = np.einsum("ij,eqjn->eqin", C, eta) * volume[:, :, None, None]
+            # (e, k, 3 q) @ (e, 3 q, 3 n)
+            S = s[:, :, VOIGT]  # (e, q, m, i, n)
+            ne, nq, _, k = G.shape
+            f = np.matmul(G.reshape(ne, 3 * nq, k).swapaxes(1, 2), S.reshape(ne, 3 * nq, 3 * n))
+            np.add.at(out, nodes.ravel(), f.reshape(-1, 3 * n))
+        return out.reshape(3 * nn, n)
+
+    def work(self, X: Floats) -> Floats:
+        """Return ``int g . chi dm`` (12, n, n) of the fields g that nodal chi does not tell.
+
+        Solids have none; masses on rigid arms and with inertia that turn with the nodes do. (The
+        rotation that a mass has from the mean of several nodes is that of the first order in them.)
+        """
+        n = X.shape[1]
+        if self.attached is None:
+            return np.zeros((FIELDS, n, n))
+        return point_work(self.attached, X)
+
+    @cached_property
+    def field_loads(self) -> Floats:
+        """Nodal loads (ndof, 12) with ``int g . u dm = loads^T d`` for the twelve fields g."""
+        g = affine_fields(self.model.nodes)
+        nodal = g.reshape(-1, FIELDS)
+        if self.attached is None:
+            return times(self.M, nodal)
+        elements = times(self.M, nodal) - times(self.attached.matrix(), nodal)
+        return elements + point_field_loads(self.attached)
+
+    def _blocks(self, n: int) -> Iterator[tuple[SolidGroup, Ints, Floats, Floats]]:
+        """Yield blocks of elements: group, nodes, gradients (e, q, 3, k) and volumes (e, q)."""
+        for group in self.model.groups:
+            t = table(group.kind, "stiffness")
+            nq, k = len(t.weights), group.nodes.shape[1]
+            step = max(1, BLOCK_BYTES // (8 * (nq * (3 * k + 30 * n) + 6 * k * n)))
+            for i in range(0, len(group), step):
+                nodes = group.nodes[i : i + step]
+                G, detJ = gradients(t.dN, self.model.nodes[nodes])
+                yield group, nodes, G, detJ * t.weights
+
+    def _gradient(self, G: Floats, U: Floats) -> Floats:
+        """Return du_i/dx_m (e, q, i, m, n) of nodal displacements (e, k, 3, n)."""
+        ne, nq, _, k = G.shape
+        n = U.shape[-1]
+        D = np.matmul(G.reshape(ne, 3 * nq, k), U.reshape(ne, k, 3 * n))
+        return np.asarray(D).reshape(ne, nq, 3, 3, n).swapaxes(2, 3)
+
+    def _stress(self, group: SolidGroup, D: Floats) -> Floats:
+        """Return the stress (e, q, 6, n) of displacement gradients (e, q, i, m, n)."""
+        e = np.stack(
+            [D[:, :, a, b] if a == b else D[:, :, a, b] + D[:, :, b, a] for a, b in PAIRS], axis=2
+        )
+        C = elasticity(self.model.materials[group.material])
+        return np.asarray(np.einsum("ij,eqjn->eqin", C, e))
