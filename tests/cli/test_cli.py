@@ -109,7 +109,7 @@ def test_warnings_are_one_line_each_and_no_python_warnings(model):
     assert found.code == 0
     assert found.err.splitlines() == [
         "warning: pendulum.yaml:7: parts.rod.material.E: E = 2.1e+08 Pa is softer than most "
-        "plastics; was it given in MPa?"
+        "plastics; was it given in kPa?"
     ]
 
 

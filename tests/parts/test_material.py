@@ -43,6 +43,9 @@ def test_all_problems_at_once() -> None:
     ("E", "rho", "message"),
     [
         (210e3, 7850.0, "in MPa"),
+        (210.0, 7850.0, "in GPa"),
+        (2.1e8, 7850.0, "in kPa"),
+        (210e9, 7.85, "in g/cm"),
         (210e12, 7850.0, "stiffer than diamond"),
         (210e9, 7.85e-9, "in t/mm"),
         (210e9, 7.85e6, "denser than any metal"),

@@ -34,7 +34,7 @@ class Material:
     Warns
     -----
     JoustoWarning
-        If E or rho looks like another system of units (MPa, t/mm^3, g/cm^3).
+        If E or rho looks like another system of units (MPa, GPa, kPa, t/mm^3, g/cm^3).
 
     Examples
     --------
@@ -62,13 +62,18 @@ class Material:
         # values that are legal numbers but most likely in other units
         hints = []
         if self.E < 1e9:
-            hints.append(f"E = {self.E:g} Pa is softer than most plastics; was it given in MPa?")
+            unit = _likely_unit(self.E)
+            hints.append(f"E = {self.E:g} Pa is softer than most plastics; was it given in {unit}?")
         elif self.E > 2e12:
             hints.append(f"E = {self.E:g} Pa is stiffer than diamond; SI needs Pa")
         if self.rho > 5e4:
             hints.append(f"rho = {self.rho:g} kg/m^3 is denser than any metal; SI needs kg/m^3")
         elif 0.0 < self.rho < 1.0:
             hints.append(f"rho = {self.rho:g} kg/m^3 is lighter than air; was it given in t/mm^3?")
+        elif 0.0 < self.rho < 25.0 and self.E > 1e9:
+            hints.append(
+                f"rho = {self.rho:g} kg/m^3 is lighter than any foam; was it given in g/cm^3?"
+            )
         for hint in hints:
             warnings.warn(JoustoWarning(f"{where}: {hint}"), stacklevel=3)
 
@@ -76,3 +81,11 @@ class Material:
     def G(self) -> float:
         """Shear modulus E / (2 (1 + nu)) in Pa."""
         return self.E / (2.0 * (1.0 + self.nu))
+
+
+def _likely_unit(E: float) -> str:
+    """Return the unit in which a modulus would be that of a metal or a hard plastic."""
+    for factor, unit in ((1e6, "MPa"), (1e9, "GPa"), (1e3, "kPa")):
+        if 1e9 <= E * factor <= 2e12:
+            return unit
+    return "MPa"
