@@ -33,6 +33,7 @@ WIDTHS = {  # pixels
     "trolley.png": 800,
     "work_precision.png": 700,
     "orders.png": 1200,
+    "solids.png": 1200,
     "four_bar_still.png": 500,
     "portal_frame.png": 800,
     "squeezer.png": 1100,
@@ -71,7 +72,8 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         for script in sorted(EXAMPLES.glob("*.py")):
             subprocess.run([sys.executable, str(script), folder], check=True)
-        subprocess.run([sys.executable, str(HERE / "orders.py"), folder], check=True)
+        for name in ("orders.py", "solids.py"):
+            subprocess.run([sys.executable, str(HERE / name), folder], check=True)
         for name, width in WIDTHS.items():
             shrink(Path(folder) / name, HERE / name, width)
     sizes = {path.name: path.stat().st_size for path in HERE.iterdir() if path.name in WIDTHS}

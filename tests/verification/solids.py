@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,22 +17,10 @@ def solid(grid: Grid, material: Any, sets: dict[str, Any] | None = None) -> jo.P
     return jo.Part.solid(mesh(grid, sets), material)
 
 
-def mesh(grid: Grid, sets: dict[str, Any] | None = None) -> Any:
+def mesh(grid: Grid, sets: dict[str, Any] | None = None) -> jo.Mesh:
     """Return the grid as a mesh with node sets."""
-    cells = tuple(
-        SimpleNamespace(kind=c.kind, nodes=c.nodes, ids=np.arange(1, len(c.nodes) + 1), material="")
-        for c in grid.cells
-    )
-    return SimpleNamespace(
-        name="grid",
-        nodes=grid.nodes,
-        cells=cells,
-        node_ids=np.arange(1, len(grid.nodes) + 1),
-        node_sets=sets or {},
-        element_sets={},
-        triangles=np.zeros((0, 3), dtype=int),
-        surfaces={},
-    )
+    cells = [jo.Cells(c.kind, c.nodes) for c in grid.cells]
+    return jo.Mesh("grid", grid.nodes, cells, node_sets=sets or {})
 
 
 def dofs(nodes: Any, directions: str = "xyz") -> np.ndarray:

@@ -7,6 +7,8 @@ exact integral of jousto is a result of its own.
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -16,6 +18,7 @@ from verification.boxes import KINDS, block
 from verification.solids import at_rest, dofs, solid, supported
 from verification.test_calculix_rules import bent
 
+ARM = Path(__file__).parents[2] / "examples" / "data" / "link_arm.step"
 STEEL = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)
 SIZE = (0.8, 0.1, 0.06)
 COUNTS = {
@@ -106,6 +109,20 @@ def test_what_the_exact_integrals_change(kind, first, tenth):
     change = np.abs(ours / theirs - 1.0)
     assert change[0] < first
     assert change.max() < tenth
+
+
+@calculix.needed
+@pytest.mark.slow
+def test_ten_free_frequencies_of_the_link_arm():
+    pytest.importorskip("gmsh")
+    mesh = jo.mesh_step(ARM, size=0.1, per_circle=4)
+    theirs = calculix.frequencies(calculix.Deck(mesh, STEEL))
+    part = jo.Part.solid(mesh, STEEL)
+    M = bricks.mass(mesh, STEEL, bricks.calculix)
+    same = jo.reduce(jo.Part.from_matrices(M, part.K, part.nodes), jo.FreeFree(modes=10))
+    np.testing.assert_allclose(same.frequencies, theirs, rtol=DIGITS)
+    own = jo.reduce(part, jo.FreeFree(modes=10))
+    np.testing.assert_allclose(own.frequencies, theirs, rtol=1e-4)
 
 
 def test_the_mass_rule_of_four_points_matters_less_on_finer_meshes():
