@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from jousto.errors import InputError
-from jousto.parts import Material, Part, Rectangle
+from jousto.parts import Interface, Material, Part, Rectangle
 from jousto.reduction import CraigBampton, FreeFree, advise, reduce
+from parts.mesh.blocks import block
 from reduction.bodies import STEEL, bent, lattice, pendulum, without_points
 
 ENDS = ("start", "end")
@@ -101,9 +102,6 @@ def test_static_error_of_a_load_is_that_of_the_modal_series() -> None:
     assert later == pytest.approx(100.0 * (1.0 - sum(shares)), rel=0.15)
 
 
-@pytest.mark.skipif(
-    "residuals" not in CraigBampton.__dataclass_fields__, reason="no residual vectors yet"
-)
 def test_residual_vectors_where_modes_converge_slowly() -> None:
     part = rod()
     advice = advise(part, ENDS, frequency_limit=500.0, loads=middle_force(part), accuracy=1e-3)
@@ -175,3 +173,27 @@ def test_what_cannot_be_advised() -> None:
     line = Part.beam(1.0, Rectangle(0.1, 0.1), 2, steel, lumped=True, rotary_inertia=False)
     with pytest.raises(InputError, match="all mass lies on a line"):
         advise(line, ("start",), frequency_limit=1.0)
+
+
+def test_tied_interfaces_of_the_part_count_if_none_is_named() -> None:
+    mesh = block("hexahedron20", (6, 1, 1), (0.6, 0.03, 0.04))
+    part = Part.solid(
+        mesh,
+        STEEL,
+        interfaces=(
+            Interface("left", mesh.box((-1, -1, -1), (1e-9, 1, 1))),
+            Interface("right", mesh.box((0.6 - 1e-9, -1, -1), (1, 1, 1)), kind="average"),
+        ),
+    )
+    f = np.zeros((len(part.nodes), 3))
+    f[mesh.nearest((0.3, 0.015, 0.04))[0], 2] = 1.0
+    advice = advise(part, frequency_limit=1500.0, loads={"mid fz": f.ravel()}, accuracy=0.02)
+    assert isinstance(advice.method, CraigBampton) and advice.reached
+    assert advice.method.interfaces == ("left", "right")
+    assert advice.method.modes is not None
+    full = reduce(part, FreeFree(frequency_limit=1500.0)).frequencies
+    found = reduce(part, advice.method).frequencies[: len(full)]
+    np.testing.assert_allclose(found, full, rtol=0.02)
+    # what the table says of the displacement is what a supported full model gives
+    stress = [float(row[5].split()[0]) for row in advice.table.rows if row[5] != "missing"]
+    assert stress == sorted(stress, reverse=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -41,7 +42,7 @@ def tell_certificate(file: PartFile, page: Path | None) -> None:
         return
     from jousto.reduction import certify
 
-    certificate = certify(file.part, file.reduced)
+    certificate = certify(file.part, file.reduced, progress=sys.stderr.isatty())
     for line in str(certificate).splitlines():
         word = line.split()[0] if line.startswith("  ") and line.split() else ""
         say(line, style=STYLES.get(word, ""))

@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 WORDS = {"ok": "ok", "note": "note", "warn": "warning", "fail": "fault"}
 COLOUR = {"ok": "#2A7D5F", "note": "#1C5FA8", "warn": "#A56A00", "fail": "#B3261E"}
+MOST_ROWS = 24  # of a table
 VERDICT = {
     "ok": "sound",
     "warn": "usable, read the warnings",
@@ -128,7 +129,7 @@ def _table(table: Table) -> str:
     head = "".join(f"<th>{html.escape(name)}</th>" for name in table.columns)
     rows = "".join(
         f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>\n"
-        for row in table.rows
+        for row in table.shown(MOST_ROWS)
     )
     title = f"{table.title[0].upper()}{table.title[1:]}"
     remark = f'<p class="remark">{html.escape(table.remark)}</p>' if table.remark else ""

@@ -106,7 +106,8 @@ def advise(
     part : Part
         The free part.
     interfaces : sequence of str
-        Node sets or interfaces where joints and forces act. None: free-free modes.
+        Node sets or interfaces where joints and forces act; if none is named, the interfaces of
+        the part, and free-free modes if it has none.
     frequency_limit : float, optional
         Highest frequency that matters, Hz.
     loads : mapping of str to (ndof,) array, or (ndof,) or (ndof, m) array, optional
@@ -135,7 +136,7 @@ def advise(
     >>> arm = jo.reduce(rod, advice.method)
     """
     names, patterns = _arguments(part, interfaces, frequency_limit, loads, accuracy)
-    full, faults = full_model(part, modes=1)
+    full, faults = full_model(part, modes=0)
     if full is None or full.rigid is None or full.held is None or full.held.solve is None:
         raise InputError(
             Problem(f"part '{part.name}'", next(iter(faults.values()), "is too small"))
@@ -169,6 +170,7 @@ def _arguments(
         raise InputError(Problem("advise", message))
     problems = Problems()
     names = (interfaces,) if isinstance(interfaces, str) else tuple(interfaces)
+    names = names or tuple(tie.name for tie in part.ties)
     if frequency_limit is None and loads is None:
         problems.add("advise", "give frequency_limit=Hz or loads=patterns (or both)")
     if frequency_limit is not None and not (np.isfinite(frequency_limit) and frequency_limit > 0):
@@ -278,15 +280,13 @@ def _choose(
         # a held body vibrates with its fixed-interface modes: none below the limit may miss
         dynamic = max(dynamic, int(np.sum(family.frequencies <= limit)))
     k = max(dynamic if dynamic is not None else most, least)
-    known = "residuals" in CraigBampton.__dataclass_fields__
-    use_residuals = bool(static) and known and (loaded is None or loaded > k + len(patterns))
+    use_residuals = bool(static) and (loaded is None or loaded > k + len(patterns))
     if static and not use_residuals and loaded is not None:
         k = max(k, loaded)
     names = tuple(name for name, _ in family.modes.interfaces)
     method = CraigBampton(names, modes=k)
     if use_residuals:
-        options: dict[str, Any] = {"residuals": tuple(patterns.values())}
-        method = CraigBampton(names, modes=k, **options)
+        method = replace(method, residuals=tuple(patterns.values()))
     reached = dynamic is not None
     sentences = _explain(
         family, truth, limit, accuracy, (k, dynamic, loaded), tuple(patterns), use_residuals

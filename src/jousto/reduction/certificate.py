@@ -13,6 +13,7 @@ from jousto.errors import InputError, Problem, count
 if TYPE_CHECKING:
     from jousto.parts import Part
     from jousto.reduction.reduced import ReducedPart
+    from jousto.reduction.run import Report
 
 Array = NDArray[np.float64]
 Status = Literal["ok", "note", "warn", "fail"]
@@ -83,12 +84,16 @@ class Table:
     rows: tuple[tuple[str, ...], ...]
     remark: str = ""
 
+    def shown(self, most: int) -> tuple[tuple[str, ...], ...]:
+        """Return the rows, of many the first and the last one."""
+        if len(self.rows) <= most:
+            return self.rows
+        gap = (f"... {len(self.rows) - most} more", *[""] * (len(self.columns) - 1))
+        return (*self.rows[: most - 1], gap, self.rows[-1])
+
     def lines(self, most: int | None = None) -> list[str]:
-        """Return the table as lines of text, the first rows and the last one of many."""
-        rows = self.rows
-        if most is not None and len(rows) > most:
-            gap = (f"... {len(rows) - most} more", *[""] * (len(self.columns) - 1))
-            rows = (*rows[: most - 1], gap, rows[-1])
+        """Return the table as lines of text, of many rows the first and the last one."""
+        rows = self.rows if most is None else self.shown(most)
         width = [
             max(len(row[i]) for row in (self.columns, *rows)) for i in range(len(self.columns))
         ]
@@ -211,7 +216,13 @@ def _wrapped(text: str, indent: str, width: int = 100) -> list[str]:
     return textwrap.wrap(text, width, initial_indent=indent, subsequent_indent=indent)
 
 
-def certify(part: Part, reduced: ReducedPart | None = None) -> Certificate:
+def certify(
+    part: Part,
+    reduced: ReducedPart | None = None,
+    *,
+    solver: str | None = None,
+    progress: bool | Report | None = None,
+) -> Certificate:
     """Examine a part and its modes and say what is right, what is doubtful and what to do.
 
     Mass, centre, inertia and size; the six rigid motions and the strain energy that they must not
@@ -226,6 +237,11 @@ def certify(part: Part, reduced: ReducedPart | None = None) -> Certificate:
         The free part.
     reduced : ReducedPart, optional
         Its modes, from `reduce`; without them the part alone is examined.
+    solver : str, optional
+        Library that factorises the stiffness matrix, see `solvers`.
+    progress : bool or function, optional
+        True shows a bar for each stage; a function is called with (stage, part of it that is
+        done, from 0 to 1).
 
     Returns
     -------
@@ -249,7 +265,7 @@ def certify(part: Part, reduced: ReducedPart | None = None) -> Certificate:
     """
     from jousto.reduction.examine import examine
 
-    return examine(part, reduced)
+    return examine(part, reduced, solver, progress)
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -263,8 +279,10 @@ def number(value: float, digits: int = 4) -> str:
     return f"{value:.{digits}g}"
 
 
-def vector(values: Any, digits: int = 6) -> str:
+def vector(values: Any, digits: int = 6, size: float = 0.0) -> str:
     """Return numbers for people, rounding of zero as zero.
+
+    `size` is how large they might be: what is far below it is rounding.
 
     Examples
     --------
@@ -272,5 +290,5 @@ def vector(values: Any, digits: int = 6) -> str:
     '1000, 0, -2.5'
     """
     array = np.asarray(values, dtype=float)
-    size = np.abs(array).max(initial=0.0)
+    size = max(size, np.abs(array).max(initial=0.0))
     return ", ".join(f"{0.0 if abs(x) <= 1e-9 * size else x:.{digits}g}" for x in array)

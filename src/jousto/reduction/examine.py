@@ -20,9 +20,11 @@ from jousto.reduction.rigid import (
     mass_orthonormal_rigid_modes,
     mass_properties,
 )
+from jousto.reduction.run import Report, Run, reporter
 
 if TYPE_CHECKING:
     from jousto.parts import Part
+    from jousto.parts.interface import Tie
     from jousto.reduction.reduced import ReducedPart
 
 Array = NDArray[np.float64]
@@ -31,12 +33,22 @@ FREE_MODES = 10
 """Free-free frequencies that are compared."""
 
 
-def examine(part: Part, reduced: ReducedPart | None) -> Certificate:
+def examine(
+    part: Part,
+    reduced: ReducedPart | None,
+    solver: str | None = None,
+    progress: bool | Report | None = None,
+) -> Certificate:
     """See `jousto.reduction.certificate.certify`."""
     _check_arguments(part, reduced)
+    with reporter(progress) as report:
+        return _examine(part, reduced, Run(solver, report))
+
+
+def _examine(part: Part, reduced: ReducedPart | None, run: Run) -> Certificate:
     checks: list[Check] = []
     tables: list[Table] = []
-    full, faults = full_model(part)
+    full, faults = full_model(part, run=run)
     if full is None:
         checks.append(
             Check("mass", "fail", "not positive", "", faults["mass"], "write the whole mass matrix")
@@ -65,8 +77,9 @@ def examine(part: Part, reduced: ReducedPart | None) -> Certificate:
         for found in (comparison.frequencies(full, modes), comparison.effective_mass(full, modes)):
             if found is not None:
                 checks.append(found[0])
-                tables.append(found[1])
-        static = comparison.static_loads(full, modes)
+                tables += [found[1]] if found[1] is not None else []
+        with run.stage("static loads"):
+            static = comparison.static_loads(full, modes)
         if static is not None:
             checks += static[0]
             tables.append(static[1])
@@ -98,9 +111,11 @@ def _check_arguments(part: object, reduced: object) -> None:
         )
 
 
-def full_model(part: Part, modes: int = FREE_MODES) -> tuple[FullModel | None, dict[str, str]]:
+def full_model(
+    part: Part, modes: int = FREE_MODES, run: Run | None = None
+) -> tuple[FullModel | None, dict[str, str]]:
     """Return the full model, None if it has no mass, and sentences of what could not be done."""
-    where = f"part '{part.name}'"
+    where, run = f"part '{part.name}'", run or Run()
     faults: dict[str, str] = {}
     M, K = sp.csr_array(part.M), sp.csr_array(part.K)
     d = part.dofs_per_node
@@ -115,24 +130,37 @@ def full_model(part: Part, modes: int = FREE_MODES) -> tuple[FullModel | None, d
     except InputError as error:
         faults["inertia"] = fault_of(error)
     try:
-        held = whole_part_basis(part, K)
+        held = whole_part_basis(part, K, run)
     except InputError as error:
         faults["held"] = fault_of(error)
-    if rigid is not None and held is not None:
-        f, shapes = _free_modes(M, rigid, held, modes, where)
+    if modes and rigid is not None and held is not None:
+        with run.stage("full model's modes") as report:
+            f, shapes = _free_modes(M, rigid, held, modes, where, report)
     return FullModel(
         part, M, K, part.nodes, d, length_scale(part.nodes), mass, centre, J, rigid, held, f, shapes
     ), faults
 
 
 def _free_modes(
-    M: sp.csr_array, rigid: RigidBasis, held: eigen.Flexibility, modes: int, where: str
+    M: sp.csr_array,
+    rigid: RigidBasis,
+    held: eigen.Flexibility,
+    modes: int,
+    where: str,
+    report: Report,
 ) -> tuple[Array, Array]:
     from dataclasses import replace
 
     elastic = replace(held, lift=lambda y: rigid.remove(held.lift(y)))
     try:
-        mu, X = eigen.spectrum(elastic, M, modes=modes, frequency_limit=None, where=where)
+        mu, X = eigen.spectrum(
+            elastic,
+            M,
+            modes=modes,
+            frequency_limit=None,
+            where=where,
+            report=lambda done: report("full model's modes", done),
+        )
     except InputError:
         return np.zeros(0), np.zeros((M.shape[0], 0))
     mu, X = mu[:modes], X[:, :modes]
@@ -167,7 +195,7 @@ def _facts(
         moments = np.linalg.eigvalsh(J)
         facts = [
             ("mass", f"{number(full.mass, 6)} kg"),
-            ("centre", f"{vector(1e3 * full.centre)} mm"),
+            ("centre", f"{vector(1e3 * full.centre, size=1e4 * full.length)} mm"),
             ("inertia about it", f"xx yy zz {vector(np.diag(J))} kg m2"),
             ("", f"xy yz zx {vector(_products(J, float(moments[-1])))} kg m2"),
             ("principal moments", f"{vector(moments)} kg m2"),
@@ -184,10 +212,22 @@ def _facts(
     if reduced is not None:
         f = reduced.frequencies
         facts.append(("reduced to", f"{reduced.n} modes, {number(f[0])} to {number(f[-1])} Hz"))
-        facts.append(("interfaces", ", ".join(reduced.interfaces) or "none"))
+        ties = {tie.name: tie for tie in part.ties}
+        texts = [
+            _interface(name, ties.get(name), length_scale(part.nodes))
+            for name in reduced.interfaces
+        ]
+        facts.append(("interfaces", "; ".join(texts) or "none"))
         if "method" in reduced.provenance:
             facts.append(("method", reduced.provenance["method"]))
     return tuple(facts)
+
+
+def _interface(name: str, tie: Tie | None, length: float) -> str:
+    if tie is None:
+        return name
+    at = vector(1e3 * tie.at, size=1e3 * length)
+    return f"{name} ({tie.kind} tie of {len(tie.nodes)} nodes about {at} mm)"
 
 
 def _elements(part: Part) -> int:

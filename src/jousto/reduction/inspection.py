@@ -205,12 +205,26 @@ def units(full: FullModel) -> Check:
                 f"its size ({number(least)} kg/m3)"
             )
             remedies.append("check the density (kg/m3), the unit of lengths and point masses")
+    volume = _volume(full)
+    if volume:
+        density = full.mass / volume
+        if not DENSITY[0] <= density <= DENSITY[1]:
+            faults.append(
+                f"{number(full.mass)} kg in {number(1e9 * volume)} mm3 are {number(density)} kg/m3 "
+                "(steel: 7850 kg/m3)"
+            )
+            remedies.append("check the density (kg/m3) and the unit of the mesh")
     value = f"{number(speed)} m/s, {number(1e3 * full.length, 6)} mm, {number(full.mass, 6)} kg"
     limit = f"speed of sound {SOUND[0]:g} to {SOUND[1]:g} m/s"
     if not faults:
         sentence = "stiffness, mass and size can be those of a real part in SI units"
         return Check("units", "ok", value, limit, sentence)
     return Check("units", "warn", value, limit, "; ".join(faults), "; ".join(remedies))
+
+
+def _volume(full: FullModel) -> float:
+    """Return the volume of the mesh, m3; 0 without one."""
+    return float(getattr(full.part.mesh, "volume", 0.0) or 0.0)
 
 
 def rotary_inertia(full: FullModel) -> Check:

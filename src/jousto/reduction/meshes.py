@@ -29,6 +29,7 @@ def mesh_checks(part: Part) -> tuple[list[Check], list[Table]]:
         return [], []
     checks, table = _quality(mesh)
     checks.append(_order(mesh))
+    checks.append(_surface(part))
     # what the mesh knows of itself; the shapes of elements are judged above
     found = [f for f in mesh.check() if f.kind not in ("jacobian", "sliver")]
     for finding in found:
@@ -111,3 +112,36 @@ def _order(mesh: Any) -> Check:
         "linear elements are too stiff in bending and know stress only coarsely",
         f"take {better} (order=2 when meshing), or refine until frequencies stand still",
     )
+
+
+def _surface(part: Part) -> Check:
+    """Return whether the outer surface is closed and meets itself nowhere."""
+    triangles = np.asarray(part.elements)
+    pairs = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    edges, times = np.unique(pairs, axis=0, return_counts=True)
+    corners = np.asarray(part.nodes)[triangles]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = 0.5 * float(np.linalg.norm(normal, axis=1).sum())
+    value = f"{count(len(triangles), 'triangle')}, {number(1e6 * area, 5)} mm2"
+    shared = np.flatnonzero(times > 2)
+    if len(shared):
+        a, b = edges[shared[0]] + 1
+        return Check(
+            "surface",
+            "warn",
+            value,
+            "two triangles at each edge",
+            f"at {count(len(shared), 'edge')} (such as node{a} to node{b}) bodies hang together "
+            "like on a hinge",
+            "let them share faces, or keep them apart",
+        )
+    if np.any(times == 1):
+        return Check(
+            "surface",
+            "warn",
+            value,
+            "two triangles at each edge",
+            f"the surface is open at {count(int(np.sum(times == 1)), 'edge')}",
+            "elements of different size or order meet there: mesh touching bodies together",
+        )
+    return Check("surface", "ok", value, "", "the surface is closed")
