@@ -304,6 +304,12 @@ from .parts import (
 from .parts import (
     read_mesh as read_mesh,
 )
+from .parts.readers.matrices import (
+    Matrices as Matrices,
+)
+from .parts.readers.matrices import (
+    read_matrices as read_matrices,
+)
 from .reduction import (
     Advice as Advice,
 )
@@ -345,6 +351,9 @@ from .reduction import (
 )
 from .reduction import (
     reduce as reduce,
+)
+from .reduction import (
+    reduce_superelement as reduce_superelement,
 )
 from .reduction import (
     solvers as solvers,

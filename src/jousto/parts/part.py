@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -480,6 +481,65 @@ class Part:
             node_sets=node_sets or {},
             mass_points=points_from_blocks(mass, xyz, dofs),
             interfaces=interfaces,
+        )
+
+    @classmethod
+    def from_file(
+        cls,
+        K: str | Path,
+        M: str | Path | None = None,
+        *,
+        nodes: Any = None,
+        dofs: Any = None,
+        format: str | None = None,
+        units: str = "SI",
+        node_sets: Mapping[str, Any] | None = None,
+        interfaces: Sequence[Interface] = (),
+        name: str | None = None,
+    ) -> Part:
+        """Return a part from the matrix files of another program, see `read_matrices`.
+
+        The rows are put in the order of the nodes; node sets of the mesh keep their names, and
+        ``n17`` is the node with the number 17 in the other program.
+
+        Parameters
+        ----------
+        K, M : str or Path
+            Files of the stiffness and the mass matrix; one file where the format holds both.
+        nodes, dofs, format, units
+            See `read_matrices`.
+        node_sets : mapping of str to numbers of nodes, optional
+            More node sets, numbered as in the other program.
+        interfaces : sequence of Interface, optional
+            Surfaces that follow a node with six degrees of freedom.
+        name : str, optional
+            From the file if not given.
+
+        Raises
+        ------
+        InputError
+            With everything that is wrong with the files, or with the matrices (`from_matrices`).
+
+        Warns
+        -----
+        JoustoWarning
+            If the units look wrong, or a rigid motion stores strain energy.
+        """
+        from jousto.parts.readers.matrices import nodal, read_matrices
+
+        found = read_matrices(
+            K, M, nodes=nodes, dofs=dofs, format=format, units=units, name=name
+        ).with_sets(node_sets or {})
+        ordered = nodal(found)
+        return cls.from_matrices(
+            ordered.M,
+            ordered.K,
+            ordered.nodes,
+            dofs_per_node=ordered.dofs_per_node,
+            node_sets=ordered.node_sets,
+            elements=ordered.elements if len(ordered.elements) else None,
+            interfaces=interfaces,
+            name=found.name,
         )
 
     def with_interfaces(self, *interfaces: Interface) -> Part:

@@ -14,8 +14,10 @@ from jousto.reduction.reducer import reduce
 from jousto.reduction.relief import InertiaRelief, inertia_relief
 from jousto.reduction.stiffening import Stiffening
 from jousto.reduction.stress import StressModes
+from jousto.reduction.superelement import reduce_superelement
 
 __all__ = [
+    "reduce_superelement",
     "Advice",
     "Certificate",
     "Check",

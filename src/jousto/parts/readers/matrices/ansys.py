@@ -1,0 +1,82 @@
+"""Ansys: .full files of the assembled matrices, nodes from .rst and .cdb files."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jousto.errors import InputError, Problem
+from jousto.parts._arrays import Floats, Ints, Sparse, as_csr
+from jousto.parts.readers.matrices.nodes import Positions
+from jousto.parts.readers.matrices.text import mirrored, refuse
+
+EXTRA = "needs the package ansys-mapdl-reader: pip install jousto[ansys]"
+
+
+def read_full(path: Path) -> tuple[Sparse, Sparse, Ints, Ints]:
+    """Return K, M, the map of their rows and what is held, from a .full file.
+
+    The file stores upper triangles; rows of held directions are empty.
+
+    Raises
+    ------
+    InputError
+        If it is of another kind, or its mass matrix is missing or lumped.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        full = _open(path, ".full")
+        try:
+            dofs, K, M = full.load_km(sort=True)
+            held = np.asarray(full.const, dtype=np.int64).reshape(-1, 2)
+        except InputError:
+            raise
+        except Exception as error:
+            # the reader raises whatever its parsers do
+            raise refuse(path, f"is damaged: {error}") from None
+    for letter, matrix, remedy in (
+        ("stiffness", K, "solve a modal analysis (ANTYPE,MODAL) and keep its .full file"),
+        ("mass", M, "a static analysis has none: solve a modal analysis (ANTYPE,MODAL)"),
+    ):
+        if matrix is None:
+            raise refuse(path, f"holds no {letter} matrix; {remedy}")
+    map_of = np.asarray(dofs, dtype=np.int64) + np.array([0, 1])
+    held = held + np.array([0, 1])
+    return mirrored(as_csr(K)), mirrored(as_csr(M)), map_of, held[np.lexsort(held.T[::-1])]
+
+
+def read_result_nodes(path: Path) -> Positions:
+    """Return the nodes of a .rst file.
+
+    Raises
+    ------
+    InputError
+        If it is of another kind.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        mesh = _open(path, ".rst").mesh
+        ids: Ints = np.asarray(mesh.nnum, dtype=np.int64)
+        xyz: Floats = np.asarray(mesh.nodes, dtype=np.float64)[:, :3]
+    return Positions(ids, xyz)
+
+
+def _open(path: Path, kind: str) -> Any:
+    if not path.is_file():
+        raise InputError(Problem("", f"no such file {str(path)!r}"))
+    try:
+        from ansys.mapdl import reader
+    except ImportError:
+        raise refuse(path, EXTRA) from None
+    try:
+        file = reader.read_binary(str(path))
+    except NotImplementedError as error:
+        raise refuse(path, f"cannot be used: {error}") from None
+    except Exception:
+        raise refuse(path, f"is no Ansys {kind} file, or it is damaged") from None
+    if kind == ".full" and not hasattr(file, "load_km"):
+        raise refuse(path, "is another of Ansys's binary files; a .full file is needed")
+    return file

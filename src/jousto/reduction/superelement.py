@@ -1,0 +1,320 @@
+"""Superelements: matrices that another program condensed already."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from jousto.errors import InputError, Problem, Problems, count, warn
+from jousto.reduction.invariants import EPS, Invariants
+from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.rigid import length_scale
+
+if TYPE_CHECKING:
+    from jousto.parts.readers.matrices import Matrices
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+DENSE_UP_TO = 6000
+"""Rows above which matrices are not taken for condensed ones."""
+
+FREE = 1e-6
+"""Largest force of a rigid motion, relative to the bound by the energies that cancel in it."""
+
+MASSLESS = 1e-13
+"""Least ``(w_1 / w)^2`` of motions that count as modes; the others move no mass."""
+
+
+def reduce_superelement(
+    matrices: Matrices, *, modes: int | None = None, frequency_limit: float | None = None
+) -> ReducedPart:
+    """Return the elastic modes of a condensed model: what the other program kept, orthonormal.
+
+    The rows may be nodes with three or six directions and modal coordinates, as Guyan's and
+    Craig and Bampton's methods leave them. With the rigid motions R, ``R^T M R = E``, the modes
+    are those of ``K x = w^2 M x`` with ``R^T M x = 0``.
+
+    Mass, centre, inertia, momentum and energy of the modes follow from the matrices exactly. How
+    the inertia tensor changes as the body deforms does not (they do not tell where between the
+    nodes the mass is) and is left out: a share of deflection over length of the inertia.
+
+    Parameters
+    ----------
+    matrices : Matrices
+        From `read_matrices`.
+    modes : int, optional
+        Keep the lowest; all if not given.
+    frequency_limit : float, optional
+        Keep what is below, Hz.
+
+    Returns
+    -------
+    ReducedPart
+        Node sets are ``n17`` for the node with the number 17 in the other program and those of
+        the mesh. Without limits the static response to loads on the nodes is that of the
+        superelement.
+
+    Raises
+    ------
+    InputError
+        The matrices are held or too large, K has more than the six rigid motions free, M has no
+        mass or is indefinite, or no node has three translations.
+
+    Warns
+    -----
+    JoustoWarning
+        Nodes that lack a translation are left out.
+    """
+    where = f"matrices '{matrices.name}'"
+    matrices.check_free()
+    rows = matrices.used.astype(np.intp)
+    dofs = matrices.dofs[rows]
+    n = len(rows)
+    if n > DENSE_UP_TO:
+        message = (
+            f"{n} rows are no condensed model (at most {DENSE_UP_TO}); make a Part of them"
+            " (Part.from_file) and reduce it"
+        )
+        raise InputError(Problem(where, message))
+    K = sp.csr_array(matrices.K)[rows][:, rows].toarray()
+    M = sp.csr_array(matrices.M)[rows][:, rows].toarray()
+    _check_symmetric(where, K, M)
+    place = {int(number): i for i, number in enumerate(matrices.node_ids)}
+    nodal = dofs[:, 1] > 0
+    index = np.array([place[int(i)] if c else -1 for i, c in dofs], dtype=np.intp)
+    position = np.zeros((n, 3))
+    position[nodal] = matrices.nodes[index[nodal]]
+
+    # rigid motions leave modal coordinates at rest
+    G = np.zeros((n, 6))
+    for row in np.flatnonzero(nodal):
+        G[row] = _rigid_row(position[row], int(dofs[row, 1]))
+    _check_free(where, K, G, position[nodal], dofs)
+    R = _orthonormal(where, G, M, position[nodal])
+    X, frequencies = _elastic(where, K, M, R, modes, frequency_limit)
+
+    kept, d = _marker_nodes(where, dofs, index)
+    translations, rotations = _nodal_modes(X, dofs, index, kept, d)
+    from jousto.parts.readers.matrices.matrices import elements_of, sets_of
+
+    sets = sets_of(matrices, np.asarray(kept, dtype=np.int64))
+    sets = {f"node{i + 1}": (i,) for i in range(len(kept))} | sets
+    whole = modes is None and frequency_limit is None
+    names = tuple(f"n{matrices.node_ids[i]}" for i in kept)
+    return ReducedPart(
+        name=matrices.name,
+        nodes=matrices.nodes[kept],
+        elements=np.asarray(elements_of(matrices, np.asarray(kept, dtype=np.int64)), np.intp),
+        node_sets=sets,
+        modes=translations,
+        rotations=rotations,
+        frequencies=frequencies,
+        invariants=_invariants(M, G, X),
+        interfaces=names if whole else (),
+        provenance=_provenance(K, M, dofs, matrices.nodes, modes, frequency_limit),
+    )
+
+
+def _rigid_row(x: Array, direction: int) -> Array:
+    """Return the motion of one row in the six rigid motions about the origin."""
+    out = np.zeros(6)
+    axis = (direction - 1) % 3
+    if direction <= 3:
+        out[axis] = 1.0
+        for a in range(3):
+            out[3 + a] = np.cross(np.eye(3)[a], x)[axis]
+    else:
+        out[3 + axis] = 1.0
+    return out
+
+
+def _check_symmetric(where: str, K: Array, M: Array) -> None:
+    problems = Problems()
+    for letter, matrix in (("K", K), ("M", M)):
+        if not np.all(np.isfinite(matrix)):
+            problems.add(where, f"{letter} has values that are not finite numbers")
+        elif np.abs(matrix - matrix.T).max() > 1e-8 * np.abs(matrix).max():
+            problems.add(where, f"{letter} is not symmetric; are all rows of one triangle there?")
+    problems.raise_if_any()
+
+
+def _check_free(where: str, K: Array, G: Array, nodes: Array, dofs: NDArray[np.int64]) -> None:
+    """Raise if a rigid motion meets forces: supports, other axes, or wrong positions."""
+    scaled = G.copy()
+    centre = nodes.mean(axis=0)
+    for a in range(3):
+        scaled[:, 3 + a] -= G[:, :3] @ np.cross(np.eye(3)[a], centre)
+    scaled[:, 3:] /= length_scale(nodes)
+    force = np.abs(K @ scaled)
+    # no force exceeds sqrt(K_ii) times the root of the energy that cancels in the motion
+    energy = np.einsum("ij,ij->j", np.abs(scaled), np.abs(K) @ np.abs(scaled))
+    bound = np.sqrt(np.abs(np.diag(K))[:, None] * energy)
+    ratio = force / np.maximum(bound, np.finfo(float).tiny)
+    row, column = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+    if ratio[row, column] <= FREE:
+        return
+    kind, axis = ("translation", "rotation")[int(column) // 3], "xyz"[int(column) % 3]
+    number, direction = dofs[row]
+    label = f"node {number} direction {direction}" if direction else f"modal row {number}"
+    raise InputError(
+        Problem(
+            where,
+            f"K is not free: a rigid {kind} ({axis}) leaves a force at {label},"
+            f" {ratio[row, column]:.1e} of what is possible. Was it condensed with supports, are"
+            " displacements given in axes of their own, or do the positions belong to another"
+            " model or unit?",
+        )
+    )
+
+
+def _orthonormal(where: str, G: Array, M: Array, nodes: Array) -> Array:
+    """Return rigid motions with ``R^T M R = E``."""
+    A = G.T @ M @ G
+    m = float(np.trace(A[:3, :3])) / 3.0
+    if not m > 0.0:
+        raise InputError(Problem(where, f"M holds no mass: {m:g} kg; is it the mass matrix?"))
+    if np.abs(A[:3, :3] - m * np.eye(3)).max() > 1e-6 * m:
+        x, y, z = np.diag(A)[:3]
+        message = (
+            f"the mass is not the same in all directions: {x:g}, {y:g}, {z:g} kg in x, y, z;"
+            " condense the free part, without supports"
+        )
+        raise InputError(Problem(where, message))
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(A), 1e-30))
+    values, vectors = np.linalg.eigh(scale[:, None] * A * scale)
+    if values[0] < 1e-13 * values[-1]:
+        message = "all mass lies on a line or point: the spin of the body would be undetermined"
+        raise InputError(Problem(where, message))
+    return np.asarray((G * scale) @ (vectors / np.sqrt(values)))
+
+
+def _elastic(
+    where: str, K: Array, M: Array, R: Array, modes: int | None, frequency_limit: float | None
+) -> tuple[Array, Array]:
+    """Return mass-normalised elastic modes and their frequencies in Hz, ascending.
+
+    ``(M - MR R^T M) x = mu (K + s MR R^T M) x``: the rigid motions have mu = 0, elastic modes
+    ``mu = 1/w^2`` and ``R^T M x = 0``; massless motions have mu = 0, too.
+    """
+    MR = M @ R
+    gram = MR @ MR.T
+    stiff = 0.5 * (K + K.T) + np.trace(K) / np.trace(gram) * gram
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(stiff), np.finfo(float).tiny))
+    try:
+        C = np.linalg.cholesky(scale[:, None] * stiff * scale)
+    except np.linalg.LinAlgError:
+        message = (
+            "K has more free motions than the six of a rigid body (or negative stiffness): rows"
+            " without stiffness, or parts that are not connected"
+        )
+        raise InputError(Problem(where, message)) from None
+    mass = scale[:, None] * (0.5 * (M + M.T) - gram) * scale
+    half = scipy.linalg.solve_triangular(C, mass, lower=True)
+    S = scipy.linalg.solve_triangular(C, half.T, lower=True)
+    mu, Y = np.linalg.eigh(0.5 * (S + S.T))
+    mu, Y = mu[::-1], Y[:, ::-1]
+    if mu[-1] < -1e-8 * mu[0]:
+        raise InputError(
+            Problem(where, f"M is not positive semidefinite: a mode has the mass {mu[-1]:.2g}")
+        )
+    good = int(np.sum(mu > MASSLESS * mu[0]))
+    frequencies = 1.0 / (2.0 * np.pi * np.sqrt(mu[:good]))
+    if frequency_limit is not None:
+        good = int(np.sum(frequencies <= frequency_limit))
+    if modes is not None:
+        if modes > good and frequency_limit is None:
+            message = f"{modes} modes are asked for, the superelement has {count(good, 'mode')}"
+            raise InputError(Problem(where, message))
+        good = min(good, modes)
+    if not good:
+        raise InputError(Problem(where, "no elastic mode is left; ask for more"))
+    X = scale[:, None] * scipy.linalg.solve_triangular(C.T, Y[:, :good], lower=False)
+    X /= np.sqrt(mu[:good])
+    # the sign is free: let the largest motion be positive
+    X *= np.sign(X[np.argmax(np.abs(X), axis=0), np.arange(good)])
+    return X, frequencies[:good]
+
+
+def _invariants(M: Array, G: Array, X: Array) -> Invariants:
+    """Return the mass integrals; what the matrices do not tell is left out.
+
+    ``int u0 phi^T dm`` is known in its antisymmetric part, the angular momentum, and
+    ``int phi_j phi_k^T dm`` in its trace, the modal mass, which is shared among the axes.
+    """
+    A = G.T @ M @ G
+    A = 0.5 * (A + A.T)
+    momentum = G.T @ (M @ X)
+    J = A[3:, 3:]
+    E = (X.T @ (M @ X))[:, :, None, None] / 3.0 * np.eye(3)
+    return Invariants(
+        mass=float(np.trace(A[:3, :3]) / 3.0),
+        first_moment=-0.5 * np.einsum("abc,bc->a", EPS, A[3:, :3]),
+        second_moment=0.5 * np.trace(J) * np.eye(3) - J,
+        I3=momentum[:3],
+        N0=0.5 * np.einsum("abc,aj->jbc", EPS, momentum[3:]),
+        E=0.5 * (E + E.transpose(1, 0, 2, 3)),
+    )
+
+
+def _marker_nodes(where: str, dofs: NDArray[np.int64], index: Index) -> tuple[Index, int]:
+    """Return the rows of nodes that have all translations, and directions that all of them have."""
+    have: dict[int, set[int]] = {}
+    for i, (_, c) in zip(index, dofs, strict=True):
+        if c:
+            have.setdefault(int(i), set()).add(int(c))
+    complete = sorted(i for i, found in have.items() if found >= {1, 2, 3})
+    if not complete:
+        message = "no node has its three translations: joints and forces could act nowhere"
+        raise InputError(Problem(where, message))
+    if len(complete) < len(have):
+        lost = len(have) - len(complete)
+        warn(where, f"{count(lost, 'node')} without all translations cannot carry markers")
+    turning = [i for i in complete if have[i] >= {4, 5, 6}]
+    if turning and len(turning) < len(complete):
+        warn(
+            where,
+            f"{len(complete) - len(turning)} nodes without rotations are left out, markers sit on"
+            f" the {len(turning)} with six directions",
+        )
+        complete = turning
+    return np.array(complete, dtype=np.intp), 6 if turning else 3
+
+
+def _nodal_modes(
+    X: Array, dofs: NDArray[np.int64], index: Index, kept: Index, d: int
+) -> tuple[Array, Array | None]:
+    place = {int(i): k for k, i in enumerate(kept)}
+    nodal = np.zeros((len(kept), d, X.shape[1]))
+    for row, (i, (_, c)) in enumerate(zip(index, dofs, strict=True)):
+        if 0 < c <= d and int(i) in place:
+            nodal[place[int(i)], c - 1] = X[row]
+    return nodal[:, :3], nodal[:, 3:] if d == 6 else None
+
+
+def _provenance(
+    K: Array,
+    M: Array,
+    dofs: NDArray[np.int64],
+    nodes: Array,
+    modes: int | None,
+    frequency_limit: float | None,
+) -> dict[str, str]:
+    digest = hashlib.sha256()
+    for array in (nodes, K, M):
+        digest.update(np.ascontiguousarray(array, dtype="<f8").tobytes())
+    digest.update(np.ascontiguousarray(dofs, dtype="<i8").tobytes())
+    versions = {}
+    for package in ("jousto", "numpy", "scipy"):
+        try:
+            versions[package] = importlib.metadata.version(package)
+        except importlib.metadata.PackageNotFoundError:
+            versions[package] = "unknown"
+    method = f"superelement(modes={modes}, frequency_limit={frequency_limit})"
+    return {"method": method, "input": "sha256:" + digest.hexdigest(), **versions}

@@ -1,0 +1,137 @@
+"""Nastran's OP4 and DMIG: round trips with pyyeti, and superelements that NX Nastran wrote."""
+
+from __future__ import annotations
+
+import warnings
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.linalg
+from numpy.testing import assert_allclose
+
+import jousto as jo
+from jousto.errors import InputError
+from jousto.parts import Circle, Material, Part
+from parts.matrix_files import full
+
+pytest.importorskip("pandas")
+pytest.importorskip("pyyeti")
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore")
+    from pyyeti import nastran
+
+ROD = Part.frame(
+    [(0.0, 0.0, 0.0), (0.4, 0.0, 0.0), (0.4, 0.5, 0.1)],
+    [(0, 1), (1, 2)],
+    sections=Circle(0.03),
+    materials=Material(E=210e9, nu=0.3, rho=7850.0),
+)
+GRIDS = "GRID,3,,0.,0.,0.\nGRID,11,,0.4,0.,0.\nGRID,27,,0.4,0.5,0.1\n"
+DOFS = np.array([(n, c) for n in (3, 11, 27) for c in range(1, 7)])
+
+
+def outboard() -> Path:
+    """Return an external superelement of NX Nastran 9 that pyyeti ships with its tests."""
+    spec = find_spec("pyyeti")
+    assert spec is not None and spec.origin is not None
+    path = Path(spec.origin).parent / "tests" / "nas2cam_extseout" / "outboard.op4"
+    if not path.is_file():
+        pytest.skip("this pyyeti comes without its test files")
+    return path
+
+
+def write_op4(path: Path, **matrices: object) -> None:
+    nastran.op4.write(str(path), {name: full(m) for name, m in matrices.items()})
+
+
+@pytest.mark.parametrize("names", [("KAA", "MAA"), ("KGG", "MGG")])
+def test_op4(tmp_path: Path, names: tuple[str, str]) -> None:
+    write_op4(tmp_path / "rod.op4", **dict(zip(names, (ROD.K, ROD.M), strict=True)))
+    (tmp_path / "rod.bdf").write_text(GRIDS)
+    part = Part.from_file(tmp_path / "rod.op4")
+    assert_allclose(full(part.K), full(ROD.K), rtol=1e-15)
+    assert_allclose(full(part.M), full(ROD.M), rtol=1e-15)
+    assert_allclose(part.nodes, ROD.nodes, atol=1e-15)
+    assert part.node("n27") == 2
+
+
+def write_dmig(path: Path, K: np.ndarray, M: np.ndarray, grids: str = GRIDS) -> None:
+    import pandas as pd
+
+    index = pd.MultiIndex.from_tuples([tuple(row) for row in DOFS.tolist()], names=["id", "dof"])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        frames = {"KAAX": (K, index), "MAAX": (M, index)}
+        nastran.wtdmig(
+            str(path), {k: pd.DataFrame(A, index=i, columns=i) for k, (A, i) in frames.items()}
+        )
+    path.write_text(grids + path.read_text())
+
+
+def test_dmig(tmp_path: Path) -> None:
+    write_dmig(tmp_path / "rod.pch", full(ROD.K), full(ROD.M))
+    part = Part.from_file(tmp_path / "rod.pch")
+    # ten digits in the fields of a DMIG card
+    scale = np.abs(full(ROD.K)).max()
+    assert_allclose(full(part.K), full(ROD.K), rtol=1e-8, atol=1e-9 * scale)
+    assert_allclose(part.inertia, ROD.inertia, rtol=1e-7, atol=1e-9)
+
+
+def test_displacements_in_axes_of_a_grid(tmp_path: Path) -> None:
+    # grid 11 moves in a system turned by 90 degrees about z: its x is the basic y
+    turn = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    B = np.eye(18)
+    B[6:9, 6:9] = B[9:12, 9:12] = turn.T
+    K, M = B.T @ full(ROD.K) @ B, B.T @ full(ROD.M) @ B
+    grids = GRIDS.replace("GRID,11,,0.4,0.,0.", "GRID,11,,0.4,0.,0.,5")
+    grids += "CORD2R,5,,0.,0.,0.,0.,0.,1.\n,0.,1.,0.\n"
+    write_op4(tmp_path / "rod.op4", KAA=K, MAA=M)
+    (tmp_path / "rod.bdf").write_text(grids)
+    part = Part.from_file(tmp_path / "rod.op4")
+    assert_allclose(full(part.K), full(ROD.K), rtol=1e-12, atol=1e-6)
+
+
+def test_damaged_files(tmp_path: Path) -> None:
+    path = tmp_path / "rod.op4"
+    write_op4(path, KAA=ROD.K, MAA=ROD.M)
+    data = path.read_bytes()
+    path.write_bytes(data[: len(data) // 2])
+    with pytest.raises(InputError, match="rod.op4: (is no OP4 file, or it is cut off|holds no)"):
+        jo.read_matrices(path, nodes=ROD.nodes)
+    path.write_text("solid brick\n")
+    with pytest.raises(InputError, match="rod.op4: (is no OP4 file|holds no matrix)"):
+        jo.read_matrices(path, nodes=ROD.nodes)
+    write_op4(path, KAA=ROD.K, PHI=ROD.M)
+    with pytest.raises(InputError, match="holds no matrix M .* it has KAA, PHI"):
+        jo.read_matrices(path, nodes=ROD.nodes)
+    write_op4(path, KAA=ROD.K, MAA=ROD.M)
+    (tmp_path / "rod.bdf").write_text(GRIDS[: GRIDS.index("GRID,27")])
+    with pytest.raises(InputError, match="has 18 rows but rod.bdf names 12"):
+        jo.read_matrices(path)
+    with pytest.raises(InputError, match="leave out M"):
+        jo.read_matrices(path, path)
+    (tmp_path / "mesh.pch").write_text(GRIDS)
+    with pytest.raises(InputError, match="mesh.pch: holds no DMIG entries"):
+        jo.read_matrices(tmp_path / "mesh.pch")
+
+
+def test_superelement_of_nastran() -> None:
+    # 4 grids in inches or mm (the sources do not say), one with axes of its own, and 22 modes
+    matrices = jo.read_matrices(outboard())
+    assert len(matrices.modal) == 22 and list(matrices.node_ids) == [3, 11, 19, 27]
+    # Nastran's list of the fixed-interface modes (outboard.out, CYCLES)
+    q = matrices.modal
+    f = np.sqrt(matrices.K.diagonal()[q] / matrices.M.diagonal()[q]) / (2.0 * np.pi)
+    printed = [1.650001, 1.650249, 1.674265, 1.674687, 7.025350, 7.025411, 10.91274, 10.91454]
+    assert_allclose(f[:8], printed, rtol=1e-6)
+    with pytest.raises(InputError, match="22 of its rows are modal coordinates.*reduce_superel"):
+        Part.from_file(outboard())
+
+    reduced = jo.reduce_superelement(matrices)
+    # the elastic free-free modes are those of K x = w^2 M x
+    values = scipy.linalg.eigh(full(matrices.K), full(matrices.M), eigvals_only=True)
+    free = np.sqrt(values[6:]) / (2.0 * np.pi)
+    assert_allclose(reduced.frequencies, free[: reduced.n], rtol=1e-8)
+    assert reduced.n == 40 and reduced.interfaces == ("n3", "n11", "n19", "n27")

@@ -1,0 +1,182 @@
+"""Superelements against the full model that they were condensed from."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.linalg
+from numpy.testing import assert_allclose
+
+import jousto as jo
+from jousto.errors import InputError, JoustoWarning
+from jousto.parts import Material, Part, Tube
+
+# a bent frame without symmetry: no two frequencies are equal
+FRAME = Part.frame(
+    [(0, 0, 0), (0.3, 0, 0), (0.6, 0.1, 0), (0.9, 0.3, 0.1), (1.0, 0.6, 0.3)],
+    [(0, 1), (1, 2), (2, 3), (3, 4)],
+    sections=Tube(0.05, 0.004),
+    materials=Material(E=210e9, nu=0.3, rho=7850.0),
+    node_sets={"foot": (0,), "tip": (4,)},
+)
+B = np.r_[0:6, 24:30]
+I = np.setdiff1d(np.arange(30), B)
+
+
+def condensed(modes: int) -> jo.Matrices:
+    """Return Craig and Bampton's matrices as another program would write them: B, then q."""
+    K, M = FRAME.K.toarray(), FRAME.M.toarray()
+    phi_c = -np.linalg.solve(K[np.ix_(I, I)], K[np.ix_(I, B)])
+    _, phi_n = scipy.linalg.eigh(K[np.ix_(I, I)], M[np.ix_(I, I)])
+    T = np.zeros((30, 12 + modes))
+    T[B, :12] = np.eye(12)
+    T[I, :12] = phi_c
+    T[I, 12:] = phi_n[:, :modes]
+    dofs = [(n, c) for n in (101, 205) for c in range(1, 7)]
+    dofs += [(9001 + j, 0) for j in range(modes)]
+    return jo.Matrices(
+        name="arm",
+        K=T.T @ K @ T,
+        M=T.T @ M @ T,
+        dofs=np.array(dofs),
+        node_ids=np.array([101, 205]),
+        nodes=FRAME.nodes[[0, 4]],
+        node_sets={"tip": np.array([205])},
+    )
+
+
+@pytest.mark.parametrize("modes", [0, 5])
+def test_the_same_as_reducing_the_full_model(modes: int) -> None:
+    # B is static condensation and fixed-interface modes, so is CraigBampton
+    full = jo.reduce(FRAME, jo.CraigBampton(interfaces=("foot", "tip"), modes=modes))
+    reduced = jo.reduce_superelement(condensed(modes))
+    assert reduced.n == full.n == 6 + modes
+    assert_allclose(reduced.frequencies, full.frequencies, rtol=1e-9)
+    assert reduced.node("tip") == reduced.node("n205") == 1
+    # modes up to their sign
+    ours, theirs = reduced.modes, full.modes[[0, 4]]
+    sign = np.sign(np.sum(ours * theirs, axis=(0, 1)))
+    assert_allclose(ours, theirs * sign, atol=1e-7 * np.abs(theirs).max())
+    assert reduced.rotations is not None and full.rotations is not None
+    turns = full.rotations[[0, 4]] * sign
+    assert_allclose(reduced.rotations, turns, atol=1e-7 * np.abs(turns).max())
+    # what is exact: mass, its moments, momentum, energy
+    a, b = reduced.invariants, full.invariants
+    assert a.mass == pytest.approx(b.mass, rel=1e-11)
+    assert_allclose(a.I2, b.I2, rtol=1e-10, atol=1e-12)
+    J = a.mass * np.abs(FRAME.nodes).max() ** 2
+    # (the consistent mass of beams as points in the full model differs in rotary inertia)
+    assert_allclose(a.I7, FRAME_INERTIA, atol=1e-9 * J)
+    assert_allclose(a.I3, b.I3 * sign, atol=1e-8 * np.abs(b.I3).max() + 1e-9)
+    assert_allclose(a.I6, np.eye(reduced.n), atol=1e-9)
+
+
+def inertia_about_origin() -> np.ndarray:
+    R = FRAME.rigid_modes()
+    return np.asarray(R.T @ (FRAME.M @ R))[3:, 3:]
+
+
+FRAME_INERTIA = inertia_about_origin()
+
+
+def test_limits() -> None:
+    matrices = condensed(5)
+    every = jo.reduce_superelement(matrices)
+    some = jo.reduce_superelement(matrices, modes=4)
+    assert_allclose(some.frequencies, every.frequencies[:4])
+    below = jo.reduce_superelement(matrices, frequency_limit=float(every.frequencies[2]) * 1.01)
+    assert below.n == 3 and below.interfaces == () and every.interfaces == ("n101", "n205")
+    with pytest.raises(InputError, match="20 modes are asked for, the superelement has 11 modes"):
+        jo.reduce_superelement(matrices, modes=20)
+
+
+def test_condensed_nodes_alone_are_a_part() -> None:
+    # without modal coordinates the matrices go the way of all others
+    from jousto.parts.readers.matrices import nodal
+
+    ordered = nodal(condensed(0))
+    part = Part.from_matrices(ordered.M, ordered.K, ordered.nodes, node_sets=ordered.node_sets)
+    ends = jo.reduce(part, jo.CraigBampton(interfaces=("n101", "n205"), modes=0))
+    direct = jo.reduce_superelement(condensed(0))
+    assert_allclose(ends.frequencies, direct.frequencies, rtol=1e-8)
+
+
+def test_runs_in_a_mechanism() -> None:
+    # a pendulum of the superelement falls as the full model does
+    ends = []
+    for reduced in (
+        jo.reduce(FRAME, jo.CraigBampton(interfaces=("foot", "tip"), modes=3)),
+        jo.reduce_superelement(condensed(3)),
+    ):
+        arm = jo.FlexibleBody("arm", reduced)
+        pendulum = jo.Mechanism(
+            arm,
+            jo.Spherical("pivot", jo.ground["origin"], arm["node1"]),
+            jo.Gravity((0.0, -9.81, 0.0)),
+            jo.PositionSensor("tip", arm["tip"]),
+        )
+        run = jo.simulate(jo.compile(pendulum), t_end=0.3, solver=jo.ROS2(step=1e-3))
+        ends.append(run["tip"][-1])
+    # the inertia does not change with the deformation: 5 um of 1.2 m where the tip bends 0.2 mm
+    assert_allclose(ends[1], ends[0], atol=5e-6)
+
+
+def with_rows(matrices: jo.Matrices, **matrix: np.ndarray) -> jo.Matrices:
+    return replace(matrices, **matrix)  # type: ignore[arg-type]
+
+
+def test_refusals() -> None:
+    good = condensed(2)
+    K, M = good.K.toarray(), good.M.toarray()
+    with pytest.raises(InputError, match="K is not free: a rigid translation"):
+        held = K.copy()
+        held[1, 1] *= 1.1
+        jo.reduce_superelement(with_rows(good, K=held))
+    with pytest.raises(InputError, match="K is not free: a rigid rotation"):
+        jo.reduce_superelement(replace(good, nodes=1000.0 * good.nodes))
+    with pytest.raises(InputError, match="the mass is not the same in all directions"):
+        heavy = M.copy()
+        heavy[0, 0] += 1.0
+        jo.reduce_superelement(with_rows(good, M=heavy))
+    with pytest.raises(InputError, match="M holds no mass"):
+        jo.reduce_superelement(with_rows(good, M=0.0 * M))
+    with pytest.raises(InputError, match="more free motions than the six"):
+        loose = K.copy()
+        loose[12:] = loose[:, 12:] = 0.0
+        jo.reduce_superelement(with_rows(good, K=loose))
+    with pytest.raises(InputError, match="K is not symmetric"):
+        jo.reduce_superelement(with_rows(good, K=np.triu(K)))
+    with pytest.raises(InputError, match="M is not positive semidefinite"):
+        negative = M.copy()
+        negative[12, 12] = -1.0
+        jo.reduce_superelement(with_rows(good, M=negative))
+    with pytest.raises(InputError, match="written with supports"):
+        jo.reduce_superelement(replace(good, held=np.array([[101, 1]])))
+
+
+def test_nodes_without_all_directions() -> None:
+    # a node of the superelement that keeps its x only, and one without rotations
+    good = condensed(2)
+    keep = np.r_[0:12, 12:14]
+    dofs = good.dofs.copy()
+    dofs[13] = (300, 1)
+    # an interior mode cannot be a node's row: take a node that only rides along instead
+    K, M = good.K.toarray(), good.M.toarray()
+    K[13], K[:, 13] = 0.0, 0.0
+    K[13, 13] = K[0, 0] * 1e-3
+    K[13, 0] = K[0, 13] = -K[13, 13]
+    K[0, 0] += K[13, 13]
+    M[13], M[:, 13] = 0.0, 0.0
+    matrices = replace(
+        good,
+        K=K[np.ix_(keep, keep)],
+        M=M[np.ix_(keep, keep)],
+        dofs=dofs,
+        node_ids=np.array([101, 205, 300]),
+        nodes=np.vstack([good.nodes, good.nodes[0]]),
+    )
+    with pytest.warns(JoustoWarning, match="1 node without all translations"):
+        reduced = jo.reduce_superelement(matrices)
+    assert len(reduced.nodes) == 2
