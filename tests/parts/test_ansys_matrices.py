@@ -15,7 +15,7 @@ from jousto.errors import InputError
 from jousto.parts import Part
 from parts.matrix_files import full
 
-with warnings.catch_warnings():
+with warnings.catch_warnings(), np.printoptions():
     warnings.simplefilter("ignore")
     examples = pytest.importorskip("ansys.mapdl.reader.examples")
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import warnings
 from importlib.util import find_spec
 from pathlib import Path
@@ -16,11 +18,9 @@ from jousto.errors import InputError
 from jousto.parts import Circle, Material, Part
 from parts.matrix_files import full
 
-pytest.importorskip("pandas")
-pytest.importorskip("pyyeti")
-with warnings.catch_warnings():
+with warnings.catch_warnings(), np.printoptions():
     warnings.simplefilter("ignore")
-    from pyyeti import nastran
+    nastran = pytest.importorskip("pyyeti.nastran")
 
 ROD = Part.frame(
     [(0.0, 0.0, 0.0), (0.4, 0.0, 0.0), (0.4, 0.5, 0.1)],
@@ -135,3 +135,14 @@ def test_superelement_of_nastran() -> None:
     free = np.sqrt(values[6:]) / (2.0 * np.pi)
     assert_allclose(reduced.frequencies, free[: reduced.n], rtol=1e-8)
     assert reduced.n == 40 and reduced.interfaces == ("n3", "n11", "n19", "n27")
+
+
+def test_reading_leaves_numpy_as_it_is(tmp_path: Path) -> None:
+    # in a fresh process: importing the package would change how numpy prints
+    write_op4(tmp_path / "rod.op4", KAA=ROD.K, MAA=ROD.M)
+    code = (
+        "import sys, numpy as np, jousto as jo; x = np.array([0.3, 0.0]);"
+        "jo.read_matrices(sys.argv[1], nodes=[[0, 0, 0], [0.4, 0, 0], [0.4, 0.5, 0.1]]);"
+        "assert str(x) == '[0.3 0. ]', str(x)"
+    )
+    subprocess.run([sys.executable, "-c", code, tmp_path / "rod.op4"], check=True)

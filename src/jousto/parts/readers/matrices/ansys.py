@@ -68,7 +68,8 @@ def _open(path: Path, kind: str) -> Any:
     if not path.is_file():
         raise InputError(Problem("", f"no such file {str(path)!r}"))
     try:
-        from ansys.mapdl import reader
+        with np.printoptions():
+            from ansys.mapdl import reader
     except ImportError:
         raise refuse(path, EXTRA) from None
     try:

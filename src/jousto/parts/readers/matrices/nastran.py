@@ -28,7 +28,8 @@ BULK = (".pch", ".asm", ".bdf", ".nas", ".dat")
 
 def _nastran(path: Path) -> Any:
     try:
-        with warnings.catch_warnings():
+        # the package changes how numpy prints
+        with warnings.catch_warnings(), np.printoptions():
             warnings.simplefilter("ignore")
             from pyyeti import nastran
     except ImportError:
