@@ -64,20 +64,40 @@ def read_result_nodes(path: Path) -> Positions:
     return Positions(ids, xyz)
 
 
-def _open(path: Path, kind: str) -> Any:
+def _check_binary(path: Path, kind: str) -> None:
+    """Raise unless the file is of a kind and complete: the reader itself may crash otherwise.
+
+    Fortran records of 4-byte words: length, a mark, and the standard header of 100 words, which
+    begins with the number of the kind of file; the header of .full files follows at word 103 and
+    has the place where the file ends in its items 23 and 24.
+    """
     if not path.is_file():
         raise InputError(Problem("", f"no such file {str(path)!r}"))
+    number = {".full": 4, ".rst": 12}[kind]
+    words = np.fromfile(path, dtype="<i4", count=205)
+    if len(words) < 4 or words[0] != 100 or words[1] != -(2**31):
+        raise refuse(path, f"is no Ansys {kind} file, or it is damaged")
+    if words[2] != number:
+        raise refuse(path, f"is another of Ansys's binary files; a {kind} file is needed")
+    if kind == ".full":
+        size = path.stat().st_size
+        if len(words) < 129:
+            raise refuse(path, f"is cut off: it ends after {size} bytes; copy it again")
+        end = 4 * (int(words[127]) + (int(words[128]) << 32))
+        if size < end:
+            raise refuse(path, f"is cut off: it has {size} of {end} bytes; copy it again")
+
+
+def _open(path: Path, kind: str) -> Any:
+    _check_binary(path, kind)
     try:
         with np.printoptions():
             from ansys.mapdl import reader
     except ImportError:
         raise refuse(path, EXTRA) from None
     try:
-        file = reader.read_binary(str(path))
+        return reader.read_binary(str(path))
     except NotImplementedError as error:
         raise refuse(path, f"cannot be used: {error}") from None
     except Exception:
         raise refuse(path, f"is no Ansys {kind} file, or it is damaged") from None
-    if kind == ".full" and not hasattr(file, "load_km"):
-        raise refuse(path, "is another of Ansys's binary files; a .full file is needed")
-    return file
