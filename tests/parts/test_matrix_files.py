@@ -419,3 +419,21 @@ def test_circle_of_another_kind() -> None:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             _plausible(matrices, "rod", "SI")
+
+
+def test_nodes_and_sets_from_the_mesh_beside(tmp_path: Path) -> None:
+    part = Part.from_file(FILES / "brick.sti")
+    table = brick_nodes()
+    assert_array_equal(part.nodes, table[:, 1:])
+    assert [part.nodes[i][0] for i in part.node_sets["LEFT"]] == [0.0] * 4
+    assert part.elements.shape[1] == 3  # the outer surface, for drawing
+    # a mesh in mm with matrices in N, mm, t is scaled as a whole
+    for name in ("brick.sti", "brick.mas", "brick.dof"):
+        (tmp_path / name).write_text((FILES / name).read_text())
+    text = (FILES / "brick.inp").read_text()
+    head, _, tail = text.partition("*ELEMENT")
+    lines = [f"{row[0]:.0f}, {1e3 * row[1]}, {1e3 * row[2]}, {1e3 * row[3]}" for row in table]
+    (tmp_path / "brick.inp").write_text("*NODE\n" + "\n".join(lines) + "\n*ELEMENT" + tail)
+    scaled = jo.read_matrices(tmp_path / "brick.sti", units="mm-t-s")
+    assert_allclose(scaled.nodes, table[:, 1:], rtol=1e-15)
+    assert_allclose(full(scaled.M), 1e3 * full(part.M), rtol=1e-12)

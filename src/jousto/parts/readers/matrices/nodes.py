@@ -60,9 +60,8 @@ def read_positions(nodes: Any, unit: str) -> Positions:
         path = Path(nodes)
         if path.suffix.lower() in TABLES:
             return from_table(_table(path), path.name)
-        import jousto.parts.readers as readers
+        from jousto.parts.readers import read_mesh
 
-        read_mesh: Any = readers.read_mesh  # type: ignore[attr-defined]
         nodes = read_mesh(path, unit=unit)
     if hasattr(nodes, "node_ids") and hasattr(nodes, "cells"):
         return from_mesh(nodes)
