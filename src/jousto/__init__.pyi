@@ -220,6 +220,15 @@ from .output import plot_campbell as plot_campbell
 from .output import plot_root_locus as plot_root_locus
 from .output import still as still
 from .output import write_certificate as write_certificate
+from .output import (
+    write_fem as write_fem,
+)
+from .output import (
+    write_sid as write_sid,
+)
+from .output import (
+    write_vtu as write_vtu,
+)
 from .parts import (
     Box as Box,
 )

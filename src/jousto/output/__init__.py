@@ -3,9 +3,12 @@
 from jousto.output.animate import animate, still
 from jousto.output.campbell import plot_campbell, plot_root_locus
 from jousto.output.certificate import write_certificate
+from jousto.output.mbdyn import write_fem
 from jousto.output.plot import plot
+from jousto.output.sid import write_sid
 from jousto.output.style import COLORS, STYLE
 from jousto.output.view import View
+from jousto.output.vtu import write_vtu
 
 __all__ = [
     "COLORS",
@@ -16,5 +19,8 @@ __all__ = [
     "plot_campbell",
     "plot_root_locus",
     "still",
+    "write_fem",
+    "write_sid",
+    "write_vtu",
     "write_certificate",
 ]
