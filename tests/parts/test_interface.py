@@ -181,6 +181,9 @@ def test_all_that_is_wrong_at_once() -> None:
     text = str(error.value)
     assert "'b': node1 is tied to interface 'a' already" in text
     assert "two interfaces are named 'a'" in text
+    with pytest.raises(InputError, match="'left': has the name of a node set that it is not made"):
+        box().with_interfaces(Interface("left", "right"))
+    assert box().with_interfaces(Interface("left", "left")).ties[0].name == "left"
     assert "no node set 'nowhere'" in text and "no node lies there" in text
 
 

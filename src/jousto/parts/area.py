@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from jousto.parts._arrays import Floats, Ints, Sparse, as_csr
 
@@ -72,6 +73,23 @@ _SHAPES = {
     4: (_square, _SQUARE, _SQUARE_WEIGHTS),
     8: (_square8, _SQUARE, _SQUARE_WEIGHTS),
 }
+
+
+def by_kind(rows: Ints, used: NDArray[np.bool_]) -> tuple[Ints, ...]:
+    """Return faces in rows that are filled up behind as one array for each number of nodes.
+
+    Faces of a node that is not there (negative) are left out.
+
+    Examples
+    --------
+    >>> rows = np.array([[0, 1, 2, 3], [3, 2, 4, -1], [5, 3, -1, -1]])
+    >>> [group.tolist() for group in by_kind(rows, rows >= 0)]
+    [[[3, 2, 4]], [[0, 1, 2, 3]]]
+    """
+    count = used.sum(axis=1)
+    whole = np.all((rows >= 0) | ~used, axis=1)
+    groups = (rows[whole & (count == k), :k] for k in KINDS)
+    return tuple(group for group in groups if len(group))
 
 
 def area_matrix(nodes: Floats, faces: Sequence[Ints]) -> Sparse:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from jousto.parts.area import KINDS, area_matrix
 from jousto.parts.cylinders import cylinder_middle
 from jousto.parts.picks import Pick
 from jousto.parts.sets import read_integers
+
+if TYPE_CHECKING:
+    from jousto.parts.part import Part
 
 LOOSE, NARROW = 1e-8, 1e-3
 """Least ratio of the weakest to the strongest of the six motions of the tied nodes."""
@@ -145,20 +148,13 @@ class Tie:
         return np.asarray((self.nodes[:, None] * d + np.arange(d)).ravel())
 
 
-def resolve(
-    problems: Problems,
-    where: str,
-    interfaces: Sequence[Interface],
-    nodes: Floats,
-    dofs_per_node: int,
-    node_sets: Mapping[str, tuple[int, ...]],
-    faces: Sequence[Ints],
-) -> tuple[Tie, ...]:
+def resolve(problems: Problems, where: str, part: Part) -> tuple[Tie, ...]:
     """Return the ties of a part, or note everything that is wrong with its interfaces."""
+    nodes, node_sets, d = part.nodes, part.node_sets, part.dofs_per_node
     ties: list[Tie] = []
     owner: dict[int, str] = {}
     names: set[str] = set()
-    for interface in interfaces:
+    for interface in part.interfaces:
         given: object = interface
         if not isinstance(given, Interface):
             problems.add(where, f"interfaces: {given!r} is no Interface(name, nodes, ...)")
@@ -167,9 +163,14 @@ def resolve(
         if interface.name in names:
             problems.add(where, f"two interfaces are named '{interface.name}'")
         names.add(interface.name)
-        found = _nodes(problems, label, interface, nodes, node_sets)
+        found = _nodes(problems, label, interface, part)
         if found is None:
             continue
+        own = node_sets.get(interface.name)
+        if own is not None and set(own) != set(found[0].tolist()):
+            problems.add(
+                label, "has the name of a node set that it is not made of; take another name"
+            )
         shared = next((int(i) for i in found[0] if int(i) in owner), None)
         if shared is not None:
             problems.add(
@@ -179,26 +180,23 @@ def resolve(
             )
             continue
         owner |= {int(i): interface.name for i in found[0]}
-        tie = _tie(problems, label, interface, *found, nodes, dofs_per_node, faces)
+        index, faces = found
+        tie = _tie(problems, label, interface, index, (faces, part.faces), nodes, d)
         if tie is not None:
             ties.append(tie)
     return tuple(ties)
 
 
 def _nodes(
-    problems: Problems,
-    label: str,
-    interface: Interface,
-    nodes: Floats,
-    node_sets: Mapping[str, tuple[int, ...]],
-) -> tuple[Ints, Ints | None] | None:
+    problems: Problems, label: str, interface: Interface, part: Part
+) -> tuple[Ints, tuple[Ints, ...]] | None:
     """Return the nodes of an interface, in the order given, and its faces if it names those."""
-    value = interface.nodes
+    value, nodes, node_sets = interface.nodes, part.nodes, part.node_sets
     if isinstance(value, str):
         if value not in node_sets:
             problems.add(label, f"no node set '{value}'{suggest(value, node_sets)}")
             return None
-        return np.array(node_sets[value], dtype=np.int64), None
+        return np.array(node_sets[value], dtype=np.int64), tuple(part.surfaces.get(value, ()))
     if isinstance(value, Pick):
         found = np.asarray(value.of(nodes), dtype=np.int64)
         if not len(found):
@@ -210,7 +208,7 @@ def _nodes(
                 " part's frame?",
             )
             return None
-        return found, None
+        return found, ()
     array = read_integers(value)
     if array is None or array.ndim not in (1, 2) or not array.size:
         problems.add(
@@ -227,12 +225,12 @@ def _nodes(
         if len(np.unique(array)) < len(array):
             problems.add(label, "names a node twice")
             return None
-        return array, None
+        return array, ()
     if array.shape[1] not in KINDS:
         known = ", ".join(f"{k} ({kind})" for k, kind in KINDS.items())
         problems.add(label, f"its faces have {array.shape[1]} nodes, must be {known}")
         return None
-    return np.unique(array), array
+    return np.unique(array), (array,)
 
 
 def _tie(
@@ -240,10 +238,9 @@ def _tie(
     label: str,
     interface: Interface,
     found: Ints,
-    own_faces: Ints | None,
+    faces: Sequence[Sequence[Ints]],
     nodes: Floats,
     d: int,
-    faces: Sequence[Ints],
 ) -> Tie | None:
     order = np.argsort(found)
     index = found[order]
@@ -258,7 +255,8 @@ def _tie(
         weights = interface.weights[order]
     else:
         weights = np.ones(k)
-    share = _area(nodes, index, [own_faces] if own_faces is not None else faces)
+    found_areas = (_area(nodes, index, some) for some in faces)
+    share = next((area for area in found_areas if area is not None), None)
     if share is not None and interface.weights is None:
         by_area = True
         weights = np.asarray(share.sum(axis=1))

@@ -12,6 +12,7 @@ import numpy as np
 
 from jousto.errors import InputError, Problem, Problems, warn
 from jousto.parts._arrays import Floats, Ints, Sparse, read_only, skew, some, times
+from jousto.parts.area import by_kind
 from jousto.parts.beam import Theory, Timoshenko
 from jousto.parts.frame import BeamOptions, Frame, assemble, check_frame
 from jousto.parts.interface import Interface, Tie, resolve
@@ -63,6 +64,8 @@ class Part:
     faces : sequence of (nf, k) ndarray of int
         Outer faces of solids by kind, k = 3, 4, 6 or 8 node indices each, corners first, then the
         middles of the sides: averages over a surface weigh by area where they are known.
+    surfaces : mapping of str to sequence of (nf, k) ndarray of int
+        Named faces in the same form; an interface on a node set of that name takes these.
     solids : SolidModel, optional
         The solid elements with their materials.
     mesh : Mesh, optional
@@ -83,6 +86,7 @@ class Part:
     second_order: SecondOrder | SolidSecondOrder | None = None
     interfaces: Sequence[Interface] = ()
     faces: Sequence[Ints] = ()
+    surfaces: Mapping[str, Sequence[Ints]] = field(default_factory=dict)
     solids: SolidModel | None = None
     mesh: Any = None
     attached: MassPoints | None = None
@@ -114,7 +118,7 @@ class Part:
             object.__setattr__(self, "interfaces", interfaces)
             object.__setattr__(self, "faces", faces)
             if not problems.found:
-                ties = resolve(problems, where, interfaces, nodes, self.dofs_per_node, sets, faces)
+                ties = resolve(problems, where, self)
                 object.__setattr__(self, "_ties", ties)
         problems.raise_if_any()
 
@@ -417,6 +421,11 @@ class Part:
             stress=SolidStress.everywhere(model),
             second_order=SolidSecondOrder(model, M, attached),
             interfaces=interfaces,
+            faces=tuple(new[block.nodes] for block in getattr(mesh, "faces", ())),
+            surfaces={
+                key: by_kind(new[rows], rows >= 0)
+                for key, rows in getattr(mesh, "surfaces", {}).items()
+            },
             solids=model,
             mesh=mesh,
             attached=attached,
