@@ -165,7 +165,7 @@ def test_rigid_tie_is_the_limit_of_stiff_beams() -> None:
             sections=[section] * 5 + [stiff] * 3, materials=STEEL, theory=EulerBernoulli(),
         )  # fmt: skip
         errors.append(np.abs(tip(arms, "") - truth).max() / np.abs(truth).max())
-    assert errors[1] < 1e-4
+    assert errors[1] < 2e-4
     # first order in the compliance of the arms
     assert errors[0] / errors[1] == pytest.approx(100.0, rel=0.1)
 
