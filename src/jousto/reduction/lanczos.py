@@ -9,7 +9,7 @@ block finds as many equal frequencies as it has columns.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
@@ -21,14 +21,26 @@ from jousto.reduction.factor import Solver
 Array = NDArray[np.float64]
 Apply = Callable[[Array], Array]
 
-BLOCK = 8
-"""Columns of a block: the most equal frequencies that are surely found."""
+BLOCK = 4
+"""Columns of a block; as many equal frequencies are found without looking again."""
+
+CLUSTER = 1e-8
+"""Relative difference of mu below which frequencies count as equal."""
 
 RESIDUAL = 1e-10
 """Largest residual of a mode relative to its mu: mu then is exact to its square."""
 
+FLOOR = 1e-13
+"""Residual relative to the largest mu that rounding may leave: there is nothing below it."""
+
+PATIENCE = 400
+"""Blocks after which what has been found is returned; the last projection makes the best of it."""
+
 ROUND_OFF = 1e-12
 """Part of a direction that is left of it after orthogonalisation when nothing new is in it."""
+
+SMALL = 1e-9
+"""What an orthogonalisation may take away for another one not to be needed."""
 
 
 @dataclass(eq=False)
@@ -39,8 +51,6 @@ class _Basis:
     BQ: Array
     T: Array
     size: int = 0
-    # coordinates of what the last block leads to beyond the basis
-    R: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
     def columns(self) -> tuple[Array, Array]:
         return self.Q[:, : self.size], self.BQ[:, : self.size]
@@ -61,7 +71,8 @@ def lanczos(
     """Return the largest `count` solutions of ``A y = mu B y``.
 
     Block Lanczos with full orthogonalisation, restarted with the best vectors found when the basis
-    is full (thick restart), and a last projection that repairs rounding.
+    is full (thick restart), and a last projection that repairs rounding. If as many frequencies
+    are equal as a block has columns there may be more of them: it is repeated with wider blocks.
 
     Parameters
     ----------
@@ -83,20 +94,42 @@ def lanczos(
     Y : (n, count) array
         ``Y^T B Y = E``.
     """
+    width = BLOCK
+    while True:
+        mu, Y = _iterate(apply, B, solve, count, width, report)
+        if _equal(mu) < width or 8 * width > len(Y):
+            return mu, Y
+        width *= 2
+
+
+def _equal(mu: Array) -> int:
+    """Return how many neighbours are equal at most."""
+    ends = np.flatnonzero(np.abs(np.diff(mu)) > CLUSTER * np.abs(mu[:-1])) + 1
+    return int(np.diff(np.r_[0, ends, len(mu)]).max(initial=0))
+
+
+def _iterate(
+    apply: Apply,
+    B: Array | sp.csc_array | sp.csr_array,
+    solve: Solver,
+    count: int,
+    width: int,
+    report: Callable[[float], None] | None,
+) -> tuple[Array, Array]:
     n = B.shape[0]
-    room = min(n, max(2 * count + 8 * BLOCK, 120))
+    room = min(n, max(2 * count + 8 * width, 100))
     basis = _Basis(
-        np.empty((n, room + BLOCK), order="F"),
-        np.empty((n, room + BLOCK), order="F"),
-        np.zeros((room + BLOCK, room + BLOCK)),
+        np.empty((n, room + width), order="F"),
+        np.empty((n, room + width), order="F"),
+        np.zeros((room + width, room + width)),
     )
     # a fixed start makes the result repeatable
     random = np.random.default_rng(20070607)
-    W = solve(apply(random.standard_normal((n, BLOCK))))
-    W, BW, _ = _orthonormal(basis, W, np.asarray(B @ W))
+    W = solve(apply(random.standard_normal((n, width))))
+    W, BW, _ = _orthonormal(basis, W, B, np.zeros(width))
     basis.append(W, BW)
-    new = W.shape[1]
-    while True:
+    new, near = W.shape[1], 0
+    for blocks in range(PATIENCE):
         old = slice(basis.size - new, basis.size)
         F = apply(basis.Q[:, old])
         W = solve(F)
@@ -104,37 +137,52 @@ def lanczos(
         T = Q.T @ F
         basis.T[: basis.size, old] = T
         basis.T[old, : basis.size] = T.T
-        W, BW, basis.R = _orthonormal(basis, W, F)
+        # B W = F
+        before = np.sqrt(np.maximum(np.einsum("ij,ij->j", W, F), 0.0))
+        # W reaches back to the block before only (three-term recurrence)
+        W -= Q[:, near:] @ T[near:]
+        W, BW, R = _orthonormal(basis, W, B, before)
         mu, S = np.linalg.eigh(basis.T[: basis.size, : basis.size])
         mu, S = mu[::-1], S[:, ::-1]
-        residual = np.linalg.norm(basis.R @ S[old], axis=0)
+        residual = np.linalg.norm(R @ S[old], axis=0)
         wanted = slice(0, min(count, basis.size))
+        found = residual[wanted] <= RESIDUAL * mu[wanted] + FLOOR * mu[0]
         if report is not None:
-            report(float(np.mean(residual[wanted] <= RESIDUAL * mu[wanted])))
-        done = basis.size >= count and bool(np.all(residual[wanted] <= RESIDUAL * mu[wanted]))
-        if done or not W.shape[1] or basis.size + W.shape[1] > n:
-            Q, _ = basis.columns()
+            report(float(np.sum(found)) / count)
+        done = basis.size >= count and bool(np.all(found))
+        full = not W.shape[1] or basis.size + W.shape[1] > n
+        if done or full or blocks == PATIENCE - 1:
             return _projected(apply, B, Q @ S[:, wanted])
+        near = old.start
         if basis.size + W.shape[1] > room:
-            _restart(basis, mu, S, count + BLOCK)
+            _restart(basis, mu, S, count + 2 * width)
+            near = 0
         basis.append(W, BW)
         new = W.shape[1]
+    raise AssertionError("unreachable")
 
 
-def _orthonormal(basis: _Basis, W: Array, BW: Array) -> tuple[Array, Array, Array]:
-    """Return W made orthonormal to the basis and in itself, B times it, and R with ``W = . R``."""
+def _orthonormal(
+    basis: _Basis, W: Array, B: Array | sp.csc_array | sp.csr_array, before: Array
+) -> tuple[Array, Array, Array]:
+    """Return W made orthonormal to the basis and in itself, B times it, and R with ``W = . R``.
+
+    What is shorter than round-off of its length before is left out: the basis holds it already.
+    """
     Q, BQ = basis.columns()
-    before = np.sqrt(np.abs(np.einsum("ij,ij->j", W, BW)))
-    # twice is enough
-    for _ in range(2):
+    # again where little is left: that is round-off of what was taken away
+    for _ in range(3 if basis.size else 0):
         C = BQ.T @ W
-        W = W - Q @ C
-        BW = BW - BQ @ C
-    # column by column within the block; what the basis holds already is left out
+        W -= Q @ C
+        # in the norm of B the columns of Q C are as long as C
+        if np.all(np.linalg.norm(C, axis=0) < SMALL * before):
+            break
+    # a true product: errors of a recurrence would grow from block to block
+    BW = np.asarray(B @ W)
     kept: list[int] = []
     R = np.zeros((W.shape[1], W.shape[1]))
     for k in range(W.shape[1]):
-        for _ in range(2):
+        for _ in range(2 if kept else 0):
             c = BW[:, kept].T @ W[:, k]
             W[:, k] -= W[:, kept] @ c
             BW[:, k] -= BW[:, kept] @ c
