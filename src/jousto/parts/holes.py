@@ -49,8 +49,8 @@ class Hole:
     nodes: Ints
 
     def __str__(self) -> str:
-        at = ", ".join(f"{1e3 * x + 0.0:.4g}" for x in self.point)
-        along = ", ".join(f"{x + 0.0:.3g}" for x in self.axis)
+        at = ", ".join(f"{round(1e3 * x, 6) + 0.0:.6g}" for x in self.point)
+        along = ", ".join(f"{round(x, 6) + 0.0:.3g}" for x in self.axis)
         return (
             f"{self.name}: hole of {2e3 * self.radius:.4g} mm, {1e3 * self.length:.4g} mm long,"
             f" at ({at}) mm along ({along}), {len(self.nodes)} nodes"

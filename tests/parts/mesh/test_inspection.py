@@ -57,6 +57,16 @@ def test_a_folded_quadratic_element_is_named() -> None:
     assert jo.Mesh("ugly", nodes, mesh.cells).check() == ()
 
 
+def test_folds_between_sound_corners() -> None:
+    # the middle of an edge pushed into the brick: all corners stay sound, the middle folds over
+    mesh = block("hexahedron20", (1, 1, 1), (1.0, 1.0, 1.0))
+    nodes = mesh.nodes.copy()
+    nodes[mesh.solids[0].nodes[0, 8], 1] += 1.2
+    spoilt = jo.Mesh("pushed", nodes, mesh.cells)
+    assert spoilt.quality().scaled_jacobian[0] > 0.1
+    assert only(spoilt, "jacobian").ids == (1,)
+
+
 def test_slivers() -> None:
     # four nodes nearly in one plane, round a square: all edges are of good length
     corners = [(0, 0, 0), (1, 0, 0), (0.5, 0.5, 0.02), (0, 1, 0), (1, 1, 0), (0.5, 0.5, -1)]

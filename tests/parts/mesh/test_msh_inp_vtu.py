@@ -280,6 +280,14 @@ def test_wrong_files_are_told(tmp_path: Path) -> None:
     assert jo.read_mesh(tmp_path / "bar.txt").volume == pytest.approx(2.0)
 
 
+def test_middle_nodes_of_lines(tmp_path: Path) -> None:
+    path = tmp_path / "line.inp"
+    path.write_text("*NODE\n1,0,0,0\n2,1,0,0\n3,2,0,0\n*ELEMENT,TYPE=B32\n1,1,2,3\n")
+    (line,) = jo.read_mesh(path).cells
+    assert line.kind == "line3"
+    assert line.nodes.tolist() == [[0, 2, 1]]  # the ends, then the middle
+
+
 def test_full_second_order_is_refused(tmp_path: Path) -> None:
     points = np.array(np.meshgrid([0, 0.5, 1], [0, 0.5, 1], [0, 0.5, 1])).reshape(3, -1).T
     mesh = meshio.Mesh(points, [("hexahedron27", [np.arange(27)])])

@@ -73,8 +73,8 @@ GRID    15      4       .1      .2      .3
 
 
 def test_coordinate_systems_are_those_of_pyyeti(tmp_path: Path) -> None:
-    bulk = pytest.importorskip("pyyeti.nastran.bulk")
-    n2p = pytest.importorskip("pyyeti.nastran.n2p")
+    with np.printoptions():  # pyyeti turns numpy's way of printing back to that of 2017
+        bulk = pytest.importorskip("pyyeti.nastran.bulk")
     path = tmp_path / "systems.bdf"
     # pyyeti reads no free fields with continuation and no CORD1R: written out here
     path.write_text(
@@ -107,7 +107,6 @@ def test_coordinate_systems_are_those_of_pyyeti(tmp_path: Path) -> None:
     y /= np.linalg.norm(y)
     expected = a + 0.1 * np.cross(y, z) + 0.2 * y + 0.3 * z
     np.testing.assert_allclose(mesh.nodes[mesh.node_ids == 15][0], expected, atol=1e-12)
-    assert n2p is not None
 
 
 DECK = """SOL 103

@@ -65,6 +65,8 @@ def read_msh(path: Path) -> RawMesh:
     if head is None:
         raise InputError(Problem(path.name, "does not begin with $MeshFormat: no Gmsh mesh"))
     version, binary = head[1].decode(), head[2] == b"1"
+    if head[3] not in (b"4", b"8"):
+        raise InputError(Problem(path.name, f"says a data size of {head[3].decode()}, not 4 or 8"))
     reader = _Reader(path, data, binary, int(head[3]))
     if binary and data[head.end() : head.end() + 4] != b"\x01\0\0\0":
         raise InputError(Problem(path.name, "is a big-endian binary file; save it as text"))
@@ -206,22 +208,28 @@ class _Reader:
         return self.raw
 
     def _binary_2(self, nodes: bytes, elements: bytes) -> None:
-        first, _, rest = nodes.partition(b"\n")
-        n = int(first)
+        n, rest = self._counted("Nodes", nodes)
         record = np.dtype([("id", "<i4"), ("x", "<f8", 3)])
         if len(rest) < n * record.itemsize:
             raise InputError(Problem(self.path.name, "is cut off in $Nodes"))
         table = np.frombuffer(rest, dtype=record, count=n)
         self.raw.node_ids.append(table["id"].astype(np.int64))
         self.raw.nodes.append(table["x"].copy())
-        first, _, rest = elements.partition(b"\n")
+        left, rest = self._counted("Elements", elements)
         s = _Binary(f"{self.path.name}: $Elements", rest, self.size)
-        left = int(first)
         while left > 0:
             code, n, tags = (int(x) for x in s.ints(3))
             rows = s.ints(n * (1 + tags + KINDS[self.kind(code)])).reshape(n, -1)
             self._rows_2(code, rows[:, 0], rows[:, 1:], tags)
             left -= n
+
+    def _counted(self, name: str, data: bytes) -> tuple[int, bytes]:
+        """Return the number in the first line of a binary section, and what follows."""
+        first, _, rest = data.partition(b"\n")
+        if not first.strip().isdigit():
+            where = f"{self.path.name}: ${name}"
+            raise InputError(Problem(where, "does not begin with a number; is the file damaged?"))
+        return int(first), rest
 
     def _rows_2(self, code: int, ids: Ints, rest: Ints, tags: int) -> None:
         """Add elements of one kind: tags, the first of which is the group, then nodes."""
@@ -253,7 +261,7 @@ class _Text:
 
     def floats(self, n: int) -> NDArray[np.float64]:
         out = self.values[self.at : self.at + n]
-        if len(out) < n:
+        if n < 0 or len(out) < n:
             self.cut_off()
         self.at += n
         return out
@@ -283,7 +291,7 @@ class _Binary:
     def _take(self, n: int, dtype: Any) -> NDArray[Any]:
         kind = np.dtype(dtype)
         end = self.at + n * kind.itemsize
-        if end > len(self.data):
+        if n < 0 or end > len(self.data):
             raise InputError(Problem(self.where, "ends too early; is the file cut off?"))
         out = np.frombuffer(self.data, dtype=kind, count=n, offset=self.at)
         self.at = end

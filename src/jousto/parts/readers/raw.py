@@ -13,6 +13,9 @@ from jousto.parts.cells import LINES, SOLIDS, SURFACES, Cells, faces
 from jousto.parts.mesh import Mesh
 from jousto.parts.surface import face_kind
 
+# coordinates beyond this are damage
+FAR = 1e12
+
 
 @dataclass
 class RawCells:
@@ -94,9 +97,9 @@ class RawMesh:
                 problems.add(where, f"node {names} stands there twice, at different places")
             keep = np.sort(first)
             ids, nodes = ids[keep], nodes[keep]
-        bad = ids[~np.isfinite(nodes).all(axis=1)]
+        bad = ids[~(np.abs(nodes) < FAR).all(axis=1)]
         if len(bad):
-            problems.add(where, f"node {some([str(i) for i in bad])} has no finite position")
+            problems.add(where, f"node {some([str(i) for i in bad])} has no sensible position")
         problems.raise_if_any()
         return ids, nodes
 
