@@ -18,8 +18,8 @@ from jousto.schema.connect import build_coupler, build_friction, build_joint
 from jousto.schema.document import Document, Loc
 from jousto.schema.elements import build_load
 from jousto.schema.entries import Entry, MarkerEntry, RotateEntry
-from jousto.schema.files import read_matrix, read_points
 from jousto.schema.happen import build_event, is_late, watches_late
+from jousto.schema.matrices import build_matrices, build_superelement, is_superelement
 from jousto.schema.sense import FLEXIBLE_ONLY, build_sensor
 
 T = TypeVar("T")
@@ -125,6 +125,8 @@ class Builder:
         if isinstance(entry, sp.ReducedEntry):
             reduced = self.make((*loc, "file"), ReducedPart.load, self.file(entry.file))
             return self.chosen(loc, entry, reduced)
+        if is_superelement(entry):
+            return self.chosen(loc, entry, build_superelement(self, loc, name, entry))
         part, method = self.part(loc, name, entry), self.method(loc, entry)
         return self.reduction(loc, entry, part, method)
 
@@ -159,22 +161,17 @@ class Builder:
         """Return the Part of an entry with a mesh, None if anything is wrong with it."""
         from jousto.parts import Part
 
+        if isinstance(entry, sp.MatricesEntry):
+            return build_matrices(self, loc, name, entry)
         before = len(self.found)
         values = entry.given("reduce", "in_plane", "keep", "stiffening")
-        if isinstance(entry, sp.MatricesEntry):
-            for key in ("M", "K"):
-                values[key] = self.make((*loc, key), read_matrix, self.file(values[key]))
-            if isinstance(entry.nodes, str):
-                values["nodes"] = self.make((*loc, "nodes"), read_points, self.file(entry.nodes))
-            make: Callable[..., Any] = Part.from_matrices
-        else:
-            self.beams(loc, values)
-            makers: dict[Any, Any] = {
-                sp.BeamEntry: Part.beam,
-                sp.MembersEntry: Part.from_members,
-                sp.FrameEntry: Part.frame,
-            }
-            make = makers[type(entry)]
+        self.beams(loc, values)
+        makers: dict[Any, Any] = {
+            sp.BeamEntry: Part.beam,
+            sp.MembersEntry: Part.from_members,
+            sp.FrameEntry: Part.frame,
+        }
+        make = makers[type(entry)]
         if len(self.found) > before:
             return None
         return self.make(loc, make, **values, name=name)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from pathlib import Path
 from typing import Any
 
@@ -13,22 +12,16 @@ from jousto.errors import InputError, Problem
 
 
 def read_matrix(path: Path) -> Any:
-    """Return a matrix from a Matrix Market (.mtx), scipy sparse (.npz) or NumPy (.npy) file.
+    """Return a matrix from a Matrix Market, scipy, NumPy or Harwell-Boeing file.
 
     Raises
     ------
     InputError
         If there is no such file, its ending is unknown or its content is no matrix.
     """
-    import scipy.io
-    import scipy.sparse
+    from jousto.parts.readers.matrices.plain import SUFFIXES, read_plain
 
-    readers = {
-        ".mtx": functools.partial(scipy.io.mmread, spmatrix=False),
-        ".npz": scipy.sparse.load_npz,
-        ".npy": np.load,
-    }
-    return _read(path, readers)
+    return _read(path, dict.fromkeys(SUFFIXES, read_plain))
 
 
 def read_points(path: Path) -> NDArray[np.float64]:
@@ -57,6 +50,8 @@ def _read(path: Path, readers: dict[str, Any]) -> Any:
         raise InputError(Problem("", f"no such file {str(path)!r}"))
     try:
         return reader(path)
+    except InputError:
+        raise
     except Exception as error:
         # the readers raise whatever their parsers do
         raise InputError(Problem("", f"{path.name!r} cannot be read: {error}")) from None

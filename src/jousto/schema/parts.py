@@ -274,17 +274,54 @@ class FrameEntry(BeamOptionsEntry):
     node_sets: dict[Text, tuple[Count, ...]] | None = Field(None, description="Counted from 0")
 
 
-class MatricesEntry(FePart):
-    """`Part.from_matrices`: mass and stiffness from another program, in SI units."""
+class SuperelementEntry(Entry):
+    """`reduce_superelement`: what the other program kept, orthonormal."""
+
+    type: Literal["superelement"]
+    modes: Count | None = Field(None, description="Keep the lowest; all if not given")
+    frequency_limit: Frequency | None = Field(None, description="Highest frequency kept")
+
+
+MatricesMethod: TypeAlias = Annotated[
+    Annotated[CraigBamptonEntry, Tag("craig-bampton")]
+    | Annotated[FreeFreeEntry, Tag("free-free")]
+    | Annotated[SuperelementEntry, Tag("superelement")],
+    tagged(),
+]
+
+
+class MatricesEntry(ModeChoice):
+    """`Part.from_file`: mass and stiffness from another program."""
 
     type: Literal["matrices"]
-    M: Text = Field(description="File of the mass matrix: .mtx, .npz (scipy sparse) or .npy")
-    K: Text = Field(description="File of the stiffness matrix")
-    nodes: Nodes = Field(
-        description="Positions, or a file with three columns in m: .npy, .csv or .txt"
+    reduce: MatricesMethod
+    K: Text = Field(
+        description="File of the stiffness matrix, or of both: .sti, .full, .op4, .pch, .mtx, .npz,"
+        " .npy, .rsa"
+    )
+    M: Text | None = Field(
+        None, description="File of the mass matrix, where it is another one that is not beside K"
+    )
+    nodes: Nodes | None = Field(
+        None,
+        description="Positions: a mesh, a table of x y z or number x y z (.npy, .csv, .txt), or a"
+        " list; found beside the matrices of CalculiX, Ansys and Nastran",
+    )
+    dofs: Text | None = Field(
+        None, description="File with the node and the direction (1..6, 0 modal) of each row"
+    )
+    format: Literal["calculix", "ansys", "op4", "dmig", "abaqus", "plain"] | None = Field(
+        None, description="From the ending and the content if not given"
+    )
+    units: Text | None = Field(
+        None, description="Units of the files, such as SI, mm-t-s, in-lbf-s; SI if not given"
     )
     dofs_per_node: Count | None = Field(None, description="3 or 6, from the sizes if not given")
-    node_sets: dict[Text, tuple[Count, ...]] | None = Field(None, description="Counted from 0")
+    node_sets: dict[Text, tuple[Count, ...]] | None = Field(
+        None,
+        description="Numbers of nodes as in the other program; counted from 0 for plain matrices"
+        " without dofs",
+    )
     elements: tuple[tuple[Count, ...], ...] | None = Field(None, description="For drawing only")
 
 

@@ -15,6 +15,7 @@ from jousto.mechanism import Mechanism
 from jousto.schema.build import Builder
 from jousto.schema.document import Document, Loc, parse_document, read_document
 from jousto.schema.explain import explain
+from jousto.schema.matrices import is_superelement
 from jousto.schema.model import ModelEntry, SimulationEntry
 from jousto.schema.parts import PartEntry, ReducedEntry
 
@@ -307,7 +308,7 @@ def read_part_file(path: str | Path, name: str | None = None, *, reduce: bool = 
     part: Any = None
     method: Any = None
     reduced: Any = None
-    if isinstance(entry, ReducedEntry):
+    if isinstance(entry, ReducedEntry) or is_superelement(entry):
         reduced = builder.reduced(loc, name, entry)
     else:
         part, method = builder.part(loc, name, entry), builder.method(loc, entry)
