@@ -331,11 +331,11 @@ MISTAKES: tuple[tuple[dict[str, object], str], ...] = (
     ({"dofs": DOFS[:-1]}, "K has shape .* but the map names 23 rows"),
     ({"dofs": np.vstack([DOFS[:-1], DOFS[:1]])}, "two rows are node 11 direction 1"),
     ({"dofs": np.vstack([DOFS[:-1], [[23, 7]]])}, "node 23 has the direction 7, must be 1..6"),
-    ({"dofs": DOFS[:, :1]}, r"dofs: has shape \(24, 1\)"),
-    ({"units": "mm"}, "units: 'mm' is not known, must be length-mass-time such as SI, mm-t-s"),
-    ({"format": "nastran"}, "format: no 'nastran'"),
-    ({"node_sets": {"tip": [24]}}, "node set 'tip' names node 24"),
-    ({"node_sets": {"tip": [1.5]}}, "node set 'tip' names node 1.5"),
+    ({"dofs": DOFS[:, :1]}, r"dofs has shape \(24, 1\)"),
+    ({"units": "mm"}, "units is 'mm', must be length-mass-time such as SI, mm-t-s"),
+    ({"format": "nastran"}, "format is 'nastran'"),
+    ({"node_sets": {"tip": [24]}}, "node_sets..tip.. names node 24"),
+    ({"node_sets": {"tip": [1.5]}}, "node_sets..tip.. names node 1.5"),
 )
 
 

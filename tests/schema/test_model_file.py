@@ -238,14 +238,15 @@ gravity: [0, 0, -9.81]
         (
             "{type: matrices, M: M.dat, K: K.mtx, nodes: n.csv, "
             "reduce: {type: free-free, modes: 1}}",
-            "m.yaml:2: parts.a.M: 'M.dat' cannot be read, must end with .mtx, .npz, .npy\n"
+            "m.yaml:2: parts.a.M: 'M.dat' cannot be read, must end with .mtx, .npz, .npy, .hb,"
+            " .rb, .rsa, .rua\n"
             "m.yaml:2: parts.a.K: no such file '{folder}/K.mtx'\n"
             "m.yaml:2: parts.a.nodes: no such file '{folder}/n.csv'",
         ),
         (
             "{type: matrices, M: bad.npy, K: bad.mtx, nodes: bad.csv, "
             "reduce: {type: free-free, modes: 1}}",
-            "m.yaml:2: parts.a.M: 'bad.npy' cannot be read: ",
+            "m.yaml:2: parts.a.M: bad.npy: cannot be read as a NumPy file: ",
         ),
     ],
 )

@@ -67,11 +67,11 @@ def build_superelement(builder: Builder, loc: Loc, name: str, entry: MatricesEnt
 
 def _has_program(builder: Builder, entry: MatricesEntry) -> bool:
     """Whether a .mtx file is Abaqus's, or the nodes are those of a mesh."""
-    from jousto.parts.readers.matrices.abaqus import is_matrix_market
+    from jousto.parts.readers.matrices.abaqus import is_abaqus
     from jousto.parts.readers.matrices.nodes import TABLES
 
     path = builder.file(entry.K)
-    if path.suffix.lower() == ".mtx" and path.is_file() and not is_matrix_market(path):
+    if path.suffix.lower() == ".mtx" and path.is_file() and is_abaqus(path):
         return True
     return isinstance(entry.nodes, str) and Path(entry.nodes).suffix.lower() not in TABLES
 

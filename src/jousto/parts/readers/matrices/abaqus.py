@@ -32,6 +32,13 @@ def is_matrix_market(path: Path) -> bool:
         return file.read(14) == b"%%MatrixMarket"
 
 
+def is_abaqus(path: Path) -> bool:
+    """Whether a .mtx file looks like one of Abaqus: lines of numbers, or keywords."""
+    with path.open("rb") as file:
+        head = file.read(200).decode("ascii", errors="replace").strip()
+    return bool(re.match(r"\*\*|\*\w|\d+[\s,]+\d+[\s,]", head))
+
+
 def is_substructure(path: Path) -> bool:
     """Whether a .mtx file holds a user element."""
     with path.open("rb") as file:

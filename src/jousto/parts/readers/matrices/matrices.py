@@ -126,7 +126,7 @@ class Matrices:
                 found = some([str(n) for n in unknown]) or "no whole number"
                 problems.add(
                     where,
-                    f"node set '{name}' names node {found}, must be numbers of nodes as in the"
+                    f"node_sets['{name}'] names node {found}, must be numbers of nodes as in the"
                     f" other program ({self.node_ids.min()}..{self.node_ids.max()})",
                 )
             sets[name] = members

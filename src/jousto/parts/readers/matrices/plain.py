@@ -12,7 +12,7 @@ import scipy.sparse as sp
 from jousto.parts._arrays import Floats, Sparse, as_csr
 from jousto.parts.readers.matrices.text import from_triplets, read_text, refuse
 
-HARWELL_BOEING = (".hb", ".rb", ".rsa", ".rua", ".psa", ".pua", ".rza")
+HARWELL_BOEING = (".hb", ".rb", ".rsa", ".rua")
 SUFFIXES = (".mtx", ".npz", ".npy", *HARWELL_BOEING)
 
 

@@ -147,8 +147,8 @@ def read_dofs(dofs: Any) -> Ints:
     else:
         table = np.asarray(dofs)
     if table.ndim != 2 or table.shape[1] != 2 or np.any(table != np.round(table)):
-        message = f"has shape {table.shape}, must be whole numbers (rows, 2): node and direction"
-        raise InputError(Problem("dofs", message))
+        message = f"dofs has shape {table.shape}, must be whole numbers (rows, 2): node, direction"
+        raise InputError(Problem("", message))
     return np.asarray(table, dtype=np.int64)
 
 
@@ -165,7 +165,7 @@ def _reader(path: Path, format: str | None) -> Callable[[Path, Path | None, str 
     }
     if format is not None:
         if format not in readers:
-            raise InputError(Problem("format", f"no {format!r}{suggest(format, readers)}"))
+            raise InputError(Problem("", f"format is {format!r}{suggest(format, readers)}"))
         return readers[format]
     if not path.is_file():
         raise InputError(Problem("", f"no such file {str(path)!r}"))

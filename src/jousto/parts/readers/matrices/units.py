@@ -62,7 +62,7 @@ class Units:
                 return cls(length, MASSES[words[1]], time, words[0])
         known = ", ".join(SYSTEMS)
         raise InputError(
-            Problem("units", f"{text!r} is not known, must be length-mass-time such as {known}")
+            Problem("", f"units is {text!r}, must be length-mass-time such as {known}")
         )
 
     @property
