@@ -212,7 +212,16 @@ def nodal(matrices: Matrices) -> Nodal:
             f" has no {', '.join(lack)}: it was held or constrained. Write the matrices of the"
             " free part, without supports and constraint equations",
         )
-    elif np.any(only) and np.any(all_six):
+    gone = np.setdiff1d(matrices.node_ids[np.unique(matrices.elements)], ids)
+    # (a condensed model has few nodes of its mesh)
+    if 0 < len(gone) < len(ids):
+        problems.add(
+            where,
+            f"{len(gone)} nodes of the mesh have no rows (node {some([str(i) for i in gone])}):"
+            " they were held, or the mesh is another one. Write the matrices of the free part,"
+            " without supports",
+        )
+    if not len(odd) and np.any(only) and np.any(all_six):
         problems.add(
             where,
             f"{int(np.sum(only))} nodes have three directions and {int(np.sum(all_six))} have six"
