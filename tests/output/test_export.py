@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -204,6 +205,31 @@ def test_vtu(tmp_path: Path) -> None:
     assert len(names) == N and names[0] == f"mode 1, {REDUCED.frequencies[0]:.5g} Hz"
     for j, name in enumerate(names):
         assert_allclose(mesh.point_data[name], PHI[:, :, j], rtol=1e-15)
+
+
+def test_vtu_with_stress_of_a_solid(tmp_path: Path) -> None:
+    mesh = jo.read_mesh(Path(__file__).parent.parent / "parts" / "files" / "brick.inp")
+    solid = jo.reduce(Part.solid(mesh, STEEL), jo.FreeFree(modes=1))
+    assert solid.stress is not None
+    found = meshio.read(jo.write_vtu(solid, tmp_path / "brick.vtu"))
+    assert found.cells[0].type == "triangle"
+    # xx yy zz xy yz xz at the nodes, in the order of the nodes
+    stress = found.point_data["stress 1"]
+    number = {f"n{number}": i for i, number in enumerate(mesh.node_ids)}
+    place = [number[label] for label in solid.stress.labels]
+    scale = np.abs(stress).max()
+    assert_allclose(stress[place], solid.stress.modes[:, :, 0], atol=1e-12 * scale)
+    # the same stress told in other axes is the same field
+    R = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
+    s = solid.stress.modes[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]], 0]
+    local = np.einsum("ia,sij,jb->sab", R, s, R)
+    modes = local[:, [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]][:, :, None]
+    axes = np.broadcast_to(R, (len(s), 3, 3))
+    turned = replace(solid, stress=replace(solid.stress, axes=axes, modes=modes))
+    again = meshio.read(jo.write_vtu(turned, tmp_path / "turned.vtu"))
+    assert_allclose(again.point_data["stress 1"], stress, atol=1e-9 * scale)
+    plain = meshio.read(jo.write_vtu(solid, tmp_path / "plain.vtu", stress=False))
+    assert len(plain.point_data) == 1
 
 
 # -- what is refused --------------------------------------------------------------------------
