@@ -437,3 +437,15 @@ def test_nodes_and_sets_from_the_mesh_beside(tmp_path: Path) -> None:
     scaled = jo.read_matrices(tmp_path / "brick.sti", units="mm-t-s")
     assert_allclose(scaled.nodes, table[:, 1:], rtol=1e-15)
     assert_allclose(full(scaled.M), 1e3 * full(part.M), rtol=1e-12)
+
+
+def test_directions_of_a_substructure_differ_between_nodes(tmp_path: Path) -> None:
+    from jousto.parts.readers.matrices.abaqus import read_substructure
+
+    dofs = np.array([(5, 1), (5, 2), (5, 3), (2, 1), (2, 2), (2, 3), (2, 6), (9, 3)])
+    A = np.arange(64.0).reshape(8, 8)
+    write_user_element(tmp_path / "sub.mtx", dofs, stiffness=A + A.T)
+    K, M, found = read_substructure(tmp_path / "sub.mtx")
+    assert K is not None and M is None
+    assert_array_equal(found, dofs)
+    assert_array_equal(full(K), A + A.T)

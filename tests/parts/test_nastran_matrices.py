@@ -135,6 +135,16 @@ def test_superelement_of_nastran() -> None:
     free = np.sqrt(values[6:]) / (2.0 * np.pi)
     assert_allclose(reduced.frequencies, free[: reduced.n], rtol=1e-8)
     assert reduced.n == 40 and reduced.interfaces == ("n3", "n11", "n19", "n27")
+    # mass, centre and inertia as Nastran prints them (outboard.out, grid point weight generator)
+    inv = reduced.invariants
+    assert inv.mass == pytest.approx(1.590384, rel=1e-6)
+    centre = inv.I2 / inv.mass
+    assert_allclose(centre, [184.6398, 150.0, 150.0], rtol=1e-6)
+    J = inv.I7 - inv.mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+    # (Nastran prints products of inertia with the other sign)
+    printed_J = np.diag([3.569328e5, 4.515897e4, 3.763282e5])
+    printed_J[1, 2] = printed_J[2, 1] = -1.095583e2
+    assert_allclose(J, printed_J, rtol=1e-6, atol=0.01)
 
 
 def test_reading_leaves_numpy_as_it_is(tmp_path: Path) -> None:
@@ -146,3 +156,17 @@ def test_reading_leaves_numpy_as_it_is(tmp_path: Path) -> None:
         "assert str(x) == '[0.3 0. ]', str(x)"
     )
     subprocess.run([sys.executable, "-c", code, tmp_path / "rod.op4"], check=True)
+
+
+def test_superelement_with_some_directions_of_its_grids() -> None:
+    # the same superelement type, with a boundary that keeps only some directions
+    path = outboard().with_name("reduced_bset_notall6.op4")
+    matrices = jo.read_matrices(path)
+    assert len(matrices.dofs) == 29 and len(matrices.modal) == 10
+    per_grid = [int(np.sum(matrices.dofs[:, 0] == grid)) for grid in matrices.node_ids]
+    assert sum(per_grid) == 19 and min(per_grid) < 6
+    values = scipy.linalg.eigh(full(matrices.K), full(matrices.M), eigvals_only=True)
+    assert np.all(np.abs(values[:6]) < 1e-6 * values[6])
+    with pytest.warns(jo.JoustoWarning, match="1 node without all translations"):
+        reduced = jo.reduce_superelement(matrices)
+    assert_allclose(reduced.frequencies, np.sqrt(values[6:]) / (2.0 * np.pi), rtol=1e-7)
