@@ -10,6 +10,7 @@ import pytest
 import scipy.linalg
 from numpy.typing import NDArray
 
+from jousto.errors import InputError
 from jousto.parts import Interface, Material, Part
 from jousto.reduction import CraigBampton, FreeFree, ReducedPart, eigen, reduce
 from reduction.hexes import box
@@ -263,3 +264,41 @@ def test_attachment_modes_make_interface_loads_exact(left: str, modes: int) -> N
         loads = unit_loads(part, number)
         found = X @ ((X.T @ loads) / free.stiffness[:, None])
         assert worst(found, relieved(part, loads)) < 1e-8
+
+
+def test_rigid_ties_hold_without_being_named() -> None:
+    """A bolted flange stays stiff whatever the reduction names, and still is a marker."""
+    part = arm("rigid", "rigid", counts=(3, 2, 2))
+    truth = full_frequencies(part)
+    named = reduce(part, CraigBampton(("b",), modes=len(truth) - 6))
+    np.testing.assert_allclose(named.frequencies, truth[6:], rtol=1e-9)
+    assert named.interfaces == ("b",) and named.rotation(named.node("a")) is not None
+    # a free end is another body
+    free = reduce(part.with_interfaces(part.interfaces[1]), FreeFree(modes=4))
+    assert free.frequencies[0] < 0.999 * truth[6]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_nodes_of_an_interface_in_another_one(kind: str) -> None:
+    part = arm(kind, "average")
+    message = {
+        "rigid": "node1 of node set 'left' is tied to interface 'a'; name that",
+        "average": "interfaces 'a' and 'left' share node1; keep one",
+    }
+    with pytest.raises(InputError, match=message[kind]):
+        reduce(part, CraigBampton(("a", "left"), modes=1))
+
+
+def test_one_average_is_enough_to_hold_a_body() -> None:
+    part = arm("average", "average")
+    reduced = reduce(part, CraigBampton(("b",), modes=4))
+    assert reduced.n == 4
+    truth = full_frequencies(part, reference(part, 1))
+    # held at b again, Galerkin in the reduced basis
+    Y = shapes(reduced)
+    B = Y[list(reference(part, 1))]
+    Z = scipy.linalg.null_space(B / np.abs(B).max(axis=0)) / np.abs(B).max(axis=0)[:, None]
+    U = Y[: part.K.shape[0]] @ Z
+    K, M = U.T @ (part.K @ U), U.T @ (part.M @ U)
+    f = np.sqrt(scipy.linalg.eigh(K, M, eigvals_only=True)) / (2 * np.pi)
+    np.testing.assert_allclose(f, truth[:4], rtol=1e-8)

@@ -64,11 +64,14 @@ class Inside:
         self.z, self.b = z, b
         self.rows = np.setdiff1d(np.arange(z.size), b.held)
         self._factorise = factorise
-        K_z = z.restrict(K)
-        K_I = K_z[self.rows]
-        self.K_II = sp.csc_array(K_I[:, self.rows])
-        self.K_IB = sp.csr_array(K_I[:, b.held])
-        self.K_BB = K_z[b.held][:, b.held]
+        K_z, inside, held = K, z.dof[self.rows], z.columns(b.held)
+        if np.any(inside < 0):
+            # a rigid tie that is no interface: its reference node is inside
+            K_z, inside = z.restrict(K), self.rows
+            held = sp.csr_array(sp.eye_array(z.size, format="csr")[:, b.held])
+        K_I, K_T = K_z[inside], sp.csr_array(K_z @ held)
+        self.K_II = sp.csc_array(K_I[:, inside])
+        self.K_IB, self.K_BB = K_T[inside], sp.csr_array(held.T @ K_T)
         self.C = sp.csr_array(b.C[:, self.rows])
         # rigid motions that the held coordinates leave free, stopped by as many pins
         rest = rigid_left(z.rigid[b.held])

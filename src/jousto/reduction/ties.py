@@ -59,6 +59,22 @@ class Coordinates:
         """Number of coordinates."""
         return len(self.kinds)
 
+    @property
+    def dof(self) -> Index:
+        """Degree of freedom of each coordinate (nz,), -1 for those of reference nodes."""
+        out = np.full(self.size, -1, dtype=np.intp)
+        kept = np.flatnonzero(self.of_dof >= 0)
+        out[self.of_dof[kept]] = kept
+        return out
+
+    def columns(self, some: Index) -> sp.csr_array:
+        """Return some columns of T (ndof, m)."""
+        if self.T is not None:
+            return sp.csr_array(self.T[:, some])
+        ones = np.ones(len(some))
+        place = (some, np.arange(len(some)))
+        return sp.csr_array(sp.coo_array((ones, place), shape=(self.size, len(some))))
+
     def restrict(self, matrix: sp.csr_array) -> sp.csr_array:
         """Return ``T^T A T``."""
         if self.T is None:
