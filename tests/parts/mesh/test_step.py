@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -148,14 +149,23 @@ def test_unit_of_step_files() -> None:
     assert step_unit(b"nothing") == 1e-3
 
 
-def test_solids_that_touch_hang_together(cad: Path) -> None:
-    mesh = jo.mesh_step(cad / "cubes.step", size=5e-3)
+def test_solids_that_touch_hang_together(cad: Path, tmp_path: Path) -> None:
+    text = (cad / "cubes.step").read_text()
+    names = iter(["assembly", "left cube", "right cube"])
+    path = tmp_path / "named.step"
+    product = r"= PRODUCT\('[^']*',\s*'[^']*'"
+    path.write_text(re.sub(product, lambda _: f"= PRODUCT('1','{next(names)}'", text))
+    mesh = jo.mesh_step(path, size=5e-3)
     assert mesh.check() == ()
-    assert set(mesh.element_sets) == {"solid1", "solid2"}
+    assert set(mesh.element_sets) == {"solid1", "solid2", "left cube", "right cube"}
+    np.testing.assert_array_equal(mesh.element_sets["left cube"], mesh.element_sets["solid1"])
+    low, high = mesh.nodes[mesh.set("right cube")].min(axis=0), mesh.nodes.max(axis=0)
+    np.testing.assert_allclose([low[0], high[0]], [0.01, 0.02], atol=1e-9)
     joint = np.intersect1d(mesh.set("solid1"), mesh.set("solid2"))
     np.testing.assert_allclose(mesh.nodes[joint, 0], 0.01, atol=1e-9)
     assert len(joint) > 8
-    assert sum(len(members) for members in mesh.element_sets.values()) == len(mesh.element_ids)
+    count = sum(len(mesh.element_sets[f"solid{i}"]) for i in (1, 2))
+    assert count == len(mesh.element_ids)
     assert mesh.volume == pytest.approx(2e-6, rel=1e-9)
 
 

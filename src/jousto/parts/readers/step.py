@@ -7,6 +7,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -47,9 +48,9 @@ def mesh_step(
 ) -> Mesh:
     """Return a mesh of tetrahedra of a CAD file (STEP or BREP), by Gmsh.
 
-    Every face of the geometry becomes a surface and a node set ``face1``, ``face2`` and so on,
-    named faces and solids keep their names, too; ``mesh.holes()`` finds the bores. Several solids
-    that touch share the nodes there and are the element sets ``solid1``, ``solid2``.
+    Every face of the geometry becomes a surface and a node set ``face1``, ``face2`` and so on;
+    ``mesh.holes()`` finds the bores. Several solids that touch share the nodes there and are the
+    element sets ``solid1``, ``solid2``, besides the names of their products in the file.
 
     Parameters
     ----------
@@ -99,7 +100,7 @@ def mesh_step(
     factor = _scale(path, unit)
     gmsh = _gmsh(where)
     with _session(gmsh, where):
-        _load(gmsh, path, factor)
+        labels = _load(gmsh, path, factor)
         names = _names(gmsh)
         _sizes(gmsh, where, size, refine or {}, names)
         gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", per_circle)
@@ -116,6 +117,7 @@ def mesh_step(
             mesh = _collect(gmsh, name or path.stem, order, names)
     if order == 2 and curved:
         mesh = _straightened(mesh, where)
+    mesh = _labelled(mesh, labels)
     log.info("%s: %s, %.4g m^3; %s", where, mesh, mesh.volume, mesh.quality())
     return mesh
 
@@ -243,8 +245,8 @@ def _session(gmsh: Any, where: str) -> Iterator[None]:
             gmsh.finalize()
 
 
-def _load(gmsh: Any, path: Path, factor: float) -> None:
-    """Import the shapes in m."""
+def _load(gmsh: Any, path: Path, factor: float) -> dict[str, list[int]]:
+    """Import the shapes in m; return the tags of the solids of each named product."""
     occ = gmsh.model.occ
     step = path.read_bytes().lstrip()[:12] == b"ISO-10303-21"
     gmsh.option.setString("Geometry.OCCTargetUnit", "M" if step else "")
@@ -267,9 +269,17 @@ def _load(gmsh: Any, path: Path, factor: float) -> None:
         )
     if factor != 1.0:
         occ.dilate(solids, 0, 0, 0, factor, factor, factor)
-    if len(solids) > 1:  # solids that touch must share nodes
-        occ.fragment(solids, [])
     occ.synchronize()
+    titles = [gmsh.model.getEntityName(*solid).rpartition("/")[2].strip() for solid in solids]
+    labels: dict[str, list[int]] = {}
+    if len(solids) > 1:  # solids that touch must share nodes
+        _, made = occ.fragment(solids, [])
+        occ.synchronize()
+        for title, parts in zip(titles, made, strict=True):
+            # what OpenCASCADE calls a product without a name
+            if title and not title.startswith("Open CASCADE STEP translator"):
+                labels.setdefault(title, []).extend(tag for dim, tag in parts if dim == 3)
+    return labels
 
 
 def _names(gmsh: Any) -> dict[str, tuple[int, int]]:
@@ -280,11 +290,6 @@ def _names(gmsh: Any) -> dict[str, tuple[int, int]]:
         for _, tag in gmsh.model.getEntities(dim):
             if dim == 2 or len(solids) > 1:
                 out[f"{kind}{tag}"] = dim, tag
-    for title, entity in list(out.items()):
-        label = gmsh.model.getEntityName(*entity).rpartition("/")[2].strip()
-        if label and label not in out and not re.match(r"(Open CASCADE|STEP)\b", label):
-            out[label] = entity
-            log.info("%s is named '%s'", title, label)
     return out
 
 
@@ -377,6 +382,16 @@ def _collect(gmsh: Any, name: str, order: int, names: Mapping[str, tuple[int, in
     )
 
 
+def _labelled(mesh: Mesh, labels: Mapping[str, list[int]]) -> Mesh:
+    """Return the mesh with element sets for the products that its solids are."""
+    sets = dict(mesh.element_sets)
+    for title, tags in labels.items():
+        members = [mesh.element_sets[f"solid{tag}"] for tag in tags]
+        if members and title not in sets:
+            sets[title] = np.unique(np.concatenate(members))
+    return replace(mesh, element_sets=sets)
+
+
 def _straightened(mesh: Mesh, where: str) -> Mesh:
     """Return the mesh with the midside nodes of folded elements on straight edges."""
     bad = mesh.quality().negative
@@ -385,15 +400,7 @@ def _straightened(mesh: Mesh, where: str) -> Mesh:
     nodes = mesh.nodes.copy()
     cells = mesh.solids[0].nodes[bad]
     nodes[cells[:, 4:]] = nodes[cells[:, edges("tetra10")]].mean(axis=2)
-    out = Mesh(
-        mesh.name,
-        nodes,
-        mesh.cells,
-        mesh.node_ids,
-        mesh.node_sets,
-        mesh.element_sets,
-        mesh.surfaces,
-    )
+    out = replace(mesh, nodes=nodes)
     warn(
         where,
         f"{count(len(bad), 'element')} (element {mesh.element_ids[bad[0]]}) would be folded between"
