@@ -338,6 +338,9 @@ from .reduction import (
     InertiaRelief as InertiaRelief,
 )
 from .reduction import (
+    MemoryEstimate as MemoryEstimate,
+)
+from .reduction import (
     Rayleigh as Rayleigh,
 )
 from .reduction import (
@@ -357,6 +360,9 @@ from .reduction import (
 )
 from .reduction import (
     inertia_relief as inertia_relief,
+)
+from .reduction import (
+    memory_estimate as memory_estimate,
 )
 from .reduction import (
     reduce as reduce,

@@ -137,7 +137,7 @@ def test_memory_of_the_factor_is_known() -> None:
 
 def test_a_library_that_fails_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     class Failing(backends.SuperLU):
-        def __init__(self, matrix: sp.csr_array) -> None:
+        def __init__(self, matrix: sp.csr_array, limit: float = np.inf) -> None:
             raise MemoryError("no room")
 
     known = factor._KNOWN["superlu"]

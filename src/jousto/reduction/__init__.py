@@ -8,6 +8,7 @@ from jousto.reduction.certificate import Certificate, Check, Silhouette, Table, 
 from jousto.reduction.damping import Damping, Rayleigh, modal_damping
 from jousto.reduction.factor import SolverInfo, solvers
 from jousto.reduction.invariants import Invariants
+from jousto.reduction.memory import MemoryEstimate, memory_estimate
 from jousto.reduction.methods import CraigBampton, FreeFree, Method
 from jousto.reduction.reduced import ReducedPart
 from jousto.reduction.reducer import reduce
@@ -26,6 +27,7 @@ __all__ = [
     "FreeFree",
     "InertiaRelief",
     "Invariants",
+    "MemoryEstimate",
     "Method",
     "Rayleigh",
     "ReducedPart",
@@ -38,6 +40,7 @@ __all__ = [
     "advise",
     "certify",
     "inertia_relief",
+    "memory_estimate",
     "modal_damping",
     "reduce",
     "solvers",

@@ -1,7 +1,8 @@
 """Libraries that factorise sparse symmetric positive definite matrices, behind one interface.
 
-Each takes both triangles of a matrix with unit diagonal, sorted and without duplicates, and is
-imported only when it is used.
+Each takes both triangles of a matrix with unit diagonal, sorted and without duplicates, and the
+bytes of memory that it may use, as far as it knows beforehand how many it needs. Libraries are
+imported only when they are used.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ class Backend(Protocol):
 class SuperLU:
     """Scipy's SuperLU in symmetric mode."""
 
-    def __init__(self, matrix: sp.csr_array) -> None:
+    def __init__(self, matrix: sp.csr_array, limit: float = np.inf) -> None:
         import scipy.sparse.linalg as spl
 
         try:
@@ -75,7 +76,7 @@ class Pardiso:
     upper triangle, indices from 0.
     """
 
-    def __init__(self, matrix: sp.csr_array) -> None:
+    def __init__(self, matrix: sp.csr_array, limit: float = np.inf) -> None:
         from pypardiso import PyPardisoSolver
 
         # a function object of our own, so that pypardiso keeps its argument types
@@ -98,7 +99,11 @@ class Pardiso:
         )
         self._run(11)
         # KiB of the factor and of what solves need beside it
-        self.memory = 1024 * int(self._iparm[15] + self._iparm[16])
+        self.memory = 1024 * (int(self._iparm[15]) + int(self._iparm[16]))
+        if self.memory > limit:
+            raise MemoryError(
+                f"it needs {self.memory / 2**30:.1f} GiB, this machine has {limit / 2**30:.1f} GiB"
+            )
         self._run(22)
 
     def solve(self, f: Array) -> Array:
@@ -174,7 +179,7 @@ def _free(
 class NGSolve:
     """The sparse Cholesky factorisation of NGSolve."""
 
-    def __init__(self, matrix: sp.csr_array) -> None:
+    def __init__(self, matrix: sp.csr_array, limit: float = np.inf) -> None:
         from ngsolve import TaskManager
         from ngsolve.la import SparseMatrixd
 
@@ -202,7 +207,7 @@ class NGSolve:
 class Cholmod:
     """CHOLMOD of SuiteSparse by scikit-sparse."""
 
-    def __init__(self, matrix: sp.csr_array) -> None:
+    def __init__(self, matrix: sp.csr_array, limit: float = np.inf) -> None:
         from sksparse import cholmod
 
         columns = sp.csc_matrix((matrix.data, matrix.indices, matrix.indptr), shape=matrix.shape)

@@ -70,7 +70,7 @@ class SolverInfo:
 
 
 # name -> (module that must be there, how to make it, library, licence, remark), best first
-_KNOWN: dict[str, tuple[str, Callable[[sp.csr_array], backends.Backend], str, str, str]] = {
+_KNOWN: dict[str, tuple[str, Callable[..., backends.Backend], str, str, str]] = {
     "cholmod": (
         "sksparse",
         backends.Cholmod,
@@ -190,6 +190,7 @@ def factorise(
     dof_name: Callable[[int], str],
     *,
     solver: str | None = None,
+    limit: float = np.inf,
 ) -> Solver:
     """Factorise a sparse symmetric positive definite matrix.
 
@@ -203,6 +204,8 @@ def factorise(
         Name of a degree of freedom, for errors.
     solver : str, optional
         Library, see `solvers`; the best that is installed if not given.
+    limit : float
+        Bytes of memory that there are.
 
     Raises
     ------
@@ -227,7 +230,7 @@ def factorise(
     scaled = _scaled(K, scale)
     make = _KNOWN[name][1]
     try:
-        backend = make(scaled)
+        backend = make(scaled, limit)
     except backends.NotPositiveDefinite:
         raise _not_held(where, dof_name(_loosest(scaled, make))) from None
     except (MemoryError, RuntimeError, ImportError, OSError) as error:
@@ -267,7 +270,7 @@ def _is_loose(backend: backends.Backend, n: int) -> bool:
     return bool(np.linalg.norm(x) > 1.0 / LOOSE)
 
 
-def _loosest(scaled: sp.csr_array, make: Callable[[sp.csr_array], backends.Backend]) -> int:
+def _loosest(scaled: sp.csr_array, make: Callable[..., backends.Backend]) -> int:
     # a small shift makes the matrix regular; its solution then is the motion without stiffness
     n = scaled.shape[0]
     shifted = sp.csr_array(scaled + sp.diags_array(np.full(n, 1e-10)))

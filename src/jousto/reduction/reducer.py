@@ -23,6 +23,7 @@ from jousto.reduction.invariants import (
     invariants_from_matrix,
     invariants_from_points,
 )
+from jousto.reduction.memory import check_memory, memory_estimate
 from jousto.reduction.methods import CraigBampton, FreeFree, Method
 from jousto.reduction.partition import (
     craig_bampton_basis,
@@ -116,6 +117,9 @@ def reduce(
         entry = None if chosen is None else _entry(chosen, part, method, stiffening)
         if entry is not None and (finished := entry.finished()) is not None:
             return finished
+        estimate = memory_estimate(part, method, solver=solver)
+        logging.getLogger(__name__).info("%s: %s", where, estimate)
+        check_memory(estimate, where)
         run = Run(solver, report, entry)
         reduced = _reduced(part, method, stiffening, run)
         if entry is not None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from jousto.reduction import factor
 from jousto.reduction.cache import Entry
+from jousto.reduction.memory import machine_memory
 
 Array = NDArray[np.float64]
 Report = Callable[[str, float], None]
@@ -68,7 +69,7 @@ class Run:
     ) -> factor.Solver:
         """Factorise a stiffness matrix as a stage of its own; see `factor.factorise`."""
         with self.stage("factorisation"):
-            solve = factor.factorise(K, where, dof_name, solver=self.solver)
+            solve = factor.factorise(K, where, dof_name, solver=self.solver, limit=machine_memory())
         self.used = getattr(solve, "name", "")
         return solve
 
