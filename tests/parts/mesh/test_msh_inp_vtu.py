@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import gzip
 from pathlib import Path
 
@@ -125,6 +126,30 @@ def test_cut_off_files_are_told(written: Path, tmp_path: Path, name: str, part: 
     assert len(str(caught.value)) < 400
     # a deck may end anywhere between its sets, but hardly within a line
     assert caught.type is InputError or name in ("plate.inp", "plate.bdf")
+
+
+# not .med: the HDF5 library itself may crash on damaged files
+@pytest.mark.filterwarnings("ignore::jousto.JoustoWarning")
+@pytest.mark.parametrize("name", [*VERSIONS, "plate.inp", "plate.vtk", "plate.bdf"])
+def test_random_damage_never_ends_in_a_traceback(
+    written: Path, tmp_path: Path, name: str, rng: np.random.Generator
+) -> None:
+    data = (written / name).read_bytes()
+    path = tmp_path / name
+    for _ in range(12):
+        broken = bytearray(data)
+        at = int(rng.integers(len(broken)))
+        how = rng.integers(3)
+        if how == 0:
+            del broken[at : at + int(rng.integers(1, 200))]
+        elif how == 1:
+            broken[at] = int(rng.integers(256))
+        else:
+            broken[at : at + 1] = (b"9", b"-", b"99999", b"x", b",")[rng.integers(5)]
+        path.write_bytes(bytes(broken))
+        # damage within the coordinates makes another mesh, which is checked at least
+        with contextlib.suppress(InputError):
+            jo.read_mesh(path).check()
 
 
 # meshio has no dimension for wedge15
@@ -261,6 +286,7 @@ def test_wrong_files_are_told(tmp_path: Path) -> None:
     assert "is empty" in told("a.msh", b" \n")
     assert "named like a Gmsh mesh but holds an Abaqus" in told("b.msh", deck)
     assert "a STEP file: mesh it with jo.mesh_step" in told("c.inp", b"ISO-10303-21;\nHEADER;")
+    assert "an IGES file" in told("l.msh", b" " * 72 + b"S      1\n,,4Hpart")
     assert "a ZIP archive" in told("d.inp", b"PK\x03\x04" + bytes(100))
     assert "a web page" in told("e.msh", b"<!DOCTYPE html><html></html>")
     assert "is a binary file, not an Abaqus" in told("f.inp", bytes(range(256)) * 4)
@@ -278,6 +304,28 @@ def test_wrong_files_are_told(tmp_path: Path) -> None:
     # the content decides where the suffix says nothing
     (tmp_path / "bar.txt").write_bytes(deck)
     assert jo.read_mesh(tmp_path / "bar.txt").volume == pytest.approx(2.0)
+
+
+def test_a_deck_of_calculix(tmp_path: Path) -> None:
+    # as CalculiX's own examples are written: an empty keyword, blanks, elements on two lines,
+    # a comma at the end of a keyword line
+    cube = block("hexahedron20", (1, 1, 1), (1.0, 1.0, 1.0))
+    nodes = "".join(
+        f"  {i}, {x:.5e}, {y:.5e}, {z:.5e} \n" for i, (x, y, z) in enumerate(cube.nodes, 1)
+    )
+    row = [str(n + 1) for n in cube.solids[0].nodes[0]]
+    path = tmp_path / "cube.inp"
+    path.write_text(
+        f"**\n*NODE, NSET=Nall\n{nodes}*ELEMENT, TYPE=C3D20R, ELSET=Eall,\n"
+        f"     1, {', '.join(row[:10])},\n   {',  '.join(row[10:])}\n*\n"
+        "*SOLID SECTION,ELSET=EALL,MATERIAL=EL\n*STEP,INC=100\n*BOUNDARY\nNall,11,11,5.\n"
+        "*FILM\n1,F1,-12.,10.e10\n*END STEP\n\n"
+    )
+    mesh = jo.read_mesh(path)
+    np.testing.assert_array_equal(mesh.solids[0].nodes, cube.solids[0].nodes)
+    assert mesh.volume == pytest.approx(1.0)
+    assert mesh.solids[0].material == "EL"
+    assert len(mesh.set("Eall")) == len(mesh.set("Nall")) == 20
 
 
 def test_middle_nodes_of_lines(tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from jousto.parts.readers.step import step_unit
 
 gmsh = pytest.importorskip("gmsh")
 ARM = Path(__file__).parents[3] / "examples" / "data" / "link_arm.step"
+IGES = b" " * 72 + b"S0000001\n,,31HOpen CASCADE IGES processor 7.8"
 PLATE = (40 * 20 * 10 - np.pi * 25 * 10) * 1e-9  # m^3
 
 
@@ -181,6 +182,7 @@ def test_wrong_cad_files_are_told(cad: Path, tmp_path: Path) -> None:
     plate = (cad / "plate.step").read_bytes()
     assert "it is cut off; export it again" in told("a.step", plate[: len(plate) // 2])
     assert "is empty" in told("b.step", b"")
+    assert "an IGES file, which holds faces and no solid" in told("k.igs", IGES)
     assert "is neither a STEP nor a BREP file" in told("c.step", b"hello")
     assert "read it with jo.read_mesh" in told("d.msh", b"$MeshFormat")
     assert "sew the faces to a solid" in told("e.step", (cad / "face.step").read_bytes())

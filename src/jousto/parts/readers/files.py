@@ -81,6 +81,7 @@ FORMATS = (
 _STRANGE = (
     (rb"\AISO-10303-21", "a STEP file: mesh it with jo.mesh_step(path, size=...)"),
     (rb"\A(DBRep_DrawableShape|CASCADE Topology)", "a BREP file: mesh it with jo.mesh_step(path)"),
+    (rb"\A.{72}S *0*1\s", "an IGES file, which holds faces and no solid: export STEP instead"),
     (rb"\A\s*solid\b[\s\S]*facet", "an STL surface: fill it with elements in a mesher first"),
     (rb"\APK\x03\x04", "a ZIP archive: unpack it first"),
     (rb"\A\s*<(!DOCTYPE html|html)", "a web page: download the file itself"),

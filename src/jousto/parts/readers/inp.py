@@ -128,6 +128,10 @@ def _blocks(path: Path, depth: int) -> Iterator[_Block]:
         for number, line in enumerate(file, start=1):
             if line.startswith("**") or not line.strip():
                 continue
+            if continued and re.match(r"\s*[-+.\d]", line):  # a comma too many, data follow
+                if block is not None:
+                    yield from _opened(block, depth)
+                block, continued = _keyword(continued.rstrip(","), path, number - 1), ""
             if line.lstrip().startswith("*") or continued:
                 text = continued + line.strip()
                 if text.endswith(","):  # keyword lines go on after a comma

@@ -150,6 +150,10 @@ def _scale(path: Path, unit: str | None) -> float:
         return UNITS[unit]
     if not data.strip():
         raise InputError(Problem(where, "is empty"))
+    if re.match(rb".{72}S *0*1\s", data):
+        raise InputError(
+            Problem(where, "is an IGES file, which holds faces and no solid: export STEP instead")
+        )
     if path.suffix.lower() in (".msh", ".inp", ".bdf", ".nas", ".med", ".vtk", ".vtu", ".cdb"):
         raise InputError(Problem(where, "is a mesh, no geometry: read it with jo.read_mesh(path)"))
     raise InputError(Problem(where, "is neither a STEP nor a BREP file"))
