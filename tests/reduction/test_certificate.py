@@ -189,7 +189,8 @@ def test_nodes_that_do_not_belong_to_the_matrices() -> None:
         (scaled(rod(), 1.0, 1e-3), "1.636e+05 m/s", "density is in g/cm3"),
         (scaled(rod(), 1e-9, 1.0), "0.1636 m/s", "E is in GPa"),
         (scaled(rod(), 1.0, 1e-12), "5.172e+09 m/s", "density is in t/mm3"),
-        (scaled(rod(), 1e-4, 1.0), "51.72 m/s", "check the units of E, density and lengths"),
+        (scaled(rod(), 1e-3, 1.0), "163.6 m/s", "E is in kPa"),
+        (scaled(rod(), 3.2e-5, 1.0), "29.26 m/s", "check the units of E, density and lengths"),
     ],
 )
 def test_other_units(part: Part, speed: str, remedy: str) -> None:

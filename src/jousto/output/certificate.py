@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
 from jousto.output.style import COLORS, FAINT, INK, MUTED, PAPER, Picture, styled, target, writing
@@ -41,15 +42,16 @@ th {{ color: {MUTED}; font-weight: 500; border-bottom: 1px solid #9AA1AB; }}
 .numbers td {{ white-space: nowrap; }}
 .name {{ color: {MUTED}; white-space: nowrap; }} .advice {{ color: {MUTED}; }}
 .advice b {{ color: {INK}; font-weight: 600; }} .scroll {{ overflow-x: auto; }}
-.checks td:nth-child(2) {{ white-space: nowrap; }} .checks td:nth-child(3) {{ width: 34%; }}
-.tables {{ display: grid; grid-template-columns: repeat(auto-fit, minmax(440px, 1fr));
-       gap: 0 32px; align-items: start; }}
+.checks td:nth-child(2) {{ white-space: nowrap; }} .checks td:nth-child(3) {{ width: 42%; }}
+.tables {{ columns: 2 440px; column-gap: 32px; }} section {{ break-inside: avoid; }}
+section h2 {{ padding-top: 14px; margin-top: 0; }}
 .remark, footer {{ color: {MUTED}; font-size: 11.5px; }} footer {{ margin-top: 22px; }}
 @media print {{ body {{ font-size: 8.6px; margin: 0; max-width: none; padding: 0; }}
        h1 {{ font-size: 15px; }} h2 {{ font-size: 10.5px; margin: 7px 0 2px; }}
        td, th {{ padding: 1px 6px 1px 0; line-height: 1.25; }} .verdict {{ margin: 2px 0 6px; }}
-       .top {{ flex-wrap: nowrap; }} .top > * {{ flex: 1 1 45%; }} img {{ max-height: 44mm; }}
-       .tables {{ grid-template-columns: 1fr 1fr; gap: 0 20px; }}
+       .top {{ flex-wrap: nowrap; gap: 12px; }} .top > * {{ flex: 1 1 45%; }}
+       img {{ max-height: 44mm; }}
+       .tables {{ columns: 2 auto; column-gap: 20px; }} section h2 {{ padding-top: 6px; }}
        .remark, footer {{ font-size: 7.6px; margin: 2px 0; }} }}
 """
 
@@ -113,7 +115,7 @@ def _badge(status: str, text: str) -> str:
 
 
 def _check(check: Check) -> str:
-    limit = f'<br><span class="advice">{html.escape(check.limit)}</span>' if check.limit else ""
+    limit = f' <span class="advice">({html.escape(check.limit)})</span>' if check.limit else ""
     texts = [f"{text[0].upper()}{text[1:]}." for text in (check.sentence, check.remedy) if text]
     texts = [html.escape(text) for text in texts]
     if check.remedy:
@@ -156,10 +158,14 @@ def _picture(shape: Silhouette) -> str:
             order = np.argsort(depth[shape.triangles].mean(axis=1))
             order = order[(normal @ _VIEW)[order] > 0.0]
             light = 0.45 + 0.55 * np.clip(normal[order] @ _LIGHT, 0.0, 1.0)
-            grey = light[:, None] * np.array([0.80, 0.84, 0.90])
+            colours = np.tile([0.80, 0.84, 0.90], (len(corners), 1))
+            for k, (_, members) in enumerate(shape.interfaces):
+                whole = np.isin(shape.triangles, members).all(axis=1)
+                colours[whole] = to_rgb(_colour(k))
+            faces = light[:, None] * colours[order]
             axes.add_collection(
                 PolyCollection(
-                    list(flat[shape.triangles[order]]), facecolors=grey, edgecolors=grey,
+                    list(flat[shape.triangles[order]]), facecolors=faces, edgecolors=faces,
                     linewidths=0.2, rasterized=True,
                 )
             )  # fmt: skip
@@ -169,18 +175,24 @@ def _picture(shape: Silhouette) -> str:
         elif not len(shape.triangles):
             axes.plot(x, y, "o", color=MUTED, markersize=1.5)
         for k, (name, members) in enumerate(shape.interfaces):
-            colour = COLORS[1 + k % (len(COLORS) - 1)]
             at = list(members)
-            axes.plot(x[at], y[at], "o", color=colour, markersize=5.0 if len(at) == 1 else 1.8)
+            if not np.isin(shape.triangles, members).all(axis=1).any():
+                axes.plot(x[at], y[at], "o", color=_colour(k), markersize=5.0)
             axes.annotate(
-                name, (x[at].mean(), y[at].mean()), xytext=(6, 8), textcoords="offset points",
-                color=colour, fontweight="bold",
+                name, (x[at].mean(), y[at].max()), xytext=(8, 8), textcoords="offset points",
+                color=_colour(k), fontweight="bold",
+                bbox={"boxstyle": "round,pad=0.15", "fc": PAPER, "ec": "none", "alpha": 0.8},
             )  # fmt: skip
         _axes_cross(axes, flat)
         axes.margins(0.14)
         data = io.BytesIO()
         figure.savefig(data, format="png", dpi=150)
     return "data:image/png;base64," + base64.b64encode(data.getvalue()).decode()
+
+
+def _colour(k: int) -> str:
+    """Return the colour of an interface."""
+    return COLORS[1 + k % (len(COLORS) - 1)]
 
 
 _VIEW = np.array([0.45, -0.75, 0.48]) / np.linalg.norm([0.45, -0.75, 0.48])

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from jousto.errors import InputError, Problem, Problems, count
 from jousto.reduction import eigen
 from jousto.reduction.certificate import Table, number
-from jousto.reduction.comparison import Modes, modes_of
+from jousto.reduction.comparison import Modes, elastic_response, modes_of
 from jousto.reduction.examine import full_model
 from jousto.reduction.inspection import FullModel
 from jousto.reduction.methods import CraigBampton, FreeFree, Method
@@ -31,6 +31,12 @@ REACH = (2.0, 4.0, 8.0)
 
 TRIED = (40, 20, 10, 5, 2, 1)
 """Numbers of fixed-interface modes tried where no frequency is given; small parts have few."""
+
+ON_INTERFACE = 1e-7
+"""Displacement over that of the free part below which a load acts on the held interfaces."""
+
+MOST_DOFS = 600
+"""Degrees of freedom of all interfaces above which nothing is proposed."""
 
 LEAST = 3
 """Fixed-interface modes proposed at least where no frequency is given."""
@@ -118,7 +124,8 @@ def advise(
     Returns
     -------
     Advice
-        With ``method`` for `reduce`.
+        With ``method`` for `reduce`. Loads on the interfaces themselves need nothing: constraint
+        modes hold their static response exactly.
 
     Raises
     ------
@@ -234,18 +241,31 @@ def _free(full: FullModel, truth: tuple[Array, Array] | None, limit: float | Non
 def _family(full: FullModel, names: tuple[str, ...], limit: float | None) -> _Family:
     from jousto.reduction.reducer import reduce
 
+    reduced = None
     if limit is not None:
-        reduced = reduce(full.part, CraigBampton(names, frequency_limit=limit))
-    else:
-        for modes in TRIED:
-            try:
-                reduced = reduce(full.part, CraigBampton(names, modes=modes))
-                break
-            except InputError as error:
-                # a small part has fewer
-                if modes == TRIED[-1] or "modes asked for" not in str(error):
-                    raise
+        try:
+            reduced = reduce(full.part, CraigBampton(names, frequency_limit=limit))
+        except InputError as error:
+            # one node held and no mode below the limit: look at the first few
+            if "no elastic mode" not in str(error):
+                raise
+    for modes in TRIED if limit is None else TRIED[-3:]:
+        if reduced is not None:
+            break
+        try:
+            reduced = reduce(full.part, CraigBampton(names, modes=modes))
+        except InputError as error:
+            # a small part has fewer
+            if modes == TRIED[-1] or "modes asked for" not in str(error):
+                raise
+    assert reduced is not None
     modes_ = modes_of(full, reduced)
+    if len(modes_.names) > MOST_DOFS:
+        message = (
+            f"its interfaces have {len(modes_.names)} degrees of freedom, each of which is a mode: "
+            "tie the nodes of each surface to one node (Interface) and ask again"
+        )
+        raise InputError(Problem(f"part '{full.part.name}'", message))
     assert full.rigid is not None
     omega2 = np.concatenate([np.zeros(6), (2.0 * np.pi * reduced.frequencies) ** 2])
     C = modes_.moved(np.concatenate([full.rigid.R, modes_.X], axis=1))
@@ -342,11 +362,17 @@ def _load_errors(
         return bends, stresses
     F = np.column_stack(list(patterns.values()))
     exact = held_response(family.full, family.modes, F)
+    assert family.full.rigid is not None
+    relieved = F - family.full.rigid.MR @ (family.full.rigid.R.T @ F)
+    free = np.abs(elastic_response(family.full, relieved) * family.full.weights[:, None])
     phi = family.motions(family.fixed)
     omega2 = (2.0 * np.pi * family.frequencies) ** 2
     moves = np.arange(F.shape[0]) % family.full.dofs < 3
     for j, name in enumerate(patterns):
         u = exact[:, j]
+        if np.abs(u).max() <= ON_INTERFACE * free[:, j].max():
+            bends[name] = stresses[name] = np.zeros(phi.shape[1] + 1)
+            continue
         share = phi * ((phi.T @ F[:, j]) / omega2)
         left = u[:, None] - np.concatenate(
             [np.zeros((len(u), 1)), np.cumsum(share, axis=1)], axis=1

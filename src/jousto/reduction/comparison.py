@@ -485,7 +485,7 @@ def effective_mass(full: FullModel, modes: Modes) -> tuple[Check, Table | None] 
     ``L = r^T M phi`` in a unit rigid motion r, and the effective mass ``L^2``. All of them together
     weigh at most ``r^T M r`` (Wijker 2004, Mechanical Vibrations in Spacecraft Design, chapter 6).
     """
-    if full.rigid is None or not modes.names:
+    if full.rigid is None or not 0 < len(modes.names) <= 6 * MANY_DOFS:
         return None
     R, MR = full.rigid.R, full.rigid.MR
     n = modes.reduced.n
@@ -515,7 +515,7 @@ def effective_mass(full: FullModel, modes: Modes) -> tuple[Check, Table | None] 
     # a direction in which hardly anything can move by inertia has no share
     share[total <= 1e-9 * np.repeat([full.mass, full.mass * full.length**2], 3)] = np.nan
     f = np.sqrt(np.maximum(values, 0.0)) / (2.0 * np.pi)
-    shown = min(len(f), 12)
+    shown = min(len(f), 10)
     rows = [
         (str(k + 1), number(f[k], 6), *(_share(share[a, k]) for a in range(6)))
         for k in range(shown)
@@ -540,12 +540,12 @@ def effective_mass(full: FullModel, modes: Modes) -> tuple[Check, Table | None] 
         sentence = "the modes hold the vibrating mass in every direction"
         return Check(topic, "ok", value, limit, sentence), table
     sentence = (
-        f"shaken along {', '.join(poor)} much of the mass only follows its interfaces: what it "
-        f"would do above {number(f[-1])} Hz is left out"
+        f"shaken along {', '.join(poor)} much of the mass only follows its interfaces: what "
+        f"vibrates above {number(f[-1])} Hz is left out"
     )
     remedy = (
-        "ask for more fixed-interface modes if excitations in that direction come near the lowest "
-        "mode that is missing; slender parts need many for their own axis"
+        "ask for more fixed-interface modes if excitations there come near it; mass that stands on "
+        "its interfaces, such as bosses, hardly vibrates"
     )
     return Check(topic, "note", value, limit, sentence, remedy), table
 

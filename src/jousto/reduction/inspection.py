@@ -43,6 +43,7 @@ CAUSES = (
     (1e6, "the density is in t/mm3 while E is in Pa: give kg/m3"),
     (1e3, "matrices are in mm, t and s (N, MPa): give lengths in m, E in Pa and density in kg/m3"),
     (35.0, "the density is in g/cm3 (t/m3), or lengths are in inches: give kg/m3 and m"),
+    (3.2e-2, "E is in kPa: give it in Pa, 210 GPa are 2.1e11"),
     (1e-3, "E is in MPa while lengths are in m, or time is in ms: give E in Pa"),
     (3.2e-5, "E is in GPa while all else is SI: give E in Pa"),
     (1e-6, "E is in TPa, or mass is in mg: give E in Pa and mass in kg"),
