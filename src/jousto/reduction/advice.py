@@ -532,11 +532,12 @@ def _explain(
         )
     highest = float(_spectrum(family, k)[0].max(initial=0.0))
     if highest:
+        without = ", residual vectors aside," if use_residuals else ""
         # stability of RK4 on the imaginary axis, h omega < 2.83
         step = 2.8 / (2.0 * np.pi * highest)
         sentences.append(
-            f"The stiffest of the {family.static.shape[1] - 6 + k} modes has {number(highest)} Hz: "
-            f"RK4 would need steps below {number(step, 2)} s; ROS2 and the implicit methods step "
-            "as the motion needs."
+            f"The stiffest of the {family.static.shape[1] - 6 + k} modes{without} has "
+            f"{number(highest)} Hz: RK4 would need steps below {number(step, 2)} s; ROS2 and the "
+            "implicit methods step as the motion needs."
         )
     return tuple(sentences)
