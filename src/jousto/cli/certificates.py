@@ -95,7 +95,14 @@ def advise(
         limit = file.method.frequency_limit
     interfaces = file.method.interfaces if isinstance(file.method, CraigBampton) else ()
     loads = {text: _load(file.part, text) for text in load} if load else None
-    advice = propose(file.part, interfaces, frequency_limit=limit, loads=loads, accuracy=accuracy)
+    advice = propose(
+        file.part,
+        interfaces,
+        frequency_limit=limit,
+        loads=loads,
+        accuracy=accuracy,
+        progress=sys.stderr.isatty(),
+    )
     for line in str(advice).splitlines():
         say(line, style="green" if line.startswith("take ") else "")
 
@@ -120,6 +127,9 @@ def _load(part: Part, text: str) -> Any:
     if kind not in kinds or not place:
         known = ", ".join(kinds)
         message = f"is {text!r}, must be a node set and one of {known}, such as tip.{kinds[0]}"
+        raise InputError(Problem("--load", message))
+    if any(tie.name == place for tie in part.ties):
+        message = f"'{place}' is an interface: the modes hold its static loads exactly anyway"
         raise InputError(Problem("--load", message))
     if place not in part.node_sets:
         message = f"no node set '{place}'{suggest(place, part.node_sets)}"

@@ -7,36 +7,30 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import InputError, Problem, Problems, count
-from jousto.reduction import eigen
 from jousto.reduction.certificate import Table, number
-from jousto.reduction.comparison import Modes, elastic_response, modes_of
 from jousto.reduction.examine import full_model
+from jousto.reduction.families import (
+    Family,
+    family_of,
+    frequency_errors,
+    load_errors,
+    modes_below,
+    spectrum,
+)
 from jousto.reduction.inspection import FullModel
 from jousto.reduction.methods import CraigBampton, FreeFree, Method
+from jousto.reduction.run import Report, Run, reporter
 
 if TYPE_CHECKING:
     from jousto.parts import Part
 
 Array = NDArray[np.float64]
 
-SHARE = 0.95
-"""Least share of a mode of the full part that the modes must hold."""
-
 REACH = (2.0, 4.0, 8.0)
 """Fixed-interface modes are looked for up to these multiples of the frequency limit."""
-
-TRIED = (40, 20, 10, 5, 2, 1)
-"""Numbers of fixed-interface modes tried where no frequency is given; small parts have few."""
-
-ON_INTERFACE = 1e-7
-"""Displacement over that of the free part below which a load acts on the held interfaces."""
-
-MOST_DOFS = 600
-"""Degrees of freedom of all interfaces above which nothing is proposed."""
 
 LEAST = 3
 """Fixed-interface modes proposed at least where no frequency is given."""
@@ -70,27 +64,6 @@ class Advice:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class _Family:
-    """Craig-Bampton bases of 0, 1, 2 ... fixed-interface modes, all inside the largest one.
-
-    Coordinates z of the mass-orthonormal motions ``[R X]``; `fixed` are the fixed-interface modes
-    (columns, mass-normalised), `static` spans what is left: the constraint modes.
-    """
-
-    full: FullModel
-    modes: Modes
-    omega2: Array
-    fixed: Array
-    static: Array
-    frequencies: Array
-
-    def motions(self, z: Array) -> Array:
-        """Return displacements (ndof, m)."""
-        assert self.full.rigid is not None
-        return self.full.rigid.R @ z[:6] + self.modes.X @ z[6:]
-
-
 def advise(
     part: Part,
     interfaces: Sequence[str] | str = (),
@@ -98,6 +71,7 @@ def advise(
     frequency_limit: float | None = None,
     loads: Mapping[str, ArrayLike] | ArrayLike | None = None,
     accuracy: float = 0.01,
+    progress: bool | Report | None = None,
 ) -> Advice:
     """Propose the modes that a part needs, and show what fewer and more would give.
 
@@ -120,6 +94,9 @@ def advise(
         Nodal load patterns in the part's degrees of freedom, any unit.
     accuracy : float
         Largest relative error, of frequencies and of the largest displacement and stress.
+    progress : bool or function, optional
+        True shows a bar for each stage; a function is called with (stage, part of it that is
+        done, from 0 to 1).
 
     Returns
     -------
@@ -139,24 +116,36 @@ def advise(
     >>> rod = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.03), 10, steel, name="rod")
     >>> advice = advise(rod, ("start", "end"), frequency_limit=500.0)
     >>> advice.method.modes
-    6
+    4
     >>> arm = jo.reduce(rod, advice.method)
     """
     names, patterns = _arguments(part, interfaces, frequency_limit, loads, accuracy)
-    full, faults = full_model(part, modes=0)
+    with reporter(progress) as report:
+        return _advise(part, names, patterns, frequency_limit, accuracy, report)
+
+
+def _advise(
+    part: Part,
+    names: tuple[str, ...],
+    patterns: dict[str, Array],
+    frequency_limit: float | None,
+    accuracy: float,
+    report: Report | None,
+) -> Advice:
+    full, faults = full_model(part, modes=0, run=Run(report=report))
     if full is None or full.rigid is None or full.held is None or full.held.solve is None:
         raise InputError(
             Problem(f"part '{part.name}'", next(iter(faults.values()), "is too small"))
         )
     truth = None
     if frequency_limit is not None:
-        truth = _below(full, frequency_limit)
+        truth = modes_below(full, frequency_limit, report)
     if not names:
         return _free(full, truth, frequency_limit)
     if frequency_limit is None:
-        return _choose(_family(full, names, None), truth, None, patterns, accuracy)
+        return _choose(family_of(full, names, None, report), truth, None, patterns, accuracy)
     for reach in REACH:
-        family = _family(full, names, reach * frequency_limit)
+        family = family_of(full, names, reach * frequency_limit, report)
         advice = _choose(family, truth, frequency_limit, patterns, accuracy)
         if advice.reached:
             break
@@ -206,19 +195,6 @@ def _arguments(
     return names, patterns
 
 
-def _below(full: FullModel, limit: float) -> tuple[Array, Array]:
-    """Return frequencies and mass-normalised modes of the full free part up to a limit."""
-    assert full.rigid is not None and full.held is not None
-    rigid, held = full.rigid, full.held
-    elastic = replace(held, lift=lambda y: rigid.remove(held.lift(y)))
-    where = f"part '{full.part.name}'"
-    mu, X = eigen.spectrum(elastic, full.M, modes=None, frequency_limit=limit, where=where)
-    f = 1.0 / (2.0 * np.pi * np.sqrt(mu))
-    # one more than asked for, so that there is something to compare with
-    keep = max(int(np.searchsorted(f, limit, side="right")), 1)
-    return f[:keep], (X / np.sqrt(mu))[:, :keep]
-
-
 def _free(full: FullModel, truth: tuple[Array, Array] | None, limit: float | None) -> Advice:
     assert truth is not None and limit is not None
     f = truth[0][truth[0] <= limit]
@@ -238,60 +214,16 @@ def _free(full: FullModel, truth: tuple[Array, Array] | None, limit: float | Non
     return Advice(FreeFree(modes=len(f)), table, sentences)
 
 
-def _family(full: FullModel, names: tuple[str, ...], limit: float | None) -> _Family:
-    from jousto.reduction.reducer import reduce
-
-    reduced = None
-    if limit is not None:
-        try:
-            reduced = reduce(full.part, CraigBampton(names, frequency_limit=limit))
-        except InputError as error:
-            # one node held and no mode below the limit: look at the first few
-            if "no elastic mode" not in str(error):
-                raise
-    for modes in TRIED if limit is None else TRIED[-3:]:
-        if reduced is not None:
-            break
-        try:
-            reduced = reduce(full.part, CraigBampton(names, modes=modes))
-        except InputError as error:
-            # a small part has fewer
-            if modes == TRIED[-1] or "modes asked for" not in str(error):
-                raise
-    assert reduced is not None
-    modes_ = modes_of(full, reduced)
-    if len(modes_.names) > MOST_DOFS:
-        message = (
-            f"its interfaces have {len(modes_.names)} degrees of freedom, each of which is a mode: "
-            "tie the nodes of each surface to one node (Interface) and ask again"
-        )
-        raise InputError(Problem(f"part '{full.part.name}'", message))
-    assert full.rigid is not None
-    omega2 = np.concatenate([np.zeros(6), (2.0 * np.pi * reduced.frequencies) ** 2])
-    C = modes_.moved(np.concatenate([full.rigid.R, modes_.X], axis=1))
-    size = np.maximum(np.sqrt(np.einsum("ij,ij->j", C, C)), np.finfo(float).tiny)
-    Z = scipy.linalg.null_space(C / size, rcond=1e-10) / size[:, None]
-    n = len(omega2)
-    if not Z.shape[1]:
-        return _Family(full, modes_, omega2, np.zeros((n, 0)), np.eye(n), np.zeros(0))
-    values, Y = scipy.linalg.eigh(Z.T @ (omega2[:, None] * Z), Z.T @ Z)
-    fixed = Z @ Y
-    # what stores no energy together with the fixed modes
-    static = scipy.linalg.null_space((omega2[:, None] * fixed).T / values[:, None], rcond=1e-10)
-    f = np.sqrt(np.maximum(values, 0.0)) / (2.0 * np.pi)
-    return _Family(full, modes_, omega2, fixed, static, f)
-
-
 def _choose(
-    family: _Family,
+    family: Family,
     truth: tuple[Array, Array] | None,
     limit: float | None,
     patterns: dict[str, Array],
     accuracy: float,
 ) -> Advice:
     most = family.fixed.shape[1]
-    errors = [np.zeros(most + 1)] if truth is None else [_frequency_errors(family, truth)]
-    bends, stresses = _load_errors(family, patterns)
+    errors = [np.zeros(most + 1)] if truth is None else [frequency_errors(family, truth)]
+    bends, stresses = load_errors(family, patterns)
     dynamic = _first(errors[0] <= accuracy)
     static = [np.maximum(bends[name], stresses[name]) for name in patterns]
     loaded = _first(np.max(static, axis=0) <= accuracy) if static else 0
@@ -322,109 +254,8 @@ def _first(good: NDArray[np.bool_]) -> int | None:
     return k if k < len(good) else None
 
 
-def _spectrum(family: _Family, k: int) -> tuple[Array, Array]:
-    """Return free-free frequencies and modes (coordinates z) with k fixed-interface modes."""
-    B = np.concatenate([family.static, family.fixed[:, :k]], axis=1)
-    values, Y = scipy.linalg.eigh(B.T @ (family.omega2[:, None] * B), B.T @ B)
-    # the six rigid motions come first
-    return np.sqrt(np.maximum(values[6:], 0.0)) / (2.0 * np.pi), (B @ Y)[:, 6:]
-
-
-def _frequency_errors(family: _Family, truth: tuple[Array, Array]) -> Array:
-    """Return the worst relative error of the frequencies, for 0, 1, 2 ... fixed modes."""
-    f, shapes = truth
-    assert family.full.rigid is not None
-    M_shapes = family.full.M @ shapes
-    seen = np.concatenate([family.full.rigid.R.T @ M_shapes, family.modes.X.T @ M_shapes])
-    worst = np.ones(family.fixed.shape[1] + 1)
-    for k in range(len(worst)):
-        found, z = _spectrum(family, k)
-        if not len(found):
-            continue
-        overlap = (z.T @ seen) ** 2
-        error = np.abs(found[overlap.argmax(axis=0)] / f - 1.0)
-        error[overlap.sum(axis=0) < SHARE] = 1.0
-        worst[k] = min(float(error.max()), 1.0)
-    return worst
-
-
-def _load_errors(
-    family: _Family, patterns: dict[str, Array]
-) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return errors of displacement and stress of each load, for 0, 1, 2 ... fixed modes.
-
-    The interfaces are held: ``u = K_II^-1 f``, of which k modes give
-    ``sum phi_j phi_j^T f / omega_j^2``.
-    """
-    bends: dict[str, Array] = {}
-    stresses: dict[str, Array] = {}
-    if not patterns:
-        return bends, stresses
-    F = np.column_stack(list(patterns.values()))
-    exact = held_response(family.full, family.modes, F)
-    assert family.full.rigid is not None
-    relieved = F - family.full.rigid.MR @ (family.full.rigid.R.T @ F)
-    free = np.abs(elastic_response(family.full, relieved) * family.full.weights[:, None])
-    phi = family.motions(family.fixed)
-    omega2 = (2.0 * np.pi * family.frequencies) ** 2
-    moves = np.arange(F.shape[0]) % family.full.dofs < 3
-    for j, name in enumerate(patterns):
-        u = exact[:, j]
-        if np.abs(u).max() <= ON_INTERFACE * free[:, j].max():
-            bends[name] = stresses[name] = np.zeros(phi.shape[1] + 1)
-            continue
-        share = phi * ((phi.T @ F[:, j]) / omega2)
-        left = u[:, None] - np.concatenate(
-            [np.zeros((len(u), 1)), np.cumsum(share, axis=1)], axis=1
-        )
-        size = np.abs(u[moves]).max()
-        bends[name] = np.abs(left[moves]).max(axis=0) / max(size, np.finfo(float).tiny)
-        stresses[name] = _stress_errors(family.full.part, u, left)
-    return bends, stresses
-
-
-def _stress_errors(part: Part, u: Array, left: Array) -> Array:
-    """Return the largest error of the von Mises stress over its largest value."""
-    if part.stress is None:
-        return np.zeros(left.shape[1])
-    exact = np.asarray(part.stress.evaluate(u))
-    peak = float(_von_mises(exact).max())
-    if not peak > 0.0:
-        return np.zeros(left.shape[1])
-    return np.asarray(_von_mises(np.asarray(part.stress.evaluate(left))).max(axis=0) / peak)
-
-
-def _von_mises(s: Array) -> Array:
-    a, b, c, d, e, f = np.moveaxis(s, 1, 0)
-    square = 0.5 * ((a - b) ** 2 + (b - c) ** 2 + (c - a) ** 2) + 3.0 * (d**2 + e**2 + f**2)
-    return np.asarray(np.sqrt(square))
-
-
-def held_response(full: FullModel, modes: Modes, F: Array) -> Array:
-    """Return displacements (ndof, m) of loads while the interfaces are held.
-
-    ``u = S (F + L lam) + R a`` with the response S of the part held at six degrees of freedom, the
-    interface loads L and their reactions lam: ``L^T u = 0``, ``R^T (F + L lam) = 0``.
-    """
-    assert full.held is not None and full.held.solve is not None and full.rigid is not None
-    held, R = full.held, full.rigid.R
-    L = modes.loads.toarray() / modes.weights
-    both = np.concatenate([L, F], axis=1)
-    assert held.solve is not None
-    S = held.lift(held.solve(held.lower(both)))
-    nb = L.shape[1]
-    LR = L.T @ R
-    A = np.block([[L.T @ S[:, :nb], LR], [LR.T, np.zeros((6, 6))]])
-    b = -np.concatenate([L.T @ S[:, nb:], R.T @ F])
-    scale = np.ones(len(A))
-    for _ in range(4):
-        scale /= np.sqrt(np.maximum(np.abs(scale[:, None] * A * scale).max(axis=1), 1e-300))
-    x = scale[:, None] * np.linalg.lstsq(scale[:, None] * A * scale, scale[:, None] * b)[0]
-    return np.asarray(S[:, nb:] + S[:, :nb] @ x[:nb] + R @ x[nb:])
-
-
 def _table(
-    family: _Family,
+    family: Family,
     frequency: Array | None,
     bends: dict[str, Array],
     stresses: dict[str, Array],
@@ -466,7 +297,7 @@ def _error(value: float) -> str:
 
 
 def _explain(
-    family: _Family,
+    family: Family,
     truth: tuple[Array, Array] | None,
     limit: float | None,
     accuracy: float,
@@ -530,7 +361,7 @@ def _explain(
             else f"Displacement under {', '.join(patterns)} is met to {goal} with "
             f"{count(loaded or 0, 'mode')}; the part has no stress to compare."
         )
-    highest = float(_spectrum(family, k)[0].max(initial=0.0))
+    highest = float(spectrum(family, k)[0].max(initial=0.0))
     if highest:
         without = ", residual vectors aside," if use_residuals else ""
         # stability of RK4 on the imaginary axis, h omega < 2.83

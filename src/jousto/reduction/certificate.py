@@ -292,3 +292,17 @@ def vector(values: Any, digits: int = 6, size: float = 0.0) -> str:
     array = np.asarray(values, dtype=float)
     size = max(size, np.abs(array).max(initial=0.0))
     return ", ".join(f"{0.0 if abs(x) <= 1e-9 * size else x:.{digits}g}" for x in array)
+
+
+def percent(value: float) -> str:
+    """Return a share for people, rounding as zero.
+
+    Examples
+    --------
+    >>> percent(0.01234), percent(1e-12)
+    ('1.2 %', '0 %')
+    """
+    size = abs(value)
+    if size < 1e-6:
+        return "0 %"
+    return f"{100.0 * value:.2g} %" if size < 0.1 else f"{100.0 * value:.3g} %"

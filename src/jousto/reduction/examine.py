@@ -9,7 +9,14 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem
-from jousto.reduction import comparison, eigen, inspection
+from jousto.reduction import (
+    comparison,
+    eigen,
+    inspection,
+    interface_loads,
+    interface_modes,
+    vibration,
+)
 from jousto.reduction.certificate import Certificate, Check, Silhouette, Table, number, vector
 from jousto.reduction.inspection import FullModel, fault_of
 from jousto.reduction.meshes import mesh_checks, mesh_facts
@@ -67,19 +74,19 @@ def _examine(part: Part, reduced: ReducedPart | None, run: Run) -> Certificate:
     tables += worst
     checks.append(inspection.content(full))
     if reduced is not None:
-        modes = comparison.modes_of(full, reduced)
+        modes = interface_modes.modes_of(full, reduced)
         checks.append(_same_part(part, reduced))
         checks.append(comparison.orthonormality(full, modes))
         checks.append(comparison.hold(full, modes))
         condition = comparison.conditioning(full, modes)
         if condition is not None:
             checks.append(condition)
-        for found in (comparison.frequencies(full, modes), comparison.effective_mass(full, modes)):
+        for found in (vibration.frequencies(full, modes), vibration.effective_mass(full, modes)):
             if found is not None:
                 checks.append(found[0])
                 tables += [found[1]] if found[1] is not None else []
         with run.stage("static loads"):
-            static = comparison.static_loads(full, modes)
+            static = interface_loads.static_loads(full, modes)
         if static is not None:
             checks += static[0]
             tables.append(static[1])
