@@ -445,3 +445,9 @@ from .simulation import (
 )
 
 __version__: str
+from .output import (
+    draw as draw,
+)
+from .output import (
+    write_mesh as write_mesh,
+)

@@ -98,7 +98,8 @@ def run(
 
     target = output_path(output, model, ".h5", kind=RESULTS)
     end = None if t_end is None else end_time(t_end)
-    file = read_model(model, rigid=rigid, trust=trust)
+    bar = sys.stderr.isatty() and not quiet
+    file = read_model(model, rigid=rigid, trust=trust, progress=bar)
     settings = file.simulation
     if end is None:
         if settings is None:

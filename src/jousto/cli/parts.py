@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -29,9 +30,24 @@ def reduce_part(
     bare: Annotated[
         bool, typer.Option("--no-certificate", help="Compare nothing with the full model.")
     ] = False,
+    solver: Annotated[
+        str | None,
+        typer.Option("--solver", metavar="NAME", help="Library for the factorisation."),
+    ] = None,
+    cache: Annotated[
+        bool | None,
+        typer.Option(
+            "--cache/--no-cache",
+            help="Keep the result, and the stages of a run that is killed, for the next time; "
+            "if neither is given, of parts that take long.",
+        ),
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")] = False,
     debug: Debug = False,
 ) -> None:
     """Reduce a part to modes; it goes to NAME.h5 next to the file unless -o says otherwise.
+
+    A reduction that was killed goes on after its last finished stage when it is started again.
 
     Ends with the certificate: what the part weighs, whether it is sound, and how its modes compare
     with the full model.
@@ -43,7 +59,11 @@ def reduce_part(
     if output is not None:
         output_path(output, part, ".h5", kind=REDUCED_PART)
     page = page_path(html, part)
-    file = read_part_file(part, name)
+    options: dict[str, Any] = {"solver": solver, "cache": cache}
+    options = {key: value for key, value in options.items() if value is not None}
+    if sys.stderr.isatty() and not quiet:
+        options["progress"] = True
+    file = read_part_file(part, name, **options)
     reduced = file.reduced
     target = output_path(output, part, f"{reduced.name}.h5", kind=REDUCED_PART)
     reduced.save(target)

@@ -3,7 +3,9 @@
 from jousto.output.animate import animate, still
 from jousto.output.campbell import plot_campbell, plot_root_locus
 from jousto.output.certificate import write_certificate
+from jousto.output.draw import draw
 from jousto.output.mbdyn import write_fem
+from jousto.output.meshes import write_mesh
 from jousto.output.plot import plot
 from jousto.output.sid import write_sid
 from jousto.output.style import COLORS, STYLE
@@ -15,6 +17,7 @@ __all__ = [
     "STYLE",
     "View",
     "animate",
+    "draw",
     "plot",
     "plot_campbell",
     "plot_root_locus",
@@ -23,4 +26,5 @@ __all__ = [
     "write_sid",
     "write_vtu",
     "write_certificate",
+    "write_mesh",
 ]

@@ -255,9 +255,13 @@ def new_picture(
 
 
 def color_bar(
-    figure: Picture, limit: float, place: tuple[float, float, float], title: str = "von Mises"
+    figure: Picture,
+    limit: float,
+    place: tuple[float, float, float],
+    title: str = "von Mises",
+    unit: str = "Pa",
 ) -> None:
-    """Draw the colours of stress from 0 to a limit in Pa; place is left, bottom and height."""
+    """Draw the colours of stress from 0 to a limit; place is left, bottom and height."""
     left, bottom, height = place
     height = min(height, 2.4 / figure.get_figheight())
     ax = figure.add_axes((left, bottom, 0.13 / figure.get_figwidth(), height))
@@ -280,7 +284,7 @@ def color_bar(
     for spine in ax.spines.values():
         spine.set_visible(False)
     y = bottom + height + 0.08 / figure.get_figheight()
-    figure.text(left, y, f"{title}\n{prefix}Pa", color=MUTED, fontsize=8.5, va="bottom")
+    figure.text(left, y, f"{title}\n{prefix}{unit}", color=MUTED, fontsize=8.5, va="bottom")
 
 
 def _rulers(ax: Axes, view: View) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -21,6 +21,8 @@ from jousto.schema.entries import Entry, MarkerEntry, RotateEntry
 from jousto.schema.happen import build_event, is_late, watches_late
 from jousto.schema.matrices import build_matrices, build_superelement, is_superelement
 from jousto.schema.sense import FLEXIBLE_ONLY, build_sensor
+from jousto.schema.solid import build_solid
+from jousto.schema.solids import SolidEntry
 
 T = TypeVar("T")
 
@@ -39,6 +41,8 @@ class Builder:
         Whether flexible bodies are made rigid.
     trust : bool
         Whether Python code that the document names may run.
+    options : mapping, optional
+        Arguments of `reduce` that go before those of the document: solver, cache, progress.
     """
 
     def __init__(
@@ -48,7 +52,9 @@ class Builder:
         *,
         rigid: bool = False,
         trust: bool = False,
+        options: Mapping[str, Any] | None = None,
     ) -> None:
+        self.options = dict(options or {})
         self.document = document
         self.trust = trust
         self.broken = set(broken)
@@ -127,16 +133,39 @@ class Builder:
             return self.chosen(loc, entry, reduced)
         if is_superelement(entry):
             return self.chosen(loc, entry, build_superelement(self, loc, name, entry))
-        part, method = self.part(loc, name, entry), self.method(loc, entry)
+        part = self.part(loc, name, entry)
+        method = self.method(loc, entry, part)
         return self.reduction(loc, entry, part, method)
 
-    def method(self, loc: Loc, entry: Any) -> Any:
+    def method(self, loc: Loc, entry: Any, part: Any = None) -> Any:
         """Return the CraigBampton or FreeFree of an entry, None if it is wrong."""
         from jousto.reduction import CraigBampton, FreeFree
 
         craig = isinstance(entry.reduce, sp.CraigBamptonEntry)
         kind: Any = CraigBampton if craig else FreeFree
-        return self.make((*loc, "reduce"), kind, **entry.reduce.given())
+        values = entry.reduce.given()
+        if craig:
+            values.setdefault("interfaces", ())
+        if "residuals" in values:
+            values["residuals"] = self.residuals((*loc, "reduce", "residuals"), entry, part)
+        return self.make((*loc, "reduce"), kind, **values)
+
+    def residuals(self, loc: Loc, entry: Any, part: Any) -> tuple[Any, ...]:
+        """Return load patterns (ndof,) and names of stress sites; note sets that do not exist."""
+        found: list[Any] = []
+        for i, item in enumerate(entry.reduce.residuals):
+            if isinstance(item, str):
+                found.append(item)
+            elif part is not None:
+                if item.nodes not in part.node_sets:
+                    known = suggest(item.nodes, part.node_sets)
+                    self.note((*loc, i, "nodes"), f"no set {item.nodes!r}{known}")
+                    continue
+                nodes = np.asarray(part.node_sets[item.nodes])
+                pattern = np.zeros((len(part.nodes), part.dofs_per_node))
+                pattern[nodes, :3] = np.asarray(item.force) / len(nodes)
+                found.append(pattern.ravel())
+        return tuple(found)
 
     def reduction(self, loc: Loc, entry: Any, part: Any, method: Any) -> Any:
         """Return the ReducedPart of a part as the entry asks for, None if anything is wrong."""
@@ -144,8 +173,13 @@ class Builder:
 
         if part is None or method is None:
             return None
-        stiffening = bool(getattr(entry, "stiffening", None))
-        reduced = self.make((*loc, "reduce"), reduce, part, method, stiffening=stiffening)
+        options: dict[str, Any] = {
+            key: value
+            for key in ("stiffening", "solver", "cache")
+            if (value := getattr(entry, key, None)) is not None
+        }
+        options |= self.options
+        reduced = self.make((*loc, "reduce"), reduce, part, method, **options)
         return self.chosen(loc, entry, reduced)
 
     def chosen(self, loc: Loc, entry: Any, reduced: Any) -> Any:
@@ -163,6 +197,8 @@ class Builder:
 
         if isinstance(entry, sp.MatricesEntry):
             return build_matrices(self, loc, name, entry)
+        if isinstance(entry, SolidEntry):
+            return build_solid(self, loc, name, entry)
         before = len(self.found)
         values = entry.given("reduce", "in_plane", "keep", "stiffening")
         self.beams(loc, values)
@@ -199,14 +235,16 @@ class Builder:
 
     def each(self, loc: Loc, value: Any, build: Callable[[Loc, Any], Any]) -> Any:
         """Return the object of an entry, or the list of objects of a list of entries."""
-        if isinstance(value, Entry):
+        if isinstance(value, Entry | str):
             return build(loc, value)
         return [build((*loc, i), item) for i, item in enumerate(value)]
 
-    def material(self, loc: Loc, entry: sp.MaterialEntry) -> Any:
-        """Return the Material of an entry."""
-        from jousto.parts import Material
+    def material(self, loc: Loc, entry: sp.MaterialEntry | str) -> Any:
+        """Return the Material of an entry or of a name in the library."""
+        from jousto.parts import Material, material
 
+        if isinstance(entry, str):
+            return self.make(loc, material, entry)
         return self.make(loc, Material, **entry.given())
 
     def section(self, loc: Loc, entry: Any) -> Any:

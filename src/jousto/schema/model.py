@@ -43,9 +43,9 @@ from jousto.schema.entries import (
     by_form,
     tagged,
 )
-from jousto.schema.parts import PartEntry
 from jousto.schema.sensors import SensorEntry
 from jousto.schema.signals import Amount, SignalEntry
+from jousto.schema.solids import PartEntry
 
 # -- bodies ---------------------------------------------------------------------------------
 

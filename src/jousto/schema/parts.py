@@ -37,6 +37,10 @@ class MaterialEntry(Entry):
     name: Text | None = None
 
 
+MaterialForm: TypeAlias = Annotated[
+    Annotated[Text, Tag("scalar")] | Annotated[MaterialEntry, Tag("mapping")], by_form()
+]
+
 # -- sections -------------------------------------------------------------------------------
 
 
@@ -156,13 +160,33 @@ class PointMassEntry(Entry):
     offset: Position | None = Field(None, description="From the node to the centre of the mass")
 
 
+class LoadPatternEntry(Entry):
+    """A force spread evenly over nodes, of any size: its static response is then exact."""
+
+    force: Direction = Field(description="Direction, part frame")
+    nodes: Text = Field(description="A set of nodes")
+
+
+Residual: TypeAlias = Annotated[
+    Annotated[Text, Tag("scalar")] | Annotated[LoadPatternEntry, Tag("mapping")], by_form()
+]
+
+
 class CraigBamptonEntry(Entry):
     """`CraigBampton`: fixed-interface modes plus constraint modes of the interface nodes."""
 
     type: Literal["craig-bampton"]
-    interfaces: tuple[Text, ...] = Field(description="Node sets where joints and forces act")
+    interfaces: tuple[Text, ...] | None = Field(
+        None, description="Where joints and forces act: interfaces or node sets; all if none"
+    )
     modes: Count | None = Field(None, description="Number of fixed-interface modes")
     frequency_limit: Frequency | None = Field(None, description="Highest frequency kept")
+    residuals: tuple[Residual, ...] | None = Field(
+        None, description="Loads between the interfaces, or stress sites, to be exact in statics"
+    )
+    inertia_relief: Flag | None = Field(
+        None, description="Whether the response to weight and slow acceleration is exact, too"
+    )
 
 
 class FreeFreeEntry(Entry):
@@ -216,7 +240,7 @@ class BeamEntry(BeamOptionsEntry):
     length: Length
     section: SectionEntry
     elements: Count = Field(description="Number of elements")
-    material: MaterialEntry
+    material: MaterialForm
     orientation: Direction | None = Field(None, description="Vector near the section's z axis")
 
 
@@ -227,7 +251,7 @@ class MemberEntry(Entry):
     start: Position
     end: Position
     section: SectionEntry
-    material: MaterialEntry
+    material: MaterialForm
     elements: Count | None = Field(None, description="Number of elements, 1 if not given")
     orientation: Direction | None = Field(None, description="Vector near the section's z axis")
     start_offset: Position | None = Field(None, description="Rigid arm at the start")
@@ -251,7 +275,9 @@ Sections: TypeAlias = Annotated[
     by_form(),
 ]
 Materials: TypeAlias = Annotated[
-    Annotated[MaterialEntry, Tag("mapping")] | Annotated[tuple[MaterialEntry, ...], Tag("list")],
+    Annotated[Text, Tag("scalar")]
+    | Annotated[MaterialEntry, Tag("mapping")]
+    | Annotated[tuple[MaterialForm, ...], Tag("list")],
     by_form(),
 ]
 Nodes: TypeAlias = Annotated[
@@ -330,13 +356,3 @@ class ReducedEntry(ModeChoice):
 
     type: Literal["reduced"] = "reduced"
     file: Text
-
-
-PartEntry: TypeAlias = Annotated[
-    Annotated[BeamEntry, Tag("beam")]
-    | Annotated[MembersEntry, Tag("members")]
-    | Annotated[FrameEntry, Tag("frame")]
-    | Annotated[MatricesEntry, Tag("matrices")]
-    | Annotated[ReducedEntry, Tag("reduced")],
-    tagged(lambda data: "reduced" if "file" in data else None),
-]

@@ -17,7 +17,8 @@ from jousto.schema.document import Document, Loc, parse_document, read_document
 from jousto.schema.explain import explain
 from jousto.schema.matrices import is_superelement
 from jousto.schema.model import ModelEntry, SimulationEntry
-from jousto.schema.parts import PartEntry, ReducedEntry
+from jousto.schema.parts import ReducedEntry
+from jousto.schema.solids import PartEntry
 
 LISTS = ("bodies", "joints", "couplings", "forces", "frictions", "sensors", "events")
 
@@ -75,7 +76,9 @@ class ModelFile:
     text: str = ""
 
 
-def read_model(path: str | Path, *, rigid: bool = False, trust: bool = False) -> ModelFile:
+def read_model(
+    path: str | Path, *, rigid: bool = False, trust: bool = False, progress: Any = None
+) -> ModelFile:
     """Read a YAML or JSON model file.
 
     Parameters
@@ -89,6 +92,8 @@ def read_model(path: str | Path, *, rigid: bool = False, trust: bool = False) ->
     trust : bool
         Whether Python functions that the file names (forces of type ``user-force``) may run.
         They can do anything that you can on this computer: only for files whose author you know.
+    progress : bool or function, optional
+        What `reduce` reports to, for parts that take long.
 
     Raises
     ------
@@ -100,7 +105,8 @@ def read_model(path: str | Path, *, rigid: bool = False, trust: bool = False) ->
     JoustoWarning
         What the constructors warn about, with lines.
     """
-    return build_model(read_document(path), rigid=rigid, trust=trust)
+    document = read_document(path)
+    return build_model(document, rigid=rigid, trust=trust, progress=progress)
 
 
 def parse_model(
@@ -121,10 +127,13 @@ def parse_model(
     return build_model(parse_document(text, name=name, folder=folder), trust=trust)
 
 
-def build_model(document: Document, *, rigid: bool = False, trust: bool = False) -> ModelFile:
+def build_model(
+    document: Document, *, rigid: bool = False, trust: bool = False, progress: Any = None
+) -> ModelFile:
     """Validate and build a document; see `read_model`."""
     entry, index, invalid, broken = validate(document)
-    builder = Builder(document, broken, rigid=rigid, trust=trust)
+    options = {} if progress is None else {"progress": progress}
+    builder = Builder(document, broken, rigid=rigid, trust=trust, options=options)
     mechanism, simulation = None, None
     if entry is not None:
         mechanism = builder.mechanism(entry, index)
@@ -268,7 +277,9 @@ def read_part(path: str | Path, name: str | None = None) -> Any:
     return read_part_file(path, name).reduced
 
 
-def read_part_file(path: str | Path, name: str | None = None, *, reduce: bool = True) -> PartFile:
+def read_part_file(
+    path: str | Path, name: str | None = None, *, reduce: bool = True, **options: Any
+) -> PartFile:
     """Return the part of a file, how it is to be reduced, and its modes.
 
     Parameters
@@ -277,6 +288,8 @@ def read_part_file(path: str | Path, name: str | None = None, *, reduce: bool = 
         As in `read_part`.
     reduce : bool
         Whether the part is reduced; reading alone is quick.
+    **options
+        Arguments of `reduce` that go before those of the file: solver, cache, progress.
 
     Raises
     ------
@@ -300,7 +313,7 @@ def read_part_file(path: str | Path, name: str | None = None, *, reduce: bool = 
         data = data["parts"][name]
     name = Path(path).stem if name is None else name
     classes: dict[int, Any] = {}
-    builder = Builder(document)
+    builder = Builder(document, options=options)
     try:
         entry: Any = TypeAdapter(PartEntry).validate_python(data, context=classes)
     except ValidationError as error:
@@ -311,7 +324,8 @@ def read_part_file(path: str | Path, name: str | None = None, *, reduce: bool = 
     if isinstance(entry, ReducedEntry) or is_superelement(entry):
         reduced = builder.reduced(loc, name, entry)
     else:
-        part, method = builder.part(loc, name, entry), builder.method(loc, entry)
+        part = builder.part(loc, name, entry)
+        method = builder.method(loc, entry, part)
         if entry.in_plane is not None and entry.keep is not None:
             builder.note((*loc, "keep"), "give either keep or in_plane, not both")
         elif reduce:

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeAlias
 
+import numpy as np
+
 from jousto.errors import count
 from jousto.mechanism import FlexibleBody
 
 if TYPE_CHECKING:
+    from jousto.parts import Mesh
+    from jousto.parts.holes import Hole
     from jousto.reduction import ReducedPart
     from jousto.schema.read import ModelFile
 
@@ -50,6 +54,39 @@ def model_facts(file: ModelFile) -> Facts:
         text = f"{file.simulation.t_end:g} s" + (f" with {solver}" if solver else "")
         rows.append(("simulation", text))
     return rows
+
+
+def mesh_facts(mesh: Mesh) -> Facts:
+    """Return what is in a mesh: lengths in mm, since it shows wrong units best."""
+    low, high = mesh.bounds
+    kinds: dict[str, int] = {}
+    for block in mesh.cells:
+        kinds[block.kind] = kinds.get(block.kind, 0) + len(block)
+    size = " x ".join(f"{1e3 * x:.5g}" for x in high - low)
+    rows = [
+        ("size", f"{size} mm"),
+        ("from", f"({', '.join(f'{1e3 * x:.5g}' for x in low)}) mm"),
+        ("nodes", f"{len(mesh.nodes)}, {3 * len(mesh.used)} degrees of freedom"),
+        ("elements", ", ".join(f"{n} {kind}" for kind, n in kinds.items()) or "none"),
+        ("volume", f"{1e6 * mesh.volume:.5g} cm3, {7850.0 * mesh.volume:.5g} kg if it is steel"),
+    ]
+    if len(mesh.element_ids):
+        rows.append(("quality", str(mesh.quality()).partition(": ")[2]))
+    if mesh.element_sets:
+        sets = (f"{name} ({len(members)})" for name, members in mesh.element_sets.items())
+        rows.append(("element sets", ", ".join(sets)))
+    return rows
+
+
+def hole_text(hole: Hole) -> str:
+    """Return diameter, length, place and direction of a hole."""
+    place = ", ".join(f"{round(1e3 * x, 3) + 0.0:g}" for x in hole.point)
+    along = [round(float(x), 3) + 0.0 for x in hole.axis]
+    axis = "xyz"[int(np.argmax(np.abs(along)))]
+    if sorted(map(abs, along)) != [0.0, 0.0, 1.0]:
+        axis = "(" + ", ".join(f"{x:g}" for x in along) + ")"
+    size = f"{2e3 * hole.radius:.4g} mm, {1e3 * hole.length:.4g} mm long"
+    return f"{size}, at ({place}) mm along {axis}, {len(hole.nodes)} nodes"
 
 
 def part_facts(part: ReducedPart) -> Facts:

@@ -1,0 +1,117 @@
+"""The command on meshes and CAD files: mesh."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from jousto.cli.options import Debug, Output, amount, app
+from jousto.cli.terminal import BAD_INPUT, command, facts, say
+from jousto.errors import InputError, Problem, count
+
+if TYPE_CHECKING:
+    from jousto.parts import Finding, Mesh
+
+CAD = (".step", ".stp", ".brep", ".brp", ".iges", ".igs")
+SHOWN = 24  # sets or holes in the list
+
+
+@app.command()
+@command
+def mesh(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Mesh or CAD file.")],
+    output: Output = None,
+    unit: Annotated[
+        str | None, typer.Option("--unit", help="Unit of length in the file: m, mm, in ...")
+    ] = None,
+    size: Annotated[
+        str | None, typer.Option("--size", metavar="LENGTH", help="Edges of a CAD file, '8 mm'.")
+    ] = None,
+    order: Annotated[
+        int, typer.Option("--order", min=1, max=2, help="Of the tetrahedra of a CAD file.")
+    ] = 2,
+    straight: Annotated[
+        bool, typer.Option("--straight", help="Edges of a CAD file's mesh do not follow curves.")
+    ] = False,
+    per_circle: Annotated[
+        int, typer.Option("--per-circle", min=4, help="Elements along a full turn, CAD files.")
+    ] = 12,
+    refine: Annotated[
+        list[str] | None,
+        typer.Option("--refine", metavar="FACE=LENGTH", help="Smaller edges at a face or group."),
+    ] = None,
+    picture: Annotated[
+        Path | None, typer.Option("--picture", metavar="FILE.png", help="Draw the mesh.")
+    ] = None,
+    mark: Annotated[
+        list[str] | None, typer.Option("--mark", metavar="SET", help="Set to mark in the picture.")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Read a mesh, or mesh a CAD file, and say what is in it and what is wrong with it.
+
+    With -o the mesh is written, in m: .vtu, .vtk, .inp, .msh, .med, .bdf, .nas, .stl.
+    """
+    from jousto.parts import read_mesh
+
+    if output is not None and output.exists() and file.exists() and output.samefile(file):
+        raise InputError(Problem(str(output), "is the input, it would be overwritten"))
+    if file.suffix.lower() in CAD:
+        from jousto.parts import mesh_step
+
+        if size is None:
+            raise InputError(
+                Problem(file.name, "a CAD file needs the length of the elements: --size '8 mm'")
+            )
+        found = mesh_step(
+            file,
+            size=amount(size, "m", "--size"),
+            order=order,
+            curved=not straight,
+            unit=unit,
+            per_circle=per_circle,
+            refine=dict(_refined(item) for item in refine or ()),
+        )
+    else:
+        found = read_mesh(file, unit=unit or "m")
+    findings = describe_mesh(found)
+    if output is not None:
+        from jousto.output import write_mesh
+
+        say(f"mesh in {write_mesh(found, output)}", style="green")
+    if picture is not None:
+        from jousto.output import draw
+
+        say(f"picture in {draw(found, picture, sets=tuple(mark or ()))}", style="green")
+    if any(finding.severity == "error" for finding in findings):
+        raise typer.Exit(BAD_INPUT)
+
+
+def _refined(text: str) -> tuple[str, float]:
+    name, equals, length = text.partition("=")
+    if not equals or not name.strip():
+        raise InputError(Problem("--refine", f"is {text!r}, must be such as 'face12=2 mm'"))
+    return name.strip(), amount(length, "m", "--refine")
+
+
+def describe_mesh(found: Mesh) -> tuple[Finding, ...]:
+    """Print what is in a mesh and what is wrong with it; return the findings."""
+    from jousto.schema.summary import hole_text, mesh_facts
+
+    facts(mesh_facts(found), f"mesh {found.name}")
+    holes = [(hole.name, hole_text(hole)) for hole in found.holes()[:SHOWN]]
+    facts(holes)
+    sets = [(f"set {name}", count(len(nodes), "node")) for name, nodes in found.node_sets.items()]
+    facts(sets[:SHOWN])
+    if len(sets) > SHOWN:
+        say(f"  ... and {len(sets) - SHOWN} more sets")
+    findings = found.check()
+    for finding in findings:
+        error = finding.severity == "error"
+        word = "error" if error else "warning"
+        say(f"{word}: {finding.message}", style="red" if error else "yellow")
+    if not findings:
+        say(f"{found.name}: nothing wrong found", style="green")
+    return findings

@@ -1,0 +1,79 @@
+"""Pictures of meshes and modes, and meshes written for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import jousto as jo
+from output.blocks import bar
+from schema.plates import plate
+
+
+def colors(path: Path) -> int:
+    """Return how many colours a picture has."""
+    with Image.open(path) as image:
+        return len(image.convert("RGB").getcolors(1 << 24))
+
+
+def test_pictures_of_a_mesh_a_part_and_a_mode(tmp_path: Path) -> None:
+    mesh = plate()
+    plain = jo.draw(mesh, tmp_path / "mesh.png")
+    marked = jo.draw(mesh, tmp_path / "marked.png", sets=("left", "right"))
+    assert 20 < colors(plain) < colors(marked)
+    part = jo.Part.solid(mesh, jo.material("S355"), interfaces=(jo.Interface("root", "left"),))
+    assert colors(jo.draw(part, tmp_path / "part.png")) > 20
+    mode = jo.draw(bar(), tmp_path / "mode.png", mode=0)
+    assert colors(mode) > colors(jo.draw(bar(), tmp_path / "still.svg".replace("svg", "jpg")))
+    beam = jo.Part.beam(1.0, jo.Rectangle(0.1, 0.1), 4, jo.material("S355"))
+    assert colors(jo.draw(beam, tmp_path / "beam.png")) > 20
+
+
+def test_what_cannot_be_drawn_is_said_at_once(tmp_path: Path) -> None:
+    with pytest.raises(jo.InputError) as caught:
+        jo.draw(bar(), tmp_path / "a.png", mode=7, sets=("lefft",), scale=-1.0)
+    found = [problem.message for problem in caught.value.problems]
+    assert found[0] == "scale is -1, must be a positive number"
+    assert found[1] == "there are modes 0..3, not 7"
+    assert found[2].startswith("no set 'lefft'")
+    with pytest.raises(jo.InputError, match="has no modes; reduce it first"):
+        jo.draw(plate(), tmp_path / "a.png", mode=0)
+    with pytest.raises(jo.InputError, match="give a Mesh, a Part or a ReducedPart"):
+        jo.draw(3, tmp_path / "a.png")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("suffix", ["vtu", "vtk", "inp", "msh", "med"])
+def test_written_meshes_are_read_again(suffix: str, tmp_path: Path) -> None:
+    mesh, path = plate(), tmp_path / f"plate.{suffix}"
+    keeps = suffix in ("vtu", "vtk", "inp")
+    if keeps:
+        jo.write_mesh(mesh, path, unit="mm")
+    else:
+        with pytest.warns(jo.JoustoWarning, match="written without the sets"):
+            jo.write_mesh(mesh, path, unit="mm")
+    again = jo.read_mesh(path, unit="mm")
+    assert np.allclose(again.nodes, mesh.nodes, atol=1e-8)
+    assert again.volume == pytest.approx(mesh.volume, rel=1e-6)
+    if keeps:
+        for name in ("left", "right"):
+            assert np.array_equal(again.node_sets[name], mesh.node_sets[name])
+        assert np.array_equal(again.element_sets["all"], mesh.element_sets["all"])
+
+
+def test_the_surface_as_triangles(tmp_path: Path) -> None:
+    text = jo.write_mesh(plate(), tmp_path / "plate.stl").read_text(encoding="utf-8")
+    vertices = [line.split()[1:] for line in text.splitlines() if "vertex" in line]
+    corners = np.array(vertices, dtype=float).reshape(-1, 3, 3)
+    six = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum()
+    # sixteen chords around the hole
+    assert six / 6 == pytest.approx(plate().volume, rel=2e-3)
+
+
+def test_wrong_endings_are_named(tmp_path: Path) -> None:
+    with pytest.raises(jo.InputError, match="'.stp' is not a format to write here"):
+        jo.write_mesh(plate(), tmp_path / "a.stp")
+    with pytest.raises(jo.InputError, match="unit is 'mmm'"):
+        jo.write_mesh(plate(), tmp_path / "a.vtu", unit="mmm")
