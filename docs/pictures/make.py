@@ -46,17 +46,27 @@ WIDTHS = {  # pixels
     "moving_load.png": 700,
     "split_still.png": 900,
     "split.png": 900,
+    "link_arm.png": 1100,
+    "link_arm_mesh.png": 800,
+    "link_arm_still.png": 800,
 }
+
+
+SMOOTH = ("link_arm_still.png", "link_arm_mesh.png")  # lit surfaces need more colours
 
 
 def shrink(source: Path, target: Path, width: int) -> None:
     """Write a smaller copy of a picture or film."""
+    smooth = target.name in SMOOTH
+    count = 256 if smooth else COLOURS
+    method = Image.Quantize.MEDIANCUT if smooth else Image.Quantize.MAXCOVERAGE
+    dither = Image.Dither.FLOYDSTEINBERG if smooth else Image.Dither.NONE
     with Image.open(source) as image:
         size = (width, round(width * image.height / image.width))
         frames = [
             frame.convert("RGB")
             .resize(size, Image.Resampling.LANCZOS)
-            .quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+            .quantize(count, method, dither=dither)
             for frame in ImageSequence.Iterator(image)
         ]
         if target.suffix == ".gif":

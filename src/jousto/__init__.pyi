@@ -449,5 +449,8 @@ from .output import (
     draw as draw,
 )
 from .output import (
+    write_csv as write_csv,
+)
+from .output import (
     write_mesh as write_mesh,
 )

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from jousto.simulation import Solution
 
 MOST_EVENTS = 20  # that are printed
+MESHES = (".msh", ".inp", ".bdf", ".nas", ".med", ".vtk", ".vtu", ".cdb")
 
 
 def _version(value: bool) -> None:
@@ -138,15 +139,20 @@ def run(
 @app.command()
 @command
 def info(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Model, results or reduced part.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Model, results, part or mesh.")],
     trust: Trust = False,
     debug: Debug = False,
 ) -> None:
-    """Say what is in a model file, a results file or a reduced part."""
+    """Say what is in a model file, a results file, a reduced part or a mesh in m."""
     from jousto.schema.document import is_hdf5
     from jousto.schema.targets import REDUCED_PART, hdf5_format
 
-    if not is_hdf5(file):
+    if file.suffix.lower() in MESHES:
+        from jousto.cli.meshes import describe_mesh
+        from jousto.parts import read_mesh
+
+        describe_mesh(read_mesh(file))
+    elif not is_hdf5(file):
         if file.suffix.lower() in (".h5", ".hdf5") and file.is_file():
             raise InputError(Problem(str(file), "is not an HDF5 file, or it is damaged"))
         from jousto.schema import read_model

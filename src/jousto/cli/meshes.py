@@ -101,7 +101,10 @@ def describe_mesh(found: Mesh) -> tuple[Finding, ...]:
     from jousto.schema.summary import hole_text, mesh_facts
 
     facts(mesh_facts(found), f"mesh {found.name}")
-    holes = [(hole.name, hole_text(hole)) for hole in found.holes()[:SHOWN]]
+    holes = [
+        (hole.name if hole.name.startswith("hole") else f"hole {hole.name}", hole_text(hole))
+        for hole in found.holes()[:SHOWN]
+    ]
     facts(holes)
     sets = [(f"set {name}", count(len(nodes), "node")) for name, nodes in found.node_sets.items()]
     facts(sets[:SHOWN])

@@ -1,4 +1,4 @@
-"""Commands on parts: reduce."""
+"""Commands on parts: reduce, export."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import typer
 from jousto.cli.certificates import Html, page_path, tell_certificate
 from jousto.cli.options import Debug, Output, app
 from jousto.cli.terminal import command, facts, say
+from jousto.errors import InputError, Problem
 
 if TYPE_CHECKING:
     from jousto.reduction import ReducedPart
@@ -71,6 +72,49 @@ def reduce_part(
     if not bare:
         tell_certificate(file, page)
     say(f"reduced part in {target}", style="green")
+
+
+@app.command()
+@command
+def export(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Reduced part or results (HDF5).")],
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="File to write.")],
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[NAME]...", help="Sensors of results; all if none."),
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Write a reduced part or results for other programs; the ending says for which.
+
+    Reduced parts: .vtu (ParaView, with modes and modal stress), .fem (MBDyn), .sid (standard
+    input data). Results: .csv (time and sensors).
+    """
+    from jousto.schema.targets import REDUCED_PART, RESULTS, hdf5_format, output_path
+
+    kind, suffix = hdf5_format(file), output.suffix.lower()
+    if not file.is_file():
+        raise InputError(Problem(str(file), "no such file"))
+    known = {REDUCED_PART: (".vtu", ".fem", ".sid"), RESULTS: (".csv",)}.get(kind)
+    if known is None:
+        raise InputError(Problem(str(file), "is neither a reduced part nor results of jousto"))
+    if suffix not in known:
+        what = "a reduced part" if kind == REDUCED_PART else "results"
+        raise InputError(Problem(str(output), f"must end with {', '.join(known)} to export {what}"))
+    output_path(output, file, suffix)
+    if kind == RESULTS:
+        from jousto.output import write_csv
+        from jousto.simulation import load
+
+        write_csv(load(file), output, *(names or ()))
+    else:
+        from jousto import output as writers
+        from jousto.reduction import ReducedPart
+
+        if names:
+            raise InputError(Problem(names[0], "a reduced part has no sensors to name"))
+        getattr(writers, f"write_{suffix[1:]}")(ReducedPart.load(file), output)
+    say(f"written to {output}", style="green")
 
 
 def describe_part(part: ReducedPart) -> None:

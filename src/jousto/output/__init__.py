@@ -9,6 +9,7 @@ from jousto.output.meshes import write_mesh
 from jousto.output.plot import plot
 from jousto.output.sid import write_sid
 from jousto.output.style import COLORS, STYLE
+from jousto.output.table import write_csv
 from jousto.output.view import View
 from jousto.output.vtu import write_vtu
 
@@ -26,5 +27,6 @@ __all__ = [
     "write_sid",
     "write_vtu",
     "write_certificate",
+    "write_csv",
     "write_mesh",
 ]

@@ -1,0 +1,59 @@
+"""`jousto export`: reduced parts and results for other programs; `jousto info` on a mesh."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import jousto as jo
+from cli.test_meshes import call
+from output.blocks import bar
+from output.runs import swing
+from schema.plates import plate
+
+
+def test_results_become_a_table(tmp_path: Path) -> None:
+    run = swing()
+    code, text = call("export", run.path, "tip", "tip.speed", "-o", tmp_path / "a.csv")
+    assert (code, text) == (0, f"written to {tmp_path / 'a.csv'}\n")
+    with (tmp_path / "a.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.reader(file))
+    assert rows[0][:4] == ["time (s)", "tip.x (m)", "tip.y (m)", "tip.z (m)"]
+    assert rows[0][4] == "tip.speed.x (m/s)"
+    table = np.array(rows[1:], dtype=float)
+    assert np.array_equal(table[:, 0], run.time)
+    assert np.array_equal(table[:, 1:4], run["tip"])
+    assert np.array_equal(table[:, 4:], run["tip.speed"])
+    jo.write_csv(run, tmp_path / "b.csv")
+    head = (tmp_path / "b.csv").read_text(encoding="utf-8").splitlines()[0]
+    assert "stress.e1.a.top:s11 (Pa)" in head
+
+
+@pytest.mark.parametrize("suffix", ["vtu", "fem", "sid"])
+def test_parts_go_to_other_programs(suffix: str, tmp_path: Path) -> None:
+    bar().save(tmp_path / "bar.h5")
+    code, text = call("export", tmp_path / "bar.h5", "-o", tmp_path / f"bar.{suffix}")
+    assert code == 0, text
+    assert (tmp_path / f"bar.{suffix}").stat().st_size > 1000
+
+
+def test_refuses_clearly(tmp_path: Path) -> None:
+    run = swing()
+    code, text = call("export", run.path, "-o", tmp_path / "a.vtu")
+    assert (code, "must end with .csv to export results" in text) == (2, True)
+    code, text = call("export", run.path, "tipp", "-o", tmp_path / "a.csv")
+    assert (code, "no sensor 'tipp'; did you mean 'tip'?" in text) == (2, True)
+    code, text = call("export", tmp_path / "none.h5", "-o", tmp_path / "a.csv")
+    assert (code, "no such file" in text) == (2, True)
+    (tmp_path / "a.txt").write_text("hello")
+    code, text = call("export", tmp_path / "a.txt", "-o", tmp_path / "a.csv")
+    assert (code, "is neither a reduced part nor results" in text) == (2, True)
+
+
+def test_info_on_a_mesh(tmp_path: Path) -> None:
+    code, text = call("info", jo.write_mesh(plate(), tmp_path / "plate.vtu"))
+    assert code == 0
+    assert "400 x 100 x 20 mm" in text
