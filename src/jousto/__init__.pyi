@@ -278,6 +278,9 @@ from .parts import (
     Nearest as Nearest,
 )
 from .parts import (
+    NodalForce as NodalForce,
+)
+from .parts import (
     Orthotropic as Orthotropic,
 )
 from .parts import (
@@ -285,6 +288,9 @@ from .parts import (
 )
 from .parts import (
     PointMass as PointMass,
+)
+from .parts import (
+    Pressure as Pressure,
 )
 from .parts import (
     Quality as Quality,
@@ -296,10 +302,22 @@ from .parts import (
     SectionPoint as SectionPoint,
 )
 from .parts import (
+    Spin as Spin,
+)
+from .parts import (
+    SurfaceLoad as SurfaceLoad,
+)
+from .parts import (
     Timoshenko as Timoshenko,
 )
 from .parts import (
+    Traction as Traction,
+)
+from .parts import (
     Tube as Tube,
+)
+from .parts import (
+    Weight as Weight,
 )
 from .parts import (
     material as material,

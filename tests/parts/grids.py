@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.parts.cells import Cells
+from jousto.parts.mesh import Mesh
 from jousto.parts.solids.elements import EDGES, KINDS, places
 
 Array = NDArray[np.float64]
@@ -29,7 +29,7 @@ def grid(
     distort: float = 0.0,
     bend: Callable[[Array], Array] | None = None,
     materials: Callable[[Array], NDArray[np.str_]] | None = None,
-) -> Any:
+) -> Mesh:
     """A box of elements of one kind; inner nodes are moved by up to ``distort`` of their cell.
 
     ``bend`` maps positions, of mid nodes too; ``materials`` names elements by their centre.
@@ -61,15 +61,4 @@ def grid(
     if materials is not None:
         label = materials(x[cells].mean(axis=1))
         sets = {str(name): np.flatnonzero(label == name) for name in np.unique(label)}
-    ids = np.arange(1, len(cells) + 1)
-    block = SimpleNamespace(kind=kind, nodes=cells, ids=ids, material="")
-    return SimpleNamespace(
-        name="box",
-        nodes=x,
-        cells=(block,),
-        node_ids=np.arange(1, len(x) + 1),
-        element_sets=sets,
-        node_sets={},
-        surfaces={},
-        triangles=np.zeros((0, 3), dtype=np.int64),
-    )
+    return Mesh("box", x, Cells(kind, cells), element_sets=sets)

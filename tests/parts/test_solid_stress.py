@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from jousto.errors import InputError
-from jousto.parts import Material, Part, SolidStress
+from jousto.parts import (
+    Circle,
+    InBox,
+    Interface,
+    Material,
+    Orthotropic,
+    Part,
+    SolidStress,
+)
 from jousto.parts.orthotropic import elasticity
+from jousto.reduction import FreeFree, reduce
 from parts.grids import ALL, grid
+from parts.test_solids import WOOD
 
 Array = NDArray[np.float64]
 STEEL = Material(E=210e9, nu=0.3, rho=7850.0, name="steel")
@@ -84,7 +96,7 @@ def test_where_materials_meet() -> None:
 def test_choice_of_nodes() -> None:
     """A few sites give the numbers that they have among all; labels are the mesh's numbers."""
     mesh = grid("tetra10", (3, 2, 2), SIZE, distort=0.2)
-    mesh.node_ids = mesh.node_ids * 10
+    mesh = replace(mesh, node_ids=mesh.node_ids * 10)
     part = Part.solid(mesh, STEEL)
     stress = solid_stress(part)
     d = np.random.default_rng(0).standard_normal((3 * len(part.nodes), 4))
@@ -115,3 +127,88 @@ def test_rows_of_a_few_sites(rng: np.random.Generator) -> None:
     found = (stress.rows(sites) @ d).reshape(3, 6, 2)
     np.testing.assert_allclose(found, stress.evaluate(d)[[17, 3, 40]], rtol=1e-12)
     assert stress.rows(sites).nnz < 0.8 * 18 * part.K.shape[0]
+
+
+@pytest.mark.parametrize("kind", ALL)
+@pytest.mark.parametrize("law", [STEEL, WOOD], ids=["isotropic", "orthotropic"])
+def test_free_surface_of_a_linear_field(kind: str, law: Material | Orthotropic) -> None:
+    """The strain along a face is kept, the stress across it taken away: s n = 0 and no other."""
+    part = Part.solid(grid(kind, (3, 2, 2), SIZE, distort=0.25), law)
+    g = 1e-3 * np.random.default_rng(0).standard_normal((3, 3))
+    top = np.flatnonzero(part.nodes[:, 2] > SIZE[2] - 1e-9)
+    s = part.surface_stress(top).evaluate((part.nodes @ g.T).ravel())
+    assert len(s) == len(top)
+    scale = np.abs(s).max()
+    np.testing.assert_allclose(s[:, [2, 4, 5]], 0.0, atol=1e-10 * scale)
+    e = np.linalg.solve(elasticity(law), s[0])
+    np.testing.assert_allclose(e[[0, 1, 3]], [g[0, 0], g[1, 1], g[0, 1] + g[1, 0]], rtol=1e-9)
+    np.testing.assert_allclose(s, np.tile(s[0], (len(s), 1)), atol=1e-9 * scale)
+
+
+def test_free_surface_of_a_bar() -> None:
+    """A pulled bar: the same stress from inside and from the skin, edges and corners included."""
+    part = Part.solid(grid("tetra10", (3, 2, 2), SIZE), STEEL)
+    nu = STEEL.nu
+    d = 1e-3 * part.nodes * [1.0, -nu, -nu]
+    inside = np.all((part.nodes > 1e-9) & (part.nodes < SIZE - 1e-9), axis=1)
+    sides = np.flatnonzero(~inside & (part.nodes[:, 0] > -1.0))
+    skin = part.surface_stress(InBox((-1, -1, -1), (1, 1, SIZE[2])))
+    assert len(skin.sites) == len(sides)
+    on_top = part.surface_stress(np.flatnonzero(part.nodes[:, 1] > SIZE[1] - 1e-9))
+    exact = np.tile([1e-3 * STEEL.E, 0, 0, 0, 0, 0], (len(on_top.sites), 1))
+    np.testing.assert_allclose(on_top.evaluate(d.ravel()), exact, atol=1e-10 * STEEL.E)
+    normals = part.surface_normals
+    assert np.all(normals[inside] == 0.0)
+    np.testing.assert_allclose(np.linalg.norm(normals[sides], axis=1), 1.0)
+
+
+def test_normals_of_a_ball() -> None:
+    """Normals of a shell's surfaces are those of the spheres, to the accuracy of parabolas."""
+
+    def shell(x: Array) -> Array:
+        r, a, b = 0.1 + 0.1 * x[:, 2], x[:, 0] - 0.5, x[:, 1] - 0.5
+        return np.column_stack(
+            [r * np.sin(a) * np.cos(b), r * np.sin(b), r * np.cos(a) * np.cos(b)]
+        )
+
+    part = Part.solid(grid("hexahedron20", (4, 4, 2), bend=shell), STEEL)
+    r = np.linalg.norm(part.nodes, axis=1)
+    radial = part.nodes / r[:, None]
+    # not at the rim, where normals of two surfaces meet
+    inner = np.abs(part.nodes[:, :2]).max(axis=1) < 0.3 * r
+    for radius, sign in ((0.1, -1.0), (0.2, 1.0)):
+        on = inner & (np.abs(r - radius) < 1e-9)
+        error = np.linalg.norm(part.surface_normals[on] - sign * radial[on], axis=1)
+        assert error.max() < 1e-4
+    assert np.all(part.surface_normals[inner & (np.abs(r - 0.15) < 0.01)] == 0.0)
+
+
+def test_interfaces_are_not_free() -> None:
+    """Faces of an interface carry loads: the skin's stress leaves them out unless asked."""
+    mesh = grid("hexahedron20", (3, 1, 1), SIZE)
+    mesh = mesh.with_set("end", np.flatnonzero(mesh.nodes[:, 0] > SIZE[0] - 1e-9))
+    part = Part.solid(mesh, STEEL, interfaces=[Interface("pin", "end")])
+    free, everything = part.surface_stress(), part.surface_stress(np.arange(len(part.nodes)))
+    d = np.zeros((len(part.nodes), 3))
+    d[:, 0] = 1e-3 * part.nodes[:, 0]
+    # at the edge of the interface the side faces alone count
+    edge = np.flatnonzero((part.nodes[:, 0] > SIZE[0] - 1e-9) & (part.nodes[:, 2] < 1e-9))
+    site = f"n{mesh.node_ids[edge[0]]}"
+    E, nu = STEEL.E, STEEL.nu
+    s = free.select([site]).evaluate(d.ravel())[0]
+    assert s[0] == pytest.approx(1e-3 * E / (1 - nu**2), rel=0.2)
+    assert everything.select([site]).evaluate(d.ravel())[0, 0] < s[0]
+
+
+def test_reduction_with_a_chosen_stress() -> None:
+    """A part takes the stress operator it is given, and reductions with it."""
+    part = Part.solid(grid("hexahedron20", (4, 1, 1), SIZE), STEEL)
+    skin = part.with_stress(part.surface_stress([*range(len(part.nodes))]))
+    r = reduce(skin, FreeFree(modes=2))
+    assert r.stress is not None
+    assert r.stress.labels == skin.stress.sites  # type: ignore[union-attr]
+    assert reduce(part.with_stress(None), FreeFree(modes=2)).stress is None
+    with pytest.raises(InputError, match="no outer face has all its nodes there"):
+        part.surface_stress([0, 1])
+    with pytest.raises(InputError, match="has no surface"):
+        Part.beam(1.0, Circle(0.01), 2, STEEL).surface_stress()

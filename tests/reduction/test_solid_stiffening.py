@@ -40,7 +40,7 @@ def test_rigid_rotation_is_one_to_second_order(kind: str) -> None:
     Up to the rigid rotation b that leaves no angular momentum: axial(int u0 chi^T dm) = 0.
     """
     mesh = grid(kind, (2, 1, 1), (0.5, 0.3, 0.2), distort=0.2)
-    mesh.node_sets["end"] = np.flatnonzero(mesh.nodes[:, 0] > 0.5 - 1e-9)
+    mesh = mesh.with_set("end", np.flatnonzero(mesh.nodes[:, 0] > 0.5 - 1e-9))
     masses = (PointMass(0, 3.0), PointMass("end", 20.0))
     part = Part.solid(mesh, STEEL, point_masses=masses)
     x = part.nodes - part.centre

@@ -6,6 +6,7 @@ from jousto.parts.holes import Hole
 from jousto.parts.inspection import Finding
 from jousto.parts.interface import Interface, Tie
 from jousto.parts.library import material, materials
+from jousto.parts.loads import NodalForce, Pressure, Spin, SurfaceLoad, Traction, Weight
 from jousto.parts.mass import MassPoints, PointMass
 from jousto.parts.material import Material
 from jousto.parts.members import Member
@@ -60,6 +61,12 @@ __all__ = [
     "Tie",
     "Timoshenko",
     "Tube",
+    "NodalForce",
+    "Pressure",
+    "Spin",
+    "SurfaceLoad",
+    "Traction",
+    "Weight",
     "material",
     "materials",
     "mesh_step",

@@ -119,3 +119,65 @@ def area_matrix(nodes: Floats, faces: Sequence[Ints]) -> Sparse:
         columns = np.broadcast_to(group[:, None, :], blocks.shape).ravel()
         total = total + as_csr(sp.coo_array((blocks.ravel(), (rows, columns)), shape=(nn, nn)))
     return as_csr(total)
+
+
+def face_points(nodes: Floats, faces: Ints) -> tuple[Floats, Floats, Floats]:
+    """Return shape functions, areas and positions at the points of faces of one kind.
+
+    Returns
+    -------
+    N : (nq, k) ndarray
+        Shape functions of the faces' nodes.
+    area : (nf, nq, 3) ndarray
+        Weighted area times the unit normal in m2; outwards for outer faces of a mesh.
+    x : (nf, nq, 3) ndarray
+        Positions in m.
+    """
+    shape, points, weights = _SHAPES[faces.shape[1]]
+    N, dN = shape(points)
+    tangents = np.einsum("qkc,fkx->fqcx", dN, nodes[faces])
+    area = np.cross(tangents[:, :, 0], tangents[:, :, 1]) * weights[:, None]
+    return N, area, np.einsum("qk,fkx->fqx", N, nodes[faces])
+
+
+_PLACES = {
+    "triangle": np.array([[0.0, 0.0], [1, 0], [0, 1], [0.5, 0], [0.5, 0.5], [0, 0.5]]),
+    "square": np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1], [0, -1], [1, 0], [0, 1], [-1, 0]]),
+}
+
+
+def node_normals(nodes: Floats, faces: Sequence[Ints]) -> Floats:
+    """Return unit normals (nn, 3) at the nodes of faces, weighed by area; zero elsewhere."""
+    total = np.zeros(nodes.shape)
+    for group in faces:
+        if not len(group):
+            continue
+        k = group.shape[1]
+        places = _PLACES["triangle" if k in (3, 6) else "square"][:k]
+        tangents = np.einsum("qkc,fkx->fqcx", _SHAPES[k][0](places)[1], nodes[group])
+        np.add.at(total, group, np.cross(tangents[:, :, 0], tangents[:, :, 1]))
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    return np.asarray(total / np.where(length > 0.0, length, 1.0))
+
+
+def face_node_tangents(nodes: Floats, faces: Ints) -> tuple[Floats, Floats]:
+    """Return derivatives along a face and its normal, at the nodes of faces of one kind.
+
+    Returns
+    -------
+    B : (nf, k, 3, k) ndarray
+        At node q of a face: derivatives along x, y, z within the face's plane of the shape function
+        of node a, ``B[:, q, :, a]``, in 1/m.
+    normal : (nf, k, 3) ndarray
+        Unit normals at the nodes.
+    """
+    k = faces.shape[1]
+    places = _PLACES["triangle" if k in (3, 6) else "square"][:k]
+    dN = _SHAPES[k][0](places)[1]
+    tangents = np.einsum("qkc,fkx->fqcx", dN, nodes[faces])
+    across = np.cross(tangents[:, :, 0], tangents[:, :, 1])
+    area = np.linalg.norm(across, axis=2, keepdims=True)
+    normal = across / area
+    # dual vectors in the plane: g_a . t_b = delta_ab
+    dual = np.stack([np.cross(tangents[:, :, 1], normal), np.cross(normal, tangents[:, :, 0])], 2)
+    return np.einsum("fqcx,qkc->fqxk", dual / area[:, :, None], dN), normal

@@ -13,7 +13,11 @@ _EC9 = "EN 1999-1-1, 3.2.5"
 _GJL = "EN 1561, annex A (E is the middle of the range it gives, which falls with stress)"
 _GJS = "EN 1563, annex"
 _MIL = "MIL-HDBK-5J (2003), table "
-_KSI, _LB_IN3 = 6.894757e6, 27679.905
+_CRAWFORD = (
+    "R. J. Crawford, Plastics Engineering (3rd ed., 1998), table 1.5, short-term at 23 deg C (it"
+    " creeps); nu: typical of the family"
+)
+_KSI, _LB_IN3 = 6.894757e6, 27679.905  # in Pa and kg/m^3
 
 # name: (E in Pa, nu, rho in kg/m^3, source)
 _TABLE: dict[str, tuple[float, float, float, str]] = {
@@ -42,6 +46,33 @@ _TABLE: dict[str, tuple[float, float, float, str]] = {
     # titanium and magnesium
     "Ti-6Al-4V": (16.0e3 * _KSI, 0.31, 0.160 * _LB_IN3, _MIL + "5.4.1.0"),
     "AZ31B": (6.5e3 * _KSI, 0.35, 0.0639 * _LB_IN3, _MIL + "4.2.1.0"),
+    # polymers
+    "PA66": (2.8e9, 0.39, 1140.0, _CRAWFORD),
+    "PA66-GF30": (
+        9.5e9,
+        0.38,
+        1370.0,
+        "R. J. Crawford, Plastics engineering, Encyclopedia of Physical Science and Technology"
+        " (3rd ed., 2001), table I, dry, along the fibres (it creeps and is softer across and when"
+        " moist); rho: mixture of 30 % glass by weight; nu: typical of the family",
+    ),
+    "POM": (2.8e9, 0.37, 1420.0, _CRAWFORD),
+    "PEEK": (3.8e9, 0.38, 1300.0, _CRAWFORD),
+    "ABS": (2.2e9, 0.37, 1040.0, _CRAWFORD),
+    "PC": (
+        345.0 * _KSI,
+        0.37,
+        0.043 * _LB_IN3,
+        "Engineers Edge, typical properties of plastics (extruded, 23 deg C, short-term: it"
+        " creeps); nu: typical of the family",
+    ),
+    "PE-HD": (
+        156.0 * _KSI,
+        0.42,
+        0.035 * _LB_IN3,
+        "Engineers Edge, typical properties of plastics (23 deg C, short-term: it creeps); nu:"
+        " typical of the family",
+    ),
 }
 _ALIASES = {"steel": "S355", "aluminium": "EN AW-6082", "titanium": "Ti-6Al-4V"}
 
@@ -49,7 +80,8 @@ _ALIASES = {"steel": "S355", "aluminium": "EN AW-6082", "titanium": "Ti-6Al-4V"}
 def material(name: str) -> Material:
     """Return a material of the library.
 
-    Elastic constants at room temperature. Capital letters, blanks, hyphens and a leading ``EN``,
+    Elastic constants at room temperature; those of polymers hold for short times, for long ones
+    they creep. Capital letters, blanks, hyphens and a leading ``EN``,
     ``EN AW`` or ``AISI`` may be left out.
 
     Parameters

@@ -12,14 +12,16 @@ import numpy as np
 
 from jousto.errors import InputError, Problem, Problems, warn
 from jousto.parts._arrays import Floats, Ints, Sparse, read_only, skew, some, times
-from jousto.parts.area import by_kind
+from jousto.parts.area import by_kind, node_normals
 from jousto.parts.beam import Theory, Timoshenko
 from jousto.parts.frame import BeamOptions, Frame, assemble, check_frame
 from jousto.parts.interface import Interface, Tie, resolve
+from jousto.parts.loads import Load, load_vector, pick_nodes
 from jousto.parts.mass import MassPoints, PointMass
 from jousto.parts.material import Material
 from jousto.parts.matrices import check_matrices, points_from_blocks, rigid_modes
 from jousto.parts.members import Member, join_members
+from jousto.parts.mesh import Mesh
 from jousto.parts.orthotropic import Orthotropic
 from jousto.parts.second_order import SecondOrder
 from jousto.parts.section import Section
@@ -28,6 +30,7 @@ from jousto.parts.solids.build import solid_masses, solid_model
 from jousto.parts.solids.model import SolidModel
 from jousto.parts.solids.second_order import SolidSecondOrder
 from jousto.parts.solids.stress import SolidStress
+from jousto.parts.solids.surface import surface_stress
 from jousto.parts.stress import StressOperator
 
 
@@ -88,7 +91,7 @@ class Part:
     faces: Sequence[Ints] = ()
     surfaces: Mapping[str, Sequence[Ints]] = field(default_factory=dict)
     solids: SolidModel | None = None
-    mesh: Any = None
+    mesh: Mesh | None = None
     attached: MassPoints | None = None
 
     def __post_init__(self) -> None:
@@ -343,7 +346,7 @@ class Part:
     @classmethod
     def solid(
         cls,
-        mesh: Any,
+        mesh: Mesh,
         materials: Material | Orthotropic | Mapping[str, Material | Orthotropic],
         *,
         lumped: bool = False,
@@ -421,11 +424,8 @@ class Part:
             stress=SolidStress.everywhere(model),
             second_order=SolidSecondOrder(model, M, attached),
             interfaces=interfaces,
-            faces=tuple(new[block.nodes] for block in getattr(mesh, "faces", ())),
-            surfaces={
-                key: by_kind(new[rows], rows >= 0)
-                for key, rows in getattr(mesh, "surfaces", {}).items()
-            },
+            faces=model.faces,
+            surfaces={key: by_kind(new[rows], rows >= 0) for key, rows in mesh.surfaces.items()},
             solids=model,
             mesh=mesh,
             attached=attached,
@@ -650,6 +650,107 @@ class Part:
         problems.raise_if_any()
         assert self.second_order is not None and u is not None
         return self.second_order.geometric_stiffness(u)
+
+    def load(self, *loads: Load) -> Floats:
+        """Return static loads as nodal forces, ready for ``K d = f``.
+
+        Work-equivalent forces of the shape functions: ``f_a = int N_a t dA`` and ``M a``.
+
+        Parameters
+        ----------
+        *loads : Pressure, Traction, SurfaceLoad, NodalForce, Weight or Spin
+            They add up.
+
+        Returns
+        -------
+        (ndof,) ndarray
+            In N (and N m), part frame.
+
+        Raises
+        ------
+        InputError
+            With everything that is wrong: sets that do not exist, nodes that hold no face, moments
+            on nodes that do not turn.
+
+        Examples
+        --------
+        >>> from jousto.parts import Circle, NodalForce, Weight
+        >>> beam = Part.beam(1.0, Circle(0.01), 2, Material(2e11, 0.3, 7850.0))
+        >>> f = beam.load(Weight((0, 0, -9.81)), NodalForce("end", (0, 0, -100)))
+        >>> f"{f.reshape(-1, 6)[:, 2].sum():.2f} N, of this {9.81 * beam.mass:.2f} N weight"
+        '-106.05 N, of this 6.05 N weight'
+        """
+        return load_vector(self, loads)
+
+    @cached_property
+    def surface_normals(self) -> Floats:
+        """Outward unit normals at the nodes of the surface of solids, (nn, 3), part frame.
+
+        Means over the faces around a node, weighed by area; zero at nodes inside and for parts
+        whose outer faces are not known. Normal stress and shear stress on a free surface are zero:
+        ``s n = 0``.
+        """
+        return read_only(node_normals(self.nodes, self.faces))
+
+    def surface_stress(self, on: Any = None) -> StressOperator:
+        """Return the stress at the nodes of free surfaces of a solid: where no load acts.
+
+        It follows from the strain of the outer faces, as strain gauges tell it, and from
+        ``s n = 0``; nothing is continued from inside the elements as in `stress`. With quadratic
+        elements it meets peaks at holes, fillets and notches several times closer. Wrong where
+        something presses on the surface, by about that pressure.
+
+        Parameters
+        ----------
+        on : str, array_like of int or pick, optional
+            Node set, node indices or a pick: the outer faces whose nodes are all among these. If
+            not given: all outer faces but those of interfaces.
+
+        Returns
+        -------
+        StressOperator
+            Sites ``n12`` by the numbers of the nodes in the mesh, part axes. ``part.with_stress``
+            lets a reduction use it.
+
+        Raises
+        ------
+        InputError
+            If the part is not made of solids, or no face lies there.
+
+        Examples
+        --------
+        >>> part.with_stress(part.surface_stress("fillet"))  # doctest: +SKIP
+        """
+        where, problems = f"part '{self.name}'", Problems()
+        if self.solids is None:
+            problems.add(where, "has no surface: only parts of solids (Part.solid) have one")
+            problems.raise_if_any()
+        assert self.solids is not None
+        inside = np.ones(len(self.nodes), dtype=bool)
+        if on is not None:
+            nodes = pick_nodes(problems, where, self, on)
+            problems.raise_if_any()
+            inside[:] = False
+            inside[nodes] = True
+        chosen = [np.all(inside[face], axis=1) for face in self.solids.faces]
+        if on is None:
+            for tie in self.ties:
+                tied = np.zeros(len(self.nodes), dtype=bool)
+                tied[tie.nodes] = True
+                chosen = [
+                    c & ~np.all(tied[f], axis=1)
+                    for c, f in zip(chosen, self.solids.faces, strict=True)
+                ]
+        if not any(np.any(c) for c in chosen):
+            problems.add(where, "no outer face has all its nodes there; pick its mid nodes, too")
+            problems.raise_if_any()
+        faces = [f[c] for f, c in zip(self.solids.faces, chosen, strict=True)]
+        behind = [m[c] for m, c in zip(self.solids.face_materials, chosen, strict=True)]
+        return surface_stress(self.solids, faces, behind)
+
+    def with_stress(self, stress: StressOperator | SolidStress | None) -> Part:
+        """Return the part with another stress operator: fewer sites, a free surface, or none."""
+        return replace(self, stress=stress)
 
     @property
     def strain(self) -> SolidStress | None:

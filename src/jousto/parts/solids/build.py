@@ -12,8 +12,10 @@ import scipy.sparse as sp
 from jousto.errors import Problems, count, suggest, warn
 from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, read_only, some
 from jousto.parts.attached import attached_points
+from jousto.parts.cells import Cells
 from jousto.parts.mass import MassPoints, PointMass, joined
 from jousto.parts.material import Material
+from jousto.parts.mesh import Mesh
 from jousto.parts.orthotropic import Orthotropic
 from jousto.parts.solids.elements import KINDS, jacobians, table
 from jousto.parts.solids.model import SolidGroup, SolidModel, expanded
@@ -23,7 +25,7 @@ LIKELY_FACTOR = (0.8, 1.25)
 """Mass scaling beyond these is more likely a mistake than a casting tolerance."""
 
 
-def solid_model(mesh: Any, materials: Any, where: str) -> tuple[SolidModel, Ints]:
+def solid_model(mesh: Mesh, materials: Any, where: str) -> tuple[SolidModel, Ints]:
     """Return the elements of a mesh with their materials, and the nodes that they use.
 
     Raises
@@ -62,16 +64,17 @@ def solid_model(mesh: Any, materials: Any, where: str) -> tuple[SolidModel, Ints
             ids = np.asarray(c.ids)[rows]
             groups.append(SolidGroup(c.kind, new[np.asarray(c.nodes)[rows]], ids, int(m)))
     nodes = read_only(np.asarray(mesh.nodes)[used])
-    model = SolidModel(
-        nodes, np.asarray(mesh.node_ids)[used], tuple(groups), found_materials, names
-    )
+    ids = np.asarray(mesh.node_ids)[used]
+    model = SolidModel(nodes, ids, tuple(groups), found_materials, names)
     _check_volumes(problems, where, model)
     problems.raise_if_any()
-    return model, used
+    faces = tuple(new[face.nodes] for face in mesh.faces)
+    behind = tuple(owner[face.owners] for face in mesh.faces)
+    return replace(model, faces=faces, face_materials=behind), used
 
 
 def _materials(
-    problems: Problems, where: str, mesh: Any, cells: Sequence[Any], given: Any
+    problems: Problems, where: str, mesh: Mesh, cells: Sequence[Cells], given: Any
 ) -> tuple[tuple[str, ...], tuple[AnyMaterial, ...], Ints]:
     """Return names, materials and, for each element, the index of its material."""
     ne = sum(len(c.nodes) for c in cells)

@@ -62,6 +62,10 @@ class SolidModel:
         Of the materials; for the labels of stress where two materials meet.
     density_factor : float
         By which all densities are multiplied (mass scaling by a weighed mass).
+    faces : tuple of (nf, k) ndarray
+        Outer faces by kind, normals outwards.
+    face_materials : tuple of (nf,) ndarray
+        Index of the material behind each face.
     """
 
     nodes: Floats
@@ -70,6 +74,8 @@ class SolidModel:
     materials: tuple[Material | Orthotropic, ...]
     names: tuple[str, ...]
     density_factor: float = 1.0
+    faces: tuple[Ints, ...] = ()
+    face_materials: tuple[Ints, ...] = ()
 
     @property
     def count(self) -> int:

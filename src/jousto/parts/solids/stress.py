@@ -62,18 +62,7 @@ class SolidStress:
     @cached_property
     def sites(self) -> tuple[str, ...]:
         """Labels: ``n12`` is the node of number 12 in the mesh; ``n12.left`` if materials meet."""
-        ids = self.model.node_ids[self.node]
-        if len(self.model.materials) == 1:
-            return tuple(f"n{i}" for i in ids)
-        count = np.zeros((len(self.model.nodes), len(self.model.materials)), dtype=np.int64)
-        for group in self.model.groups:
-            count[np.unique(group.nodes), group.material] = 1
-        several = count.sum(axis=1)[self.node] > 1
-        names = self.model.names
-        return tuple(
-            f"n{i}.{names[m]}" if shared else f"n{i}"
-            for i, m, shared in zip(ids, self.material, several, strict=True)
-        )
+        return labels(self.model, self.node, self.material)
 
     @cached_property
     def positions(self) -> Floats:
@@ -259,3 +248,18 @@ def point_strains(
             block[:, i] = D[:, i, i]
         for i, j in ((0, 1), (1, 2), (0, 2)):
             np.add(D[:, i, j], D[:, j, i], out=block[:, VOIGT[i, j]])
+
+
+def labels(model: SolidModel, node: Ints, material: Ints) -> tuple[str, ...]:
+    """Return the labels of sites at nodes (ns,) in materials (ns,)."""
+    ids = model.node_ids[node]
+    if len(model.materials) == 1:
+        return tuple(f"n{i}" for i in ids)
+    count = np.zeros((len(model.nodes), len(model.materials)), dtype=np.int64)
+    for group in model.groups:
+        count[np.unique(group.nodes), group.material] = 1
+    several = count.sum(axis=1)[node] > 1
+    return tuple(
+        f"n{i}.{model.names[m]}" if shared else f"n{i}"
+        for i, m, shared in zip(ids, material, several, strict=True)
+    )
