@@ -102,6 +102,38 @@ def test_patch(kind: str, law: Material | Orthotropic) -> None:
     assert 0.5 * u @ K @ u == pytest.approx(energy, rel=1e-12)
 
 
+@pytest.mark.parametrize("kind", ["tetra10", "hexahedron"])
+def test_against_the_assembly_of_scikit_fem(kind: str) -> None:
+    """Another program's elements, mapping and assembly: the same eigenvalues of K and M."""
+    import skfem
+    from skfem.helpers import dot
+    from skfem.models.elasticity import lame_parameters, linear_elasticity
+
+    mesh = grid(kind, (2, 2, 1), SIZE, distort=0.2)
+    part = Part.solid(mesh, STEEL)
+    corners = mesh.cells[0].nodes[:, : len(places(kind.rstrip("0123456789")))]
+    used, t = np.unique(corners, return_inverse=True)
+    t = t.reshape(corners.shape)
+    if kind == "tetra10":
+        theirs = skfem.MeshTet(np.array(mesh.nodes[used].T), np.array(t.T))
+        element = skfem.ElementTetP2()
+    else:
+        # their hexahedron counts its corners from (1, 1, 1)
+        at = np.asarray(skfem.ElementHex1().doflocs)
+        order = [int(np.abs(places(kind) - x).max(axis=1).argmin()) for x in at]
+        theirs = skfem.MeshHex(np.array(mesh.nodes[used].T), np.array(t[:, order].T))
+        element = skfem.ElementHex1()
+    degree = {"tetra10": (2, 4), "hexahedron": (3, 5)}[kind]
+    vector = skfem.ElementVector(element)
+    form = linear_elasticity(*lame_parameters(STEEL.E, STEEL.nu))
+    K = form.assemble(skfem.Basis(theirs, vector, intorder=degree[0])).toarray()
+    mass = skfem.BilinearForm(lambda u, v, w: STEEL.rho * dot(u, v))
+    M = mass.assemble(skfem.Basis(theirs, vector, intorder=degree[1])).toarray()
+    for ours, wanted in ((part.K, K), (part.M, M)):
+        values, exact = np.linalg.eigvalsh(ours.toarray()), np.linalg.eigvalsh(wanted)
+        np.testing.assert_allclose(values, exact, atol=1e-12 * exact[-1])
+
+
 @pytest.mark.parametrize("kind", ALL)
 def test_free(kind: str) -> None:
     """Symmetric, and six motions without forces: no mechanism, no support."""

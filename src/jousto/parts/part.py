@@ -763,8 +763,9 @@ class Part:
         return read_only(R.T @ times(self.M, R))
 
     def __repr__(self) -> str:
+        elements = len(self.elements) if self.solids is None else self.solids.count
         return (
-            f"<Part {self.name!r}: {len(self.nodes)} nodes, {len(self.elements)} elements, "
+            f"<Part {self.name!r}: {len(self.nodes)} nodes, {elements} elements, "
             f"{self.mass:.6g} kg>"
         )
 
