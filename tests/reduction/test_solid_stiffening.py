@@ -10,7 +10,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from jousto.errors import InputError
-from jousto.parts import EulerBernoulli, Material, Part, PointMass, Rectangle
+from jousto.parts import EulerBernoulli, Interface, Material, Part, PointMass, Rectangle
 from jousto.reduction import FreeFree, reduce
 from jousto.reduction.stiffening import stiffening
 from parts.grids import ALL, grid
@@ -41,8 +41,10 @@ def test_rigid_rotation_is_one_to_second_order(kind: str) -> None:
     """
     mesh = grid(kind, (2, 1, 1), (0.5, 0.3, 0.2), distort=0.2)
     mesh = mesh.with_set("end", np.flatnonzero(mesh.nodes[:, 0] > 0.5 - 1e-9))
-    masses = (PointMass(0, 3.0), PointMass("end", 20.0))
-    part = Part.solid(mesh, STEEL, point_masses=masses)
+    mesh = mesh.with_set("root", np.flatnonzero(mesh.nodes[:, 0] < 1e-9))
+    masses = (PointMass(0, 3.0), PointMass("end", 20.0, (0.5, 0.6, 0.7), (0.1, 0.0, 0.2)))
+    ties = (Interface("pin", "root"), Interface("pad", "end", kind="average", at=(0.6, 0, 0)))
+    part = Part.solid(mesh, STEEL, point_masses=masses, interfaces=ties)
     x = part.nodes - part.centre
     turns = np.stack([np.cross(e, x).ravel() for e in np.eye(3)], axis=1)
     found = stiffening(part, turns)
@@ -57,7 +59,11 @@ def test_rigid_rotation_is_one_to_second_order(kind: str) -> None:
             turn = np.cross(b, np.eye(3))  # x @ turn = b x x
             N = GT + G @ turn
             assert found.second_moment[j, k] == pytest.approx(N, abs=1e-10)
-            assert found.translations[:, :, j, k] == pytest.approx(x @ (T + turn), abs=1e-10)
+            assert found.translations[:-2, :, j, k] == pytest.approx(x @ (T + turn), abs=1e-10)
+            # the reference nodes of the ties go along, and turn by b
+            at = np.stack([tie.at for tie in part.ties]) - part.centre
+            assert found.translations[-2:, :, j, k] == pytest.approx(at @ (T + turn), abs=1e-10)
+            assert found.rotations[-2:, :, j, k] == pytest.approx(np.tile(b, (2, 1)), abs=1e-10)
 
 
 @pytest.mark.parametrize("kind", ALL)

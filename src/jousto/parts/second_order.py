@@ -124,7 +124,7 @@ class SecondOrder:
         """Nodal loads (ndof, 12) with ``int g . u dm = loads^T d`` for the twelve fields g."""
         ends = self._end_loads.copy()
         axes, L = self.beams.axes, self.beams.length
-        turn = 0.5 * L[:, None, None] * (transposed(axes) @ _moments(self.line_moment))
+        turn = 0.5 * L[:, None, None] * (transposed(axes) @ moments(self.line_moment))
         ends[:, 3:6] += turn
         ends[:, 9:12] += turn
         nodal = transposed(self.to_local) @ ends
@@ -188,7 +188,7 @@ def point_field_loads(p: MassPoints) -> Floats:
     """Return nodal loads (ndof, 12) with ``int g . u dm = loads^T d`` of masses on nodes."""
     g = p.mass[:, None, None] * affine_fields(p.position)
     loads = np.asarray(p.N.T @ g.reshape(-1, FIELDS))
-    return np.asarray(loads + p.N_rot.T @ _moments(p.second_moment).reshape(-1, FIELDS))
+    return np.asarray(loads + p.N_rot.T @ moments(p.second_moment).reshape(-1, FIELDS))
 
 
 def point_work(p: MassPoints, X: Floats) -> Floats:
@@ -289,7 +289,7 @@ def affine_fields(x: Floats) -> Floats:
     return g
 
 
-def _moments(G: Floats) -> Floats:
+def moments(G: Floats) -> Floats:
     """Return ``int s x g(s) dm`` (k, 3, 12) of the fields on sections of second moment G."""
     out = np.zeros((len(G), 3, FIELDS))
     out[:, :, 3:] = np.einsum("ead,kac->kecd", EPS, G).reshape(len(G), 3, 9)
@@ -303,3 +303,19 @@ def _arm_forms(P: Floats) -> Floats:
     """
     trace = np.trace(P, axis1=-2, axis2=-1)[..., None, None]
     return np.asarray(0.5 * (P + transposed(P)) - trace * np.eye(3))
+
+
+def double_turn(theta: Floats, s: Floats) -> Floats:
+    """Return the symmetric form of ``theta x (theta x s)``, (k, 3, n, n).
+
+    Parameters
+    ----------
+    theta : (3, n) ndarray
+        Rotation vectors of n motions.
+    s : (k, 3) ndarray
+        Arms.
+    """
+    along = s @ theta
+    mixed = np.einsum("aj,ik->iajk", theta, along)
+    mixed = 0.5 * (mixed + mixed.swapaxes(2, 3))
+    return np.asarray(mixed - np.einsum("jk,ia->iajk", theta.T @ theta, s))

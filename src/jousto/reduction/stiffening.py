@@ -14,11 +14,12 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, Problems
+from jousto.parts.second_order import double_turn
 from jousto.reduction.partition import whole_part_basis
 from jousto.reduction.rigid import mass_orthonormal_rigid_modes
 
 if TYPE_CHECKING:
-    from jousto.parts import Part
+    from jousto.parts import Part, Tie
 
 Array = NDArray[np.float64]
 
@@ -116,12 +117,22 @@ def stiffening(part: Part, X: Array) -> Stiffening:
             "reduce with stiffening=False"
         )
         raise InputError(Problem(where, message))
-    basis = whole_part_basis(part, sp.csr_array(part.K))
+    K = sp.csr_array(part.K)
+    basis = whole_part_basis(part, K)
     assert basis.solve is not None
+    turned = [_turned(part, tie, X) for tie in part.ties]
     chi = np.empty((ndof, n, n))
     for j in range(n):
-        chi[:, :, j] = basis.lift(basis.solve(-basis.lower(second.forces(X, j))))
-    chi = 0.5 * (chi + chi.swapaxes(1, 2))
+        # what rigidly tied nodes do beyond the motions that a tie allows to first order
+        beyond = np.zeros((ndof, n - j))
+        for tie, c in zip(part.ties, turned, strict=True):
+            if tie.kind == "rigid":
+                beyond[tie.dofs] += c[:, j, j:]
+        forces = second.forces(X[:, j:], 0)
+        if np.any(beyond):
+            forces = forces + K @ beyond
+        chi[:, j:, j] = beyond + basis.lift(basis.solve(-basis.lower(forces)))
+        chi[:, j, j:] = chi[:, j:, j]
 
     # int g . chi dm of the twelve affine fields g = a + H x
     loads = second.field_loads
@@ -138,9 +149,32 @@ def stiffening(part: Part, X: Array) -> Stiffening:
         work -= ((loads.T @ rigid) @ c).reshape(work.shape)
     N = work[3:].reshape(3, 3, n, n)
     nodal = chi.reshape(-1, part.dofs_per_node, n, n)
+    translations = nodal[:, :3]
     rotations = nodal[:, 3:] if part.dofs_per_node == 6 else np.zeros((len(nodal), 3, n, n))
+    if part.ties:
+        # the reference nodes follow what the tied nodes do beyond a finite rotation
+        q = np.stack(
+            [
+                np.einsum("ad,djk->ajk", tie.averaging, chi[tie.dofs] - c)
+                for tie, c in zip(part.ties, turned, strict=True)
+            ]
+        )
+        translations = np.concatenate([translations, q[:, :3]])
+        rotations = np.concatenate([rotations, q[:, 3:]])
     moment = 0.5 * (N + N.swapaxes(0, 1)).transpose(2, 3, 0, 1)
-    return Stiffening(moment, nodal[:, :3], rotations)
+    return Stiffening(moment, translations, rotations)
+
+
+def _turned(part: Part, tie: Tie, X: Array) -> Array:
+    """Return ``theta x (theta x s)`` of the tied nodes (k d, n, n), s from the reference point.
+
+    A finite rotation of the reference node moves its nodes so, to the second order.
+    """
+    theta = tie.averaging[3:] @ X[tie.dofs]
+    n, d = X.shape[1], part.dofs_per_node
+    c = np.zeros((len(tie.nodes), d, n, n))
+    c[:, :3] = double_turn(theta, part.nodes[tie.nodes] - tie.at)
+    return c.reshape(-1, n, n)
 
 
 def _affine(rigid: Array, part: Part) -> Array:

@@ -14,10 +14,17 @@ from functools import cached_property
 
 import numpy as np
 
-from jousto.parts._arrays import Floats, Ints, Sparse, scatter, times
+from jousto.parts._arrays import Floats, Ints, Sparse, node_dofs, scatter, times
 from jousto.parts.mass import MassPoints
 from jousto.parts.orthotropic import elasticity
-from jousto.parts.second_order import FIELDS, affine_fields, point_field_loads, point_work
+from jousto.parts.second_order import (
+    FIELDS,
+    affine_fields,
+    double_turn,
+    moments,
+    point_field_loads,
+    point_work,
+)
 from jousto.parts.solids.elements import gradients, table
 from jousto.parts.solids.model import VOIGT, SolidGroup, SolidModel, expanded
 
@@ -90,13 +97,28 @@ class SolidSecondOrder:
     def work(self, X: Floats) -> Floats:
         """Return ``int g . chi dm`` (12, n, n) of the fields g that nodal chi does not tell.
 
-        Solids have none; masses on rigid arms and with inertia that turn with the nodes do. (The
-        rotation that a mass has from the mean of several nodes is that of the first order in them.)
+        Solids have none; masses on rigid arms and with inertia that turn with several nodes do.
+        Their mean motion is that of the nodes beyond ``theta x (theta x r)``, which a finite
+        rotation gives the nodes and which is no motion of the mass.
         """
         n = X.shape[1]
-        if self.attached is None:
+        p = self.attached
+        if p is None:
             return np.zeros((FIELDS, n, n))
-        return point_work(self.attached, X)
+        W = point_work(p, X)
+        for i in range(len(p)):
+            N, N_rot = (m[3 * i : 3 * i + 3] for m in (p.N, p.N_rot))
+            if not N_rot.nnz:
+                continue
+            nodes = np.unique(N_rot.indices // 3).astype(np.int64)
+            columns = node_dofs(nodes[None], 3)[0]
+            r = self.model.nodes[nodes] - self.model.nodes[nodes].mean(axis=0)
+            c = double_turn(times(N_rot, X), r).reshape(-1, n, n)
+            t, turn = (np.einsum("ad,djk->ajk", m[:, columns].toarray(), c) for m in (N, N_rot))
+            g = p.mass[i] * affine_fields(p.position[i : i + 1])[0]
+            W -= np.einsum("af,ajk->fjk", g, t)
+            W -= np.einsum("af,ajk->fjk", moments(p.second_moment[i : i + 1])[0], turn)
+        return W
 
     @cached_property
     def field_loads(self) -> Floats:
