@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -109,6 +111,19 @@ def test_pressure_in_a_bore() -> None:
     force, _ = resultants(part, part.load(Pressure("bore", 5e6)))
     # the ends of the arc lie on it, so its projection is exact
     np.testing.assert_allclose(force, [0.0, -5e6 * 0.2 * 0.3 * -1.0, 0.0], atol=1e-3)
+
+
+def test_a_named_surface_is_taken_as_it_is() -> None:
+    """Not faces that only have all their nodes on it; turned outwards whatever its order."""
+    mesh = grid("hexahedron", (1, 1, 1))
+    # two sides of a cube hold the nodes of all six
+    faces = [f.nodes for f in mesh.faces][0]
+    normal = [np.ptp(mesh.nodes[f], axis=0).argmin() for f in faces]
+    ends = faces[[i for i, axis in enumerate(normal) if axis == 0]][:, ::-1]
+    part = Part.solid(replace(mesh, surfaces={"ends": ends}), STEEL)
+    f = part.load(Pressure("ends", 1e6)).reshape(-1, 3)
+    assert np.all(f[:, 1:] == 0.0)
+    np.testing.assert_allclose(f[:, 0], np.where(part.nodes[:, 0] > 0.5, -0.25e6, 0.25e6))
 
 
 def test_beams_take_forces_and_weight() -> None:

@@ -252,15 +252,22 @@ def pick_nodes(problems: Problems, label: str, part: Part, on: Any) -> Ints | No
 
 
 def _faces(problems: Problems, label: str, part: Part, on: Any, nodes: Ints) -> list[Ints] | None:
-    """Return the outer faces all of whose nodes are among these."""
+    """Return the outer faces of a named surface, or those all of whose nodes are among these."""
     if not part.faces:
         problems.add(
             label, "needs a surface, but the part has no outer faces: only Part.solid knows them"
         )
         return None
-    inside = np.zeros(len(part.nodes), dtype=bool)
-    inside[nodes] = True
-    chosen = [group[np.all(inside[group], axis=1)] for group in part.faces if len(group)]
+    named = part.surfaces.get(on) if isinstance(on, str) else None
+    if named is not None:
+        # rows of the outer faces, which are turned outwards
+        keys = {tuple(sorted(row)) for group in named for row in group.tolist()}
+        masks = [[tuple(sorted(row)) in keys for row in group.tolist()] for group in part.faces]
+        chosen = [g[np.array(m, dtype=bool)] for g, m in zip(part.faces, masks, strict=True)]
+    else:
+        inside = np.zeros(len(part.nodes), dtype=bool)
+        inside[nodes] = True
+        chosen = [group[np.all(inside[group], axis=1)] for group in part.faces]
     chosen = [group for group in chosen if len(group)]
     if not chosen:
         name = f"'{on}'" if isinstance(on, str) else "the nodes picked"
