@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from jousto.parts import Rectangle
 from jousto.reduction import FreeFree, reduce
 from verification import statics as st
 from verification.solids import dofs, supported
@@ -138,3 +139,21 @@ def test_slender_bar_in_bending(support: str, kind: str, counts: tuple[int, int,
     else:
         found = supported(part, dofs(part.node_sets["root"]), 4)[0]
     np.testing.assert_allclose(found, exact, rtol=3e-3)
+
+
+@pytest.mark.parametrize("support", ["free", "clamped"])
+def test_ten_frequencies_of_a_bar(support: str) -> None:
+    """Bending in two planes, torsion and stretching against beams of Timoshenko's theory.
+
+    Held against contraction at a clamp, a bar is 0.3 per cent stiffer there.
+    """
+    steel = st.Material(E=210e9, nu=0.3, rho=7850.0)
+    beam = st.Part.beam(1.0, Rectangle(0.03, 0.02), 120, steel)
+    mesh = st.grid("hexahedron20", (36, 4, 3), (1.0, 0.03, 0.02))
+    bar = st.Part.solid(mesh.with_set("root", np.flatnonzero(mesh.nodes[:, 0] < 1e-9)), steel)
+    if support == "free":
+        found, exact = (reduce(part, FreeFree(modes=10)).frequencies for part in (bar, beam))
+    else:
+        found = supported(bar, dofs(bar.node_sets["root"]), 10)[0]
+        exact = supported(beam, np.arange(6), 10)[0]
+    np.testing.assert_allclose(found, exact, rtol=5e-3)
