@@ -1,4 +1,4 @@
-"""Reference elements of solids: shape functions, their derivatives, quadrature.
+"""Reference elements of solids and their faces: shape functions, derivatives, quadrature.
 
 The functions and the rules of triangles, tetrahedra and lines are those of scikit-fem; here they
 are put into the node order of VTK and evaluated once for each kind, so that an assembly is a few
@@ -24,6 +24,10 @@ CORNERS = {
     "hexahedron20": "hexahedron",
     "wedge": "wedge",
     "wedge15": "wedge",
+    "triangle": "triangle",
+    "triangle6": "triangle",
+    "quad": "quad",
+    "quad8": "quad",
 }
 """The linear element with the same corners."""
 
@@ -40,6 +44,8 @@ _PLACES = {
         [0, 1, 1],
     ],
     "wedge": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]],
+    "triangle": [[0, 0], [1, 0], [0, 1]],
+    "quad": [[0, 0], [1, 0], [1, 1], [0, 1]],
 }
 
 EDGES = {
@@ -59,6 +65,8 @@ EDGES = {
         [3, 7],
     ],
     "wedge15": [[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]],
+    "triangle6": [[0, 1], [1, 2], [2, 0]],
+    "quad8": [[0, 1], [1, 2], [2, 3], [3, 0]],
 }
 """Corners on both sides of each mid node, in the order of the mid nodes."""
 
@@ -73,6 +81,8 @@ _DEGREES = {
     "wedge15": ((4, 5), (8, 9), (2, 3)),
 }
 PURPOSES = ("stiffness", "mass", "stress")
+FACES = {3: ("triangle", 4), 4: ("quad", 5), 6: ("triangle6", 4), 8: ("quad8", 5)}
+"""Kinds of faces by their number of nodes, and the degree of their rule."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +92,7 @@ class Table:
     Attributes
     ----------
     points : (nq, 3) ndarray
-        Reference coordinates.
+        Reference coordinates; two for faces.
     weights : (nq,) ndarray
         They add up to the volume of the reference element.
     N : (nq, k) ndarray
@@ -99,11 +109,22 @@ class Table:
 
 @cache
 def places(kind: str) -> Floats:
-    """Return the reference coordinates of the nodes, (k, 3)."""
+    """Return the reference coordinates of the nodes, (k, 3); (k, 2) of faces."""
     corners = np.array(_PLACES[CORNERS[kind]], dtype=np.float64)
     if kind not in EDGES:
         return corners
     return np.concatenate([corners, corners[EDGES[kind]].mean(axis=1)])
+
+
+@cache
+def face_table(k: int, *, at_nodes: bool = False) -> Table:
+    """Return a face of k nodes at the points of its rule, or at its own nodes."""
+    kind, degree = FACES[k]
+    points, weights = rule(kind, degree, 0)
+    if at_nodes:
+        points, weights = places(kind), np.zeros(k)
+    N, dN = shape_functions(kind, points)
+    return Table(points, weights, N, dN)
 
 
 @cache
@@ -129,14 +150,16 @@ def rule(kind: str, plane: int, axis: int) -> tuple[Floats, Floats]:
         # from degree 5 on, scikit-fem 12's tetrahedra are exact to one degree less than they say
         X, w = get_quadrature(RefTet, plane if plane < 5 else plane + 1)
         return np.ascontiguousarray(X.T), w
-    # the product of a rule in the plane and one along the axis
-    z, wz = get_quadrature(RefLine, axis)
-    if corners == "wedge":
+    if corners in ("wedge", "triangle"):
         X, w = get_quadrature(RefTri, plane)
     else:
         x, wx = get_quadrature(RefLine, plane)
         X = np.stack([np.tile(x[0], x.size), np.repeat(x[0], x.size)])
         w = np.outer(wx, wx).ravel()
+    if corners in ("triangle", "quad"):
+        return np.ascontiguousarray(X.T), w
+    # the product of a rule in the plane and one along the axis
+    z, wz = get_quadrature(RefLine, axis)
     points = np.column_stack([np.tile(X.T, (z.size, 1)), np.repeat(z[0], w.size)])
     return points, np.outer(wz, w).ravel()
 
@@ -153,6 +176,10 @@ def shape_functions(kind: str, points: Floats) -> tuple[Floats, Floats]:
         "hexahedron": "ElementHex1",
         "hexahedron20": "ElementHexS2",
         "wedge": "ElementWedge1",
+        "triangle": "ElementTriP1",
+        "triangle6": "ElementTriP2",
+        "quad": "ElementQuad1",
+        "quad8": "ElementQuadS2",
     }[kind]
     reference = getattr(element, name)()
     theirs, ours = np.asarray(reference.doflocs), places(kind)
@@ -160,7 +187,7 @@ def shape_functions(kind: str, points: Floats) -> tuple[Floats, Floats]:
     X = np.ascontiguousarray(points.T)
     both = [reference.lbasis(X, int(i)) for i in order]
     N = np.stack([np.broadcast_to(f, len(points)) for f, _ in both], axis=1)
-    dN = np.stack([np.broadcast_to(df, (3, len(points))).T for _, df in both], axis=2)
+    dN = np.stack([np.broadcast_to(df, X.shape).T for _, df in both], axis=2)
     return N, dN
 
 
