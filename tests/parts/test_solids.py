@@ -332,7 +332,7 @@ def test_unused_nodes_are_left_out() -> None:
     cells = Cells("hexahedron", mesh.cells[0].nodes + 1)
     ids = np.concatenate([[99], mesh.node_ids])
     loose = Mesh("box", nodes, cells, node_ids=ids, node_sets={"corner": [0, 1]})
-    with pytest.warns(JoustoWarning, match=r"1 nodes .* left out \(node 99\)"):
+    with pytest.warns(JoustoWarning, match=r"1 node of .* left out \(node 99\)"):
         part = Part.solid(loose, STEEL)
     assert len(part.nodes) == 8
     assert part.node_sets["corner"] == (0,)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from jousto.errors import InputError, Problem, Problems, warn
+from jousto.errors import InputError, Problem, Problems, count, warn
 from jousto.parts._arrays import Floats, Ints, Sparse, read_only, skew, some, times
 from jousto.parts.area import by_kind, node_normals
 from jousto.parts.beam import Theory, Timoshenko
@@ -26,7 +26,7 @@ from jousto.parts.orthotropic import Orthotropic
 from jousto.parts.second_order import SecondOrder
 from jousto.parts.section import Section
 from jousto.parts.sets import node_index, read_elements, read_sets
-from jousto.parts.solids.build import solid_masses, solid_model
+from jousto.parts.solids.build import judge, solid_masses, solid_model
 from jousto.parts.solids.model import SolidModel
 from jousto.parts.solids.second_order import SolidSecondOrder
 from jousto.parts.solids.stress import SolidStress
@@ -384,15 +384,18 @@ class Part:
         ------
         InputError
             With everything that is wrong: no solid elements, unknown sets, elements without a
-            material or turned inside out, point masses that cannot be held.
+            material or turned inside out, point masses that cannot be held, errors that
+            :meth:`Mesh.check` finds.
 
         Warns
         -----
         JoustoWarning
-            If nodes belong to no solid element, or the weighed mass is far from the model's.
+            If nodes belong to no solid element, the weighed mass is far from the model's, or the
+            mesh is doubtful: its size suggests another unit, it falls into pieces, nodes coincide.
         """
         label = mesh.name if name is None else name
         where = f"part '{label}'"
+        judge(mesh)
         model, used = solid_model(mesh, materials, where)
         new = np.full(len(mesh.nodes), -1, dtype=np.int64)
         new[used] = np.arange(len(used))
@@ -400,7 +403,7 @@ class Part:
             lost = np.asarray(mesh.node_ids)[np.flatnonzero(new < 0)]
             warn(
                 where,
-                f"{len(lost)} nodes of the mesh belong to no solid element and are left out (node"
+                f"{count(len(lost), 'node')} of the mesh in no solid element, left out (node"
                 f" {some([str(i) for i in lost])})",
             )
         sets = {key: new[np.asarray(value)] for key, value in mesh.node_sets.items()}

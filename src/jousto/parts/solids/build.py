@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.errors import Problems, count, suggest, warn
+from jousto.errors import InputError, Problems, count, suggest, warn
 from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, read_only, some
 from jousto.parts.attached import attached_points
 from jousto.parts.cells import Cells
@@ -21,6 +21,8 @@ from jousto.parts.solids.elements import KINDS, jacobians, table
 from jousto.parts.solids.model import SolidGroup, SolidModel, expanded
 
 AnyMaterial = Material | Orthotropic
+SAID_ELSEWHERE = ("empty", "unsupported", "free nodes", "unused nodes", "empty set")
+"""Findings of a mesh that are said when a part is made of it, or do not matter then."""
 LIKELY_FACTOR = (0.8, 1.25)
 """Mass scaling beyond these is more likely a mistake than a casting tolerance."""
 
@@ -71,6 +73,36 @@ def solid_model(mesh: Mesh, materials: Any, where: str) -> tuple[SolidModel, Int
     faces = tuple(new[face.nodes] for face in mesh.faces)
     behind = tuple(owner[face.owners] for face in mesh.faces)
     return replace(model, faces=faces, face_materials=behind), used
+
+
+def judge(mesh: Any) -> None:
+    """Raise what forbids a part to be made of a mesh, and warn of what is doubtful.
+
+    A wrong unit, pieces that do not hang together, elements inside out or exported twice: what
+    :meth:`Mesh.check` finds. Pieces are a doubt only: a rigid interface may join them.
+
+    Raises
+    ------
+    InputError
+        With all errors of the mesh.
+
+    Warns
+    -----
+    JoustoWarning
+        With each doubt.
+    """
+    if not isinstance(mesh, Mesh):
+        return
+    errors = []
+    for finding in mesh.check():
+        if finding.kind in SAID_ELSEWHERE:
+            continue
+        if finding.severity == "error" and finding.kind != "pieces":
+            errors.append(finding)
+        else:
+            warn(finding.where, finding.message)
+    if errors:
+        raise InputError(errors)
 
 
 def _materials(
