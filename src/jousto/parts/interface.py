@@ -138,7 +138,8 @@ class Tie:
     by_area: bool
 
     def __repr__(self) -> str:
-        at = ", ".join(f"{x:.6g}" for x in self.at)
+        # rounded: a coordinate of 1e-18 is zero
+        at = ", ".join(f"{round(x, 12) + 0.0:.6g}" for x in self.at)
         return f"<Tie {self.name!r}: {self.kind}, {len(self.nodes)} nodes about ({at}) m>"
 
     @property
