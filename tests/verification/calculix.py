@@ -6,6 +6,7 @@ deck holds the nodes with all digits that ccx reads, so that both programs solve
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -99,11 +100,47 @@ def frequencies(deck: Deck, number: int = 10) -> np.ndarray:
     rigid = 0 if len(deck.fixed) else 6
     steps = ["*STEP", "*FREQUENCY", str(number + rigid), "*END STEP"]
     text = run(deck.head() + steps, ("dat",))["dat"]
-    table = text.split("E I G E N V A L U E   O U T P U T")[1].split("P A R T I C I P A T I O N")[0]
-    rows = [line.split() for line in table.splitlines() if re.match(r"\s+\d+\s+[-0-9.]+E", line)]
-    found = np.array([float(row[3]) for row in rows])
+    found = _frequencies(text)
     assert len(found) == number + rigid
     return found[rigid:]
+
+
+def _frequencies(text: str) -> np.ndarray:
+    table = text.split("E I G E N V A L U E   O U T P U T")[-1]
+    rows = _numbered(table.split("P A R T I C I P A T I O N")[0])
+    return np.array([float(row[3]) for row in rows])
+
+
+def _numbered(table: str) -> list[list[str]]:
+    """Return the words of the rows that begin with a number of a mode."""
+    return [line.split() for line in table.splitlines() if re.match(r"\s+\d+\s+[-0-9.]+E", line)]
+
+
+Forces = Iterable[tuple[int, Sequence[float]]]
+
+
+def buckling(deck: Deck, forces: Forces, number: int) -> np.ndarray:
+    """Return the lowest factors on nodal forces at which the part buckles."""
+    steps = ["*STEP", "*BUCKLE", str(number), *_cload(forces), "*END STEP"]
+    text = run(deck.head() + steps, ("dat",))["dat"]
+    return np.array([float(row[1]) for row in _numbered(text.split("F A C T O R")[1])])
+
+
+def loaded_frequencies(deck: Deck, forces: Forces, number: int) -> np.ndarray:
+    """Return the lowest frequencies in Hz of the part deformed by constant nodal forces."""
+    steps = ["*STEP, NLGEOM", "*STATIC", *_cload(forces), "*END STEP"]
+    steps += ["*STEP, PERTURBATION", "*FREQUENCY", str(number), "*END STEP"]
+    return _frequencies(run(deck.head() + steps, ("dat",))["dat"])
+
+
+def _cload(forces: Forces) -> list[str]:
+    rows = [
+        f"{node + 1}, {direction + 1}, {value:.12e}"
+        for node, force in forces
+        for direction, value in enumerate(force)
+        if value
+    ]
+    return ["*CLOAD", *rows] if rows else []
 
 
 def matrices(deck: Deck) -> tuple[sp.csr_array, sp.csr_array]:
@@ -146,7 +183,7 @@ class Static:
 def static(
     deck: Deck,
     *,
-    forces: Iterable[tuple[int, Sequence[float]]] = (),
+    forces: Forces = (),
     pressure: tuple[np.ndarray, float] | None = None,
     spin: tuple[float, Sequence[float], Sequence[float]] | None = None,
 ) -> Static:
@@ -160,14 +197,7 @@ def static(
     spin : (rad/s, point, axis), optional
         Centrifugal load.
     """
-    lines = deck.head() + ["*STEP", "*STATIC"]
-    rows = [
-        f"{node + 1}, {direction + 1}, {value:.12e}"
-        for node, force in forces
-        for direction, value in enumerate(force)
-        if value
-    ]
-    lines += ["*CLOAD", *rows] if rows else []
+    lines = deck.head() + ["*STEP", "*STATIC", *_cload(forces)]
     if pressure is not None:
         lines += ["*DLOAD", *_pressed(deck, *pressure)]
     if spin is not None:
@@ -222,6 +252,7 @@ def run(lines: Sequence[str], wanted: Sequence[str]) -> dict[str, str]:
                 capture_output=True,
                 text=True,
                 timeout=LIMIT,
+                env=os.environ | {"OMP_NUM_THREADS": "1"},
                 check=False,
             )
         except subprocess.TimeoutExpired:
