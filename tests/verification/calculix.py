@@ -84,12 +84,25 @@ class Deck:
                     more = "," if start + 14 < len(words) else ""
                     lines.append(", ".join(words[start : start + 14]) + more)
             first += len(cells.nodes)
-        m = self.material
-        lines += ["*MATERIAL, NAME=M", "*ELASTIC", f"{m.E:.12e}, {m.nu:.12e}"]
-        lines += ["*DENSITY", f"{m.rho:.12e}", "*SOLID SECTION, ELSET=EALL, MATERIAL=M"]
+        lines += self._properties()
         if len(self.fixed):
             lines += ["*BOUNDARY"] + [f"{n + 1}, 1, 3" for n in self.fixed]
         return lines
+
+    def _properties(self) -> list[str]:
+        m = self.material
+        section = "*SOLID SECTION, ELSET=EALL, MATERIAL=M"
+        lines = ["*MATERIAL, NAME=M"]
+        if hasattr(m, "axes"):
+            names = ("E1", "E2", "E3", "nu12", "nu13", "nu23", "G12", "G13", "G23")
+            words = [f"{getattr(m, name):.12e}" for name in names]
+            lines += ["*ELASTIC, TYPE=ENGINEERING CONSTANTS", ", ".join(words[:8]) + ",", words[8]]
+            # two points on the axes 1 and 2
+            points = ", ".join(f"{x:.12e}" for x in (*m.axes[:, 0], *m.axes[:, 1]))
+            lines += ["*DENSITY", f"{m.rho:.12e}", "*ORIENTATION, NAME=AXES", points]
+            return [*lines, f"{section}, ORIENTATION=AXES"]
+        lines += ["*ELASTIC", f"{m.E:.12e}, {m.nu:.12e}", "*DENSITY", f"{m.rho:.12e}"]
+        return [*lines, section]
 
 
 def frequencies(deck: Deck, number: int = 10) -> np.ndarray:
@@ -129,6 +142,17 @@ def buckling(deck: Deck, forces: Forces, number: int) -> np.ndarray:
 def loaded_frequencies(deck: Deck, forces: Forces, number: int) -> np.ndarray:
     """Return the lowest frequencies in Hz of the part deformed by constant nodal forces."""
     steps = ["*STEP, NLGEOM", "*STATIC", *_cload(forces), "*END STEP"]
+    steps += ["*STEP, PERTURBATION", "*FREQUENCY", str(number), "*END STEP"]
+    return _frequencies(run(deck.head() + steps, ("dat",))["dat"])
+
+
+def spun_frequencies(deck: Deck, speed: float, axis: Sequence[float], number: int) -> np.ndarray:
+    """Return the lowest frequencies in Hz of the part spun about an axis through the origin.
+
+    Seen in the turning frame, without Coriolis forces.
+    """
+    words = ", ".join(f"{x:.12e}" for x in (speed**2, 0.0, 0.0, 0.0, *axis))
+    steps = ["*STEP, NLGEOM", "*STATIC", "*DLOAD", f"EALL, CENTRIF, {words}", "*END STEP"]
     steps += ["*STEP, PERTURBATION", "*FREQUENCY", str(number), "*END STEP"]
     return _frequencies(run(deck.head() + steps, ("dat",))["dat"])
 
@@ -207,11 +231,7 @@ def static(
     lines += ["*NODE PRINT, NSET=NALL", "U", "*NODE FILE", "U", "*EL FILE", "S", "*END STEP"]
     out = run(lines, ("dat", "frd"))
     nn = len(deck.mesh.nodes)
-    u = np.full((nn, 3), np.nan)
-    for line in out["dat"].splitlines():
-        words = line.split()
-        if len(words) == 4 and words[0].isdigit():
-            u[int(words[0]) - 1] = [float(w) for w in words[1:]]
+    u = _displacements(out["dat"], nn)
     stress = np.full((nn, 6), np.nan)
     block = out["frd"].split("STRESS")[1].split("\n -3")[0]
     for line in block.splitlines():
@@ -219,6 +239,16 @@ def static(
             columns = [line[13 + 12 * k : 25 + 12 * k] for k in range(6)]
             stress[int(line[3:13]) - 1] = [float(c) for c in columns]
     return Static(u, stress)
+
+
+def _displacements(text: str, nn: int) -> np.ndarray:
+    """Return the printed displacements (nn, 3) in m."""
+    u = np.full((nn, 3), np.nan)
+    for line in text.splitlines():
+        words = line.split()
+        if len(words) == 4 and words[0].isdigit():
+            u[int(words[0]) - 1] = [float(w) for w in words[1:]]
+    return u
 
 
 def _pressed(deck: Deck, nodes: np.ndarray, value: float) -> list[str]:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.errors import Problem, count
+from jousto.errors import InputError, Problem, count, warn
 from jousto.parts._arrays import Floats, Ints, some
 from jousto.parts.cells import LINES, SURFACES, base, edges, is_quadratic
 from jousto.parts.quality import POOR
@@ -49,6 +49,30 @@ def inspect(mesh: Mesh) -> tuple[Finding, ...]:
     """Return the findings of a mesh, the errors first."""
     found = list(_all(mesh))
     return tuple(sorted(found, key=lambda finding: finding.severity != "error"))
+
+
+def require(mesh: Mesh, *, tolerate: Iterable[str] = (), silent: Iterable[str] = ()) -> None:
+    """Raise InputError with all errors of a mesh, and warn of what is doubtful.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    tolerate : iterable of str
+        Kinds of errors that are only warned of.
+    silent : iterable of str
+        Kinds of findings that are not spoken of.
+    """
+    tolerated, unsaid = set(tolerate), set(silent)
+    errors = []
+    for finding in inspect(mesh):
+        if finding.kind in unsaid:
+            continue
+        if finding.severity == "error" and finding.kind not in tolerated:
+            errors.append(finding)
+        else:
+            warn(finding.where, finding.message)
+    if errors:
+        raise InputError(errors)
 
 
 def _all(mesh: Mesh) -> Iterator[Finding]:
@@ -232,8 +256,8 @@ def _nodes(mesh: Mesh, where: str) -> Iterator[Finding]:
         ids = mesh.node_ids[free]
         yield Finding(
             where,
-            f"{count(len(free), 'node')} (node {_list(ids)}) of shells, lines or points only,"
-            " which carry nothing here: drop them with mesh.solid()",
+            f"{count(len(free), 'node')} (node {_list(ids)}) belong to shells, lines or points"
+            " only, which carry nothing here: drop them with mesh.solid()",
             "free nodes",
             "warning",
             tuple(int(i) for i in ids),
@@ -243,7 +267,7 @@ def _nodes(mesh: Mesh, where: str) -> Iterator[Finding]:
         ids = mesh.node_ids[loose]
         yield Finding(
             where,
-            f"{count(len(loose), 'node')} (node {_list(ids)}) of no element: drop them with"
+            f"{count(len(loose), 'node')} (node {_list(ids)}) belong to no element: drop them with"
             " mesh.solid(), or tie them as reference points of interfaces",
             "unused nodes",
             "warning",

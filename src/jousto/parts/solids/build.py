@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.errors import InputError, Problems, count, suggest, warn
+from jousto.errors import Problems, count, suggest, warn
 from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, read_only, some
 from jousto.parts.attached import attached_points
 from jousto.parts.cells import Cells
+from jousto.parts.inspection import require
 from jousto.parts.mass import MassPoints, PointMass, joined
 from jousto.parts.material import Material
 from jousto.parts.mesh import Mesh
@@ -91,18 +92,8 @@ def judge(mesh: Any) -> None:
     JoustoWarning
         With each doubt.
     """
-    if not isinstance(mesh, Mesh):
-        return
-    errors = []
-    for finding in mesh.check():
-        if finding.kind in SAID_ELSEWHERE:
-            continue
-        if finding.severity == "error" and finding.kind != "pieces":
-            errors.append(finding)
-        else:
-            warn(finding.where, finding.message)
-    if errors:
-        raise InputError(errors)
+    if isinstance(mesh, Mesh):
+        require(mesh, tolerate=("pieces",), silent=SAID_ELSEWHERE)
 
 
 def _materials(
