@@ -159,6 +159,7 @@ def test_mass_of_a_box(kind: str, lumped: bool) -> None:
         np.testing.assert_allclose(part.inertia, exact, atol=1e-13 * mass)
 
 
+@pytest.mark.filterwarnings("ignore:.*pairs of nodes at one place")
 def test_mass_of_a_tube() -> None:
     """A curved mesh: the volume between the parabolas that stand for the arcs, in closed form.
 

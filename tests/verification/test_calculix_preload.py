@@ -61,3 +61,32 @@ def test_frequencies_of_a_loaded_column(kind, factor):
     bare, _ = supported(part, dofs(clamp), 6)
     assert abs(ours[0] / bare[0] - 1.0) > 0.2
     np.testing.assert_allclose(ours, theirs, rtol=1e-4)
+
+
+def bent(x):
+    """Curved in the plane of the pressure."""
+    return np.stack([x[:, 0], x[:, 1] + 0.1 * x[:, 0] ** 2, x[:, 2] + 0.2 * x[:, 0] ** 2], axis=1)
+
+
+@pytest.mark.parametrize("kind", ["tetra", "tetra10", "hexahedron", "hexahedron20"])
+def test_pressure_on_a_curved_surface(kind):
+    size, counts = (0.5, 0.1, 0.06), (6, 2, 2)
+    plain, grid = block(kind, size, counts), block(kind, size, counts, bend=bent)
+    clamp, top = plain.plane(0, 0.0), plain.plane(2, size[2])
+    theirs = calculix.static(calculix.Deck(grid, STEEL, clamp), pressure=(top, 1e6))
+    part = solid(grid, STEEL)
+    d = at_rest(part, dofs(clamp), part.load(jo.Pressure(top, 1e6)))
+    atol = 1e-6 * np.abs(d).max()
+    np.testing.assert_allclose(d.reshape(-1, 3), theirs.u, rtol=0, atol=atol)
+
+
+def test_centrifugal_load():
+    grid = block("hexahedron20", (0.5, 0.1, 0.06), (4, 2, 1))
+    clamp = grid.plane(0, 0.0)
+    deck = calculix.Deck(grid, STEEL, clamp)
+    theirs = calculix.static(deck, spin=(200.0, (0.1, 0.0, 0.0), (0.0, 0.6, 0.8)))
+    part = solid(grid, STEEL)
+    load = part.load(jo.Spin((0.0, 120.0, 160.0), (0.1, 0.0, 0.0)))
+    d = at_rest(part, dofs(clamp), load)
+    atol = 1e-6 * np.abs(d).max()
+    np.testing.assert_allclose(d.reshape(-1, 3), theirs.u, rtol=0, atol=atol)

@@ -22,8 +22,11 @@ from jousto.parts.solids.elements import KINDS, jacobians, table
 from jousto.parts.solids.model import SolidGroup, SolidModel, expanded
 
 AnyMaterial = Material | Orthotropic
-SAID_ELSEWHERE = ("empty", "unsupported", "free nodes", "unused nodes", "empty set")
-"""Findings of a mesh that are said when a part is made of it, or do not matter then."""
+SAID_ELSEWHERE = (
+    *("empty", "unsupported", "collapsed", "jacobian"),
+    *("sliver", "free nodes", "unused nodes", "empty set"),
+)
+"""Findings of a mesh that are said when a part is made of it, or by its certificate."""
 LIKELY_FACTOR = (0.8, 1.25)
 """Mass scaling beyond these is more likely a mistake than a casting tolerance."""
 
