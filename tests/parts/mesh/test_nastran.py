@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import meshio
 import numpy as np
 import pytest
 
 import jousto as jo
 from jousto.errors import InputError
 from jousto.parts.cells import SOLIDS
+from jousto.parts.readers.library import load_meshio
 
 from .blocks import block
 
+meshio = load_meshio()
 
-# meshio knows no dimension of wedge15
-@pytest.mark.parametrize("kind", [kind for kind in SOLIDS if kind != "wedge15"])
+
+@pytest.mark.parametrize("kind", SOLIDS)
 @pytest.mark.parametrize("form", ["free", "fixed-small", "fixed-large"])
 def test_meshio_writes_we_read(kind: str, form: str, tmp_path: Path) -> None:
     mesh = block(kind, (2, 1, 1), (2.0, 1.0, 1.0))

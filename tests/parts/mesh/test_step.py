@@ -13,7 +13,10 @@ import pytest
 
 import jousto as jo
 from jousto.errors import InputError
-from jousto.parts.readers.step import step_unit
+from jousto.parts.readers.cad import step_unit
+from jousto.parts.readers.step import _straightened
+
+from .blocks import block
 
 gmsh = pytest.importorskip("gmsh")
 ARM = Path(__file__).parents[3] / "examples" / "data" / "link_arm.step"
@@ -143,6 +146,25 @@ def test_units(cad: Path, tmp_path: Path) -> None:
     assert jo.mesh_step(metres, size=6.0).volume == pytest.approx(1e9 * PLATE, rel=1e-3)
 
 
+def test_a_file_in_inches(cad: Path, tmp_path: Path) -> None:
+    text = (cad / "plate.step").read_text()
+    mm = re.search(
+        r"#(\d+) = \( LENGTH_UNIT\(\) NAMED_UNIT\(\*\) SI_UNIT\(\.MILLI\.,\.METRE\.\) \);", text
+    )
+    assert mm
+    inch = (
+        f"#{mm[1]} = ( CONVERSION_BASED_UNIT('INCH',#9001) LENGTH_UNIT() NAMED_UNIT(#9002) );\n"
+        "#9001 = LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),#9003);\n"
+        "#9002 = DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.);\n"
+        "#9003 = ( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.MILLI.,.METRE.) );"
+    )
+    path = tmp_path / "inches.step"
+    path.write_text(text.replace(mm[0], inch))
+    assert jo.mesh_step(path, size=0.15).volume == pytest.approx(25.4**3 * PLATE, rel=1e-3)
+    # a file that says inches by mistake
+    assert jo.mesh_step(path, size=6e-3, unit="mm").volume == pytest.approx(PLATE, rel=1e-3)
+
+
 def test_unit_of_step_files() -> None:
     assert step_unit(b"( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT($,.METRE.) );") == 1.0
     assert step_unit(b"( LENGTH_UNIT()\n NAMED_UNIT(*) SI_UNIT(.CENTI.,.METRE.) );") == 0.01
@@ -220,3 +242,16 @@ def test_an_open_session_stays_as_it_was(cad: Path) -> None:
         assert gmsh.option.getNumber("Mesh.MeshSizeMax") == 0.7
     finally:
         gmsh.finalize()
+
+
+def test_folded_elements_are_straightened() -> None:
+    mesh = block("tetra10", (2, 1, 1), (2.0, 1.0, 1.0))
+    nodes = mesh.nodes.copy()
+    edge = mesh.solids[0].nodes[0, [0, 1, 4]]
+    nodes[edge[2]] = 0.85 * nodes[edge[0]] + 0.15 * nodes[edge[1]]
+    spoilt = jo.Mesh("spoilt", nodes, mesh.cells)
+    assert len(spoilt.quality().negative)
+    with pytest.warns(jo.JoustoWarning, match="would be folded between curved faces"):
+        straight = _straightened(spoilt, "spoilt.step")
+    np.testing.assert_allclose(straight.nodes, mesh.nodes, atol=1e-15)
+    assert straight.check() == ()

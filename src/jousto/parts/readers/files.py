@@ -130,12 +130,7 @@ def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None
     path = Path(path)
     where = path.name
     factor = unit_factor(where, unit)
-    if path.is_dir():
-        raise InputError(Problem(where, "is a folder, a mesh file is needed"))
-    if not path.is_file():
-        near = [file.name for file in path.parent.glob("*")] if path.parent.is_dir() else []
-        hint = suggest(path.name, near) if near else f"; there is no folder '{path.parent}'"
-        raise InputError(Problem(where, f"no such file{hint}"))
+    exists(path)
     if path.suffix.lower() == ".gz":
         return _unpacked(path, unit, name)
     found = which(path)
@@ -145,6 +140,16 @@ def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None
         warn(place, sentence)
     log.info("%s: %s", where, mesh)
     return mesh
+
+
+def exists(path: Path) -> None:
+    """Raise if there is no such file, with the nearest name in its folder."""
+    if path.is_dir():
+        raise InputError(Problem(path.name, "is a folder, a file is needed"))
+    if not path.is_file():
+        near = [file.name for file in path.parent.glob("*")] if path.parent.is_dir() else []
+        hint = suggest(path.name, near) if near else f"; there is no folder '{path.parent}'"
+        raise InputError(Problem(path.name, f"no such file{hint}"))
 
 
 def which(path: Path) -> Format:

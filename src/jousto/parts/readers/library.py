@@ -87,10 +87,21 @@ def _sets(sets: dict[str, list[Ints]], title: str, values: list[Any], ids: list[
         sets[name] = [i[v == value] for v, i in zip(values, ids, strict=True)]
 
 
+def load_meshio() -> Any:
+    """Return the package meshio; its table of dimensions lacks the wedge of 15 nodes."""
+    import meshio
+
+    with contextlib.suppress(ImportError):
+        from meshio._mesh import topological_dimension
+
+        topological_dimension.setdefault("wedge15", 3)
+    return meshio
+
+
 def _load(path: Path, form: str) -> Any:
     """Return meshio's mesh; whatever goes wrong there becomes one sentence."""
     try:
-        import meshio
+        meshio = load_meshio()
     except ImportError:
         raise InputError(
             Problem(path.name, f"a .{form} file needs the package meshio: pip install meshio")

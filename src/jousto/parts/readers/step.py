@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import os
-import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
@@ -17,7 +16,7 @@ from jousto.errors import InputError, Problem, Problems, count, suggest, warn
 from jousto.parts._arrays import Floats, Ints
 from jousto.parts.cells import Cells, edges
 from jousto.parts.mesh import Mesh
-from jousto.parts.readers.files import UNITS, unit_factor
+from jousto.parts.readers.cad import cad_scale
 from jousto.parts.readers.msh import vtk_order
 
 log = logging.getLogger(__name__)
@@ -32,7 +31,6 @@ GROWTH = 0.4
 TOO_MANY = 2_000_000
 # tetrahedra in a cube of their size
 _PER_CUBE = 8.0
-_SI = {"": 1.0, "MILLI": 1e-3, "CENTI": 1e-2, "MICRO": 1e-6, "DECI": 1e-1, "KILO": 1e3}
 
 
 def mesh_step(
@@ -97,7 +95,7 @@ def mesh_step(
     for face, length in (refine or {}).items():
         problems.positive(where, f"size at '{face}'", length, "m")
     problems.raise_if_any()
-    factor = _scale(path, unit)
+    factor = cad_scale(path, unit)
     gmsh = _gmsh(where)
     with _session(gmsh, where):
         labels = _load(gmsh, path, factor)
@@ -120,69 +118,6 @@ def mesh_step(
     mesh = _labelled(mesh, labels)
     log.info("%s: %s, %.4g m^3; %s", where, mesh, mesh.volume, mesh.quality())
     return mesh
-
-
-# ---- the file ------------------------------------------------------------------------------------
-
-
-def _scale(path: Path, unit: str | None) -> float:
-    """Return the factor that turns metres of the import into metres, after checking the file."""
-    where = path.name
-    if unit is not None:
-        unit_factor(where, unit)
-    if not path.is_file():
-        near = [file.name for file in path.parent.glob("*")] if path.parent.is_dir() else []
-        hint = suggest(path.name, near) if near else f"; there is no folder '{path.parent}'"
-        raise InputError(Problem(where, f"no such file{hint}"))
-    data = path.read_bytes()
-    if data.lstrip()[:12] == b"ISO-10303-21":
-        if b"END-ISO-10303-21" not in data[-4096:]:
-            raise InputError(
-                Problem(where, "has no END-ISO-10303-21 at its end: it is cut off; export it again")
-            )
-        said = step_unit(data)
-        return 1.0 if unit is None else UNITS[unit] / said
-    if re.match(rb"\s*(DBRep_DrawableShape|CASCADE Topology|Open CASCADE Topology)", data):
-        if unit is None:
-            raise InputError(
-                Problem(where, "a BREP file does not say its unit: give unit='mm' or another")
-            )
-        return UNITS[unit]
-    if not data.strip():
-        raise InputError(Problem(where, "is empty"))
-    if re.match(rb".{72}S *0*1\s", data):
-        raise InputError(
-            Problem(where, "is an IGES file, which holds faces and no solid: export STEP instead")
-        )
-    if path.suffix.lower() in (".msh", ".inp", ".bdf", ".nas", ".med", ".vtk", ".vtu", ".cdb"):
-        raise InputError(Problem(where, "is a mesh, no geometry: read it with jo.read_mesh(path)"))
-    raise InputError(Problem(where, "is neither a STEP nor a BREP file"))
-
-
-def step_unit(data: bytes) -> float:
-    """Return the unit of length of a STEP file in m; mm if it says none.
-
-    Examples
-    --------
-    >>> step_unit(b"#9=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));")
-    0.001
-    """
-    text = re.sub(rb"\s+", b"", data)
-    # inches and feet are conversions of millimetres or metres
-    found = re.search(
-        rb"LENGTH_UNIT\(\)[^;]*?CONVERSION_BASED_UNIT\('(\w+)'|"
-        rb"CONVERSION_BASED_UNIT\('(\w+)',#\d+\)LENGTH_UNIT",
-        text,
-    )
-    if found:
-        title = (found[1] or found[2]).decode().lower()
-        known = {"inch": 0.0254, "foot": 0.3048, "millimetre": 1e-3, "metre": 1.0}
-        if title in known:
-            return known[title]
-    found = re.search(rb"LENGTH_UNIT\(\)NAMED_UNIT\(\*\)SI_UNIT\((?:\.(\w+)\.|\$),\.METRE\.", text)
-    if found:
-        return _SI.get((found[1] or b"").decode(), 1e-3)
-    return 1e-3
 
 
 # ---- gmsh ----------------------------------------------------------------------------------------
@@ -229,9 +164,9 @@ def _session(gmsh: Any, where: str) -> Iterator[None]:
         gmsh.option.setNumber("Geometry.OCCImportLabels", 1)
         gmsh.model.add("jousto")
         yield
-    except InputError:
-        raise
-    except Exception as error:  # Gmsh raises plain exceptions with a message
+    except Exception as error:
+        if type(error) is not Exception:  # Gmsh raises plain ones with a message
+            raise
         said = " ".join(str(error).split())[:200]
         raise InputError(
             Problem(
@@ -398,16 +333,21 @@ def _labelled(mesh: Mesh, labels: Mapping[str, list[int]]) -> Mesh:
 
 def _straightened(mesh: Mesh, where: str) -> Mesh:
     """Return the mesh with the midside nodes of folded elements on straight edges."""
-    bad = mesh.quality().negative
-    if not len(bad):
-        return mesh
-    nodes = mesh.nodes.copy()
-    cells = mesh.solids[0].nodes[bad]
-    nodes[cells[:, 4:]] = nodes[cells[:, edges("tetra10")]].mean(axis=2)
-    out = replace(mesh, nodes=nodes)
-    warn(
-        where,
-        f"{count(len(bad), 'element')} (element {mesh.element_ids[bad[0]]}) would be folded between"
-        " curved faces; their edges are straight now. A smaller size there follows the faces",
-    )
-    return out
+    first = bad = mesh.quality().negative
+    ends = edges("tetra10")
+    for _ in range(5):  # a straight edge may fold the neighbour
+        if not len(bad):
+            break
+        nodes = mesh.nodes.copy()
+        cells = mesh.solids[0].nodes[bad]
+        nodes[cells[:, 4:]] = nodes[cells[:, ends]].mean(axis=2)
+        mesh = replace(mesh, nodes=nodes)
+        bad = mesh.quality().negative
+    if len(first):
+        warn(
+            where,
+            f"{count(len(first), 'element')} (element {mesh.element_ids[first[0]]}) would be folded"
+            " between curved faces; their edges are straight now. A smaller size there follows the"
+            " faces",
+        )
+    return mesh
