@@ -46,6 +46,12 @@ def test_reduce_ends_with_the_certificate(rod: Path) -> None:
     assert "Certificate of part" in rod.with_suffix(".html").read_text(encoding="utf-8")
 
 
+def test_the_certificate_uses_the_solver_asked_for(rod: Path) -> None:
+    assert jousto("reduce", rod, "--solver", "superlu", "-q")[0] == 0
+    code, _, err = jousto("reduce", rod, "--solver", "mumps")
+    assert code == 2 and "no solver 'mumps'" in err
+
+
 def test_without_certificate(rod: Path) -> None:
     code, out, _ = jousto("reduce", rod, "--no-certificate")
     assert code == 0 and "certificate of" not in out

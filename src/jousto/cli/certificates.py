@@ -35,14 +35,16 @@ def page_path(given: Path | None, source: Path) -> Path | None:
     return output_path(given, source, ".html")
 
 
-def tell_certificate(file: PartFile, page: Path | None) -> None:
+def tell_certificate(
+    file: PartFile, page: Path | None, *, solver: str | None = None, progress: bool = False
+) -> None:
     """Print the certificate of a part and its modes, and write its page."""
     if file.part is None:
         say("no certificate: the part was reduced before, its mesh is not in the file")
         return
     from jousto.reduction import certify
 
-    certificate = certify(file.part, file.reduced, progress=sys.stderr.isatty())
+    certificate = certify(file.part, file.reduced, solver=solver, progress=progress)
     for line in str(certificate).splitlines():
         word = line.split()[0] if line.startswith("  ") and line.split() else ""
         say(line, style=STYLES.get(word, ""))

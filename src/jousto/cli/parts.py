@@ -62,7 +62,8 @@ def reduce_part(
     page = page_path(html, part)
     options: dict[str, Any] = {"solver": solver, "cache": cache}
     options = {key: value for key, value in options.items() if value is not None}
-    if sys.stderr.isatty() and not quiet:
+    progress = sys.stderr.isatty() and not quiet
+    if progress:
         options["progress"] = True
     file = read_part_file(part, name, **options)
     reduced = file.reduced
@@ -70,7 +71,7 @@ def reduce_part(
     reduced.save(target)
     describe_part(reduced)
     if not bare:
-        tell_certificate(file, page)
+        tell_certificate(file, page, solver=solver, progress=progress)
     say(f"reduced part in {target}", style="green")
 
 
