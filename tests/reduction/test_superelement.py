@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -156,27 +157,62 @@ def test_refusals() -> None:
         jo.reduce_superelement(replace(good, held=np.array([[101, 1]])))
 
 
-def test_nodes_without_all_directions() -> None:
-    # a node of the superelement that keeps its x only, and one without rotations
-    good = condensed(2)
-    keep = np.r_[0:12, 12:14]
-    dofs = good.dofs.copy()
-    dofs[13] = (300, 1)
-    # an interior mode cannot be a node's row: take a node that only rides along instead
-    K, M = good.K.toarray(), good.M.toarray()
-    K[13], K[:, 13] = 0.0, 0.0
-    K[13, 13] = K[0, 0] * 1e-3
-    K[13, 0] = K[0, 13] = -K[13, 13]
-    K[0, 0] += K[13, 13]
-    M[13], M[:, 13] = 0.0, 0.0
-    matrices = replace(
-        good,
-        K=K[np.ix_(keep, keep)],
-        M=M[np.ix_(keep, keep)],
-        dofs=dofs,
+def test_nodes_with_and_without_rotations() -> None:
+    # node 300 keeps its translations, node 205 all directions, node 101 but two of them
+    K, M = FRAME.K.toarray(), FRAME.M.toarray()
+    rows = np.r_[0:2, 12:15, 24:30]
+    rest = np.setdiff1d(np.arange(30), rows)
+    T = np.zeros((30, len(rows)))
+    T[rows, np.arange(len(rows))] = 1.0
+    T[rest] = -np.linalg.solve(K[np.ix_(rest, rest)], K[np.ix_(rest, rows)])
+    dofs = [(101, 1), (101, 2), (300, 1), (300, 2), (300, 3), *((205, c) for c in range(1, 7))]
+    matrices = jo.Matrices(
+        name="arm",
+        K=T.T @ K @ T,
+        M=T.T @ M @ T,
+        dofs=np.array(dofs),
         node_ids=np.array([101, 205, 300]),
-        nodes=np.vstack([good.nodes, good.nodes[0]]),
+        nodes=FRAME.nodes[[0, 4, 2]],
     )
-    with pytest.warns(JoustoWarning, match="1 node without all translations"):
+    with pytest.warns(JoustoWarning, match="1 node without all translations cannot carry markers"):
         reduced = jo.reduce_superelement(matrices)
-    assert len(reduced.nodes) == 2
+    assert reduced.n == len(rows) - 6
+    assert_allclose(reduced.nodes, FRAME.nodes[[4, 2]])
+    assert reduced.rotation_nodes is not None and list(reduced.rotation_nodes) == [0]
+    assert reduced.rotation(reduced.node("n300")) is None
+    # compliance between loads without resultant: the same as that of the full model
+    R = FRAME.rigid_modes()[rows]
+    balanced = np.eye(len(rows)) - R @ np.linalg.pinv(R)
+    exact = balanced @ np.linalg.pinv(matrices.K.toarray()) @ balanced
+    turns = reduced.rotation(0)
+    assert turns is not None
+    X = np.vstack([reduced.modes[1], reduced.modes[0], turns])
+    at = np.r_[2:5, 5:8, 8:11]
+    ours = X @ np.diag(1.0 / reduced.stiffness) @ X.T
+    G = FRAME.rigid_modes()[np.r_[12:15, 24:30]]
+    loads = np.eye(9) - G @ np.linalg.pinv(G)
+    assert_allclose(
+        loads @ ours @ loads, loads @ exact[np.ix_(at, at)] @ loads, rtol=1e-7, atol=1e-16
+    )
+
+
+def test_condensed_matrices_as_a_part_are_noticed(tmp_path: Path) -> None:
+    K, M = FRAME.K.toarray(), FRAME.M.toarray()
+    rows = np.r_[0:6, 12:18, 24:30]
+    rest = np.setdiff1d(np.arange(30), rows)
+    T = np.zeros((30, 18))
+    T[rows, np.arange(18)] = 1.0
+    T[rest] = -np.linalg.solve(K[np.ix_(rest, rest)], K[np.ix_(rest, rows)])
+    dofs = np.array([(n, c) for n in (1, 3, 5) for c in range(1, 7)])
+    # in a chain the middle node parts the others; Guyan's mass couples all the same when more
+    # than static shapes are kept, so fill the blocks as a general condensation does
+    noise = np.random.default_rng(2).normal(size=(18, 18)) * 1e-9
+    np.savez(
+        tmp_path / "arm.npz",
+        K=T.T @ K @ T,
+        M=T.T @ M @ T + noise + noise.T,
+        dofs=dofs,
+        nodes=np.column_stack([[1, 3, 5], FRAME.nodes[::2]]),
+    )
+    with pytest.warns(JoustoWarning, match="every node is coupled with every other"):
+        Part.from_file(tmp_path / "arm.npz")

@@ -100,8 +100,7 @@ def reduce_superelement(
     R = _orthonormal(where, G, M, position[nodal])
     X, frequencies = _elastic(where, K, M, R, modes, frequency_limit)
 
-    kept, d = _marker_nodes(where, dofs, index)
-    translations, rotations = _nodal_modes(X, dofs, index, kept, d)
+    kept, turning = _marker_nodes(where, dofs, index)
     from jousto.parts.readers.matrices.matrices import elements_of, sets_of
 
     sets = sets_of(matrices, np.asarray(kept, dtype=np.int64))
@@ -113,12 +112,13 @@ def reduce_superelement(
         nodes=matrices.nodes[kept],
         elements=np.asarray(elements_of(matrices, np.asarray(kept, dtype=np.int64)), np.intp),
         node_sets=sets,
-        modes=translations,
-        rotations=rotations,
+        modes=_nodal_modes(X, dofs, index, kept, 1),
+        rotations=_nodal_modes(X, dofs, index, turning, 4) if len(turning) else None,
         frequencies=frequencies,
         invariants=_invariants(M, G, X),
         interfaces=names if whole else (),
         provenance=_provenance(K, M, dofs, matrices.nodes, modes, frequency_limit),
+        rotation_nodes=np.searchsorted(kept, turning) if 0 < len(turning) < len(kept) else None,
     )
 
 
@@ -263,8 +263,8 @@ def _invariants(M: Array, G: Array, X: Array) -> Invariants:
     )
 
 
-def _marker_nodes(where: str, dofs: NDArray[np.int64], index: Index) -> tuple[Index, int]:
-    """Return the rows of nodes that have all translations, and directions that all of them have."""
+def _marker_nodes(where: str, dofs: NDArray[np.int64], index: Index) -> tuple[Index, Index]:
+    """Return the rows of nodes with all translations, and of those that turn as well."""
     have: dict[int, set[int]] = {}
     for i, (_, c) in zip(index, dofs, strict=True):
         if c:
@@ -277,25 +277,17 @@ def _marker_nodes(where: str, dofs: NDArray[np.int64], index: Index) -> tuple[In
         lost = len(have) - len(complete)
         warn(where, f"{count(lost, 'node')} without all translations cannot carry markers")
     turning = [i for i in complete if have[i] >= {4, 5, 6}]
-    if turning and len(turning) < len(complete):
-        warn(
-            where,
-            f"{len(complete) - len(turning)} nodes without rotations are left out, markers sit on"
-            f" the {len(turning)} with six directions",
-        )
-        complete = turning
-    return np.array(complete, dtype=np.intp), 6 if turning else 3
+    return np.array(complete, dtype=np.intp), np.array(turning, dtype=np.intp)
 
 
-def _nodal_modes(
-    X: Array, dofs: NDArray[np.int64], index: Index, kept: Index, d: int
-) -> tuple[Array, Array | None]:
+def _nodal_modes(X: Array, dofs: NDArray[np.int64], index: Index, kept: Index, first: int) -> Array:
+    """Return the directions first .. first + 2 of the modes at the kept nodes (nk, 3, n)."""
     place = {int(i): k for k, i in enumerate(kept)}
-    nodal = np.zeros((len(kept), d, X.shape[1]))
+    nodal = np.zeros((len(kept), 3, X.shape[1]))
     for row, (i, (_, c)) in enumerate(zip(index, dofs, strict=True)):
-        if 0 < c <= d and int(i) in place:
-            nodal[place[int(i)], c - 1] = X[row]
-    return nodal[:, :3], nodal[:, 3:] if d == 6 else None
+        if first <= c < first + 3 and int(i) in place:
+            nodal[place[int(i)], c - first] = X[row]
+    return nodal
 
 
 def _provenance(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from jousto.errors import InputError, Problem, Problems
+from jousto.errors import InputError, Problem, Problems, warn
 from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, some
 from jousto.parts.sets import NODE_NAMES_UP_TO
 
@@ -237,14 +237,30 @@ def nodal(matrices: Matrices) -> Nodal:
     where_of = np.array([place[int(number)] for number in ids], dtype=np.int64)
     order = rows[np.lexsort((dofs[:, 1], where_of[node]))]
     keep = np.sort(where_of)
+    M, K = as_csr(matrices.M[order][:, order]), as_csr(matrices.K[order][:, order])
+    _notice_condensed(where, M, d, len(keep))
     return Nodal(
-        M=as_csr(matrices.M[order][:, order]),
-        K=as_csr(matrices.K[order][:, order]),
+        M=M,
+        K=K,
         nodes=matrices.nodes[keep],
         dofs_per_node=d,
         node_sets=sets_of(matrices, keep),
         elements=elements_of(matrices, keep),
     )
+
+
+def _notice_condensed(where: str, M: Sparse, d: int, nn: int) -> None:
+    """Warn of a mass matrix that couples every node with every other."""
+    if nn < 3 or (d == 3 and nn <= 27):
+        return  # a single element does that, too
+    coo = M.tocoo()
+    pairs = np.unique(coo.row // d * nn + coo.col // d)
+    if len(pairs) == nn * nn:
+        warn(
+            where,
+            "every node is coupled with every other: if these are condensed matrices, use"
+            " reduce_superelement, which keeps the mass that lies between the nodes",
+        )
 
 
 def sets_of(matrices: Matrices, keep: Ints) -> dict[str, tuple[int, ...]]:
