@@ -259,7 +259,7 @@ def _notice_condensed(where: str, M: Sparse, d: int, nn: int) -> None:
         warn(
             where,
             "every node is coupled with every other: if these are condensed matrices, use"
-            " reduce_superelement, which keeps the mass that lies between the nodes",
+            " reduce_superelement: a Part would estimate its inertia from these few nodes",
         )
 
 
