@@ -396,8 +396,7 @@ def test_abaqus_supports_and_internal_nodes(tmp_path: Path) -> None:
         Part.from_file(tmp_path / "k.mtx", nodes=TABLE)
 
 
-def test_circle_of_another_kind() -> None:
-    # the speed of sound does not suspect a slender rod or a stout one
+def test_the_speed_of_sound_does_not_suspect_beams() -> None:
     for length, elements in ((10.0, 4), (0.2, 8)):
         rod = Part.beam(length, Circle(0.02), elements, STEEL)
         matrices = jo.Matrices(

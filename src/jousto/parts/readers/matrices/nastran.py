@@ -57,10 +57,12 @@ def read_op4(path: Path) -> tuple[Sparse, Sparse]:
         reason = str(error).strip().partition("\n")[0] or "it ends too early"
         raise refuse(path, f"is no OP4 file, or it is cut off: {reason}") from None
     matrices = {name: as_csr(sp.csr_array(value)) for name, value in found.items()}
-    return _choose(path, matrices, STIFFNESS, "K"), _choose(path, matrices, MASS, "M")
+    k, m = _choose(path, matrices, STIFFNESS, "K"), _choose(path, matrices, MASS, "M")
+    return matrices[k], matrices[m]
 
 
-def _choose(path: Path, found: dict[str, Sparse], names: tuple[str, ...], letter: str) -> Sparse:
+def _choose(path: Path, found: dict[str, Sparse], names: tuple[str, ...], letter: str) -> str:
+    """Return the name of K or M among those found."""
     name = next((name for name in names if name in found), None)
     if name is None:
         known = ", ".join(sorted(found)).upper() or "nothing"
@@ -68,10 +70,10 @@ def _choose(path: Path, found: dict[str, Sparse], names: tuple[str, ...], letter
         raise refuse(
             path, f"holds no matrix {letter} under a known name ({wanted}); it has {known}"
         )
-    matrix = found[name]
-    if matrix.shape[0] != matrix.shape[1]:
-        raise refuse(path, f"{name.upper()} has shape {matrix.shape}, must be square")
-    return matrix
+    shape = found[name].shape
+    if shape[0] != shape[1]:
+        raise refuse(path, f"{name.upper()} has shape {shape}, must be square")
+    return name
 
 
 def read_dmig(path: Path) -> tuple[Sparse, Sparse, Ints]:
@@ -97,9 +99,7 @@ def read_dmig(path: Path) -> tuple[Sparse, Sparse, Ints]:
     for name, frame in frames.items():
         maps[name] = np.array([tuple(i) for i in frame.index], dtype=np.int64)
         values[name] = as_csr(np.asarray(frame.to_numpy()))
-    _choose(path, values, STIFFNESS, "K"), _choose(path, values, MASS, "M")
-    k = next(name for name in STIFFNESS if name in values)
-    m = next(name for name in MASS if name in values)
+    k, m = _choose(path, values, STIFFNESS, "K"), _choose(path, values, MASS, "M")
 
     # rows that only one of the two names
     dofs = np.unique(np.concatenate([maps[k], maps[m]]), axis=0)
