@@ -49,6 +49,22 @@ def test_files_beside_the_stiffness(tmp_path: Path) -> None:
     assert file.part.node_sets["right"] == (2, 5, 8, 11)
 
 
+def test_surfaces_that_follow_a_node(tmp_path: Path) -> None:
+    for suffix in (".sti", ".mas", ".dof", ".inp"):
+        shutil.copy(FILES / f"brick{suffix}", tmp_path)
+    text = (
+        "type: matrices\nK: brick.sti\nnode_sets: {right: [30, 60, 90, 120]}\n"
+        "interfaces: [{name: foot, nodes: LEFT}, {name: end, nodes: right, at: [1, 0.05, 0.05]}]\n"
+        "reduce: {type: craig-bampton, interfaces: [foot, end], modes: 0}\n"
+    )
+    reduced = read_part(write(tmp_path, text))
+    assert len(reduced.nodes) == 14 and reduced.n == 12 - 6
+    assert_allclose(reduced.nodes[reduced.node("end")], [1.0, 0.05, 0.05])
+    assert reduced.rotation(reduced.node("end")) is not None
+    with pytest.raises(InputError, match="rod.yaml:4: interfaces.*no node set 'left'"):
+        read_part(write(tmp_path, text.replace("nodes: LEFT", "nodes: left")))
+
+
 @pytest.mark.parametrize("kind", ["calculix", "abaqus", "substructure", "plain with a map"])
 def test_formats(tmp_path: Path, kind: str) -> None:
     if kind == "calculix":

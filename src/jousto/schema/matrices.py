@@ -25,10 +25,17 @@ def is_superelement(entry: Any) -> bool:
 
 def build_matrices(builder: Builder, loc: Loc, name: str, entry: MatricesEntry) -> Any:
     """Return the Part of an entry, None if anything is wrong with it."""
-    from jousto.parts import Part
+    from jousto.parts import Interface, Part
     from jousto.parts.readers.matrices.plain import SUFFIXES
 
-    values = entry.given("reduce", "in_plane", "keep")
+    values = entry.given("reduce", "in_plane", "keep", "interfaces")
+    before = len(builder.found)
+    values["interfaces"] = [
+        builder.make((*loc, "interfaces", i), Interface, **item.given())
+        for i, item in enumerate(entry.interfaces or ())
+    ]
+    if len(builder.found) > before:
+        return None
     suffix = Path(entry.K).suffix.lower()
     plain = entry.M is not None and suffix in SUFFIXES and not any(k in values for k in FOREIGN)
     if not plain or _has_program(builder, entry):
@@ -36,7 +43,6 @@ def build_matrices(builder: Builder, loc: Loc, name: str, entry: MatricesEntry) 
         return None if files is None else builder.make(loc, Part.from_file, **files, name=name)
 
     # node after node, node sets counted from 0
-    before = len(builder.found)
     for key in ("M", "K"):
         values[key] = builder.make((*loc, key), read_matrix, builder.file(values[key]))
     if isinstance(entry.nodes, str):
@@ -53,7 +59,10 @@ def build_superelement(builder: Builder, loc: Loc, name: str, entry: MatricesEnt
     from jousto.parts.readers.matrices import read_matrices
     from jousto.reduction import reduce_superelement
 
-    values = entry.given("reduce", "in_plane", "keep")
+    values = entry.given("reduce", "in_plane", "keep", "interfaces")
+    if entry.interfaces is not None:
+        builder.note((*loc, "interfaces"), "a superelement is condensed already; leave it out")
+        return None
     sets = values.pop("node_sets", {})
     files = _files(builder, loc, values)
     matrices: Any = None if files is None else builder.make(loc, read_matrices, **files, name=name)

@@ -316,6 +316,19 @@ MatricesMethod: TypeAlias = Annotated[
 ]
 
 
+class SetInterfaceEntry(Entry):
+    """`Interface`: a node set tied to one node that translates and turns."""
+
+    name: Text
+    nodes: Text = Field(description="A node set")
+    kind: Literal["rigid", "average"] | None = Field(
+        None, description="rigid (RBE2, if none): a stiff flange; average (RBE3): a pin with play"
+    )
+    at: Position | None = Field(
+        None, description="Reference point; the axis of a bore or the centroid if none"
+    )
+
+
 class MatricesEntry(ModeChoice):
     """`Part.from_file`: mass and stiffness from another program."""
 
@@ -347,6 +360,9 @@ class MatricesEntry(ModeChoice):
         None,
         description="Numbers of nodes as in the other program; counted from 0 for plain matrices"
         " without dofs",
+    )
+    interfaces: tuple[SetInterfaceEntry, ...] | None = Field(
+        None, description="Surfaces that follow a node with six directions"
     )
     elements: tuple[tuple[Count, ...], ...] | None = Field(None, description="For drawing only")
 
