@@ -140,7 +140,7 @@ def suggest(name: object, candidates: Iterable[str]) -> str:
     "; did you mean 'boom'?"
     """
     # the names that the user gave come before those that number the nodes
-    known = sorted(candidates, key=lambda known: bool(re.fullmatch(r"node\d+", known)))
+    known = sorted(candidates, key=lambda known: bool(re.fullmatch(r"n(ode)?\d+", known)))
     near = difflib.get_close_matches(str(name), known, n=1)
     if near:
         return f"; did you mean '{near[0]}'?"
