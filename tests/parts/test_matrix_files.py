@@ -254,7 +254,7 @@ DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "text": (
         lambda p: (p / "job.sti").write_text("*HEADING\nmodel\n"),
-        r"job.sti: line 1 is '\*HEAEING', i j value is expected",
+        r"job.sti: line 1 is '\*HEADING', i j value is expected",
     ),
     "mesh": (
         lambda p: (p / "job.sti").write_text("1 0.5 0.25\n2 0.5 0.75\n"),

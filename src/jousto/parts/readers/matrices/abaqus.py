@@ -80,8 +80,9 @@ def read_global(path: Path) -> tuple[Sparse, Ints | None]:
             " hybrid elements, couplings): leave these out of the model, or condense it to a"
             " substructure",
         )
-    dofs, row = np.unique(labels, axis=0, return_inverse=True)
-    row = row.reshape(-1, 2)
+    # one number for node and direction: quick to sort
+    key, row = np.unique(labels[:, 0] * 64 + labels[:, 1], return_inverse=True)
+    dofs, row = np.stack([key // 64, key % 64], axis=1), row.reshape(-1, 2)
     return from_triplets(path, row[:, 0], row[:, 1], entries[:, 4], len(dofs)), dofs
 
 

@@ -53,8 +53,7 @@ def read_numbers(path: Path, text: str, columns: int, what: str) -> Floats:
     InputError
         With the first line that is not as it should be; the end of a file that was cut off too.
     """
-    # Fortran writes exponents with D
-    plain = text.replace(",", " ").replace("D", "E").replace("d", "e")
+    plain = _plain(text)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         try:
@@ -63,14 +62,14 @@ def read_numbers(path: Path, text: str, columns: int, what: str) -> Floats:
             values = np.zeros(0)
     if len(values) and len(values) % columns == 0:
         return values.reshape(-1, columns)
-    lines = [line for line in plain.splitlines() if line.strip()]
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
     for number, line in enumerate(lines):
         try:
-            good = len([float(word) for word in line.split()]) == columns
+            good = len([float(word) for word in _plain(line).split()]) == columns
         except ValueError:
             good = False
         if not good:
-            found = line.strip()[:60]
+            found = line[:60]
             if number == len(lines) - 1 and number:
                 raise refuse(
                     path,
@@ -79,6 +78,11 @@ def read_numbers(path: Path, text: str, columns: int, what: str) -> Floats:
                 )
             raise refuse(path, f"line {number + 1} is {found!r}, {what} is expected")
     raise refuse(path, f"holds no lines of {what}")
+
+
+def _plain(text: str) -> str:
+    """Return numbers separated by blanks, with exponents E where Fortran writes D."""
+    return text.replace(",", " ").replace("D", "E").replace("d", "e")
 
 
 def from_triplets(
