@@ -448,3 +448,19 @@ def test_directions_of_a_substructure_differ_between_nodes(tmp_path: Path) -> No
     assert K is not None and M is None
     assert_array_equal(found, dofs)
     assert_array_equal(full(K), A + A.T)
+
+
+def test_user_element_that_calculix_wrote() -> None:
+    # *SUBSTRUCTURE MATRIX OUTPUT of CalculiX 2.20 with nodes 10, 40 and 120 of the brick retained;
+    # that version writes the retained rows without condensing the others (a node for each row)
+    from jousto.parts.readers.matrices.abaqus import read_substructure
+
+    K, M, dofs = read_substructure(FILES / "substructure.mtx")
+    assert K is not None and M is None
+    assert_array_equal(dofs, [(n, c) for n in (10, 40, 120) for c in (1, 2, 3)])
+    part = Part.from_file(FILES / "brick.sti")
+    rows = [3 * part.node(f"n{n}") + c - 1 for n, c in dofs]
+    scale = np.abs(full(part.K)).max()
+    assert_allclose(full(K), full(part.K)[np.ix_(rows, rows)], atol=1e-12 * scale)
+    with pytest.raises(InputError, match="substructure.mtx: holds no mass; ask for"):
+        Part.from_file(FILES / "substructure.mtx")
