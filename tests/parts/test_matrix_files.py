@@ -371,6 +371,21 @@ def test_wrong_kinds(tmp_path: Path) -> None:
         jo.read_matrices(**{**calculix(tmp_path), "nodes": None})  # type: ignore[arg-type]
 
 
+def test_rows_in_the_order_of_the_directions(tmp_path: Path) -> None:
+    # x of all nodes, then y of all nodes: not the order of a file without a map
+    order = np.arange(24).reshape(4, 6).T.ravel()
+    np.save(tmp_path / "k.npy", full(BEAM.K)[np.ix_(order, order)])
+    np.save(tmp_path / "m.npy", full(BEAM.M)[np.ix_(order, order)])
+    files = tmp_path / "k.npy", tmp_path / "m.npy"
+    with pytest.warns(JoustoWarning, match="x of all nodes, then y .*: put them node after node"):
+        part = Part.from_file(*files, nodes=BEAM.nodes)
+    with pytest.raises(InputError, match="stiffness matrix is not free.*belong together .order"):
+        jo.reduce(part, jo.FreeFree(modes=2))
+    # the map says the same without moving a number
+    again = Part.from_file(*files, nodes=TABLE, dofs=DOFS[order])
+    assert_array_equal(full(again.K), full(BEAM.K))
+
+
 def test_one_triangle_in_a_plain_file(tmp_path: Path) -> None:
     # the format does not say that it is one: refused with the remedy
     with pytest.raises(InputError, match="K is not symmetric.*only one triangle is filled"):

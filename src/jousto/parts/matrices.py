@@ -78,7 +78,7 @@ def check_matrices(
     if np.trace((R.T @ times(mass, R))[:3, :3]) <= 0.0:
         problems.add(where, "M holds no mass: a rigid translation has no kinetic energy")
     problems.raise_if_any()
-    _check_free(where, stiff, mass, R)
+    _check_free(where, stiff, mass, R, dofs)
     return mass, stiff, xyz, dofs
 
 
@@ -204,7 +204,7 @@ def _check_definite(problems: Problems, where: str, name: str, matrix: Sparse, d
             )
 
 
-def _check_free(where: str, K: Sparse, M: Sparse, R: Floats) -> None:
+def _check_free(where: str, K: Sparse, M: Sparse, R: Floats, dofs: int) -> None:
     """Warn of rigid motions that store strain energy."""
     energy = np.einsum("ij,ij->j", R, times(K, R))
     scale = np.einsum("ij,ij->j", np.abs(R), times(abs(K), np.abs(R)))
@@ -221,4 +221,9 @@ def _check_free(where: str, K: Sparse, M: Sparse, R: Floats) -> None:
     hint = "remove supports and springs to ground"
     if bad.min() >= 3:
         hint = "are the node positions in metres and in the order of the matrices?"
+    # x of all nodes, then y of all nodes, ...
+    other = R.reshape(-1, dofs, 6).transpose(1, 0, 2).reshape(R.shape)
+    force = np.abs(times(K, other))
+    if force.max() < 1e-6 * times(abs(K), np.abs(other)).max():
+        hint = "the rows run over x of all nodes, then y ...: put them node after node"
     warn(where, f"K is not free: a rigid {some(hertz)} stores strain energy; {hint}")
