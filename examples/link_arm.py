@@ -107,10 +107,7 @@ def main(out: Path) -> int:
     part, arm = reduced_arm()
     print(str(jo.certify(part, arm)).partition("\nsix rigid")[0])
     jo.draw(part, out / "link_arm_mesh.png")
-    # the site nearest to the middle of the upper flange
-    sites = arm.stress
-    away = np.linalg.norm(sites.positions - [0.5 * LENGTH, 0.5 * DEPTH, 0.0], axis=1)
-    run = lift(arm, sites.labels[int(np.argmin(away))])
+    run = lift(arm, arm.stress.nearest((0.5 * LENGTH, 0.5 * DEPTH, 0.0)))  # upper flange, half-way
     theory = rigid_torque(run.time, arm)
     torque, stress = run["torque"][:, 0], run["flange"][:, 0]
     worst = peak(run, arm, "arm")

@@ -1,4 +1,4 @@
-"""`jousto export`: reduced parts and results for other programs; `jousto info` on a mesh."""
+"""`jousto export` and `jousto peaks`: parts and results for other programs and for people."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 import jousto as jo
 from cli.test_meshes import call
-from output.blocks import bar
+from output.blocks import bar, swinging_bar
 from output.runs import swing
 from schema.plates import plate
 
@@ -57,3 +57,23 @@ def test_info_on_a_mesh(tmp_path: Path) -> None:
     code, text = call("info", jo.write_mesh(plate(), tmp_path / "plate.vtu"))
     assert code == 0
     assert "400 x 100 x 20 mm" in text
+
+
+def test_peaks_of_sensors_and_of_the_surface() -> None:
+    run = swing()
+    code, text = call("peaks", run.path, "tip")
+    assert code == 0
+    z = run["tip"][:, 2]
+    row = next(line for line in text.splitlines() if "tip.z" in line)
+    assert row.split() == ["tip.z", f"{z.min():.6g}", f"{run.time[z.argmin()]:.6g}", "s",
+                           f"{z.max():.6g}", f"{run.time[z.argmax()]:.6g}", "s", "m"]  # fmt: skip
+    run = swinging_bar()
+    code, text = call("peaks", run.path)
+    p = np.abs(run.q[:, 7])
+    # the stress modes are x p1 MPa: the largest is at the end of the bar
+    row = text.splitlines()[-1].split()
+    assert (row[0], float(row[1])) == ("bar", pytest.approx(1e6 * p.max(), rel=1e-4))
+    assert float(row[2]) == pytest.approx(run.time[p.argmax()])
+    assert "von Mises on the surface at (1000," in text
+    code, text = call("peaks", swing().path, "tipp")
+    assert (code, "did you mean 'tip'?" in text) == (2, True)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
+from jousto.output.surface import is_surface
 from jousto.schema import parse_model, read_part, read_part_file
 from jousto.schema.document import parse_document
 from jousto.schema.read import build_model
@@ -131,16 +132,27 @@ def test_a_mechanism_with_a_solid_runs(folder: Path) -> None:
         BODY
         + "joints: [{type: revolute, name: wall, a: ground.origin, b: arm.root, axis: [0, 1, 0]}]\n"
     )
-    model += "sensors: [{type: position, name: bore, marker: arm.bore}]\n"
+    model += "sensors:\n  - {type: position, name: bore, marker: arm.bore}\n"
+    model += "  - {type: stress, name: top, body: arm, sites: [[0.1, 0.05, 0.02]]}\n"
     model = model.replace("part: arm}", "part: arm, position: [0, -0.05, -0.01]}")
     file = parse_model(model, folder=folder)
     run = jo.simulate(jo.compile(file.mechanism), 1e-3, solver=jo.ROS2(1e-5))
     assert np.allclose(run["bore"][0], [0.3, 0.0, 0.0], atol=1e-4)
-    # the rigid twin has the same mass
+    # the nearest of the sites
+    stress = file.mechanism.bodies[0].reduced.stress
+    (site,) = file.mechanism.sensors[1].sites
+    chosen = stress.positions[stress.labels.index(site)]
+    away = np.linalg.norm(stress.positions - [0.1, 0.05, 0.02], axis=1)
+    assert np.linalg.norm(chosen - [0.1, 0.05, 0.02]) == away.min() < 0.02
+    # the rigid twin has the same mass and surface
     rigid = build_model(parse_document(model, folder=folder), rigid=True)
     assert rigid.mechanism.bodies[0].mass == pytest.approx(
         file.mechanism.bodies[0].reduced.invariants.mass
     )
+    still = jo.simulate(jo.compile(rigid.mechanism), 1e-3, solver=jo.ROS2(1e-4))
+    (shape,) = still.bodies
+    assert is_surface(shape.elements)
+    assert shape.nodes.max(axis=0) == pytest.approx([0.4, 0.1, 0.02])
 
 
 def test_wrong_fields_are_named(folder: Path) -> None:

@@ -217,6 +217,10 @@ def _shape(body: RigidBody | FlexibleBody) -> Shape:
             *_stress_at_nodes(reduced),
         )
     points = body.outline
+    if points is not None and points.ndim == 3:  # a surface
+        nodes, corners = np.unique(points.reshape(-1, 3), axis=0, return_inverse=True)
+        triangles = corners.reshape(-1, 3).astype(np.int64)
+        return Shape("rigid", nodes, triangles, np.zeros((len(nodes), 3, 0)))
     if points is None:  # a star from the centre of mass to the origin and the named points
         points = np.vstack([body.center, np.zeros(3), *body.markers.values()])
         elements = np.array([[0, i] for i in range(1, len(points))], dtype=np.int64)

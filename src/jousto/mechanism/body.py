@@ -108,8 +108,9 @@ class RigidBody:
     velocity, angular_velocity : (3,) array_like
         Initial velocity of the body frame's origin, m/s, and angular velocity, rad/s, both
         resolved in the world frame.
-    outline : (k, 3) array_like, optional
-        Polyline in the body frame, m, to draw the body with.
+    outline : (k, 3) or (nt, 3, 3) array_like, optional
+        Polyline in the body frame, m, to draw the body with, or the triangles of its surface,
+        counterclockwise seen from outside.
 
     Raises
     ------
@@ -172,7 +173,9 @@ class RigidBody:
             **initial_pose(problems, where, position, orientation, velocity, angular_velocity),
             "outline": None
             if outline is None
-            else problems.array(where, "outline", outline, (None, 3)),
+            else problems.array(
+                where, "outline", outline, (None, 3) if np.ndim(outline) < 3 else (None, 3, 3)
+            ),
         }
         problems.raise_if_any()
         set_fields(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import Problems
 
@@ -64,6 +64,11 @@ class StressModes:
         object.__setattr__(self, "positions", positions)
         object.__setattr__(self, "axes", axes)
         object.__setattr__(self, "modes", modes)
+
+    def nearest(self, point: ArrayLike) -> str:
+        """Return the label of the site nearest to a point of the part frame, m."""
+        away = np.linalg.norm(self.positions - np.asarray(point, dtype=np.float64), axis=1)
+        return self.labels[int(np.argmin(away))]
 
     def keep(self, indices: NDArray[np.intp]) -> StressModes:
         """Return the stress of some of the modes, in the order given."""

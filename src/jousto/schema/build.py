@@ -491,8 +491,15 @@ def rigid_body(name: str, *, reduced: Any, **values: Any) -> jm.RigidBody:
         center=center,
         markers=nodes,
         **{key: values[key] for key in pose if key in values},
-        outline=round_trip(reduced.nodes, reduced.elements),
+        outline=drawn_outline(reduced.nodes, reduced.elements),
     )
+
+
+def drawn_outline(nodes: Any, elements: Any) -> Any:
+    """Return the triangles (nt, 3, 3) of a solid, else a polyline along all elements."""
+    if np.ndim(elements) == 2 and np.shape(elements)[1] == 3 and len(elements):
+        return np.asarray(nodes)[np.asarray(elements)]
+    return round_trip(nodes, elements)
 
 
 def round_trip(nodes: Any, elements: Any) -> Any:

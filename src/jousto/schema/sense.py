@@ -63,6 +63,12 @@ def build_sensor(builder: Builder, loc: Loc, entry: Any, known: dict[str, dict[s
                 builder.unknown(
                     (*loc, key), sections, kind, name, [n for s in sections for n in known[s]]
                 )
+    if "sites" in values and getattr(values.get("body"), "reduced", None) is not None:
+        stress = values["body"].reduced.stress
+        values["sites"] = tuple(
+            site if isinstance(site, str) or stress is None else stress.nearest(site)
+            for site in values["sites"]
+        )
     if "coordinate" in values:
         values["coordinate"] = build_coordinate(
             builder, (*loc, "coordinate"), values["coordinate"], known["bodies"], known["joints"]

@@ -20,7 +20,7 @@ from jousto.schema.entries import (
 )
 from jousto.schema.signals import SignalOrNumber
 
-SITES = "Such as e3.a.top; all if not given"
+SITES = "Such as e3.a.top, or a position: the site nearest to it; all if not given"
 
 
 class MotionSensorEntry(Entry):
@@ -86,13 +86,18 @@ class ForceSensorEntry(Entry):
     resolved_in: Marker | None = Field(None, description="Axes of the components, or the world's")
 
 
+Place: TypeAlias = Annotated[
+    Annotated[Text, Tag("scalar")] | Annotated[Position, Tag("list")], by_form()
+]
+
+
 class StressSensorEntry(Entry):
     """`StressSensor`: six stress components at section points of a flexible body."""
 
     type: Literal["stress"]
     name: Text
     body: Text
-    sites: tuple[Text, ...] | None = Field(None, description=SITES)
+    sites: tuple[Place, ...] | None = Field(None, description=SITES)
 
 
 class VonMisesSensorEntry(Entry):
@@ -101,7 +106,7 @@ class VonMisesSensorEntry(Entry):
     type: Literal["von-mises"]
     name: Text
     body: Text
-    sites: tuple[Text, ...] | None = Field(None, description=SITES)
+    sites: tuple[Place, ...] | None = Field(None, description=SITES)
 
 
 class PrincipalStressSensorEntry(Entry):
@@ -110,12 +115,7 @@ class PrincipalStressSensorEntry(Entry):
     type: Literal["principal-stress"]
     name: Text
     body: Text
-    sites: tuple[Text, ...] | None = Field(None, description=SITES)
-
-
-Place: TypeAlias = Annotated[
-    Annotated[Text, Tag("scalar")] | Annotated[Position, Tag("list")], by_form()
-]
+    sites: tuple[Place, ...] | None = Field(None, description=SITES)
 
 
 class StrainSensorEntry(Entry):
