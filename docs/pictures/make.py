@@ -48,11 +48,16 @@ WIDTHS = {  # pixels
     "split.png": 900,
     "link_arm.png": 1100,
     "link_arm_mesh.png": 800,
+    "link_arm_mode.png": 800,
     "link_arm_still.png": 800,
 }
 
 
-SMOOTH = ("link_arm_still.png", "link_arm_mesh.png")  # lit surfaces need more colours
+SMOOTH = (
+    "link_arm_still.png",
+    "link_arm_mesh.png",
+    "link_arm_mode.png",
+)  # lit surfaces need more colours
 
 
 def shrink(source: Path, target: Path, width: int) -> None:
