@@ -71,26 +71,26 @@ class SolverInfo:
 
 # name -> (module that must be there, how to make it, library, licence, remark), best first
 _KNOWN: dict[str, tuple[str, Callable[..., backends.Backend], str, str, str]] = {
-    "cholmod": (
-        "sksparse",
-        backends.Cholmod,
-        "CHOLMOD by scikit-sparse",
-        "GPL (supernodal part)",
-        "built on your machine (conda, or a compiler and SuiteSparse)",
-    ),
     "pardiso": (
         "pypardiso",
         backends.Pardiso,
         "PARDISO of Intel MKL by pypardiso",
         "proprietary, free of charge",
-        f"{EXTRA} (x86-64)",
+        f"{EXTRA} (Linux and Windows, x86-64)",
+    ),
+    "cholmod": (
+        "sksparse",
+        backends.Cholmod,
+        "CHOLMOD by scikit-sparse",
+        "GPL (supernodal part)",
+        "conda install scikit-sparse, or built with SuiteSparse and a compiler",
     ),
     "ngsolve": (
         "ngsolve",
         backends.NGSolve,
         "sparse Cholesky of NGSolve",
         "LGPL",
-        f"{EXTRA} (elsewhere), or pip install ngsolve",
+        f"{EXTRA} (macOS), or pip install ngsolve",
     ),
     "superlu": (
         "scipy",
