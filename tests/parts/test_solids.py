@@ -314,6 +314,11 @@ def test_refusals() -> None:
         Part.solid(mixed, STEEL)
 
 
+def test_what_is_no_mesh() -> None:
+    with pytest.raises(InputError, match="mesh is 'arm.msh', must be a Mesh"):
+        Part.solid("arm.msh", STEEL)  # type: ignore[arg-type]
+
+
 def test_materials_by_the_names_in_the_file() -> None:
     """Blocks of cells name their material; so may the caller."""
     mesh = grid("hexahedron", (2, 1, 1))

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from jousto.errors import InputError, Problem, Problems, count, warn
-from jousto.parts._arrays import Floats, Ints, Sparse, read_only, skew, some, times
-from jousto.parts.area import by_kind, node_normals
+from jousto.errors import InputError, Problem, Problems
+from jousto.parts._arrays import Floats, Ints, Sparse, read_only, skew, times
+from jousto.parts.area import node_normals
 from jousto.parts.beam import Theory, Timoshenko
 from jousto.parts.frame import BeamOptions, Frame, assemble, check_frame
 from jousto.parts.interface import Interface, Tie, resolve
-from jousto.parts.loads import Load, load_vector, pick_nodes
+from jousto.parts.loads import Load, load_vector
 from jousto.parts.mass import MassPoints, PointMass
 from jousto.parts.material import Material
 from jousto.parts.matrices import check_matrices, points_from_blocks, rigid_modes
@@ -26,7 +26,7 @@ from jousto.parts.orthotropic import Orthotropic
 from jousto.parts.second_order import SecondOrder
 from jousto.parts.section import Section
 from jousto.parts.sets import node_index, read_elements, read_sets
-from jousto.parts.solids.build import judge, solid_masses, solid_model
+from jousto.parts.solids.build import solid_fields
 from jousto.parts.solids.model import SolidModel
 from jousto.parts.solids.second_order import SolidSecondOrder
 from jousto.parts.solids.stress import SolidStress
@@ -393,46 +393,17 @@ class Part:
             If nodes belong to no solid element, the weighed mass is far from the model's, or the
             mesh is doubtful: its size suggests another unit, it falls into pieces, nodes coincide.
         """
-        label = mesh.name if name is None else name
+        label = str(getattr(mesh, "name", "solid")) if name is None else name
         where = f"part '{label}'"
-        judge(mesh)
-        model, used = solid_model(mesh, materials, where)
-        new = np.full(len(mesh.nodes), -1, dtype=np.int64)
-        new[used] = np.arange(len(used))
-        if len(used) < len(mesh.nodes):
-            lost = np.asarray(mesh.node_ids)[np.flatnonzero(new < 0)]
-            warn(
-                where,
-                f"{count(len(lost), 'node')} of the mesh in no solid element, left out (node"
-                f" {some([str(i) for i in lost])})",
-            )
-        sets = {key: new[np.asarray(value)] for key, value in mesh.node_sets.items()}
-        sets = {key: value[value >= 0] for key, value in sets.items() if np.any(value >= 0)}
-        numbers = {key: tuple(int(i) for i in value) for key, value in sets.items()}
-        problems = Problems()
-        known = read_sets(problems, where, numbers, len(used))
-        problems.raise_if_any()
-        model, M, points, attached = solid_masses(
-            model, point_masses, known, lumped=lumped, weighed_mass=weighed_mass, where=where
+        fields = solid_fields(
+            mesh,
+            materials,
+            where,
+            lumped=lumped,
+            point_masses=point_masses,
+            weighed_mass=weighed_mass,
         )
-        return cls(
-            name=label,
-            nodes=model.nodes,
-            elements=new[np.asarray(mesh.triangles)],
-            dofs_per_node=3,
-            M=M,
-            K=model.stiffness(),
-            node_sets=numbers,
-            mass_points=points,
-            stress=SolidStress.everywhere(model),
-            second_order=SolidSecondOrder(model, M, attached),
-            interfaces=interfaces,
-            faces=model.faces,
-            surfaces={key: by_kind(new[rows], rows >= 0) for key, rows in mesh.surfaces.items()},
-            solids=model,
-            mesh=mesh,
-            attached=attached,
-        )
+        return cls(name=label, interfaces=interfaces, **fields)
 
     @classmethod
     def from_matrices(
@@ -724,32 +695,7 @@ class Part:
         --------
         >>> part.with_stress(part.surface_stress("fillet"))  # doctest: +SKIP
         """
-        where, problems = f"part '{self.name}'", Problems()
-        if self.solids is None:
-            problems.add(where, "has no surface: only parts of solids (Part.solid) have one")
-            problems.raise_if_any()
-        assert self.solids is not None
-        inside = np.ones(len(self.nodes), dtype=bool)
-        if on is not None:
-            nodes = pick_nodes(problems, where, self, on)
-            problems.raise_if_any()
-            inside[:] = False
-            inside[nodes] = True
-        chosen = [np.all(inside[face], axis=1) for face in self.solids.faces]
-        if on is None:
-            for tie in self.ties:
-                tied = np.zeros(len(self.nodes), dtype=bool)
-                tied[tie.nodes] = True
-                chosen = [
-                    c & ~np.all(tied[f], axis=1)
-                    for c, f in zip(chosen, self.solids.faces, strict=True)
-                ]
-        if not any(np.any(c) for c in chosen):
-            problems.add(where, "no outer face has all its nodes there; pick its mid nodes, too")
-            problems.raise_if_any()
-        faces = [f[c] for f, c in zip(self.solids.faces, chosen, strict=True)]
-        behind = [m[c] for m, c in zip(self.solids.face_materials, chosen, strict=True)]
-        return surface_stress(self.solids, faces, behind)
+        return surface_stress(self, on)
 
     def with_stress(self, stress: StressOperator | SolidStress | None) -> Part:
         """Return the part with another stress operator: fewer sites, a free surface, or none."""

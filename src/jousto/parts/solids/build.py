@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.errors import Problems, count, suggest, warn
+from jousto.errors import InputError, Problem, Problems, count, suggest, warn
 from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, read_only, some
+from jousto.parts.area import by_kind
 from jousto.parts.attached import attached_points
 from jousto.parts.cells import Cells
 from jousto.parts.inspection import require
@@ -18,8 +19,11 @@ from jousto.parts.mass import MassPoints, PointMass, joined
 from jousto.parts.material import Material
 from jousto.parts.mesh import Mesh
 from jousto.parts.orthotropic import Orthotropic
+from jousto.parts.sets import read_sets
 from jousto.parts.solids.elements import KINDS, jacobians, table
 from jousto.parts.solids.model import SolidGroup, SolidModel, expanded
+from jousto.parts.solids.second_order import SolidSecondOrder
+from jousto.parts.solids.stress import SolidStress
 
 AnyMaterial = Material | Orthotropic
 SAID_ELSEWHERE = (
@@ -29,6 +33,61 @@ SAID_ELSEWHERE = (
 """Findings of a mesh that are said when a part is made of it, or by its certificate."""
 LIKELY_FACTOR = (0.8, 1.25)
 """Mass scaling beyond these is more likely a mistake than a casting tolerance."""
+
+
+def solid_fields(
+    mesh: Mesh,
+    materials: Any,
+    where: str,
+    *,
+    lumped: bool,
+    point_masses: Sequence[PointMass],
+    weighed_mass: float | None,
+) -> dict[str, Any]:
+    """Return the fields of a part of solids, all but its name and interfaces."""
+    given: object = mesh
+    if not isinstance(given, Mesh):
+        message = f"mesh is {given!r}, must be a Mesh, such as that of read_mesh or mesh_step"
+        raise InputError(Problem(where, message))
+    judge(mesh)
+    model, used = solid_model(mesh, materials, where)
+    new = np.full(len(mesh.nodes), -1, dtype=np.int64)
+    new[used] = np.arange(len(used))
+    if len(used) < len(mesh.nodes):
+        lost = [str(i) for i in np.asarray(mesh.node_ids)[new < 0]]
+        warn(
+            where,
+            f"{count(len(lost), 'node')} of the mesh in no solid element, left out (node"
+            f" {some(lost)})",
+        )
+    sets = {key: new[np.asarray(value)] for key, value in mesh.node_sets.items()}
+    node_sets = {
+        key: tuple(int(i) for i in value[value >= 0])
+        for key, value in sets.items()
+        if np.any(value >= 0)
+    }
+    problems = Problems()
+    known = read_sets(problems, where, node_sets, len(used))
+    problems.raise_if_any()
+    model, M, points, attached = solid_masses(
+        model, point_masses, known, lumped=lumped, weighed_mass=weighed_mass, where=where
+    )
+    return {
+        "nodes": model.nodes,
+        "elements": new[np.asarray(mesh.triangles)],
+        "dofs_per_node": 3,
+        "M": M,
+        "K": model.stiffness(),
+        "node_sets": node_sets,
+        "mass_points": points,
+        "stress": SolidStress.everywhere(model),
+        "second_order": SolidSecondOrder(model, M, attached),
+        "faces": model.faces,
+        "surfaces": {key: by_kind(new[rows], rows >= 0) for key, rows in mesh.surfaces.items()},
+        "solids": model,
+        "mesh": mesh,
+        "attached": attached,
+    }
 
 
 def solid_model(mesh: Mesh, materials: Any, where: str) -> tuple[SolidModel, Ints]:
@@ -79,7 +138,7 @@ def solid_model(mesh: Mesh, materials: Any, where: str) -> tuple[SolidModel, Int
     return replace(model, faces=faces, face_materials=behind), used
 
 
-def judge(mesh: Any) -> None:
+def judge(mesh: Mesh) -> None:
     """Raise what forbids a part to be made of a mesh, and warn of what is doubtful.
 
     A wrong unit, pieces that do not hang together, elements inside out or exported twice: what
@@ -95,8 +154,7 @@ def judge(mesh: Any) -> None:
     JoustoWarning
         With each doubt.
     """
-    if isinstance(mesh, Mesh):
-        require(mesh, tolerate=("pieces",), silent=SAID_ELSEWHERE)
+    require(mesh, tolerate=("pieces",), silent=SAID_ELSEWHERE)
 
 
 def _materials(

@@ -3,21 +3,57 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from jousto.errors import Problems
 from jousto.parts._arrays import Floats, Ints, node_dofs, scatter
 from jousto.parts.area import face_node_tangents
+from jousto.parts.loads import pick_nodes
 from jousto.parts.material import Material
 from jousto.parts.orthotropic import elasticity
 from jousto.parts.solids.model import VOIGT, SolidModel
 from jousto.parts.solids.stress import labels
 from jousto.parts.stress import StressOperator
 
+if TYPE_CHECKING:
+    from jousto.parts.part import Part
+
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
-def surface_stress(
+def surface_stress(part: Part, on: Any) -> StressOperator:
+    """Return the stress of free surfaces, see `Part.surface_stress`."""
+    where, problems = f"part '{part.name}'", Problems()
+    model = part.solids
+    if model is None:
+        problems.add(where, "has no surface: only parts of solids (Part.solid) have one")
+        problems.raise_if_any()
+    assert model is not None
+    if on is None:
+        # loads act on interfaces
+        chosen = [np.ones(len(face), dtype=bool) for face in model.faces]
+        for tie in part.ties:
+            tied = np.zeros(len(part.nodes), dtype=bool)
+            tied[tie.nodes] = True
+            for mask, face in zip(chosen, model.faces, strict=True):
+                mask &= ~np.all(tied[face], axis=1)
+    else:
+        nodes = pick_nodes(problems, where, part, on)
+        problems.raise_if_any()
+        inside = np.zeros(len(part.nodes), dtype=bool)
+        inside[nodes] = True
+        chosen = [np.all(inside[face], axis=1) for face in model.faces]
+    if not any(np.any(mask) for mask in chosen):
+        problems.add(where, "no outer face has all its nodes there; pick its mid nodes, too")
+    problems.raise_if_any()
+    faces = [face[mask] for face, mask in zip(model.faces, chosen, strict=True)]
+    behind = [m[mask] for m, mask in zip(model.face_materials, chosen, strict=True)]
+    return skin_stress(model, faces, behind)
+
+
+def skin_stress(
     model: SolidModel, faces: Sequence[Ints], materials: Sequence[Ints]
 ) -> StressOperator:
     """Return the stress at the nodes of outer faces on which no load acts.
