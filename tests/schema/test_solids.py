@@ -106,6 +106,14 @@ def test_stress_is_kept_where_it_is_asked_for(folder: Path) -> None:
     away = np.linalg.norm(near.stress.positions - [0.1, 0, 0], axis=1)
     assert away.max() <= 0.030 + 1e-9
     assert part_of(folder, PLATE + "stress: none\n").stress is None
+    skin = part_of(folder, PLATE + "stress: skin\n").stress
+    assert set(skin.labels) <= set(whole.stress.labels)
+    on_top = np.flatnonzero(np.ptp(skin.positions, axis=0)[2] - skin.positions[:, 2] < 1e-9)
+    inner = [i for i in on_top if 0.05 < skin.positions[i, 0] < 0.35]
+    inner = [i for i in inner if 0.01 < skin.positions[i, 1] < 0.09]
+    # no stress across a free face: s33, s23 and s13 of its inner nodes
+    assert inner
+    assert np.abs(skin.modes[inner][:, [2, 4, 5]]).max() < 1e-9 * np.abs(skin.modes).max()
 
 
 def test_point_masses_and_weighed_mass(folder: Path) -> None:

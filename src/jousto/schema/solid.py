@@ -72,6 +72,8 @@ def with_stress_at(part: Any, entry: ss.SolidEntry) -> Any:
         return replace(part, stress=None)
     if chosen == "all" or part.stress is None:
         return part
+    if chosen == "skin":
+        return part.with_stress(part.surface_stress())
     if chosen == "surface":
         nodes = np.unique(part.elements)
     else:
@@ -148,7 +150,7 @@ def with_stress_set(builder: Builder, loc: Loc, entry: ss.SolidEntry, mesh: Mesh
     return mesh if nodes is None else mesh.with_set(STRESS_SET, nodes)
 
 
-STRESS_WORDS = ("surface", "all", "none")
+STRESS_WORDS = ("surface", "skin", "all", "none")
 STRESS_SET = "stress sites"
 
 

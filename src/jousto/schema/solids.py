@@ -218,7 +218,9 @@ class SolidEntry(FePart):
     lumped: Flag | None = Field(None, description="Mass lumped at the nodes")
     stiffening: Flag | None = Field(None, description="Forces along the body stiffen or soften it")
     stress: Pick | None = Field(
-        None, description="Where stress is kept: surface (if none), all, none, or sets"
+        None,
+        description="Where stress is kept: surface (if none), skin (free surfaces), all, none, or"
+        " sets",
     )
     solver: Text | None = Field(None, description="Library for the factorisation; the best if none")
     cache: Flag | None = Field(None, description="Whether the reduction is kept for the next time")
