@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh, null_space
 from scipy.spatial.transform import Rotation
 
 import jousto as jo
@@ -111,6 +112,13 @@ def test_ten_free_frequencies(kind):
     np.testing.assert_allclose(ours, theirs, rtol=DIGITS)
 
 
+def test_a_held_reduced_part_has_the_clamped_frequencies():
+    grid = beam("hexahedron20")
+    part, clamp = solid(grid, STEEL), grid.plane(0, 0.0)
+    full, _ = supported(part, dofs(clamp), 6)
+    np.testing.assert_allclose(held(part, clamp, 6), full, rtol=1e-9)
+
+
 @calculix.needed
 @pytest.mark.parametrize("kind", KINDS)
 def test_ten_clamped_frequencies(kind):
@@ -136,9 +144,24 @@ def test_what_the_exact_integrals_change(kind, first, tenth):
     assert change.max() < tenth
 
 
+def held(part, nodes, number):
+    """Frequencies in Hz of the reduced part whose only interface is held."""
+    tied = part.with_interfaces(jo.Interface("bore", nodes, at=(0.0, 0.0, 0.0)))
+    reduced = jo.reduce(tied, jo.CraigBampton(modes=number))
+    node, R = reduced.node("bore"), part.rigid_modes()
+    # motion of the interface, about the origin, in rigid motions and modes
+    q = np.hstack([np.eye(6), np.vstack([reduced.modes[node], reduced.rotation(node)])])
+    Z = null_space(q)
+    K = np.concatenate([np.zeros(6), reduced.stiffness])[:, None] * Z
+    # modes have no momentum beside rigid motions
+    M = np.vstack([R.T @ (part.M @ R) @ Z[:6], Z[6:]])
+    return np.sqrt(eigh(Z.T @ K, Z.T @ M, eigvals_only=True)) / (2.0 * np.pi)
+
+
 @calculix.needed
 @pytest.mark.slow
-def test_ten_free_frequencies_of_the_link_arm():
+def test_ten_frequencies_of_the_link_arm():
+    """Free, and clamped at its larger bore."""
     pytest.importorskip("gmsh")
     mesh = jo.mesh_step(ARM, size=0.1, per_circle=4)
     theirs = calculix.frequencies(calculix.Deck(mesh, STEEL))
@@ -148,6 +171,9 @@ def test_ten_free_frequencies_of_the_link_arm():
     np.testing.assert_allclose(same.frequencies, theirs, rtol=DIGITS)
     own = jo.reduce(part, jo.FreeFree(modes=10))
     np.testing.assert_allclose(own.frequencies, theirs, rtol=1e-4)
+    bore = mesh.holes()[0].nodes
+    theirs = calculix.frequencies(calculix.Deck(mesh, STEEL, bore))
+    np.testing.assert_allclose(held(part, bore, 10), theirs, rtol=1e-4)
 
 
 def test_the_mass_rule_of_four_points_matters_less_on_finer_meshes():
