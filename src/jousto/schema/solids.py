@@ -80,7 +80,7 @@ class MeshFileEntry(Entry):
 
 
 class CadEntry(Entry):
-    """`mesh_step`: a CAD file, .step .stp .brep or .igs, meshed with tetrahedra."""
+    """`mesh_step`: a CAD file, .step .stp or .brep, meshed with tetrahedra."""
 
     cad: Text = Field(description="The file")
     size: Length = Field(description="Length of the elements' edges")
