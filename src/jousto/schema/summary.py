@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -91,7 +92,9 @@ def hole_text(hole: Hole) -> str:
 
 def part_facts(part: ReducedPart) -> Facts:
     """Return what is in a reduced part."""
-    sets = [s for s in part.node_sets if not (s.startswith("node") and s[4:].isdigit())]
+    # without the numbers of nodes, except where they are all that names the interfaces
+    numbered = re.compile(r"n(ode)?\d+")
+    sets = [s for s in part.node_sets if s in part.interfaces or not numbered.fullmatch(s)]
     frequencies = [f"{f:.6g}" for f in part.frequencies]
     if len(frequencies) > 12:
         frequencies = [*frequencies[:10], "...", frequencies[-1]]
