@@ -26,6 +26,8 @@ EXAMPLE ?= examples/flexible_pendulum.py
 
 export MPLBACKEND := Agg
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
+# one thread for each of the processes that run the tests
+export OMP_NUM_THREADS ?= 1
 
 .PHONY: help
 help:  ## this list
@@ -101,10 +103,10 @@ layers: $(VENV)/.made
 
 # tests, doctests and examples
 unit: $(LIB)/.built
-	@$(PY) -m pytest -q $(PYTEST_ARGS)
+	@$(PY) -m pytest -q -n auto $(PYTEST_ARGS)
 
 slow: $(LIB)/.built  ## the long verification runs
-	@$(PY) -m pytest -q -m slow $(PYTEST_ARGS) || [ $$? -eq 5 ]
+	@$(PY) -m pytest -q -n auto -m slow $(PYTEST_ARGS) || [ $$? -eq 5 ]
 
 format: $(VENV)/.made  ## reformat and repair what can be repaired
 	@$(BIN)/ruff check --fix .
