@@ -64,7 +64,7 @@ def test_the_model_file_of_the_pendulum_is_that_of_the_script(
     monkeypatch.syspath_prepend(str(FOLDER))
     import flexible_pendulum as script
 
-    with pytest.warns(jo.JoustoWarning, match="flexible_pendulum.yaml:.*MPa"):
+    with pytest.warns(jo.JoustoWarning, match="flexible_pendulum.yaml:.*kPa"):
         file = jo.read_model(FOLDER / "flexible_pendulum.yaml")
     run = jo.simulate(jo.compile(file.mechanism), 1.0, **file.simulation.given())
     other = script.simulate(script.computed_modes(script.beam()), 1.0)
