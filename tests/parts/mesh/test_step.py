@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import signal
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -255,3 +257,33 @@ def test_folded_elements_are_straightened() -> None:
         straight = _straightened(spoilt, "spoilt.step")
     np.testing.assert_allclose(straight.nodes, mesh.nodes, atol=1e-15)
     assert straight.check() == ()
+
+
+def test_what_is_written_after_a_mesh_is_in_millimetres(cad: Path, tmp_path: Path) -> None:
+    jo.mesh_step(cad / "pin.step", size=5e-3)
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.model.occ.addBox(0, 0, 0, 10, 20, 30)
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(tmp_path / "later.step"))
+    finally:
+        gmsh.finalize()
+    mesh = jo.mesh_step(tmp_path / "later.step", size=10e-3)
+    np.testing.assert_allclose(np.ptp(mesh.nodes, axis=0), (0.01, 0.02, 0.03), rtol=1e-9)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGPIPE"), reason="no such signal here")
+def test_a_broken_pipe_after_a_mesh_is_an_error_and_not_the_end(cad: Path) -> None:
+    code = f"""if True:
+        import os, jousto as jo
+        jo.mesh_step({str(cad / "pin.step")!r}, size=5e-3)
+        out, into = os.pipe()
+        os.close(out)
+        try:
+            os.write(into, b"x")
+        except BrokenPipeError:
+            print("told")
+    """
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert run.stdout == "told\n", (run.returncode, run.stderr)

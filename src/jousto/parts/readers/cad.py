@@ -12,7 +12,10 @@ _SI = {"": 1.0, "MILLI": 1e-3, "CENTI": 1e-2, "MICRO": 1e-6, "DECI": 1e-1, "KILO
 
 
 def cad_scale(path: Path, unit: str | None) -> float:
-    """Return the factor that turns metres of the import into metres, after checking the file."""
+    """Return the unit of the import in m, after checking the file.
+
+    Gmsh turns STEP files into millimetres; the numbers of a BREP file stay as they are.
+    """
     where = path.name
     if unit is not None:
         unit_factor(where, unit)
@@ -24,7 +27,7 @@ def cad_scale(path: Path, unit: str | None) -> float:
                 Problem(where, "has no END-ISO-10303-21 at its end: it is cut off; export it again")
             )
         said = step_unit(data)
-        return 1.0 if unit is None else UNITS[unit] / said
+        return 1e-3 if unit is None else 1e-3 * UNITS[unit] / said
     if re.match(rb"\s*(DBRep_DrawableShape|CASCADE Topology|Open CASCADE Topology)", data):
         if unit is None:
             raise InputError(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import logging
 import os
+import signal
+import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
@@ -95,24 +97,24 @@ def mesh_step(
     for face, length in (refine or {}).items():
         problems.positive(where, f"size at '{face}'", length, "m")
     problems.raise_if_any()
-    factor = cad_scale(path, unit)
+    scale = cad_scale(path, unit)
     gmsh = _gmsh(where)
     with _session(gmsh, where):
-        labels = _load(gmsh, path, factor)
+        labels = _load(gmsh, path)
         names = _names(gmsh)
-        _sizes(gmsh, where, size, refine or {}, names)
+        _sizes(gmsh, where, size, refine or {}, names, scale)
         gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", per_circle)
         gmsh.option.setNumber("Mesh.SecondOrderLinear", 0 if curved else 1)
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.optimize("Netgen")
         if order == 2:
             gmsh.model.mesh.setOrder(2)
-        mesh = _collect(gmsh, name or path.stem, order, names)
+        mesh = _collect(gmsh, name or path.stem, order, names, scale)
         if order == 2 and curved and mesh.quality().scaled_jacobian.min() < POOR:
             gmsh.option.setNumber("Mesh.HighOrderThresholdMin", 0.3)
             for _ in range(2):
                 gmsh.model.mesh.optimize("HighOrder")
-            mesh = _collect(gmsh, name or path.stem, order, names)
+            mesh = _collect(gmsh, name or path.stem, order, names, scale)
     if order == 2 and curved:
         mesh = _straightened(mesh, where)
     mesh = _labelled(mesh, labels)
@@ -135,9 +137,17 @@ def _gmsh(where: str) -> Any:
     return gmsh
 
 
+def _broken_pipes() -> Any:
+    """Return how Python takes a broken pipe, or None where it cannot be set."""
+    if hasattr(signal, "SIGPIPE") and threading.current_thread() is threading.main_thread():
+        return signal.getsignal(signal.SIGPIPE)
+    return None
+
+
 @contextmanager
 def _session(gmsh: Any, where: str) -> Iterator[None]:
     """Run in a model of our own; leave a session that the user has open as it was."""
+    pipe = _broken_pipes()
     running = bool(gmsh.isInitialized())
     before, options = "", {}
     names = (
@@ -182,13 +192,16 @@ def _session(gmsh: Any, where: str) -> Iterator[None]:
                 gmsh.option.setNumber(name, value)
         else:
             gmsh.finalize()
+        if pipe is not None:  # Gmsh resets it, and the next broken pipe would end Python
+            signal.signal(signal.SIGPIPE, pipe)
 
 
-def _load(gmsh: Any, path: Path, factor: float) -> dict[str, list[int]]:
-    """Import the shapes in m; return the tags of the solids of each named product."""
+def _load(gmsh: Any, path: Path) -> dict[str, list[int]]:
+    """Import the shapes; return the tags of the solids of each named product."""
     occ = gmsh.model.occ
     step = path.read_bytes().lstrip()[:12] == b"ISO-10303-21"
-    gmsh.option.setString("Geometry.OCCTargetUnit", "M" if step else "")
+    # millimetres are OpenCASCADE's own: another unit would stay with it after the session
+    gmsh.option.setString("Geometry.OCCTargetUnit", "MM" if step else "")
     try:
         shapes = occ.importShapes(str(path), format="step" if step else "brep")
     except Exception as error:
@@ -206,8 +219,6 @@ def _load(gmsh: Any, path: Path, factor: float) -> dict[str, list[int]]:
                 " program and export that",
             )
         )
-    if factor != 1.0:
-        occ.dilate(solids, 0, 0, 0, factor, factor, factor)
     occ.synchronize()
     titles = [gmsh.model.getEntityName(*solid).rpartition("/")[2].strip() for solid in solids]
     labels: dict[str, list[int]] = {}
@@ -238,12 +249,14 @@ def _sizes(
     size: float,
     refine: Mapping[str, float],
     names: Mapping[str, tuple[int, int]],
+    scale: float,
 ) -> None:
-    """Set the size of elements, smaller near refined faces."""
+    """Set the size of elements in m, smaller near refined faces; the model's unit is `scale` m."""
     problems = Problems()
-    box = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3)
+    box = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3) * scale
     long = float(np.linalg.norm(box[1] - box[0]))
-    volume = sum(gmsh.model.occ.getMass(3, tag) for _, tag in gmsh.model.getEntities(3))
+    tags = [tag for _, tag in gmsh.model.getEntities(3)]
+    volume = scale**3 * sum(gmsh.model.occ.getMass(3, tag) for tag in tags)
     wanted = _PER_CUBE * volume / size**3
     if size >= long:
         problems.add(
@@ -263,8 +276,8 @@ def _sizes(
             known = [title for title, (dim, _) in names.items() if dim == 2]
             problems.add(where, f"refine: no face '{face}'{suggest(face, known)}")
     problems.raise_if_any()
-    gmsh.option.setNumber("Mesh.MeshSizeMax", size)
-    gmsh.option.setNumber("Mesh.MeshSizeMin", FINEST * min([size, *refine.values()]))
+    gmsh.option.setNumber("Mesh.MeshSizeMax", size / scale)
+    gmsh.option.setNumber("Mesh.MeshSizeMin", FINEST * min([size, *refine.values()]) / scale)
     fields = []
     for face, length in refine.items():
         distance = gmsh.model.mesh.field.add("Distance")
@@ -273,10 +286,10 @@ def _sizes(
         grown = gmsh.model.mesh.field.add("Threshold")
         for key, value in (
             ("InField", distance),
-            ("SizeMin", length),
-            ("SizeMax", size),
-            ("DistMin", length),
-            ("DistMax", length + max(size - length, 0.0) / GROWTH),
+            ("SizeMin", length / scale),
+            ("SizeMax", size / scale),
+            ("DistMin", length / scale),
+            ("DistMax", (length + max(size - length, 0.0) / GROWTH) / scale),
         ):
             gmsh.model.mesh.field.setNumber(grown, key, value)
         fields.append(grown)
@@ -286,7 +299,9 @@ def _sizes(
         gmsh.model.mesh.field.setAsBackgroundMesh(least)
 
 
-def _collect(gmsh: Any, name: str, order: int, names: Mapping[str, tuple[int, int]]) -> Mesh:
+def _collect(
+    gmsh: Any, name: str, order: int, names: Mapping[str, tuple[int, int]], scale: float
+) -> Mesh:
     """Return the tetrahedra with their faces' names, nodes numbered from 1."""
     solid, face = ("tetra", "triangle") if order == 1 else ("tetra10", "triangle6")
     code, wide = (4, 4) if order == 1 else (11, 10)
@@ -301,7 +316,7 @@ def _collect(gmsh: Any, name: str, order: int, names: Mapping[str, tuple[int, in
     index[used] = np.arange(len(used))
     at = np.full(len(index), -1)
     at[tags] = np.arange(len(tags))
-    nodes_m: Floats = xyz.reshape(-1, 3)[at[used]]
+    nodes_m: Floats = scale * xyz.reshape(-1, 3)[at[used]]
 
     surfaces, elements = {}, {}
     starts = dict(zip(found, np.cumsum([0, *(len(x) for x in found.values())]), strict=False))
