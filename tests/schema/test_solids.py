@@ -132,6 +132,10 @@ def test_residuals_make_a_load_exact(folder: Path) -> None:
     reduced = part_of(folder, sets + PLATE.replace("modes: 4", more))
     without = part_of(folder, sets + PLATE.replace("modes: 4", "modes: 0"))
     assert reduced.n == without.n + 1
+    top = "sets: {top: {plane: {point: [0, 0, 0.02], normal: [0, 0, 1]}}}\n"
+    more = "modes: 0, residuals: [{pressure: top}]"
+    pressed = part_of(folder, top + PLATE.replace("modes: 4", more))
+    assert pressed.n == without.n + 1
 
 
 def test_a_mechanism_with_a_solid_runs(folder: Path) -> None:
@@ -210,6 +214,10 @@ def test_residual_loads_need_a_set(folder: Path) -> None:
     more = "modes: 0, residuals: [{force: [0, 0, 1], nodes: lfet}]"
     (found,) = problems(folder, PLATE.replace("modes: 4", more))
     assert found == "8: reduce.residuals.0.nodes: no set 'lfet'; did you mean 'left'?"
+    more = "modes: 0, residuals: [{pressure: lfet}]"
+    (found,) = problems(folder, PLATE.replace("modes: 4", more))
+    assert found.startswith("8: reduce.residuals.0.pressure: ")
+    assert "did you mean 'left'?" in found
 
 
 def test_options_of_the_caller_go_before_those_of_the_file(folder: Path) -> None:

@@ -156,6 +156,11 @@ class Builder:
         for i, item in enumerate(entry.reduce.residuals):
             if isinstance(item, str):
                 found.append(item)
+            elif part is not None and isinstance(item, sp.PressurePatternEntry):
+                from jousto.parts import Pressure
+
+                here = (*loc, i, "pressure")
+                found.append(self.make(here, part.load, Pressure(item.pressure, 1.0)))
             elif part is not None:
                 if item.nodes not in part.node_sets:
                     known = suggest(item.nodes, part.node_sets)
@@ -165,7 +170,7 @@ class Builder:
                 pattern = np.zeros((len(part.nodes), part.dofs_per_node))
                 pattern[nodes, :3] = np.asarray(item.force) / len(nodes)
                 found.append(pattern.ravel())
-        return tuple(found)
+        return tuple(item for item in found if item is not None)
 
     def reduction(self, loc: Loc, entry: Any, part: Any, method: Any) -> Any:
         """Return the ReducedPart of a part as the entry asks for, None if anything is wrong."""

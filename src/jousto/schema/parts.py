@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Field, Tag
+from pydantic import Discriminator, Field, Tag
 
 from jousto.schema.entries import (
     Area,
@@ -167,8 +167,23 @@ class LoadPatternEntry(Entry):
     nodes: Text = Field(description="A set of nodes")
 
 
+class PressurePatternEntry(Entry):
+    """A pressure on a surface of a solid, of any size: its static response is then exact."""
+
+    pressure: Text = Field(description="A surface, or a set with all nodes of its faces")
+
+
+def _residual_form(value: Any) -> str:
+    if isinstance(value, PressurePatternEntry) or (isinstance(value, dict) and "pressure" in value):
+        return "pressure load"
+    return "scalar" if isinstance(value, str) else "force load"
+
+
 Residual: TypeAlias = Annotated[
-    Annotated[Text, Tag("scalar")] | Annotated[LoadPatternEntry, Tag("mapping")], by_form()
+    Annotated[Text, Tag("scalar")]
+    | Annotated[LoadPatternEntry, Tag("force load")]
+    | Annotated[PressurePatternEntry, Tag("pressure load")],
+    Discriminator(_residual_form),
 ]
 
 
