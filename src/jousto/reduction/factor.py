@@ -150,8 +150,8 @@ def choose(n: int, where: str, solver: str | None = None) -> str:
     if installed[0] == "superlu" and n > LARGE:
         warn(
             where,
-            f"{n} unknowns are factorised by SuperLU, which takes ten times the time and memory of "
-            f"other libraries at this size: {EXTRA}",
+            f"{n} unknowns are factorised by SuperLU, which takes several times the time and "
+            f"memory of other libraries, more so the larger the part: {EXTRA}",
         )
     return installed[0]
 

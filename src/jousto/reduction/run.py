@@ -83,25 +83,6 @@ class Run:
             self._entry.write(stage, arrays)
 
 
-class Lazy:
-    """A factorisation that is made when it is first needed; a resumed run may never need it."""
-
-    def __init__(self, make: Callable[[], factor.Solver]) -> None:
-        self._make = make
-        self._solver: factor.Solver | None = None
-
-    def prepare(self) -> None:
-        """Factorise now if that is not done yet."""
-        if self._solver is None:
-            self._solver = self._make()
-
-    def __call__(self, f: Array, /) -> Array:
-        """Return x for right-hand sides f (n,) or (n, m)."""
-        self.prepare()
-        assert self._solver is not None
-        return self._solver(f)
-
-
 @contextmanager
 def reporter(progress: bool | Report | None) -> Iterator[Report | None]:
     """Yield the function that reports stages.
