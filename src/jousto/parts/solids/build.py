@@ -72,12 +72,14 @@ def solid_fields(
     model, M, points, attached = solid_masses(
         model, point_masses, known, lumped=lumped, weighed_mass=weighed_mass, where=where
     )
+    K = model.stiffness()
+    model = replace(model)  # forgets where the entries of the matrices came from
     return {
         "nodes": model.nodes,
         "elements": new[np.asarray(mesh.triangles)],
         "dofs_per_node": 3,
         "M": M,
-        "K": model.stiffness(),
+        "K": K,
         "node_sets": node_sets,
         "mass_points": points,
         "stress": SolidStress.everywhere(model),
