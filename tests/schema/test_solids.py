@@ -243,3 +243,15 @@ def test_beams_take_materials_of_the_library() -> None:
     assert np.array_equal(by_name.frequencies, by_value.frequencies)
     with pytest.raises(jo.InputError, match=r"material: the library has no 'S35'"):
         parse_model(text % (beam, "S35"))
+
+
+def test_picks_take_the_surface_unless_the_inside_is_asked_for(folder: Path) -> None:
+    box = "box: {low: [0, 0, 0], high: [0.4, 0.1, 0.02]}"
+    path = folder / "picks.yaml"
+    path.write_text(
+        PLATE + f"sets: {{skin: {{{box}}}, every: {{{box}, inside: true}}}}\n", encoding="utf-8"
+    )
+    part = read_part_file(path, reduce=False).part
+    assert set(part.node_sets["every"]) == set(range(len(part.nodes)))
+    assert set(part.node_sets["skin"]) == set(np.unique(part.elements).tolist())
+    assert len(part.node_sets["skin"]) < len(part.nodes)
