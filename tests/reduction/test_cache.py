@@ -149,6 +149,8 @@ def goes_on(folder: Path, stage: str, factorisations: int, patch: pytest.MonkeyP
     whole = reduce(block((6, 2, 2)), METHOD)
     assert np.array_equal(again.frequencies, whole.frequencies)
     assert np.array_equal(again.modes, whole.modes)
+    # it says which library factorised, too
+    assert dict(again.provenance) == dict(whole.provenance)
 
 
 def test_a_killed_reduction_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -149,7 +149,7 @@ class Entry:
                 path.unlink()
         self.cache.prune(self.folder)
 
-    def read(self, stage: str) -> dict[str, Array] | None:
+    def read(self, stage: str) -> dict[str, NDArray[Any]] | None:
         """Return the arrays of a stage, or None if they are not there or damaged."""
         path = self._file(stage)
         try:
@@ -162,7 +162,7 @@ class Entry:
                 path.unlink()
             return None
 
-    def write(self, stage: str, arrays: Mapping[str, Array]) -> None:
+    def write(self, stage: str, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Write the arrays of a stage; the file appears when it is complete."""
         if self._full:
             return

@@ -75,12 +75,15 @@ class Run:
 
     def found(self, stage: str) -> dict[str, Array] | None:
         """Return what a killed reduction left of this stage, or None."""
-        return None if self._entry is None else self._entry.read(stage)
+        kept = None if self._entry is None else self._entry.read(stage)
+        if kept is not None and "solver" in kept:
+            self.used = str(kept.pop("solver"))
+        return kept
 
     def keep(self, stage: str, **arrays: Array) -> None:
         """Keep the result of a stage until the reduction is finished."""
         if self._entry is not None:
-            self._entry.write(stage, arrays)
+            self._entry.write(stage, {**arrays, "solver": np.array(self.used)})
 
 
 @contextmanager
