@@ -236,3 +236,29 @@ def test_bar_in_a_mechanism_rests_where_statics_say(ties: Any) -> None:
     other = np.concatenate([-F, -T - np.cross(reduced.nodes[b] - reduced.nodes[a], F)])
     exact = (q[1].T @ np.concatenate([F, T]) + q[0].T @ other) / reduced.stiffness
     np.testing.assert_allclose(p, exact, atol=1e-5 * np.abs(exact).max())
+
+
+def test_gauge_on_a_solid_is_exact_under_every_load(rng: np.random.Generator) -> None:
+    """Both ends held, random loads: the stress at one site is that of the full model."""
+    part = bar("hexahedron20", (3, 1, 1), ties="rigid")
+    assert part.stress is not None
+    site = part.stress.sites[20]
+    loads = rng.standard_normal((part.K.shape[0], 3))
+    # the full model: tied nodes at rest
+    free = np.setdiff1d(np.arange(len(loads)), np.concatenate([t.dofs for t in part.ties]))
+    u = np.zeros(loads.shape)
+    u[free] = np.linalg.solve(part.K.toarray()[np.ix_(free, free)], loads[free])
+    truth = part.stress.evaluate(u)[20]
+    errors = []
+    for residuals in ((), (site,)):
+        reduced = reduce(part, CraigBampton(modes=2, residuals=residuals))
+        assert reduced.stress is not None
+        X = reduced.modes[: len(part.nodes)].reshape(-1, reduced.n)
+        Y = np.concatenate([part.rigid_modes(), X / np.sqrt(reduced.stiffness)], axis=1)
+        held = Y[np.concatenate([t.dofs for t in part.ties])]
+        _, s, V = np.linalg.svd(held / np.abs(held).max(axis=0))
+        Z = V[int(np.sum(s > 1e-9 * s[0])) :].T / np.abs(held).max(axis=0)[:, None]
+        p = Z @ np.linalg.solve(Z[6:].T @ Z[6:], Z.T @ (Y.T @ loads))
+        found = reduced.stress.modes[20] @ (p[6:] / np.sqrt(reduced.stiffness)[:, None])
+        errors.append(np.abs(found - truth).max() / np.abs(truth).max())
+    assert errors[0] > 0.1 and errors[1] < 1e-8

@@ -138,6 +138,14 @@ def test_residuals_make_a_load_exact(folder: Path) -> None:
     assert pressed.n == without.n + 1
 
 
+def test_attachment_modes_of_free_parts(folder: Path) -> None:
+    sets = "sets: {edge: {box: {low: [0.2, 0.1, 0], high: [0.3, 0.1, 0.02]}}}\n"
+    free = PLATE.replace("craig-bampton, modes: 4", "free-free, modes: 3, %s")
+    plain = part_of(folder, sets + free % "residuals: [{force: [0, 0, 1], nodes: edge}]")
+    assert plain.n == 4
+    assert part_of(folder, sets + free % "interfaces: [root, bore]").n == 3 + 12
+
+
 def test_a_mechanism_with_a_solid_runs(folder: Path) -> None:
     model = "parts:\n  arm:\n" + "".join(f"    {line}\n" for line in PLATE.strip().splitlines())
     model += (

@@ -210,6 +210,12 @@ class FreeFreeEntry(Entry):
     type: Literal["free-free"]
     modes: Count | None = Field(None, description="Number of elastic modes")
     frequency_limit: Frequency | None = Field(None, description="Highest frequency kept")
+    interfaces: tuple[Text, ...] | None = Field(
+        None, description="Interfaces or node sets that get attachment modes"
+    )
+    residuals: tuple[Residual, ...] | None = Field(
+        None, description="Loads on the accelerated part, or stress sites, to be exact in statics"
+    )
 
 
 MethodEntry: TypeAlias = Annotated[
