@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import atexit
 import os
+import shutil
+import tempfile
 
 import matplotlib
 import numpy as np
@@ -10,6 +13,11 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 matplotlib.use("Agg")
+
+# large reductions are kept for the next time, but not from one run of the tests to the next
+if "JOUSTO_CACHE" not in os.environ:
+    os.environ["JOUSTO_CACHE"] = tempfile.mkdtemp(prefix="jousto-cache-")
+    atexit.register(shutil.rmtree, os.environ["JOUSTO_CACHE"], ignore_errors=True)
 
 # on a build machine property tests must neither depend on luck nor on the clock
 settings.register_profile(

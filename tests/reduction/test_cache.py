@@ -72,6 +72,7 @@ def test_small_parts_are_not_kept_unless_asked(
 ) -> None:
     import platformdirs
 
+    monkeypatch.delenv("JOUSTO_CACHE")
     monkeypatch.setattr(platformdirs, "user_cache_dir", lambda *args, **kwargs: str(tmp_path))
     part = block((3, 1, 1))
     reduce(part, METHOD)

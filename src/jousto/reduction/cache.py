@@ -50,8 +50,8 @@ class ReductionCache:
     Parameters
     ----------
     folder : path, optional
-        Where they are kept; the user's cache folder (``~/.cache/jousto/reductions`` on Linux) if
-        not given.
+        Where they are kept. If not given, the folder that the environment variable `JOUSTO_CACHE`
+        names, or the user's cache folder (``~/.cache/jousto/reductions`` on Linux).
     limit : float
         Bytes in all; the reductions used longest ago are removed above it.
 
@@ -71,6 +71,8 @@ class ReductionCache:
         """The folder."""
         if self.folder is not None:
             return Path(self.folder)
+        if os.environ.get("JOUSTO_CACHE"):
+            return Path(os.environ["JOUSTO_CACHE"])
         import platformdirs
 
         return Path(platformdirs.user_cache_dir("jousto", appauthor=False)) / "reductions"

@@ -10,6 +10,7 @@ import numpy as np
 from jousto.errors import Problems, count, suggest
 from jousto.schema import solids as ss
 from jousto.schema.document import Loc
+from jousto.schema.kept import mesh_of_cad
 from jousto.schema.summary import hole_text
 
 if TYPE_CHECKING:
@@ -120,7 +121,7 @@ def material_axes(value: Any) -> Any:
 
 def read_solid_mesh(builder: Builder, loc: Loc, entry: ss.SolidEntry) -> Mesh | None:
     """Return the mesh of an entry, None with the problems noted if it cannot be read."""
-    from jousto.parts import mesh_step, read_mesh
+    from jousto.parts import read_mesh
 
     form, here = entry.mesh, (*loc, "mesh")
     if isinstance(form, str):
@@ -128,7 +129,8 @@ def read_solid_mesh(builder: Builder, loc: Loc, entry: ss.SolidEntry) -> Mesh | 
     values = form.given("file", "cad")
     if isinstance(form, ss.MeshFileEntry):
         return builder.make(here, read_mesh, builder.file(form.file), **values)
-    return builder.make(here, mesh_step, builder.file(form.cad), **values)
+    keep = builder.options.get("cache", entry.cache)
+    return builder.make(here, mesh_of_cad, builder.file(form.cad), keep, **values)
 
 
 def build_interface(builder: Builder, loc: Loc, entry: ss.InterfaceEntry, mesh: Mesh) -> Any:
