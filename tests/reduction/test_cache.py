@@ -6,6 +6,8 @@ import os
 import signal
 import subprocess
 import sys
+import warnings
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +16,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from jousto.errors import JoustoWarning
+from jousto.errors import InputError, JoustoWarning
 from jousto.parts import Part
 from jousto.reduction import (
     CraigBampton,
@@ -257,3 +259,71 @@ def test_bars_on_standard_error(capsys: pytest.CaptureFixture[str]) -> None:
     captured = capsys.readouterr()
     assert "fixed-interface modes" in captured.err
     assert not captured.out
+
+
+def test_nothing_but_reductions_is_ever_removed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A folder of your own may hold other things: neither the limit nor `clear` touches them."""
+    others = [
+        tmp_path / "thesis" / "data.bin",
+        tmp_path / "part.h5",
+        tmp_path / "0123456789abcdef" / "part.h5",
+        # of our form, but it holds something else
+        tmp_path / ("ab" * 20) / "part.h5",
+        tmp_path / ("ab" * 20) / "notes.txt",
+        tmp_path / ("cd" * 20) / "folder" / "part.h5",
+    ]
+    for path in others:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(bytes(1000))
+    (tmp_path / ("ef" * 20)).symlink_to(tmp_path / "thesis")
+    small = ReductionCache(tmp_path, limit=1.0)
+    part = block((3, 1, 1))
+    for modes in (1, 2):
+        reduce(part, replace(METHOD, modes=modes), cache=small)
+    assert len(small.entries()) == 1
+    (tmp_path / f"mesh-{'12' * 20}").mkdir()
+    (tmp_path / f"mesh-{'12' * 20}" / "mesh.npz").write_bytes(b"")
+    assert len(small.entries()) == 2
+    monkeypatch.chdir(tmp_path)
+    for folder in (".", ""):
+        reduce(part, METHOD, cache=folder)
+        assert ReductionCache(folder).size < 1e6
+        ReductionCache(folder).clear()
+        assert not ReductionCache(folder).entries()
+    assert all(path.read_bytes() == bytes(1000) for path in others)
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
+        {path.relative_to(tmp_path).parts[0] for path in others} | {"ef" * 20}
+    )
+
+
+def test_what_killed_writers_left_is_removed(tmp_path: Path) -> None:
+    part = block((3, 1, 1))
+    reduce(part, METHOD, cache=tmp_path)
+    (entry,) = ReductionCache(tmp_path).entries()
+    old, fresh = entry / ".modes.npz.4711.part", entry / ".part.h5.0815abc.part"
+    for path in (old, fresh):
+        path.write_bytes(bytes(10))
+    os.utime(old, (1e9, 1e9))
+    reduce(part, replace(METHOD, modes=1), cache=tmp_path)
+    assert not old.exists() and fresh.exists()
+    ReductionCache(tmp_path).clear()
+    assert not list(tmp_path.iterdir())
+
+
+def test_threads_reduce_one_part_side_by_side(tmp_path: Path) -> None:
+    part = block((4, 2, 2))
+    with warnings.catch_warnings(), ThreadPoolExecutor(6) as pool:
+        warnings.simplefilter("error")
+        found = list(pool.map(lambda _: reduce(part, METHOD, cache=tmp_path), range(6)))
+    for reduced in found[1:]:
+        assert np.array_equal(reduced.frequencies, found[0].frequencies)
+    (entry,) = ReductionCache(tmp_path).entries()
+    assert [path.name for path in entry.iterdir()] == ["part.h5"]
+
+
+def test_what_is_no_cache_is_refused() -> None:
+    wrong: Any = [1]
+    with pytest.raises(InputError, match=r"^cache: is \[1\], must be True, False, a folder or"):
+        reduce(block((3, 1, 1)), METHOD, cache=wrong)

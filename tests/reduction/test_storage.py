@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import h5py
@@ -230,3 +231,12 @@ def test_disk_full(limit: int, saved: Path) -> None:
     assert "cannot write the reduced part" in run.stdout
     assert saved.read_bytes() == before
     assert [p.name for p in saved.parent.iterdir()] == ["part.h5"]
+
+
+def test_threads_save_side_by_side(tmp_path: Path) -> None:
+    part = CASES["beam"]()
+    paths = [tmp_path / f"{i % 4}.h5" for i in range(16)]
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(part.save, paths))
+    assert len({path.read_bytes() for path in paths}) == 1
+    assert len(list(tmp_path.iterdir())) == 4

@@ -11,8 +11,9 @@ import contextlib
 import dataclasses
 import hashlib
 import os
-import shutil
+import re
 import time
+import uuid
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from jousto.errors import InputError, warn
+from jousto.errors import InputError, Problem, warn
 
 if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
@@ -38,6 +39,15 @@ AUTOMATIC = 30_000
 
 FINISHED = "part.h5"
 
+ENTRY = re.compile(r"(mesh-)?[0-9a-f]{40}")
+"""Names of the folders that are ours: a key."""
+
+OWN = re.compile(r"part\.h5|[a-z-]+\.npz|\.(part\.h5|[a-z-]+\.npz)\.[0-9a-f]+\.part")
+"""Names of the files in them: the part, its stages, and either while it is written."""
+
+STALE = 86400.0
+"""Seconds after which a file that is still being written belongs to a killed process."""
+
 
 class NotHashable(Exception):
     """The input holds something whose content is unknown, such as a function."""
@@ -51,7 +61,8 @@ class ReductionCache:
     ----------
     folder : path, optional
         Where they are kept. If not given, the folder that the environment variable `JOUSTO_CACHE`
-        names, or the user's cache folder (``~/.cache/jousto/reductions`` on Linux).
+        names, or the user's cache folder (``~/.cache/jousto/reductions`` on Linux). Whatever else
+        lies in it is left alone.
     limit : float
         Bytes in all; the reductions used longest ago are removed above it.
 
@@ -65,6 +76,12 @@ class ReductionCache:
 
     folder: Path | str | None = None
     limit: float = 10e9
+
+    def __post_init__(self) -> None:
+        folder: object = self.folder
+        if folder is not None and not isinstance(folder, (str, os.PathLike)):
+            message = f"is {folder!r}, must be True, False, a folder or ReductionCache(folder)"
+            raise InputError(Problem("cache", message))
 
     @property
     def path(self) -> Path:
@@ -83,31 +100,38 @@ class ReductionCache:
         return sum(_size(entry) for entry in self.entries())
 
     def entries(self) -> tuple[Path, ...]:
-        """Return the folders of all reductions, the one used longest ago first."""
+        """Return the folders of all reductions, the one used longest ago first.
+
+        Folders of other names, and those that hold anything else, are no reductions.
+        """
         if not self.path.is_dir():
             return ()
-        found = [p for p in self.path.iterdir() if p.is_dir() and not p.name.startswith(".")]
-        return tuple(sorted(found, key=_used))
+        return tuple(sorted((p for p in self.path.iterdir() if _is_ours(p)), key=_used))
 
     def clear(self) -> None:
         """Remove all reductions."""
         for entry in self.entries():
-            shutil.rmtree(entry, ignore_errors=True)
+            _remove(entry)
 
     def entry(self, key: str) -> Entry:
         """Return the place of one reduction."""
         return Entry(self, self.path / key)
 
     def prune(self, keep: Path) -> None:
-        """Remove the reductions used longest ago until the rest fits the limit."""
+        """Remove the reductions used longest ago until the rest fits the limit.
+
+        What killed processes left half written goes first.
+        """
         entries = self.entries()
+        for entry in entries:
+            _remove_stale(entry)
         total = sum(_size(entry) for entry in entries)
         for entry in entries:
             if total <= self.limit:
                 break
             if entry != keep:
                 total -= _size(entry)
-                shutil.rmtree(entry, ignore_errors=True)
+                _remove(entry)
 
 
 class Entry:
@@ -146,9 +170,10 @@ class Entry:
         except (InputError, OSError) as error:
             self._give_up(error)
             return
-        for path in self.folder.glob("*.npz"):
-            with contextlib.suppress(OSError):
-                path.unlink()
+        for path in _files(self.folder):
+            if path.suffix == ".npz":
+                with contextlib.suppress(OSError):
+                    path.unlink()
         self.cache.prune(self.folder)
 
     def read(self, stage: str) -> dict[str, NDArray[Any]] | None:
@@ -169,7 +194,7 @@ class Entry:
         if self._full:
             return
         path = self._file(stage)
-        temporary = path.parent / f".{path.name}.{os.getpid()}.part"
+        temporary = path.parent / f".{path.name}.{uuid.uuid4().hex}.part"
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             with temporary.open("wb") as file:
@@ -268,9 +293,47 @@ def _add(digest: Any, thing: object) -> None:
         _add(digest, dict(vars(thing)))
 
 
+def _is_ours(folder: Path) -> bool:
+    """Return whether a folder is a reduction: its name and all it holds are ours."""
+    if not ENTRY.fullmatch(folder.name) or folder.is_symlink() or not folder.is_dir():
+        return False
+    try:
+        with os.scandir(folder) as found:
+            return all(
+                OWN.fullmatch(item.name) and item.is_file(follow_symlinks=False) for item in found
+            )
+    except OSError:
+        return False
+
+
+def _files(folder: Path) -> list[Path]:
+    """Return our files in a folder."""
+    try:
+        return [path for path in folder.iterdir() if OWN.fullmatch(path.name)]
+    except OSError:
+        return []
+
+
+def _remove(folder: Path) -> None:
+    """Remove our files of a reduction and its folder if nothing else is in it."""
+    for path in _files(folder):
+        with contextlib.suppress(OSError):
+            path.unlink()
+    with contextlib.suppress(OSError):
+        folder.rmdir()
+
+
+def _remove_stale(folder: Path) -> None:
+    """Remove what a killed process left half written."""
+    for path in _files(folder):
+        with contextlib.suppress(OSError):
+            if path.suffix == ".part" and time.time() - path.stat().st_mtime > STALE:
+                path.unlink()
+
+
 def _size(folder: Path) -> int:
     total = 0
-    for path in folder.rglob("*"):
+    for path in _files(folder):
         with contextlib.suppress(OSError):
             total += path.stat().st_size
     return total

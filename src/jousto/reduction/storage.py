@@ -6,6 +6,7 @@ import contextlib
 import hashlib
 import json
 import os
+import uuid
 from pathlib import Path
 from typing import Any
 
@@ -60,7 +61,9 @@ def save(part: ReducedPart, path: Path) -> None:
         ensure_ascii=False,
     )
     # the file is made in memory: HDF5 may crash the process where a disk is full
-    with h5py.File("memory", "w", driver="core", backing_store=False) as file:
+    # of a name of its own: threads may save at the same time
+    unique = uuid.uuid4().hex
+    with h5py.File(unique, "w", driver="core", backing_store=False) as file:
         file.attrs["format"] = FORMAT
         file.attrs["version"] = VERSION
         file.attrs["checksum"] = _checksum(header, arrays)
@@ -73,7 +76,7 @@ def save(part: ReducedPart, path: Path) -> None:
         file.flush()
         image = file.id.get_file_image()
     # in the same folder, so that the rename cannot cross a file system
-    temporary = path.parent / f".{path.name}.{os.getpid()}.part"
+    temporary = path.parent / f".{path.name}.{unique}.part"
     try:
         with temporary.open("wb") as target:
             target.write(image)
