@@ -312,6 +312,46 @@ def test_what_killed_writers_left_is_removed(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+def test_the_solver_counts_for_what_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    part = block((3, 1, 1))
+    assert reduce(part, METHOD, cache=tmp_path).provenance["solver"] == "superlu"
+    for wrong in ("nonsense", ["superlu"]):
+        solver: Any = wrong
+        with pytest.raises(InputError, match="no solver"):
+            reduce(part, METHOD, cache=tmp_path, solver=solver)
+    # what another library made is not taken for that of the one named
+    counter = Counter(monkeypatch)
+    assert reduce(part, METHOD, cache=tmp_path).provenance["solver"] == "superlu"
+    assert counter.count == 0
+    for _ in range(2):
+        named = reduce(part, METHOD, cache=tmp_path, solver="superlu")
+        assert named.provenance["solver"] == "superlu"
+        assert counter.count == 1
+
+
+def test_going_on_with_another_library_names_both(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def progress(name: str, done: float) -> None:
+        if name == "fixed-interface modes":
+            raise KeyboardInterrupt
+
+    part = block((3, 1, 1))
+    with pytest.raises(KeyboardInterrupt):
+        reduce(part, METHOD, cache=tmp_path, progress=progress)
+    original = factor.factorise
+
+    def renamed(*args: Any, **kwargs: Any) -> Any:
+        solve = original(*args, **kwargs)
+        solve.name = "other"  # type: ignore[attr-defined]
+        return solve
+
+    monkeypatch.setattr(factor, "factorise", renamed)
+    assert reduce(part, METHOD, cache=tmp_path).provenance["solver"] == "superlu, other"
+
+
 def test_threads_reduce_one_part_side_by_side(tmp_path: Path) -> None:
     part = block((4, 2, 2))
     with warnings.catch_warnings(), ThreadPoolExecutor(6) as pool:

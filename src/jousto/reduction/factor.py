@@ -138,8 +138,9 @@ def choose(n: int, where: str, solver: str | None = None) -> str:
     """
     installed = [known.name for known in solvers() if known.installed]
     if solver is not None:
-        if solver not in _KNOWN:
-            raise InputError(Problem(where, f"no solver '{solver}'{suggest(solver, _KNOWN)}"))
+        given: object = solver
+        if not isinstance(given, str) or given not in _KNOWN:
+            raise InputError(Problem(where, f"no solver '{given}'{suggest(given, _KNOWN)}"))
         if solver not in installed:
             _, _, library, _, remark = _KNOWN[solver]
             message = f"solver '{solver}' ({library}) is not installed: {remark}"

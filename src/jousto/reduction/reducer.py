@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import InputError, Problem, Problems, warn
 from jousto.parts import Part
-from jousto.reduction import eigen
+from jousto.reduction import eigen, factor
 from jousto.reduction.cache import Entry, NotHashable, ReductionCache
 from jousto.reduction.cache import choose as choose_cache
 from jousto.reduction.cache import key as content_key
@@ -81,7 +81,7 @@ def reduce(
         without it the body is the linear one of other programs, and costs less.
     solver : str, optional
         Library that factorises the stiffness matrix, see `solvers`; the best that is installed if
-        not given.
+        not given. What is kept of another library is not taken if one is named.
     cache : ReductionCache, path or bool, optional
         Where the result is kept for the next time, and the stages of a reduction that may be
         killed: asked for again, it goes on after the last stage that was finished. True is the
@@ -100,8 +100,8 @@ def reduce(
     ------
     InputError
         The stiffness matrix is not free or lets the held body move, all mass lies on a line, an
-        interface is unknown or does not hold the body, there are fewer modes than asked for, or
-        stiffening is asked of a part that comes from matrices.
+        interface is unknown or does not hold the body, there are fewer modes than asked for, the
+        solver is unknown or missing, or stiffening is asked of a part that comes from matrices.
     """
     body: object = part
     if not isinstance(body, Part):
@@ -112,9 +112,11 @@ def reduce(
     if not isinstance(given, (CraigBampton, FreeFree)):
         message = f"method is {given!r}, must be CraigBampton(...) or FreeFree(...)"
         raise InputError(Problem(where, message))
+    if solver is not None:
+        factor.choose(part.K.shape[0], where, solver)
     chosen = choose_cache(cache, part.K.shape[0])
     with reporter(progress) as report:
-        entry = None if chosen is None else _entry(chosen, part, method, stiffening)
+        entry = None if chosen is None else _entry(chosen, part, method, stiffening, solver)
         if entry is not None and (finished := entry.finished()) is not None:
             return finished
         estimate = memory_estimate(part, method, solver=solver)
@@ -127,9 +129,11 @@ def reduce(
     return reduced
 
 
-def _entry(cache: ReductionCache, part: Part, method: Method, stiffening: bool) -> Entry | None:
+def _entry(
+    cache: ReductionCache, part: Part, method: Method, stiffening: bool, solver: str | None
+) -> Entry | None:
     try:
-        return cache.entry(content_key(part, method, stiffening, _versions()))
+        return cache.entry(content_key(part, method, stiffening, solver, _versions()))
     except NotHashable as error:
         logging.getLogger(__name__).info("the reduction is not kept: it depends on a %s", error)
         return None

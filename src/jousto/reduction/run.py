@@ -50,13 +50,18 @@ class Run:
     ) -> None:
         self.solver = solver
         self.used = ""
-        self._report = report
+        self.report = report
         self._entry = entry
+
+    def _use(self, names: str) -> None:
+        """Note the libraries used, each once: a reduction may go on with another one."""
+        known = [*self.used.split(", "), *names.split(", ")]
+        self.used = ", ".join(name for name in dict.fromkeys(known) if name)
 
     @contextmanager
     def stage(self, name: str) -> Iterator[Report]:
         """Report the beginning and the end of a stage; yields a function of (name, done)."""
-        report = self._report or (lambda stage, done: None)
+        report = self.report or (lambda stage, done: None)
         report(name, 0.0)
         yield report
         report(name, 1.0)
@@ -70,14 +75,14 @@ class Run:
         """Factorise a stiffness matrix as a stage of its own; see `factor.factorise`."""
         with self.stage("factorisation"):
             solve = factor.factorise(K, where, dof_name, solver=self.solver, limit=machine_memory())
-        self.used = getattr(solve, "name", "")
+        self._use(getattr(solve, "name", ""))
         return solve
 
     def found(self, stage: str) -> dict[str, Array] | None:
         """Return what a killed reduction left of this stage, or None."""
         kept = None if self._entry is None else self._entry.read(stage)
         if kept is not None and "solver" in kept:
-            self.used = str(kept.pop("solver"))
+            self._use(str(kept.pop("solver")))
         return kept
 
     def keep(self, stage: str, **arrays: Array) -> None:
