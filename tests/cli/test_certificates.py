@@ -106,6 +106,8 @@ def test_advise_says_what_is_wrong(rod: Path) -> None:
     assert "did you mean 'end'?" in jousto("advise", rod, "--load", "edn.fx")[2]
     assert "must be a node set and one of fx, fy" in jousto("advise", rod, "--load", "end")[2]
     assert jousto("advise", rod, "--frequency-limit", "5 kg")[0] == 2
+    wrong = jousto("advise", rod, "--frequency-limit", "500", "--solver", "mumps")
+    assert wrong[0] == 2 and "no solver 'mumps'" in wrong[2]
     assert jousto("reduce", rod)[0] == 0
     again = rod.with_name("again.yml")
     again.write_text("file: rod.h5\n")

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from jousto.errors import InputError
 from jousto.parts import Interface, Material, Part, Rectangle
-from jousto.reduction import CraigBampton, FreeFree, advise, reduce
+from jousto.reduction import CraigBampton, FreeFree, advise, cache, factor, reduce
 from parts.mesh.blocks import block
 from reduction.bodies import STEEL, bent, lattice, pendulum, without_points
 
@@ -225,3 +227,24 @@ def test_equal_frequencies_of_two_planes_both_count() -> None:
     advice = advise(part, ("start",), frequency_limit=120.0)
     assert isinstance(advice.method, CraigBampton) and advice.method.modes is not None
     assert frequency_error(part, advice.method.modes, 120.0, ("start",)) <= 0.01
+
+
+def test_the_solver_asked_for_factorises_and_nothing_is_kept(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    part = rod()
+    monkeypatch.setenv("JOUSTO_CACHE", str(tmp_path))
+    monkeypatch.setattr(cache, "AUTOMATIC", 1)
+    asked = []
+    original = factor.factorise
+
+    def noted(*args: Any, **kwargs: Any) -> Any:
+        asked.append(kwargs["solver"])
+        return original(*args, **kwargs)
+
+    monkeypatch.setattr(factor, "factorise", noted)
+    advise(part, ENDS, frequency_limit=500.0, solver="superlu")
+    assert len(asked) >= 2 and set(asked) == {"superlu"}
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(InputError, match="no solver 'mumps'"):
+        advise(part, ENDS, frequency_limit=500.0, solver="mumps")

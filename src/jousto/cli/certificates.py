@@ -77,6 +77,10 @@ def advise(
     accuracy: Annotated[
         float, typer.Option("--accuracy", metavar="SHARE", help="Largest relative error.")
     ] = 0.01,
+    solver: Annotated[
+        str | None,
+        typer.Option("--solver", metavar="NAME", help="Library for the factorisation."),
+    ] = None,
     debug: Debug = False,
 ) -> None:
     """Propose the modes of a part for a frequency limit or loads, with what each number gains.
@@ -103,6 +107,7 @@ def advise(
         frequency_limit=limit,
         loads=loads,
         accuracy=accuracy,
+        solver=solver,
         progress=sys.stderr.isatty(),
     )
     for line in str(advice).splitlines():

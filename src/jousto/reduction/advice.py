@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import InputError, Problem, Problems, count
+from jousto.reduction import factor
 from jousto.reduction.certificate import Table, number
 from jousto.reduction.examine import full_model
 from jousto.reduction.families import (
@@ -71,6 +72,7 @@ def advise(
     frequency_limit: float | None = None,
     loads: Mapping[str, ArrayLike] | ArrayLike | None = None,
     accuracy: float = 0.01,
+    solver: str | None = None,
     progress: bool | Report | None = None,
 ) -> Advice:
     """Propose the modes that a part needs, and show what fewer and more would give.
@@ -94,6 +96,8 @@ def advise(
         Nodal load patterns in the part's degrees of freedom, any unit.
     accuracy : float
         Largest relative error, of frequencies and of the largest displacement and stress.
+    solver : str, optional
+        Library that factorises the stiffness matrix, see `solvers`.
     progress : bool or function, optional
         True shows a bar for each stage; a function is called with (stage, part of it that is
         done, from 0 to 1).
@@ -107,7 +111,8 @@ def advise(
     Raises
     ------
     InputError
-        Neither a limit nor loads, wrong values, or a part that cannot be reduced.
+        Neither a limit nor loads, wrong values, an unknown solver, or a part that cannot be
+        reduced.
 
     Examples
     --------
@@ -120,8 +125,10 @@ def advise(
     >>> arm = jo.reduce(rod, advice.method)
     """
     names, patterns = _arguments(part, interfaces, frequency_limit, loads, accuracy)
+    if solver is not None:
+        factor.choose(part.K.shape[0], f"part '{part.name}'", solver)
     with reporter(progress) as report:
-        return _advise(part, names, patterns, frequency_limit, accuracy, report)
+        return _advise(part, names, patterns, frequency_limit, accuracy, Run(solver, report))
 
 
 def _advise(
@@ -130,22 +137,22 @@ def _advise(
     patterns: dict[str, Array],
     frequency_limit: float | None,
     accuracy: float,
-    report: Report | None,
+    run: Run,
 ) -> Advice:
-    full, faults = full_model(part, modes=0, run=Run(report=report))
+    full, faults = full_model(part, modes=0, run=run)
     if full is None or full.rigid is None or full.held is None or full.held.solve is None:
         raise InputError(
             Problem(f"part '{part.name}'", next(iter(faults.values()), "is too small"))
         )
     truth = None
     if frequency_limit is not None:
-        truth = modes_below(full, frequency_limit, report)
+        truth = modes_below(full, frequency_limit, run)
     if not names:
         return _free(full, truth, frequency_limit)
     if frequency_limit is None:
-        return _choose(family_of(full, names, None, report), truth, None, patterns, accuracy)
+        return _choose(family_of(full, names, None, run), truth, None, patterns, accuracy)
     for reach in REACH:
-        family = family_of(full, names, reach * frequency_limit, report)
+        family = family_of(full, names, reach * frequency_limit, run)
         advice = _choose(family, truth, frequency_limit, patterns, accuracy)
         if advice.reached:
             break

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.linalg
@@ -15,7 +15,7 @@ from jousto.reduction.inspection import FullModel
 from jousto.reduction.interface_loads import elastic_response
 from jousto.reduction.interface_modes import Modes, modes_of
 from jousto.reduction.methods import CraigBampton
-from jousto.reduction.run import Report, Run
+from jousto.reduction.run import Run
 
 if TYPE_CHECKING:
     from jousto.parts import Part
@@ -56,13 +56,13 @@ class Family:
         return self.full.rigid.R @ z[:6] + self.modes.X @ z[6:]
 
 
-def modes_below(full: FullModel, limit: float, report: Report | None) -> tuple[Array, Array]:
+def modes_below(full: FullModel, limit: float, run: Run) -> tuple[Array, Array]:
     """Return frequencies and mass-normalised modes of the full free part up to a limit."""
     assert full.rigid is not None and full.held is not None
     rigid, held = full.rigid, full.held
     elastic = replace(held, lift=lambda y: rigid.remove(held.lift(y)))
     where = f"part '{full.part.name}'"
-    with Run(report=report).stage("full model's modes") as tell:
+    with run.stage("full model's modes") as tell:
         mu, X = eigen.spectrum(
             elastic,
             full.M,
@@ -77,9 +77,7 @@ def modes_below(full: FullModel, limit: float, report: Report | None) -> tuple[A
     return f[:keep], (X / np.sqrt(mu))[:, :keep]
 
 
-def family_of(
-    full: FullModel, names: tuple[str, ...], limit: float | None, report: Report | None
-) -> Family:
+def family_of(full: FullModel, names: tuple[str, ...], limit: float | None, run: Run) -> Family:
     """Return the bases of interfaces, with fixed-interface modes up to a frequency limit in Hz.
 
     Without a limit, or with none below it, with as many modes as the part has, of those tried.
@@ -91,10 +89,12 @@ def family_of(
     """
     from jousto.reduction.reducer import reduce
 
+    # trials: none is worth keeping
+    options: dict[str, Any] = {"solver": run.solver, "cache": False, "progress": run.report}
     reduced = None
     if limit is not None:
         try:
-            reduced = reduce(full.part, CraigBampton(names, frequency_limit=limit), progress=report)
+            reduced = reduce(full.part, CraigBampton(names, frequency_limit=limit), **options)
         except InputError as error:
             # one node held and no mode below the limit: look at the first few
             if "no elastic mode" not in str(error):
@@ -103,7 +103,7 @@ def family_of(
         if reduced is not None:
             break
         try:
-            reduced = reduce(full.part, CraigBampton(names, modes=modes), progress=report)
+            reduced = reduce(full.part, CraigBampton(names, modes=modes), **options)
         except InputError as error:
             # a small part has fewer
             if modes == TRIED[-1] or "modes asked for" not in str(error):
