@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import difflib
+import math
 import re
 import sys
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+T = TypeVar("T")
 
 
 class JoustoError(Exception):
@@ -99,9 +102,44 @@ class Problems:
 
     def positive(self, where: str, name: str, value: float, unit: str) -> None:
         """Note a problem unless the value is a finite number above zero."""
-        if not np.isfinite(value) or value <= 0.0:
-            found = f"{value:g} {unit}".rstrip()
-            self.add(where, f"{name} is {found}, must be a positive number")
+        self.number(where, name, value, unit, "a positive number", lambda x: x > 0.0)
+
+    def number(
+        self,
+        where: str,
+        name: str,
+        value: Any,
+        unit: str,
+        wanted: str = "a finite number",
+        good: Callable[[float], bool] = math.isfinite,
+    ) -> bool:
+        """Return whether the value is a finite number that is good, or note a problem."""
+        try:
+            if isinstance(value, (str, complex)) or np.ndim(value) != 0:
+                raise TypeError
+            x = float(value)
+        except (TypeError, ValueError, OverflowError):
+            self.add(where, f"{name} is {value!r}, must be {wanted}{unit and ' in '}{unit}")
+            return False
+        if not math.isfinite(x) or not good(x):
+            found = f"{x:g} {unit}".rstrip()
+            self.add(where, f"{name} is {found}, must be {wanted}")
+            return False
+        return True
+
+    def several(self, where: str, name: str, value: Any, kind: type[T]) -> tuple[T, ...]:
+        """Return one object of a kind or a sequence of them as a tuple; note what is neither."""
+        if isinstance(value, kind):
+            return (value,)
+        if isinstance(value, (str, Mapping)) or not isinstance(value, Iterable):
+            self.add(where, f"{name} is {value!r}, must be a sequence of {kind.__name__}")
+            return ()
+        items = tuple(value)
+        article = "an" if kind.__name__[0] in "AEIOU" else "a"
+        for i, item in enumerate(items):
+            if not isinstance(item, kind):
+                self.add(where, f"{name}[{i}] is {item!r}, must be {article} {kind.__name__}")
+        return tuple(item for item in items if isinstance(item, kind))
 
     def array(
         self, where: str, name: str, value: Any, shape: tuple[int | None, ...]

@@ -76,7 +76,7 @@ def check_frame(
     orientations: Any,
     offsets: Any,
     options: BeamOptions,
-    point_masses: Sequence[PointMass],
+    point_masses: PointMass | Sequence[PointMass],
     node_sets: Mapping[str, Any] | None,
 ) -> Frame:
     """Return the frame described by the arrays.
@@ -120,7 +120,7 @@ def check_frame(
     if arms is not None and (orientations is None or up is not None):
         origin, axes, length = _geometry(problems, where, xyz, ab, arms, up)
     sets = read_sets(problems, where, node_sets or {}, nn)
-    _check_point_masses(problems, where, point_masses, sets, nn)
+    masses = _point_masses(problems, where, point_masses, sets, nn)
     unattached(problems, where, ab, nn)
     if not problems.found:
         connectivity(problems, where, xyz, ab)
@@ -134,7 +134,7 @@ def check_frame(
     E = np.array([m.E for m in material])
     G = np.array([m.G for m in material])
     rho = np.array([m.rho for m in material])
-    if not rho.any() and not any(p.mass > 0.0 for p in point_masses):
+    if not rho.any() and not any(p.mass > 0.0 for p in masses):
         problems.add(where, "has no mass: every density is zero and there are no point masses")
         problems.raise_if_any()
     size = float(np.ptp(xyz, axis=0).max())
@@ -147,7 +147,7 @@ def check_frame(
             warn(where, f"a section of {np.sqrt(A.max()):g} m; SI needs m, was it given in mm?")
     beams = BeamElements(origin, axes, length, arms, E * A, G * J, E * Iy, E * Iz, phi)
     density = np.stack([rho * A, rho * Iy, rho * Iz], axis=1)
-    return Frame(name, xyz, ab, sets, beams, tuple(section), density, options, tuple(point_masses))
+    return Frame(name, xyz, ab, sets, beams, tuple(section), density, options, masses)
 
 
 def assemble(
@@ -323,18 +323,16 @@ def _shear_parameters(
     return phi
 
 
-def _check_point_masses(
+def _point_masses(
     problems: Problems,
     where: str,
-    point_masses: Sequence[Any],
+    point_masses: Any,
     sets: Mapping[str, tuple[int, ...]],
     nn: int,
-) -> None:
-    """Note point masses that are not on one node of the part."""
-    for i, p in enumerate(point_masses):
-        if not isinstance(p, PointMass):
-            problems.add(where, f"point_masses[{i}] is {p!r}, must be a PointMass")
-            continue
+) -> tuple[PointMass, ...]:
+    """Return the point masses; note those that are not on one node of the part."""
+    masses = problems.several(where, "point_masses", point_masses, PointMass)
+    for i, p in enumerate(masses):
         try:
             node = node_index(p.node, sets)
         except KeyError as error:
@@ -342,3 +340,4 @@ def _check_point_masses(
             continue
         if not 0 <= node < nn:
             problems.add(where, f"point_masses[{i}]: node {node} is not in 0..{nn - 1}")
+    return masses

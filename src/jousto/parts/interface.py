@@ -156,10 +156,6 @@ def resolve(problems: Problems, where: str, part: Part) -> tuple[Tie, ...]:
     owner: dict[int, str] = {}
     names: set[str] = set()
     for interface in part.interfaces:
-        given: object = interface
-        if not isinstance(given, Interface):
-            problems.add(where, f"interfaces: {given!r} is no Interface(name, nodes, ...)")
-            continue
         label = f"{where}, interface '{interface.name}'"
         if interface.name in names:
             problems.add(where, f"two interfaces are named '{interface.name}'")

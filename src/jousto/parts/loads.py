@@ -167,8 +167,8 @@ def load_vector(part: Part, loads: Sequence[Load]) -> Floats:
             if faces is None:
                 continue
             if isinstance(load, Pressure):
-                if not np.isfinite(load.pressure):
-                    problems.add(label, f"pressure is {load.pressure}, must be finite")
+                if not problems.number(label, "pressure", load.pressure, "Pa"):
+                    continue
                 for group in faces:
                     N, area, _ = face_points(part.nodes, group)
                     force = np.einsum("qk,fqx->fkx", N, -load.pressure * area)

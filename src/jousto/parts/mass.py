@@ -48,8 +48,7 @@ class PointMass:
     def __post_init__(self) -> None:
         where = f"point mass at node {self.node!r}"
         problems = Problems()
-        if not (np.isfinite(self.mass) and self.mass >= 0.0):
-            problems.add(where, f"mass is {self.mass:g} kg, must be zero or positive")
+        problems.number(where, "mass", self.mass, "kg", "zero or positive", lambda m: m >= 0.0)
         offset = (0.0, 0.0, 0.0) if self.offset is None else self.offset
         object.__setattr__(self, "offset", problems.array(where, "offset", offset, (3,)))
 

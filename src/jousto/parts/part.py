@@ -115,8 +115,7 @@ class Part:
                         f"{letter} has shape {matrix.shape}, must be {(ndof, ndof)} for"
                         f" {len(nodes)} nodes with {self.dofs_per_node} degrees of freedom",
                     )
-            given: Any = self.interfaces
-            interfaces = (given,) if isinstance(given, Interface) else tuple(given)
+            interfaces = problems.several(where, "interfaces", self.interfaces, Interface)
             faces = tuple(np.asarray(group, dtype=np.int64) for group in self.faces)
             object.__setattr__(self, "interfaces", interfaces)
             object.__setattr__(self, "faces", faces)
@@ -137,7 +136,7 @@ class Part:
         rotary_inertia: bool = True,
         theory: Theory | None = None,
         orientation: Any = None,
-        point_masses: Sequence[PointMass] = (),
+        point_masses: PointMass | Sequence[PointMass] = (),
         name: str = "beam",
     ) -> Part:
         """Return a straight beam along +x from the origin, with node sets "start" and "end".
@@ -155,7 +154,7 @@ class Part:
             See :meth:`frame`.
         orientation : (3,) array_like, optional
             Vector near the section's z axis, part frame; (0, 0, 1) if not given.
-        point_masses : sequence of PointMass
+        point_masses : PointMass or sequence of PointMass
             Rigid masses on nodes.
         name : str
 
@@ -207,7 +206,7 @@ class Part:
         lumped: bool = False,
         rotary_inertia: bool = True,
         theory: Theory | None = None,
-        point_masses: Sequence[PointMass] = (),
+        point_masses: PointMass | Sequence[PointMass] = (),
         node_sets: Mapping[str, Any] | None = None,
         name: str = "frame",
     ) -> Part:
@@ -235,7 +234,7 @@ class Part:
             mass the rotations have no mass at all unless offsets or point masses give it.
         theory : EulerBernoulli or Timoshenko, optional
             Timoshenko() if not given.
-        point_masses : sequence of PointMass
+        point_masses : PointMass or sequence of PointMass
             Rigid masses on nodes.
         node_sets : mapping of str to node indices, optional
         name : str
@@ -278,7 +277,7 @@ class Part:
         lumped: bool = False,
         rotary_inertia: bool = True,
         theory: Theory | None = None,
-        point_masses: Sequence[PointMass] = (),
+        point_masses: PointMass | Sequence[PointMass] = (),
         name: str = "frame",
     ) -> Part:
         """Return a frame of straight members, joined where their ends meet a node.
@@ -350,7 +349,7 @@ class Part:
         materials: Material | Orthotropic | Mapping[str, Material | Orthotropic],
         *,
         lumped: bool = False,
-        point_masses: Sequence[PointMass] = (),
+        point_masses: PointMass | Sequence[PointMass] = (),
         weighed_mass: float | None = None,
         interfaces: Sequence[Interface] = (),
         name: str | None = None,
@@ -371,7 +370,7 @@ class Part:
         lumped : bool
             Mass on the nodes instead of the consistent mass: shares of each element's mass like
             the diagonal of its consistent matrix.
-        point_masses : sequence of PointMass
+        point_masses : PointMass or sequence of PointMass
             Rigid masses on a node, or on the mean of a node set; inertia and offset need a set.
         weighed_mass : float, optional
             Mass of the real part in kg, with its point masses: densities are scaled to meet it.

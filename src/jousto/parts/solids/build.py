@@ -41,7 +41,7 @@ def solid_fields(
     where: str,
     *,
     lumped: bool,
-    point_masses: Sequence[PointMass],
+    point_masses: PointMass | Sequence[PointMass],
     weighed_mass: float | None,
 ) -> dict[str, Any]:
     """Return the fields of a part of solids, all but its name and interfaces."""
@@ -248,7 +248,7 @@ def _check_volumes(problems: Problems, where: str, model: SolidModel) -> None:
 
 def solid_masses(
     model: SolidModel,
-    point_masses: Sequence[PointMass],
+    point_masses: PointMass | Sequence[PointMass],
     node_sets: Mapping[str, tuple[int, ...]],
     *,
     lumped: bool,
@@ -260,7 +260,8 @@ def solid_masses(
     All mass as points only if it is lumped; the points attached to a consistent mass otherwise.
     """
     problems = Problems()
-    points = attached_points(problems, where, point_masses, model.nodes, node_sets)
+    masses = problems.several(where, "point_masses", point_masses, PointMass)
+    points = attached_points(problems, where, masses, model.nodes, node_sets)
     if weighed_mass is not None:
         problems.positive(where, "weighed_mass", weighed_mass, "kg")
     problems.raise_if_any()
