@@ -9,6 +9,7 @@ import pytest
 import scipy.linalg
 import scipy.sparse as sp
 
+from jousto.errors import InputError
 from jousto.reduction import lanczos
 
 
@@ -99,3 +100,42 @@ def test_the_same_bytes_every_time() -> None:
     first, again = solved(A, B, 10), solved(A, B, 10)
     assert np.array_equal(first[0], again[0])
     assert np.array_equal(first[1], again[1])
+
+
+@pytest.mark.parametrize("count", [140, 200])
+def test_a_long_spectrum_is_found_to_its_end(count: int) -> None:
+    """More restarts than one: no mode is left half found, and none is missing."""
+    n = 3000
+    k = 1.0 + np.arange(n) ** 1.5
+    B = sp.csc_array(sp.diags_array(k))
+    mu, _ = lanczos.lanczos(lambda y: y, B, lambda f: f / k[:, None], count)
+    assert mu == pytest.approx(1.0 / k[:count], rel=1e-11)
+    assert len(mu) == count
+
+
+def test_the_basis_is_examined_a_few_times_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An examination costs the cube of the basis: the sum of cubes stays a few of the last."""
+    sizes: list[int] = []
+    eigh = np.linalg.eigh
+    monkeypatch.setattr(np.linalg, "eigh", lambda T: (sizes.append(len(T)), eigh(T))[1])
+    k = np.arange(1.0, 901.0) ** 2
+    B = sp.csc_array(sp.diags_array(k))
+    mu, _ = lanczos.lanczos(lambda y: y, B, lambda f: f / k[:, None], 150)
+    assert mu == pytest.approx(1.0 / k[:150], rel=1e-11)
+    assert np.sum(np.array(sizes, dtype=float) ** 3) < 12.0 * max(sizes) ** 3
+
+
+def test_what_does_not_converge_is_refused() -> None:
+    """A solver with an error of its own each time: no residual falls below that error."""
+    n = 400
+    k = np.arange(1.0, n + 1.0)
+    random = np.random.default_rng(5)
+
+    def solve(f: np.ndarray) -> np.ndarray:
+        y = f / k[:, None]
+        return np.asarray(y + 1e-3 * np.linalg.norm(y, axis=0) * random.standard_normal(y.shape))
+
+    with pytest.raises(InputError, match=r"body: only \d+ of 20 frequencies converge.*fewer modes"):
+        lanczos.lanczos(
+            lambda y: y, sp.csc_array(sp.diags_array(k)), solve, 20, where="reduction of body"
+        )

@@ -100,7 +100,7 @@ def spectrum(
     Raises
     ------
     InputError
-        The mass matrix is not positive semidefinite.
+        The mass matrix is not positive semidefinite, or modes do not converge.
     """
     if problem.size == 0:
         return np.zeros(0), problem.lift(np.zeros((0, 0)))
@@ -109,7 +109,7 @@ def spectrum(
     if problem.solve is None or problem.size <= DENSE_LIMIT or count + 8 > problem.size // 3:
         solved, mu, Y = _dense(problem, M, where)
     else:
-        mu, Y = lanczos(_operator(problem, M), problem.B, problem.solve, count + 4, report)
+        mu, Y = lanczos(_operator(problem, M), problem.B, problem.solve, count + 4, report, where)
         wanted = 0.0 if frequency_limit is None else 1.0 / (2.0 * np.pi * frequency_limit) ** 2
         # without a number, double until the limit is passed
         while modes is None and mu[-1] > max(wanted, MASSLESS * mu[0]):
@@ -117,7 +117,9 @@ def spectrum(
             if count + 8 > problem.size // 3:
                 solved, mu, Y = _dense(problem, M, where)
                 break
-            mu, Y = lanczos(_operator(problem, M), problem.B, problem.solve, count + 4, report)
+            mu, Y = lanczos(
+                _operator(problem, M), problem.B, problem.solve, count + 4, report, where
+            )
     if mu[-1] < -1e-9 * abs(mu[0]):
         raise InputError(
             Problem(

@@ -16,6 +16,7 @@ import scipy.linalg
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from jousto.errors import InputError, Problem
 from jousto.reduction.factor import Solver
 
 Array = NDArray[np.float64]
@@ -33,8 +34,17 @@ RESIDUAL = 1e-10
 FLOOR = 1e-13
 """Residual relative to the largest mu that rounding may leave: there is nothing below it."""
 
-PATIENCE = 400
-"""Blocks after which what has been found is returned; the last projection makes the best of it."""
+PATIENCE = 10
+"""Restarts in which the residuals must have become smaller."""
+
+PROGRESS = 0.99
+"""Part of the way to convergence (sum of the residuals' logarithms) that counts as smaller."""
+
+TOLERABLE = 1e-6
+"""Residual relative to mu that is accepted where rounding lets it become no smaller."""
+
+INTERVAL = 20
+"""The basis is examined again when it has grown by one part in so many."""
 
 ROUND_OFF = 1e-12
 """Part of a direction that is left of it after orthogonalisation when nothing new is in it."""
@@ -67,12 +77,14 @@ def lanczos(
     solve: Solver,
     count: int,
     report: Callable[[float], None] | None = None,
+    where: str = "eigenvalue problem",
 ) -> tuple[Array, Array]:
     """Return the largest `count` solutions of ``A y = mu B y``.
 
     Block Lanczos with full orthogonalisation, restarted with the best vectors found when the basis
     is full (thick restart), and a last projection that repairs rounding. If as many frequencies
     are equal as a block has columns there may be more of them: it is repeated with wider blocks.
+    It goes on as long as residuals become smaller.
 
     Parameters
     ----------
@@ -85,18 +97,25 @@ def lanczos(
     count : int
         How many.
     report : callable, optional
-        Called after each block with the part of them that has converged, from 0 to 1.
+        Called now and then with the part of them that has converged, from 0 to 1.
+    where : str
+        Name for errors.
 
     Returns
     -------
     mu : (count,) array
-        Descending.
+        Descending; fewer where all others are zero.
     Y : (n, count) array
         ``Y^T B Y = E``.
+
+    Raises
+    ------
+    InputError
+        If it does not converge.
     """
     width = BLOCK
     while True:
-        mu, Y = _iterate(apply, B, solve, count, width, report)
+        mu, Y = _iterate(apply, B, solve, count, width, report, where)
         if _equal(mu) < width or 8 * width > len(Y):
             return mu, Y
         width *= 2
@@ -115,6 +134,7 @@ def _iterate(
     count: int,
     width: int,
     report: Callable[[float], None] | None,
+    where: str,
 ) -> tuple[Array, Array]:
     n = B.shape[0]
     room = min(n, max(2 * count + 8 * width, 100))
@@ -129,7 +149,8 @@ def _iterate(
     W, BW, _ = _orthonormal(basis, W, B, np.zeros(width))
     basis.append(W, BW)
     new, near = W.shape[1], 0
-    for blocks in range(PATIENCE):
+    due, far, waited = 0, np.inf, 0
+    while True:
         old = slice(basis.size - new, basis.size)
         F = apply(basis.Q[:, old])
         W = solve(F)
@@ -142,24 +163,46 @@ def _iterate(
         # W reaches back to the block before only (three-term recurrence)
         W -= Q[:, near:] @ T[near:]
         W, BW, R = _orthonormal(basis, W, B, before)
-        mu, S = np.linalg.eigh(basis.T[: basis.size, : basis.size])
-        mu, S = mu[::-1], S[:, ::-1]
-        residual = np.linalg.norm(R @ S[old], axis=0)
-        wanted = slice(0, min(count, basis.size))
-        found = residual[wanted] <= RESIDUAL * mu[wanted] + FLOOR * mu[0]
-        if report is not None:
-            report(float(np.sum(found)) / count)
-        done = basis.size >= count and bool(np.all(found))
         full = not W.shape[1] or basis.size + W.shape[1] > n
-        if done or full or blocks == PATIENCE - 1:
-            return _projected(apply, B, Q @ S[:, wanted])
+        filled = basis.size + W.shape[1] > room
         near = old.start
-        if basis.size + W.shape[1] > room:
-            _restart(basis, mu, S, count + 2 * width)
-            near = 0
+        # not after every block: it costs the cube of the size
+        if full or filled or basis.size >= due:
+            mu, S = np.linalg.eigh(basis.T[: basis.size, : basis.size])
+            mu, S = mu[::-1], S[:, ::-1]
+            wanted = slice(0, min(count, basis.size))
+            residual = np.linalg.norm(R @ S[old, wanted], axis=0)
+            limit = RESIDUAL * mu[wanted] + FLOOR * mu[0]
+            found = residual <= limit
+            if report is not None:
+                report(float(np.sum(found)) / count)
+            if full or (basis.size >= count and bool(np.all(found))):
+                return _projected(apply, B, Q @ S[:, wanted])
+            if filled:
+                left = float(np.sum(np.log(np.maximum(residual / limit, 1.0))))
+                far, waited = (left, 0) if left < PROGRESS * far else (far, waited + 1)
+                if waited >= PATIENCE:
+                    tolerable = residual <= np.maximum(limit, TOLERABLE * mu[wanted])
+                    _require(int(np.sum(tolerable)), count, where)
+                    return _projected(apply, B, Q @ S[:, wanted])
+                _restart(basis, mu, S, count + 2 * width)
+                near = 0
+            due = basis.size + max(width, basis.size // INTERVAL)
         basis.append(W, BW)
         new = W.shape[1]
-    raise AssertionError("unreachable")
+
+
+def _require(found: int, count: int, where: str) -> None:
+    """Raise if not all frequencies have been found."""
+    if found < count:
+        raise InputError(
+            Problem(
+                where,
+                f"only {found} of {count} frequencies converge, the others become no more accurate;"
+                " ask for fewer modes or a lower frequency_limit, and look for stiffnesses or"
+                " masses of very different size, which leave a solver few digits",
+            )
+        )
 
 
 def _orthonormal(
