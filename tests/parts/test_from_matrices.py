@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from numpy.testing import assert_allclose, assert_array_equal
 
 from jousto.errors import InputError, JoustoWarning
-from jousto.parts import Circle, Material, Part, PointMass
+from jousto.parts import Circle, Interface, Material, Part, PointMass
 
 STEEL = Material(E=210e9, nu=0.3, rho=7850.0)
 ROD = Circle(0.05)
@@ -78,6 +78,20 @@ def test_anisotropic_nodal_mass_has_no_points() -> None:
     M = LUMPED.M.toarray()
     M[9, 6] = M[6, 9] = 0.1  # couples translation and rotation, not by an offset
     assert Part.from_matrices(M, LUMPED.K, LUMPED.nodes).mass_points is None
+
+
+def test_a_rigid_interface_joins_pieces() -> None:
+    """Two beams side by side; an average lets each of them go where it wants."""
+    both = [np.kron(np.eye(2), X.toarray()) for X in (M, K)]
+    nodes = np.vstack([NODES, NODES + [0, 0, 1]])
+    ends = (len(NODES) - 1, 2 * len(NODES) - 1)
+    part = Part.from_matrices(*both, nodes, interfaces=(Interface("bridge", ends),))
+    assert part.ties[0].nodes.tolist() == list(ends)
+    mean = Interface("bridge", (0, *ends), kind="average")
+    with pytest.raises(InputError, match="falls into 2 pieces"):
+        Part.from_matrices(*both, nodes, interfaces=(mean,))
+    with pytest.raises(InputError, match="falls into 2 pieces"):
+        Part.from_matrices(*both, nodes, interfaces=(Interface("foot", ends[:1]),))
 
 
 def test_input_is_not_changed() -> None:

@@ -413,6 +413,38 @@ def test_a_sound_solid_with_tied_ends(kinds: tuple[str, str]) -> None:
     assert axial == pytest.approx(0.3 / (STEEL.E * 0.03 * 0.04), rel=0.08)
 
 
+def two_blocks(kind: str) -> Part:
+    """Two bars in line with a gap; one interface over the faces at it, one at the far end."""
+    one = block("hexahedron20", (3, 1, 2), (0.15, 0.03, 0.04))
+    n = len(one.nodes)
+    mesh = Mesh(
+        "two",
+        np.concatenate([one.nodes, one.nodes + [0.2, 0.0, 0.0]]),
+        Cells("hexahedron20", np.concatenate([one.cells[0].nodes, one.cells[0].nodes + n])),
+    )
+    at_gap = mesh.box((0.149, -1.0, -1.0), (0.201, 1.0, 1.0))
+    ties = (
+        Interface("gap", at_gap, kind=kind),  # type: ignore[arg-type]
+        Interface("end", mesh.box((0.349, -1.0, -1.0), (1.0, 1.0, 1.0))),
+    )
+    with pytest.warns(JoustoWarning, match="pieces"):
+        return Part.solid(mesh, STEEL, interfaces=ties)
+
+
+def test_blocks_joined_by_a_rigid_tie_are_one_piece() -> None:
+    part = two_blocks("rigid")
+    c = certify(part, reduce(part, CraigBampton(modes=8)))
+    assert c.passed, str(c)
+    assert c["loose nodes"].status == "ok"
+    expect(c["mesh: pieces"], "note", "rigid interfaces hold them together", "")
+
+
+def test_an_average_joins_no_blocks() -> None:
+    c = certify(two_blocks("average"))
+    expect(c["loose nodes"], "fail", "falls into pieces", "a rigid interface")
+    assert c["mesh: pieces"].status == "fail"
+
+
 def test_speed_of_sound_of_solids_is_that_of_their_bulk_modulus() -> None:
     full, _ = full_model(solid())
     assert full is not None

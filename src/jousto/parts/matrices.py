@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
 from jousto.errors import Problems, warn
 from jousto.parts._arrays import Floats, Sparse, as_csr, node_dofs, scatter, skew, some, times
 from jousto.parts.mass import MassPoints, second_moment
-from jousto.parts.sets import pieces
+from jousto.parts.sets import node_graph, pieces
 
 # above this size definiteness is judged from the blocks of the nodes alone
 DENSE_UP_TO = 1200
@@ -30,9 +29,11 @@ def rigid_modes(nodes: Floats, dofs_per_node: int) -> Floats:
 
 
 def check_matrices(
-    name: str, M: Any, K: Any, nodes: Any, dofs_per_node: int | None
+    name: str, M: Any, K: Any, nodes: Any, dofs_per_node: int | None, *, whole: bool = True
 ) -> tuple[Sparse, Sparse, Floats, int]:
     """Return M, K, nodes and degrees of freedom per node, or raise with everything that is wrong.
+
+    Whether K falls into pieces is looked at if it must be whole, without ties.
 
     Raises
     ------
@@ -70,8 +71,8 @@ def check_matrices(
     if len(empty):
         names = some([f"node{i + 1}" for i in empty])
         problems.add(where, f"{names}: neither mass nor stiffness; remove or connect them")
-    else:
-        pieces(problems, where, xyz, _node_graph(stiff, dofs))
+    elif whole:
+        pieces(problems, where, xyz, node_graph(stiff, dofs))
     _check_definite(problems, where, "M", mass, dofs)
     _check_definite(problems, where, "K", stiff, dofs)
     R = rigid_modes(xyz - xyz.mean(axis=0), dofs)
@@ -162,13 +163,6 @@ def _read(problems: Problems, where: str, name: str, value: Any) -> Sparse | Non
         )
         return None
     return as_csr((matrix + matrix.T) * 0.5)
-
-
-def _node_graph(matrix: Sparse, dofs: int) -> sp.coo_array[Any, Any]:
-    coo = matrix.tocoo()
-    row, column = coo.row, coo.col
-    nn = matrix.shape[0] // dofs
-    return sp.coo_array((np.ones(len(row)), (row // dofs, column // dofs)), shape=(nn, nn))
 
 
 def _node_weight(matrix: Sparse, dofs: int) -> Floats:

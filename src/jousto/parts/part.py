@@ -25,7 +25,15 @@ from jousto.parts.mesh import Mesh
 from jousto.parts.orthotropic import Orthotropic
 from jousto.parts.second_order import SecondOrder
 from jousto.parts.section import Section
-from jousto.parts.sets import node_index, read_elements, read_sets
+from jousto.parts.sets import (
+    node_graph,
+    node_index,
+    pieces,
+    read_elements,
+    read_sets,
+    rigid_groups,
+    tied,
+)
 from jousto.parts.solids.build import solid_fields
 from jousto.parts.solids.model import SolidModel
 from jousto.parts.solids.second_order import SolidSecondOrder
@@ -438,7 +446,8 @@ class Part:
         ------
         InputError
             If a matrix is not square, symmetric and finite, does not fit the nodes, M is not
-            positive semidefinite, a node has neither mass nor stiffness, or K falls into pieces.
+            positive semidefinite, a node has neither mass nor stiffness, or K falls into pieces
+            that no rigid interface joins.
 
         Warns
         -----
@@ -452,8 +461,10 @@ class Part:
         >>> Part.from_matrices(beam.M, beam.K, beam.nodes).dofs_per_node
         6
         """
-        mass, stiff, xyz, dofs = check_matrices(name, M, K, nodes, dofs_per_node)
-        return cls(
+        mass, stiff, xyz, dofs = check_matrices(
+            name, M, K, nodes, dofs_per_node, whole=not interfaces
+        )
+        part = cls(
             name=name,
             nodes=xyz,
             elements=np.zeros((0, 2), dtype=np.int64) if elements is None else elements,
@@ -464,6 +475,12 @@ class Part:
             mass_points=points_from_blocks(mass, xyz, dofs),
             interfaces=interfaces,
         )
+        if interfaces:
+            problems = Problems()
+            graph = tied(node_graph(stiff, dofs), rigid_groups(part.ties))
+            pieces(problems, f"part '{name}'", xyz, graph)
+            problems.raise_if_any()
+        return part
 
     @classmethod
     def from_file(

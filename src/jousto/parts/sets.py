@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -97,6 +97,28 @@ def unattached(problems: Problems, where: str, elements: Ints, nn: int) -> None:
     if len(loose):
         names = some([f"node{i + 1}" for i in loose])
         problems.add(where, f"{names}: not attached to any element; remove or connect them")
+
+
+def node_graph(matrix: Any, dofs: int) -> Any:
+    """Return which nodes a matrix couples, (nn, nn) sparse."""
+    coo = matrix.tocoo()
+    nn = matrix.shape[0] // dofs
+    return sp.coo_array((np.ones(len(coo.row)), (coo.row // dofs, coo.col // dofs)), shape=(nn, nn))
+
+
+def rigid_groups(ties: Iterable[Any]) -> list[Ints]:
+    """Return the nodes of each rigid tie: they move as one, those of averages do not."""
+    return [tie.nodes for tie in ties if tie.kind == "rigid"]
+
+
+def tied(graph: Any, groups: Iterable[Ints]) -> Any:
+    """Return a graph of nodes, (nn, nn) sparse, in which the nodes of each group hang together."""
+    nodes = [np.asarray(group) for group in groups]
+    if not nodes:
+        return graph
+    i = np.concatenate([np.full(len(group), group[0]) for group in nodes])
+    j = np.concatenate(nodes)
+    return sp.coo_array(graph) + sp.coo_array((np.ones(len(i)), (i, j)), shape=graph.shape)
 
 
 def connectivity(problems: Problems, where: str, xyz: Floats, elements: Ints) -> None:

@@ -11,6 +11,7 @@ import scipy.sparse.linalg as spl
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, count
+from jousto.parts.sets import node_graph, rigid_groups, tied
 from jousto.reduction import eigen
 from jousto.reduction.certificate import Check, Table, number
 from jousto.reduction.partition import dof_label
@@ -263,7 +264,7 @@ def rotary_inertia(full: FullModel) -> Check:
 
 
 def loose_nodes(full: FullModel) -> Check:
-    """Return whether every node is held by an element."""
+    """Return whether all nodes are held, and elements and rigid ties form one piece."""
     topic = "loose nodes"
     d = full.dofs
     weight = np.asarray(abs(full.K) @ np.ones(full.K.shape[0])).reshape(-1, d)
@@ -291,7 +292,7 @@ def loose_nodes(full: FullModel) -> Check:
             "these nodes turn without any stiffness",
             "leave out their rotations, or connect them to elements that resist turning",
         )
-    pieces = _pieces(full)
+    pieces = _pieces(full.part)
     if pieces > 1:
         return Check(
             topic,
@@ -299,7 +300,8 @@ def loose_nodes(full: FullModel) -> Check:
             count(pieces, "piece"),
             "1 piece",
             "the part falls into pieces that nothing connects",
-            "merge coinciding nodes of touching bodies, or make one part of each piece",
+            "merge coinciding nodes of touching bodies, tie them by a rigid interface (an average "
+            "does not hold them together), or make one part of each piece",
         )
     if len(full.part.elements):
         outside = np.setdiff1d(np.arange(len(full.part.nodes)), full.part.elements)
@@ -391,14 +393,16 @@ def _names(nodes: NDArray[Any]) -> str:
     return ", ".join(names) + (", ..." if len(nodes) > 4 else "")
 
 
-def _pieces(full: FullModel) -> int:
+def hangs_together(part: Part) -> bool:
+    """Return whether elements and rigid ties join all nodes."""
+    return _pieces(part) == 1
+
+
+def _pieces(part: Part) -> int:
+    """Return into how many pieces a part falls; averages hold nothing together."""
     from scipy.sparse.csgraph import connected_components  # slow to import
 
-    coo = full.K.tocoo()
-    nn = len(full.nodes)
-    graph = sp.coo_array(
-        (np.ones(len(coo.data)), (coo.row // full.dofs, coo.col // full.dofs)), shape=(nn, nn)
-    )
+    graph = tied(node_graph(part.K, part.dofs_per_node), rigid_groups(part.ties))
     return int(connected_components(graph, directed=False)[0])
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from jousto.errors import count
 from jousto.reduction.certificate import Check, Status, Table, number
+from jousto.reduction.inspection import hangs_together
 
 if TYPE_CHECKING:
     from jousto.parts import Part
@@ -34,6 +35,10 @@ def mesh_checks(part: Part) -> tuple[list[Check], list[Table]]:
     found = [f for f in mesh.check() if f.kind not in ("jacobian", "sliver")]
     for finding in found:
         status: Status = "fail" if finding.severity == "error" else "warn"
+        if finding.kind == "pieces" and hangs_together(part):
+            sentence = "the mesh is of several pieces, rigid interfaces hold them together"
+            checks.append(Check("mesh: pieces", "note", "found", "", sentence))
+            continue
         value = count(len(finding.ids), "place") if finding.ids else "found"
         checks.append(Check(f"mesh: {finding.kind}", status, value, "", finding.message))
     if not found:
