@@ -232,6 +232,23 @@ def test_vtu_with_stress_of_a_solid(tmp_path: Path) -> None:
     assert len(plain.point_data) == 1
 
 
+def test_vtu_with_stress_of_two_materials(tmp_path: Path) -> None:
+    """At their border stress jumps: the file has the mean of both sides."""
+    cells = jo.Cells("hexahedron", [(0, 1, 4, 3, 6, 7, 10, 9), (1, 2, 5, 4, 7, 8, 11, 10)])
+    nodes = [(x, y, z) for z in (0.0, 0.07) for y in (0.0, 0.1) for x in (0.0, 0.1, 0.2)]
+    mesh = jo.Mesh("bar", nodes, cells, element_sets={"a": [0], "b": [1]})
+    soft = Material(E=70e9, nu=0.3, rho=2700.0)
+    part = Part.solid(mesh, {"a": STEEL, "b": soft})
+    reduced = jo.reduce(part, jo.FreeFree(modes=2))
+    known = reduced.stress
+    assert known is not None and len(known.labels) == 16
+    stress = meshio.read(jo.write_vtu(reduced, tmp_path / "bar.vtu")).point_data["stress 2"]
+    row = {label: known.modes[i, :, 1] for i, label in enumerate(known.labels)}
+    assert_allclose(stress[0], row["n1"], rtol=1e-12)
+    assert np.abs(row["n2.a"] - row["n2.b"]).max() > 0.1 * np.abs(row["n2.a"]).max()
+    assert_allclose(stress[1], 0.5 * (row["n2.a"] + row["n2.b"]), rtol=1e-12)
+
+
 # -- what is refused --------------------------------------------------------------------------
 
 

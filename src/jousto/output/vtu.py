@@ -27,7 +27,8 @@ def write_vtu(reduced: ReducedPart, path: str | Path, *, stress: bool = True) ->
 
     Each mode is a vector field of the points (mass-normalised, kg^-0.5): "Warp By Vector" shows
     its shape. Parts with stress at their nodes get a symmetric tensor field for each mode, Pa per
-    unit modal coordinate, part frame, in ParaView's order xx yy zz xy yz xz.
+    unit modal coordinate, part frame, in ParaView's order xx yy zz xy yz xz. Where the stress of a
+    node is known several times, as on the border of two materials, that is the mean.
 
     Parameters
     ----------
@@ -99,13 +100,16 @@ def _nodal_stress(reduced: ReducedPart) -> Array | None:
     places = reduced.stress.positions
     distance, node = cKDTree(reduced.nodes).query(places)
     size = float(np.ptp(reduced.nodes, axis=0).max())
-    if len(np.unique(node)) < len(places) or np.any(distance > 1e-9 * size):
+    if np.any(distance > 1e-9 * size):
         return None
-    out = np.full((len(reduced.nodes), 6, reduced.n), np.nan)
     s = reduced.stress.modes
     # [s11 s22 s33 s12 s23 s13] as tensors, turned from the axes of the places
     tensor = s[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
     A = reduced.stress.axes
     turned = np.einsum("sia,sabn,sjb->sijn", A, tensor, A, optimize=True)
-    out[node] = turned[:, [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]
-    return out
+    out = np.zeros((len(reduced.nodes), 6, reduced.n))
+    np.add.at(out, node, turned[:, [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]])
+    # one value for each node, NaN for those without any
+    times = np.bincount(node, minlength=len(out)).astype(float)
+    times[times == 0.0] = np.nan
+    return np.asarray(out / times[:, None, None])
