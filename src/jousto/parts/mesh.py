@@ -282,8 +282,18 @@ class Mesh:
     # ---- meshes made from this one ---------------------------------------------------------------
 
     def with_set(self, name: str, nodes: Any) -> Mesh:
-        """Return the mesh with one more node set (or another one of that name)."""
-        return replace(self, node_sets={**self.node_sets, name: nodes})
+        """Return the mesh with one more node set.
+
+        It takes the place of a node set, element set and surface of that name.
+        """
+        others = {key: value for key, value in self.element_sets.items() if key != name}
+        surfaces = {key: value for key, value in self.surfaces.items() if key != name}
+        return replace(
+            self,
+            node_sets={**self.node_sets, name: nodes},
+            element_sets=others,
+            surfaces=surfaces,
+        )
 
     def scaled(self, factor: float) -> Mesh:
         """Return the mesh with all positions multiplied: 0.0254 turns inches into m."""

@@ -110,6 +110,27 @@ def test_picks() -> None:
     np.testing.assert_allclose(mesh.scaled(2.0).nodes, 2.0 * mesh.nodes)
 
 
+def test_a_new_set_takes_the_place_of_a_surface_and_an_element_set() -> None:
+    mesh = block("hexahedron", (2, 1, 1), (0.2, 0.1, 0.1))
+    left = next(f.nodes[f.sides == 5] for f in mesh.faces)[:1]
+    named = jo.Mesh(
+        "bar",
+        mesh.nodes,
+        mesh.cells,
+        element_sets={"half": [0]},
+        surfaces={"end": left},
+    )
+    right = mesh.box((0.2, 0, 0), (0.2, 1, 1))
+    other = named.with_set("end", right).with_set("half", right)
+    assert not other.surfaces and not other.element_sets
+    assert set(named.with_set("more", right).surfaces) == {"end"}
+    # pressure on that name acts there, and nowhere else
+    part = jo.Part.solid(other, jo.material("S355"))
+    force = part.load(jo.Pressure("end", 1.0)).reshape(-1, 3)
+    np.testing.assert_array_equal(np.flatnonzero(np.abs(force).sum(axis=1)), right)
+    np.testing.assert_allclose(force.sum(axis=0), [-0.01, 0.0, 0.0], atol=1e-15)
+
+
 def test_wrong_picks_are_told() -> None:
     mesh = block("tetra", (1, 1, 1), (1.0, 1.0, 1.0))
     with pytest.raises(InputError, match="axis is zero") as caught:
