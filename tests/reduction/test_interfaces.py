@@ -11,8 +11,9 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from jousto.errors import InputError
-from jousto.parts import Interface, Material, Part
+from jousto.parts import Interface, Material, Part, Tube
 from jousto.reduction import CraigBampton, FreeFree, ReducedPart, eigen, reduce
+from jousto.reduction.held import rigid_left
 from reduction.hexes import box
 
 Array = NDArray[np.float64]
@@ -34,7 +35,7 @@ def arm(left: Any = "rigid", right: Any = "average", **options: Any) -> Part:
 
 def tie_equations(part: Part) -> tuple[Array, int]:
     """Rows of ``B [u; q] = 0`` of all ties, written from their definition with equal weights."""
-    ndof, m = part.K.shape[0], len(part.ties)
+    ndof, m, d = part.K.shape[0], len(part.ties), part.dofs_per_node
     rows = []
     for number, tie in enumerate(part.ties):
         s = part.nodes[tie.nodes] - tie.at
@@ -43,7 +44,9 @@ def tie_equations(part: Part) -> tuple[Array, int]:
         for c, e in enumerate(np.eye(3)):
             R[:, :, 3 + c] = np.cross(e, s)
         R = R.reshape(-1, 6)
-        dofs = (3 * tie.nodes[:, None] + np.arange(3)).ravel()
+        # translations: a rigid tie of nodes that turn is not written here
+        assert d == 3 or tie.kind == "average"
+        dofs = (d * tie.nodes[:, None] + np.arange(3)).ravel()
         own = slice(ndof + 6 * number, ndof + 6 * number + 6)
         if tie.kind == "rigid":
             block = np.zeros((len(dofs), ndof + 6 * m))
@@ -232,6 +235,64 @@ def test_an_average_frees_what_a_rigid_tie_stiffens() -> None:
     plain = reduce(box(), FreeFree(modes=4)).frequencies
     np.testing.assert_allclose(f["average"], plain, rtol=1e-12)
     assert np.all(f["rigid"] > 1.0001 * plain)
+
+
+# -- coordinates that turn inside, beside averages ------------------------------------------
+
+
+def cage(L: float) -> Part:
+    """A frame of tubes, 6-DOF nodes, whose only interfaces are averages of its two ends."""
+    nodes = L * np.array([(x, y, z) for z in (0, 1 / 3) for x, y in
+                          ((0, 0), (1, 0), (1, 0.5), (0, 0.5))])  # fmt: skip
+    bars = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6),
+            (3, 7)]  # fmt: skip
+    part = Part.frame(nodes, bars, sections=Tube(0.05 * L, 0.002 * L), materials=STEEL)
+    return part.with_interfaces(
+        Interface("a", [0, 3, 4, 7], kind="average"), Interface("b", [1, 2, 5, 6], kind="average")
+    )
+
+
+def clamped_between(L: float) -> Part:
+    """A box with averages at both ends and a rigid tie in between that no reduction names."""
+    part = replace(box((L, L / 4, 0.15 * L), (6, 3, 2)), faces=())
+    x, y = part.nodes[:, 0] / L, part.nodes[:, 1] / L
+    return part.with_interfaces(
+        Interface("a", "left", kind="average"),
+        Interface("b", "right", kind="average", at=(1.1 * L, 0.05 * L, 0.0)),
+        Interface("c", np.flatnonzero((np.abs(x - 0.5) < 0.3) & (y > 0.12))),
+    )
+
+
+@pytest.mark.parametrize("made", [cage, clamped_between])
+@pytest.mark.parametrize("L", [0.4, 3.0])
+@pytest.mark.parametrize("modes", [0, 4])
+def test_what_turns_inside_moves_with_averages(made: Any, L: float, modes: int) -> None:
+    """Statics of the full model whatever the size of the body."""
+    part = made(L)
+    reduced = reduce(part, CraigBampton(("a", "b"), modes=modes))
+    loads = unit_loads(part, 1)
+    found = reduced_static(reduced, reference(part, 0), loads)
+    assert worst(found, full_static(part, reference(part, 0), loads)) < 1e-7
+
+
+@pytest.mark.parametrize("made", [cage, clamped_between])
+@pytest.mark.parametrize("L", [0.4, 3.0])
+def test_frequencies_with_what_turns_inside(made: Any, L: float) -> None:
+    """With all fixed-interface modes the frequencies are those of the full model."""
+    part = made(L)
+    truth = full_frequencies(part)[6:]
+    found = reduce(part, CraigBampton(("a", "b"), modes=len(truth) - 6)).frequencies
+    np.testing.assert_allclose(found, truth, rtol=1e-7)
+
+
+def test_rows_of_very_many_held_coordinates_take_little() -> None:
+    """Half a million coordinates: a square matrix of them would be 2 TB."""
+    R = np.random.default_rng(0).standard_normal((500_000, 6))
+    R[:, 5] = R[:, 0] - R[:, 3]
+    rest = rigid_left(R)
+    assert rest.shape == (6, 1)
+    np.testing.assert_allclose(R @ rest, 0.0, atol=1e-11)
+    assert rigid_left(R[:2]).shape == (6, 4)
 
 
 # -- free-free with attachment modes --------------------------------------------------------

@@ -75,10 +75,11 @@ class Inside:
         self.C = sp.csr_array(b.C[:, self.rows])
         # rigid motions that the held coordinates leave free, stopped by as many pins
         rest = rigid_left(z.rigid[b.held])
-        self._N = z.rigid[self.rows] @ rest / z.length
+        self._N = z.motions[self.rows] @ rest
         self._free = np.arange(len(self.rows))
         if rest.shape[1]:
-            _, pivots = scipy.linalg.qr(self._N.T, mode="r", pivoting=True)
+            comparable = z.rigid[self.rows] @ rest
+            _, pivots = scipy.linalg.qr(comparable.T, mode="r", pivoting=True)
             self._free = np.setdiff1d(self._free, pivots[: rest.shape[1]])
         self._Z: Solver | None = None
         self._W = np.zeros((len(self.rows), 0))
@@ -186,7 +187,8 @@ def rigid_left(R: Array) -> Array:
     """
     if not len(R):
         return np.eye(6)
-    _, s, V = np.linalg.svd(R, full_matrices=True)
+    # of the triangle: rows of many coordinates would give a matrix of all pairs
+    _, s, V = np.linalg.svd(np.linalg.qr(R, mode="r"), full_matrices=True)
     rank = int(np.sum(s > HELD * s[0]))
     return np.asarray(V[rank:].T)
 

@@ -60,6 +60,11 @@ class Coordinates:
         return len(self.kinds)
 
     @property
+    def motions(self) -> Array:
+        """Rigid motions of z (nz, 6) as they are, rotations in rad: ``K_z R = 0``."""
+        return self.rigid / np.where(self.kinds < 3, 1.0, self.length)[:, None]
+
+    @property
     def dof(self) -> Index:
         """Degree of freedom of each coordinate (nz,), -1 for those of reference nodes."""
         out = np.full(self.size, -1, dtype=np.intp)
