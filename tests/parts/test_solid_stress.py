@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -127,6 +128,26 @@ def test_rows_of_a_few_sites(rng: np.random.Generator) -> None:
     found = (stress.rows(sites) @ d).reshape(3, 6, 2)
     np.testing.assert_allclose(found, stress.evaluate(d)[[17, 3, 40]], rtol=1e-12)
     assert stress.rows(sites).nnz < 0.8 * 18 * part.K.shape[0]
+
+
+def test_rows_of_many_sites_take_blocks_of_columns(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rows of all sites are sparse, and no more than a block of them is ever dense."""
+    part = Part.solid(grid("tetra", (6, 6, 6), SIZE), STEEL)
+    stress = solid_stress(part)
+    whole = stress.rows(stress.sites)
+    full = 8 * (len(stress) * 6) * part.K.shape[0]
+    monkeypatch.setattr("jousto.parts.solids.stress.ROWS_BYTES", full // 20)
+    monkeypatch.setattr("jousto.parts.solids.stress.BLOCK_BYTES", full // 20)
+    tracemalloc.start()
+    rows = stress.rows(stress.sites)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 0.5 * full
+    assert abs(rows - whole).max() <= 1e-15 * abs(whole).max()
+    d = np.random.default_rng(0).standard_normal(part.K.shape[0])
+    np.testing.assert_allclose(
+        (rows @ d).reshape(-1, 6), stress.evaluate(d), atol=1e-9 * np.abs(stress.evaluate(d)).max()
+    )
 
 
 @pytest.mark.parametrize("kind", ALL)

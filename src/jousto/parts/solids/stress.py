@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from jousto.errors import InputError, Problem, suggest
-from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, read_only, scatter, times
+from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, read_only, times
 from jousto.parts.material import Material
 from jousto.parts.orthotropic import elasticity
 from jousto.parts.solids.elements import CORNERS, gradients, places, shape_functions, table
@@ -18,6 +18,10 @@ from jousto.parts.solids.model import VOIGT, SolidGroup, SolidModel
 
 BLOCK_BYTES = 96 << 20
 """Memory of the strains of one block of displacement columns."""
+
+
+ROWS_BYTES = 32 << 20
+"""Memory of the unit displacements of one block, and of the stress they give."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,11 +173,18 @@ class SolidStress:
             ),
         )
         local = SolidStress(around, np.searchsorted(used, few.node), few.material, self.quantity)
-        block = local.evaluate(np.eye(3 * len(used)))
-        rows = np.arange(6 * len(few)).reshape(1, -1)
-        columns = (3 * used[:, None] + np.arange(3)).reshape(1, -1)
-        shape = (6 * len(few), 3 * len(self.model.nodes))
-        return scatter(block.reshape(1, 6 * len(few), -1), rows, columns, shape)
+        n, m = 3 * len(used), 6 * len(few)
+        columns = (3 * used[:, None] + np.arange(3)).ravel()
+        # some columns at a time: those of many sites would not fit, and are nearly empty
+        step = max(1, ROWS_BYTES // (8 * (n + m)))
+        found = []
+        for start in range(0, n, step):
+            unit = np.zeros((n, min(step, n - start)))
+            unit[start + np.arange(unit.shape[1]), np.arange(unit.shape[1])] = 1.0
+            found.append(sp.csc_array(local.evaluate(unit).reshape(m, -1)))
+        place = (np.ones(n), (np.arange(n), columns))
+        spread = sp.csr_array(sp.coo_array(place, shape=(n, 3 * len(self.model.nodes))))
+        return as_csr(sp.hstack(found, format="csr") @ spread)
 
     def at(self, nodes: Sequence[int] | Ints) -> SolidStress:
         """Return the operator of the sites of some nodes (indices of the part), in node order."""
