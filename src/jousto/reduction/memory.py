@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -28,6 +29,15 @@ COPIES = 2.5
 BULKY = {"superlu": 300.0}
 """Bytes of a factor over ``n^(4/3)``, nested dissection of solids; 120 where not named."""
 
+MANY = 200
+"""Modes above which a node set is likely to be the reason."""
+
+FIELDS = 7.0
+"""Copies of the modes in the invariants: the modes, turned about three axes, and M times these."""
+
+PAIRS = 45.0
+"""Numbers for each pair of modes in the invariants: nine bilinear forms, and on the way to them."""
+
 THIN = 20.0
 """Bytes of a factor over ``n log2 n``, nested dissection of plates and shells: the least."""
 
@@ -40,6 +50,8 @@ class MemoryEstimate:
     ----------
     unknowns : int
         Degrees of freedom.
+    modes : int
+        Modes at most: of the interfaces, asked for, and residual vectors.
     solver : str
         Library that would factorise, see `solvers`.
     factor : float
@@ -53,6 +65,7 @@ class MemoryEstimate:
     """
 
     unknowns: int
+    modes: int
     solver: str
     factor: float
     total: float
@@ -62,22 +75,30 @@ class MemoryEstimate:
     def __str__(self) -> str:
         there = f" of {self.machine / GiB:.1f} GiB" if np.isfinite(self.machine) else ""
         return (
-            f"{self.unknowns:,} unknowns: up to about {_amount(self.total)}{there}, "
-            f"{_amount(self.factor)} of it for the factorisation by {self.solver}"
+            f"{self.unknowns:,} unknowns, {self.modes:,} modes: up to about "
+            f"{_amount(self.total)}{there}, {_amount(self.factor)} of it for the "
+            f"factorisation by {self.solver}"
         )
 
 
 def memory_estimate(
-    part: Part, method: CraigBampton | FreeFree, *, solver: str | None = None
+    part: Part,
+    method: CraigBampton | FreeFree,
+    *,
+    stiffening: bool = False,
+    solver: str | None = None,
 ) -> MemoryEstimate:
     """Return about how much memory the reduction of a part takes, before it starts.
 
-    The factor of a solid of n unknowns grows with ``n^(4/3)``; the rest with n.
+    The factor of a solid of n unknowns grows with ``n^(4/3)``; the m modes are there several times
+    as dense ``n m`` and ``m^2`` arrays, most of it if a node set is an interface.
 
     Parameters
     ----------
     part : Part
     method : CraigBampton or FreeFree
+    stiffening : bool
+        As for `reduce`.
     solver : str, optional
         As for `reduce`.
 
@@ -92,12 +113,34 @@ def memory_estimate(
     name = factor.choose(n, f"part '{part.name}'", solver)
     entries = part.K.nnz + part.M.nnz
     modes = 20 if method.modes is None else method.modes
-    columns = modes + (6 * len(method.interfaces) if isinstance(method, CraigBampton) else 0)
+    columns = _columns(part, method)
+    m = min(modes + columns, n)
+    # while modes are sought, and while they are made into a body
     basis = 2 * max(2 * modes + 40, 104)
-    rest = BASE + COPIES * 12.0 * entries + 8.0 * n * (basis + 4 * columns)
+    sites = 0 if part.stress is None else len(part.stress.sites)
+    body = m * max(FIELDS * n + PAIRS * m, 2.0 * n + 2.0 * 6 * sites)
+    if stiffening:
+        body = max(body, 3.0 * n * m**2)
+    rest = BASE + COPIES * 12.0 * entries + 8.0 * max(n * (basis + 4.0 * m), body)
     bulky = BULKY.get(name, 120.0) * n ** (4.0 / 3.0)
     thin = min(THIN * n * np.log2(max(n, 2)), bulky)
-    return MemoryEstimate(n, name, bulky, rest + bulky, rest + thin, machine_memory())
+    return MemoryEstimate(n, m, name, bulky, rest + bulky, rest + thin, machine_memory())
+
+
+def _columns(part: Part, method: CraigBampton | FreeFree) -> int:
+    """Return the number of interface motions, or attachment modes, and residual vectors."""
+    ties = [tie.name for tie in part.ties]
+    names: Collection[str] = method.interfaces
+    if isinstance(method, CraigBampton):
+        names = names or ties
+    # six motions of a tie, all of each node of a set; unknown names are refused later
+    count = sum(
+        6 if name in ties else part.dofs_per_node * len(part.node_sets.get(name, ()))
+        for name in names
+    )
+    for item in method.residuals:
+        count += 6 if isinstance(item, str) else item.loads.shape[1]
+    return count + 6 * (isinstance(method, CraigBampton) and method.inertia_relief)
 
 
 def check_memory(estimate: MemoryEstimate, where: str) -> None:
@@ -117,9 +160,13 @@ def check_memory(estimate: MemoryEstimate, where: str) -> None:
         "use a coarser mesh (quadratic elements allow it), fewer modes, or a machine with more "
         "memory"
     )
+    if estimate.modes > MANY:
+        remedy += (
+            "; an Interface(name, nodes) has 6 modes where a node set has 3 or 6 for each node"
+        )
     text = (
-        f"the reduction of {estimate.unknowns:,} unknowns needs {{}} of memory, this machine has "
-        f"{estimate.machine / GiB:.1f} GiB; {remedy}"
+        f"the reduction of {estimate.unknowns:,} unknowns to {estimate.modes:,} modes needs {{}} "
+        f"of memory, this machine has {estimate.machine / GiB:.1f} GiB; {remedy}"
     )
     if estimate.least > estimate.machine:
         raise InputError(Problem(where, text.format(f"at least {_amount(estimate.least)}")))

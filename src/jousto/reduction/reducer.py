@@ -119,7 +119,7 @@ def reduce(
         entry = None if chosen is None else _entry(chosen, part, method, stiffening, solver)
         if entry is not None and (finished := entry.finished()) is not None:
             return finished
-        estimate = memory_estimate(part, method, solver=solver)
+        estimate = memory_estimate(part, method, stiffening=stiffening, solver=solver)
         logging.getLogger(__name__).info("%s: %s", where, estimate)
         check_memory(estimate, where)
         run = Run(solver, report, entry)
