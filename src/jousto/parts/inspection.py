@@ -31,9 +31,9 @@ class Finding(Problem):
     where, message : str
         As in :class:`Problem`: what was found and the remedy.
     kind : str
-        ``empty``, ``unsupported``, ``collapsed``, ``jacobian``, ``sliver``, ``overlap``,
-        ``mixed orders``, ``pieces``, ``duplicate nodes``, ``free nodes``, ``unused nodes``,
-        ``empty set`` or ``size``.
+        ``empty``, ``numbers``, ``unsupported``, ``collapsed``, ``jacobian``, ``sliver``,
+        ``overlap``, ``mixed orders``, ``pieces``, ``duplicate nodes``, ``free nodes``,
+        ``unused nodes``, ``empty set`` or ``size``.
     severity : {"error", "warning"}
         No sound part can be made of a mesh with an error.
     ids : tuple of int
@@ -87,11 +87,27 @@ def _all(mesh: Mesh) -> Iterator[Finding]:
             "error",
         )
         return
+    yield from _numbers(mesh, where)
     yield from _shapes(mesh, where)
     yield from _connection(mesh, where)
     yield from _nodes(mesh, where)
     yield from _sets(mesh, where)
     yield from _size(mesh, where)
+
+
+def _numbers(mesh: Mesh, where: str) -> Iterator[Finding]:
+    """Numbers that belong to several solid elements or nodes."""
+    for ids, what in ((mesh.element_ids, "element"), (mesh.node_ids, "node")):
+        values, number = np.unique(ids, return_counts=True)
+        wrong = values[number > 1]
+        if len(wrong):
+            yield Finding(
+                where,
+                f"number {_list(wrong)} belongs to more than one {what}; give each its own",
+                "numbers",
+                "error",
+                tuple(int(i) for i in wrong),
+            )
 
 
 def _unsupported(mesh: Mesh, where: str) -> Iterator[Finding]:

@@ -138,8 +138,9 @@ def measure(nodes: Floats, cells: Sequence[Cells]) -> Quality:
 
         ends = edges(kind)
         span = np.linalg.norm(X[:, ends[:, 0]] - X[:, ends[:, 1]], axis=2)
-        low = span.min(axis=1)
-        aspect[here] = span.max(axis=1) / np.where(low > 0.0, low, np.finfo(float).tiny)
+        low, high = span.min(axis=1), span.max(axis=1)
+        # at most 1e100, where an edge has no length
+        aspect[here] = high / np.maximum(low, 1e-100 * high + np.finfo(float).tiny)
     for array in (scaled, ratio, aspect):
         array.setflags(write=False)
     return Quality(ids, scaled, ratio, aspect)

@@ -188,3 +188,13 @@ def test_units_that_cannot_be(factor: float, sentence: str) -> None:
     with pytest.raises(AssertionError):
         only(mesh.scaled(factor), "sliver")
     assert re.match(sentence, finding.message)
+
+
+def test_numbers_given_twice() -> None:
+    x = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)], dtype=float)
+    cells = jo.Cells("tetra", [(0, 1, 2, 3), (1, 4, 2, 3)], ids=[7, 7])
+    mesh = jo.Mesh("pair", x, cells, node_ids=[1, 2, 3, 4, 4])
+    found = [f for f in mesh.check() if f.kind == "numbers"]
+    assert [f.ids for f in found] == [(7,), (4,)]
+    assert all(f.severity == "error" for f in found)
+    assert "number 7 belongs to more than one element" in found[0].message

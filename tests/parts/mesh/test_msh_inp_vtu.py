@@ -153,6 +153,65 @@ def test_random_damage_never_ends_in_a_traceback(
             jo.read_mesh(path).check()
 
 
+# words that stand in no sound file, or mean something else there
+WORDS = [
+    "",
+    "1.9",
+    "9" * 20,
+    "123456789012",
+    "THRU",
+    "x",
+    "1.0D+00",
+    "-1",
+    "nan",
+    "1e400",
+    "1",
+    "S9",
+]
+BULK = """BEGIN BULK
+GRDSET,,3
+CORD2C,3,0,0.,0.,0.,0.,0.,1.
++,1.,0.,0.
+GRID,1,0,0.,0.,0.
+GRID,2,,1.,0.,0.
+GRID,3,,1.,90.,0.
+GRID,4,0,0.,0.,1.
+GRID,5,0,1.,1.,1.
+CTETRA,1,7,1,2,3,4
+CTETRA,2,8,2,5,3,4
+PSOLID,7,1
+PSOLID,8,2
+SET1,5,1,THRU,3,5
+RBE2,9,1,123456,2,THRU,4
+RBE3,10,,1,123456,1.0,123,2,3
+ENDDATA
+"""
+
+
+@pytest.mark.filterwarnings("ignore::jousto.JoustoWarning")
+@pytest.mark.parametrize("suffix", ["inp", "bdf"])
+def test_wrong_words_and_lines_never_end_in_a_traceback(
+    suffix: str, tmp_path: Path, rng: np.random.Generator
+) -> None:
+    lines = (DECK if suffix == "inp" else BULK).splitlines()
+    path = tmp_path / f"damaged.{suffix}"
+    jobs = [
+        (i, j, word) for i, s in enumerate(lines) for j in range(s.count(",") + 1) for word in WORDS
+    ]
+    for job in rng.permutation(len(jobs))[:150]:
+        i, j, word = jobs[job]
+        words = lines[i].split(",")
+        words[j] = word
+        path.write_text("\n".join([*lines[:i], ",".join(words), *lines[i + 1 :]]) + "\n")
+        with contextlib.suppress(InputError):
+            jo.read_mesh(path).check()
+    for i in range(len(lines)):
+        for instead in ([], [lines[i]] * 2):  # a line less, a line twice
+            path.write_text("\n".join([*lines[:i], *instead, *lines[i + 1 :]]) + "\n")
+            with contextlib.suppress(InputError):
+                jo.read_mesh(path).check()
+
+
 @pytest.mark.parametrize("kind", SOLIDS)
 @pytest.mark.parametrize("suffix", ["vtu", "vtk", "inp", "msh", "med"])
 def test_meshio_writes_we_read(kind: str, suffix: str, tmp_path: Path) -> None:
@@ -248,12 +307,95 @@ def test_abaqus_deck(tmp_path: Path) -> None:
         (" 42, 2., 1., 1.", " 10, 2., 1., 1.", "node 10 stands there twice, at different places"),
         ("*STEP", "*INCLUDE, INPUT=more.inp", "the included file 'more.inp' is not there"),
         ("*HEADING", "*INSTANCE, NAME=a\n*INSTANCE, NAME=b", "2 instances in one assembly"),
+        (" 5, 11, 31", " 7, 11, 31", "number 7 belongs to more than one element"),
+        (" 5, 11, 31", " 5, 11.9, 31", r"\*ELEMENT: '11.9' is no whole number"),
+        (" 31, 2.,", " 31.7, 2.,", r"\*NODE: '31.7' is no whole number"),
+        (" 31, 2.,", f" {10**19}, 2.,", f"'{10**19}' is too large for a number"),
+        (" EVERYTHING, S2", " EVERYTHING, S9", "face 9 of element 7; a hexahedron has 6"),
+        ("*Nset, nset=range,", "*Nset,", r"\*NSET: has no name; write NSET="),
+        ("*SURFACE, NAME=right,", "*SURFACE,", r"\*SURFACE: has no name; write NAME="),
+        ("*STEP", "*NGEN\n10,13,1", r"\*NGEN: makes nodes or elements .* export the full mesh"),
+        ("*STEP", "*ELCOPY, ELEMENT SHIFT=9", r"\*ELCOPY: makes nodes or elements"),
+        ("*Node,", "*Node, system=S,", "SYSTEM=S is not read; export the nodes with SYSTEM=R"),
+        ("*Node,", "*SYSTEM\n0,0,0,1,0,0\n2,0,0\n*Node,", "points lie on a line"),
     ],
 )
 def test_wrong_decks_are_told(tmp_path: Path, found: str, instead: str, sentence: str) -> None:
     path = tmp_path / "bar.inp"
     path.write_text(DECK.replace(found, instead))
     with pytest.raises(InputError, match=sentence):
+        jo.read_mesh(path)
+
+
+@pytest.mark.filterwarnings("ignore:.*type MASS")
+def test_numbers_as_abaqus_takes_them(tmp_path: Path) -> None:
+    path = tmp_path / "bar.inp"
+    path.write_text(
+        DECK.replace(" 31, 2., 0., 0.", " 31, 2.0D+00,, 0.").replace(
+            " 10, 13, 1", " 10, 100000000000, 1"
+        )
+    )
+    mesh = jo.read_mesh(path)
+    assert mesh.volume == pytest.approx(2.0)
+    # a range holds those that are there
+    assert len(mesh.set("range")) == len(mesh.nodes)
+
+
+TETRA = "1,0,0,0\n2,2,{0},0\n3,2,{1},0\n4,0,0,3\n*ELEMENT,TYPE=C3D4\n1,1,2,3,4\n"
+
+
+@pytest.mark.parametrize(
+    ("head", "angles", "nodes"),
+    [
+        # radius 2 at 0 and 90 degrees
+        ("*NODE, SYSTEM=C\n", (0, 90), [(0, 0, 0), (2, 0, 0), (0, 2, 0), (0, 0, 3)]),
+        # moved only
+        ("*SYSTEM\n1,1,1\n*NODE\n", (0, 2), [(1, 1, 1), (3, 1, 1), (3, 3, 1), (1, 1, 4)]),
+        # x' along y, z' stays
+        ("*SYSTEM\n0,0,0,0,5,7\n*NODE\n", (0, 2), [(0, 0, 0), (0, 2, 0), (-2, 2, 0), (0, 0, 3)]),
+        # x' along y, y' along z, z' along x
+        (
+            "*SYSTEM\n1,0,0,1,1,0\n1,1,1\n*NODE\n",
+            (0, 2),
+            [(1, 0, 0), (1, 2, 0), (1, 2, 2), (4, 0, 0)],
+        ),
+        # cylindrical in the system; the first *SYSTEM is called off
+        (
+            "*SYSTEM\n9,9,9\n*SYSTEM\n*SYSTEM\n1,0,0,1,1,0\n1,1,1\n*NODE, SYSTEM=C\n",
+            (0, 90),
+            [(1, 0, 0), (1, 2, 0), (1, 0, 2), (4, 0, 0)],
+        ),
+    ],
+)
+def test_coordinate_systems_of_abaqus(
+    tmp_path: Path, head: str, angles: tuple[int, int], nodes: list[tuple[int, int, int]]
+) -> None:
+    path = tmp_path / "tetra.inp"
+    path.write_text(head + TETRA.format(*angles))
+    np.testing.assert_allclose(jo.read_mesh(path).nodes, nodes, atol=1e-15)
+
+
+def test_fractions_in_gmsh_files(tmp_path: Path) -> None:
+    path = tmp_path / "tetra.msh"
+    text = (
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
+        "$EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n"
+    )
+    path.write_text(text)
+    assert jo.read_mesh(path).volume == pytest.approx(1 / 6)
+    for found, instead in (("1 1 1 2 3 4", "1 1 1 2 3.5 4"), ("\n3 0 1 0", "\n3.5 0 1 0")):
+        path.write_text(text.replace(found, instead))
+        with pytest.raises(InputError, match=r"'3\.5' is no whole number"):
+            jo.read_mesh(path)
+    # an element in two groups stands there twice; another element may not have its number
+    path.write_text(
+        text.replace("\n1\n1 4 2 1 1 1 2 3 4", "\n2\n1 4 2 1 1 1 2 3 4\n1 4 2 2 1 1 2 3 4")
+    )
+    assert jo.read_mesh(path).volume == pytest.approx(1 / 6)
+    path.write_text(
+        text.replace("\n1\n1 4 2 1 1 1 2 3 4", "\n2\n1 4 2 1 1 1 2 3 4\n1 4 2 2 1 1 3 2 4")
+    )
+    with pytest.raises(InputError, match="number 1 belongs to more than one element"):
         jo.read_mesh(path)
 
 

@@ -202,3 +202,65 @@ def test_cut_off_decks_are_told(tmp_path: Path) -> None:
     path.write_text(DECK.partition("       3       4\nCTRIA3")[0])
     with pytest.raises(InputError, match="CTETRA: field 6 is missing"):
         jo.read_mesh(path)
+
+
+PAIR = """BEGIN BULK
+GRID,1,0,0.,0.,0.
+GRID,2,,1.,0.,0.
+GRID,3,,0.,1.,0.
+GRID,4,,0.,0.,1.
+GRID,5,,1.,1.,1.
+CTETRA,1,7,1,2,3,4
+CTETRA,2,8,2,5,3,4
+PSOLID,7,1
+PSOLID,8,2
+SET1,5,1,THRU,3
+ENDDATA
+"""
+
+
+@pytest.mark.parametrize(
+    ("found", "instead", "sentence"),
+    [
+        ("CTETRA,2", "CTETRA,1", "number 1 belongs to more than one element"),
+        ("THRU,3", "THRU,x", r"SET1: field 5 is 'x', must be a whole number"),
+        ("THRU,3", "THRU", "SET1: field 5 is missing, must be a whole number"),
+        ("1,THRU,3", "3,THRU,1", "SET1: field 5 is '1', must be 3 or more"),
+        ("GRID,5", "GRID,99999999999999999999", "field 2 is '9{20}', must be a whole number"),
+        ("CTETRA,2", "CTETRA,99999999999999999999", "field 2 is '9{20}', must be a whole number"),
+        ("GRID,1", "GRDSET,,4\nGRDSET,,5\nGRID,1", "twice with different systems"),
+    ],
+)
+def test_wrong_numbers_are_told(tmp_path: Path, found: str, instead: str, sentence: str) -> None:
+    path = tmp_path / "pair.bdf"
+    path.write_text(PAIR.replace(found, instead))
+    with pytest.raises(InputError, match=sentence):
+        jo.read_mesh(path)
+
+
+def test_ranges_hold_what_is_there(tmp_path: Path) -> None:
+    path = tmp_path / "pair.bdf"
+    for last, expected in (("3", [0, 1, 2]), ("999999999999", [0, 1, 2, 3, 4])):
+        path.write_text(PAIR.replace("THRU,3", f"THRU,{last}"))
+        assert jo.read_mesh(path).node_sets["set5"].tolist() == expected
+
+
+def test_systems_of_all_grids(tmp_path: Path) -> None:
+    path = tmp_path / "pair.bdf"
+    cylinder = "GRDSET,,9\nCORD2C,9,0,0.,0.,0.,0.,0.,1.\n+,1.,0.,0.\n"
+    path.write_text(
+        PAIR.replace("GRID,1", cylinder + "GRID,1").replace("3,,0.,1.,0.", "3,,1.,90.,0.")
+    )
+    mesh = jo.read_mesh(path)
+    # grid 1 says 0: the basic system; grid 5 has an angle of 1 degree
+    np.testing.assert_allclose(mesh.nodes[[0, 1, 2]], np.eye(4, 3, -1)[:3], atol=1e-15)
+    np.testing.assert_allclose(mesh.nodes[4], (np.cos(np.pi / 180), np.sin(np.pi / 180), 1.0))
+
+
+def test_ties_that_are_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "pair.bdf"
+    path.write_text(PAIR.replace("ENDDATA", "MPC,9,1,1,1.,2,1,-1.\nENDDATA"))
+    with pytest.warns(
+        jo.JoustoWarning, match="1 MPC not read: the nodes are not tied; .*Interface"
+    ):
+        jo.read_mesh(path)

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from jousto.errors import InputError, Problem, Problems
-from jousto.parts._arrays import Floats, some
-from jousto.parts.readers.raw import RawCells, RawMesh
+from jousto.parts._arrays import Floats, Ints, some
+from jousto.parts.readers.raw import BIG, Members, RawCells, RawMesh, joined, sensible
 
 # card -> (kind with corners only, kind with midside nodes)
 _SOLIDS = {
@@ -51,6 +51,17 @@ _SILENT = re.compile(
 )
 
 
+# what to do about cards that are not read
+_REMEDIES = (
+    (r"CONM|CMASS", "; give point masses to Part.solid"),
+    (
+        r"MPC|RBAR|RBE1|RROD|RTRPLT|RSPLINE|RJOINT",
+        ": the nodes are not tied; tie them by an Interface of the part",
+    ),
+    (r"", ": nothing of them gets into the mesh"),
+)
+
+
 @dataclass
 class _Card:
     """One entry: its name, its fields from the second one on, and where it begins."""
@@ -72,10 +83,9 @@ class _Card:
         text = self.field(i)
         if not text and default is not None:
             return default
-        try:
-            return int(text)
-        except ValueError:
-            raise self.wrong(i, "a whole number") from None
+        if not re.fullmatch(r"[+-]?\d{1,25}", text) or abs(int(text)) > BIG:
+            raise self.wrong(i, "a whole number")
+        return int(text)
 
     def real(self, i: int, default: float | None = None) -> float:
         """Return the real number in field i: ``1.5``, ``1.5E-3``, ``1.5-3`` or ``1.5D-3``."""
@@ -124,14 +134,19 @@ def read_bulk(path: Path) -> RawMesh:
     elements: dict[str, list[tuple[int, list[int]]]] = {}
     properties: dict[int, list[int]] = {}
     materials: dict[int, int] = {}
-    numbers: list[tuple[str, list[int]]] = []
+    numbers: list[tuple[str, Members]] = []
+    default: int | None = None
     problems, other = Problems(), Counter[str]()
     for card in _cards(path, 0):
         name = card.name
         if name == "GRID":
-            cp = card.whole(1, 0)
+            cp = card.whole(1, -1)
             xyz = (card.real(2, 0.0), card.real(3, 0.0), card.real(4, 0.0))
             points.append((card.whole(0), cp, *xyz))
+        elif name == "GRDSET":
+            if default not in (None, card.whole(1, 0)):
+                problems.add(card.where, "stands there twice with different systems; keep one")
+            default = card.whole(1, 0)
         elif name in _SOLIDS:
             kind, nodes = _solid(card, problems)
             elements.setdefault(kind, []).append((card.whole(0), nodes))
@@ -161,6 +176,8 @@ def read_bulk(path: Path) -> RawMesh:
 
     ids = np.array([p[0] for p in points])
     raw.node_ids.append(ids)
+    # blank fields of GRID are those of GRDSET, 0 is the basic system
+    points = [(p[0], (default or 0) if p[1] == -1 else p[1], *p[2:]) for p in points]
     raw.nodes.append(_positions(path, points, systems))
     for kind, rows in elements.items():
         nodes_table = np.array([row[1] for row in rows])
@@ -172,16 +189,19 @@ def read_bulk(path: Path) -> RawMesh:
         raw.element_sets[title] = [np.array(members)]
         if pid in materials:
             raw.materials[title] = f"mat{materials[pid]}"
-    known = set(ids.tolist())
     for title, found in numbers:
-        sets = raw.node_sets if known.issuperset(found) else raw.element_sets
-        sets.setdefault(title, []).append(np.array(found, dtype=np.int64))
+        sets = raw.node_sets if _of_nodes(found, ids, raw.numbers(False)) else raw.element_sets
+        sets.setdefault(title, []).extend(found)
     text = path.read_text(encoding="latin-1").upper()
     if "BEGIN BULK" in text and "ENDDATA" not in text:
         raw.left_out.append((path.name, "has no ENDDATA; is the file cut off?"))
     if other:
-        names = some([f"{n} {name}" for name, n in other.items()])
-        raw.left_out.append((path.name, f"{names} not read; give point masses to Part.solid"))
+        for pattern, remedy in _REMEDIES:
+            held = {name: n for name, n in other.items() if re.match(pattern, name)}
+            other -= Counter(held)
+            if held:
+                names = some([f"{n} {name}" for name, n in held.items()])
+                raw.left_out.append((path.name, f"{names} not read{remedy}"))
     return raw
 
 
@@ -265,30 +285,44 @@ def _title(card: _Card) -> str:
     return f"{'set' if card.name == 'SET1' else card.name.lower() + '_'}{card.field(0)}"
 
 
-def _members(card: _Card) -> list[int]:
+def _members(card: _Card) -> Members:
     """Return the nodes of an RBE2, an RBE3 or a set, with ranges ``1 THRU 9``."""
-    fields = card.fields[{"SET1": 1, "RBE2": 3, "RBE3": 4}[card.name] :]
-    out: list[int] = []
+    first = {"SET1": 1, "RBE2": 3, "RBE3": 4}[card.name]
+    fields = card.fields[first:]
+    single: list[int] = []
+    out: Members = []
     skip = 0
     for i, word in enumerate(fields):
         if skip:
             skip -= 1
         elif not word:
             continue
-        elif word.upper() == "THRU" and out and i + 1 < len(fields):
-            out += range(out[-1] + 1, int(fields[i + 1]) + 1)
+        elif word.upper() == "THRU" and single:
+            last = card.whole(first + i + 1)
+            if last < single[-1]:
+                raise card.wrong(first + i + 1, f"{single[-1]} or more")
+            out.append(range(single.pop(), last + 1))
             skip = 1
         elif card.name == "RBE3" and word.upper() in ("UM", "ALPHA"):
             break
         elif re.fullmatch(r"\d+", word):
-            out.append(int(word))
+            single.append(card.whole(first + i))
         elif card.name == "RBE3":  # a weight, followed by its components
             skip = 1
         elif card.name == "RBE2":  # the coefficient of thermal expansion comes last
             break
         else:
-            raise InputError(Problem(card.where, f"'{word}' is no whole number"))
-    return out
+            raise card.wrong(first + i, "a whole number")
+    return [np.array(single, dtype=np.int64), *out]
+
+
+def _of_nodes(members: Members, nodes: Ints, elements: Ints) -> bool:
+    """Tell whether a set that does not say so is one of nodes: they are all there."""
+    ends = [i for part in members if isinstance(part, range) for i in (part[0], part[-1])]
+    single = np.concatenate([part for part in members if not isinstance(part, range)])
+    if not np.all(np.isin(single, nodes)) or np.all(np.isin(ends, nodes)):
+        return bool(np.all(np.isin(single, nodes)))
+    return bool(len(joined(members, nodes))) and not np.all(np.isin(ends, elements))
 
 
 # ---- coordinate systems --------------------------------------------------------------------------
@@ -309,7 +343,7 @@ def _positions(
     path: Path, points: list[tuple[int, int, float, float, float]], systems: dict[int, _Card]
 ) -> Floats:
     """Return positions (nn, 3) in the basic system."""
-    local = np.array([p[2:] for p in points])
+    local = sensible(np.array([p[2:] for p in points]))
     cp = np.array([p[1] for p in points])
     place = {p[0]: i for i, p in enumerate(points)}
     frames: dict[int, tuple[str, Floats, Floats]] = {0: ("R", np.zeros(3), np.eye(3))}
@@ -332,7 +366,7 @@ def _positions(
             abc = [position(card.whole(i), (*above, cid)) for i in (1, 2, 3)]
         else:
             rows = np.array([[card.real(2 + 3 * r + c, 0.0) for c in range(3)] for r in range(3)])
-            abc = list(_basic(rows, *frame(card.whole(1, 0), (*above, cid))))
+            abc = list(_basic(sensible(rows), *frame(card.whole(1, 0), (*above, cid))))
         z = abc[1] - abc[0]
         y = np.cross(z, abc[2] - abc[0])
         if not np.linalg.norm(y) > 0.0:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from jousto.errors import InputError, Problem, count
 from jousto.parts._arrays import Floats, Ints
 from jousto.parts.cells import KINDS
-from jousto.parts.readers.raw import RawCells, RawMesh
+from jousto.parts.readers.raw import BIG, RawCells, RawMesh, joined, sensible
 
 # beginnings of element types, the first that fits counts
 _TYPES = (
@@ -35,6 +35,7 @@ _LINES = {"B31": "line", "B21": "line", "T3D2": "line", "T2D2": "line", "R3D2": 
     "T2D3": "line3",
 }
 _SIDE = re.compile(r"S(\d)$|(SPOS|SNEG|SP|SN)$", re.IGNORECASE)
+_GENERATORS = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY")
 
 
 @dataclass
@@ -61,15 +62,19 @@ def read_inp(path: Path) -> RawMesh:
     Raises
     ------
     InputError
-        If the file is not an input deck, or cut off, or uses several instances.
+        If the file is not an input deck, or cut off, or uses several instances, or makes nodes or
+        elements from others (``*NGEN``, ``*ELCOPY`` ...).
     """
     raw = RawMesh()
     names = _Names()
+    system = _System()
     seen, instances = 0, []
+    surfaces: list[_Block] = []
     for block in _blocks(path, 0):
         seen += block.keyword in ("NODE", "ELEMENT")
         if block.keyword == "NODE":
             ids, nodes = _nodes(block)
+            nodes = system(block, nodes)
             raw.node_ids.append(ids)
             raw.nodes.append(nodes)
             if title := block.parameters.get("NSET"):
@@ -79,7 +84,17 @@ def read_inp(path: Path) -> RawMesh:
         elif block.keyword in ("NSET", "ELSET"):
             _set(block, raw, names)
         elif block.keyword == "SURFACE":
-            _surface(block, raw, names)
+            surfaces.append(block)
+        elif block.keyword in ("SYSTEM", "PART", "END PART"):
+            system = _System.of(block) if block.keyword == "SYSTEM" else _System()
+        elif block.keyword in _GENERATORS:
+            raise InputError(
+                Problem(
+                    block.where,
+                    "makes nodes or elements from others, which is not done here; export the full"
+                    " mesh, every node under *NODE and every element under *ELEMENT",
+                )
+            )
         elif block.keyword in ("SOLID SECTION", "SHELL SECTION", "BEAM SECTION"):
             title, material = block.parameters.get("ELSET"), block.parameters.get("MATERIAL")
             if title and material:
@@ -100,6 +115,8 @@ def read_inp(path: Path) -> RawMesh:
                 path.name, "holds neither *NODE nor *ELEMENT, so it is no Abaqus or CalculiX mesh"
             )
         )
+    for block in surfaces:  # all elements are known now
+        _surface(block, raw, names)
     with open(path, "rb") as file:
         file.seek(-1, 2)
         if file.read(1) not in b"\r\n":
@@ -182,42 +199,108 @@ def _tokens(block: _Block) -> list[str]:
 
 def _whole(block: _Block, words: list[str]) -> Ints:
     try:
-        return (
-            np.array(words, dtype=np.float64).astype(np.int64) if words else np.zeros(0, np.int64)
-        )
-    except ValueError:
-        bad = next(word for word in words if not re.fullmatch(r"[+-]?\d+(\.0*)?", word))
-        raise InputError(
-            Problem(block.where, f"'{bad}' is no whole number; is the file cut off or damaged?")
-        ) from None
+        return np.array(words, dtype=np.int64)
+    except (ValueError, OverflowError):
+        pass
+    numbers = []
+    for word in words:
+        plain = re.fullmatch(r"([+-]?\d+)(\.0*)?", word.strip())
+        if plain is None or abs(int(plain[1][:25])) > BIG:
+            wrong = "is no whole number" if plain is None else "is too large for a number"
+            raise InputError(
+                Problem(block.where, f"'{word[:25]}' {wrong}; is the file cut off or damaged?")
+            )
+        numbers.append(int(plain[1]))
+    return np.array(numbers, dtype=np.int64)
+
+
+def _real(word: str) -> float:
+    """Return a number; blank means zero, Fortran's ``1.5D+00`` is known."""
+    word = word.strip()
+    return float(re.sub(r"(?<=[\d.])[dD](?=[+-]?\d+$)", "e", word)) if word else 0.0
 
 
 def _nodes(block: _Block) -> tuple[Ints, Floats]:
     rows = [line.strip().rstrip(",").split(",") for line in block.lines]
+    table = np.zeros((len(rows), 3))
     try:
-        if all(len(row) == 4 for row in rows):
-            table = np.array(rows, dtype=np.float64).reshape(-1, 4)
-        else:  # coordinates at the end may be left out
-            table = np.zeros((len(rows), 4))
-            for i, row in enumerate(rows):
-                values = [float(word) if word.strip() else 0.0 for word in row[:4]]
-                if len(values) < 2:
-                    raise ValueError
-                table[i, : len(values)] = values
+        if rows and all(len(row) == 4 for row in rows):
+            table[:] = np.array([row[1:] for row in rows], dtype=np.float64)
+            return _whole(block, [row[0] for row in rows]), table
     except ValueError:
-        for row in rows:
-            try:
-                [float(word) for word in row if word.strip()]
-                if len(row) >= 2:
-                    continue
-            except ValueError:
-                pass
+        pass
+    for i, row in enumerate(rows):  # coordinates may be blank or left out at the end
+        try:
+            values = [_real(word) for word in row[1:4]]
+            if not values:
+                raise ValueError
+        except ValueError:
             found = ",".join(row)[:40]
             raise InputError(
                 Problem(block.where, f"'{found}' is no node: number, x, y, z are needed")
             ) from None
-        raise
-    return table[:, 0].astype(np.int64), table[:, 1:]
+        table[i, : len(values)] = values
+    return _whole(block, [row[0] for row in rows]), table
+
+
+@dataclass
+class _System:
+    """The rectangular system that holds for nodes: x = origin + axes x'."""
+
+    origin: Floats = field(default_factory=lambda: np.zeros(3))
+    axes: Floats = field(default_factory=lambda: np.eye(3))
+
+    @classmethod
+    def of(cls, block: _Block) -> _System:
+        """Return what the points a (origin), b (on x') and c (in the plane x'y') say.
+
+        Without c, z' is the global z and x' the projection of ab; without b, axes are global.
+        """
+        words = [word for line in block.lines for word in line.strip().rstrip(",").split(",")]
+        try:
+            numbers = sensible(np.array([_real(word) for word in words]))
+        except ValueError:
+            numbers = np.zeros(1)
+        if not len(numbers):
+            return cls()
+        if len(numbers) not in (3, 6, 9):
+            raise InputError(Problem(block.where, "needs the coordinates of one to three points"))
+        a, *more = numbers.reshape(-1, 3)
+        if not more:
+            return cls(a)
+        x = more[0] - a
+        z = np.cross(x, more[1] - a) if len(more) > 1 else np.array([0.0, 0.0, 1.0])
+        x = x - z * (float(x @ z) / max(float(z @ z), float(np.finfo(np.float64).tiny)))
+        if not (np.linalg.norm(x) > 0.0 and np.linalg.norm(z) > 0.0):
+            raise InputError(Problem(block.where, "its points lie on a line, which gives no axes"))
+        x, z = x / np.linalg.norm(x), z / np.linalg.norm(z)
+        return cls(a, np.stack([x, np.cross(z, x), z], axis=1))
+
+    def __call__(self, block: _Block, x: Floats) -> Floats:
+        """Return positions (n, 3); ``SYSTEM=C`` means radius, angle in degrees, z."""
+        kind = block.parameters.get("SYSTEM", "R").upper()[:1]
+        x = sensible(x)
+        if kind == "C":
+            angle = np.radians(x[:, 1])
+            x = np.stack([x[:, 0] * np.cos(angle), x[:, 0] * np.sin(angle), x[:, 2]], axis=1)
+        elif kind != "R":
+            found = block.parameters["SYSTEM"]
+            raise InputError(
+                Problem(
+                    block.where,
+                    f"SYSTEM={found} is not read; export the nodes with SYSTEM=R (x, y, z) or"
+                    " SYSTEM=C (radius, degrees, z)",
+                )
+            )
+        out: Floats = self.origin + x @ self.axes.T
+        return out
+
+
+def _named(block: _Block, parameter: str, names: _Names) -> str:
+    title = block.parameters.get(parameter, "").strip('" ')
+    if not title:
+        raise InputError(Problem(block.where, f"has no name; write {parameter}=... behind it"))
+    return names(title)
 
 
 def _kind(etype: str) -> str | None:
@@ -257,7 +340,7 @@ def _elements(block: _Block, raw: RawMesh, names: _Names) -> None:
 
 def _set(block: _Block, raw: RawMesh, names: _Names) -> None:
     """Read a set of numbers, of ranges (GENERATE) or of other sets."""
-    title = names(block.parameters.get(block.keyword, ""))
+    title = _named(block, block.keyword, names)
     sets = raw.node_sets if block.keyword == "NSET" else raw.element_sets
     parts = sets.setdefault(title, [])
     if "GENERATE" in block.parameters:
@@ -266,28 +349,28 @@ def _set(block: _Block, raw: RawMesh, names: _Names) -> None:
             if len(row) not in (2, 3) or (len(row) == 3 and row[2] <= 0):
                 raise InputError(Problem(block.where, "GENERATE needs first, last and step"))
             step = row[2] if len(row) == 3 else 1
-            parts.append(np.arange(row[0], row[1] + 1, step))
+            parts.append(range(int(row[0]), int(row[1]) + 1, int(step)))
         return
-    numbers = []
+    words = []
     for line in block.lines:
         for word in (part.strip() for part in line.split(",")):
             if not word:
                 continue
             if re.fullmatch(r"[+-]?\d+", word):
-                numbers.append(int(word))
+                words.append(word)
             elif names(word) in sets:
                 parts += list(sets[names(word)])
             elif block.keyword == "NSET" and names(word) in raw.element_sets:
                 raw.left_out.append((block.where, f"nodes of element set '{word}' not read"))
             else:
                 raise InputError(Problem(block.where, f"'{word}' is neither a number nor a set"))
-    if numbers:
-        parts.append(np.array(numbers, dtype=np.int64))
+    if words:
+        parts.append(_whole(block, words))
 
 
 def _surface(block: _Block, raw: RawMesh, names: _Names) -> None:
     """Read a surface of nodes or of element faces."""
-    title = names(block.parameters.get("NAME", ""))
+    title = _named(block, "NAME", names)
     of_nodes = block.parameters.get("TYPE", "ELEMENT").upper() == "NODE"
     rows = [[word.strip() for word in line.strip().rstrip(",").split(",")] for line in block.lines]
     for row in rows:
@@ -295,13 +378,11 @@ def _surface(block: _Block, raw: RawMesh, names: _Names) -> None:
             continue
         sets = raw.node_sets if of_nodes else raw.element_sets
         if re.fullmatch(r"\d+", row[0]):
-            members = np.array([int(row[0])])
+            members = _whole(block, row[:1])
         elif names(row[0]) in sets:
-            members = np.concatenate([np.zeros(0, np.int64), *sets[names(row[0])]])
+            members = joined(sets[names(row[0])], raw.numbers(of_nodes))
         else:
-            raise InputError(
-                Problem(block.where, f"'{row[0]}' is neither a number nor a set read so far")
-            )
+            raise InputError(Problem(block.where, f"'{row[0]}' is neither a number nor a set"))
         if of_nodes:
             raw.node_sets.setdefault(title, []).append(members)
             continue

@@ -14,7 +14,7 @@ from jousto.errors import InputError, Problem, count
 from jousto.parts._arrays import Ints
 from jousto.parts.cells import KINDS, SOLIDS, Cells, base, mirrored
 from jousto.parts.quality import volumes
-from jousto.parts.readers.raw import RawCells, RawMesh
+from jousto.parts.readers.raw import Members, RawCells, RawMesh
 
 # whole-number arrays with up to this many values become sets
 _VALUES = 64
@@ -72,7 +72,7 @@ def _with_data(path: Path, mesh: Any) -> RawMesh:
     return raw
 
 
-def _sets(sets: dict[str, list[Ints]], title: str, values: list[Any], ids: list[Ints]) -> None:
+def _sets(sets: dict[str, Members], title: str, values: list[Any], ids: list[Ints]) -> None:
     """Make sets of data that hold few whole numbers."""
     if not values or any(v.ndim != 1 or v.dtype.kind not in "iu" for v in values):
         return
@@ -84,7 +84,8 @@ def _sets(sets: dict[str, list[Ints]], title: str, values: list[Any], ids: list[
         if flag and value == 0:
             continue
         name = title if flag else f"{title}={value}"
-        sets[name] = [i[v == value] for v, i in zip(values, ids, strict=True)]
+        members: Members = [i[v == value] for v, i in zip(values, ids, strict=True)]
+        sets[name] = members
 
 
 def load_meshio() -> Any:

@@ -187,10 +187,10 @@ class _Reader:
         n = int(s.sizes(1)[0])
         table = s.floats(4 * n).reshape(n, 4)
         s.done()
-        self.raw.node_ids.append(table[:, 0].astype(np.int64))
+        self.raw.node_ids.append(whole(s.where, table[:, 0]))
         self.raw.nodes.append(table[:, 1:])
         s = _Text(f"{where}: $Elements", elements)
-        values = s.values.astype(np.int64)
+        values = whole(s.where, s.values)
         rows: dict[tuple[int, int], list[Ints]] = {}
         at = 1
         for _ in range(int(values[0]) if len(values) else 0):
@@ -217,11 +217,15 @@ class _Reader:
         self.raw.nodes.append(table["x"].copy())
         left, rest = self._counted("Elements", elements)
         s = _Binary(f"{self.path.name}: $Elements", rest, self.size)
+        found: dict[tuple[int, int], list[Ints]] = {}
         while left > 0:
             code, n, tags = (int(x) for x in s.ints(3))
             rows = s.ints(n * (1 + tags + KINDS[self.kind(code)])).reshape(n, -1)
-            self._rows_2(code, rows[:, 0], rows[:, 1:], tags)
+            found.setdefault((code, tags), []).append(rows)
             left -= n
+        for (code, tags), parts in found.items():
+            rows = np.concatenate(parts)
+            self._rows_2(code, rows[:, 0], rows[:, 1:], tags)
 
     def _counted(self, name: str, data: bytes) -> tuple[int, bytes]:
         """Return the number in the first line of a binary section, and what follows."""
@@ -242,9 +246,20 @@ class _Reader:
                 if tag:
                     self.group(dim, abs(int(tag)), ids[rest[:, 0] == tag])
         # an element in two groups stands there twice
-        _, keep = np.unique(ids, return_index=True)
+        same = np.column_stack([ids, rest[:, tags:]])
+        _, keep = np.unique(same, axis=0, return_index=True)
         keep = np.sort(keep)
         self.cells(code, rest[keep, tags:], ids[keep])
+
+
+def whole(where: str, values: NDArray[np.float64]) -> Ints:
+    """Return numbers read as text as whole ones, or raise."""
+    bad = values[~((values == np.round(values)) & (np.abs(values) < 2.0**53))]
+    if len(bad):
+        raise InputError(
+            Problem(where, f"'{bad[0]:g}' is no whole number in range; is the file damaged?")
+        )
+    return values.astype(np.int64)
 
 
 class _Text:
@@ -267,7 +282,7 @@ class _Text:
         return out
 
     def ints(self, n: int) -> Ints:
-        return self.floats(n).astype(np.int64)
+        return whole(self.where, self.floats(n))
 
     sizes = ints
 

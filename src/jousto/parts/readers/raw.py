@@ -13,8 +13,12 @@ from jousto.parts.cells import LINES, SOLIDS, SURFACES, Cells, faces
 from jousto.parts.mesh import Mesh
 from jousto.parts.surface import face_kind
 
-# coordinates beyond this are damage
+# coordinates and numbers of nodes and elements beyond these are damage
 FAR = 1e12
+BIG = 2**62
+
+# numbers one by one, or a range of which those count that are there
+Members = list[Ints | range]
 
 
 @dataclass
@@ -34,8 +38,8 @@ class RawMesh:
     node_ids: list[Ints] = field(default_factory=list)
     nodes: list[Floats] = field(default_factory=list)
     cells: list[RawCells] = field(default_factory=list)
-    node_sets: dict[str, list[Ints]] = field(default_factory=dict)
-    element_sets: dict[str, list[Ints]] = field(default_factory=dict)
+    node_sets: dict[str, Members] = field(default_factory=dict)
+    element_sets: dict[str, Members] = field(default_factory=dict)
     # faces of elements: element numbers and sides from 0
     sides: dict[str, list[tuple[Ints, Ints]]] = field(default_factory=dict)
     # materials of element sets
@@ -43,11 +47,17 @@ class RawMesh:
     # what was left out: place and sentence
     left_out: list[tuple[str, str]] = field(default_factory=list)
 
+    def numbers(self, nodes: bool) -> Ints:
+        """Return the numbers of all nodes, or of all elements."""
+        parts = self.node_ids if nodes else [block.ids for block in self.cells]
+        return np.concatenate([np.zeros(0, np.int64), *parts])
+
     def build(self, where: str, name: str, factor: float) -> Mesh:
         """Return the mesh in m, or raise with everything that does not fit together."""
         problems = Problems()
         ids, nodes = self._all_nodes(problems, where)
         index = Numbers(ids)
+        self._twice(problems, where)
         blocks = []
         for block in self._by_material():
             found = index(block.nodes.ravel()).reshape(block.nodes.shape)
@@ -68,7 +78,7 @@ class RawMesh:
 
         node_sets = {}
         for title, parts in self.node_sets.items():
-            members = np.concatenate([np.zeros(0, dtype=np.int64), *parts])
+            members = joined(parts, ids)
             at = index(members)
             if np.any(at < 0):
                 lost = some([str(i) for i in members[at < 0]])
@@ -103,11 +113,27 @@ class RawMesh:
         problems.raise_if_any()
         return ids, nodes
 
+    def _twice(self, problems: Problems, where: str) -> None:
+        """Note numbers of two elements: sets and materials could mean either."""
+        ids = self.numbers(nodes=False)
+        values, number = np.unique(ids, return_counts=True)
+        wrong = values[number > 1]
+        drawn = [block.ids for block in self.cells if block.kind in (*SOLIDS, *SURFACES)]
+        wrong = np.intersect1d(wrong, np.concatenate([np.zeros(0, np.int64), *drawn]))
+        if len(wrong):
+            names = some([str(i) for i in wrong])
+            problems.add(
+                where,
+                f"number {names} belongs to more than one element, so that sets and materials are"
+                " not clear; export with each number once",
+            )
+
     def _by_material(self) -> list[RawCells]:
         """Return the elements joined to one block for each kind and material, in file order."""
+        ids = self.numbers(nodes=False)
         material: dict[str, Ints] = {}
         for title, name in self.materials.items():
-            members = np.concatenate([np.zeros(0, np.int64), *self.element_sets.get(title, [])])
+            members = joined(self.element_sets.get(title, []), ids)
             material[name] = np.union1d(material.get(name, np.zeros(0, np.int64)), members)
         groups: dict[tuple[str, str], list[tuple[Ints, Ints]]] = {}
         for block in self.cells:
@@ -137,7 +163,7 @@ class RawMesh:
         surfaces: dict[str, Ints] = {}
         nodes: dict[str, Ints] = {}
         for title, parts in self.element_sets.items():
-            members = np.unique(np.concatenate([np.zeros(0, np.int64), *parts]))
+            members = np.unique(joined(parts, self.numbers(nodes=False)))
             solids = number(members)
             found = [block.nodes[at[at >= 0]] for block, at in ((b, n(members)) for b, n in others)]
             kinds = [block.kind for block, _ in others]
@@ -170,7 +196,16 @@ class RawMesh:
                         continue
                     if block.kind not in SOLIDS:
                         continue
-                    for side, face in enumerate(faces(block.kind)):
+                    known = faces(block.kind)
+                    wrong = here & ((sides < 0) | (sides >= len(known)))
+                    if wrong.any():
+                        problems.add(
+                            where,
+                            f"surface '{title}' names face {sides[wrong][0] + 1} of element"
+                            f" {some([str(i) for i in members[wrong]])}; a {block.kind} has"
+                            f" {len(known)}",
+                        )
+                    for side, face in enumerate(known):
                         chosen = here & (sides == side)
                         parts.append(block.nodes[at[chosen]][:, face])
                 if missing.any():
@@ -179,6 +214,25 @@ class RawMesh:
             out[title] = padded([part for part in parts if len(part)])
         problems.raise_if_any()
         return out
+
+
+def sensible(x: Floats) -> Floats:
+    """Return coordinates, nan for those that are damage, so that they go through a rotation."""
+    out: Floats = np.where(np.abs(x) < FAR, x, np.nan)
+    return out
+
+
+def joined(parts: Members, known: Ints) -> Ints:
+    """Return the numbers of a set; of ranges those that are known."""
+    out = [np.zeros(0, np.int64)]
+    for part in parts:
+        if isinstance(part, range):
+            inside = (known >= part.start) & (known < part.stop)
+            inside &= (known - part.start) % part.step == 0
+            out.append(np.unique(known[inside]))
+        else:
+            out.append(part)
+    return np.concatenate(out)
 
 
 class Numbers:
