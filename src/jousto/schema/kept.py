@@ -1,7 +1,6 @@
 """Meshes of CAD files kept beside the reductions, so that a killed reduction goes on.
 
-Gmsh's search for better midside nodes ends a little elsewhere in every run; a reduction is found
-again only for the very same mesh.
+A reduction is found again only for the very same mesh, and another version of Gmsh makes another.
 """
 
 from __future__ import annotations
