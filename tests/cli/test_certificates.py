@@ -112,3 +112,32 @@ def test_advise_says_what_is_wrong(rod: Path) -> None:
     again = rod.with_name("again.yml")
     again.write_text("file: rod.h5\n")
     assert "was reduced before: advice needs the part" in jousto("advise", again)[2]
+
+
+def test_strict_ends_with_1_if_the_certificate_fails(rod: Path) -> None:
+    assert jousto("reduce", rod, "--strict")[0] == 0
+    rod.write_text(PART.replace("7850", "7850e-12"))
+    assert jousto("reduce", rod)[0] == 0
+    assert jousto("reduce", rod, "--strict")[0] == 1
+
+
+def test_a_part_or_its_modes_given_to_other_commands(rod: Path) -> None:
+    for verb in ("run", "check"):
+        code, _, err = jousto(verb, rod)
+        assert (code, "is a part, not a model: jousto reduce rod.yml" in err) == (2, True)
+    assert jousto("reduce", rod)[0] == 0
+    code, _, err = jousto("mesh", rod.with_suffix(".h5"))
+    assert (code, "rod.h5: is a reduced part of jousto, not a mesh" in err) == (2, True)
+
+
+def test_advise_goes_on_after_the_load_of_an_interface(tmp_path: Path) -> None:
+    import jousto as jo
+    from schema.plates import plate
+    from schema.test_solids import PLATE
+
+    jo.write_mesh(plate(), tmp_path / "plate.vtu")
+    path = tmp_path / "arm.yml"
+    path.write_text(PLATE)
+    code, out, err = jousto("advise", path, "--load", "bore.fz", "--frequency-limit", "500")
+    assert (code, err) == (0, "")
+    assert "--load bore.fz: 'bore' is an interface, its static loads are exact anyway" in out

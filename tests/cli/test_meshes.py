@@ -80,3 +80,45 @@ def test_refuses_clearly(file: Path, tmp_path: Path) -> None:
     assert (code, "--size: expects a length" in text) == (2, True)
     code, text = call("mesh", tmp_path / "part.step", "--size", "8 mm", "--refine", "face3")
     assert (code, "--refine: is 'face3'" in text) == (2, True)
+
+
+def test_says_where_sets_are(file: Path) -> None:
+    _, text = call("mesh", file, "--unit", "mm")
+    (line,) = (line for line in text.splitlines() if line.startswith("  set left"))
+    assert "at (0, 50, 10) mm, 0 x 100 x 20 mm" in line
+
+
+def test_surfaces_are_flat_or_cylinders() -> None:
+    from dataclasses import replace
+
+    from jousto.schema.summary import set_text
+
+    mesh = plate()
+    wall = mesh.holes()[0].nodes
+    left = mesh.node_sets["left"]
+    mesh = replace(mesh, surfaces={"wall": wall[None, :3], "end": left[None, :3]})
+    assert "cylinder of radius 25 mm along z" in set_text(mesh, "wall", wall)
+    assert set_text(mesh, "end", left).endswith("flat, normal x")
+
+
+def test_options_of_cad_files_are_refused_for_meshes(file: Path) -> None:
+    code, text = call("mesh", file, "--size", "8 mm")
+    assert (code, "--size: is for CAD files" in text) == (2, True)
+    assert call("mesh", file, "--refine", "left=1 mm")[0] == 2
+
+
+def test_files_of_other_kinds_are_named(tmp_path: Path, file: Path) -> None:
+    step = tmp_path / "rod.step"
+    step.write_text("ISO-10303-21;\n")
+    for verb in ("info", "reduce", "check", "run"):
+        code, text = call(verb, step)
+        assert (code, "rod.step: is a CAD file" in text) == (2, True)
+        assert "jousto mesh rod.step --size" in text and "type: solid" in text
+    code, text = call("reduce", file)
+    assert (code, "plate.inp: is a mesh" in text) == (2, True)
+    hidden = tmp_path / "s.inp"
+    hidden.write_text("ISO-10303-21;\n")
+    code, text = call("mesh", hidden)
+    assert (code, "jousto mesh s.step --size '8 mm'" in text) == (2, True)
+    (tmp_path / "x.xyz").write_text("what\n")
+    assert ".step .stp .brep" in call("mesh", tmp_path / "x.xyz")[1]

@@ -195,7 +195,9 @@ def test_nodes_that_do_not_belong_to_the_matrices() -> None:
 )
 def test_other_units(part: Part, speed: str, remedy: str) -> None:
     check = certify(part)["units"]
-    expect(check, "warn", f"sound would travel at {speed}", remedy)
+    # 164 m/s may be foam or rubber, the others are nothing
+    status = "warn" if speed.startswith("163.6") else "fail"
+    expect(check, status, f"sound would travel at {speed}", remedy)
 
 
 def test_millimetres_read_as_metres() -> None:
@@ -211,7 +213,7 @@ def test_heavier_than_a_solid_block() -> None:
     part = lattice()
     heavy = replace(part, M=sp.csr_array(1000.0 * part.M), K=sp.csr_array(1000.0 * part.K))
     check = certify(heavy)["units"]
-    expect(check, "warn", "more than a solid block of osmium", "point masses")
+    expect(check, "fail", "more than a solid block of osmium", "point masses")
 
 
 def test_mass_on_a_line() -> None:
@@ -526,4 +528,4 @@ def test_a_mesh_of_another_density() -> None:
     light = Material(E=1.0e9, nu=0.3, rho=2.0)
     mesh = block("hexahedron20", (6, 1, 2), (0.3, 0.03, 0.04))
     check = certify(Part.solid(mesh, light))["units"]
-    expect(check, "warn", "are 2 kg/m3", "check the density")
+    expect(check, "fail", "are 2 kg/m3", "check the density")

@@ -263,3 +263,13 @@ def test_picks_take_the_surface_unless_the_inside_is_asked_for(folder: Path) -> 
     assert set(part.node_sets["every"]) == set(range(len(part.nodes)))
     assert set(part.node_sets["skin"]) == set(np.unique(part.elements).tolist())
     assert len(part.node_sets["skin"]) < len(part.nodes)
+
+
+@pytest.mark.parametrize("pick", ["hole: {near: [300, 50, 0]}", "nearest: {point: [300, 50, 0]}"])
+def test_a_point_meant_in_millimetres_is_refused(folder: Path, pick: str) -> None:
+    text = PLATE.replace("hole: {near: [0.3, 0.05, 0]}", pick)
+    found = problems(folder, text)
+    assert len(found) == 1
+    assert "the mesh is 400 mm long" in found[0]
+    assert "was [300 mm, 50 mm, 0] meant?" in found[0]
+    assert ("the mesh has 1 hole: hole1, 50 mm" in found[0]) == pick.startswith("hole")

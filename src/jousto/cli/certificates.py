@@ -37,11 +37,11 @@ def page_path(given: Path | None, source: Path) -> Path | None:
 
 def tell_certificate(
     file: PartFile, page: Path | None, *, solver: str | None = None, progress: bool = False
-) -> None:
-    """Print the certificate of a part and its modes, and write its page."""
+) -> bool:
+    """Print the certificate of a part and its modes, write its page, return whether it passed."""
     if file.part is None:
         say("no certificate: the part was reduced before, its mesh is not in the file")
-        return
+        return True
     from jousto.reduction import certify
 
     certificate = certify(file.part, file.reduced, solver=solver, progress=progress)
@@ -53,6 +53,7 @@ def tell_certificate(
 
         write_certificate(certificate, page)
         say(f"certificate in {page}", style="green")
+    return certificate.passed
 
 
 @app.command()
@@ -97,21 +98,43 @@ def advise(
         message = "was reduced before: advice needs the part with its mesh"
         raise InputError(Problem(f"part '{file.name}'", message))
     limit = None if frequency_limit is None else _hertz(frequency_limit)
-    if limit is None and not load:
-        limit = file.method.frequency_limit
     interfaces = file.method.interfaces if isinstance(file.method, CraigBampton) else ()
-    loads = {text: _load(file.part, text) for text in load} if load else None
+    loads: dict[str, Any] = {}
+    for text in load or ():
+        pattern = _load(file.part, text)
+        if pattern is None:
+            place = text.rpartition(".")[0]
+            say(f"--load {text}: '{place}' is an interface, its static loads are exact anyway")
+        else:
+            loads[text] = pattern
+    if limit is None and not loads:
+        limit = file.method.frequency_limit
     advice = propose(
         file.part,
         interfaces,
         frequency_limit=limit,
-        loads=loads,
+        loads=loads or None,
         accuracy=accuracy,
         solver=solver,
         progress=sys.stderr.isatty(),
     )
-    for line in str(advice).splitlines():
+    text = str(advice)
+    residuals = getattr(advice.method, "residuals", ())
+    if residuals and loads:
+        # as a model file would say it
+        entries = ", ".join(_entry(file.part, load) for load in loads)
+        text = text.replace(f"residuals={residuals}", f"residuals: [{entries}]")
+    for line in text.splitlines():
         say(line, style="green" if line.startswith("take ") else "")
+
+
+def _entry(part: Part, text: str) -> str:
+    """Return the residual load `tip.fz` as an entry of a model file."""
+    place, _, kind = text.rpartition(".")
+    along = ["1" if kind[1] == axis else "0" for axis in "xyz"]
+    word = "force" if kind[0] == "f" else "moment"
+    key = "node" if len(part.node_sets[place]) == 1 else "nodes"
+    return f"{{{word}: [{', '.join(along)}], {key}: {place}}}"
 
 
 def _hertz(text: str) -> float:
@@ -124,7 +147,7 @@ def _hertz(text: str) -> float:
 
 
 def _load(part: Part, text: str) -> Any:
-    """Return the nodal loads of a unit force or moment, shared by the nodes of a set."""
+    """Return the loads of a unit force or moment, shared by a set; None on an interface."""
     import numpy as np
 
     from jousto.errors import suggest
@@ -136,8 +159,7 @@ def _load(part: Part, text: str) -> Any:
         message = f"is {text!r}, must be a node set and one of {known}, such as tip.{kinds[0]}"
         raise InputError(Problem("--load", message))
     if any(tie.name == place for tie in part.ties):
-        message = f"'{place}' is an interface: the modes hold its static loads exactly anyway"
-        raise InputError(Problem("--load", message))
+        return None
     if place not in part.node_sets:
         message = f"no node set '{place}'{suggest(place, part.node_sets)}"
         raise InputError(Problem("--load", message))

@@ -9,7 +9,7 @@ import typer
 
 from jousto.cli.options import Debug, Output, amount, app
 from jousto.cli.terminal import BAD_INPUT, command, facts, say
-from jousto.errors import InputError, Problem, count
+from jousto.errors import InputError, Problem
 
 if TYPE_CHECKING:
     from jousto.parts import Finding, Mesh
@@ -75,6 +75,17 @@ def mesh(
             refine=dict(_refined(item) for item in refine or ()),
         )
     else:
+        _only_cad(
+            file,
+            {
+                "--size": size is not None,
+                "--order": order != 2,
+                "--straight": straight,
+                "--per-circle": per_circle != 12,
+                "--refine": bool(refine),
+            },
+        )
+        _no_data(file)
         found = read_mesh(file, unit=unit or "m")
     findings = describe_mesh(found)
     if output is not None:
@@ -89,6 +100,24 @@ def mesh(
         raise typer.Exit(BAD_INPUT)
 
 
+def _only_cad(file: Path, given: dict[str, bool]) -> None:
+    """Raise if options are given that a mesh has no use for."""
+    for option in (name for name, used in given.items() if used):
+        message = f"is for CAD files ({' '.join(CAD[:3])}); {file.name} is read with its elements"
+        raise InputError(Problem(option, message))
+
+
+def _no_data(file: Path) -> None:
+    """Raise if the file is a reduced part or results of jousto."""
+    from jousto.schema.targets import REDUCED_PART, WORDS, hdf5_format
+
+    kind = hdf5_format(file) if file.is_file() else ""
+    if kind in WORDS:
+        more = "; jousto export writes it as .vtu" if kind == REDUCED_PART else ""
+        message = f"is {WORDS[kind]} of jousto, not a mesh: jousto info {file.name} shows it{more}"
+        raise InputError(Problem(file.name, message))
+
+
 def _refined(text: str) -> tuple[str, float]:
     name, equals, length = text.partition("=")
     if not equals or not name.strip():
@@ -98,7 +127,7 @@ def _refined(text: str) -> tuple[str, float]:
 
 def describe_mesh(found: Mesh) -> tuple[Finding, ...]:
     """Print what is in a mesh and what is wrong with it; return the findings."""
-    from jousto.schema.summary import hole_text, mesh_facts
+    from jousto.schema.summary import hole_text, mesh_facts, set_text
 
     facts(mesh_facts(found), f"mesh {found.name}")
     holes = [
@@ -106,8 +135,8 @@ def describe_mesh(found: Mesh) -> tuple[Finding, ...]:
         for hole in found.holes()[:SHOWN]
     ]
     facts(holes)
-    sets = [(f"set {name}", count(len(nodes), "node")) for name, nodes in found.node_sets.items()]
-    facts(sets[:SHOWN])
+    sets = list(found.node_sets.items())
+    facts([(f"set {name}", set_text(found, name, nodes)) for name, nodes in sets[:SHOWN]])
     if len(sets) > SHOWN:
         say(f"  ... and {len(sets) - SHOWN} more sets")
     findings = found.check()

@@ -10,7 +10,7 @@ import typer
 
 from jousto.cli.certificates import Html, page_path, tell_certificate
 from jousto.cli.options import Debug, Output, app
-from jousto.cli.terminal import command, facts, say
+from jousto.cli.terminal import FAILED, command, facts, say
 from jousto.errors import InputError, Problem
 
 if TYPE_CHECKING:
@@ -30,6 +30,9 @@ def reduce_part(
     html: Html = None,
     bare: Annotated[
         bool, typer.Option("--no-certificate", help="Compare nothing with the full model.")
+    ] = False,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="End with code 1 if the certificate has a fault.")
     ] = False,
     solver: Annotated[
         str | None,
@@ -56,6 +59,8 @@ def reduce_part(
     from jousto.schema import read_part_file
     from jousto.schema.targets import REDUCED_PART, output_path
 
+    if strict and bare:
+        raise InputError(Problem("--strict", "needs the certificate, without --no-certificate"))
     # a wrong output should not cost a reduction
     if output is not None:
         output_path(output, part, ".h5", kind=REDUCED_PART)
@@ -70,9 +75,10 @@ def reduce_part(
     target = output_path(output, part, f"{reduced.name}.h5", kind=REDUCED_PART)
     reduced.save(target)
     describe_part(reduced)
-    if not bare:
-        tell_certificate(file, page, solver=solver, progress=progress)
+    passed = bare or tell_certificate(file, page, solver=solver, progress=progress)
     say(f"reduced part in {target}", style="green")
+    if strict and not passed:
+        raise typer.Exit(FAILED)
 
 
 @app.command()

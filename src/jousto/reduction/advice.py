@@ -358,7 +358,8 @@ def _explain(
         needs = "more modes than were tried" if loaded is None else count(loaded, "mode")
         sentences.append(
             f"Static accuracy of {goal} under {', '.join(patterns)} alone would take {needs}: "
-            f"{count(len(patterns), 'residual vector')} instead makes the static response exact."
+            f"{count(len(patterns), 'residual vector')} instead "
+            f"{'makes' if len(patterns) == 1 else 'make'} the static response exact."
         )
     elif patterns:
         sentences.append(

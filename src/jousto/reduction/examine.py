@@ -226,7 +226,9 @@ def _facts(
         ]
         facts.append(("interfaces", "; ".join(texts) or "none"))
         if "method" in reduced.provenance:
-            facts.append(("method", reduced.provenance["method"]))
+            held = f"interfaces={reduced.interfaces}"
+            text = str(reduced.provenance["method"]).replace("interfaces=()", held)
+            facts.append(("method", text))
     return tuple(facts)
 
 

@@ -182,6 +182,9 @@ def units(full: FullModel) -> Check:
     extent = np.ptp(full.nodes, axis=0)
     faults = []
     remedies = []
+    # a body on a part slows sound and is denser than the part may be
+    alone = full.part.attached is None
+    impossible = speed > SOUND[1] or (alone and speed < 0.1 * SOUND[0])
     if not SOUND[0] <= speed <= SOUND[1]:
         faults.append(
             f"sound would travel at {number(speed)} m/s in this material (steel: about 5000 m/s)"
@@ -194,7 +197,10 @@ def units(full: FullModel) -> Check:
             remedies.append("check the units of E, density and lengths")
     if not SIZE[0] <= full.length <= SIZE[1]:
         faults.append(f"the part is {number(1e3 * full.length, 6)} mm long")
-        hint = "millimetres were read as metres: scale the mesh by 0.001"
+        hint = (
+            "millimetres were read as metres: write unit: mm beside the mesh's file in the part "
+            "file, or scale the mesh by 0.001"
+        )
         if full.length < SIZE[0]:
             hint = "metres were taken for millimetres: scale the mesh by 1000"
         remedies.append(f"if it is not, {hint}")
@@ -202,6 +208,7 @@ def units(full: FullModel) -> Check:
     if box > 1e-6 * full.length**3:
         least = full.mass / box
         if least > DENSITY[1]:
+            impossible = impossible or alone
             faults.append(
                 f"the part weighs {number(full.mass)} kg, more than a solid block of osmium of "
                 f"its size ({number(least)} kg/m3)"
@@ -211,6 +218,7 @@ def units(full: FullModel) -> Check:
     if volume:
         density = full.mass / volume
         if not DENSITY[0] <= density <= DENSITY[1]:
+            impossible = impossible or (alone and density > DENSITY[1])
             faults.append(
                 f"{number(full.mass)} kg in {number(1e9 * volume)} mm3 are {number(density)} kg/m3 "
                 "(steel: 7850 kg/m3)"
@@ -221,7 +229,8 @@ def units(full: FullModel) -> Check:
     if not faults:
         sentence = "stiffness, mass and size can be those of a real part in SI units"
         return Check("units", "ok", value, limit, sentence)
-    return Check("units", "warn", value, limit, "; ".join(faults), "; ".join(remedies))
+    status: Any = "fail" if impossible else "warn"
+    return Check("units", status, value, limit, "; ".join(faults), "; ".join(remedies))
 
 
 def _volume(full: FullModel) -> float:

@@ -73,6 +73,8 @@ def read_document(path: str | Path) -> Document:
         twice, content that is not a mapping, is nested too deeply or has too many entries.
     """
     path = Path(path)
+    if path.is_file() and path.suffix.lower() in (*CAD, *MESHES):
+        raise InputError(Problem(path.name, _geometry(path)))
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
@@ -85,6 +87,23 @@ def read_document(path: str | Path) -> Document:
     except OSError as error:
         raise InputError(Problem(str(path), f"cannot be read: {error.strerror}")) from None
     return parse_document(text, name=path.name, folder=path.parent)
+
+
+CAD = (".step", ".stp", ".brep")
+MESHES = (".msh", ".inp", ".bdf", ".nas", ".med", ".vtk", ".vtu", ".cdb")
+
+
+def _geometry(path: Path) -> str:
+    """Return what to do with a CAD file or a mesh in the place of a model file."""
+    if path.suffix.lower() in CAD:
+        what, mesh, look = "a CAD file", f"{{cad: {path.name}, size: 8 mm}}", " --size '8 mm'"
+    else:
+        what, mesh, look = "a mesh", f"{{file: {path.name}, unit: mm}}", ""
+    return (
+        f"is {what}, not a model or part file: jousto mesh {path.name}{look} shows what is in it. "
+        f"A part file {path.stem}.yaml of it has the lines\n"
+        f"type: solid\nmesh: {mesh}\nmaterial: S355"
+    )
 
 
 def is_hdf5(path: Path) -> bool:

@@ -20,6 +20,7 @@ from jousto.schema.model import ModelEntry, SimulationEntry
 from jousto.schema.parts import ReducedEntry
 from jousto.schema.solids import PartEntry
 
+PART_TYPES = ("beam", "members", "frame", "solid", "matrices", "reduced")
 LISTS = ("bodies", "joints", "couplings", "forces", "frictions", "sensors", "events")
 
 
@@ -131,6 +132,12 @@ def build_model(
     document: Document, *, rigid: bool = False, trust: bool = False, progress: Any = None
 ) -> ModelFile:
     """Validate and build a document; see `read_model`."""
+    if "bodies" not in document.data and document.data.get("type") in PART_TYPES:
+        message = (
+            f"is a part, not a model: jousto reduce {document.name} makes its modes, "
+            "a model takes it among its parts"
+        )
+        raise InputError(Problem(document.name, message))
     entry, index, invalid, broken = validate(document)
     options = {} if progress is None else {"progress": progress}
     builder = Builder(document, broken, rigid=rigid, trust=trust, options=options)

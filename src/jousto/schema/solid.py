@@ -190,6 +190,12 @@ def picked(builder: Builder, loc: Loc, pick: Any, mesh: Mesh) -> Any:
             values = {"lo": values["low"], "hi": values["high"]}
         make = getattr(mesh, form)
         nodes = builder.make((*loc, form), make, **values, surface=not pick.inside)
+    if form == "nearest" and nodes is not None and len(nodes):
+        away = np.linalg.norm(mesh.nodes[nodes] - values["point"], axis=1)
+        sentence = far_off(values["point"], mesh.nodes[nodes[np.argmin(away)]], mesh)
+        if sentence:
+            builder.note((*loc, form, "point"), sentence)
+            return None
     if nodes is not None and not len(nodes):
         low, high = mesh.bounds
         size = " to ".join(
@@ -218,13 +224,34 @@ def hole_nodes(builder: Builder, loc: Loc, entry: ss.HolePick, mesh: Mesh) -> An
         if entry.diameter is None
         or abs(2.0 * hole.radius - entry.diameter) <= DIAMETER * entry.diameter
     ]
-    if fitting:
-        near = np.asarray(entry.near)
-        return min(fitting, key=lambda h: float(np.linalg.norm(h.point - near))).nodes
+    near = np.asarray(entry.near)
+    nearest = min(fitting, key=lambda h: float(np.linalg.norm(h.point - near)), default=None)
+    if nearest is not None and not far_off(near, nearest.point, mesh):
+        return nearest.nodes
     found = "; ".join(f"{hole.name}, {hole_text(hole)}" for hole in holes[:SHOWN]) or "none"
-    if entry.diameter is None:
+    there = f"the mesh has {count(len(holes), 'hole')}: {found}"
+    if nearest is not None:
+        builder.note((*loc, "near"), f"{far_off(near, nearest.point, mesh)}; {there}")
+    elif entry.diameter is None:
         builder.note(loc, "the mesh has no cylindrical hole; pick its nodes by a cylinder or box")
     else:
-        there = f"the mesh has {count(len(holes), 'hole')}: {found}"
         builder.note(loc, f"no hole of {1e3 * entry.diameter:g} mm; {there}")
     return None
+
+
+def far_off(point: Any, found: Any, mesh: Mesh) -> str:
+    """Return the sentence on a point that cannot be meant, empty if it is near enough.
+
+    Farther from what was found than the longest side of the mesh: numbers without a unit are m.
+    """
+    low, high = mesh.bounds
+    longest = float((high - low).max())
+    point = np.asarray(point, dtype=float)
+    away = float(np.linalg.norm(point - found))
+    if away <= longest:
+        return ""
+    sentence = f"lies {away:.4g} m from the nearest, the mesh is {1e3 * longest:.4g} mm long"
+    if float(np.linalg.norm(1e-3 * point - found)) > longest:
+        return sentence
+    meant = ", ".join(f"{x:g} mm" if x else "0" for x in point)
+    return f"{sentence}; numbers without a unit are m, was [{meant}] meant?"

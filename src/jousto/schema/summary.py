@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from jousto.schema.read import ModelFile
 
 Facts: TypeAlias = list[tuple[str, str]]
+
+FLAT = 1e-6  # thickness over size below which a surface is flat
 
 
 def model_facts(file: ModelFile) -> Facts:
@@ -88,6 +90,42 @@ def hole_text(hole: Hole) -> str:
         axis = "(" + ", ".join(f"{x:g}" for x in along) + ")"
     size = f"{2e3 * hole.radius:.4g} mm, {1e3 * hole.length:.4g} mm long"
     return f"{size}, at ({place}) mm along {axis}, {len(hole.nodes)} nodes"
+
+
+def set_text(mesh: Mesh, name: str, nodes: Any) -> str:
+    """Return how many nodes a set has, where it is and, if it is a surface, its form."""
+    from jousto.parts.cylinders import cylinder_through
+
+    if not len(nodes):
+        return "0 nodes"
+    x = mesh.nodes[np.asarray(nodes)]
+    low, high = x.min(axis=0), x.max(axis=0)
+    text = f"{count(len(x), 'node')}, {_millimetres(0.5 * (low + high))} mm"
+    if len(x) > 1:
+        text += f", {' x '.join(f'{1e3 * s:.4g}' for s in high - low)} mm"
+    if name not in mesh.surfaces or len(x) < 4:
+        return text
+    _, size, directions = np.linalg.svd(x - x.mean(axis=0), full_matrices=False)
+    if size[2] <= FLAT * size[0]:
+        return f"{text}, flat, normal {_direction(directions[2])}"
+    cylinder = cylinder_through(x)
+    if cylinder is None:
+        return text
+    radius = f"{1e3 * cylinder.radius:.4g} mm"
+    return f"{text}, cylinder of radius {radius} along {_direction(cylinder.axis)}"
+
+
+def _millimetres(x: Any) -> str:
+    return "at (" + ", ".join(f"{round(1e3 * float(a), 3) + 0.0:g}" for a in x) + ")"
+
+
+def _direction(e: Any) -> str:
+    """Return x, y or z, or the components, the largest positive."""
+    along = np.asarray(e) * np.sign(e[int(np.argmax(np.abs(e)))])
+    parts = [round(float(a), 3) + 0.0 for a in along]
+    if sorted(parts) == [0.0, 0.0, 1.0]:
+        return "xyz"[parts.index(1.0)]
+    return "(" + ", ".join(f"{a:g}" for a in parts) + ")"
 
 
 def part_facts(part: ReducedPart) -> Facts:

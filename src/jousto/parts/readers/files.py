@@ -77,10 +77,14 @@ FORMATS = (
         (rb"^(BEGIN\s+BULK|GRID[ *,]|SOL\s+\w+|CEND|CORD|CTETRA|CHEXA|MAT1|PSOLID)",),
     ),
 )
+_MESHED = (
+    "a %s file: name it STEM.%s and mesh it, jousto mesh STEM.%s --size '8 mm' or"
+    " jo.mesh_step(path, size=...)"
+)
 # files that people try, and what to do with them
 _STRANGE = (
-    (rb"\AISO-10303-21", "a STEP file: mesh it with jo.mesh_step(path, size=...)"),
-    (rb"\A(DBRep_DrawableShape|CASCADE Topology)", "a BREP file: mesh it with jo.mesh_step(path)"),
+    (rb"\AISO-10303-21", _MESHED % ("STEP", "step", "step")),
+    (rb"\A(DBRep_DrawableShape|CASCADE Topology)", _MESHED % ("BREP", "brep", "brep")),
     (rb"\A.{72}S *0*1\s", "an IGES file, which holds faces and no solid: export STEP instead"),
     (rb"\A\s*solid\b[\s\S]*facet", "an STL surface: fill it with elements in a mesher first"),
     (rb"\APK\x03\x04", "a ZIP archive: unpack it first"),
@@ -161,12 +165,14 @@ def which(path: Path) -> Format:
         raise InputError(Problem(where, "is empty"))
     for sign, what in _STRANGE:
         if re.search(sign, head[:2048], re.IGNORECASE):
+            what = what.replace("STEM", path.stem)
             raise InputError(Problem(where, f"is {what}"))
     suffix = path.suffix.lower()
     named = next((fmt for fmt in FORMATS if suffix in fmt.suffixes), None)
     inside = next((fmt for fmt in FORMATS if fmt.begins(head)), None)
     if named is None and inside is None:
         known = " ".join(s for fmt in FORMATS for s in fmt.suffixes)
+        known += "; CAD files to be meshed: .step .stp .brep"
         raise InputError(Problem(where, f"is of no kind that is read; known: {known}"))
     if named is None:
         assert inside is not None
