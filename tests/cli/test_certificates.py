@@ -141,3 +141,11 @@ def test_advise_goes_on_after_the_load_of_an_interface(tmp_path: Path) -> None:
     code, out, err = jousto("advise", path, "--load", "bore.fz", "--frequency-limit", "500")
     assert (code, err) == (0, "")
     assert "--load bore.fz: 'bore' is an interface, its static loads are exact anyway" in out
+
+
+def test_advise_prints_residuals_as_a_model_file_says_them(rod: Path) -> None:
+    rod.write_text(PART.replace("elements: 6", "elements: 24"))
+    code, out, _ = jousto("advise", rod, "--load", "node5.fz", "--accuracy", "1e-5")
+    assert code == 0
+    assert "residuals: [{force: [0, 0, 1], nodes: node5}])" in out.splitlines()[0]
+    assert "1 residual vector instead makes" in out

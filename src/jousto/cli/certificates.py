@@ -120,21 +120,19 @@ def advise(
     )
     text = str(advice)
     residuals = getattr(advice.method, "residuals", ())
-    if residuals and loads:
-        # as a model file would say it
-        entries = ", ".join(_entry(file.part, load) for load in loads)
+    if residuals and all(".f" in load[-3:] for load in loads):
+        # as a model file would say it; it knows no moments here
+        entries = ", ".join(_entry(load) for load in loads)
         text = text.replace(f"residuals={residuals}", f"residuals: [{entries}]")
     for line in text.splitlines():
         say(line, style="green" if line.startswith("take ") else "")
 
 
-def _entry(part: Part, text: str) -> str:
+def _entry(text: str) -> str:
     """Return the residual load `tip.fz` as an entry of a model file."""
     place, _, kind = text.rpartition(".")
-    along = ["1" if kind[1] == axis else "0" for axis in "xyz"]
-    word = "force" if kind[0] == "f" else "moment"
-    key = "node" if len(part.node_sets[place]) == 1 else "nodes"
-    return f"{{{word}: [{', '.join(along)}], {key}: {place}}}"
+    along = ", ".join("1" if kind[1] == axis else "0" for axis in "xyz")
+    return f"{{force: [{along}], nodes: {place}}}"
 
 
 def _hertz(text: str) -> float:
