@@ -427,7 +427,9 @@ def test_wrong_files_are_told(tmp_path: Path) -> None:
     deck = DECK.encode()
     assert "is empty" in told("a.msh", b" \n")
     assert "named like a Gmsh mesh but holds an Abaqus" in told("b.msh", deck)
-    assert "a STEP file: mesh it with jo.mesh_step" in told("c.inp", b"ISO-10303-21;\nHEADER;")
+    assert "a STEP file: name it c.step and mesh it, jousto mesh c.step" in told(
+        "c.inp", b"ISO-10303-21;\nHEADER;"
+    )
     assert "an IGES file" in told("l.msh", b" " * 72 + b"S      1\n,,4Hpart")
     assert "a ZIP archive" in told("d.inp", b"PK\x03\x04" + bytes(100))
     assert "a web page" in told("e.msh", b"<!DOCTYPE html><html></html>")
