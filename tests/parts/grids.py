@@ -13,6 +13,19 @@ from jousto.parts.solids.elements import EDGES, KINDS, places
 
 Array = NDArray[np.float64]
 ALL = tuple(KINDS)
+SPRUCE = {
+    "E1": 11e9,
+    "E2": 0.9e9,
+    "E3": 0.5e9,
+    "nu12": 0.37,
+    "nu13": 0.42,
+    "nu23": 0.47,
+    "G12": 0.75e9,
+    "G13": 0.72e9,
+    "G23": 0.04e9,
+    "rho": 450.0,
+}
+"""Constants of an orthotropic material, Pa and kg/m^3."""
 # six tetrahedra around a diagonal of the cube, two wedges
 _TETS = [
     *([0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6]),

@@ -15,24 +15,12 @@ from jousto.parts.mesh import Mesh
 from jousto.parts.orthotropic import elasticity, strain_rotation
 from jousto.parts.solids.elements import places, rule, shape_functions, table
 from jousto.reduction.reducer import invariants
-from parts.grids import ALL, grid
+from parts.grids import ALL, SPRUCE, grid
 
 Array = NDArray[np.float64]
 STEEL = Material(E=210e9, nu=0.3, rho=7850.0, name="steel")
 SIZE = np.array([0.9, 0.3, 0.2])
-WOOD = Orthotropic(
-    E1=11e9,
-    E2=0.9e9,
-    E3=0.5e9,
-    nu12=0.37,
-    nu13=0.42,
-    nu23=0.47,
-    G12=0.75e9,
-    G13=0.72e9,
-    G23=0.04e9,
-    rho=450.0,
-    axes=np.array([[0.6, -0.8, 0.0], [0.8, 0.6, 0.0], [0.0, 0.0, 1.0]]),
-)
+WOOD = Orthotropic(**SPRUCE, axes=np.array([[0.6, -0.8, 0.0], [0.8, 0.6, 0.0], [0.0, 0.0, 1.0]]))
 
 
 def block(kind: str, distort: float = 0.2) -> Part:

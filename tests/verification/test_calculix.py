@@ -15,6 +15,7 @@ from scipy.linalg import eigh, null_space
 from scipy.spatial.transform import Rotation
 
 import jousto as jo
+from parts.grids import SPRUCE
 from verification import bricks, calculix
 from verification.boxes import KINDS, block
 from verification.solids import at_rest, dofs, solid, supported
@@ -83,19 +84,7 @@ def test_stiffness_is_that_of_calculix(kind):
 def test_wood_at_an_angle(kind):
     # nine constants about axes that are none of the part's
     axes = Rotation.from_rotvec([0.3, -0.5, 0.8]).as_matrix()
-    spruce = jo.Orthotropic(
-        E1=11e9,
-        E2=0.9e9,
-        E3=0.5e9,
-        nu12=0.37,
-        nu13=0.42,
-        nu23=0.47,
-        G12=0.75e9,
-        G13=0.72e9,
-        G23=0.04e9,
-        rho=450.0,
-        axes=axes,
-    )
+    spruce = jo.Orthotropic(**SPRUCE, axes=axes)
     grid = block(kind, (1.0, 0.1, 0.06), (4, 1, 1), bend=bent)
     K, _ = calculix.matrices(calculix.Deck(grid, spruce))
     part = solid(grid, spruce)

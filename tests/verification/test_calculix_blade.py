@@ -13,6 +13,7 @@ import pytest
 import jousto as jo
 from verification import calculix
 from verification.boxes import block
+from verification.hubs import on_a_hub
 from verification.solids import solid
 
 STEEL = jo.Material(E=2e11, nu=0.3, rho=7850.0)
@@ -32,20 +33,8 @@ def frequencies(speed):
     """Frequencies in Hz of the blade on a heavy hub that turns about z."""
     part = solid(GRID, STEEL).with_interfaces(jo.Interface("root", ROOT, at=(0.0, 0.0, 0.0)))
     rod = jo.reduce(part, jo.CraigBampton(modes=10), stiffening=True)
-    w = (0.0, 0.0, speed)
-    hub = jo.RigidBody("hub", 1.0, (1e6, 1e6, 1e6), angular_velocity=w)
-    blade = jo.FlexibleBody("blade", rod, angular_velocity=w)
-    model = jo.compile(
-        jo.Mechanism(
-            hub,
-            blade,
-            jo.Revolute("bearing", jo.ground["origin"], hub["origin"], axis=(0, 0, 1)),
-            jo.Fixed("root", hub["origin"], blade["root"]),
-            jo.Gravity((0.0, 0.0, -1e-9)),
-        )
-    )
-    values = np.linalg.eigvals(jo.linearise(model).A)
-    return np.sort(values.imag[values.imag > 0.1 * UNIT]) / (2.0 * np.pi)
+    rates = on_a_hub(rod, "root", speed)
+    return rates[rates > 0.1 * UNIT] / (2.0 * np.pi)
 
 
 @calculix.needed

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 import jousto as jo
 from parts.grids import grid
+from verification.hubs import on_a_hub
 
 SECTION = jo.Rectangle(0.02, 0.01)  # in lag E I is four times that of flap
 STEEL = jo.Material(E=2e11, nu=0.3, rho=7850.0)
@@ -52,20 +53,8 @@ def solid_blade() -> jo.ReducedPart:
 
 def turning(rod: jo.ReducedPart, speed: float) -> NDArray[np.float64]:
     """Frequencies of a body fixed by its start to a heavy hub that turns about z, over UNIT."""
-    w = np.array([0.0, 0.0, speed * UNIT])
-    hub = jo.RigidBody("hub", 1.0, (1e6, 1e6, 1e6), angular_velocity=w)
-    blade = jo.FlexibleBody("blade", rod, angular_velocity=w)
-    model = jo.compile(
-        jo.Mechanism(
-            hub,
-            blade,
-            jo.Revolute("bearing", jo.ground["origin"], hub["origin"], axis=(0, 0, 1)),
-            jo.Fixed("root", hub["origin"], blade["start"]),
-            jo.Gravity((0.0, 0.0, -1e-9)),
-        )
-    )
-    values = np.linalg.eigvals(jo.linearise(model).A)
-    return np.sort(values.imag[values.imag > 0.1 * UNIT]) / UNIT
+    rates = on_a_hub(rod, "start", speed * UNIT)
+    return rates[rates > 0.1 * UNIT] / UNIT
 
 
 def nearest(found: NDArray[np.float64], wanted: float) -> float:

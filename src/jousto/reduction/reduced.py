@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -318,3 +319,14 @@ class ReducedPart:
         from jousto.reduction.reducer import from_modes
 
         return from_modes(part, modes, frequencies)
+
+
+def package_versions() -> dict[str, str]:
+    """Return the versions that a result depends on, for its provenance."""
+    versions = {}
+    for package in ("jousto", "numpy", "scipy"):
+        try:
+            versions[package] = importlib.metadata.version(package)
+        except importlib.metadata.PackageNotFoundError:
+            versions[package] = "unknown"
+    return versions

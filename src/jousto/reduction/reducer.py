@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.metadata
 import logging
 from dataclasses import replace
 from pathlib import Path
@@ -29,7 +28,7 @@ from jousto.reduction.partition import (
     craig_bampton_basis,
     whole_part_basis,
 )
-from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.reduced import ReducedPart, package_versions
 from jousto.reduction.relief import free_loads, with_residuals
 from jousto.reduction.rigid import (
     RigidBasis,
@@ -133,7 +132,7 @@ def _entry(
     cache: ReductionCache, part: Part, method: Method, stiffening: bool, solver: str | None
 ) -> Entry | None:
     try:
-        return cache.entry(content_key(part, method, stiffening, solver, _versions()))
+        return cache.entry(content_key(part, method, stiffening, solver, package_versions()))
     except NotHashable as error:
         logging.getLogger(__name__).info("the reduction is not kept: it depends on a %s", error)
         return None
@@ -325,19 +324,9 @@ def _stress(part: Part, X: Array, run: Run) -> StressModes | None:
     return StressModes(tuple(s.sites), s.positions, s.axes, modes, s.elasticity)
 
 
-def _versions() -> dict[str, str]:
-    versions = {}
-    for package in ("jousto", "numpy", "scipy"):
-        try:
-            versions[package] = importlib.metadata.version(package)
-        except importlib.metadata.PackageNotFoundError:
-            versions[package] = "unknown"
-    return versions
-
-
 def _provenance(part: Part, method: str, run: Run) -> dict[str, str]:
     solver = {"solver": run.used} if run.used else {}
-    return {"method": method, "input": content_hash(part), **solver, **_versions()}
+    return {"method": method, "input": content_hash(part), **solver, **package_versions()}
 
 
 def content_hash(part: Part) -> str:

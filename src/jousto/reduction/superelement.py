@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.metadata
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, Problems, count, warn
 from jousto.reduction.invariants import EPS, Invariants
-from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.reduced import ReducedPart, package_versions
 from jousto.reduction.rigid import length_scale
 
 if TYPE_CHECKING:
@@ -302,11 +301,5 @@ def _provenance(
     for array in (nodes, K, M):
         digest.update(np.ascontiguousarray(array, dtype="<f8").tobytes())
     digest.update(np.ascontiguousarray(dofs, dtype="<i8").tobytes())
-    versions = {}
-    for package in ("jousto", "numpy", "scipy"):
-        try:
-            versions[package] = importlib.metadata.version(package)
-        except importlib.metadata.PackageNotFoundError:
-            versions[package] = "unknown"
     method = f"superelement(modes={modes}, frequency_limit={frequency_limit})"
-    return {"method": method, "input": "sha256:" + digest.hexdigest(), **versions}
+    return {"method": method, "input": "sha256:" + digest.hexdigest(), **package_versions()}
