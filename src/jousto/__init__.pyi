@@ -80,6 +80,9 @@ from .mechanism import (
     Friction as Friction,
 )
 from .mechanism import (
+    Gauge as Gauge,
+)
+from .mechanism import (
     Gear as Gear,
 )
 from .mechanism import (
@@ -182,9 +185,6 @@ from .mechanism import (
     StickSlip as StickSlip,
 )
 from .mechanism import (
-    StrainSensor as StrainSensor,
-)
-from .mechanism import (
     StressSensor as StressSensor,
 )
 from .mechanism import (
@@ -210,6 +210,9 @@ from .mechanism import (
 )
 from .mechanism import (
     VonMisesSensor as VonMisesSensor,
+)
+from .mechanism import (
+    gauge_rows as gauge_rows,
 )
 from .mechanism import (
     ground as ground,

@@ -431,10 +431,10 @@ def cantilever(load):
     site = "e1.a.top"
     sensors = [kind(kind.__name__, beam, site) for kind in kinds]
     sensors += [
-        jo.StrainSensor("along", beam, site),
-        jo.StrainSensor("across", beam, site, (0, 1, 0)),
-        jo.StrainSensor("oblique", beam, site, (1, 1, 0)),
-        jo.StrainSensor("between", beam, (0.1, 0.0, 0.02)),
+        jo.Gauge("along", beam, site),
+        jo.Gauge("across", beam, site, (0, 1, 0)),
+        jo.Gauge("oblique", beam, site, (1, 1, 0)),
+        jo.Gauge("between", beam, (0.1, 0.0, 0.02)),
     ]
     if load == "bending":
         pull = jo.Force(
@@ -505,9 +505,9 @@ def test_principal_stresses_are_eigenvalues(rng):
         np.testing.assert_allclose(p, expected, atol=1e-13 * size)
         mises = np.sqrt(((p[0] - p[1]) ** 2 + (p[1] - p[2]) ** 2 + (p[2] - p[0]) ** 2) / 2)
         assert found["m"][k] == pytest.approx(mises, rel=1e-12)
-    with pytest.raises(jo.InputError, match=r"E is missing: the part of body 'b' does not know"):
-        jo.StrainSensor("e", body, "one")
-    strain = jo.StrainSensor("e", body, "one", (0, 0, 1), E=2e11, nu=0.25)
+    with pytest.raises(jo.InputError, match=r"E is missing: part '.*' does not know it"):
+        jo.Gauge("e", body, "one")
+    strain = jo.Gauge("e", body, "one", (0, 0, 1), E=2e11, nu=0.25)
     found = start(body, strain, jo.StressSensor("s", body))
     s = found["s"]
     assert found["e"][0] == pytest.approx((s[2] - 0.25 * (s[0] + s[1])) / 2e11, rel=1e-12)
@@ -520,7 +520,7 @@ def test_every_sensor_says_what_it_is():
     spring = jo.Spring("spring", hinge.angle, 1.0)
     given = {
         "marker": beam["end"], "body": beam, "joint": hinge, "force": spring,
-        "coordinate": hinge.angle, "energy": "kinetic", "signal": jo.Step(1.0), "place": "e1.a.top",
+        "coordinate": hinge.angle, "energy": "kinetic", "signal": jo.Step(1.0), "at": "e1.a.top",
     }  # fmt: skip
     sensors = []
     for kind in SENSORS:

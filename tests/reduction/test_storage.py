@@ -134,8 +134,8 @@ DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "other format": (attribute("format", "results"), "its format is 'results'"),
     "newer": (
-        attribute("version", 3),
-        "version 3 of the format, this jousto reads versions up to 2",
+        attribute("version", 4),
+        "version 4 of the format, this jousto reads versions up to 3",
     ),
     "no header": (delete("header"), "incomplete or damaged"),
     "bad header": (replace_dataset("header", np.zeros(5, np.uint8)), "is damaged"),

@@ -51,8 +51,8 @@ sensors:
   - {type: stress, name: s12, body: arm, sites: [e1.a.top]}
   - {type: von-mises, name: s13, body: arm}
   - {type: principal-stress, name: s14, body: arm, sites: [e1.a.top, e2.b.left]}
-  - {type: strain, name: s15, body: arm, place: e1.a.top, direction: [1, 1, 0]}
-  - {type: strain, name: s16, body: arm, place: [40 cm, 0, 50 mm], E: 200 GPa, nu: 0.25}
+  - {type: gauge, name: s15, body: arm, at: e1.a.top, direction: [1, 1, 0]}
+  - {type: gauge, name: s16, body: arm, at: [40 cm, 0, 50 mm], length: 3 mm, E: 200 GPa, nu: 0.25}
   - {type: coordinate, name: s17, coordinate: hinge.angle}
   - {type: rate, name: s18, coordinate: {type: distance, a: arm.end, b: ground.origin}}
   - {type: energy, name: s19, energy: kinetic}
@@ -83,8 +83,8 @@ def test_sensors_equal_the_python_constructors():
         jm.StressSensor("s12", arm, ("e1.a.top",)),
         jm.VonMisesSensor("s13", arm),
         jm.PrincipalStressSensor("s14", arm, ("e1.a.top", "e2.b.left")),
-        jm.StrainSensor("s15", arm, "e1.a.top", (1, 1, 0)),
-        jm.StrainSensor("s16", arm, (0.4, 0, 0.05), E=200e9, nu=0.25),
+        jm.Gauge("s15", arm, "e1.a.top", (1, 1, 0)),
+        jm.Gauge("s16", arm, (0.4, 0, 0.05), length=0.003, E=200e9, nu=0.25),
         jm.CoordinateSensor("s17", hinge.angle),
         jm.RateSensor("s18", distance),
         jm.EnergySensor("s19", "kinetic"),
@@ -111,11 +111,11 @@ MISTAKES = [
     ("{type: reaction, name: s, joint: rack, resolved_in: joint}",
      "sensors.0.resolved_in: the reaction of 'rack' is along its coordinates, leave resolved_in"),
     ("{type: force, name: s, force: kk}", "sensors.0.force: no force 'kk'; did you mean 'k'"),
-    ("{type: strain, name: s, body: arm, place: e1.a.tip}",
-     "sensors.0.place: body 'arm' has no stress site 'e1.a.tip'; did you mean 'e1.a.top'?"),
-    ("{type: strain, name: s, body: arm, place: [1, 0, 0.3]}",
-     "sensors.0.place: [1. , 0. , 0.3] m is on no line between stress sites of body 'arm'; "),
-    ("{type: strain, name: s, body: arm, place: e1.a.top, E: 3 N}",
+    ("{type: gauge, name: s, body: arm, at: e1.a.tip}",
+     "sensors.0.at: part 'rod' has no stress site 'e1.a.tip'; did you mean 'e1.a.top'?"),
+    ("{type: gauge, name: s, body: arm, at: [1, 0, 0.3]}",
+     "sensors.0.at: is 250 mm off the beams of part"),
+    ("{type: gauge, name: s, body: arm, at: e1.a.top, E: 3 N}",
      "sensors.0.E: expects a pressure (Pa), got 3 N (a force)"),
     ("{type: energy, name: s, energy: kintic}",
      "sensors.0.energy: energy is 'kintic'; did you mean 'kinetic'?"),

@@ -18,13 +18,13 @@ from jousto.mechanism.sensors import (
     CoordinateSensor,
     EnergySensor,
     ForceSensor,
+    Gauge,
     ModalSensor,
     MotionSensor,
     PrincipalStressSensor,
     RateSensor,
     ReactionSensor,
     SignalSensor,
-    StrainSensor,
     StressSensor,
     VonMisesSensor,
 )
@@ -32,7 +32,7 @@ from jousto.mechanism.sensors import (
 NOT_UNIQUE = " (not unique: least norm)"
 ROWS = {
     StressSensor: "stress",
-    StrainSensor: "stress",
+    Gauge: "stress",
     VonMisesSensor: "von mises",
     PrincipalStressSensor: "principal",
 }

@@ -21,11 +21,11 @@ from jousto.mechanism.moving import MovingLoad
 from jousto.mechanism.sensors import (
     SENSORS,
     ForceSensor,
+    Gauge,
     ModalSensor,
     MotionSensor,
     ReactionSensor,
     SiteSensor,
-    StrainSensor,
 )
 from jousto.mechanism.signals import Signal, Switched, leaves
 
@@ -155,7 +155,7 @@ def check_members(problems: Problems, mechanism: Mechanism) -> None:
     for item in (*items, *mechanism.frictions):
         for argument, marker in markers_of(item):
             missing(item, argument, marker.body)
-        if isinstance(item, ModalLoad | MovingLoad | ModalSensor | SiteSensor | StrainSensor):
+        if isinstance(item, ModalLoad | MovingLoad | ModalSensor | SiteSensor | Gauge):
             missing(item, "body", item.body)
         if isinstance(item, ReactionSensor | Friction):
             known = (*mechanism.joints, *mechanism.couplings)

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-RECIPE = 1
+RECIPE = 2
 """Raised when the same input gives another result, so that older entries are not found."""
 
 AUTOMATIC = 30_000

@@ -60,6 +60,9 @@ class ReducedPart:
     rotation_nodes : (nr,) int array or None
         Which nodes turn, ascending: the reference nodes of the interfaces of a solid. None if all
         do (or none does).
+    faces : tuple of (nf, k) int array
+        Outer faces of a solid by kind, k = 3, 4, 6 or 8 nodes, corners first, then the middles of
+        the sides, normals outwards: where strain gauges stick. Empty for beams.
 
     Raises
     ------
@@ -80,6 +83,7 @@ class ReducedPart:
     provenance: Mapping[str, str] = field(default_factory=dict)
     stiffening: Stiffening | None = None
     rotation_nodes: NDArray[np.intp] | None = None
+    faces: tuple[NDArray[np.intp], ...] = ()
 
     def __post_init__(self) -> None:
         where = f"reduced part '{self.name}'"
@@ -122,6 +126,13 @@ class ReducedPart:
             problems.add(where, f"elements has shape {elements.shape}, must be (any, any)")
         elif elements.size and not (0 <= elements.min() and elements.max() < nn):
             problems.add(where, f"elements name nodes outside 0..{nn - 1}")
+        faces = tuple(np.array(face, dtype=np.intp) for face in self.faces)
+        for face in faces:
+            if face.ndim != 2 or face.shape[1] not in (3, 4, 6, 8):
+                problems.add(where, f"faces have shape {face.shape}, must be (any, 3, 4, 6 or 8)")
+            elif face.size and not (0 <= face.min() and face.max() < nn):
+                problems.add(where, f"faces name nodes outside 0..{nn - 1}")
+            face.setflags(write=False)
         sets = {str(k): tuple(int(i) for i in v) for k, v in self.node_sets.items()}
         for key, members in sets.items():
             if any(not 0 <= i < nn for i in members):
@@ -138,6 +149,7 @@ class ReducedPart:
         object.__setattr__(self, "modes", modes)
         object.__setattr__(self, "rotations", rotations)
         object.__setattr__(self, "rotation_nodes", turning)
+        object.__setattr__(self, "faces", faces)
         object.__setattr__(self, "frequencies", f)
         object.__setattr__(self, "interfaces", tuple(self.interfaces))
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))

@@ -281,6 +281,7 @@ def _assemble(
         stress=_stress(part, X, run),
         interfaces=interfaces,
         provenance=_provenance(part, method, run),
+        faces=tuple(part.faces),
     )
 
 

@@ -21,8 +21,8 @@ from jousto.reduction.stiffening import Stiffening
 from jousto.reduction.stress import StressModes
 
 FORMAT = "jousto reduced part"
-VERSION = 2
-"""2 adds `rotation_nodes`; files of version 1 are read."""
+VERSION = 3
+"""2 adds `rotation_nodes`, 3 `faces`; files of older versions are read."""
 AGAIN = "reduce the part again and save it"
 
 UNITS = {
@@ -154,6 +154,8 @@ def _arrays(part: ReducedPart) -> Arrays:
         arrays["rotations"] = part.rotations
     if part.rotation_nodes is not None:
         arrays["rotation_nodes"] = part.rotation_nodes.astype(np.int64)
+    for face in part.faces:
+        arrays[f"faces/{face.shape[1]}"] = face.astype(np.int64)
     if part.stress is not None:
         arrays["stress/positions"] = part.stress.positions
         arrays["stress/axes"] = part.stress.axes
@@ -206,6 +208,9 @@ def _part(header: str, arrays: Arrays) -> ReducedPart:
         interfaces=tuple(text["interfaces"]),
         provenance=text["provenance"],
         stiffening=field,
+        faces=tuple(
+            arrays[key].astype(np.intp) for key in sorted(arrays) if key.startswith("faces/")
+        ),
     )
 
 

@@ -26,7 +26,7 @@ SENSORS: dict[str, Any] = {
     "stress": jm.StressSensor,
     "von-mises": jm.VonMisesSensor,
     "principal-stress": jm.PrincipalStressSensor,
-    "strain": jm.StrainSensor,
+    "gauge": jm.Gauge,
     "coordinate": jm.CoordinateSensor,
     "rate": jm.RateSensor,
     "energy": jm.EnergySensor,

@@ -10,6 +10,7 @@ from jousto.schema.connections import CoordinateEntry
 from jousto.schema.entries import (
     Direction,
     Entry,
+    Length,
     Marker,
     Number,
     Position,
@@ -118,14 +119,22 @@ class PrincipalStressSensorEntry(Entry):
     sites: tuple[Place, ...] | None = Field(None, description=SITES)
 
 
-class StrainSensorEntry(Entry):
-    """`StrainSensor`: a virtual strain gauge."""
+class GaugeEntry(Entry):
+    """`Gauge`: a virtual strain gauge."""
 
-    type: Literal["strain"]
+    type: Literal["gauge"]
     name: Text
     body: Text
-    place: Place = Field(description="A stress site such as e3.a.top, or a position on a beam")
-    direction: Direction | None = Field(None, description="In element axes, x if not given")
+    at: Place = Field(description="A position in the part frame, or a stress site as e3.a.top")
+    direction: Direction | None = Field(
+        None, description="Along the gauge, part frame; along the beam if not given"
+    )
+    length: Annotated[Length | None, Field(description="Of the grid; a point if not given")] = None
+    width: Annotated[Length | None, Field(description="Of the grid")] = None
+    transverse: Annotated[Number | None, Field(description="Transverse sensitivity")] = None
+    reach: Annotated[
+        Length | None, Field(description="How far the position may lie off the surface")
+    ] = None
     E: Annotated[Pressure | None, Field(description="Young's modulus, if not the part's")] = None
     nu: Annotated[Number | None, Field(description="Poisson's ratio, if not the part's")] = None
 
@@ -177,7 +186,7 @@ SensorEntry: TypeAlias = Annotated[
     | Annotated[StressSensorEntry, Tag("stress")]
     | Annotated[VonMisesSensorEntry, Tag("von-mises")]
     | Annotated[PrincipalStressSensorEntry, Tag("principal-stress")]
-    | Annotated[StrainSensorEntry, Tag("strain")]
+    | Annotated[GaugeEntry, Tag("gauge")]
     | Annotated[CoordinateSensorEntry, Tag("coordinate")]
     | Annotated[RateSensorEntry, Tag("rate")]
     | Annotated[EnergySensorEntry, Tag("energy")]

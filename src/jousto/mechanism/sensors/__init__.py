@@ -12,17 +12,10 @@ from jousto.mechanism.sensors.body import (
     ModalSensor,
     PrincipalStressSensor,
     SiteSensor,
-    StrainSensor,
     StressSensor,
     VonMisesSensor,
 )
-from jousto.mechanism.sensors.gauges import (
-    ENERGIES,
-    CoordinateSensor,
-    EnergySensor,
-    RateSensor,
-    SignalSensor,
-)
+from jousto.mechanism.sensors.gauge import Gauge, gauge_rows
 from jousto.mechanism.sensors.loads import ForceSensor, ReactionSensor
 from jousto.mechanism.sensors.motion import (
     AccelerationSensor,
@@ -33,10 +26,17 @@ from jousto.mechanism.sensors.motion import (
     PositionSensor,
     VelocitySensor,
 )
+from jousto.mechanism.sensors.readings import (
+    ENERGIES,
+    CoordinateSensor,
+    EnergySensor,
+    RateSensor,
+    SignalSensor,
+)
 
-BodySensor: TypeAlias = ModalSensor | SiteSensor | StrainSensor
-Gauge: TypeAlias = CoordinateSensor | RateSensor | EnergySensor | SignalSensor
-Sensor: TypeAlias = MotionSensor | BodySensor | ReactionSensor | ForceSensor | Gauge
+BodySensor: TypeAlias = ModalSensor | SiteSensor | Gauge
+Reading: TypeAlias = CoordinateSensor | RateSensor | EnergySensor | SignalSensor
+Sensor: TypeAlias = MotionSensor | BodySensor | ReactionSensor | ForceSensor | Reading
 MOTION_SENSORS: tuple[type[MotionSensor], ...] = (
     PositionSensor,
     VelocitySensor,
@@ -50,7 +50,7 @@ BODY_SENSORS: tuple[type[BodySensor], ...] = (
     StressSensor,
     VonMisesSensor,
     PrincipalStressSensor,
-    StrainSensor,
+    Gauge,
 )
 SENSORS: tuple[type[Sensor], ...] = (
     *(*MOTION_SENSORS, *BODY_SENSORS, ReactionSensor, ForceSensor),
@@ -76,12 +76,13 @@ __all__ = [
     "PositionSensor",
     "PrincipalStressSensor",
     "RateSensor",
+    "Reading",
     "ReactionSensor",
     "Sensor",
     "SignalSensor",
     "SiteSensor",
-    "StrainSensor",
     "StressSensor",
     "VelocitySensor",
     "VonMisesSensor",
+    "gauge_rows",
 ]

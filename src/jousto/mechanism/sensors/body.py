@@ -1,4 +1,4 @@
-"""Sensors of flexible bodies: modal coordinates, stress and strain."""
+"""Sensors of flexible bodies: modal coordinates and stress."""
 
 from __future__ import annotations
 
@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.mechanism.body import FlexibleBody
-from jousto.mechanism.fields import check_name, number, set_fields
+from jousto.mechanism.fields import check_name, set_fields
 from jousto.mechanism.orientation import Array, readonly
 
 VOIGT = ("s11", "s22", "s33", "s12", "s23", "s13")
-LINE = 1e-6  # of the part's size: how far beside a line between two sites a gauge may lie
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -138,97 +136,6 @@ class PrincipalStressSensor(SiteSensor):
     values: ClassVar[tuple[str, ...]] = ("max", "mid", "min")
 
 
-@dataclass(frozen=True, eq=False, init=False)
-class StrainSensor:
-    """Strain of a virtual strain gauge on a flexible body, (1,) m/m.
-
-    ``e = t^T eps t`` along the direction t, with the strain ``eps = ((1 + nu) s - nu tr(s) 1) / E``
-    of the stress s at the place: Hooke's law of an isotropic material.
-
-    Parameters
-    ----------
-    name : str
-        Name, unique among the sensors.
-    body : FlexibleBody
-        A body whose part knows stresses.
-    place : str or (3,) array_like
-        Label of a stress site such as ``"e3.a.top"``, or a position in the part frame, m, on a
-        straight line between two sites of a beam element, where stress is linear.
-    direction : (3,) array_like
-        Along the gauge, in the axes of the element: (1, 0, 0) is along a beam.
-    E, nu : float, optional
-        Young's modulus, Pa, and Poisson's ratio, for parts that do not know them. Parts made of
-        beams do.
-    """
-
-    unit: ClassVar[str] = "m/m"
-    frame: ClassVar[str] = "element"
-    components: ClassVar[tuple[str, ...]] = ("e",)
-    name: str
-    body: FlexibleBody
-    place: str | Array
-    direction: Array
-    E: float
-    nu: float
-
-    def __init__(
-        self,
-        name: str,
-        body: FlexibleBody,
-        place: str | ArrayLike,
-        direction: ArrayLike = (1.0, 0.0, 0.0),
-        *,
-        E: float | None = None,
-        nu: float | None = None,
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, "sensor", name)
-        check_flexible(problems, where, body)
-        problems.raise_if_any()
-        known_sites(where, body)
-        at: Any = place
-        if isinstance(place, str):
-            check_site(problems, where, "place", body, place)
-        else:
-            at = problems.array(where, "place", place, (3,))
-        t = problems.array(where, "direction", direction, (3,))
-        if t is not None and not np.any(t):
-            problems.add(where, "direction is zero")
-        problems.raise_if_any()
-        weights = site_weights(where, body, at)
-        young, poisson = elasticity(where, body, next(iter(weights)), E, nu)
-        set_fields(
-            self,
-            name=name,
-            body=body,
-            place=at,
-            direction=readonly(np.asarray(t) / np.linalg.norm(np.asarray(t))),
-            E=young,
-            nu=poisson,
-        )
-
-    @property
-    def rows(self) -> Array:
-        """Strain of each mode, (1, n)."""
-        stress = self.body.reduced.stress
-        assert stress is not None
-        x, y, z = self.direction
-        along = np.array([x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * x * z])
-        trace = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
-        gauge = ((1.0 + self.nu) * along - self.nu * trace) / self.E
-        weights = site_weights(f"sensor {self.name!r}", self.body, self.place)
-        modes = np.sum([w * stress.modes[i] for i, w in weights.items()], axis=0)
-        return readonly((gauge @ modes)[None])
-
-    @property
-    def description(self) -> str:
-        """One line for results and plots."""
-        place = self.place
-        at = place if isinstance(place, str) else "(" + ", ".join(f"{x:g}" for x in place) + ")"
-        along = ", ".join(f"{x:.4g}" for x in self.direction)
-        return f"strain of {self.body.name} at {at} along ({along})"
-
-
 def check_flexible(problems: Problems, where: str, body: Any) -> None:
     """Note a problem unless `body` is a flexible body."""
     if not isinstance(body, FlexibleBody):
@@ -259,73 +166,3 @@ def check_site(problems: Problems, where: str, key: str, body: FlexibleBody, sit
             where,
             f"{key}: body {body.name!r} has no stress site {site!r}{suggest(str(site), labels)}",
         )
-
-
-def site_weights(where: str, body: FlexibleBody, place: str | Array) -> dict[int, float]:
-    """Return the stress sites, by index, of which the stress at a place is a linear combination.
-
-    Raises
-    ------
-    InputError
-        If a position is not on a line between corresponding sites of an element's two ends.
-    """
-    stress = body.reduced.stress
-    assert stress is not None
-    labels = list(stress.labels)
-    if isinstance(place, str):
-        return {labels.index(place): 1.0}
-    size = float(np.ptp(stress.positions, axis=0).max()) or 1.0
-    best, least = "", np.inf
-    for i, label in enumerate(labels):
-        element, _, point = label.partition(".a.")
-        other = f"{element}.b.{point}"
-        if not point or other not in labels:
-            continue
-        j = labels.index(other)
-        x, along = stress.positions[i], stress.positions[j] - stress.positions[i]
-        s = float(np.clip(along @ (place - x) / (along @ along), 0.0, 1.0))
-        distance = float(np.linalg.norm(x + s * along - place))
-        if distance <= LINE * size:
-            return {i: 1.0 - s, j: s}
-        if distance < least:
-            best, least = f"{label} and {other}", distance
-    nearest = f"; the line nearest to it is that between {best}, {1e3 * least:.4g} mm away"
-    raise InputError(
-        Problem(
-            where,
-            f"place: {np.array2string(place, separator=', ')} m is on no line between stress sites "
-            f"of body {body.name!r}{nearest if best else ''}; name a site",
-        )
-    )
-
-
-def elasticity(
-    where: str, body: FlexibleBody, site: int, E: float | None, nu: float | None
-) -> tuple[float, float]:
-    """Return Young's modulus and Poisson's ratio at a site, given or of the part.
-
-    Raises
-    ------
-    InputError
-        If neither is known, or a given one is out of range.
-    """
-    problems = Problems()
-    stress = body.reduced.stress
-    known = None if stress is None else stress.elasticity
-    values: list[float] = []
-    for i, (key, value) in enumerate((("E", E), ("nu", nu))):
-        if value is not None:
-            found = number(problems, where, key, value)
-            if found is not None and key == "E" and found <= 0.0:
-                problems.add(where, f"E is {found:g} Pa, must be positive")
-            if found is not None and key == "nu" and not -1.0 < found <= 0.5:
-                problems.add(where, f"nu is {found:g}, must be in (-1, 0.5]")
-            values.append(0.0 if found is None else found)
-        elif known is not None:
-            values.append(float(known[site, i]))
-        else:
-            problems.add(
-                where, f"{key} is missing: the part of body {body.name!r} does not know it"
-            )
-    problems.raise_if_any()
-    return values[0], values[1]

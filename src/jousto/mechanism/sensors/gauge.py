@@ -1,0 +1,435 @@
+"""Virtual strain gauges: a strain at a place of a part, averaged over a grid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from jousto.errors import InputError, Problem, Problems, suggest
+from jousto.mechanism.body import FlexibleBody
+from jousto.mechanism.fields import check_name, number, set_fields
+from jousto.mechanism.orientation import Array, readonly
+
+if TYPE_CHECKING:
+    from jousto.reduction import ReducedPart, StressModes
+    from jousto.reduction.fibre import Element, Fibre
+
+NU_CALIBRATION = 0.285
+"""Poisson's ratio of the beam on which makers of strain gauges calibrate."""
+
+REACH = 0.01
+"""Share of the size of a solid, of the section of a beam, that a gauge may lie off the surface."""
+
+TRACE = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Gauge:
+    """A virtual strain gauge on a flexible body, (1,) m/m.
+
+    On solids it is the mean elongation of the surface under the grid, from the displacements of the
+    modes: ``e = sum c . du / sum |dx|`` along the grid, exact for the finite element field. On
+    beams it is ``e = t . eps t`` with Hooke's ``eps = ((1 + nu) s - nu tr(s) 1) / E`` of the
+    section's stress, which is linear along an element: any place along it, and any place of the
+    section for a gauge along the beam.
+
+    With the transverse sensitivity K a real gauge, calibrated at Poisson's ratio 0.285, shows
+    ``(e + K e_across) / (1 - 0.285 K)`` (ASTM E251).
+
+    Parameters
+    ----------
+    name : str
+        Name, unique among the sensors.
+    body : FlexibleBody or ReducedPart
+        What it sticks to; sensors of a mechanism need a body.
+    at : str or (3,) array_like
+        Position in the part frame, m; the nearest place of the surface is taken. Or the label of a
+        stress site such as ``"e3.a.top"`` or ``"n12"``.
+    direction : (3,) array_like, optional
+        Along the gauge, part frame; on solids projected to the tangent plane. None is along the
+        beam; on solids it must be given.
+    length, width : float
+        Of the grid, m, over which strain is averaged; zero is a point.
+    transverse : float
+        Transverse sensitivity K, such as 0.005.
+    reach : float, optional
+        How far the position may lie off the surface, m; 1 % of the size of the part (solids) or
+        of the section (beams) if not given.
+    E, nu : float, optional
+        Young's modulus, Pa, and Poisson's ratio, for parts that do not know them.
+
+    Attributes
+    ----------
+    position : (3,) array
+        Where it sticks, part frame, m.
+    axis : (3,) array
+        Unit vector along the grid, part frame.
+    rows : (1, n) array
+        Strain per unit modal coordinate, kg^-0.5/m.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong: a place off the surface, a grid that leaves it, a direction
+        across the surface, shear where only stress along the beam is known.
+    """
+
+    unit: ClassVar[str] = "m/m"
+    frame: ClassVar[str] = "gauge"
+    components: ClassVar[tuple[str, ...]] = ("e",)
+    name: str
+    body: FlexibleBody | ReducedPart
+    at: str | Array
+    direction: Array | None
+    length: float
+    width: float
+    transverse: float
+    reach: float | None
+    E: float | None
+    nu: float | None
+    position: Array
+    axis: Array
+    rows: Array
+
+    def __init__(
+        self,
+        name: str,
+        body: FlexibleBody | ReducedPart,
+        at: str | ArrayLike,
+        direction: ArrayLike | None = None,
+        *,
+        length: float = 0.0,
+        width: float = 0.0,
+        transverse: float = 0.0,
+        reach: float | None = None,
+        E: float | None = None,
+        nu: float | None = None,
+    ) -> None:
+        problems = Problems()
+        where = check_name(problems, "gauge", name)
+        if not isinstance(body, FlexibleBody) and not hasattr(body, "modes"):
+            problems.add(where, f"body is {body!r}, must be a flexible body or a reduced part")
+        place: Any = at if isinstance(at, str) else problems.array(where, "at", at, (3,))
+        t = None if direction is None else problems.array(where, "direction", direction, (3,))
+        if t is not None and not np.any(t):
+            problems.add(where, "direction is zero")
+        sizes: dict[str, float | None] = {}
+        for key, value in (("length", length), ("width", width), ("reach", reach)):
+            found = None if value is None else number(problems, where, key, value)
+            if found is not None and found < 0.0:
+                problems.add(where, f"{key} is {found:g} m, must not be negative")
+            sizes[key] = found
+        K = number(problems, where, "transverse", transverse)
+        if K is not None and not abs(K) < 0.5:
+            problems.add(where, f"transverse is {K:g}, must be a share such as 0.005")
+        young = None if E is None else number(problems, where, "E", E)
+        if young is not None and young <= 0.0:
+            problems.add(where, f"E is {young:g} Pa, must be positive")
+        poisson = None if nu is None else number(problems, where, "nu", nu)
+        if poisson is not None and not -1.0 < poisson <= 0.5:
+            problems.add(where, f"nu is {poisson:g}, must be in (-1, 0.5]")
+        problems.raise_if_any()
+        set_fields(
+            self,
+            name=name,
+            body=body,
+            at=place,
+            direction=None if t is None else readonly(t / np.linalg.norm(t)),
+            transverse=K,
+            E=young,
+            nu=poisson,
+            **sizes,
+        )
+        position, axis, rows = self.placed(self.reduced)
+        set_fields(
+            self, position=readonly(position), axis=readonly(axis), rows=readonly(rows[None])
+        )
+
+    @property
+    def reduced(self) -> ReducedPart:
+        """The part it sticks to."""
+        return self.body.reduced if isinstance(self.body, FlexibleBody) else self.body
+
+    @property
+    def description(self) -> str:
+        """One line for results and plots."""
+        at = ", ".join(f"{x:.5g}" for x in self.position)
+        along = ", ".join(f"{x:.4g}" for x in self.axis + 0.0)
+        return f"strain of {self.body.name} at ({at}) along ({along})"
+
+    def placed(self, reduced: ReducedPart) -> tuple[Array, Array, Array]:
+        """Return position (3,), axis (3,) and rows (n,) of this gauge on a part.
+
+        Raises
+        ------
+        InputError
+            If it does not fit there.
+        """
+        where = f"gauge {self.name!r}"
+        if isinstance(self.at, str):
+            stress = known_stress(where, reduced)
+            if self.at not in stress.labels:
+                raise InputError(
+                    Problem(
+                        where,
+                        f"at: part '{reduced.name}' has no stress site {self.at!r}"
+                        f"{suggest(self.at, stress.labels)}",
+                    )
+                )
+        if reduced.faces:
+            return _on_surface(self, where, reduced)
+        return _on_beam(self, where, reduced)
+
+
+def gauge_rows(gauges: Iterable[Any], reduced: ReducedPart | None = None) -> Array:
+    """Return the outputs of gauges per unit modal coordinate, (ng, n): B of ``e = B p``.
+
+    Parameters
+    ----------
+    gauges : iterable of Gauge, Rosette or Bridge
+        A gauge gives one row, m/m; a rosette one for each of its grids; a bridge one, V/V.
+    reduced : ReducedPart, optional
+        The part to place them on, such as the same part with more modes; their own if not given.
+
+    Raises
+    ------
+    InputError
+        Gauges that do not fit the part, or belong to different parts.
+
+    Examples
+    --------
+    ``gauge_rows([g1, g2])`` for gauges on one body.
+    """
+    items = list(gauges)
+    problems = Problems()
+    if not items:
+        problems.add("gauges", "there are none; give one Gauge or more")
+    blocks = []
+    for i, item in enumerate(items):
+        if not hasattr(item, "placed") or not hasattr(item, "rows"):
+            problems.add(f"gauges[{i}]", f"is {item!r}, must be a Gauge, Rosette or Bridge")
+            continue
+        try:
+            blocks.append(item.rows if reduced is None else np.atleast_2d(item.placed(reduced)[2]))
+        except InputError as error:
+            problems.found += error.problems
+    problems.raise_if_any()
+    counts = {block.shape[1] for block in blocks}
+    if len(counts) > 1:
+        names = ", ".join(f"{g.name!r} on '{g.reduced.name}'" for g in items[:4])
+        raise InputError(
+            Problem("gauges", f"they stick to parts of different numbers of modes: {names}")
+        )
+    return np.concatenate(blocks)
+
+
+def known_stress(where: str, reduced: ReducedPart) -> StressModes:
+    """Return the stress modes of a part.
+
+    Raises
+    ------
+    InputError
+        If it knows no stress.
+    """
+    if reduced.stress is None:
+        raise InputError(
+            Problem(
+                where,
+                f"part '{reduced.name}' has no stress modes and no surface; gauges need a part of "
+                "beams with section points or of solids",
+            )
+        )
+    return reduced.stress
+
+
+def _across(e: Array, across: Array | float, K: float) -> Array:
+    """Return what a gauge of transverse sensitivity K shows."""
+    return np.asarray((e + K * across) / (1.0 - NU_CALIBRATION * K))
+
+
+# -- solids -----------------------------------------------------------------------------------
+
+
+def _on_surface(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Array, Array]:
+    from jousto.reduction.skin import LeavesSurface, Skin, grid_strain, point_strain, tangent
+
+    x = g.at
+    if isinstance(x, str):
+        stress = known_stress(where, reduced)
+        x = stress.positions[stress.labels.index(x)]
+    problems = Problems()
+    skin = Skin(reduced.nodes, reduced.faces)
+    used = np.unique(np.concatenate([face.ravel() for face in reduced.faces]))
+    size = float(np.ptp(reduced.nodes[used], axis=0).max())
+    feet = skin.feet(x)
+    foot = feet[0]
+    reach = REACH * size if g.reach is None else g.reach
+    if foot.distance > max(reach, 1e-9 * size):
+        near = ", ".join(f"{v:.5g}" for v in foot.x.round(9) + 0.0)
+        problems.add(
+            where,
+            f"at: is {1e3 * foot.distance:.4g} mm off the surface of part '{reduced.name}', more "
+            f"than reach {1e3 * reach:.4g} mm; the nearest place of it is ({near}) m",
+        )
+    if g.direction is None:
+        problems.add(where, "direction is missing: on solids there is no natural one")
+        problems.raise_if_any()
+    assert g.direction is not None
+    normal = np.mean([f.normal for f in feet], axis=0)
+    normal /= np.linalg.norm(normal)
+    if 1.0 - abs(float(g.direction @ normal)) < 1e-4:
+        problems.add(
+            where,
+            "direction stands across the surface, whose normal there is "
+            f"({', '.join(f'{v:.3g}' for v in normal.round(6) + 0.0)}); give one along it",
+        )
+    problems.raise_if_any()
+    t = tangent(g.direction, normal)
+    u = reduced.modes
+    if g.length == 0.0 and g.width == 0.0:
+        e = point_strain(feet, t)(u)
+        if g.transverse:
+            e = _across(e, point_strain(feet, np.cross(normal, t))(u), g.transverse)
+        return foot.x, t, e
+    # a grid of a width alone is as short as wide
+    length, width = g.length or g.width, g.width
+    try:
+        e = grid_strain(skin, foot, tangent(t, foot.normal), length, width)(u)
+        if g.transverse:
+            across = np.cross(foot.normal, t)
+            e = _across(
+                e, grid_strain(skin, foot, across, width or length, length)(u), g.transverse
+            )
+    except LeavesSurface as error:
+        raise InputError(
+            Problem(
+                where,
+                f"its grid of {1e3 * length:.4g} x {1e3 * width:.4g} mm leaves the surface or runs "
+                f"over an edge {1e3 * error.reach:.3g} mm from its middle; move or shorten it",
+            )
+        ) from error
+    return foot.x, t, e
+
+
+# -- beams ------------------------------------------------------------------------------------
+
+
+def _on_beam(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Array, Array]:
+    from jousto.reduction.fibre import elements, nearest_fibre
+
+    stress = known_stress(where, reduced)
+    beams = elements(stress)
+    if isinstance(g.at, str):
+        i = stress.labels.index(g.at)
+        x, axes = stress.positions[i], stress.axes[i]
+        if g.length == 0.0 or not beams:
+            t = axes[:, 0] if g.direction is None else g.direction
+            site = {i: 1.0}
+            return x, t, _hooke(g, where, reduced, stress, axes.T @ t, site)
+        point = x
+    else:
+        point = g.at
+        if not beams:
+            raise InputError(
+                Problem(
+                    where,
+                    f"at: part '{reduced.name}' has neither a surface nor beams; name a stress "
+                    f"site such as {stress.nearest(point)!r}",
+                )
+            )
+    fibre = nearest_fibre(beams, point)
+    element = fibre.element
+    reach = REACH * element.size if g.reach is None else g.reach
+    if fibre.distance > max(reach, 1e-9 * element.length):
+        near = ", ".join(f"{v:.5g}" for v in fibre.x)
+        raise InputError(
+            Problem(
+                where,
+                f"at: is {1e3 * fibre.distance:.4g} mm off the beams of part '{reduced.name}', "
+                f"more than reach {1e3 * reach:.4g} mm; the nearest place is ({near}) m on element "
+                f"{element.name}",
+            )
+        )
+    t = element.axes[:, 0] if g.direction is None else g.direction
+    local = element.axes.T @ t
+    if not fibre.exact and max(abs(local[0] * local[1]), abs(local[0] * local[2])) > 1e-9:
+        raise InputError(
+            Problem(
+                where,
+                "measures shear, which beams know at their section points only "
+                f"({', '.join(element.points)}); place it on one of their lines or along the beam",
+            )
+        )
+    sites: dict[int, float] = {}
+    for share, at in _along(fibre, beams, g.length * abs(float(local[0]))):
+        for i, w in at.items():
+            sites[i] = sites.get(i, 0.0) + share * w
+    return fibre.x, t, _hooke(g, where, reduced, stress, local, sites)
+
+
+def _along(
+    fibre: Fibre, beams: list[Element], length: float
+) -> list[tuple[float, dict[int, float]]]:
+    """Return sites and their shares in the mean over a length of the fibre, element by element."""
+    from jousto.reduction.fibre import nearest_fibre
+
+    if length == 0.0:
+        return [(1.0, fibre.sites())]
+    axis = fibre.element.axes[:, 0]
+    size = max(fibre.element.size, 1e-300)
+    cuts = {-0.5 * length, 0.5 * length}
+    for e in beams:
+        for end in (0.0, e.length):
+            at = float((e.origin + end * e.axes[:, 0] - fibre.x) @ axis)
+            if abs(at) < 0.5 * length:
+                cuts.add(at)
+    out = []
+    edges = sorted(cuts)
+    for a, b in zip(edges[:-1], edges[1:], strict=True):
+        if b - a > 1e-9 * length:
+            there = nearest_fibre(beams, fibre.x + 0.5 * (a + b) * axis)
+            # beyond the end of the member the last place counts
+            inside = there if there.distance <= 0.05 * size + 1e-9 * length else fibre
+            out.append(((b - a) / length, inside.sites()))
+    return out
+
+
+def _hooke(
+    g: Gauge,
+    where: str,
+    reduced: ReducedPart,
+    stress: StressModes,
+    t: Array,
+    sites: dict[int, float],
+) -> Array:
+    """Return the strain (n,) along t, in the axes of the sites, of their mean stress."""
+    problems = Problems()
+    first = next(iter(sites))
+    values = []
+    for column, (key, value) in enumerate((("E", g.E), ("nu", g.nu))):
+        if value is not None:
+            values.append(value)
+        elif stress.elasticity is not None:
+            values.append(float(stress.elasticity[first, column]))
+        else:
+            problems.add(where, f"{key} is missing: part '{reduced.name}' does not know it")
+    problems.raise_if_any()
+    E, nu = values
+    mean = np.sum([w * stress.modes[i] for i, w in sites.items()], axis=0)
+
+    def along(d: Array) -> Array:
+        x, y, z = d
+        square = np.array([x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * x * z])
+        return np.asarray((((1.0 + nu) * square - nu * TRACE) / E) @ mean)
+
+    e = along(t)
+    if g.transverse:
+        # across on the surface of a beam under axial stress and shear: the trace less the other
+        trace = (1.0 - 2.0 * nu) / E * (TRACE @ mean)
+        normal = -nu / E * (TRACE @ mean)
+        e = _across(e, trace - normal - e, g.transverse)
+    return e
