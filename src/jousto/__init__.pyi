@@ -475,3 +475,66 @@ from .output import (
 from .output import (
     write_mesh as write_mesh,
 )
+from .parts import (
+    FKM as FKM,
+)
+from .parts import (
+    SN as SN,
+)
+from .parts import (
+    SWT as SWT,
+)
+from .parts import (
+    Gerber as Gerber,
+)
+from .parts import (
+    Goodman as Goodman,
+)
+from .parts import (
+    MeanStress as MeanStress,
+)
+from .parts import (
+    Morrow as Morrow,
+)
+from .parts import (
+    PartCompression as PartCompression,
+)
+from .parts import (
+    Soderberg as Soderberg,
+)
+from .parts import (
+    Walker as Walker,
+)
+from .parts import (
+    WeldRatio as WeldRatio,
+)
+from .parts import (
+    estimate_sn as estimate_sn,
+)
+from .parts import (
+    fat_class as fat_class,
+)
+from .parts import (
+    finish_factor as finish_factor,
+)
+from .parts import (
+    load_factor as load_factor,
+)
+from .parts import (
+    reliability_factor as reliability_factor,
+)
+from .parts import (
+    roughness_factor as roughness_factor,
+)
+from .parts import (
+    size_factor as size_factor,
+)
+from .parts import (
+    sn_curve as sn_curve,
+)
+from .parts import (
+    sn_curves as sn_curves,
+)
+from .parts import (
+    thickness_factor as thickness_factor,
+)

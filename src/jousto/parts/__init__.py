@@ -2,6 +2,8 @@
 
 from jousto.parts.beam import EulerBernoulli, Theory, Timoshenko
 from jousto.parts.cells import Cells
+from jousto.parts.curve_library import estimate_sn, sn_curve, sn_curves
+from jousto.parts.curves import SN
 from jousto.parts.holes import Hole
 from jousto.parts.inspection import Finding
 from jousto.parts.interface import Interface, Tie
@@ -9,6 +11,18 @@ from jousto.parts.library import material, materials
 from jousto.parts.loads import NodalForce, Pressure, Spin, SurfaceLoad, Traction, Weight
 from jousto.parts.mass import MassPoints, PointMass
 from jousto.parts.material import Material
+from jousto.parts.mean_stress import (
+    FKM,
+    SWT,
+    Gerber,
+    Goodman,
+    MeanStress,
+    Morrow,
+    PartCompression,
+    Soderberg,
+    Walker,
+    WeldRatio,
+)
 from jousto.parts.members import Member
 from jousto.parts.mesh import Mesh
 from jousto.parts.orthotropic import Orthotropic
@@ -27,9 +41,38 @@ from jousto.parts.section import (
     polar_moment,
 )
 from jousto.parts.solids import SolidStress
+from jousto.parts.strength import (
+    finish_factor,
+    load_factor,
+    reliability_factor,
+    roughness_factor,
+    size_factor,
+)
 from jousto.parts.stress import StressOperator
+from jousto.parts.welds import fat_class, thickness_factor
 
 __all__ = [
+    "FKM",
+    "SN",
+    "SWT",
+    "Gerber",
+    "Goodman",
+    "MeanStress",
+    "Morrow",
+    "PartCompression",
+    "Soderberg",
+    "Walker",
+    "WeldRatio",
+    "estimate_sn",
+    "fat_class",
+    "finish_factor",
+    "load_factor",
+    "reliability_factor",
+    "roughness_factor",
+    "size_factor",
+    "sn_curve",
+    "sn_curves",
+    "thickness_factor",
     "Box",
     "Cells",
     "Circle",
