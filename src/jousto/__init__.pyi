@@ -340,6 +340,51 @@ from .parts.readers.matrices import (
 from .parts.readers.matrices import (
     read_matrices as read_matrices,
 )
+from .parts.strain_life import (
+    StrainLife as StrainLife,
+)
+from .parts.strain_life import (
+    strain_life as strain_life,
+)
+from .parts.strain_life import (
+    strain_lives as strain_lives,
+)
+from .recovery.fatigue.contact import (
+    HertzContact as HertzContact,
+)
+from .recovery.fatigue.contact import (
+    RollingContact as RollingContact,
+)
+from .recovery.fatigue.contact import (
+    hertz_line as hertz_line,
+)
+from .recovery.fatigue.contact import (
+    hertz_point as hertz_point,
+)
+from .recovery.fatigue.contact import (
+    rolling_contact as rolling_contact,
+)
+from .recovery.fatigue.contact import (
+    shakedown_limit as shakedown_limit,
+)
+from .recovery.fatigue.strain_life import (
+    LocalCycles as LocalCycles,
+)
+from .recovery.fatigue.strain_life import (
+    LocalPath as LocalPath,
+)
+from .recovery.fatigue.strain_life import (
+    glinka as glinka,
+)
+from .recovery.fatigue.strain_life import (
+    local_cycles as local_cycles,
+)
+from .recovery.fatigue.strain_life import (
+    local_path as local_path,
+)
+from .recovery.fatigue.strain_life import (
+    neuber as neuber,
+)
 from .reduction import (
     Advice as Advice,
 )
