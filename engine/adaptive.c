@@ -393,6 +393,7 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double en
     d->counts[5]++;
     if (m->nturn) jo_count_turns(m, d);
     remember_extent(m, d);
+    c->measured = 0;
     c->found = found;
     if (!found) c->chain = 0;
     return JO_OK;
@@ -426,9 +427,16 @@ static int arrive(const jo_model *m, jo_data *d)
     c->found = 0;
     if (found) {
         d->fresh = d->current = c->known = 0;   /* rows were written */
-        return jo_event_happen(m, d, &c->chain);
+        const int status = jo_event_happen(m, d, &c->chain);
+        if (status != JO_OK && status != JO_EVENT) return status;
+        const int event = d->error_index, failed = jo_measure(m, d);
+        c->measured = 1;
+        d->error_index = failed == JO_OK ? event : d->error_index;
+        return failed == JO_OK ? status : failed;
     }
-    return JO_OK;
+    if (c->measured) return JO_OK;
+    c->measured = 1;
+    return jo_measure(m, d);
 }
 
 static int follow(const jo_model *m, jo_data *d, const jo_solver *s, long long last, long long tries, int room,

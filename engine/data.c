@@ -14,7 +14,7 @@ static void *take(arena *a, size_t bytes)
 }
 static jo_real *reals(arena *a, int n) { return take(a, (size_t)n * sizeof(jo_real)); }
 
-static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched)
+static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched, jo_sensor **metered)
 {
     jo_data spare_data, *taken = take(a, sizeof(jo_data)), *d = taken ? taken : &spare_data;
     /* state: what the next step needs from the last, one block */
@@ -32,6 +32,7 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched)
     d->direction = reals(a, 2 * m->nfriction);
     d->rub = reals(a, 2 * m->nfriction);
     d->happened = take(a, (size_t)m->nevent * sizeof(int));
+    d->memory = take(a, (size_t)m->nmemory * sizeof(double));
     d->algorithmic = reals(a, m->nv);
     d->end_a = reals(a, m->nv);
     d->end_q = reals(a, m->nq);
@@ -88,6 +89,9 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched)
     d->log = take(a, 3 * (size_t)jo_log_room(m) * sizeof(double));
     d->measured = reals(a, m->nevent ? m->nout : 0);
     *watched = take(a, m->nevent ? (size_t)m->nsensor * sizeof(jo_sensor) : 0);
+    d->reading = reals(a, m->nmeter ? m->nout : 0);
+    d->scratch = take(a, (size_t)jo_damage_scratch(m) * sizeof(double));
+    *metered = take(a, m->nmeter ? (size_t)m->nsensor * sizeof(jo_sensor) : 0);
     for (int i = 0; i < m->nbody; i++) {
         jo_body_work spare, *w = a->base ? &d->body[i] : &spare;
         const int np = m->body[i].np;
@@ -131,14 +135,14 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched)
 jo_data *jo_data_new(const jo_model *m)
 {
     arena a = {0, 0};
-    jo_sensor *watched;
-    lay_out(m, &a, &watched);
+    jo_sensor *watched, *metered;
+    lay_out(m, &a, &watched, &metered);
     void *block = malloc(a.used + 64);
     if (!block) return 0;
     memset(block, 0, a.used + 64);
     a.base = (char *)block + (64 - (size_t)block % 64);
     a.used = 0;
-    jo_data *d = lay_out(m, &a, &watched);
+    jo_data *d = lay_out(m, &a, &watched, &metered);
     d->arena = block;
     d->gh = -1.0;
     d->restart = 1;
@@ -150,6 +154,7 @@ jo_data *jo_data_new(const jo_model *m)
     jo_joint_plan(m, d);
     jo_joint_setup(m, d, 0);
     if (jo_watched(m)) jo_event_setup(m, d, watched);
+    if (m->nmeter) jo_damage_setup(m, d, metered);
     for (int i = 0; i < m->nmarker; i++) {   /* ground markers stand still; gravity is a frame acceleration */
         if (m->marker[i].body >= 0) continue;
         jo_set3(d->marker[i].r, m->marker[i].u0);
@@ -174,6 +179,7 @@ int *jo_data_slip(jo_data *d) { return d->slip; }
 jo_real *jo_data_direction(jo_data *d) { return d->direction; }
 jo_real *jo_data_held(jo_data *d) { return d->held; }
 jo_real *jo_data_rub(jo_data *d) { return d->rub; }
+double *jo_data_memory(jo_data *d) { return d->memory; }
 int *jo_data_happened(jo_data *d) { return d->happened; }
 long long *jo_data_counts(jo_data *d) { return d->counts; }
 const double *jo_data_log(const jo_data *d) { return d->log; }

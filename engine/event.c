@@ -61,11 +61,12 @@ static void bring_back(jo_data *d)
 /* -- what is watched ------------------------------------------------------------------------ */
 
 /* sensors of positions and velocities need no accelerations */
-static int needs_accelerations(const jo_sensor *s)
+int jo_needs_accelerations(const jo_sensor *s)
 {
     switch (s->type) {
     case JO_POSITION: case JO_VELOCITY: case JO_ORIENTATION: case JO_ANGULAR_VELOCITY: case JO_MODAL:
     case JO_STRESS: case JO_VON_MISES: case JO_PRINCIPAL: case JO_COORDINATE: case JO_RATE: case JO_SIGNAL:
+    case JO_DAMAGE:
         return 0;
     case JO_ENERGY: return s->object >= 4;   /* work: its last step waits for the power at its end */
     default: return 1;
@@ -88,7 +89,7 @@ void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list)
         }
         if (!used) continue;
         list[d->watch.nsensor++] = *s;
-        d->demanding |= needs_accelerations(s);
+        d->demanding |= jo_needs_accelerations(s);
     }
 }
 

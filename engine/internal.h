@@ -136,6 +136,7 @@ typedef struct {
     int known;              /* a and power belong to the present state though it is not fresh */
     int found;              /* the last step ends at an event */
     int first;              /* no step yet: values at a threshold may leave it either way */
+    int measured;           /* the damage meters know the present state */
     int chain;              /* events since the last step without one */
     int status;             /* why it could not be evaluated, or JO_OK */
     int worst;              /* body with the largest error */
@@ -165,6 +166,7 @@ struct jo_data {
     int *locked, *slip, *happened;
     jo_real *held;          /* (2 nlock) */
     jo_real *direction, *rub;   /* (2 nfriction) */
+    double *memory;         /* (nmemory) */
     jo_mixing mixing;
     int smooth;             /* friction is left out: the joints are being closed */
 
@@ -172,6 +174,10 @@ struct jo_data {
     size_t state_bytes;
     int restart;            /* forces jumped: methods with a memory start anew, and set it to 0 */
     jo_kept kept;
+    jo_model metered;       /* the model with the metered sensors only */
+    jo_real *reading;       /* (nout) their values */
+    double *scratch;        /* of the largest meter */
+    int metered_demanding;  /* metered sensors need accelerations */
     jo_model watch;         /* the model with the watched sensors only */
     jo_real *measured;      /* (nout) their values */
     double *level, *below, *above, *trial, *scale;   /* (jo_watched) value less threshold, margin: at the start of the step, at the ends
@@ -313,6 +319,14 @@ int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, 
 int jo_event_happen(const jo_model *m, jo_data *d, int *chain);
 int jo_log_room(const jo_model *m);
 int jo_log_has_room(const jo_model *m, const jo_data *d);
+
+int jo_needs_accelerations(const jo_sensor *s);
+
+/* damage.c */
+void jo_damage_setup(const jo_model *m, jo_data *d, jo_sensor *list);
+int jo_damage_scratch(const jo_model *m);
+int jo_measure(const jo_model *m, jo_data *d);   /* the present state is accepted: the meters count it */
+void jo_damage(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y);
 
 /* newton.c */
 typedef struct { jo_real *at; int stride; } jo_block;

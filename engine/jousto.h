@@ -21,13 +21,14 @@ typedef double jo_real;
 #endif
 
 /* BEGIN */
-enum { JO_ABI = 4 };           /* raised whenever a struct or a meaning below changes */
+enum { JO_ABI = 5 };           /* raised whenever a struct or a meaning below changes */
 enum { JO_PAD = 4 };           /* modal coordinates are padded to a multiple of this */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
 enum { JO_DENSE = 32 };        /* np up to which ED, EB are blocks of rows, above it triangles of tiles */
 enum { JO_MAX_ROWS = 6 };      /* constraint rows of one joint */
 
+enum { JO_METER = 13 };        /* numbers of a damage meter before its turning points */
 enum { JO_MAX_SIDES = 4 };     /* markers of one joint: two, or those of two coupled coordinates */
 enum { JO_BALANCE = 14 };      /* entries of a row of results between the multipliers and the sensors */
 
@@ -52,7 +53,10 @@ typedef enum { JO_LOAD = 1, JO_ALONG_COORDINATE = 2, JO_BUSHING = 3, JO_MODAL_LO
 typedef enum { JO_POSITION = 1, JO_VELOCITY = 2, JO_ORIENTATION = 3, JO_ANGULAR_VELOCITY = 4,
                JO_MODAL = 5, JO_REACTION = 6, JO_STRESS = 7, JO_ACCELERATION = 8, JO_ANGULAR_ACCELERATION = 9,
                JO_COORDINATE = 10, JO_RATE = 11, JO_MULTIPLIER = 12, JO_ELEMENT = 13, JO_ENERGY = 14,
-               JO_SIGNAL = 15, JO_VON_MISES = 16, JO_PRINCIPAL = 17, JO_RUB = 18 } jo_sensor_type;
+               JO_SIGNAL = 15, JO_VON_MISES = 16, JO_PRINCIPAL = 17, JO_RUB = 18, JO_DAMAGE = 19 } jo_sensor_type;
+typedef enum { JO_RESIDUE_HALF = 0, JO_RESIDUE_REPEAT = 1, JO_RESIDUE_IGNORE = 2 } jo_residue;
+typedef enum { JO_MEAN_NONE = 0, JO_MEAN_LINE = 1, JO_MEAN_GERBER = 2, JO_MEAN_WALKER = 3, JO_MEAN_FKM = 4,
+               JO_MEAN_WELD = 5, JO_MEAN_COMPRESSION = 6 } jo_mean;
 
 /* A rigid (n = 0) or modal body: displacement field u = u0 + Phi p in a floating frame. */
 typedef struct {
@@ -197,9 +201,32 @@ typedef struct {
     const jo_real *rows;    /* STRESS: (count x np), VON_MISES: (6 count x np), PRINCIPAL: (2 count x np), row-major */
 } jo_sensor;
 
+/* A damage meter: rainflow count of one value as it comes (four-point rule) and Miner's sum.
+ *
+ * Damage of a cycle of amplitude s = |range| / 2: (s / amplitude)^slope / cycles, below the knee with the slope `below`
+ * (infinite: none), none at all below `cut`. Before that s is corrected for the mean stress M of the cycle:
+ * LINE: s / (1 - M / data[0]), M < 0 counts if data[1] (Goodman, Soderberg, Morrow); GERBER: s / (1 - (M / data[0])^2), M > 0
+ * WALKER: (M + s)^(1 - data[0]) s^data[0] (1/2: Smith, Watson, Topper); FKM: sensitivity data[0]
+ * WELD: s / f(R) of the IIW, data[0] 0, 1, 2: high, medium, low residual stress; COMPRESSION counts by the part data[0]
+ *
+ * Memory (JO_METER + depth doubles): points on the stack, samples, samples dropped (not finite), damage of closed cycles
+ * and what its sum lost to rounding, closed cycles, of these closed by force, their largest range, half cycles taken from
+ * the front, their damage as full cycles, time of the last sample, smallest, largest sample, then the stack. All 0: new. */
+typedef struct {
+    int depth;              /* turning points that it remembers, at least 6 */
+    int mean;               /* jo_mean */
+    int residue;            /* jo_residue */
+    int output;             /* in a model: place of the value in the sensor vector */
+    int at;                 /* in a model: first double of its memory */
+    double width;           /* samples are rounded to multiples of it; 0: not */
+    double amplitude, cycles, slope, below, cut;   /* of the S-N curve; amplitudes in the unit of the samples */
+    double data[2];         /* of the mean stress correction */
+} jo_meter;
+
 typedef struct {
     int nbody, nmarker, nactive, ncoordinate, njoint, nline, npair, ncolumn, nblock, nsignal, nforce, nfriction, nevent, nsensor;
     int nturn, nlock, ninput, nnode, nnewton;   /* nnewton: reals of Newton's matrix */
+    int nmeter, nmemory;    /* damage meters and the doubles that they remember */
     int nbreak;             /* times at which a signal jumps or has a kink */
     int nq, nv, nrow, nout;
     int redundant;          /* 1: rows repeat one another, multipliers of least norm; 0: only in singular positions;
@@ -226,6 +253,7 @@ typedef struct {
     const jo_friction *friction;
     const jo_event *event;
     const jo_sensor *sensor;
+    const jo_meter *meter;  /* DAMAGE: object is the first of count / 2 meters, values damage and closed cycles of each */
     const jo_real *breaks;  /* (nbreak) s, ascending: adaptive steps end there */
 } jo_model;
 
@@ -263,6 +291,7 @@ int *jo_data_slip(jo_data *d);                   /* (nfriction) stick-slip: +-1 
 jo_real *jo_data_direction(jo_data *d);          /* (2 nfriction) direction of the slip along two coordinates */
 jo_real *jo_data_held(jo_data *d);               /* (2 nlock) values of the coordinates that optional joints hold */
 jo_real *jo_data_rub(jo_data *d);                /* (2 nfriction) friction along the coordinates, on b, N or N m */
+double *jo_data_memory(jo_data *d);              /* (nmemory) of the damage meters */
 int *jo_data_happened(jo_data *d);               /* (nevent) how often each event has happened */
 const double *jo_data_log(const jo_data *d);     /* (logged x 3) of the last jo_run or jo_step: time, event and +1 rising
                                                   * or -1 falling, or nevent + friction and its slip from then on */
@@ -286,7 +315,7 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out);     /* (nout), aft
 
 /* Advance nsteps; whenever the step count is a multiple of `every` write one row
  * [time q v lam kinetic strain potential springs dissipated friction work |C| |Cq v| evaluations iterations
- *  steps rejected length-of-the-last-step sensors turn locked slip held direction happened input].
+ *  steps rejected length-of-the-last-step sensors turn locked slip held direction happened input memory].
  * `count` holds the steps done before and is advanced, `written` the rows. At an event that stops the run a row more is
  * written there. Does fewer steps when the log of events is full. Returns a jo_status. */
 int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
@@ -298,6 +327,22 @@ int jo_follow(const jo_model *m, jo_data *d, const jo_solver *s, long long last,
               long long *count, int *written, jo_real *rows);
 int jo_row(const jo_model *m, jo_data *d, jo_real *row);   /* one such row of the present state */
 int jo_row_size(const jo_model *m);
+
+/* Damage meters on their own; memory as said at jo_meter, in a block of n meters one after another. */
+double jo_cycle_amplitude(const jo_meter *r, double from, double to);   /* corrected for its mean stress */
+double jo_cycle_damage(const jo_meter *r, double from, double to);
+void jo_meter_push(const jo_meter *r, double *memory, const double *x, long long count);
+void jo_meter_block(const jo_meter *r, double *memory, const double *x, long long count, long long n);   /* x (count x n) */
+/* the same and every closed cycle [from to] in `cycles`, room for count / 2; returns how many */
+long long jo_meter_trace(const jo_meter *r, double *memory, const double *x, long long count, double *cycles);
+/* damage with the residue counted by a jo_residue; scratch (JO_METER + 2 depth + 2) for REPEAT */
+double jo_meter_damage(const jo_meter *r, const double *memory, int residue, double *scratch);
+void jo_meter_damages(const jo_meter *r, const double *memory, long long n, int residue, double *scratch, double *out);
+int jo_meter_valid(const jo_meter *r, const double *memory);   /* whether the memory may be that of such a meter */
+/* Count a whole history: cycles (count / 2 x 2) [from to] and where (count / 2 x 2) they were, residue (count) and where
+ * (count), its length; count samples, which must be finite. Returns the number of closed cycles. */
+long long jo_rainflow(const double *x, long long count, double *cycles, long long *where, double *residue,
+                      long long *residue_where, long long *length);
 /* END */
 
 #endif

@@ -305,6 +305,7 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
         case JO_STRESS:
         case JO_VON_MISES:
         case JO_PRINCIPAL: stress(m, d, s, y); break;
+        case JO_DAMAGE: jo_damage(m, d, s, y); break;
         default: break;
         }
     }

@@ -186,7 +186,8 @@ void jo_restart(jo_data *d)
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     enter(d);
-    const int status = step(m, d, s);
+    int status = step(m, d, s);
+    if (status == JO_OK) status = jo_measure(m, d);
     d->left = JO_RE(d->time[0]);
     return status;
 }
@@ -194,7 +195,7 @@ int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
 int jo_row_size(const jo_model *m)
 {
     return 1 + m->nq + m->nv + m->nrow + JO_BALANCE + m->nout + m->nturn + 3 * m->nlock + 3 * m->nfriction
-           + m->nevent + m->ninput;
+           + m->nevent + m->ninput + m->nmemory;
 }
 
 int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
@@ -223,13 +224,15 @@ int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
     for (int i = 0; i < 2 * m->nfriction; i++) *row++ = d->direction[i];
     for (int i = 0; i < m->nevent; i++) *row++ = d->happened[i];
     for (int i = 0; i < m->ninput; i++) *row++ = d->input[i];
+    for (int i = 0; i < m->nmemory; i++) *row++ = d->memory[i];
     return JO_OK;
 }
 
 int jo_row(const jo_model *m, jo_data *d, jo_real *row)
 {
     d->current = d->fresh = 0;
-    const int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
+    int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
+    if (status == JO_OK) status = jo_measure(m, d);
     return status == JO_OK ? jo_write_row(m, d, row) : status;
 }
 
@@ -249,7 +252,9 @@ static int run(const jo_model *m, jo_data *d, const jo_solver *s, long long nste
     for (long long i = 0; i < nsteps && (!jo_watched(m) || jo_log_has_room(m, d)); i++) {
         int status = step(m, d, s);
         if (status == JO_EVENT) {
-            const int event = d->error_index, failed = jo_write_row(m, d, rows + (size_t)*written * size);
+            const int event = d->error_index;
+            int failed = jo_measure(m, d);
+            if (failed == JO_OK) failed = jo_write_row(m, d, rows + (size_t)*written * size);
             if (failed != JO_OK) return failed;
             d->error_index = event;
             ++*written;
@@ -257,6 +262,8 @@ static int run(const jo_model *m, jo_data *d, const jo_solver *s, long long nste
         if (status != JO_OK) return status;
         ++*count;
         d->time[0] = d->grid.start + instant(*count, s->step);
+        status = jo_measure(m, d);
+        if (status != JO_OK) return status;
         if (*count % every == 0) {
             status = jo_write_row(m, d, rows + (size_t)*written * size);
             if (status != JO_OK) return status;

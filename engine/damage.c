@@ -1,0 +1,77 @@
+/* damage.c - damage meters in a model: they count sensor values of every accepted state. */
+#include "internal.h"
+
+/* doubles that the read-out of the largest meter needs */
+int jo_damage_scratch(const jo_model *m)
+{
+    int most = 0;
+    for (int i = 0; i < m->nmeter; i++) {
+        const int needed = JO_METER + 2 * m->meter[i].depth + 2;
+        if (needed > most) most = needed;
+    }
+    return most;
+}
+
+/* the metered sensors alone, `list` has room for them */
+void jo_damage_setup(const jo_model *m, jo_data *d, jo_sensor *list)
+{
+    d->metered = *m;
+    d->metered.sensor = list;
+    d->metered.nsensor = 0;
+    for (int i = 0; i < m->nsensor; i++) {
+        const jo_sensor *s = &m->sensor[i];
+        int used = 0;
+        for (int j = 0; j < m->nmeter; j++) {
+            const int output = m->meter[j].output;
+            used |= output >= s->offset && output < s->offset + s->count;
+        }
+        if (!used) continue;
+        list[d->metered.nsensor++] = *s;
+        d->metered_demanding |= jo_needs_accelerations(s);
+    }
+}
+
+/* a state is counted once, also when a run goes on from it */
+static int is_new(const double *memory, double time)
+{
+    return memory[1] + memory[2] == 0.0 || memory[10] != time;
+}
+
+int jo_measure(const jo_model *m, jo_data *d)
+{
+    const double time = JO_RE(d->time[0]);
+    int due = 0;
+    for (int i = 0; i < m->nmeter; i++) due |= is_new(d->memory + m->meter[i].at, time);
+    if (!due) return JO_OK;
+    /* sensors stand at the present state */
+    if (d->metered_demanding && !d->fresh) {
+        const int status = jo_accelerations(m, d);
+        if (status != JO_OK) return status;
+        jo_add_work(d);
+    } else if (!d->current) {
+        jo_real unused[2];
+        jo_residuals(m, d, unused);
+        d->current = !d->fresh;
+    }
+    jo_sensors(&d->metered, d, d->reading);
+    for (int i = 0; i < m->nmeter; i++) {
+        const jo_meter *r = &m->meter[i];
+        double *memory = d->memory + r->at;
+        if (!is_new(memory, time)) continue;
+        const double x = JO_RE(d->reading[r->output]);
+        jo_meter_push(r, memory, &x, 1);
+        memory[10] = time;
+    }
+    return JO_OK;
+}
+
+/* damage and closed cycles of each meter */
+void jo_damage(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
+{
+    for (int k = 0; k < s->count / 2; k++) {
+        const jo_meter *r = &m->meter[s->object + k];
+        const double *memory = d->memory + r->at;
+        y[2 * k] = jo_meter_damage(r, memory, r->residue, d->scratch);
+        y[2 * k + 1] = memory[5];
+    }
+}
