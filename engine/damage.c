@@ -58,7 +58,7 @@ int jo_measure(const jo_model *m, jo_data *d)
         const jo_meter *r = &m->meter[i];
         double *memory = d->memory + r->at;
         if (!is_new(memory, time)) continue;
-        const double x = JO_RE(d->reading[r->output]);
+        const double x = r->factor * JO_RE(d->reading[r->output]);
         jo_meter_push(r, memory, &x, 1);
         memory[10] = time;
     }

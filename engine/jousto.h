@@ -218,6 +218,7 @@ typedef struct {
     int residue;            /* jo_residue */
     int output;             /* in a model: place of the value in the sensor vector */
     int at;                 /* in a model: first double of its memory */
+    double factor;          /* in a model: samples are values times it */
     double width;           /* samples are rounded to multiples of it; 0: not */
     double amplitude, cycles, slope, below, cut;   /* of the S-N curve; amplitudes in the unit of the samples */
     double data[2];         /* of the mean stress correction */

@@ -8,8 +8,8 @@
  * A full stack makes room where it costs least. While ranges grow, no later sample can reach the first point: it leaves
  * with half a cycle, as in ASTM E1049, and the count with half cycles stays exact. If all ranges shrink (a free
  * vibration that decays), one of the smallest, the last between known points, counts as a full cycle, and what the range
- * around it loses counts as half a cycle: never less than the exact count, as much more as neighbours differ. How many
- * cycles were closed so, and how large they were, is kept. */
+ * around it loses counts in full: never less than the exact damage, and hardly more. How many cycles were closed so, and
+ * how large they were, is kept. */
 #include "jousto.h"
 #include <float.h>
 #include <math.h>
@@ -92,7 +92,7 @@ static int make_room(const jo_meter *r, double *m, int n)
     const double range = fabs(z[n - 3] - z[n - 2]);
     const double lost = jo_cycle_damage(r, z[n - 4], z[n - 3]) - jo_cycle_damage(r, z[n - 4], z[n - 1]);
     add_damage(m, jo_cycle_damage(r, z[n - 3], z[n - 2]));
-    if (lost > 0.0) m[SHED_DAMAGE] += lost;   /* the range around it has lost its end */
+    if (lost > 0.0) add_damage(m, lost);   /* the range around it has lost its end */
     m[CLOSED] += 1.0;
     m[FORCED] += 1.0;
     if (range > m[LARGEST_FORCED]) m[LARGEST_FORCED] = range;

@@ -1,4 +1,5 @@
 # the public names; __init__.py loads them from here when they are first used
+from .engine import DamageMeter as DamageMeter
 from .engine import Diagnosis as Diagnosis
 from .engine import Engine as Engine
 from .engine import Model as Model

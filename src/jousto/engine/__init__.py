@@ -2,7 +2,8 @@
 
 from jousto.engine.compile import compile
 from jousto.engine.doctor import Diagnosis, doctor
+from jousto.engine.meter import DamageMeter
 from jousto.engine.model import Model
 from jousto.engine.native import Engine
 
-__all__ = ["Diagnosis", "Engine", "Model", "compile", "doctor"]
+__all__ = ["DamageMeter", "Diagnosis", "Engine", "Model", "compile", "doctor"]
