@@ -385,6 +385,20 @@ from .recovery.fatigue.strain_life import (
 )
 from .recovery.fatigue.strain_life import (
     neuber as neuber,
+from .recovery import (
+    Envelope as Envelope,
+)
+from .recovery import (
+    Plane as Plane,
+)
+from .recovery import (
+    StressField as StressField,
+)
+from .recovery import (
+    field_from as field_from,
+)
+from .recovery import (
+    stress_field as stress_field,
 )
 from .reduction import (
     Advice as Advice,

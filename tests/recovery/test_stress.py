@@ -92,13 +92,15 @@ def test_peak_in_blocks(
     assert whole.value == pytest.approx(value.max(), rel=1e-14)
     assert (whole.site, whole.time) == (reduced.stress.labels[site], run.time[at])
     assert whole.site.startswith("e1.a.")
-    module = __import__(recover.__module__, fromlist=["BLOCK_BYTES"])
-    monkeypatch.setattr(module, "BLOCK_BYTES", 8 * 6 * value.shape[1] * 7)  # 7 rows a block
+    module = __import__(recover.__module__, fromlist=["BLOCK_MEMORY"])
+    monkeypatch.setattr(module, "BLOCK_MEMORY", 8 * value.shape[1] * 7)  # 7 rows a block
     assert peak(run, reduced, "beam") == whole
 
 
 def test_refusals(run: jo.Solution, reduced: jo.ReducedPart) -> None:
-    with pytest.raises(jo.InputError, match=r"no stress site 'e1.a.tob'; did you mean 'e1.a.top'"):
+    with pytest.raises(
+        jo.InputError, match=r"no stress site or set 'e1.a.tob'; did you mean 'e1.a.top'"
+    ):
         stress(run, reduced, "beam", ("e1.a.tob", "e1.a.top"))
     with pytest.raises(jo.InputError, match="sites is empty"):
         stress(run, reduced, "beam", ())

@@ -29,7 +29,8 @@ from jousto.mechanism import (
     rotation_matrix,
     skew,
 )
-from jousto.reduction import ReducedPart
+from jousto.reduction import ReducedPart, StressModes
+from jousto.reduction.stress import located
 
 Array = NDArray[np.float64]
 
@@ -214,7 +215,7 @@ def _shape(body: RigidBody | FlexibleBody) -> Shape:
             np.array(reduced.nodes, dtype=float),
             np.array(reduced.elements, dtype=np.int64),
             np.array(reduced.modes, dtype=float),
-            *_stress_at_nodes(reduced),
+            _stress(reduced),
         )
     points = body.outline
     if points is not None and points.ndim == 3:  # a surface
@@ -230,20 +231,18 @@ def _shape(body: RigidBody | FlexibleBody) -> Shape:
     return Shape("rigid", nodes, elements.reshape(-1, 2), np.zeros((len(nodes), 3, 0)))
 
 
-def _stress_at_nodes(
-    reduced: ReducedPart,
-) -> tuple[NDArray[np.int64], NDArray[np.float32]] | tuple[None, None]:
-    """Return the nodes (ns,) of a surface whose stress is known, and their stress modes."""
-    if reduced.stress is None or reduced.elements.shape[1] != 3 or not len(reduced.elements):
-        return None, None
-    # stress sites of solids are nodes of the surface
-    surface = np.unique(reduced.elements)
-    places = {tuple(x): int(k) for k, x in zip(surface, reduced.nodes[surface], strict=True)}
-    nodes = np.array([places.get(tuple(x), -1) for x in reduced.stress.positions], dtype=np.int64)
-    known = nodes >= 0
-    if not known.any():
-        return None, None
-    return nodes[known], reduced.stress.modes[known].astype(np.float32)
+def _stress(reduced: ReducedPart) -> StressModes | None:
+    """Return the stress that results keep: all places, of solids known everywhere the surface."""
+    stress = located(reduced)
+    if stress is None or reduced.elements.ndim != 2 or reduced.elements.shape[1] != 3:
+        return stress
+    assert stress.nodes is not None
+    # the reference nodes of interfaces hold no stress and belong to no element
+    turning = reduced.rotation_nodes
+    bulk = len(reduced.nodes) - (0 if turning is None else len(turning))
+    if len(np.unique(stress.nodes[stress.nodes >= 0])) < bulk:
+        return stress  # places of choice
+    return stress.select(np.flatnonzero(np.isin(stress.nodes, np.unique(reduced.elements))))
 
 
 def _consistent(model: Model) -> Model:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine.ordering import Elimination
+from jousto.reduction import StressModes
 
 Array = NDArray[np.float64]
 
@@ -232,16 +233,14 @@ class SensorModel:
 class Shape:
     """What a body looks like, for pictures: nodes (nn, 3) m, elements, modes (nn, 3, n).
 
-    Bodies with a surface may know the stress of each mode at nodes, (ns,) and (ns, 6, n) in Pa per
-    unit modal coordinate.
+    Flexible bodies may know the stress of each mode at places of theirs.
     """
 
     kind: str
     nodes: Array
     elements: NDArray[np.int64]
     modes: Array
-    stress_nodes: NDArray[np.int64] | None = None
-    stress_modes: NDArray[np.float32] | None = None
+    stress: StressModes | None = None
 
 
 @dataclass(frozen=True, eq=False)

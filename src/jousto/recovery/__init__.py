@@ -1,15 +1,34 @@
 """RECOVER: fields over a body from the few coordinates that a run stores."""
 
+from jousto.recovery.fields import (
+    Criterion,
+    Envelope,
+    Plane,
+    StressField,
+    criteria,
+    evaluate,
+    field_from,
+    stress_field,
+    von_mises,
+)
 from jousto.recovery.shape import find_body, positions, rotation_matrices
-from jousto.recovery.stress import Peak, peak, stress, surface_stress, von_mises
+from jousto.recovery.stress import Peak, peak, stress, surface_stress
 
 __all__ = [
+    "Criterion",
+    "Envelope",
     "Peak",
+    "Plane",
+    "StressField",
+    "criteria",
+    "evaluate",
+    "field_from",
     "find_body",
     "peak",
     "positions",
     "rotation_matrices",
     "stress",
+    "stress_field",
     "surface_stress",
     "von_mises",
 ]

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import Problems
+
+if TYPE_CHECKING:
+    from jousto.reduction.reduced import ReducedPart
 
 Array = NDArray[np.float64]
 
@@ -31,6 +38,14 @@ class StressModes:
         ``[s11, s22, s33, s12, s23, s13]`` of each mode, Pa per unit modal coordinate.
     elasticity : (ns, 2) array, optional
         Young's modulus, Pa, and Poisson's ratio at each place; None if they are not known.
+    compliance : (ns, 6, 6) array, optional
+        Strain ``[e11 e22 e33 g12 g23 g13]`` from stress at each place, 1/Pa, in its axes: for
+        materials that Young's modulus and Poisson's ratio do not describe.
+    nodes : (ns,) int array, optional
+        Node of the body at each place, -1 where there is none. Several places may belong to one
+        node: the points of a section of a beam, or the materials that meet there.
+    sets : mapping of str to (k,) int array
+        Named groups of places, by index: those at the nodes of a node set.
 
     Raises
     ------
@@ -43,6 +58,9 @@ class StressModes:
     axes: Array
     modes: Array
     elasticity: Array | None = None
+    compliance: Array | None = None
+    nodes: NDArray[np.int64] | None = None
+    sets: Mapping[str, NDArray[np.int64]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         problems = Problems()
@@ -58,8 +76,23 @@ class StressModes:
         elasticity = self.elasticity
         if elasticity is not None:
             elasticity = problems.array("StressModes", "elasticity", elasticity, (ns, 2))
+        compliance = self.compliance
+        if compliance is not None:
+            compliance = problems.array("StressModes", "compliance", compliance, (ns, 6, 6))
+        nodes = self.nodes
+        if nodes is not None:
+            nodes = np.array(nodes, dtype=np.int64)
+            if nodes.shape != (ns,):
+                problems.add("StressModes", f"nodes has shape {nodes.shape}, must be ({ns},)")
+        sets = {str(k): np.array(v, dtype=np.int64) for k, v in self.sets.items()}
+        for key, members in sets.items():
+            if members.size and not 0 <= members.min() <= members.max() < ns:
+                problems.add("StressModes", f"set '{key}' names places outside 0..{ns - 1}")
         problems.raise_if_any()
         object.__setattr__(self, "labels", labels)
+        object.__setattr__(self, "compliance", compliance)
+        object.__setattr__(self, "nodes", nodes)
+        object.__setattr__(self, "sets", MappingProxyType(sets))
         object.__setattr__(self, "elasticity", elasticity)
         object.__setattr__(self, "positions", positions)
         object.__setattr__(self, "axes", axes)
@@ -72,6 +105,55 @@ class StressModes:
 
     def keep(self, indices: NDArray[np.intp]) -> StressModes:
         """Return the stress of some of the modes, in the order given."""
+        return replace(self, modes=self.modes[:, :, indices])
+
+    def select(self, places: NDArray[np.intp]) -> StressModes:
+        """Return some of the places, by index, in the order given."""
+        if np.array_equal(places, np.arange(len(self.labels))):
+            return self
+        where = np.full(len(self.labels), -1, dtype=np.int64)
+        where[places] = np.arange(len(places))
+        found = {key: where[members] for key, members in self.sets.items()}
+        found = {key: members[members >= 0] for key, members in found.items()}
         return StressModes(
-            self.labels, self.positions, self.axes, self.modes[:, :, indices], self.elasticity
+            tuple(self.labels[i] for i in places),
+            self.positions[places],
+            self.axes[places],
+            self.modes[places],
+            None if self.elasticity is None else self.elasticity[places],
+            None if self.compliance is None else self.compliance[places],
+            None if self.nodes is None else self.nodes[places],
+            {key: members for key, members in found.items() if len(members)},
         )
+
+
+def located(reduced: ReducedPart) -> StressModes | None:
+    """Return the stress modes of a part with the node and the node sets of every place."""
+    stress = reduced.stress
+    if stress is None or stress.nodes is not None:
+        return stress
+    nodes = _nodes(reduced, stress)
+    at: dict[int, list[int]] = {}
+    for place, node in enumerate(nodes.tolist()):
+        if node >= 0:
+            at.setdefault(node, []).append(place)
+    sets = {
+        key: np.array([i for node in members for i in at.get(node, ())], dtype=np.int64)
+        for key, members in reduced.node_sets.items()
+    }
+    sets = {key: members for key, members in sets.items() if len(members)}
+    return replace(stress, nodes=nodes, sets=sets)
+
+
+def _nodes(reduced: ReducedPart, stress: StressModes) -> NDArray[np.int64]:
+    """Return the node of every place, -1 if it has none."""
+    if reduced.elements.ndim == 2 and reduced.elements.shape[1] == 2:
+        # points of sections stand around the nodes at the ends of beam elements
+        found = np.full(len(stress.labels), -1, dtype=np.int64)
+        for i, label in enumerate(stress.labels):
+            match = re.fullmatch(r"e(\d+)\.([ab])\..*", label)
+            if match and int(match[1]) <= len(reduced.elements):
+                found[i] = reduced.elements[int(match[1]) - 1, "ab".index(match[2])]
+        return found
+    places = {tuple(x): k for k, x in enumerate(reduced.nodes.tolist())}
+    return np.array([places.get(tuple(x), -1) for x in stress.positions.tolist()], dtype=np.int64)

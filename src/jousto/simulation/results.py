@@ -25,6 +25,7 @@ from jousto.errors import InputError, Problem
 from jousto.simulation.events import sources
 from jousto.simulation.image import SparseImage
 from jousto.simulation.state import MEMORY, memory_sizes
+from jousto.simulation.stress import stress_arrays
 
 Array = NDArray[np.float64]
 Facts = dict[str, Any]  # how a run ended: ended, wall_time, real_time_factor
@@ -347,8 +348,8 @@ def _describe(
             "elements": shape.elements,
             "mode_shapes": shape.modes,
         }
-        if shape.stress_nodes is not None and shape.stress_modes is not None:
-            arrays |= {"stress_nodes": shape.stress_nodes, "stress_modes": shape.stress_modes}
+        if shape.stress is not None:
+            arrays |= stress_arrays(shape.stress)
         for name, array in arrays.items():
             content = (array.shape, array.dtype.str, array.tobytes())
             if content in known:

@@ -14,9 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, suggest
+from jousto.reduction import StressModes
 from jousto.simulation.events import Happening, happenings
 from jousto.simulation.results import EVENT_COLUMNS, open_results
 from jousto.simulation.state import MEMORY, State
+from jousto.simulation.stress import read_stress
 
 Array = NDArray[np.float64]
 WORK = ("dissipated", "friction", "work")
@@ -328,22 +330,59 @@ class Solution:
                 for name, group in file["bodies"].items()
             )
 
-    def surface_stress(self, name: str) -> tuple[NDArray[np.int64], NDArray[np.float32]] | None:
-        """Return what colours the surface of a body by its stress, None if it is not known.
+    def stress_modes(self, body: str) -> StressModes | None:
+        """Return the stress of each mode of a body, None if it is not known.
+
+        Parameters
+        ----------
+        body : str
+            Name of the body.
 
         Returns
         -------
-        nodes : (ns,) int array
-            Nodes of the body whose stress is known.
-        modes : (ns, 6, n) array
-            Their stress ``[s11 s22 s33 s12 s23 s13]`` in each mode, Pa per unit modal coordinate,
-            with seven digits; of the reduced part for numbers, see `jousto.recovery.stress`.
+        StressModes
+            All places of parts made of beams and of parts whose places were chosen
+            (``part.with_stress``); of other solids the nodes of their surface.
+
+        Raises
+        ------
+        InputError
+            If there is no such body.
         """
         with self._open() as file:
-            group = file["bodies"].get(name)
-            if group is None or "stress_nodes" not in group:
-                return None
-            return np.asarray(group["stress_nodes"]), np.asarray(group["stress_modes"])
+            if body not in file["bodies"]:
+                raise InputError(
+                    Problem(str(self.path), f"no body '{body}'{suggest(body, file['bodies'])}")
+                )
+            return read_stress(file["bodies"][body])
+
+    def coordinates(self, body: str, rows: slice = slice(None)) -> Array:
+        """Return the coordinates ``[R e p]`` of one body, (nt, 7 + n), at some stored instants.
+
+        Only these are read from the file.
+
+        Parameters
+        ----------
+        body : str
+            Name of the body.
+        rows : slice
+            Which instants; all of them if not given.
+
+        Raises
+        ------
+        InputError
+            If there is no such body.
+        """
+        with self._open() as file:
+            group = file["bodies"].get(body)
+            if group is None:
+                raise InputError(
+                    Problem(str(self.path), f"no body '{body}'{suggest(body, file['bodies'])}")
+                )
+            first = int(group.attrs["q_offset"])
+            last = first + 7 + int(group.attrs["modes"])
+            start, stop, step = rows.indices(self._length)
+            return np.asarray(file["state/q"][start:stop:step, first:last])
 
 
 def _plain(value: Any) -> Any:

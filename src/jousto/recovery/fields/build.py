@@ -1,0 +1,217 @@
+"""Stress fields from a run, or from coordinates that come from elsewhere."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.errors import InputError, Problem
+from jousto.recovery.fields.criteria import tensor, voigt
+from jousto.recovery.fields.field import Frame, Sites, StressField, between, site_indices, window
+from jousto.recovery.shape import find_body, rotation_matrices
+from jousto.reduction import ReducedPart, StressModes
+from jousto.reduction.stress import located
+from jousto.simulation import Solution
+
+Array = NDArray[np.float64]
+
+
+def stress_field(
+    run: Solution,
+    body: str,
+    *,
+    reduced: ReducedPart | None = None,
+    sites: Sites = None,
+    start: float | None = None,
+    end: float | None = None,
+    times: ArrayLike | None = None,
+    frame: Frame = "site",
+    strain: bool = False,
+) -> StressField:
+    """Return the stress (or strain) of a body over a run; nothing is worked out before asked.
+
+    ``s(x, t) = S(x) p(t)`` with the stress S of each mode (Braccesi and Cianetti, Proc. IMechE D
+    219 (2005) 633-643).
+
+    Parameters
+    ----------
+    run : Solution
+        The results; they hold the stress modes of the surface of solids and of all section points
+        of beams.
+    body : str
+        Name of the body.
+    reduced : ReducedPart, optional
+        The part the body was made of, for places that the results leave out.
+    sites : str, int or sequence of these, optional
+        Labels, names of node sets, or numbers of nodes from 0; all places if not given.
+    start, end : float, optional
+        First and last instant, s.
+    times : (nt,) array_like, optional
+        Instants in s, linear between stored ones, instead of all stored ones.
+    frame : {"site", "body", "world"}
+        Axes of components: those of each place (along the element of a beam; the part's of a
+        solid), the part's, or the world's.
+    strain : bool
+        Strain ``[e11 e22 e33 g12 g23 g13]`` instead of stress.
+
+    Raises
+    ------
+    InputError
+        If the body, its part, a site or an instant is not there, no stress is known, or, for
+        strain, the material is not.
+
+    Examples
+    --------
+    ``stress_field(run, "arm").envelope("von-mises")`` is the largest stress everywhere.
+    """
+    where = f"stress of '{body}'"
+    shape = find_body(run, body)
+    if reduced is None:
+        modes = run.stress_modes(body)
+        if modes is None:
+            kind = "a rigid body" if shape.kind == "rigid" else "its part knows no stress"
+            raise InputError(Problem(where, f"no stress modes in {run.path.name}: {kind}"))
+    else:
+        modes = stress_of(reduced)
+        check_part(run, body, reduced)
+    modes = modes.select(site_indices(modes, sites, where))
+    time = run.time
+    rows = window(time, start, end, where)
+    q, time = run.coordinates(body, rows), time[rows]
+    e, p = q[:, 3:7], q[:, 7:]
+    if times is not None:
+        wanted = np.atleast_1d(np.asarray(times, dtype=np.float64))
+        before, after, share = between(time, wanted, where)
+        share = share[:, None]
+        p = (1.0 - share) * p[before] + share * p[after]
+        e = (1.0 - share) * e[before] + share * e[after]
+        time = wanted
+    A = rotation_matrices(e) if frame == "world" else None
+    return field_from(modes, p, time, A=A, frame=frame, strain=strain, name=body)
+
+
+def field_from(
+    modes: StressModes,
+    p: ArrayLike,
+    time: ArrayLike,
+    *,
+    A: ArrayLike | None = None,
+    frame: Frame | None = None,
+    strain: bool = False,
+    name: str = "body",
+) -> StressField:
+    """Return the stress field of coordinates that come from elsewhere, such as gauges.
+
+    Parameters
+    ----------
+    modes : StressModes
+        Stress of each mode.
+    p : (nt, n) array_like
+        Coordinates.
+    time : (nt,) array_like
+        s, ascending.
+    A : (nt, 3, 3) array_like, optional
+        Body to world; the components are then those of the world.
+    frame : {"site", "body", "world"}, optional
+        As for `stress_field`; "world" if A is given, else "site".
+    strain : bool
+        Strain instead of stress.
+    name : str
+        Name of the body.
+
+    Raises
+    ------
+    InputError
+        If the arrays do not fit together, or strain is asked of an unknown material.
+    """
+    where = f"stress of '{name}'"
+    chosen: str = frame or ("site" if A is None else "world")
+    if chosen not in ("site", "body", "world"):
+        message = f"frame is {chosen!r}, must be 'site', 'body' or 'world'"
+        raise InputError(Problem(where, message))
+    if strain:
+        modes = strain_modes(modes, where)
+    if chosen != "site":
+        modes = in_part_axes(modes, strain)
+    rotations = None if A is None or chosen != "world" else np.asarray(A, dtype=np.float64)
+    return StressField(
+        name,
+        modes,
+        np.asarray(p, dtype=np.float64),
+        np.asarray(time, dtype=np.float64),
+        frame or ("site" if A is None else "world"),
+        strain,
+        rotations,
+    )
+
+
+def stress_of(reduced: ReducedPart) -> StressModes:
+    """Return the stress modes of a part.
+
+    Raises
+    ------
+    InputError
+        If it knows no stress.
+    """
+    modes = located(reduced)
+    if modes is None:
+        raise InputError(
+            Problem(
+                f"part '{reduced.name}'",
+                "no stress modes; the part it was made of knows no stress",
+            )
+        )
+    return modes
+
+
+def check_part(run: Solution, body: str, reduced: ReducedPart) -> None:
+    """Raise InputError unless a body was made of this part."""
+    shape = find_body(run, body)
+    if shape.n != reduced.n or shape.modes.shape != reduced.modes.shape:
+        raise InputError(
+            Problem(
+                f"body '{body}'",
+                f"has {shape.n} modes at {len(shape.nodes)} nodes, but part '{reduced.name}' has "
+                f"{reduced.n} at {len(reduced.nodes)}; give the part the body was made of",
+            )
+        )
+    if not np.allclose(shape.modes, reduced.modes, rtol=1e-9, atol=1e-12):
+        raise InputError(
+            Problem(f"body '{body}'", f"its mode shapes are not those of part '{reduced.name}'")
+        )
+
+
+def strain_modes(modes: StressModes, where: str = "strain") -> StressModes:
+    """Return the strain of each mode, ``[e11 e22 e33 g12 g23 g13]`` in the axes of the places.
+
+    ``e = ((1 + nu) s - nu tr(s) 1) / E`` (Hooke), or by the compliance of the places.
+
+    Raises
+    ------
+    InputError
+        If the material is not known.
+    """
+    S = modes.modes
+    if modes.compliance is not None:
+        return replace(modes, modes=modes.compliance @ S)
+    if modes.elasticity is None:
+        message = "the material of its places is not known: parts from matrices have stress only"
+        raise InputError(Problem(where, message))
+    E, nu = modes.elasticity[:, 0, None, None], modes.elasticity[:, 1, None, None]
+    strain = np.empty_like(S)
+    trace = S[:, :3].sum(axis=1, keepdims=True)
+    strain[:, :3] = ((1.0 + nu) * S[:, :3] - nu * trace) / E
+    strain[:, 3:] = 2.0 * (1.0 + nu) * S[:, 3:] / E
+    return replace(modes, modes=strain)
+
+
+def in_part_axes(modes: StressModes, strain: bool = False) -> StressModes:
+    """Return stress (or strain) modes with all components in the axes of the part."""
+    E = np.broadcast_to(np.eye(3), modes.axes.shape)
+    if np.array_equal(modes.axes, E):
+        return modes
+    T = tensor(np.swapaxes(modes.modes, 1, 2), strain)
+    T = np.einsum("sia,snab,sjb->snij", modes.axes, T, modes.axes, optimize=True)
+    return replace(modes, axes=E, modes=np.swapaxes(voigt(T, strain), 1, 2), compliance=None)

@@ -1,0 +1,219 @@
+"""Numbers that a stress or strain tensor is judged by: one spelling everywhere."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.errors import InputError, Problem, Problems, suggest
+
+Array = NDArray[np.float64]
+
+INVARIANTS = (
+    "von-mises",
+    "signed-von-mises",
+    "principal-1",
+    "principal-2",
+    "principal-3",
+    "signed-principal",
+    "max-shear",
+)
+"""Criteria that do not depend on axes, of stress and of strain."""
+
+STRESS_COMPONENTS = ("s11", "s22", "s33", "s12", "s23", "s13")
+STRAIN_COMPONENTS = ("e11", "e22", "e33", "g12", "g23", "g13")
+"""Voigt order; g are engineering shear strains."""
+
+TENSOR_SHEARS = ("e12", "e23", "e13")
+"""Half the engineering shear strains."""
+
+PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Criterion: the normal stress ``n^T S n`` (or normal strain) of a plane.
+
+    Parameters
+    ----------
+    normal : (3,) array_like
+        Normal of the plane, in the axes of the field; any length.
+
+    Raises
+    ------
+    InputError
+        If it is not three finite numbers, or zero.
+
+    Examples
+    --------
+    >>> round(float(evaluate([100.0, 0, 0, 30.0, 0, 0], Plane((1, 1, 0)))), 6)
+    80.0
+    """
+
+    normal: tuple[float, float, float]
+
+    def __init__(self, normal: ArrayLike) -> None:
+        problems = Problems()
+        n = problems.array("Plane", "normal", normal, (3,))
+        if n is not None and not np.any(n):
+            problems.add("Plane", "normal is zero")
+        problems.raise_if_any()
+        assert n is not None
+        x, y, z = (n / np.linalg.norm(n)).tolist()
+        object.__setattr__(self, "normal", (x, y, z))
+
+    def __str__(self) -> str:
+        return "normal:" + ",".join(f"{x:.6g}" for x in self.normal)
+
+
+Criterion = str | Plane
+
+
+def criteria(strain: bool = False) -> tuple[str, ...]:
+    """Return the names of all criteria of stress, or of strain.
+
+    Examples
+    --------
+    >>> criteria()[:3]
+    ('von-mises', 'signed-von-mises', 'principal-1')
+    """
+    if strain:
+        return (*INVARIANTS, *STRAIN_COMPONENTS, *TENSOR_SHEARS)
+    return (*INVARIANTS, *STRESS_COMPONENTS)
+
+
+def check_criterion(criterion: Any, strain: bool = False, where: str = "criterion") -> Criterion:
+    """Return the criterion if there is such a one.
+
+    Raises
+    ------
+    InputError
+        If there is none; the nearest name is suggested.
+    """
+    if isinstance(criterion, Plane):
+        return criterion
+    known = criteria(strain)
+    if isinstance(criterion, str) and criterion in known:
+        return criterion
+    kind = "strain" if strain else "stress"
+    if isinstance(criterion, str) and criterion in criteria(not strain):
+        message = f"{criterion!r} is not a criterion of {kind}; ask for the field with strain="
+        raise InputError(Problem(where, message + str(not strain)))
+    hint = suggest(criterion, known) if isinstance(criterion, str) else ""
+    message = f"{criterion!r} is no criterion of {kind}{hint}"
+    raise InputError(Problem(where, f"{message}; there are {', '.join(known)} and Plane(normal)"))
+
+
+def weights(criterion: Criterion) -> Array | None:
+    """Return w (6,) of a criterion that is linear, ``w . s`` in Voigt order; None of others."""
+    if isinstance(criterion, Plane):
+        n = np.array(criterion.normal)
+        return np.array([n[i] * n[j] * (1.0 if i == j else 2.0) for i, j in PAIRS])
+    for names, factor in (
+        (STRESS_COMPONENTS, 1.0),
+        (STRAIN_COMPONENTS, 1.0),
+        ((*STRAIN_COMPONENTS[:3], *TENSOR_SHEARS), 0.5),
+    ):
+        if criterion in names:
+            out = np.zeros(6)
+            out[names.index(criterion)] = factor
+            return out
+    return None
+
+
+def tensor(s: ArrayLike, strain: bool = False) -> Array:
+    """Return tensors (..., 3, 3) of stresses or strains (..., 6) in Voigt order."""
+    voigt = np.asarray(s, dtype=np.float64)
+    if strain:
+        voigt = voigt * np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
+    return voigt[..., [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
+
+
+def voigt(tensors: ArrayLike, strain: bool = False) -> Array:
+    """Return stresses or strains (..., 6) in Voigt order of symmetric tensors (..., 3, 3)."""
+    T = np.asarray(tensors, dtype=np.float64)
+    out = T[..., [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]
+    return np.asarray(out * np.array([1, 1, 1, 2, 2, 2])) if strain else out
+
+
+def turned(s: ArrayLike, A: ArrayLike, strain: bool = False) -> Array:
+    """Return stresses or strains (..., 6) in other axes: ``A S A^T``, A (..., 3, 3)."""
+    T, R = tensor(s, strain), np.asarray(A, dtype=np.float64)
+    return voigt(R @ T @ np.swapaxes(R, -1, -2), strain)
+
+
+def von_mises(s: ArrayLike, strain: bool = False) -> Array:
+    """Return the equivalent stress (...,) of stresses (..., 6) in Voigt order.
+
+    ``sqrt(((s11-s22)^2 + (s22-s33)^2 + (s33-s11)^2) / 2 + 3 (s12^2 + s23^2 + s13^2))``; of strains
+    ``sqrt(2/3 e':e')`` with the deviator e', which is the strain of uniaxial flow without change
+    of volume.
+
+    Examples
+    --------
+    >>> von_mises([[100.0, 0, 0, 0, 0, 0], [0, 0, 0, 100.0, 0, 0], [5, 5, 5, 0, 0, 0]]).round(2)
+    array([100.  , 173.21,   0.  ])
+    """
+    s11, s22, s33, s12, s23, s13 = np.moveaxis(np.asarray(s, dtype=np.float64), -1, 0)
+    direct = (s11 - s22) ** 2 + (s22 - s33) ** 2 + (s33 - s11) ** 2
+    shear = s12**2 + s23**2 + s13**2
+    if strain:
+        return np.asarray(np.sqrt(2.0 / 9.0 * direct + shear / 3.0))
+    return np.asarray(np.sqrt(0.5 * direct + 3.0 * shear))
+
+
+def principal_values(s: ArrayLike, strain: bool = False) -> Array:
+    """Return the principal stresses or strains (..., 3), the largest first.
+
+    Examples
+    --------
+    >>> principal_values([0.0, 0, 0, 100.0, 0, 0]).round(9)
+    array([ 100.,    0., -100.])
+    """
+    return np.asarray(np.linalg.eigvalsh(tensor(s, strain))[..., ::-1])
+
+
+def evaluate(s: ArrayLike, criterion: Criterion = "von-mises", strain: bool = False) -> Array:
+    """Return the criterion (...,) of stresses or strains (..., 6) in Voigt order.
+
+    Parameters
+    ----------
+    s : (..., 6) array_like
+        ``[s11 s22 s33 s12 s23 s13]``, or ``[e11 e22 e33 g12 g23 g13]`` with engineering shears.
+    criterion : str or Plane
+        "s11" .. "s13" ("e11" .. "g13"; "e12" is half of "g12"), "von-mises", "signed-von-mises"
+        (with the sign of the principal value of largest magnitude), "principal-1" >= "principal-2"
+        >= "principal-3", "signed-principal" (that of largest magnitude), "max-shear" (half the
+        difference of the principal stresses; of strains the difference), or a `Plane`.
+    strain : bool
+        Whether `s` are strains.
+
+    Raises
+    ------
+    InputError
+        If there is no such criterion.
+
+    Examples
+    --------
+    >>> float(evaluate([-50.0, 0, 0, 0, 0, 0], "signed-von-mises"))
+    -50.0
+    """
+    check_criterion(criterion, strain)
+    values = np.asarray(s, dtype=np.float64)
+    w = weights(criterion)
+    if w is not None:
+        return np.asarray(values @ w)
+    if criterion == "von-mises":
+        return von_mises(values, strain)
+    p = principal_values(values, strain)
+    if criterion in ("principal-1", "principal-2", "principal-3"):
+        return np.asarray(p[..., int(str(criterion)[-1]) - 1])
+    if criterion == "max-shear":
+        return np.asarray((1.0 if strain else 0.5) * (p[..., 0] - p[..., 2]))
+    positive = p[..., 0] + p[..., 2] >= 0.0
+    if criterion == "signed-principal":
+        return np.where(positive, p[..., 0], p[..., 2])
+    return np.where(positive, 1.0, -1.0) * von_mises(values, strain)

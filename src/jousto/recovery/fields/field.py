@@ -1,0 +1,478 @@
+"""Stress or strain of a body over all its places and instants, worked out when asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.errors import InputError, Problem, Problems, suggest
+from jousto.recovery.fields.criteria import (
+    Criterion,
+    check_criterion,
+    evaluate,
+    tensor,
+    turned,
+    weights,
+)
+from jousto.reduction import StressModes
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
+Sites = str | int | Iterable[Any] | slice | None
+Frame = Literal["site", "body", "world"]
+
+BLOCK_MEMORY = 64 << 20
+"""Bytes of one block of values."""
+
+WHOLE_MEMORY = 1 << 30
+"""Bytes above which `StressField.values` refuses and names the ways that need less."""
+
+FEW_SITES = 64
+"""Places that a block along time has at least."""
+
+
+@dataclass(frozen=True, eq=False)
+class Envelope:
+    """Smallest and largest value at every place, and when.
+
+    Attributes
+    ----------
+    criterion, unit : str
+    labels : tuple of str
+    min, min_time, max, max_time : (ns,) array
+    """
+
+    criterion: str
+    unit: str
+    labels: tuple[str, ...]
+    min: Array
+    min_time: Array
+    max: Array
+    max_time: Array
+
+    def __str__(self) -> str:
+        k, j = int(np.argmax(self.max)), int(np.argmin(self.min))
+        factor, unit = (1e-6, "MPa") if self.unit == "Pa" else (1e6, "um/m")
+        return (
+            f"{self.criterion} over {len(self.labels)} places: "
+            f"largest {factor * self.max[k]:.6g} {unit} at {self.labels[k]}, "
+            f"{self.max_time[k]:.6g} s; smallest {factor * self.min[j]:.6g} {unit} at "
+            f"{self.labels[j]}, {self.min_time[j]:.6g} s"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class StressField:
+    """Stress (or strain) of a body, ``s(x, t) = S(x) p(t)``; nothing is worked out before asked.
+
+    Made by `stress_field` or `field_from`.
+
+    Attributes
+    ----------
+    name : str
+        Name of the body.
+    modes : StressModes
+        Places and S (ns, 6, n): Pa, or m/m, per unit coordinate, in the axes `modes.axes`.
+    p : (nt, n) array
+        Coordinates.
+    time : (nt,) array
+        s.
+    frame : str
+        Axes of components: "site", "body" (part frame), or "world".
+    strain : bool
+        Whether it is strain ``[e11 e22 e33 g12 g23 g13]``.
+    A : (nt, 3, 3) array or None
+        Of a field in the world: body to world at every instant; `modes` are in the body frame.
+    """
+
+    name: str
+    modes: StressModes
+    p: Array
+    time: Array
+    frame: Frame = "site"
+    strain: bool = False
+    A: Array | None = None
+
+    def __post_init__(self) -> None:
+        problems = Problems()
+        where = f"stress of '{self.name}'"
+        n = self.modes.modes.shape[2]
+        p = problems.array(where, "p", self.p, (None, n))
+        nt = None if p is None else len(p)
+        time = problems.array(where, "time", self.time, (nt,))
+        if nt == 0:
+            problems.add(where, "there are no instants")
+        if time is not None and np.any(np.diff(time) <= 0.0):
+            k = int(np.argmax(np.diff(time) <= 0.0))
+            problems.add(where, f"time does not grow after {time[k]:g} s, instant {k}")
+        if self.A is not None:
+            object.__setattr__(self, "A", problems.array(where, "A", self.A, (nt, 3, 3)))
+        if (self.A is None) == (self.frame == "world"):
+            problems.add(where, "rotation matrices A and frame='world' belong together")
+        problems.raise_if_any()
+        object.__setattr__(self, "p", p)
+        object.__setattr__(self, "time", time)
+
+    def __repr__(self) -> str:
+        kind = "strain" if self.strain else "stress"
+        return f"<{kind} of '{self.name}': {self.ns} places, {self.nt} instants, {self.frame} axes>"
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the places."""
+        return self.modes.labels
+
+    @property
+    def positions(self) -> Array:
+        """Undeformed positions (ns, 3), part frame, m."""
+        return self.modes.positions
+
+    @property
+    def S(self) -> Array:
+        """Stress of each mode, (ns, 6, n)."""
+        return self.modes.modes
+
+    @property
+    def ns(self) -> int:
+        """Number of places."""
+        return len(self.modes.labels)
+
+    @property
+    def nt(self) -> int:
+        """Number of instants."""
+        return len(self.time)
+
+    @property
+    def unit(self) -> str:
+        """Pa or m/m."""
+        return "m/m" if self.strain else "Pa"
+
+    @cached_property
+    def _places(self) -> dict[str, int]:
+        return {label: i for i, label in enumerate(self.modes.labels)}
+
+    # -- choosing -----------------------------------------------------------------------------
+
+    def indices(self, sites: Sites = None) -> Ints:
+        """Return the places (k,) by index.
+
+        Parameters
+        ----------
+        sites : str, int, sequence of these, slice, boolean array (ns,) or None
+            Labels such as ``"n12"`` or ``"e1.a.top"``, names of node sets, numbers of nodes from 0,
+            all places of which are meant; a slice or a boolean array of places; None for all.
+
+        Raises
+        ------
+        InputError
+            If there is no such place; all that are missing are named.
+        """
+        return site_indices(self.modes, sites, f"stress of '{self.name}'", self._places)
+
+    def only(self, sites: Sites) -> StressField:
+        """Return the field at some places, see `indices`."""
+        return self.take(self.indices(sites))
+
+    def take(self, places: ArrayLike) -> StressField:
+        """Return the field at places given by index, in that order."""
+        return replace(self, modes=self.modes.select(np.asarray(places, dtype=np.intp)))
+
+    def during(self, start: float | None = None, end: float | None = None) -> StressField:
+        """Return the field at the instants from `start` to `end`, s.
+
+        Raises
+        ------
+        InputError
+            If no instant lies there.
+        """
+        rows = window(self.time, start, end, f"stress of '{self.name}'")
+        A = None if self.A is None else self.A[rows]
+        return replace(self, p=self.p[rows], time=self.time[rows], A=A)
+
+    def _rows(self, times: ArrayLike | slice | None) -> tuple[Array, Array | None]:
+        """Return p and A at some instants."""
+        if times is None:
+            return self.p, self.A
+        if isinstance(times, slice):
+            return self.p[times], None if self.A is None else self.A[times]
+        before, after, share = between(self.time, times, f"stress of '{self.name}'")
+        p = (1.0 - share[:, None]) * self.p[before] + share[:, None] * self.p[after]
+        if self.A is None:
+            return p, None
+        A = (1.0 - share[:, None, None]) * self.A[before] + share[:, None, None] * self.A[after]
+        U, _, V = np.linalg.svd(A)
+        return p, np.asarray(U @ V)
+
+    # -- tensors ------------------------------------------------------------------------------
+
+    def at(self, time: float, sites: Sites = None) -> Array:
+        """Return the components (ns, 6) at one instant, s; linear between stored instants."""
+        places = self.indices(sites)
+        p, A = self._rows(np.array([time], dtype=np.float64))
+        s = np.asarray(self.S[places] @ p[0])
+        return s if A is None else turned(s, A[0], self.strain)
+
+    def history(self, site: Sites, times: ArrayLike | slice | None = None) -> Array:
+        """Return the components over time: (nt, 6) of one place, (nt, k, 6) of several."""
+        places = self.indices(site)
+        p, A = self._rows(times)
+        s = np.einsum("scj,tj->tsc", self.S[places], p, optimize=True)
+        if A is not None:
+            s = turned(s, A[:, None], self.strain)
+        single = len(places) == 1 and isinstance(site, str | int | np.integer)
+        return np.asarray(s[:, 0] if single else s)
+
+    def principal(self, time: float | None = None, site: str | None = None) -> tuple[Array, Array]:
+        """Return principal values and directions, at one instant or over time at one place.
+
+        Parameters
+        ----------
+        time : float, optional
+            Instant, s: the values are those of all places.
+        site : str, optional
+            Place: the values are those of all instants.
+
+        Returns
+        -------
+        values : (k, 3) array
+            The largest first.
+        directions : (k, 3, 3) array
+            Column j is the unit direction of value j, in the axes of the field.
+
+        Raises
+        ------
+        InputError
+            Unless one of both is given.
+        """
+        if (time is None) == (site is None):
+            raise InputError(Problem("principal", "give either time or site"))
+        s = self.history(site) if time is None else self.at(time)
+        values, vectors = np.linalg.eigh(tensor(s, self.strain))
+        return values[..., ::-1], vectors[..., ::-1]
+
+    # -- criteria -----------------------------------------------------------------------------
+
+    def values(
+        self,
+        criterion: Criterion = "von-mises",
+        sites: Sites = None,
+        times: ArrayLike | slice | None = None,
+        *,
+        memory: int = WHOLE_MEMORY,
+    ) -> Array:
+        """Return a criterion at places and instants, (nt, ns).
+
+        Parameters
+        ----------
+        criterion : str or Plane
+            See `evaluate`.
+        sites : optional
+            See `indices`.
+        times : (nt,) array_like or slice, optional
+            Instants in s (linear between stored ones), or stored ones by number.
+        memory : int
+            Bytes that the result may take.
+
+        Raises
+        ------
+        InputError
+            If there is no such criterion, place or instant, or the result is too large.
+        """
+        check_criterion(criterion, self.strain)
+        places = self.indices(sites)
+        p, A = self._rows(times)
+        size = 8 * len(p) * len(places)
+        if size > memory:
+            raise InputError(
+                Problem(
+                    f"stress of '{self.name}'",
+                    f"{len(p)} instants x {len(places)} places need {size / 1e9:.3g} GB, more than "
+                    f"memory={memory / 1e9:.3g} GB: take blocks(), envelope() or write(), or fewer "
+                    "sites",
+                )
+            )
+        S = self.S if len(places) == self.ns and sites is None else self.S[places]
+        return self._values(criterion, S, p, A)
+
+    def _values(self, criterion: Criterion, S: Array, p: Array, A: Array | None) -> Array:
+        ns, _, n = S.shape
+        out = np.empty((len(p), ns))
+        w = weights(criterion)
+        if w is not None and A is None:
+            return np.asarray(p @ np.einsum("c,scj->js", w, S))
+        # some rows at a time: six components of each value are held
+        rows = max(1, BLOCK_MEMORY // (48 * max(ns, 1)))
+        flat = S.reshape(6 * ns, n).T
+        for k in range(0, len(p), rows):
+            s = (p[k : k + rows] @ flat).reshape(-1, ns, 6)
+            if w is not None and A is not None:
+                s = turned(s, A[k : k + rows, None], self.strain)
+            out[k : k + rows] = evaluate(s, criterion, self.strain)
+        return out
+
+    def blocks(
+        self,
+        criterion: Criterion = "von-mises",
+        *,
+        memory: int = BLOCK_MEMORY,
+        along: Literal["time", "sites"] = "time",
+    ) -> Iterator[tuple[slice, slice, Array]]:
+        """Yield a criterion in blocks (instants, places, values), every value once.
+
+        Parameters
+        ----------
+        criterion : str or Plane
+            See `evaluate`.
+        memory : int
+            Bytes of the values of one block.
+        along : str
+            "time": the blocks of the same places follow one another, from the first instant to the
+            last, before the next places; for counting cycles. "sites": the blocks of the same
+            instants follow one another; for pictures.
+
+        Yields
+        ------
+        instants, places : slice
+        values : (nt', ns') array
+
+        Raises
+        ------
+        InputError
+            If there is no such criterion.
+        """
+        check_criterion(criterion, self.strain)
+        cells = max(1, memory // 8)
+        if along == "time":
+            # whole histories if some fit, else pieces of them
+            width = max(min(self.ns, FEW_SITES), min(self.ns, cells // self.nt))
+            height = min(self.nt, max(1, cells // width))
+            order = [(t, s) for s in range(0, self.ns, width) for t in range(0, self.nt, height)]
+        elif along == "sites":
+            height = max(1, min(self.nt, cells // self.ns))
+            width = min(self.ns, cells)
+            order = [(t, s) for t in range(0, self.nt, height) for s in range(0, self.ns, width)]
+        else:
+            raise InputError(Problem("blocks", f"along is {along!r}, must be 'time' or 'sites'"))
+        for t, s in order:
+            instants = slice(t, min(t + height, self.nt))
+            places = slice(s, min(s + width, self.ns))
+            A = None if self.A is None else self.A[instants]
+            yield instants, places, self._values(criterion, self.S[places], self.p[instants], A)
+
+    def envelope(
+        self, criterion: Criterion = "von-mises", *, memory: int = BLOCK_MEMORY
+    ) -> Envelope:
+        """Return the smallest and largest value of a criterion at every place, and when."""
+        low, high = np.full(self.ns, np.inf), np.full(self.ns, -np.inf)
+        low_at, high_at = np.zeros(self.ns, dtype=np.intp), np.zeros(self.ns, dtype=np.intp)
+        for instants, places, values in self.blocks(criterion, memory=memory):
+            column = np.arange(values.shape[1])
+            for pick, best, at, sign in (
+                (np.argmin(values, axis=0), low, low_at, 1.0),
+                (np.argmax(values, axis=0), high, high_at, -1.0),
+            ):
+                found = values[pick, column]
+                better = sign * found < sign * best[places]
+                best[places] = np.where(better, found, best[places])
+                at[places] = np.where(better, instants.start + pick, at[places])
+        t = self.time
+        return Envelope(str(criterion), self.unit, self.labels, low, t[low_at], high, t[high_at])
+
+
+def site_indices(
+    modes: StressModes, sites: Sites, where: str, known: dict[str, int] | None = None
+) -> Ints:
+    """Return the places (k,) of stress modes by index; see `StressField.indices`.
+
+    Raises
+    ------
+    InputError
+        If there is no such place; all that are missing are named.
+    """
+    ns = len(modes.labels)
+    if sites is None:
+        return np.arange(ns)
+    if isinstance(sites, slice):
+        return np.arange(ns)[sites]
+    problems = Problems()
+    items: list[Any]
+    if isinstance(sites, str | int | np.integer):
+        items = [sites]
+    else:
+        array = np.asarray(sites)
+        if array.dtype == bool:
+            if array.shape != (ns,):
+                problems.add(
+                    where, f"a boolean choice of sites has shape {array.shape}, not ({ns},)"
+                )
+                problems.raise_if_any()
+            return np.flatnonzero(array)
+        items = array.tolist() if array.ndim == 1 else list(sites)
+    labels = known or {label: i for i, label in enumerate(modes.labels)}
+    found: list[int] = []
+    for item in items:
+        if isinstance(item, str):
+            if item in labels:
+                found.append(labels[item])
+            elif item in modes.sets:
+                found.extend(modes.sets[item].tolist())
+            else:
+                names = [*labels, *modes.sets]
+                problems.add(where, f"no stress site or set '{item}'{suggest(item, names)}")
+        elif isinstance(item, int) and not isinstance(item, bool):
+            at = () if modes.nodes is None else np.flatnonzero(modes.nodes == item).tolist()
+            if not len(at):
+                problems.add(where, f"no stress is known at node {item} (nodes count from 0)")
+            found.extend(at)
+        else:
+            problems.add(where, f"site {item!r} is neither a label, a set nor a node number")
+    if not items:
+        problems.add(where, "sites is empty; None takes all of them")
+    problems.raise_if_any()
+    return np.array(list(dict.fromkeys(found)), dtype=np.intp)
+
+
+def window(time: Array, start: float | None, end: float | None, where: str) -> slice:
+    """Return the instants from `start` to `end`, s, as a slice.
+
+    Raises
+    ------
+    InputError
+        If no instant lies there.
+    """
+    slack = 1e-9 * max(float(time[-1] - time[0]), 1e-300)
+    first = 0 if start is None else int(np.searchsorted(time, start - slack))
+    last = len(time) if end is None else int(np.searchsorted(time, end + slack, side="right"))
+    if first >= last:
+        shown = f"{time[0] if start is None else start:g} to {time[-1] if end is None else end:g} s"
+        message = f"no instant from {shown}; there are {time[0]:g} to {time[-1]:g} s"
+        raise InputError(Problem(where, message))
+    return slice(first, last)
+
+
+def between(time: Array, times: ArrayLike, where: str) -> tuple[Ints, Ints, Array]:
+    """Return the instants before and after each time, and the share of the later one.
+
+    Raises
+    ------
+    InputError
+        If a time is outside or not a number.
+    """
+    wanted = np.atleast_1d(np.asarray(times, dtype=np.float64))
+    slack = 1e-9 * max(float(time[-1] - time[0]), 1e-300)
+    bad = wanted[~((wanted >= time[0] - slack) & (wanted <= time[-1] + slack))]
+    if len(bad):
+        message = f"{bad[0]:g} s is outside the run, {time[0]:g} to {time[-1]:g} s"
+        raise InputError(Problem(where, message))
+    if len(time) == 1:
+        none = np.zeros(len(wanted), dtype=np.intp)
+        return none, none, np.zeros(len(wanted))
+    after = np.clip(np.searchsorted(time, wanted), 1, len(time) - 1)
+    before = after - 1
+    share = np.clip((wanted - time[before]) / (time[after] - time[before]), 0.0, 1.0)
+    return before, after, share
