@@ -404,15 +404,12 @@ def site_indices(
     if isinstance(sites, str | int | np.integer):
         items = [sites]
     else:
-        array = np.asarray(sites)
-        if array.dtype == bool:
-            if array.shape != (ns,):
-                problems.add(
-                    where, f"a boolean choice of sites has shape {array.shape}, not ({ns},)"
-                )
-                problems.raise_if_any()
-            return np.flatnonzero(array)
-        items = array.tolist() if array.ndim == 1 else list(sites)
+        items = sites.tolist() if isinstance(sites, np.ndarray) else list(sites)
+        if items and all(isinstance(item, bool | np.bool_) for item in items):
+            if len(items) != ns:
+                message = f"a boolean choice of sites has {len(items)} entries, there are {ns}"
+                raise InputError(Problem(where, message))
+            return np.flatnonzero(items)
     labels = known or {label: i for i, label in enumerate(modes.labels)}
     found: list[int] = []
     for item in items:
@@ -424,7 +421,7 @@ def site_indices(
             else:
                 names = [*labels, *modes.sets]
                 problems.add(where, f"no stress site or set '{item}'{suggest(item, names)}")
-        elif isinstance(item, int) and not isinstance(item, bool):
+        elif isinstance(item, int | np.integer) and not isinstance(item, bool):
             at = () if modes.nodes is None else np.flatnonzero(modes.nodes == item).tolist()
             if not len(at):
                 problems.add(where, f"no stress is known at node {item} (nodes count from 0)")
