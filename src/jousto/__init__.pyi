@@ -350,6 +350,21 @@ from .parts.strain_life import (
 from .parts.strain_life import (
     strain_lives as strain_lives,
 )
+from .recovery import (
+    Envelope as Envelope,
+)
+from .recovery import (
+    Plane as Plane,
+)
+from .recovery import (
+    StressField as StressField,
+)
+from .recovery import (
+    field_from as field_from,
+)
+from .recovery import (
+    stress_field as stress_field,
+)
 from .recovery.fatigue.contact import (
     HertzContact as HertzContact,
 )
@@ -385,20 +400,6 @@ from .recovery.fatigue.strain_life import (
 )
 from .recovery.fatigue.strain_life import (
     neuber as neuber,
-from .recovery import (
-    Envelope as Envelope,
-)
-from .recovery import (
-    Plane as Plane,
-)
-from .recovery import (
-    StressField as StressField,
-)
-from .recovery import (
-    field_from as field_from,
-)
-from .recovery import (
-    stress_field as stress_field,
 )
 from .reduction import (
     Advice as Advice,
