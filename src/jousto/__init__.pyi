@@ -599,3 +599,27 @@ from .parts import (
 from .parts import (
     thickness_factor as thickness_factor,
 )
+from .recovery.fatigue import (
+    Assessment as Assessment,
+)
+from .recovery.fatigue import (
+    Cycles as Cycles,
+)
+from .recovery.fatigue import (
+    RainflowMatrix as RainflowMatrix,
+)
+from .recovery.fatigue import (
+    assess as assess,
+)
+from .recovery.fatigue import (
+    damage as damage,
+)
+from .recovery.fatigue import (
+    life as life,
+)
+from .recovery.fatigue import (
+    rainflow as rainflow,
+)
+from .recovery.fatigue import (
+    stress_safety as stress_safety,
+)

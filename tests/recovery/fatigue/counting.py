@@ -1,0 +1,46 @@
+"""Rainflow counting straight from the text of ASTM E1049-85, 5.4.4, in plain Python."""
+
+
+def reversals(series):
+    """Return peaks and valleys, the first and the last point among them."""
+    points = []
+    for x in series:
+        if points and x == points[-1]:
+            continue
+        if len(points) > 1 and (points[-1] - points[-2]) * (x - points[-1]) > 0:
+            points[-1] = x
+        else:
+            points.append(x)
+    return points
+
+
+def astm(series):
+    """Return (range, mean, count) of cycles: rules (1) to (6) of 5.4.4."""
+    counted, points = [], []
+    for x in reversals(series):
+        points.append(x)  # (1) read next peak or valley
+        while len(points) >= 3:  # (2) X, Y from the three most recent ones not yet discarded
+            X, Y = abs(points[-1] - points[-2]), abs(points[-2] - points[-3])
+            if X < Y:  # (3a)
+                break
+            if len(points) == 3:  # (5) Y contains the starting point S: half a cycle
+                counted.append((Y, 0.5 * (points[0] + points[1]), 0.5))
+                del points[0]
+            else:  # (4) one cycle; discard the peak and valley of Y
+                counted.append((Y, 0.5 * (points[-2] + points[-3]), 1.0))
+                del points[-3:-1]
+    for a, b in zip(points, points[1:], strict=False):  # (6)
+        counted.append((abs(b - a), 0.5 * (a + b), 0.5))
+    return counted
+
+
+def simplified(series):
+    """Return (range, mean, count) of a repeating history, 5.4.5: from the largest peak, all whole.
+
+    The history that begins and ends with its largest magnitude leaves its half cycles in pairs.
+    """
+    points = reversals(series)
+    top = max(range(len(points)), key=lambda i: abs(points[i]))
+    counted = astm(reversals(points[top:] + points[: top + 1]))
+    halves = sorted((r, m) for r, m, c in counted if c == 0.5)
+    return [x for x in counted if x[2] == 1.0] + [(r, m, 1.0) for r, m in halves[::2]]
