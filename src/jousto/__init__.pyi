@@ -221,12 +221,14 @@ from .mechanism import (
 from .output import animate as animate
 from .output import plot as plot
 from .output import plot_campbell as plot_campbell
+from .output import plot_hotspots as plot_hotspots
 from .output import plot_root_locus as plot_root_locus
 from .output import still as still
 from .output import write_certificate as write_certificate
 from .output import (
     write_fem as write_fem,
 )
+from .output import write_hotspots as write_hotspots
 from .output import (
     write_sid as write_sid,
 )
@@ -354,6 +356,12 @@ from .recovery import (
     Envelope as Envelope,
 )
 from .recovery import (
+    HotSpot as HotSpot,
+)
+from .recovery import (
+    HotSpots as HotSpots,
+)
+from .recovery import (
     Plane as Plane,
 )
 from .recovery import (
@@ -361,6 +369,9 @@ from .recovery import (
 )
 from .recovery import (
     field_from as field_from,
+)
+from .recovery import (
+    hot_spots as hot_spots,
 )
 from .recovery import (
     stress_field as stress_field,

@@ -24,6 +24,10 @@ app = typer.Typer(
 Model = Annotated[Path, typer.Argument(metavar="MODEL", help="Model file (YAML or JSON).")]
 Result = Annotated[Path, typer.Argument(metavar="RESULT", help="Results file (HDF5).")]
 Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Output file.")]
+From = Annotated[
+    str | None, typer.Option("--from", metavar="TIME", help="Leave out what is before, '0.5 s'.")
+]
+To = Annotated[str | None, typer.Option("--to", metavar="TIME", help="Leave out what is after.")]
 Trust = Annotated[
     bool, typer.Option("--trust", help="Run Python functions that the model file names.")
 ]
@@ -40,6 +44,18 @@ def compile_model(file: ModelFile) -> Any:
 def end_time(text: str) -> float:
     """Return the end time of an option, s."""
     return amount(text, "s", "--t-end")
+
+
+def instant(text: str | None, option: str) -> float | None:
+    """Return the time of an option in s, None if it is not given."""
+    from jousto.schema.units import UnitError, quantity
+
+    if text is None:
+        return None
+    try:
+        return quantity(text, "s")
+    except UnitError as error:
+        raise InputError(Problem(option, str(error))) from None
 
 
 def amount(text: str, unit: str, option: str) -> float:

@@ -4,6 +4,7 @@ from jousto.output.animate import animate, still
 from jousto.output.campbell import plot_campbell, plot_root_locus
 from jousto.output.certificate import write_certificate
 from jousto.output.draw import draw
+from jousto.output.hotspots import plot_hotspots, write_hotspots
 from jousto.output.mbdyn import write_fem
 from jousto.output.meshes import write_mesh
 from jousto.output.plot import plot
@@ -21,9 +22,11 @@ __all__ = [
     "draw",
     "plot",
     "plot_campbell",
+    "plot_hotspots",
     "plot_root_locus",
     "still",
     "write_fem",
+    "write_hotspots",
     "write_sid",
     "write_vtu",
     "write_certificate",

@@ -11,12 +11,15 @@ from jousto.recovery.fields import (
     stress_field,
     von_mises,
 )
+from jousto.recovery.hotspots import HotSpot, HotSpots, hot_spots
 from jousto.recovery.shape import find_body, positions, rotation_matrices
 from jousto.recovery.stress import Peak, peak, stress, surface_stress
 
 __all__ = [
     "Criterion",
     "Envelope",
+    "HotSpot",
+    "HotSpots",
     "Peak",
     "Plane",
     "StressField",
@@ -24,6 +27,7 @@ __all__ = [
     "evaluate",
     "field_from",
     "find_body",
+    "hot_spots",
     "peak",
     "positions",
     "rotation_matrices",

@@ -1,0 +1,114 @@
+"""The command that finds the worst places of a run: hotspots."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from jousto.cli.options import Debug, From, Output, Result, To, amount, app, instant
+from jousto.cli.terminal import command, say
+from jousto.errors import InputError, Problem
+
+if TYPE_CHECKING:
+    from jousto.recovery import Plane
+
+
+@app.command()
+@command
+def hotspots(
+    result: Result,
+    bodies: Annotated[
+        list[str] | None, typer.Argument(metavar="[BODY]...", help="Bodies; all if none.")
+    ] = None,
+    count: Annotated[int, typer.Option("--count", "-n", help="How many places.")] = 10,
+    criterion: Annotated[
+        str,
+        typer.Option(
+            "--criterion",
+            metavar="NAME",
+            help="von-mises, signed-von-mises, principal-1 .. 3, signed-principal, max-shear, "
+            "s11 .. s13, or normal:x,y,z of a plane; with --strain of strain.",
+        ),
+    ] = "von-mises",
+    separation: Annotated[
+        str | None,
+        typer.Option("--separation", metavar="LENGTH", help="How far they keep apart, '20 mm'."),
+    ] = None,
+    extreme: Annotated[
+        str | None,
+        typer.Option("--extreme", metavar="largest|smallest|magnitude", help="What is sought."),
+    ] = None,
+    start: From = None,
+    end: To = None,
+    strain: Annotated[bool, typer.Option("--strain", help="Strain instead of stress.")] = False,
+    csv: Annotated[
+        Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write the table.")
+    ] = None,
+    histories: Annotated[
+        Path | None,
+        typer.Option("--histories", metavar="FILE.csv|.h5", help="Write their full histories."),
+    ] = None,
+    output: Output = None,
+    vtu: Annotated[
+        Path | None, typer.Option("--vtu", metavar="FILE.vtu", help="Write them for ParaView.")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Rank the places with the largest stress and prove that no other place is worse.
+
+    -o draws the largest stress on the surface with the hot spots and their histories.
+    """
+    from jousto.recovery import hot_spots, stress_field
+    from jousto.simulation import load
+
+    apart = 0.0 if separation is None else amount(separation, "m", "--separation")
+    first, last = instant(start, "--from"), instant(end, "--to")
+    sought = plane_or_name(criterion)
+    run = load(result)
+    source = run
+    if strain:
+        names = bodies or [b.name for b in run.bodies if run.stress_modes(b.name) is not None]
+        source = [stress_field(run, name, strain=True) for name in names]  # type: ignore[assignment]
+    found = hot_spots(
+        source,
+        bodies=None if strain else bodies,
+        count=count,
+        criterion=sought,
+        separation=apart,
+        start=first,
+        end=last,
+        extreme=extreme,
+    )
+    say(str(found))
+    advice = found.advice()
+    if advice:
+        say(f"warning: {advice}", error=True, style="yellow")
+    if csv is not None:
+        say(f"table in {found.to_csv(csv)}", style="green")
+    if histories is not None:
+        say(f"histories in {found.write_histories(histories)}", style="green")
+    if output is not None:
+        from jousto.output import plot_hotspots
+
+        say(f"picture in {plot_hotspots(run, found, output)}", style="green")
+    if vtu is not None:
+        from jousto.output import write_hotspots
+
+        say(f"for ParaView in {write_hotspots(run, found, vtu)}", style="green")
+
+
+def plane_or_name(text: str) -> str | Plane:
+    """Return the criterion of an option: a name, or the plane of ``normal:x,y,z``."""
+    from jousto.recovery import Plane
+
+    kind, _, numbers = text.partition(":")
+    if kind != "normal" or not numbers:
+        return text
+    try:
+        normal = [float(x) for x in numbers.split(",")]
+    except ValueError:
+        message = f"{text!r} must be three numbers as in normal:0,0,1"
+        raise InputError(Problem("--criterion", message)) from None
+    return Plane(normal)

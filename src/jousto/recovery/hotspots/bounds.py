@@ -1,0 +1,233 @@
+"""Bounds of a criterion at many places over a whole run, cheap first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.recovery.hotspots.measures import Measure
+from jousto.recovery.hotspots.windows import SAFETY, UNIT, Windows, cut, spectral
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
+
+STRIDES = (64, 16)
+SMALLEST = 1e-8  # share of the mean that weighs a motion without stress
+SMALLEST_MARGIN = 1e-280
+PAIRS = 4096  # place and window, worked on at once
+BLOCK = 1 << 22  # numbers in a piece of work
+PIECE = 1 << 17  # numbers in a piece that stays in the cache
+
+
+@dataclass(eq=False)
+class Effort:
+    """How often the criterion was worked out, for knots of windows and in full."""
+
+    knots: int = 0
+    full: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """Stress modes and a path of modal coordinates, prepared for bounds.
+
+    Coordinates y with ``p = T y`` are used: the principal ones of the path, each weighted by the
+    stress that it causes on average over the places, so that few of them say where the stress is
+    large. ``g = G S p = B y`` is then what the criterion depends on.
+
+    Attributes
+    ----------
+    modes : (ns, 6, n) array
+        Stress of the modes.
+    p : (nt, n) array
+        Modal coordinates.
+    measure : Measure
+        The criterion.
+    T : (n, n) array
+        See above.
+    y : (k, n) array
+        The path; its last instant is repeated to fill the windows.
+    windows : tuple of Windows
+        Coarse and fine; fine ones divide coarse ones.
+    margin : (ns,) array
+        No rounding error of a criterion or of a bound is larger.
+    effort : Effort
+        Counts what is done.
+    """
+
+    modes: Array
+    p: Array
+    measure: Measure
+    T: Array
+    y: Array
+    windows: tuple[Windows, ...]
+    margin: Array
+    effort: Effort = field(default_factory=Effort)
+
+    def rows(self, at: Ints | slice) -> Array:
+        """Return B (nk, r, n) of places."""
+        return np.asarray(np.matmul(self.measure.rows @ self.modes[at], self.T))
+
+    def whole(self) -> Array:
+        """Return bounds (ns,) over the run: ``|B L|_2 max |z|`` of the whitened path ``y = L z``.
+
+        The Frobenius norm, the sum over the coordinates and the 2-norm in this order; L is
+        diagonal, since the coordinates y are principal ones.
+        """
+        y = self.y
+        scale = np.sqrt((y**2).mean(axis=0))
+        z = np.divide(y, scale, out=np.zeros_like(y), where=scale > 0.0)
+        reach = float(np.sqrt((z**2).sum(axis=1).max(initial=0.0)))
+        highest = np.abs(y).max(axis=0)
+        out = np.empty(len(self.modes))
+        step = max(1, BLOCK // (len(self.measure.rows) * y.shape[1] + 1))
+        for first in range(0, len(out), step):
+            at = slice(first, first + step)
+            B = self.rows(at)
+            box = np.sqrt((B**2).sum(axis=1)) @ highest
+            out[at] = np.minimum(box, spectral(B * scale) * reach)
+        return np.asarray(out * (1.0 + SAFETY * UNIT * (len(scale) + SAFETY)) + self.margin)
+
+    def refine(self, places: Ints, below: Array) -> tuple[Array, Ints, Array]:
+        """Return exact values of places where they matter, when, and what bounds them then.
+
+        Parameters
+        ----------
+        places : (nk,) int array
+        below : (nk,) array
+            Windows that cannot exceed this are left out.
+
+        Returns
+        -------
+        best : (nk,) array
+            Largest ranked value found, -inf if no window was worked out.
+        when : (nk,) int array
+            Its instant; the first one of equal values.
+        upper : (nk,) array
+            Bound over the run; equal to `best` if nothing left out can exceed it.
+        """
+        nk = len(places)
+        best, when = np.full(nk, -np.inf), np.zeros(nk, dtype=np.intp)
+        upper = np.full(nk, -np.inf)
+        B = self.rows(places)
+        columns, norm = np.sqrt((B**2).sum(axis=1)), spectral(B)
+        margin, below = self.margin[places], np.array(below)
+        # coarse windows of all places, in pieces that stay in the cache
+        coarse = self.windows[0]
+        kept_place, kept_window = [], []
+        for some in _pieces(nk, max(1, PIECE // (B.shape[1] * len(coarse.knots)))):
+            F = self._majorant(B[some], coarse.knots)
+            U = coarse.strays(columns[some], norm[some])
+            U += np.maximum(F[:, :-1], F[:, 1:])
+            U += margin[some][:, None]
+            if self.measure.tight:  # knots are instants of the run: bounds from below, too
+                known = F.max(axis=1) - self._slack(F) - margin[some]
+                below[some] = np.maximum(below[some], known)
+            chosen = U > below[some][:, None]
+            which, column = np.nonzero(chosen)
+            kept_place.append(which + some.start)
+            kept_window.append(column)
+            U[chosen] = -np.inf
+            upper[some] = U.max(axis=1)
+        place, window = np.concatenate(kept_place), np.concatenate(kept_window)
+        # windows of windows, pair by pair
+        for finer in self.windows[1:]:
+            parts = coarse.stride // finer.stride
+            kept_place, kept_window = [], []
+            for some in _pieces(len(place), PAIRS):
+                k, w = place[some], window[some][:, None] * parts + np.arange(parts)
+                knots = np.concatenate([w, w[:, -1:] + 1], axis=1)
+                F = self._majorant(B[k], finer.knots[knots])
+                U = np.maximum(F[:, :-1], F[:, 1:]) + margin[k][:, None]
+                U += finer.strays_of_pairs(columns[k], norm[k], w)
+                if self.measure.tight:
+                    np.maximum.at(below, k, F.max(axis=1) - self._slack(F) - margin[k])
+                chosen = U > below[k][:, None]
+                np.maximum.at(upper, k, np.where(chosen, -np.inf, U).max(axis=1))
+                which, column = np.nonzero(chosen)
+                kept_place.append(k[which])
+                kept_window.append(w[which, column])
+            place = np.concatenate([*kept_place, np.zeros(0, dtype=np.intp)])
+            window = np.concatenate([*kept_window, np.zeros(0, dtype=np.intp)])
+            coarse = finer
+        # what is left in full, its ends included
+        stride, nt = coarse.stride, len(self.p)
+        for some in _pieces(len(place), PAIRS):
+            k = place[some]
+            t = np.minimum(window[some][:, None] * stride + np.arange(stride + 1), nt - 1)
+            s = np.matmul(self.p[t], np.swapaxes(self.modes[places[k]], 1, 2))
+            value = self.measure.rank(self.measure.value(s))
+            self.effort.full += value.size
+            at = np.argmax(value, axis=1)
+            found, instant = value[np.arange(len(k)), at], t[np.arange(len(k)), at]
+            # the first of the largest: order by instant, then by value
+            order = np.lexsort((instant, -found, k))
+            first = order[np.concatenate([[True], np.diff(k[order]) > 0])] if len(k) else order
+            better = found[first] > best[k[first]]
+            better |= (found[first] == best[k[first]]) & (instant[first] < when[k[first]])
+            first = first[better]
+            best[k[first]], when[k[first]] = found[first], instant[first]
+        return best, when, np.maximum(upper, best)
+
+    def _majorant(self, B: Array, y: Array) -> Array:
+        """Return F (nk, m) at instants y (m, n) or (nk, m, n)."""
+        if y.ndim == 3:
+            g = np.matmul(y, np.swapaxes(B, 1, 2))
+        else:
+            nk, r, n = B.shape
+            g = np.moveaxis((B.reshape(nk * r, n) @ y.T).reshape(nk, r, len(y)), 1, 2)
+        self.effort.knots += g.shape[0] * g.shape[1]
+        return self.measure.majorant(g)
+
+    def _slack(self, F: Array) -> Array:
+        """Return what a majorant may exceed its criterion by, (nk,)."""
+        # the closed form of principal values carries its own margin, twice for both signs; the
+        # length of the tensor is at most sqrt(3) times its largest principal value
+        return np.asarray(1e-6 * np.abs(F).max(axis=1))
+
+
+def prepare(modes: Array, p: Array, measure: Measure) -> Search:
+    """Return what bounds a criterion at places with stress modes (ns, 6, n) on a path (nt, n)."""
+    ns, _, n = modes.shape
+    nt = len(p)
+    rows = measure.rows
+    # mean of the squared stress of the modes over the places weighs the coordinates
+    H = np.zeros((n, n))
+    columns, raw = np.empty((ns, n)), np.empty((ns, n))
+    step = max(1, BLOCK // (6 * n + 1))
+    for first in range(0, ns, step):
+        S = modes[first : first + step]
+        GS = rows @ S
+        H += np.tensordot(GS, GS, ((0, 1), (0, 1)))
+        columns[first : first + step] = np.sqrt((GS**2).sum(axis=1))
+        raw[first : first + step] = np.sqrt((S**2).sum(axis=1))
+    H /= max(ns, 1)
+    weight = float(np.trace(H)) / n
+    H += (SMALLEST * weight if weight > 0.0 else 1.0) * np.eye(n)
+    values, vectors = np.linalg.eigh(H)
+    half = (vectors * np.sqrt(values)) @ vectors.T
+    inverse = (vectors / np.sqrt(values)) @ vectors.T
+    y = p @ half
+    V = np.linalg.eigh(y.T @ y)[1]
+    T = inverse @ V
+    y = y @ V
+    # the sums above in floating point: y is what it is, p differs from T y by a measured rest
+    highest_p, highest_y = np.abs(p).max(axis=0), np.abs(y).max(axis=0)
+    ops = UNIT * (n + SAFETY)
+    rest = np.abs(p - y @ T.T).max(axis=0) + ops * (highest_p + np.abs(T) @ highest_y)
+    size = float(np.linalg.norm(rows))
+    turned = raw @ np.abs(T) @ highest_y
+    margin = columns @ rest + SAFETY * ops * size * (raw @ highest_p + turned)
+    margin += SMALLEST_MARGIN  # also of places without stress, so that bounds exceed values
+    # windows, filled up with the last instant
+    strides = [stride for stride in STRIDES if stride < nt] or [STRIDES[-1]]
+    count = -(-max(nt - 1, 1) // strides[0])
+    filled = np.concatenate([y, np.repeat(y[-1:], count * strides[0] + 1 - nt, axis=0)])
+    windows = tuple(cut(filled, stride) for stride in strides)
+    return Search(modes, p, measure, T, y, windows, margin)
+
+
+def _pieces(count: int, step: int) -> list[slice]:
+    return [slice(first, min(first + step, count)) for first in range(0, count, step)]

@@ -1,0 +1,398 @@
+"""Hot spots: where a criterion is largest over a run, with proof that nothing was missed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.errors import InputError, Problem, Problems, suggest
+from jousto.recovery.fields import Criterion, StressField, evaluate, stress_field
+from jousto.recovery.fields.criteria import tensor, weights
+from jousto.recovery.hotspots.measures import measure
+from jousto.recovery.hotspots.search import Proof, search
+from jousto.recovery.hotspots.words import certificate_lines, head, row
+from jousto.recovery.hotspots.write import write_histories, write_spots
+from jousto.simulation import Solution
+
+Array = NDArray[np.float64]
+
+EARLY = 0.05  # share of the time in which a largest value may belong to the start
+
+
+@dataclass(frozen=True, eq=False)
+class HotSpot:
+    """One place and the instant at which its criterion is largest.
+
+    Attributes
+    ----------
+    rank : int
+        1 for the worst place.
+    body, site : str
+        Where: name of the body and label of the place, such as ``e1.a.top``.
+    node : int
+        Number of the node from 0, -1 if it is not known.
+    position : (3,) array
+        Undeformed, part frame, m.
+    time : float
+        When, s.
+    value : float
+        The criterion with its sign, Pa or m/m.
+    tensor : (6,) array
+        Stress (strain) then, ``[11 22 33 12 23 13]`` in the axes of the field.
+    normal : (3,) array
+        Normal of the critical plane then: that of the largest normal stress by magnitude.
+    """
+
+    rank: int
+    body: str
+    site: str
+    node: int
+    position: Array
+    time: float
+    value: float
+    tensor: Array
+    normal: Array
+
+
+@dataclass(frozen=True, eq=False)
+class HotSpots:
+    """The worst places of a run, the worst first, and what proves it.
+
+    Attributes
+    ----------
+    spots : tuple of HotSpot
+    criterion : str or Plane
+    extreme : str
+        "largest", "smallest" or "magnitude": by what they are ranked.
+    separation : float
+        No two of one body are nearer, m.
+    start, end : float
+        First and last instant that was searched, s.
+    fields : tuple of StressField
+        What was searched, over the whole run.
+    certificates : mapping of str to Proof
+        Of each body.
+    """
+
+    spots: tuple[HotSpot, ...]
+    criterion: Criterion
+    extreme: str
+    separation: float
+    start: float
+    end: float
+    fields: tuple[StressField, ...]
+    certificates: dict[str, Proof]
+
+    def __len__(self) -> int:
+        return len(self.spots)
+
+    def __iter__(self) -> Iterator[HotSpot]:
+        return iter(self.spots)
+
+    def __getitem__(self, index: int) -> HotSpot:
+        return self.spots[index]
+
+    @property
+    def unit(self) -> str:
+        """Pa or m/m."""
+        return self.fields[0].unit
+
+    @property
+    def pruned(self) -> int:
+        """Places that were never looked at: the bound over the whole run leaves them out."""
+        return sum(c.pruned for c in self.certificates.values())
+
+    @property
+    def visited(self) -> int:
+        """Places that were looked at, most of them only window by window."""
+        return sum(c.visited for c in self.certificates.values())
+
+    @property
+    def bound(self) -> float:
+        """Nothing but the hot spots and their neighbours exceeds this, -inf if nothing is left.
+
+        Ranked as the hot spots are: of the smallest values it is minus the value.
+        """
+        return max((c.bound for c in self.certificates.values()), default=-np.inf)
+
+    @property
+    def certified(self) -> bool:
+        """Whether nothing left out exceeds the last hot spot."""
+        ranked = [self._ranked(spot.value) for spot in self.spots]
+        return not ranked or self.bound <= min(ranked)
+
+    @property
+    def early(self) -> float | None:
+        """End of the first part of the time in which most of them lie, s; None if they do not.
+
+        They may then belong to the start of the run instead of the motion.
+        """
+        limit = self.start + EARLY * (self.end - self.start)
+        soon = sum(spot.time <= limit for spot in self.spots)
+        return limit if self.end > self.start and 2 * soon > len(self.spots) else None
+
+    def _ranked(self, value: float) -> float:
+        return {"largest": value, "smallest": -value, "magnitude": abs(value)}[self.extreme]
+
+    def field(self, spot: HotSpot) -> StressField:
+        """Return the field at one hot spot, over the whole run."""
+        return next(f for f in self.fields if f.name == spot.body).only(spot.site)
+
+    def history(self, spot: HotSpot | int, criterion: Criterion | None = None) -> Array:
+        """Return a criterion over the whole run at a hot spot (or at ``self[k]``), (nt,).
+
+        Parameters
+        ----------
+        spot : HotSpot or int
+        criterion : str or Plane, optional
+            Another one than the spots were sought by.
+        """
+        chosen = self.spots[spot] if isinstance(spot, int) else spot
+        return self.field(chosen).values(criterion or self.criterion)[:, 0]
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write the table with all digits, a row for each hot spot; SI units.
+
+        Raises
+        ------
+        InputError
+            If the path does not end with .csv or cannot be written.
+        """
+        return write_spots(self, path)
+
+    def write_histories(self, path: str | Path) -> Path:
+        """Write the criterion and the components of every hot spot over the whole run.
+
+        Parameters
+        ----------
+        path : path
+            Ends with .csv, or with .h5: one group for each hot spot.
+
+        Raises
+        ------
+        InputError
+            For another ending, a path that cannot be written, or a table of bodies whose fields
+            have different instants.
+        """
+        return write_histories(self, path)
+
+    def table(self) -> list[list[str]]:
+        """Return the rows of the printed table, the head first; MPa, mm and s."""
+        several = len(self.fields) > 1
+        return [head(self, several), *(row(self, spot, several) for spot in self.spots)]
+
+    def certificate(self) -> str:
+        """Return what the search proves, in sentences."""
+        return "\n".join(certificate_lines(self))
+
+    def __str__(self) -> str:
+        rows = self.table()
+        widths = [max(len(line[k]) for line in rows) for k in range(len(rows[0]))]
+        texts = [
+            "  ".join(
+                cell.ljust(w) if k in _left(self) else cell.rjust(w)
+                for k, (cell, w) in enumerate(zip(line, widths, strict=True))
+            ).rstrip()
+            for line in rows
+        ]
+        return "\n".join([*texts, *certificate_lines(self)])
+
+    def advice(self) -> str:
+        """Return what to do when the worst values stand at the start of the run, "" if not."""
+        limit = self.early
+        if limit is None:
+            return ""
+        return (
+            f"most of the largest values stand in the first {limit - self.start:.3g} s, which may "
+            "be the start-up transient: search from a later time (start=, --from), start from the "
+            "equilibrium, or let the drives begin smoothly"
+        )
+
+
+def _left(found: HotSpots) -> tuple[int, ...]:
+    return (1, 2) if len(found.fields) > 1 else (1,)
+
+
+def hot_spots(
+    source: StressField | Sequence[StressField] | Solution,
+    *,
+    bodies: Sequence[str] | str | None = None,
+    count: int = 10,
+    criterion: Criterion = "von-mises",
+    separation: float = 0.0,
+    start: float | None = None,
+    end: float | None = None,
+    extreme: str | None = None,
+) -> HotSpots:
+    """Return the places where a criterion is largest over a run, proved.
+
+    The stress is ``s(t) = S p(t)``, and a criterion changes by at most ``|G S (p - p')|``. So the
+    whitened path bounds it at a place over the run, ``sqrt(lmax(Q)) max |z|`` with ``Q = L^T S^T V
+    S L`` and ``p = L z``, and the ends of a window of time and the distance of the path from the
+    chord between them bound it there. Branch and bound works out only the places and instants
+    whose bound exceeds what was found; all bounds allow for rounding.
+
+    Parameters
+    ----------
+    source : StressField, sequence of StressField or Solution
+        What to search; of a run all bodies that know their stress.
+    bodies : str or sequence of str, optional
+        Of a run, the bodies to search.
+    count : int
+        How many hot spots.
+    criterion : str or Plane
+        See `evaluate`.
+    separation : float
+        Straight distance that they keep within a body, m. The worst place is the first one, the
+        worst of those further away than this the second, and so on.
+    start, end : float, optional
+        First and last instant, s; all stored ones.
+    extreme : "largest", "smallest" or "magnitude", optional
+        What is sought. Not given, the largest von Mises, shear and first principal stress, the
+        smallest third one, and the largest magnitude of all others.
+
+    Returns
+    -------
+    HotSpots
+        Printed, a table and the certificate.
+
+    Raises
+    ------
+    InputError
+        For an unknown body or criterion, coordinates that are not numbers, no instant in the
+        window, or components in world axes.
+
+    Examples
+    --------
+    ``print(hot_spots(run, count=5, separation=0.02))``
+    """
+    fields = _fields(source, bodies)
+    _check(fields, count, criterion, separation)
+    sought = measure(criterion, extreme, strain=fields[0].strain)
+    spots: list[tuple[float, HotSpot]] = []
+    certificates: dict[str, Proof] = {}
+    spans = []
+    for field in fields:
+        part = field.during(start, end)
+        _finite(part)
+        spans.append((float(part.time[0]), float(part.time[-1])))
+        found = search(part.S, part.p, part.positions, sought, count=count, separation=separation)
+        certificates[field.name] = found.certificate
+        for place, instant, ranked in zip(found.places, found.instants, found.ranked, strict=True):
+            spots.append((float(ranked), _spot(part, int(place), int(instant), criterion)))
+    # the worst of all bodies; the rest bounds what is left out of its body
+    order = sorted(range(len(spots)), key=lambda k: -spots[k][0])
+    for k in order[count:]:
+        ranked, spot = spots[k]
+        known = certificates[spot.body]
+        certificates[spot.body] = replace(known, bound=max(known.bound, ranked))
+    chosen = tuple(replace(spots[k][1], rank=r) for r, k in enumerate(order[:count], 1))
+    return HotSpots(
+        chosen,
+        criterion,
+        sought.extreme,
+        float(separation),
+        min(first for first, _ in spans),
+        max(last for _, last in spans),
+        fields,
+        certificates,
+    )
+
+
+def _fields(
+    source: StressField | Sequence[StressField] | Solution, bodies: Sequence[str] | str | None
+) -> tuple[StressField, ...]:
+    """Return the fields to search."""
+    if isinstance(source, Solution):
+        names = [body.name for body in source.bodies]
+        wanted = [bodies] if isinstance(bodies, str) else list(bodies or ())
+        problems = Problems()
+        for name in wanted:
+            if name not in names:
+                problems.add(str(source.path), f"no body '{name}'{suggest(name, names)}")
+        problems.raise_if_any()
+        known = wanted or [name for name in names if source.stress_modes(name) is not None]
+        if not known:
+            raise InputError(
+                Problem(
+                    str(source.path),
+                    "no body of this run knows its stress; parts of beams and of solids do, rigid "
+                    "bodies and parts from matrices do not",
+                )
+            )
+        return tuple(stress_field(source, name) for name in dict.fromkeys(known))
+    if bodies is not None:
+        raise InputError(Problem("hot_spots", "bodies= goes with a run; fields name their body"))
+    fields: tuple[Any, ...] = (source,)
+    if isinstance(source, list | tuple):
+        fields = tuple(source)
+    if not fields or not all(isinstance(field, StressField) for field in fields):
+        raise InputError(
+            Problem("hot_spots", f"{source!r} is neither a run nor stress fields; see stress_field")
+        )
+    return fields
+
+
+def _check(
+    fields: tuple[StressField, ...], count: int, criterion: Criterion, separation: float
+) -> None:
+    problems = Problems()
+    number: Any = count
+    if isinstance(number, bool) or not isinstance(number, int | np.integer) or number < 1:
+        problems.add("hot_spots", f"count is {count!r}, must be a whole number of at least 1")
+    apart: Any = separation
+    if not isinstance(apart, int | float | np.number) or not 0.0 <= apart < np.inf:
+        problems.add("hot_spots", f"separation is {separation!r}, must be a length >= 0 in m")
+    names = [field.name for field in fields]
+    for name in sorted({name for name in names if names.count(name) > 1}):
+        problems.add("hot_spots", f"body '{name}' is given more than once")
+    if len({field.strain for field in fields}) > 1:
+        problems.add("hot_spots", "stress and strain cannot be ranked together")
+    problems.raise_if_any()
+    if weights(criterion) is not None and any(field.A is not None for field in fields):
+        raise InputError(
+            Problem(
+                "hot_spots",
+                f"{criterion} in world axes turns with the body and has no bound; take the axes "
+                'of the part, stress_field(..., frame="body")',
+            )
+        )
+
+
+def _finite(field: StressField) -> None:
+    bad = ~np.isfinite(field.p).all(axis=1)
+    if bad.any():
+        k = int(np.argmax(bad))
+        mode = int(np.argmax(~np.isfinite(field.p[k])))
+        raise InputError(
+            Problem(
+                f"body '{field.name}'",
+                f"its modal coordinate {mode + 1} is {field.p[k, mode]} at {field.time[k]:g} s"
+                f" ({int(bad.sum())} such instants); search before it with end=, or run again "
+                "with a shorter step",
+            )
+        )
+
+
+def _spot(field: StressField, place: int, instant: int, criterion: Criterion) -> HotSpot:
+    s = np.asarray(field.S[place] @ field.p[instant])
+    values, vectors = np.linalg.eigh(tensor(s, field.strain))
+    normal = vectors[:, int(np.argmax(np.abs(values)))]
+    normal = normal * (1.0 if normal[int(np.argmax(np.abs(normal)))] >= 0.0 else -1.0)
+    nodes = field.modes.nodes
+    return HotSpot(
+        rank=0,
+        body=field.name,
+        site=field.labels[place],
+        node=-1 if nodes is None else int(nodes[place]),
+        position=field.positions[place],
+        time=float(field.time[instant]),
+        value=float(evaluate(s, criterion, field.strain)),
+        tensor=s,
+        normal=normal,
+    )

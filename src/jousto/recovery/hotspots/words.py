@@ -1,0 +1,75 @@
+"""What a search for hot spots found, in words: table and certificate."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from jousto.recovery.hotspots.spots import HotSpot, HotSpots
+
+
+def shown_value(value: float, unit: str) -> str:
+    """Return a stress in MPa, or a strain in um/m."""
+    return f"{value / 1e6:.6g} MPa" if unit == "Pa" else f"{1e6 * value:.6g} um/m"
+
+
+def head(found: HotSpots, several: bool) -> list[str]:
+    """Return the head of the table."""
+    unit = "MPa" if found.unit == "Pa" else "um/m"
+    body = ["body"] if several else []
+    names = [f"{found.criterion} ({unit})", "at (s)", "x (mm)", "y (mm)", "z (mm)", "plane normal"]
+    return ["", *body, "site", *names]
+
+
+def row(found: HotSpots, spot: HotSpot, several: bool) -> list[str]:
+    """Return a row of the table."""
+    factor = 1e-6 if found.unit == "Pa" else 1e6
+    body = [spot.body] if several else []
+    place = [f"{1e3 * x:.5g}" for x in spot.position]
+    normal = " ".join(f"{x:.3f}" for x in np.round(spot.normal, 3) + 0.0)
+    value = f"{factor * spot.value:.6g}"
+    return [str(spot.rank), *body, spot.site, value, f"{spot.time:.6g}", *place, normal]
+
+
+def certificate_lines(found: HotSpots) -> list[str]:
+    """Return what the search proves."""
+    lines = []
+    for name, c in found.certificates.items():
+        share = 100.0 * c.pruned / max(c.places, 1)
+        total = float(c.places) * c.instants
+        lines.append(
+            f"'{name}': {c.places} places x {c.instants} stored instants; {c.pruned} places "
+            f"({share:.1f} %) pruned by the bound over the run, {c.visited} looked at window by "
+            f"window, {c.complete} to the end; {c.knots + c.full:.3g} of {total:.3g} values worked "
+            "out"
+        )
+        if c.pruned and np.isfinite(c.best_pruned):
+            lines.append(f"  the largest bound of a pruned place is {_bound(found, c.best_pruned)}")
+        if c.neighbours:
+            lines.append(
+                f"  {c.neighbours} places are within {1e3 * found.separation:.4g} mm of a hot spot"
+            )
+    if not found.spots:
+        return lines
+    last = shown_value(found.spots[-1].value, found.unit)
+    what = {
+        "largest": "exceeds",
+        "smallest": "falls below",
+        "magnitude": "exceeds in magnitude",
+    }[found.extreme]
+    if not np.isfinite(found.bound):
+        lines.append("no other place is left: all are hot spots or next to one")
+    elif found.certified:
+        lines.append(
+            f"certified: no other place {what} {_bound(found, found.bound)} at any stored instant "
+            f"from {found.start:g} to {found.end:g} s; the last of the list has {last}"
+        )
+    else:
+        lines.append(f"not certified: other places may reach {_bound(found, found.bound)}")
+    return lines
+
+
+def _bound(found: HotSpots, ranked: float) -> str:
+    return shown_value(-ranked if found.extreme == "smallest" else ranked, found.unit)

@@ -1,0 +1,107 @@
+"""Hot spots as files: their table and their histories."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from jousto.errors import InputError, Problem
+
+if TYPE_CHECKING:
+    from jousto.recovery.hotspots.spots import HotSpots
+
+STRESS = ("s11", "s22", "s33", "s12", "s23", "s13")
+STRAIN = ("e11", "e22", "e33", "g12", "g23", "g13")
+
+
+def write_spots(found: HotSpots, path: str | Path) -> Path:
+    """Write the table of hot spots."""
+    target = _target(path, (".csv",))
+    unit = found.unit
+    names = STRAIN if found.fields[0].strain else STRESS
+    heads = ["rank", "body", "site", "node", f"{found.criterion} ({unit})", "time (s)"]
+    heads += [f"{axis} (m)" for axis in "xyz"] + [f"{name} ({unit})" for name in names]
+    heads += [f"normal {axis}" for axis in "123"]
+    rows: list[list[Any]] = [
+        [
+            *(spot.rank, spot.body, spot.site, spot.node, spot.value, spot.time),
+            *spot.position.tolist(),
+            *spot.tensor.tolist(),
+            *spot.normal.tolist(),
+        ]
+        for spot in found
+    ]
+    _write_rows(target, heads, rows)
+    return target
+
+
+def write_histories(found: HotSpots, path: str | Path) -> Path:
+    """Write the histories of hot spots."""
+    target = _target(path, (".csv", ".h5"))
+    if target.suffix.lower() == ".h5":
+        return _write_hdf5(found, target)
+    time = found.fields[0].time
+    if any(not np.array_equal(field.time, time) for field in found.fields):
+        message = "the bodies have different instants, which one table cannot hold; write .h5"
+        raise InputError(Problem(str(target), message))
+    names = STRAIN if found.fields[0].strain else STRESS
+    heads, columns = ["time (s)"], [time[:, None]]
+    for spot in found:
+        name = f"{spot.rank} {spot.body} {spot.site}"
+        heads += [f"{name} {key} ({found.unit})" for key in (str(found.criterion), *names)]
+        field = found.field(spot)
+        columns += [found.history(spot)[:, None], field.history(spot.site)]
+    _write_rows(target, heads, np.concatenate(columns, axis=1).tolist())
+    return target
+
+
+def _write_hdf5(found: HotSpots, target: Path) -> Path:
+    import h5py
+
+    try:
+        with h5py.File(target, "w") as file:
+            file.attrs["format"] = "jousto hot spots"
+            file.attrs["criterion"] = str(found.criterion)
+            file.attrs["extreme"] = found.extreme
+            file.attrs["separation"] = found.separation
+            file.attrs["certified"] = int(found.certified)
+            file.attrs["bound"] = found.bound
+            file.attrs["certificate"] = found.certificate()
+            for spot in found:
+                group = file.create_group(str(spot.rank))
+                field = found.field(spot)
+                for key in ("body", "site", "node", "time", "value", "position", "normal"):
+                    group.attrs[key] = getattr(spot, key)
+                group["time"] = field.time
+                group["time"].attrs["unit"] = "s"
+                group["criterion"] = found.history(spot)
+                group["tensor"] = field.history(spot.site)
+                for name in ("criterion", "tensor"):
+                    group[name].attrs["unit"] = found.unit
+                group["tensor"].attrs["frame"] = field.frame
+                names = STRAIN if field.strain else STRESS
+                group["tensor"].attrs["components"] = [name.encode() for name in names]
+    except OSError as error:
+        raise InputError(Problem(str(target), f"cannot be written: {error}")) from error
+    return target
+
+
+def _target(path: str | Path, endings: tuple[str, ...]) -> Path:
+    target = Path(path)
+    if target.suffix.lower() not in endings:
+        raise InputError(Problem(str(target), f"must end with {' or '.join(endings)}"))
+    return target
+
+
+def _write_rows(target: Path, heads: list[str], rows: list[list[Any]]) -> None:
+    try:
+        with target.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(heads)
+            writer.writerows(rows)
+    except OSError as error:
+        message = f"cannot be written: {error.strerror}; choose another place"
+        raise InputError(Problem(str(target), message)) from error

@@ -1,0 +1,266 @@
+"""Hot spots: the search finds what brute force finds, and its bounds are never below the truth."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import jousto.recovery.hotspots.bounds as bounds
+from jousto.errors import InputError
+from jousto.recovery.fields import Plane, StressField, evaluate, field_from
+from jousto.recovery.hotspots import hot_spots, search
+from jousto.recovery.hotspots.measures import EXTREMES, measure
+from jousto.recovery.hotspots.windows import cut, spectral
+from jousto.reduction import StressModes
+
+CRITERIA: tuple[Any, ...] = (
+    "von-mises",
+    "signed-von-mises",
+    "principal-1",
+    "principal-2",
+    "principal-3",
+    "signed-principal",
+    "max-shear",
+    "s11",
+    "s23",
+    Plane((1.0, 2.0, -1.0)),
+)
+CASES = [
+    (criterion, extreme)
+    for criterion in CRITERIA
+    for extreme in EXTREMES
+    if not (criterion in ("von-mises", "max-shear") and extreme == "smallest")
+]
+
+
+def random_field(seed: int, ns: int, nt: int, n: int) -> StressField:
+    """A path of sines, jumps and lone peaks; stress modes of one, two and many components."""
+    rng = np.random.default_rng(seed)
+    S = rng.normal(size=(ns, 6, n)) * rng.choice([1e3, 1e6, 1e8], size=(ns, 1, 1))
+    S[rng.random(ns) < 0.3, 1:] = 0.0
+    S[rng.random(ns) < 0.1] = 0.0
+    if ns > 3:
+        S[1], S[2] = S[0], -S[0]  # ties
+    t = np.linspace(0.0, 1.0, nt)
+    p = np.sin(np.outer(t, rng.uniform(1, 60, n)) + rng.uniform(0, 6, n)) / (1 + np.arange(n))
+    p += rng.normal(size=(nt, n)) * rng.choice([0.0, 1e-6, 0.3])
+    p[rng.integers(nt)] += rng.normal(size=n) * rng.choice([0.0, 5.0])
+    if n > 2:
+        p[:, 2] = 2.0 * p[:, 0]  # a path of lower rank
+        p[:, 1] *= rng.choice([0.0, 1e-9, 1.0])
+    p *= 1e-3
+    labels = tuple(f"n{k + 1}" for k in range(ns))
+    axes = np.tile(np.eye(3), (ns, 1, 1))
+    return field_from(StressModes(labels, rng.random((ns, 3)), axes, S), p, t)
+
+
+def brute_force(field: StressField, sought: Any, count: int, apart: float) -> tuple[Any, Any]:
+    """Return the ranked values of the hot spots and all largest values, worked out in full."""
+    s = np.einsum("scj,tj->tsc", field.S, field.p)
+    best = sought.rank(sought.value(s)).max(axis=0)
+    left, values = best.copy(), []
+    while len(values) < count and np.isfinite(left).any():
+        k = int(np.argmax(left))
+        values.append(left[k])
+        away = np.linalg.norm(field.positions - field.positions[k], axis=1)
+        left[away <= apart] = -np.inf
+        left[k] = -np.inf
+    return np.array(values), best
+
+
+def rounding(field: StressField) -> Any:
+    """What two orders of the same sum may differ by at each place (ns,), Pa."""
+    largest = np.abs(field.S).sum(axis=1) @ np.abs(field.p).max(axis=0)
+    return np.asarray(1e-14 * largest)
+
+
+@pytest.mark.parametrize(("criterion", "extreme"), CASES)
+def test_finds_what_brute_force_finds(criterion: Any, extreme: str) -> None:
+    for seed in range(2):
+        field = random_field(seed, 40, 330, 5)
+        sought = measure(criterion, extreme)
+        for count, apart in ((4, 0.0), (6, 0.25), (200, 0.1)):
+            expected, best = brute_force(field, sought, count, apart)
+            found = search(field.S, field.p, field.positions, sought, count=count, separation=apart)
+            slack = rounding(field).max()
+            assert np.abs(found.ranked - expected).max() <= slack
+            away = np.abs(best[found.places] - found.ranked)
+            assert np.all(away <= rounding(field)[found.places])
+            # nothing that is neither a spot nor near one exceeds what the certificate says
+            near = np.zeros(field.ns, dtype=bool)
+            for k in found.places:
+                away = np.linalg.norm(field.positions - field.positions[k], axis=1)
+                near |= (away <= apart) & (apart > 0.0)
+                near[k] = True
+            assert best[~near].max(initial=-np.inf) <= found.certificate.bound + slack
+            assert found.certificate.bound <= found.ranked.min() + slack
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    seed=st.integers(0, 10_000),
+    ns=st.integers(1, 40),
+    nt=st.sampled_from([1, 2, 15, 16, 17, 64, 65, 66, 257, 400]),
+    n=st.integers(1, 9),
+    case=st.sampled_from(CASES),
+    apart=st.sampled_from([0.0, 0.3, 3.0]),
+    count=st.integers(1, 8),
+)
+def test_any_case(
+    seed: int, ns: int, nt: int, n: int, case: tuple[Any, str], apart: float, count: int
+) -> None:
+    field = random_field(seed, ns, nt, n)
+    sought = measure(*case)
+    expected, best = brute_force(field, sought, count, apart)
+    found = search(field.S, field.p, field.positions, sought, count=count, separation=apart)
+    assert len(found.ranked) == len(expected)
+    slack = rounding(field).max()
+    assert np.abs(found.ranked - expected).max() <= slack
+    at = field.p[found.instants]
+    s = np.einsum("kcj,kj->kc", field.S[found.places], at)
+    assert np.allclose(sought.rank(sought.value(s)), found.ranked, rtol=0, atol=slack)
+
+
+@pytest.mark.parametrize(("criterion", "extreme"), CASES)
+def test_bounds_are_never_below_the_truth(criterion: Any, extreme: str) -> None:
+    for seed in range(3):
+        field = random_field(100 + seed, 30, 300, 4)
+        sought = measure(criterion, extreme)
+        work = bounds.prepare(field.S, field.p, sought)
+        _, best = brute_force(field, sought, 1, 0.0)
+        assert np.all(work.whole() >= best)
+        every = np.arange(field.ns)
+        # nothing is refined: all that is known of the places are the bounds of the coarse windows
+        found, _, upper = work.refine(every, np.full(field.ns, np.inf))
+        assert np.all(np.isneginf(found))
+        assert np.all(upper >= best)
+        # half of them refined; what is known exactly differs by the order of its sum
+        found, _, upper = work.refine(every, np.full(field.ns, np.median(best)))
+        assert np.all(upper >= np.where(found == upper, best - rounding(field), best))
+        assert np.all(found <= best + rounding(field))
+
+
+def test_one_instant_of_one_place() -> None:
+    """A place that is worse than all others for one instant, by the smallest margin."""
+    rng = np.random.default_rng(3)
+    ns, nt, n = 400, 3000, 6
+    S = np.zeros((ns, 6, n))
+    S[:, 0] = rng.uniform(-1.0, 1.0, (ns, n))
+    S[:, 0, -1] = 0.0
+    t = np.linspace(0, 1, nt)
+    p = np.sin(np.outer(t, np.arange(20, 20 + n)))
+    p[:, -1] = 0.0
+    p[1777, -1] = 1.0  # a mode that moves at one instant only, and stresses one place
+    worst = np.abs(S[:, 0] @ p.T).max()
+    sign = np.sign(S[123, 0] @ p[1777])
+    S[123, 0, -1] = sign * (worst * (1.0 + 1e-12) - abs(S[123, 0, :-1] @ p[1777, :-1]))
+    labels = tuple(map(str, range(ns)))
+    modes = StressModes(labels, rng.random((ns, 3)), np.tile(np.eye(3), (ns, 1, 1)), S)
+    found = hot_spots(field_from(modes, p, t), count=1)
+    assert (found[0].site, found[0].time) == ("123", t[1777])
+    assert found.pruned + found.visited == ns
+    assert found.certified
+
+
+def test_a_bound_that_is_too_low_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With bounds of nine tenths the same checks see that places are missed."""
+    field = random_field(11, 300, 700, 5)
+    sought = measure("von-mises")
+    expected, best = brute_force(field, sought, 20, 0.0)
+    whole = bounds.Search.whole
+    monkeypatch.setattr(bounds.Search, "whole", lambda self: 0.9 * whole(self))
+    # one place of which the bound over the run is tight: a single mode, a lone peak
+    S = np.zeros((3, 6, 1))
+    S[:, 0, 0] = 100.0, 99.0, 95.0
+    p = np.array([[1.0], [-1.0], [1.0]])
+    work = bounds.prepare(S, p, sought)
+    assert np.any(work.whole() < 95.0)
+    monkeypatch.setattr(bounds.Search, "whole", whole)
+    assert np.all(bounds.prepare(S, p, sought).whole() >= [100.0, 99.0, 95.0])
+    # chords: a window whose strays are left out misses what happens between its knots
+    monkeypatch.setattr(bounds.Windows, "strays", lambda *_: 0.0)
+    monkeypatch.setattr(bounds.Windows, "strays_of_pairs", lambda *_: 0.0)
+    found = search(field.S, field.p, field.positions, sought, count=20)
+    assert np.abs(found.ranked - expected).max() > 1e-3 * expected[0]
+
+
+def test_norms_and_windows() -> None:
+    rng = np.random.default_rng(0)
+    B = rng.normal(size=(50, 5, 7))
+    B[:10, 1:] = 0.0
+    B[10:20] *= 1e-200
+    norm = np.linalg.norm(B, 2, axis=(1, 2))
+    bound = spectral(B)
+    assert np.all(bound >= norm)
+    assert np.all(bound <= 1.12 * norm + 1e-140)
+    y = rng.normal(size=(129, 7)).cumsum(axis=0)
+    windows = cut(y, 16)
+    columns = np.sqrt((B**2).sum(axis=1))
+    strays = windows.strays(columns, bound)
+    ends = np.linspace(0.0, 1.0, 17)[:16, None]
+    for w in range(8):
+        a, b = y[16 * w], y[16 * w + 16]
+        inside = y[16 * w : 16 * w + 16]
+        # the nearest point of the chord, found by trying many
+        shares = np.linspace(0, 1, 2001)[:, None, None]
+        d = inside - ((1 - shares) * a + shares * b)
+        d = d[np.argmin((d**2).sum(axis=2), axis=0), np.arange(16)]
+        reached = np.linalg.norm(B @ d.T, axis=1).max(axis=1)
+        assert np.all(strays[:, w] >= reached * (1 - 1e-2))
+    assert ends.shape == (16, 1)
+
+
+def test_straight_paths_need_their_ends_only() -> None:
+    """A convex criterion of a straight path is largest at an end: spec of the chord bound."""
+    rng = np.random.default_rng(5)
+    p = np.linspace(0, 1, 1025)[:, None] * rng.normal(size=4)
+    S = rng.normal(size=(200, 6, 4))
+    found = search(S, p, np.zeros((200, 3)), measure("von-mises"), count=1)
+    assert found.instants[0] == 1024
+    assert found.certificate.full == 17 * found.certificate.complete  # one window each
+
+
+def test_refuses_clearly() -> None:
+    field = random_field(0, 5, 40, 3)
+    with pytest.raises(InputError, match="unknown|no criterion"):
+        hot_spots(field, criterion="mises")
+    with pytest.raises(InputError, match=r"count is 0.*\n?.*"):
+        hot_spots(field, count=0)
+    with pytest.raises(InputError, match="separation is -1"):
+        hot_spots(field, separation=-1)
+    with pytest.raises(InputError, match="given more than once"):
+        hot_spots([field, field])
+    with pytest.raises(InputError, match="extreme is 'most'"):
+        hot_spots(field, extreme="most")
+    with pytest.raises(InputError, match="of no use"):
+        hot_spots(field, extreme="smallest")
+    with pytest.raises(InputError, match="neither a run nor stress fields"):
+        hot_spots(7)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="no instant from 5"):
+        hot_spots(field, start=5.0)
+    A = np.tile(np.eye(3), (40, 1, 1))
+    world = field_from(field.modes, field.p, field.time, A=A)
+    with pytest.raises(InputError, match="world axes turns with the body"):
+        hot_spots(world, criterion="s11")
+    assert len(hot_spots(world, count=2)) == 2
+
+
+def test_invariants_of_strain() -> None:
+    """The equivalent strain of uniaxial stress is 2/3 (1 + nu) of the strain along it."""
+    S = np.zeros((3, 6, 1))
+    S[:, 0, 0] = 210e6, 105e6, 21e6
+    axes = np.tile(np.eye(3), (3, 1, 1))
+    elasticity = np.tile([210e9, 0.3], (3, 1))
+    modes = StressModes(("a", "b", "c"), np.eye(3), axes, S, elasticity)
+    field = field_from(modes, [[0.5], [1.0], [-1.5]], [0.0, 1.0, 2.0], strain=True)
+    found = hot_spots(field, count=2)
+    assert [spot.site for spot in found] == ["a", "b"]
+    assert found[0].value == pytest.approx(1.5e-3 * 2 / 3 * 1.3, rel=1e-12)
+    found = hot_spots(field, count=1, criterion="max-shear")
+    assert found[0].value == pytest.approx(1.5e-3 * 1.3, rel=1e-12)
+    assert "um/m" in str(found)
+    assert evaluate(found[0].tensor, "principal-1", True) == pytest.approx(0.3 * 1.5e-3)
