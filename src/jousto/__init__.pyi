@@ -352,6 +352,15 @@ from .parts.strain_life import (
 from .parts.strain_life import (
     strain_lives as strain_lives,
 )
+from .parts.toes import (
+    WeldToe as WeldToe,
+)
+from .parts.toes import (
+    hot_spot_stress as hot_spot_stress,
+)
+from .parts.toes import (
+    weld_stress as weld_stress,
+)
 from .recovery import (
     Envelope as Envelope,
 )
@@ -393,6 +402,57 @@ from .recovery.fatigue.contact import (
 )
 from .recovery.fatigue.contact import (
     shakedown_limit as shakedown_limit,
+)
+from .recovery.fatigue.planes import (
+    CriticalPlane as CriticalPlane,
+)
+from .recovery.fatigue.planes import (
+    DangVan as DangVan,
+)
+from .recovery.fatigue.planes import (
+    FatemiSocie as FatemiSocie,
+)
+from .recovery.fatigue.planes import (
+    Findley as Findley,
+)
+from .recovery.fatigue.planes import (
+    Multiaxial as Multiaxial,
+)
+from .recovery.fatigue.planes import (
+    NormalStress as NormalStress,
+)
+from .recovery.fatigue.planes import (
+    PlaneDamage as PlaneDamage,
+)
+from .recovery.fatigue.planes import (
+    critical_plane as critical_plane,
+)
+from .recovery.fatigue.planes import (
+    multiaxial as multiaxial,
+)
+from .recovery.fatigue.planes import (
+    plane_damage as plane_damage,
+)
+from .recovery.fatigue.random_response import (
+    RandomResponse as RandomResponse,
+)
+from .recovery.fatigue.random_response import (
+    SpectralLife as SpectralLife,
+)
+from .recovery.fatigue.random_response import (
+    random_response as random_response,
+)
+from .recovery.fatigue.spectral import (
+    SpectralDamage as SpectralDamage,
+)
+from .recovery.fatigue.spectral import (
+    spectral_damage as spectral_damage,
+)
+from .recovery.fatigue.spectral import (
+    spectral_moments as spectral_moments,
+)
+from .recovery.fatigue.spectral import (
+    synthesise as synthesise,
 )
 from .recovery.fatigue.strain_life import (
     LocalCycles as LocalCycles,

@@ -1,0 +1,650 @@
+"""Critical planes: stress on every plane through a place, and the plane where cracks begin.
+
+On a plane of normal n the traction ``t = S n`` has the normal stress ``n . t`` and the shear vector
+``t - n (n . t)``, whose tip draws a closed curve in the plane. The shear amplitude is the radius of
+the smallest circle around that curve, which is right for non-proportional loading, too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.errors import InputError, Problem, Problems
+from jousto.parts.strain_life import StrainLife
+from jousto.recovery.fatigue.enclosing import enclosing_ball, enclosing_circles
+from jousto.recovery.fatigue.strain_life import RESIDUES, Residue, pairs, turning_points
+
+Array = NDArray[np.float64]
+BLOCK_BYTES = 64 << 20
+COARSE = math.radians(9.0)
+VOIGT = ((0, 3, 5), (3, 1, 4), (5, 4, 2))
+
+
+@dataclass(frozen=True)
+class Findley:
+    """Findley's criterion: shear amplitude plus k times the largest normal stress.
+
+    ``f = max over planes of (t_a + k s_n,max)`` (W. N. Findley, *J. Eng. Ind.* 81 (1959) 301-306).
+
+    Parameters
+    ----------
+    k : float
+        Sensitivity to normal stress; 0.2 to 0.3 for ductile steels.
+
+    Examples
+    --------
+    >>> round(Findley.of(torsion=155e6, bending=250e6).k, 3)
+    0.247
+    """
+
+    k: float = 0.3
+
+    def __post_init__(self) -> None:
+        problems = Problems()
+        problems.number("Findley", "k", self.k, "", "in [0, 10]", lambda k: 0.0 <= k <= 10.0)
+        problems.raise_if_any()
+
+    @classmethod
+    def of(cls, torsion: float, bending: float) -> Findley:
+        """Return the criterion of a material from its fatigue limits at R = -1, Pa."""
+        ratio = 2.0 * _ratio("Findley", torsion, bending) - 1.0
+        return cls(ratio / math.sqrt(1.0 - ratio * ratio))
+
+    def value(self, shear: ArrayLike, normal: ArrayLike) -> Array:
+        """Return f (Pa) of shear amplitude and largest normal stress of a plane, Pa."""
+        return np.maximum(np.asarray(shear) + self.k * np.asarray(normal), 0.0)
+
+    def equivalent(self, value: ArrayLike) -> Array:
+        """Return the uniaxial stress amplitude at R = -1 with the same f, Pa.
+
+        ``2 f / (k + sqrt(1 + k^2))``: what an S-N curve of alternating tension takes.
+        """
+        return np.asarray(2.0 * np.asarray(value) / (self.k + math.sqrt(1.0 + self.k**2)))
+
+
+@dataclass(frozen=True)
+class FatemiSocie:
+    """Fatemi and Socie's criterion: shear strain amplitude, opened by the normal stress.
+
+    ``max over planes of g_a (1 + k s_n,max / S_y)`` (*Fatigue Fract. Eng. Mater. Struct.* 11 (1988)
+    149-165) with elastic strains ``g = t / G``.
+
+    Parameters
+    ----------
+    S_y : float
+        Yield stress, Pa.
+    E, nu : float
+        Young's modulus, Pa, and Poisson's ratio.
+    k : float
+        Sensitivity to normal stress; 0.6 to 1 for steels.
+    """
+
+    S_y: float
+    E: float
+    nu: float = 0.3
+    k: float = 1.0
+
+    def __post_init__(self) -> None:
+        problems = Problems()
+        problems.positive("FatemiSocie", "yield stress S_y", self.S_y, "Pa")
+        problems.positive("FatemiSocie", "Young's modulus E", self.E, "Pa")
+        problems.number("FatemiSocie", "k", self.k, "", "in [0, 10]", lambda k: 0.0 <= k <= 10.0)
+        problems.raise_if_any()
+
+    @property
+    def G(self) -> float:
+        """Shear modulus, Pa."""
+        return self.E / (2.0 * (1.0 + self.nu))
+
+    def value(self, shear: ArrayLike, normal: ArrayLike) -> Array:
+        """Return the parameter of shear stress amplitude and largest normal stress, Pa."""
+        opened = np.maximum(1.0 + self.k * np.asarray(normal) / self.S_y, 0.0)
+        return np.asarray(np.asarray(shear) / self.G * opened)
+
+    def cycles(self, value: ArrayLike, material: StrainLife) -> Array:
+        """Return the life of a parameter on the shear strain-life curve of a material.
+
+        ``t_f/G (2N)^b + g_f (2N)^c`` with ``t_f = sf / sqrt(3)`` and ``g_f = sqrt(3) ef``.
+        """
+        root = math.sqrt(3.0)
+        K, n = material.hardening
+        shear = StrainLife(
+            self.G, material.sf / root, material.b, root * material.ef, material.c, K, n
+        )
+        return shear.cycles(value)
+
+
+@dataclass(frozen=True)
+class NormalStress:
+    """Criterion of brittle materials and welds: the plane of the largest normal stress amplitude.
+
+    ``max over planes of s_n,a``; its mean can be heeded by a mean stress correction.
+    """
+
+    def value(self, shear: ArrayLike, normal: ArrayLike) -> Array:
+        """Return the normal stress amplitude; `shear` takes its place."""
+        return np.asarray(shear, dtype=np.float64)
+
+    def equivalent(self, value: ArrayLike) -> Array:
+        """Return the uniaxial amplitude: the same."""
+        return np.asarray(value, dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class DangVan:
+    """Dang Van's criterion: no endless life where ``max_t (t(t) + a s_h(t)) > b``.
+
+    t is the Tresca shear stress of the grain after shakedown, whose residual stress is the centre
+    of the smallest ball around the path of the deviator; s_h is the hydrostatic stress (K. Dang Van
+    et al., ASTM STP 1020 (1989) 72-102).
+
+    Parameters
+    ----------
+    a : float
+        Sensitivity to hydrostatic stress.
+    b : float
+        Fatigue limit in torsion at R = -1, Pa.
+
+    Examples
+    --------
+    >>> round(DangVan.of(torsion=155e6, bending=250e6).a, 2)
+    0.36
+    """
+
+    a: float
+    b: float
+
+    def __post_init__(self) -> None:
+        problems = Problems()
+        problems.number("DangVan", "a", self.a, "", "in [0, 10]", lambda a: 0.0 <= a <= 10.0)
+        problems.positive("DangVan", "fatigue limit b", self.b, "Pa")
+        problems.raise_if_any()
+
+    @classmethod
+    def of(cls, torsion: float, bending: float) -> DangVan:
+        """Return the criterion of a material from its fatigue limits at R = -1, Pa."""
+        return cls(3.0 * (_ratio("DangVan", torsion, bending) - 0.5), torsion)
+
+
+class PlaneCriterion(Protocol):
+    """What a criterion on planes must say: its value from shear amplitude and normal stress."""
+
+    def value(self, shear: ArrayLike, normal: ArrayLike) -> Array:
+        """Return the parameter on a plane."""
+        ...
+
+
+def _ratio(where: str, torsion: float, bending: float) -> float:
+    problems = Problems()
+    problems.positive(where, "fatigue limit in torsion", torsion, "Pa")
+    problems.positive(where, "fatigue limit in bending", bending, "Pa")
+    problems.raise_if_any()
+    if not 0.5 <= torsion / bending < 1.0:
+        raise InputError(
+            Problem(
+                where,
+                f"torsion / bending is {torsion / bending:g}; the criterion needs 0.5 (no "
+                "influence of the normal stress) to 1 (brittle)",
+            )
+        )
+    return torsion / bending
+
+
+def normals(step: float = COARSE) -> Array:
+    """Return unit normals (m, 3) of a half-sphere, about evenly spread, `step` in rad."""
+    rings = max(2, round(0.5 * math.pi / step))
+    out = [np.array([[0.0, 0.0, 1.0]])]
+    for ring in range(1, rings + 1):
+        theta = 0.5 * math.pi * ring / rings
+        # on the equator opposite normals are the same plane
+        turn = math.pi if ring == rings else 2.0 * math.pi
+        count = max(3, round(turn * math.sin(theta) / step))
+        phi = np.arange(count) * turn / count
+        s, c = math.sin(theta), math.cos(theta)
+        out.append(np.stack([s * np.cos(phi), s * np.sin(phi), np.full(count, c)], axis=1))
+    return np.concatenate(out)
+
+
+def tangents(n: Array) -> tuple[Array, Array]:
+    """Return two unit vectors (m, 3) in each plane."""
+    helper = np.where(np.abs(n[:, 2:]) < 0.9, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
+    u = np.cross(helper, n)
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    return u, np.cross(n, u)
+
+
+def on_planes(s: Array, n: Array) -> tuple[Array, Array]:
+    """Return normal stress (m, nt) and shear vector (m, nt, 2) of stresses (nt, 6) on planes."""
+    u, v = tangents(n)
+
+    def rows(a: Array) -> Array:
+        """Rows of ``a . S n`` over the Voigt components."""
+        return np.stack(
+            [
+                a[:, 0] * n[:, 0],
+                a[:, 1] * n[:, 1],
+                a[:, 2] * n[:, 2],
+                a[:, 0] * n[:, 1] + a[:, 1] * n[:, 0],
+                a[:, 1] * n[:, 2] + a[:, 2] * n[:, 1],
+                a[:, 0] * n[:, 2] + a[:, 2] * n[:, 0],
+            ],
+            axis=1,
+        )
+
+    return rows(n) @ s.T, np.stack([rows(u) @ s.T, rows(v) @ s.T], axis=2)
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalPlane:
+    """The worst plane through a place.
+
+    Attributes
+    ----------
+    normal : (3,) array
+        Unit normal, axes of the stress; nan where the criterion has no plane (Dang Van).
+    value : float
+        Of the criterion, Pa (strain for Fatemi-Socie).
+    shear : float
+        Shear stress amplitude there, Pa; for `NormalStress` the amplitude of the normal stress.
+    normal_stress : float
+        Largest normal stress there, Pa; for Dang Van the hydrostatic stress.
+    index : int
+        Sample at which the normal stress (Dang Van: the sum) is largest.
+    """
+
+    normal: Array
+    value: float
+    shear: float
+    normal_stress: float
+    index: int
+
+
+def critical_plane(stress: ArrayLike, criterion: PlaneCriterion | DangVan) -> CriticalPlane:
+    """Return the plane on which a criterion is worst for a whole stress history.
+
+    Planes are tried every 9 degrees over the half-sphere, the three best then refined to 0.01
+    degrees. The shear amplitude of a plane is the radius of the smallest circle around its shear
+    path, found exactly.
+
+    Parameters
+    ----------
+    stress : (nt, 6) array_like
+        ``[s11 s22 s33 s12 s23 s13]``, Pa.
+    criterion : Findley, FatemiSocie, NormalStress or DangVan
+
+    Raises
+    ------
+    InputError
+        A history that is empty, not finite or of another shape.
+
+    Examples
+    --------
+    >>> t = np.linspace(0, 2 * np.pi, 361)
+    >>> s = np.zeros((361, 6))
+    >>> s[:, 0] = 100e6 * np.sin(t)  # alternating tension
+    >>> found = critical_plane(s, Findley(0.3))
+    >>> round(found.value / 1e6, 2), round(float(Findley(0.3).equivalent(found.value)) / 1e6, 2)
+    (67.2, 100.0)
+    """
+    s = _history(stress)
+    if isinstance(criterion, DangVan):
+        return _dang_van(s, criterion)
+    n = normals()
+    values = np.concatenate([_values(s, part, criterion)[0] for part in _split(n, len(s))])
+    best = n[int(np.argmax(values))]
+    top = -math.inf
+    for start in n[np.argsort(-values, kind="stable")[:3]]:
+        # a net around the best normal that gets finer
+        centre, reach = start, COARSE
+        while reach > math.radians(0.01):
+            u, v = tangents(centre[None])
+            g = reach * np.linspace(-1.0, 1.0, 5)
+            net = centre + g[:, None, None] * u[0] + g[None, :, None] * v[0]
+            net = net.reshape(-1, 3) / np.linalg.norm(net.reshape(-1, 3), axis=1, keepdims=True)
+            found = _values(s, net, criterion)[0]
+            centre = net[int(np.argmax(found))]
+            reach *= 0.5
+            if found.max() > top:
+                top, best = float(found.max()), centre
+    value, shear, normal, index = (x[0] for x in _values(s, best[None], criterion))
+    # of both normals of the plane the one that looks to positive axes
+    if best[np.argmax(np.abs(best))] < 0.0:
+        best = -best
+    return CriticalPlane(best, float(value), float(shear), float(normal), int(index))
+
+
+def _values(
+    s: Array, n: Array, criterion: PlaneCriterion
+) -> tuple[Array, Array, Array, NDArray[np.intp]]:
+    sn, t = on_planes(s, n)
+    index = np.argmax(sn, axis=1)
+    top = np.take_along_axis(sn, index[:, None], axis=1)[:, 0]
+    if isinstance(criterion, NormalStress):
+        amplitude = 0.5 * (top - sn.min(axis=1))
+    else:
+        amplitude = enclosing_circles(t)[1]
+    return criterion.value(amplitude, top), amplitude, top, index
+
+
+def _split(n: Array, nt: int) -> list[Array]:
+    rows = max(1, BLOCK_BYTES // (48 * max(nt, 1)))
+    return [n[i : i + rows] for i in range(0, len(n), rows)]
+
+
+def _history(stress: ArrayLike) -> Array:
+    problems = Problems()
+    s = problems.array("critical plane", "stress", stress, (None, 6))
+    if s is not None and not len(s):
+        problems.add("critical plane", "the stress history is empty")
+    problems.raise_if_any()
+    assert s is not None
+    return s
+
+
+def _dang_van(s: Array, criterion: DangVan) -> CriticalPlane:
+    hydrostatic = s[:, :3].mean(axis=1)
+    deviator = s.copy()
+    deviator[:, :3] -= hydrostatic[:, None]
+    # coordinates whose length is sqrt(S : S)
+    d = deviator * np.sqrt([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+    centre, _ = enclosing_ball(d)
+    grain = deviator - centre / np.sqrt([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+    principal = np.linalg.eigvalsh(grain[:, VOIGT])
+    shear = 0.5 * (principal[:, 2] - principal[:, 0])
+    total = shear + criterion.a * hydrostatic
+    i = int(np.argmax(total))
+    return CriticalPlane(
+        np.full(3, math.nan), float(total[i]), float(shear[i]), float(hydrostatic[i]), i
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Multiaxial:
+    """A multiaxial criterion at several places, the worst first in its table.
+
+    Attributes
+    ----------
+    labels : tuple of str
+    criterion : object
+    planes : tuple of CriticalPlane
+        One for each label.
+    """
+
+    labels: tuple[str, ...]
+    criterion: PlaneCriterion | DangVan
+    planes: tuple[CriticalPlane, ...]
+
+    @property
+    def values(self) -> Array:
+        """Values of the criterion, Pa (strain for Fatemi-Socie)."""
+        return np.array([plane.value for plane in self.planes])
+
+    @property
+    def safety(self) -> Array:
+        """Factor on the load that Dang Van's criterion still allows.
+
+        Raises
+        ------
+        InputError
+            The criterion has no limit of its own; use `plane_damage` with an S-N curve.
+        """
+        if not isinstance(self.criterion, DangVan):
+            raise InputError(
+                Problem(
+                    type(self.criterion).__name__,
+                    "has no limit of its own; compare its equivalent amplitude with an S-N curve, "
+                    "or use plane_damage",
+                )
+            )
+        with np.errstate(divide="ignore"):
+            return np.where(self.values > 0.0, self.criterion.b / self.values, np.inf)
+
+    def table(self, rows: int = 10) -> str:
+        """Return the worst places as a table."""
+        strain = isinstance(self.criterion, FatemiSocie)
+        unit, factor = ("um/m", 1e6) if strain else ("MPa", 1e-6)
+        head = [
+            f"{self.criterion}",
+            f"{'site':>12} {'value':>9} {'shear':>9} {'normal':>9}  plane",
+            f"{'':>12} {unit:>9} {'MPa':>9} {'MPa':>9}",
+        ]
+        order = np.argsort(-self.values, kind="stable")[:rows]
+        lines = []
+        for i in order:
+            p = self.planes[i]
+            normal = "" if np.isnan(p.normal[0]) else " ".join(f"{x:6.3f}" for x in p.normal)
+            lines.append(
+                f"{self.labels[i]:>12} {factor * p.value:9.2f} {1e-6 * p.shear:9.2f} "
+                f"{1e-6 * p.normal_stress:9.2f}  {normal}"
+            )
+        return "\n".join(head + lines)
+
+    def __str__(self) -> str:
+        return self.table()
+
+
+def multiaxial(
+    stress: Any, criterion: PlaneCriterion | DangVan, *, sites: Sequence[str] | str | None = None
+) -> Multiaxial:
+    """Evaluate a multiaxial criterion at several places of a stress field.
+
+    Parameters
+    ----------
+    stress : StressField or (ns, nt, 6) array_like
+        From `stress_field`, or histories of several places, Pa.
+    criterion : Findley, FatemiSocie, NormalStress or DangVan
+    sites : sequence of str, optional
+        Labels of the places; None takes all of them, which is slow for thousands: about 20 ms each.
+
+    Raises
+    ------
+    InputError
+        Unknown sites, or histories that are empty or not finite.
+    """
+    labels, histories = _places(stress, sites)
+    planes = tuple(critical_plane(next_, criterion) for next_ in histories)
+    return Multiaxial(labels, criterion, planes)
+
+
+def _places(stress: Any, sites: Sequence[str] | str | None) -> tuple[tuple[str, ...], Any]:
+    """Return labels and an iterator over histories (nt, 6)."""
+    if hasattr(stress, "history"):
+        labels = (
+            tuple(stress.labels)
+            if sites is None
+            else (sites,)
+            if isinstance(sites, str)
+            else tuple(sites)
+        )
+        return labels, (np.asarray(stress.history(label)) for label in labels)
+    s = np.asarray(stress, dtype=np.float64)
+    if s.ndim == 2:
+        s = s[None]
+    problems = Problems()
+    if s.ndim != 3 or s.shape[2] != 6:
+        problems.add(
+            "multiaxial",
+            f"stress has shape {s.shape}, must be (places, instants, 6) or (instants, 6)",
+        )
+    problems.raise_if_any()
+    return tuple(str(i) for i in range(len(s))), iter(s)
+
+
+@dataclass(frozen=True, eq=False)
+class PlaneDamage:
+    """Damage on the worst plane of every place.
+
+    Attributes
+    ----------
+    labels : tuple of str
+    damage : (ns,) array
+        Miner's sum of one pass of the history.
+    normal : (ns, 3) array
+        Plane of the largest damage.
+    criterion : object
+    residue : str
+        How the residue was counted.
+    """
+
+    labels: tuple[str, ...]
+    damage: Array
+    normal: Array
+    criterion: PlaneCriterion
+    residue: str
+    curve: str = field(default="")
+
+    @property
+    def life(self) -> Array:
+        """Passes of the history to failure."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(1.0 / self.damage)
+
+    def table(self, rows: int = 10) -> str:
+        """Return the most damaged places as a table."""
+        lines = [
+            f"{self.criterion}, residue '{self.residue}', {self.curve}",
+            f"{'site':>12} {'damage':>11} {'life':>11}  plane",
+        ]
+        for i in np.argsort(-self.damage, kind="stable")[:rows]:
+            normal = " ".join(f"{x:6.3f}" for x in self.normal[i])
+            lines.append(
+                f"{self.labels[i]:>12} {self.damage[i]:11.4g} {self.life[i]:11.4g}  {normal}"
+            )
+        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        return self.table()
+
+
+def plane_damage(
+    stress: Any,
+    criterion: PlaneCriterion,
+    curve: Any,
+    *,
+    residue: Residue,
+    mean: Any = None,
+    sites: Sequence[str] | str | None = None,
+    step: float = 10.0,
+) -> PlaneDamage:
+    """Count cycles plane by plane and return the damage of the worst plane of each place.
+
+    On every plane the shear stress is resolved in directions `step` apart and counted by rainflow;
+    each cycle takes the largest normal stress while it lasts. `NormalStress` counts the normal
+    stress of each plane.
+
+    Parameters
+    ----------
+    stress : StressField or (ns, nt, 6) array_like
+        Pa.
+    criterion : Findley, FatemiSocie or NormalStress
+    curve : SN or StrainLife
+        S-N curve of alternating tension for `Findley` and `NormalStress`, strain-life curve for
+        `FatemiSocie`.
+    residue : {"half", "repeat", "ignore"}
+        What is counted of cycles that do not close; there is no default, see `local_cycles`.
+    mean : mean stress correction, optional
+        For `NormalStress` only.
+    sites : sequence of str, optional
+        Labels of the places; None takes all.
+    step : float
+        Degrees between planes, and between directions in a plane.
+
+    Raises
+    ------
+    InputError
+        Unknown residue, a curve that does not belong to the criterion, or a bad history.
+    """
+    problems = Problems()
+    if residue not in RESIDUES:
+        problems.add(
+            "plane damage", f"residue is {residue!r}, must be one of {', '.join(RESIDUES)}"
+        )
+    strain = isinstance(criterion, FatemiSocie)
+    if strain != isinstance(curve, StrainLife):
+        wanted = "a StrainLife" if strain else "an S-N curve"
+        problems.add(
+            "plane damage",
+            f"{type(criterion).__name__} needs {wanted}, not {type(curve).__name__}",
+        )
+    if isinstance(criterion, DangVan):
+        problems.add("plane damage", "Dang Van's criterion is a limit; it counts no damage")
+    if mean is not None and not isinstance(criterion, NormalStress):
+        problems.add(
+            "plane damage",
+            f"mean= is for NormalStress; {type(criterion).__name__} heeds the mean stress itself",
+        )
+    problems.number("plane damage", "step", step, "deg", "in [1, 45]", lambda d: 1.0 <= d <= 45.0)
+    problems.raise_if_any()
+
+    labels, histories = _places(stress, sites)
+    n = normals(math.radians(step))
+    angles = np.radians(np.arange(0.0, 180.0, step))
+    turns = np.stack([np.cos(angles), np.sin(angles)])
+    damage, worst = [], []
+    for raw in histories:
+        s = _history(raw)
+        if residue == "repeat":
+            s = np.concatenate([s, s])
+        best, where = 0.0, n[0]
+        # the worst planes first; others cannot exceed their largest amplitude in every cycle
+        top = np.concatenate([_values(s, part, criterion)[0] for part in _split(n, len(s))])
+        single = _single(top, criterion, curve)
+        for at in np.argsort(-top, kind="stable"):
+            sn, t = (x[0] for x in on_planes(s, n[at : at + 1]))
+            series = sn[None] if isinstance(criterion, NormalStress) else (t @ turns).T
+            steps = np.sign(np.diff(series, axis=1))
+            most = 1.0 + 0.5 * np.count_nonzero(np.diff(steps, axis=1), axis=1)
+            for x, many in zip(series, most, strict=True):
+                if mean is None and many * single[at] <= best:
+                    continue
+                if np.ptp(x) > 0.0:
+                    found = _count(x, sn, criterion, curve, residue, mean)
+                    if found > best:
+                        best, where = found, n[at]
+        damage.append(best)
+        worst.append(where)
+    name = getattr(curve, "name", "") or type(curve).__name__
+    return PlaneDamage(labels, np.array(damage), np.array(worst), criterion, residue, name)
+
+
+def _single(value: Array, criterion: PlaneCriterion, curve: Any) -> Array:
+    """Damage of one cycle of each value of the criterion."""
+    if isinstance(criterion, FatemiSocie):
+        return np.asarray(1.0 / criterion.cycles(value, curve))
+    equivalent = criterion.equivalent(value)  # type: ignore[attr-defined]
+    return np.array([float(curve.damage(np.array([x]), np.ones(1))) for x in equivalent])
+
+
+def _count(
+    x: Array, sn: Array, criterion: PlaneCriterion, curve: Any, residue: str, mean: Any
+) -> float:
+    """Damage of one component on one plane."""
+    if residue == "repeat":
+        # from the largest value round to it again
+        turn = int(np.argmax(np.abs(x[: len(x) // 2])))
+        window = slice(turn, turn + len(x) // 2 + 1)
+        x, sn = x[window], sn[window]
+    index = turning_points(x)
+    i, j, count = pairs(x[index], residue)
+    if not len(i):
+        return 0.0
+    amplitude = 0.5 * np.abs(x[index[i]] - x[index[j]])
+    if isinstance(criterion, NormalStress):
+        middle = 0.5 * (x[index[i]] + x[index[j]])
+        if mean is not None:
+            amplitude = np.asarray(mean.equivalent(amplitude, middle))
+        return float(np.sum(curve.damage(amplitude, count)))
+    edges = np.stack([index[i], index[j] + 1], axis=1).ravel()
+    padded = np.append(sn, -np.inf)
+    top = np.maximum.reduceat(padded, edges)[::2]
+    value = criterion.value(amplitude, top)
+    if isinstance(criterion, FatemiSocie):
+        return float(np.sum(count / criterion.cycles(value, curve)))
+    assert isinstance(criterion, Findley)
+    return float(np.sum(curve.damage(criterion.equivalent(value), count)))
