@@ -442,6 +442,12 @@ from .recovery.fatigue.random_response import (
 from .recovery.fatigue.random_response import (
     random_response as random_response,
 )
+from .recovery.fatigue.rolling import (
+    RollingLife as RollingLife,
+)
+from .recovery.fatigue.rolling import (
+    rolling_life as rolling_life,
+)
 from .recovery.fatigue.spectral import (
     SpectralDamage as SpectralDamage,
 )

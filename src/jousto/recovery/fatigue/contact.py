@@ -324,38 +324,60 @@ def _point_stress(x: Array, z: Array, c: HertzContact, mu: float) -> Array:
                 f"axis, {short:g} m; the stress is integrated numerically and needs more depth",
             )
         )
+    flat, X, Z = out.reshape(-1, 6), x.ravel(), z.ravel()
+    for depth in np.unique(Z):
+        rows = np.flatnonzero(Z == depth)
+        points = _ellipse_rule(c, float(depth))
+        # some places at a time, so that the distances fit into the cache
+        step = max(1, 40_000 // len(points[0]))
+        for i in range(0, len(rows), step):
+            chosen = rows[i : i + step]
+            flat[chosen] = _superpose(X[chosen, None], float(depth), points, c.nu, mu)
+    out /= 2.0 * math.pi
+    return out
+
+
+def _ellipse_rule(c: HertzContact, z: float) -> tuple[Array, Array, Array]:
+    """Return points (x, y) of half the ellipse, y > 0, and twice the forces on them."""
+    fine = int(np.clip(8.0 * max(c.a, c.b) / z, 24, 400))
     # p = p0 cos(f) at the radius sin(f) of the ellipse: a smooth integrand
-    fine = int(np.clip(16.0 * max(c.a, c.b) / z.min(), 32, 400))
     u, weight = np.polynomial.legendre.leggauss(fine)
     f = 0.25 * math.pi * (u + 1.0)
     load = 0.25 * math.pi * weight * c.p0 * np.cos(f) ** 2 * np.sin(f) * c.a * c.b
-    theta = (np.arange(2 * fine) + 0.5) * math.pi / (2 * fine)  # half the ellipse, y > 0
+    theta = (np.arange(2 * fine) + 0.5) * math.pi / (2 * fine)
     S = (c.a * np.sin(f)[:, None] * np.cos(theta)).ravel()
     T = (c.b * np.sin(f)[:, None] * np.sin(theta)).ravel()
-    P = np.repeat(load * math.pi / (2 * fine) * 2.0, 2 * fine)
-    flat = out.reshape(-1, 6)
-    g = 1.0 - 2.0 * c.nu
-    for row, X, Z in zip(flat, x.ravel(), z.ravel(), strict=True):
-        d = X - S
-        y2 = T * T
-        rho2 = d * d + y2 + Z * Z
-        rho = np.sqrt(rho2)
-        h = rho + Z
-        r3, r5 = rho2 * rho, rho2 * rho2 * rho
-        even = (2.0 * rho + Z) / (r3 * h * h)
-        rest = Z / r3 - 1.0 / (rho * h)
-        row[0] = P @ (g * (d * d * even + rest) - 3.0 * Z * d * d / r5)
-        row[1] = P @ (g * (y2 * even + rest) - 3.0 * Z * y2 / r5)
-        row[2] = -3.0 * Z**3 * (P @ (1.0 / r5))
-        row[5] = -3.0 * Z * Z * (P @ (d / r5))
-        if mu:
-            Q = mu * P * d
-            odd = 1.0 / (r3 * h * h) + 2.0 / (rho2 * h**3)
-            row[0] += Q @ (g * (1.0 / r3 - 3.0 / (rho * h * h) + d * d * odd) - 3.0 * d * d / r5)
-            row[1] += Q @ (g * (1.0 / r3 - 1.0 / (rho * h * h) + y2 * odd) - 3.0 * y2 / r5)
-            row[2] += -3.0 * Z * Z * np.sum(Q / r5)
-            row[5] += -3.0 * Z * (Q @ (d / r5))
-    out /= 2.0 * math.pi
+    return S, T, np.repeat(load * math.pi / fine, 2 * fine)
+
+
+def _superpose(
+    x: Array, z: float, points: tuple[Array, Array, Array], nu: float, mu: float
+) -> Array:
+    """Stress (k, 6) at places x (k, 1) of the depth z, times 2 pi."""
+    S, T, P = points
+    g = 1.0 - 2.0 * nu
+    d, y2 = x - S, T * T
+    d2 = d * d
+    rho2 = d2 + (y2 + z * z)
+    rho = np.sqrt(rho2)
+    h2 = (rho + z) ** 2
+    r3 = rho2 * rho
+    r5 = r3 * rho2
+    even = g * (2.0 * rho + z) / (r3 * h2) - 3.0 * z / r5
+    rest = g * (z / r3 - 1.0 / (rho * (rho + z)))
+    out = np.zeros((len(x), 6))
+    out[:, 0] = (d2 * even + rest) @ P
+    out[:, 1] = (y2 * even + rest) @ P
+    out[:, 2] = -3.0 * z**3 * ((1.0 / r5) @ P)
+    out[:, 5] = -3.0 * z * z * ((d / r5) @ P)
+    if mu:
+        odd = g * (1.0 / (r3 * h2) + 2.0 / (rho2 * h2 * (rho + z))) - 3.0 / r5
+        flat = g / (rho * h2)
+        q = g / r3
+        out[:, 0] += mu * ((d * (q - 3.0 * flat + d2 * odd)) @ P)
+        out[:, 1] += mu * ((d * (q - flat + y2 * odd)) @ P)
+        out[:, 2] += -3.0 * z * z * mu * ((d / r5) @ P)
+        out[:, 5] += -3.0 * z * mu * ((d2 / r5) @ P)
     return out
 
 

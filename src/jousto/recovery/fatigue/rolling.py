@@ -1,0 +1,143 @@
+"""Life of the material below a rolling contact, under forces that differ from pass to pass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.errors import Problems
+from jousto.recovery.fatigue.contact import HertzContact, rolling_contact
+from jousto.recovery.fatigue.planes import DangVan, Findley, critical_plane
+
+Array = NDArray[np.float64]
+UNIT_DEPTHS = np.concatenate([np.linspace(0.08, 1.2, 15), np.linspace(1.4, 4.0, 6)])
+
+
+@dataclass(frozen=True, eq=False)
+class RollingLife:
+    """Damage below a rolling contact.
+
+    Attributes
+    ----------
+    depth : (nd,) array
+        m.
+    damage : (nd,) array
+        Miner's sum of all the passes; zero where Dang Van's limit alone was asked for.
+    utilisation : (nd,) array
+        Largest value of the criterion over the passes, over its limit: Dang Van's b, or the S-N
+        curve's amplitude at its knee for Findley.
+    passes : float
+        How many passes the forces describe.
+    """
+
+    depth: Array
+    damage: Array
+    utilisation: Array
+    passes: float
+
+    @property
+    def worst(self) -> float:
+        """Depth of the largest damage (of the largest utilisation if there is none), m."""
+        by = self.damage if self.damage.max() > 0.0 else self.utilisation
+        return float(self.depth[int(np.argmax(by))])
+
+    @property
+    def life(self) -> float:
+        """Passes until the first crack; inf if nothing does damage."""
+        top = float(self.damage.max())
+        return np.inf if top == 0.0 else self.passes / top
+
+    @property
+    def safety(self) -> float:
+        """Factor on the stress that the limit still allows."""
+        return float(1.0 / self.utilisation.max())
+
+    def __str__(self) -> str:
+        return (
+            f"rolling contact: {self.passes:g} passes, worst {1e3 * self.worst:.3g} mm deep, "
+            f"damage {self.damage.max():.4g}, life {self.life:.4g} passes, "
+            f"stress at {100 * self.utilisation.max():.3g} % of the limit"
+        )
+
+
+def rolling_life(
+    contact: HertzContact,
+    forces: ArrayLike,
+    criterion: Findley | DangVan,
+    curve: Any = None,
+    *,
+    counts: ArrayLike | None = None,
+    friction: float = 0.0,
+    depths: ArrayLike | None = None,
+) -> RollingLife:
+    """Return damage and life of the material that a contact rolls over again and again.
+
+    Every pass is one cycle. Contacts of one pair of bodies are similar: with the force F the
+    pressure and the size grow like ``F^(1/2)`` (line) or ``F^(1/3)`` (point), so that the criterion
+    is worked out once for relative depths and then scaled to every force.
+
+    Parameters
+    ----------
+    contact : HertzContact
+        Of any force.
+    forces : (k,) array_like
+        Normal force of each pass, N; or of classes of passes with `counts`.
+    criterion : Findley or DangVan
+    curve : SN, optional
+        S-N curve of alternating tension, for Findley.
+    counts : (k,) array_like, optional
+        How many passes have each force; 1 if not given.
+    friction : float
+        Tangential over normal traction.
+    depths : (nd,) array_like, optional
+        m; None takes 21 depths that suit the largest force.
+
+    Raises
+    ------
+    InputError
+        Forces that are not positive, counts that do not fit, or a missing S-N curve.
+    """
+    problems = Problems()
+    F = problems.array("rolling life", "forces", forces, (None,))
+    n = None if F is None else len(F)
+    c = problems.array(
+        "rolling life", "counts", np.ones(n or 0) if counts is None else counts, (n,)
+    )
+    if F is not None and (not len(F) or F.min() < 0.0 or F.max() <= 0.0):
+        problems.add("rolling life", "forces must be positive, and at least one")
+    if c is not None and len(c) and c.min() < 0.0:
+        problems.add("rolling life", "counts must not be negative")
+    if isinstance(criterion, Findley) and curve is None:
+        problems.add("rolling life", "Findley needs an S-N curve, which holds the limit")
+    problems.raise_if_any()
+    assert F is not None and c is not None
+
+    # one contact of unit pressure and size
+    size = contact.a if contact.kind == "line" else min(contact.a, contact.b)
+    unit = replace(contact, p0=1.0, a=contact.a / size, b=contact.b / size)
+    roll = rolling_contact(unit, UNIT_DEPTHS, friction=friction, samples=101)
+    value = np.array([critical_plane(s, criterion).value for s in roll.stress])
+    if isinstance(criterion, Findley):
+        value = criterion.equivalent(value)
+        limit = float(np.ravel(curve.S_D)[0])
+    else:
+        limit = criterion.b
+
+    power = 0.5 if contact.kind == "line" else 1.0 / 3.0
+    scale = (F / contact.force) ** power
+    z = size * scale.max() * UNIT_DEPTHS if depths is None else np.atleast_1d(np.asarray(depths))
+    used = scale > 0.0
+    with np.errstate(divide="ignore"):
+        relative = np.asarray(z)[:, None] / (size * scale[None, used])
+    # nearer to the surface than the first depth as there; farther than the last it fades as 1/z
+    each = np.interp(relative, UNIT_DEPTHS, value)
+    far = relative > UNIT_DEPTHS[-1]
+    each = np.where(far, value[-1] * UNIT_DEPTHS[-1] / np.maximum(relative, 1e-300), each)
+    stress = each * contact.p0 * scale[None, used]
+    damage = np.zeros(len(z))
+    if isinstance(criterion, Findley):
+        damage = np.array([float(curve.damage(row, c[used])) for row in stress])
+    return RollingLife(np.asarray(z), damage, stress.max(axis=1) / limit, float(c.sum()))
