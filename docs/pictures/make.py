@@ -43,6 +43,7 @@ WIDTHS = {  # pixels
     "robot.png": 1200,
     "robot_still.png": 700,
     "carriage.png": 1100,
+    "rail_wheel.png": 800,
     "moving_load.png": 700,
     "split_still.png": 900,
     "split.png": 900,

@@ -467,6 +467,9 @@ from .recovery.fatigue.strain_life import (
     LocalPath as LocalPath,
 )
 from .recovery.fatigue.strain_life import (
+    StrainDamage as StrainDamage,
+)
+from .recovery.fatigue.strain_life import (
     glinka as glinka,
 )
 from .recovery.fatigue.strain_life import (
@@ -477,6 +480,9 @@ from .recovery.fatigue.strain_life import (
 )
 from .recovery.fatigue.strain_life import (
     neuber as neuber,
+)
+from .recovery.fatigue.strain_life import (
+    strain_damage as strain_damage,
 )
 from .reduction import (
     Advice as Advice,

@@ -210,3 +210,23 @@ def test_mistakes_are_told_at_once() -> None:
         m.cycles(2.0)
     with pytest.raises(jo.InputError, match="other units"):
         jo.StrainLife.uniform(500e6, 206e6)
+
+
+def test_places_of_a_field() -> None:
+    part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.01), 4, jo.Material(E=202e9, nu=0.3, rho=7850.0))
+    reduced = jo.reduce(part, jo.CraigBampton(interfaces=("start",), modes=2))
+    assert reduced.stress is not None
+    x = np.array([0.0, 1.0, -0.5, 0.8, -1.0, 0.0])
+    top = np.abs(reduced.stress.modes[:, 0, 0]).max()
+    p = np.zeros((6, reduced.n))
+    p[:, 0] = 600e6 / top * x  # 600 MPa at the worst place
+    field = jo.field_from(reduced.stress, p, np.arange(6.0))
+    m = jo.strain_life("sae-1045")
+    found = jo.strain_damage(field, m, criterion="s11", residue="repeat")
+    assert found.damage.max() == jo.local_cycles(600e6 * x, m, residue="repeat").damage
+    label = found.labels[int(np.argmax(found.damage))]
+    one = jo.strain_damage(field, m, residue="repeat", sites=[label])
+    assert one.labels == (label,) and one.life[0] == pytest.approx(found.life.min(), rel=1e-6)
+    assert label in str(one)
+    with pytest.raises(jo.InputError, match="no sign"):
+        jo.strain_damage(field, m, criterion="von-mises", residue="half")

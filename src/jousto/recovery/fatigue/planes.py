@@ -409,10 +409,11 @@ class Multiaxial:
         """Return the worst places as a table."""
         strain = isinstance(self.criterion, FatemiSocie)
         unit, factor = ("um/m", 1e6) if strain else ("MPa", 1e-6)
+        width = max(12, *(len(label) for label in self.labels))
         head = [
             f"{self.criterion}",
-            f"{'site':>12} {'value':>9} {'shear':>9} {'normal':>9}  plane",
-            f"{'':>12} {unit:>9} {'MPa':>9} {'MPa':>9}",
+            f"{'site':>{width}} {'value':>9} {'shear':>9} {'normal':>9}  plane",
+            f"{'':>{width}} {unit:>9} {'MPa':>9} {'MPa':>9}",
         ]
         order = np.argsort(-self.values, kind="stable")[:rows]
         lines = []
@@ -420,7 +421,7 @@ class Multiaxial:
             p = self.planes[i]
             normal = "" if np.isnan(p.normal[0]) else " ".join(f"{x:6.3f}" for x in p.normal)
             lines.append(
-                f"{self.labels[i]:>12} {factor * p.value:9.2f} {1e-6 * p.shear:9.2f} "
+                f"{self.labels[i]:>{width}} {factor * p.value:9.2f} {1e-6 * p.shear:9.2f} "
                 f"{1e-6 * p.normal_stress:9.2f}  {normal}"
             )
         return "\n".join(head + lines)
@@ -507,14 +508,15 @@ class PlaneDamage:
 
     def table(self, rows: int = 10) -> str:
         """Return the most damaged places as a table."""
+        width = max(12, *(len(label) for label in self.labels))
         lines = [
             f"{self.criterion}, residue '{self.residue}', {self.curve}",
-            f"{'site':>12} {'damage':>11} {'life':>11}  plane",
+            f"{'site':>{width}} {'damage':>11} {'life':>11}  plane",
         ]
         for i in np.argsort(-self.damage, kind="stable")[:rows]:
             normal = " ".join(f"{x:6.3f}" for x in self.normal[i])
             lines.append(
-                f"{self.labels[i]:>12} {self.damage[i]:11.4g} {self.life[i]:11.4g}  {normal}"
+                f"{self.labels[i]:>{width}} {self.damage[i]:11.4g} {self.life[i]:11.4g}  {normal}"
             )
         return "\n".join(lines)
 
@@ -609,7 +611,7 @@ def plane_damage(
                         best, where = found, n[at]
         damage.append(best)
         worst.append(where)
-    name = getattr(curve, "name", "") or type(curve).__name__
+    name = getattr(curve, "name", "") or str(curve)
     return PlaneDamage(labels, np.array(damage), np.array(worst), criterion, residue, name)
 
 

@@ -212,16 +212,17 @@ class SpectralLife:
 
     def table(self, rows: int = 10) -> str:
         """Return the most damaged places as a table."""
+        width = max(12, *(len(label) for label in self.labels))
         lines = [
             f"{self.rows[0].method if self.rows else ''} of {self.criterion}, {self.curve}",
-            f"{'site':>12} {'rms':>9} {'cross.':>9} {'peaks':>9} {'irreg.':>7} {'damage':>11} "
+            f"{'site':>{width}} {'rms':>9} {'cross.':>9} {'peaks':>9} {'irreg.':>7} {'damage':>11} "
             f"{'life':>11}",
-            f"{'':>12} {'MPa':>9} {'1/s':>9} {'1/s':>9} {'':>7} {'1/s':>11} {'h':>11}",
+            f"{'':>{width}} {'MPa':>9} {'1/s':>9} {'1/s':>9} {'':>7} {'1/s':>11} {'h':>11}",
         ]
         for i in np.argsort(-self.damage, kind="stable")[:rows]:
             r = self.rows[i]
             lines.append(
-                f"{self.labels[i]:>12} {1e-6 * r.rms:9.3f} {r.crossings:9.2f} {r.peaks:9.2f} "
+                f"{self.labels[i]:>{width}} {1e-6 * r.rms:9.3f} {r.crossings:9.2f} {r.peaks:9.2f} "
                 f"{r.irregularity:7.3f} {r.damage:11.4g} {r.life / 3600:11.4g}"
             )
         return "\n".join(lines)

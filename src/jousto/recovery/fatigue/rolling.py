@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -63,6 +64,15 @@ class RollingLife:
         )
 
 
+@lru_cache(maxsize=16)
+def _relative(
+    unit: HertzContact, friction: float, criterion: Findley | DangVan
+) -> tuple[float, ...]:
+    """Return the criterion at the relative depths of a contact of unit size and pressure."""
+    roll = rolling_contact(unit, UNIT_DEPTHS, friction=friction, samples=101)
+    return tuple(critical_plane(s, criterion).value for s in roll.stress)
+
+
 def rolling_life(
     contact: HertzContact,
     forces: ArrayLike,
@@ -117,9 +127,10 @@ def rolling_life(
 
     # one contact of unit pressure and size
     size = contact.a if contact.kind == "line" else min(contact.a, contact.b)
-    unit = replace(contact, p0=1.0, a=contact.a / size, b=contact.b / size)
-    roll = rolling_contact(unit, UNIT_DEPTHS, friction=friction, samples=101)
-    value = np.array([critical_plane(s, criterion).value for s in roll.stress])
+    along = round(contact.a / size, 9)
+    across = round(contact.b / size, 9) if contact.kind == "point" else 1.0
+    unit = replace(contact, p0=1.0, a=along, b=across, force=1.0, approach=0.0)
+    value = np.array(_relative(unit, friction, criterion))
     if isinstance(criterion, Findley):
         value = criterion.equivalent(value)
         limit = float(np.ravel(curve.S_D)[0])

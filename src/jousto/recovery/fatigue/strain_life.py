@@ -8,8 +8,9 @@ goes on along the curve it left (material memory), so that every loop gets its o
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -303,6 +304,105 @@ def local_cycles(
         form=form,
         material=material.name,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class StrainDamage:
+    """Strain life at several places of a body.
+
+    Attributes
+    ----------
+    labels : tuple of str
+    loops : tuple of LocalCycles
+        One for each label.
+    criterion : str
+        The elastic stress that was followed.
+    """
+
+    labels: tuple[str, ...]
+    loops: tuple[LocalCycles, ...]
+    criterion: str
+
+    @property
+    def damage(self) -> Array:
+        """Miner's sums of one pass of the history, (ns,)."""
+        return np.array([loops.damage for loops in self.loops])
+
+    @property
+    def life(self) -> Array:
+        """Passes of the history to the first crack, (ns,)."""
+        return np.array([loops.life for loops in self.loops])
+
+    def table(self, rows: int = 10) -> str:
+        """Return the most damaged places as a table."""
+        first = self.loops[0]
+        width = max(12, *(len(label) for label in self.labels))
+        lines = [
+            f"strain life of {first.material or 'a material'} from {self.criterion}: {first.rule}, "
+            f"{first.form}, residue '{first.residue}'",
+            f"{'site':>{width}} {'damage':>11} {'life':>11} {'strain':>10} {'mean':>9}",
+            f"{'':>{width}} {'':>11} {'passes':>11} {'um/m':>10} {'MPa':>9}",
+        ]
+        for i in np.argsort(-self.damage, kind="stable")[:rows]:
+            loops = self.loops[i]
+            top = int(np.argmax(loops.strain)) if len(loops.strain) else -1
+            strain, mean = (loops.strain[top], loops.mean[top]) if top >= 0 else (0.0, 0.0)
+            lines.append(
+                f"{self.labels[i]:>{width}} {loops.damage:11.4g} {loops.life:11.4g} "
+                f"{1e6 * strain:10.1f} {1e-6 * mean:9.2f}"
+            )
+        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        return self.table()
+
+
+def strain_damage(
+    field: Any,
+    material: StrainLife,
+    *,
+    residue: Residue,
+    criterion: str = "signed-von-mises",
+    rule: Rule = "neuber",
+    form: Form = "swt",
+    sites: Sequence[str] | str | None = None,
+) -> StrainDamage:
+    """Count the hysteresis loops at several places of a stress field.
+
+    Parameters
+    ----------
+    field : StressField
+        From `stress_field` or `field_from`: linear elastic stress.
+    material : StrainLife
+    residue : {"half", "repeat", "ignore"}
+        As for `local_cycles`; there is no default.
+    criterion : str
+        The stress that is followed, with its sign: "signed-von-mises", "signed-principal" or a
+        component.
+    rule, form : str
+        As for `local_cycles`.
+    sites : sequence of str, optional
+        Labels of the places; None takes all: choose the hot spots first.
+
+    Raises
+    ------
+    InputError
+        Unknown sites or options, or a criterion that has lost the sign of the stress.
+    """
+    if criterion in ("von-mises", "max-shear"):
+        raise InputError(
+            Problem(
+                "strain life",
+                f"criterion '{criterion}' has no sign, so that loops would be half as large; take "
+                "'signed-von-mises', 'signed-principal' or a component",
+            )
+        )
+    few = field if sites is None else field.only(sites)
+    values = np.asarray(few.values(criterion))
+    loops = tuple(
+        local_cycles(column, material, residue=residue, rule=rule, form=form) for column in values.T
+    )
+    return StrainDamage(tuple(few.labels), loops, criterion)
 
 
 def pairs(S: Array, residue: str) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:

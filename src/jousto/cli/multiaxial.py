@@ -1,0 +1,203 @@
+"""Commands of fatigue beyond one stress: multiaxial, strain-life, hertz."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from jousto.cli.options import Debug, Result, amount, app
+from jousto.cli.terminal import command, say
+from jousto.errors import InputError, Problem, Problems, suggest
+
+if TYPE_CHECKING:
+    from jousto.recovery.fields import StressField
+
+Body = Annotated[str | None, typer.Argument(metavar="[BODY]", help="Body; the only one if none.")]
+Sites = Annotated[
+    list[str] | None,
+    typer.Option("--site", metavar="SITE", help="Places; else those of the largest stress."),
+]
+Count = Annotated[int, typer.Option("--count", metavar="N", help="How many of those places.")]
+ResidueOption = Annotated[
+    str | None,
+    typer.Option("--residue", metavar="half|repeat|ignore", help="Cycles that stay open."),
+]
+
+
+@app.command()
+@command
+def multiaxial(
+    result: Result,
+    body: Body = None,
+    criterion: Annotated[
+        str,
+        typer.Option(
+            "--criterion",
+            metavar="NAME",
+            help="'findley 0.3', 'dang-van 0.36 155MPa' or normal-stress.",
+        ),
+    ] = "findley 0.3",
+    sn: Annotated[
+        str | None,
+        typer.Option("--sn", metavar="NAME", help="S-N curve for damage, such as S355 or fat71."),
+    ] = None,
+    residue: ResidueOption = None,
+    sites: Sites = None,
+    count: Count = 5,
+    debug: Debug = False,
+) -> None:
+    """Find the critical planes of the worst places; with --sn the damage of each plane."""
+    from jousto.recovery.fatigue.planes import DangVan, multiaxial, plane_damage
+
+    rule = _criterion(criterion)
+    field = _field(result, body, sites, count)
+    if sn is None:
+        found = multiaxial(field, rule)
+        say(str(found))
+        if isinstance(rule, DangVan):
+            say(f"least safety {found.safety.min():.4g}")
+        return
+    from jousto.parts import sn_curve
+
+    say(str(plane_damage(field, rule, sn_curve(sn), residue=_residue(residue))))
+
+
+@app.command("strain-life")
+@command
+def strain_life_command(
+    result: Result,
+    body: Body = None,
+    material: Annotated[
+        str, typer.Option("--material", metavar="NAME", help="Such as sae-1045 or rqc-100.")
+    ] = "",
+    residue: ResidueOption = None,
+    criterion: Annotated[
+        str, typer.Option("--criterion", metavar="NAME", help="Stress that is followed.")
+    ] = "signed-von-mises",
+    rule: Annotated[
+        str, typer.Option("--rule", metavar="neuber|glinka|elastic", help="Notch rule.")
+    ] = "neuber",
+    form: Annotated[
+        str, typer.Option("--form", metavar="swt|morrow|coffin-manson", help="Mean stress.")
+    ] = "swt",
+    sites: Sites = None,
+    count: Count = 5,
+    debug: Debug = False,
+) -> None:
+    """Follow local stress and strain in the worst places and count their hysteresis loops."""
+    from jousto.parts.strain_life import strain_life, strain_lives
+    from jousto.recovery.fatigue.strain_life import strain_damage
+
+    if not material:
+        raise InputError(Problem("--material", f"is missing; known: {', '.join(strain_lives())}"))
+    curve = strain_life(material)
+    options: Any = {"residue": _residue(residue), "rule": rule, "form": form}
+    field = _field(result, body, sites, count)
+    say(str(strain_damage(field, curve, criterion=criterion, **options)))
+
+
+@app.command()
+@command
+def hertz(
+    force: Annotated[str, typer.Option("--force", metavar="F", help="Normal force, '10 kN'.")],
+    radius: Annotated[str, typer.Option("--radius", metavar="R", help="Radius, '100 mm'.")],
+    length: Annotated[
+        str | None, typer.Option("--length", metavar="L", help="Length of a line contact.")
+    ] = None,
+    crown: Annotated[
+        str | None,
+        typer.Option("--crown", metavar="R", help="Second radius of a point contact."),
+    ] = None,
+    material: Annotated[
+        str, typer.Option("--material", metavar="NAME", help="Of both bodies.")
+    ] = "steel",
+    friction: Annotated[
+        float, typer.Option("--friction", metavar="MU", help="Tangential over normal traction.")
+    ] = 0.0,
+    debug: Debug = False,
+) -> None:
+    """Tell pressure and stress of a wheel on a flat rail, along a line or at a point."""
+    from jousto.parts import material as named
+    from jousto.recovery.fatigue.contact import hertz_line, hertz_point, shakedown_limit
+
+    problems = Problems()
+    if (length is None) == (crown is None):
+        problems.add("hertz", "give --length of a line contact or --crown of a point contact")
+    problems.raise_if_any()
+    F, R = amount(force, "N", "--force"), amount(radius, "m", "--radius")
+    both = named(material)
+    if length is not None:
+        contact = hertz_line(F, length=amount(length, "m", "--length"), radius=R, material=both)
+    else:
+        assert crown is not None
+        contact = hertz_point(F, radii=(R, amount(crown, "m", "--crown")), material=both)
+    shear, depth = contact.largest_shear()
+    say(str(contact))
+    say(f"largest shear {1e-6 * shear:.4g} MPa, {1e3 * depth:.4g} mm deep")
+    if contact.kind == "line":
+        k = contact.p0 / shakedown_limit(friction)
+        say(f"shakes down if the material yields in shear above {1e-6 * k:.4g} MPa")
+
+
+def _field(result: Path, body: str | None, sites: list[str] | None, count: int) -> StressField:
+    """Return the stress of the named places, or of those with the largest von Mises stress."""
+    import numpy as np
+
+    from jousto.recovery.fields import stress_field
+    from jousto.simulation import load
+
+    run = load(result)
+    if body is None:
+        names = [b.name for b in run.bodies if run.stress_modes(b.name) is not None]
+        if len(names) != 1:
+            which = "none has stress" if not names else f"name one of {', '.join(names)}"
+            raise InputError(Problem(str(result), f"which body? {which}"))
+        body = names[0]
+    if count < 1:
+        raise InputError(Problem("--count", f"is {count}, must be 1 or more"))
+    field = stress_field(run, body, sites=tuple(sites) if sites else None)
+    if sites:
+        return field
+    top = field.envelope("von-mises").max
+    return field.take(np.argsort(-top, kind="stable")[:count])
+
+
+def _residue(residue: str | None) -> Any:
+    if residue is None:
+        raise InputError(
+            Problem(
+                "--residue",
+                "is missing: half (ASTM), repeat (the run comes again and again) or ignore; lives "
+                "may differ tenfold",
+            )
+        )
+    return residue
+
+
+def _criterion(text: str) -> Any:
+    """Return the criterion of an option such as 'findley 0.3'."""
+    from jousto.recovery.fatigue.planes import DangVan, Findley, NormalStress
+
+    words = text.replace(",", " ").split()
+    known = ("findley", "dang-van", "normal-stress")
+    kind = words[0].lower() if words else ""
+    if kind == "normal-stress" and len(words) == 1:
+        return NormalStress()
+    if kind == "findley" and len(words) == 2:
+        return Findley(_number(words[1]))
+    if kind == "dang-van" and len(words) >= 3:
+        return DangVan(_number(words[1]), amount(" ".join(words[2:]), "Pa", "--criterion"))
+    if kind in known:
+        message = f"is {text!r}, must be such as 'findley 0.3' or 'dang-van 0.36 155 MPa'"
+    else:
+        message = f"no criterion {kind!r}{suggest(kind, known)}"
+    raise InputError(Problem("--criterion", message))
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(Problem("--criterion", f"{text!r} is not a number")) from None
