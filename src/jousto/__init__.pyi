@@ -222,7 +222,13 @@ from .output import animate as animate
 from .output import plot as plot
 from .output import plot_campbell as plot_campbell
 from .output import plot_hotspots as plot_hotspots
+from .output import (
+    plot_hysteresis as plot_hysteresis,
+)
 from .output import plot_root_locus as plot_root_locus
+from .output import (
+    plot_spectrum as plot_spectrum,
+)
 from .output import still as still
 from .output import write_certificate as write_certificate
 from .output import (

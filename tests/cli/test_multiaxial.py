@@ -54,6 +54,18 @@ def test_multiaxial(result: Path) -> None:
     assert code == 0 and "residue 'repeat'" in text and "e1.a.top_left" in text
 
 
+def test_tables_and_pictures(result: Path, tmp_path: Path) -> None:
+    table, picture = tmp_path / "a.csv", tmp_path / "a.png"
+    code, text = run("multiaxial", str(result), "--csv", str(table))
+    assert code == 0 and len(table.read_text().splitlines()) == 6 and "table in" in text
+    code, text = run(
+        *("strain-life", str(result), "--material", "man-ten", "--residue", "half"),
+        *("--csv", str(table), "-o", str(picture)),
+    )
+    assert code == 0 and "loops of e1.a" in text
+    assert "residue: half" in table.read_text() and picture.stat().st_size > 5000
+
+
 def test_strain_life(result: Path) -> None:
     code, text = run(
         *("strain-life", str(result), "--material", "sae-1045", "--residue", "half", "--count", "1")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from jousto.cli.options import Debug, Result, amount, app
+from jousto.cli.options import Debug, Output, Result, amount, app
 from jousto.cli.terminal import command, say
 from jousto.errors import InputError, Problem, Problems, suggest
 
@@ -20,6 +20,7 @@ Sites = Annotated[
     typer.Option("--site", metavar="SITE", help="Places; else those of the largest stress."),
 ]
 Count = Annotated[int, typer.Option("--count", metavar="N", help="How many of those places.")]
+Table = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write every place.")]
 ResidueOption = Annotated[
     str | None,
     typer.Option("--residue", metavar="half|repeat|ignore", help="Cycles that stay open."),
@@ -46,22 +47,33 @@ def multiaxial(
     residue: ResidueOption = None,
     sites: Sites = None,
     count: Count = 5,
+    csv: Table = None,
     debug: Debug = False,
 ) -> None:
     """Find the critical planes of the worst places; with --sn the damage of each plane."""
-    from jousto.recovery.fatigue.planes import DangVan, multiaxial, plane_damage
+    from jousto.recovery.fatigue.planes import (
+        DangVan,
+        Multiaxial,
+        PlaneDamage,
+        multiaxial,
+        plane_damage,
+    )
 
     rule = _criterion(criterion)
     field = _field(result, body, sites, count)
+    found: Multiaxial | PlaneDamage
     if sn is None:
         found = multiaxial(field, rule)
         say(str(found))
         if isinstance(rule, DangVan):
             say(f"least safety {found.safety.min():.4g}")
-        return
-    from jousto.parts import sn_curve
+    else:
+        from jousto.parts import sn_curve
 
-    say(str(plane_damage(field, rule, sn_curve(sn), residue=_residue(residue))))
+        found = plane_damage(field, rule, sn_curve(sn), residue=_residue(residue))
+        say(str(found))
+    if csv is not None:
+        say(f"table in {found.to_csv(csv)}", style="green")
 
 
 @app.command("strain-life")
@@ -84,6 +96,8 @@ def strain_life_command(
     ] = "swt",
     sites: Sites = None,
     count: Count = 5,
+    csv: Table = None,
+    output: Output = None,
     debug: Debug = False,
 ) -> None:
     """Follow local stress and strain in the worst places and count their hysteresis loops."""
@@ -95,7 +109,17 @@ def strain_life_command(
     curve = strain_life(material)
     options: Any = {"residue": _residue(residue), "rule": rule, "form": form}
     field = _field(result, body, sites, count)
-    say(str(strain_damage(field, curve, criterion=criterion, **options)))
+    found = strain_damage(field, curve, criterion=criterion, **options)
+    say(str(found))
+    if csv is not None:
+        say(f"table in {found.to_csv(csv)}", style="green")
+    if output is not None:
+        from jousto.output import plot_hysteresis
+
+        worst = found.labels[int(found.damage.argmax())]
+        series = field.only([worst]).values(criterion)[:, 0]
+        plot_hysteresis(series, curve, rule=options["rule"], path=output)
+        say(f"loops of {worst} in {output}", style="green")
 
 
 @app.command()

@@ -5,6 +5,7 @@ from jousto.output.campbell import plot_campbell, plot_root_locus
 from jousto.output.certificate import write_certificate
 from jousto.output.draw import draw
 from jousto.output.hotspots import plot_hotspots, write_hotspots
+from jousto.output.hysteresis import plot_hysteresis, plot_spectrum
 from jousto.output.mbdyn import write_fem
 from jousto.output.meshes import write_mesh
 from jousto.output.plot import plot
@@ -23,7 +24,9 @@ __all__ = [
     "plot",
     "plot_campbell",
     "plot_hotspots",
+    "plot_hysteresis",
     "plot_root_locus",
+    "plot_spectrum",
     "still",
     "write_fem",
     "write_hotspots",

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from jousto.errors import InputError, Problem, Problems
 from jousto.parts.strain_life import StrainLife
 from jousto.recovery.fatigue.enclosing import enclosing_ball, enclosing_circles
+from jousto.recovery.fatigue.rainflow import write_table
 from jousto.recovery.fatigue.strain_life import RESIDUES, Residue, pairs, turning_points
 
 Array = NDArray[np.float64]
@@ -426,6 +428,21 @@ class Multiaxial:
             )
         return "\n".join(head + lines)
 
+    def to_csv(self, path: str | Path) -> Path:
+        """Write value and plane of every place.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written.
+        """
+        head = ("site", "value", "shear (Pa)", "normal stress (Pa)", "n1", "n2", "n3", "sample")
+        rows = [
+            (label, p.value, p.shear, p.normal_stress, *p.normal.tolist(), p.index)
+            for label, p in zip(self.labels, self.planes, strict=True)
+        ]
+        return write_table(path, (*head, f"{self.criterion}"), rows)
+
     def __str__(self) -> str:
         return self.table()
 
@@ -519,6 +536,18 @@ class PlaneDamage:
                 f"{self.labels[i]:>{width}} {self.damage[i]:11.4g} {self.life[i]:11.4g}  {normal}"
             )
         return "\n".join(lines)
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write damage, life and plane of every place.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written.
+        """
+        columns = (self.damage.tolist(), self.life.tolist(), *self.normal.T.tolist())
+        head = ("site", "damage", "life (passes)", "n1", "n2", "n3", f"residue: {self.residue}")
+        return write_table(path, head, zip(self.labels, *columns, strict=True))
 
     def __str__(self) -> str:
         return self.table()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import InputError, Problem, Problems, suggest, warn
+from jousto.recovery.fatigue.rainflow import write_table
 from jousto.recovery.fatigue.spectral import (
     METHODS,
     Method,
@@ -226,6 +228,21 @@ class SpectralLife:
                 f"{r.irregularity:7.3f} {r.damage:11.4g} {r.life / 3600:11.4g}"
             )
         return "\n".join(lines)
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write every place.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written.
+        """
+        head = ("site", "rms (Pa)", "crossings (1/s)", "peaks (1/s)", "damage (1/s)", "life (s)")
+        rows = [
+            (label, r.rms, r.crossings, r.peaks, r.damage, r.life)
+            for label, r in zip(self.labels, self.rows, strict=True)
+        ]
+        return write_table(path, (*head, f"criterion: {self.criterion}"), rows)
 
     def __str__(self) -> str:
         return self.table()

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -236,6 +237,21 @@ class LocalCycles:
         ]
         return "\n".join(lines)
 
+    def to_csv(self, path: str | Path) -> Path:
+        """Write every loop.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written.
+        """
+        from jousto.recovery.fatigue.rainflow import write_table
+
+        head = ("strain amplitude", "stress amplitude (Pa)", "mean (Pa)", "count", "cycles")
+        columns = (self.strain, self.stress, self.mean, self.count, self.cycles)
+        rows = zip(*(column.tolist() for column in columns), strict=True)
+        return write_table(path, (*head, f"residue: {self.residue}"), rows)
+
     def __str__(self) -> str:
         return self.table()
 
@@ -352,6 +368,20 @@ class StrainDamage:
                 f"{1e6 * strain:10.1f} {1e-6 * mean:9.2f}"
             )
         return "\n".join(lines)
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write damage and life of every place.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written.
+        """
+        from jousto.recovery.fatigue.rainflow import write_table
+
+        rows = zip(self.labels, self.damage.tolist(), self.life.tolist(), strict=True)
+        residue = f"residue: {self.loops[0].residue}"
+        return write_table(path, ("site", "damage", "life (passes)", residue), rows)
 
     def __str__(self) -> str:
         return self.table()
