@@ -210,6 +210,7 @@ struct jo_data {
     int *pivot;             /* (nv + nrow) */
     int current;            /* bodies and active markers stand at the present q, v */
     int fresh;              /* a and lam belong to the present time, q, v and set 0 */
+    int again;              /* they did before the caller could change the state */
     int error_index;
     void *arena;
 };

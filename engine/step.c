@@ -43,7 +43,9 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s)
         if (k || !d->fresh || baumgarte) {
             int status = jo_evaluate(m, d, s, 0);
             if (status != JO_OK) return status;
+            if (!k && d->again && !baumgarte) d->counts[0]--;   /* counts do not tell how a run is cut into calls */
         }
+        d->again = 0;
         jo_increment_rate(m, d->rate, d->rate, d->v);
         for (int i = 0; i < m->nv; i++) {
             d->acc[i] = d->a[i];
@@ -172,6 +174,7 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
 /* the caller may have changed the state: what hangs on it is computed again */
 static void enter(jo_data *d)
 {
+    d->again = d->fresh;
     d->current = d->fresh = 0;
     d->logged = 0;
     if (JO_RE(d->time[0]) != d->left) jo_restart(d);
