@@ -489,6 +489,56 @@ from .recovery.fatigue.strain_life import (
 )
 from .recovery.fatigue.strain_life import (
     strain_damage as strain_damage,
+from .recovery.twin import (
+    Accelerometer as Accelerometer,
+)
+from .recovery.twin import (
+    Balance as Balance,
+)
+from .recovery.twin import (
+    DamageBand as DamageBand,
+)
+from .recovery.twin import (
+    Estimate as Estimate,
+)
+from .recovery.twin import (
+    Observed as Observed,
+)
+from .recovery.twin import (
+    Observer as Observer,
+)
+from .recovery.twin import (
+    Placement as Placement,
+)
+from .recovery.twin import (
+    Reconstruction as Reconstruction,
+)
+from .recovery.twin import (
+    Reference as Reference,
+)
+from .recovery.twin import (
+    UnknownLoad as UnknownLoad,
+)
+from .recovery.twin import (
+    damage_band as damage_band,
+)
+from .recovery.twin import (
+    identify_fourier as identify_fourier,
+)
+from .recovery.twin import (
+    identify_loads as identify_loads,
+)
+from .recovery.twin import (
+    identify_payload as identify_payload,
+)
+from .recovery.twin import (
+    innovation_test as innovation_test,
+)
+from .recovery.twin import (
+    place_gauges as place_gauges,
+)
+from .recovery.twin import (
+    stress_band as stress_band,
 )
 from .reduction import (
     Advice as Advice,
@@ -528,6 +578,9 @@ from .reduction import (
 )
 from .reduction import (
     certify as certify,
+)
+from .reduction import (
+    clamp as clamp,
 )
 from .reduction import (
     inertia_relief as inertia_relief,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from jousto.reduction.advice import Advice, advise
 from jousto.reduction.cache import ReductionCache
 from jousto.reduction.certificate import Certificate, Check, Silhouette, Table, certify
+from jousto.reduction.clamp import clamp
 from jousto.reduction.damping import Damping, Rayleigh, modal_damping
 from jousto.reduction.factor import SolverInfo, solvers
 from jousto.reduction.invariants import Invariants
@@ -39,6 +40,7 @@ __all__ = [
     "Table",
     "advise",
     "certify",
+    "clamp",
     "inertia_relief",
     "memory_estimate",
     "modal_damping",

@@ -63,7 +63,12 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
         largest = max(largest, float(np.abs(t.a).max()), float(np.linalg.norm(model.gravity)))
         moves = [np.abs(step[b.iv : b.iv + 3]).max() for b in model.bodies]
         turns = [np.abs(step[b.iv + 3 : b.iv + 6]).max() for b in model.bodies]
-        reach = max(max(moves) / (TRAVEL * model.size), max(turns) / TURN)
+        # a body whose frame is held bends all the same
+        bent = max(
+            np.abs(s.modes @ step[b.iv + 6 : b.iv + 6 + b.n]).max(initial=0.0)
+            for b, s in zip(model.bodies, model.shapes, strict=True)
+        )
+        reach = max(max(*moves, bent) / (TRAVEL * model.size), max(turns) / TURN)
         body = model.bodies[int(np.argmax(np.array(moves) / model.size + np.array(turns)))].name
         small = np.abs(t.a).max() <= tolerance * max(largest, 1e-300)
         if small or reach < 1e-13:
