@@ -40,6 +40,7 @@ WIDTHS = {  # pixels
     "belt_friction.png": 1100,
     "crane.png": 1200,
     "crane_still.png": 700,
+    "crane_twin.png": 1200,
     "robot.png": 1200,
     "robot_still.png": 700,
     "carriage.png": 1100,

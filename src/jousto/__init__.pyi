@@ -489,6 +489,7 @@ from .recovery.fatigue.strain_life import (
 )
 from .recovery.fatigue.strain_life import (
     strain_damage as strain_damage,
+)
 from .recovery.twin import (
     Accelerometer as Accelerometer,
 )

@@ -91,6 +91,7 @@ def damage_band(
     criterion: Criterion = "signed-von-mises",
     mean: Any = None,
     level: float = 0.95,
+    scale: float = 0.005,
     draws: int = 60,
     seed: int = 1,
 ) -> DamageBand:
@@ -98,9 +99,10 @@ def damage_band(
 
     Stress histories are drawn from their distribution (`draw`), each is counted by rainflow, and
     quantiles of the damage are taken. What the model misses is a slow error, drawn once for each
-    site. A drawn history is rougher than the truth by the noise of the estimate, so that its damage
-    is too large rather than too small; the cycles of the smoothed history alone, which is too calm,
-    shift the band so that it starts no higher than their damage.
+    site, and so is an error in proportion, which averages out nowhere: k times as much in damage
+    as in stress. A drawn history is rougher than the truth by the noise of the estimate, so that
+    its damage is too large rather than too small; the smoothed history alone is too calm: the band
+    starts no higher than its damage.
 
     Parameters
     ----------
@@ -116,6 +118,9 @@ def damage_band(
         As for `stress_band`.
     mean : mean stress correction, optional
         As of `DamageMeter`.
+    scale : float
+        Standard deviation of errors in proportion to stress: gauge factors are known to half a per
+        cent, Young's modulus of steel to one or two.
     draws, seed : int
         Number of histories, and of the random numbers.
 
@@ -126,6 +131,10 @@ def damage_band(
     """
     labels, S, missed = _pick(observed, modes, sites)
     _check(criterion, level)
+    if not 0.0 <= scale < 0.5:
+        raise InputError(
+            Problem("damage_band", f"scale is {scale!r}, must be a share such as 0.01")
+        )
     if draws < 20:
         raise InputError(Problem("damage_band", f"{draws} draws, must be 20 or more"))
     smoothed = observed if observed.smoothed else smooth(observed)
@@ -134,6 +143,7 @@ def damage_band(
     damage = np.empty((draws, len(labels)))
     for i in range(draws):
         s = np.einsum("tj,scj->tsc", histories.p[:, :, i], S, optimize=True)
+        s *= 1.0 + scale * rng.standard_normal((len(labels), 1))
         s += missed * rng.standard_normal(missed.shape)
         damage[i] = _count(evaluate(s, criterion), sn, residue, mean)
     s = np.einsum("tj,scj->tsc", smoothed.p, S, optimize=True)

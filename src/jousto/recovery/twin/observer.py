@@ -13,7 +13,7 @@ from jousto.errors import InputError, Problem, Problems, count, warn
 from jousto.recovery.twin.kalman import Channels, Gain, first_gain, next_gain
 from jousto.recovery.twin.observed import Observed, Step
 from jousto.recovery.twin.reconstruction import NOISE
-from jousto.recovery.twin.reference import STILL, InertialForce, Motion, Reference
+from jousto.recovery.twin.reference import STILL, InertialForce, Motion, Reference, cross
 from jousto.recovery.twin.signals import LARGEST, read_noise, read_strain, read_time
 from jousto.recovery.twin.system import Accelerometer, System, UnknownLoad, as_loads, as_rows
 from jousto.reduction import ReducedPart, modal_damping
@@ -55,7 +55,7 @@ class Observer:
     State ``x = [p p' a]`` with ``p'' + D p' + W2 p = Phi^T L a + f(motion of the frame)`` and
     loads a that wander at random; the channels are strains ``e = B p``, accelerations, and the
     balance of the body. The filter is linear with gains that become constant, so that a step
-    costs some ten microseconds. What the motion of the frame does to the modes (inertia
+    costs a tenth of a millisecond. What the motion of the frame does to the modes (inertia
     coupling ``-M_fr r''`` and velocity terms ``Q_v``) is a known force from the reduced part's
     invariants.
 
@@ -197,6 +197,7 @@ class Observer:
             float(lasting),
         )
         self._force = InertialForce(reduced.invariants)
+        self._J = reduced.invariants.I7
         self._check_balance()
         self._arms = np.concatenate(
             [np.zeros((3, 0, reduced.n)), *(load.arms(reduced) for load in found)], axis=1
@@ -404,22 +405,19 @@ class Observer:
             for x in self.accelerometers
         ]
         if self.balance is not None:
-            p = system.shape @ x + static
             loads = x[system.places] + system.mean
-            parts.append(
-                system.wrenches @ system.mean
-                + np.r_[np.zeros(3), np.einsum("aij,j,i->a", self._arms, p, loads)]
-                - self._inertia(motion)
-            )
+            carried = system.wrenches @ system.mean - self._inertia(motion)
+            carried[3:] += (self._arms @ (system.shape @ x + static)) @ loads
+            parts.append(carried)
         return np.concatenate(parts)
 
     def _inertia(self, motion: Motion) -> Array:
         """Return force and moment (6,) about the frame's origin that the motion takes."""
         a, w, dw = motion
         I = self.reduced.invariants
-        S, J = I.first_moment, I.I7
-        force = I.mass * a + np.cross(dw, S) + np.cross(w, np.cross(w, S))
-        return np.concatenate([force, np.cross(S, a) + J @ dw + np.cross(w, J @ w)])
+        S, J = I.first_moment, self._J
+        force = I.mass * a + cross(dw, S) + cross(w, cross(w, S))
+        return np.concatenate([force, cross(S, a) + J @ dw + cross(w, J @ w)])
 
     # -- whole records ------------------------------------------------------------------------
 
@@ -478,8 +476,9 @@ class Observer:
         balance: float = 1.0,
         discrepancy: float | None = None,
         loads: tuple[UnknownLoad, ...] | None = None,
+        reference: Reference | None = None,
     ) -> Observer:
-        """Return an observer with other standard deviations.
+        """Return an observer with other standard deviations, or another motion.
 
         Parameters
         ----------
@@ -491,6 +490,8 @@ class Observer:
             New discrepancy, m/m.
         loads : tuple of UnknownLoad, optional
             The same loads with other numbers.
+        reference : Reference, optional
+            Another motion of the frame.
         """
         twin = copy.copy(self)
         twin.noise = noise**2 * self.noise
@@ -505,6 +506,8 @@ class Observer:
         twin.system = replace(self.system, loads=loads, discrepancy=missed)
         if self.balance is not None:
             twin.balance = Balance(balance * self.balance.force, balance * self.balance.moment)
+        if reference is not None:
+            twin.reference = reference
         twin.channels = twin._make_channels()
         twin.reset()
         return twin

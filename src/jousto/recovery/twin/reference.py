@@ -259,6 +259,13 @@ class InertialForce:
         return np.asarray(f - _axial(N) @ dw - 2.0 * (_axial(G) @ w))
 
 
+def cross(a: Array, b: Array) -> Array:
+    """Return a x b of two vectors (3,); numpy's own takes ten times as long for so few."""
+    a1, a2, a3 = a.tolist()
+    b1, b2, b3 = b.tolist()
+    return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])
+
+
 def _axial(N: Array) -> Array:
     """Return the axial vectors ``int u x phi dm`` (n, 3) of ``int u phi^T dm``."""
     return np.stack(

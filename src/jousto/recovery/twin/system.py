@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import scipy.linalg as la
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import InputError, Problem, Problems, suggest
-from jousto.recovery.twin.reference import InertialForce, Motion
+from jousto.recovery.twin.reference import InertialForce, Motion, cross
 from jousto.reduction import ReducedPart
 
 Array = NDArray[np.float64]
@@ -265,7 +266,7 @@ class System:
         """Standard deviation of the loads (na,) before anything is known."""
         return np.where(np.isfinite(self.size), self.size, 10.0 * self.rate)
 
-    @property
+    @cached_property
     def shape(self) -> Array:
         """Modal coordinates of the state (n, nx), without known forces on the static ones."""
         C = np.zeros((self.reduced.n, self.nx))
@@ -274,14 +275,14 @@ class System:
         C[static, self.places] = self.columns[static] / self.reduced.stiffness[static, None]
         return C
 
-    @property
+    @cached_property
     def rates(self) -> Array:
         """Modal velocities of the state (n, nx); static modes have none."""
         C = np.zeros((self.reduced.n, self.nx))
         C[self.dynamic, self.nd : 2 * self.nd] = np.eye(self.nd)
         return C
 
-    @property
+    @cached_property
     def accelerations(self) -> Array:
         """Modal accelerations of the state (n, nx), without known forces."""
         C = np.zeros((self.reduced.n, self.nx))
@@ -396,7 +397,7 @@ class Accelerometer:
         """Return what it feels of the frame's motion alone, m/s2."""
         a, w, dw = motion
         u = reduced.nodes[reduced.node(self.node)]
-        return float(self.direction @ (a + np.cross(dw, u) + np.cross(w, np.cross(w, u))))
+        return float(self.direction @ (a + cross(dw, u) + cross(w, cross(w, u))))
 
 
 def as_loads(loads: Any) -> tuple[UnknownLoad, ...]:
