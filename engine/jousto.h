@@ -344,6 +344,26 @@ int jo_meter_valid(const jo_meter *r, const double *memory);   /* whether the me
  * (count), its length; count samples, which must be finite. Returns the number of closed cycles. */
 long long jo_rainflow(const double *x, long long count, double *cycles, long long *where, double *residue,
                       long long *residue_where, long long *length);
+
+/* Stress fields (recover.c), without a model: p (nt x k), S in tiles of JO_LANES sites, (k x rows x JO_LANES) each, the last
+ * one filled up with zeros. */
+enum { JO_LANES = 8 };
+typedef enum { JO_NORM = 0,             /* scale |rows| */
+               JO_WEIGHTED = 1,         /* scale w . rows, w (nt x rows), or their sum */
+               JO_SIGNED_MISES = 2,     /* this and below of 6 rows, a tensor 11 22 33 12 23 13 */
+               JO_PRINCIPAL_1 = 3, JO_PRINCIPAL_2 = 4, JO_PRINCIPAL_3 = 5,
+               JO_SIGNED_PRINCIPAL = 6,
+               JO_SHEAR = 7             /* scale (largest - smallest principal value) */
+} jo_criterion;
+/* out (nt x stride), of which ns columns are written */
+void jo_recover(const double *S, long long ns, int rows, int k, const double *p, long long nt, const double *w,
+                int criterion, double scale, double *out, long long stride);
+/* low, high (ns) become smaller and larger where a value is; low_at, high_at (ns) its instant, counted from `first` */
+void jo_recover_extremes(const double *S, long long ns, int rows, int k, const double *p, long long nt, const double *w,
+                         int criterion, double scale, long long first, double *low, long long *low_at, double *high,
+                         long long *high_at);
+/* s (count x 6) -> values (count x 3), the largest first; directions (count x 3 x 3) in columns, or 0 */
+void jo_principal(const double *s, long long count, double *values, double *directions);
 /* END */
 
 #endif

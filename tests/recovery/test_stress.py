@@ -7,7 +7,6 @@ import pytest
 
 import jousto as jo
 from jousto.recovery import peak, stress, von_mises
-from jousto.recovery import stress as recover
 
 L, B, H = 1.0, 0.03, 0.045  # m
 F = 8.0  # N; small, for the tension acts on the deflected beam with an error of second order
@@ -82,9 +81,7 @@ def test_von_mises_of_known_states(rng: np.random.Generator) -> None:
     assert von_mises(voigt) == pytest.approx(np.sqrt(1.5 * np.sum(deviator**2)))
 
 
-def test_peak_in_blocks(
-    run: jo.Solution, reduced: jo.ReducedPart, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_peak(run: jo.Solution, reduced: jo.ReducedPart) -> None:
     assert reduced.stress is not None
     value = von_mises(stress(run, reduced, "beam"))
     at, site = np.unravel_index(value.argmax(), value.shape)
@@ -92,9 +89,6 @@ def test_peak_in_blocks(
     assert whole.value == pytest.approx(value.max(), rel=1e-14)
     assert (whole.site, whole.time) == (reduced.stress.labels[site], run.time[at])
     assert whole.site.startswith("e1.a.")
-    module = __import__(recover.__module__, fromlist=["BLOCK_MEMORY"])
-    monkeypatch.setattr(module, "BLOCK_MEMORY", 8 * value.shape[1] * 7)  # 7 rows a block
-    assert peak(run, reduced, "beam") == whole
 
 
 def test_refusals(run: jo.Solution, reduced: jo.ReducedPart) -> None:

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.recovery.fields import StressField, field_from, stress_field
-from jousto.recovery.fields.field import BLOCK_MEMORY
 from jousto.recovery.shape import bracket, find_body
 from jousto.reduction import ReducedPart
 from jousto.simulation import Solution
@@ -81,7 +80,7 @@ def peak(
     InputError
         If the body, the part or a site do not fit together.
     """
-    envelope = _field(run, reduced, body, sites).envelope("von-mises", memory=BLOCK_MEMORY)
+    envelope = _field(run, reduced, body, sites).envelope("von-mises")
     k = int(np.argmax(envelope.max))
     return Peak(envelope.labels[k], float(envelope.max_time[k]), float(envelope.max[k]))
 

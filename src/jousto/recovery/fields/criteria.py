@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.engine import recover
 from jousto.errors import InputError, Problem, Problems, suggest
 
 Array = NDArray[np.float64]
@@ -107,11 +108,11 @@ def check_criterion(criterion: Any, strain: bool = False, where: str = "criterio
     raise InputError(Problem(where, f"{message}; there are {', '.join(known)} and Plane(normal)"))
 
 
-def weights(criterion: Criterion) -> Array | None:
+def weights(criterion: Criterion, strain: bool = False) -> Array | None:
     """Return w (6,) of a criterion that is linear, ``w . s`` in Voigt order; None of others."""
     if isinstance(criterion, Plane):
-        n = np.array(criterion.normal)
-        return np.array([n[i] * n[j] * (1.0 if i == j else 2.0) for i, j in PAIRS])
+        n, shear = criterion.normal, 1.0 if strain else 2.0
+        return np.array([n[i] * n[j] * (1.0 if i == j else shear) for i, j in PAIRS])
     for names, factor in (
         (STRESS_COMPONENTS, 1.0),
         (STRAIN_COMPONENTS, 1.0),
@@ -173,7 +174,28 @@ def principal_values(s: ArrayLike, strain: bool = False) -> Array:
     >>> principal_values([0.0, 0, 0, 100.0, 0, 0]).round(9)
     array([ 100.,    0., -100.])
     """
-    return np.asarray(np.linalg.eigvalsh(tensor(s, strain))[..., ::-1])
+    return recover.principal_values(_tensor_rows(s, strain))
+
+
+def principal(s: ArrayLike, strain: bool = False) -> tuple[Array, Array]:
+    """Return principal values (..., 3), the largest first, and directions (..., 3, 3) in columns.
+
+    In closed form: the value that stands apart is the root ``2 q cos(theta)`` of the deviator with
+    ``cos 3 theta = det D / (2 q^3)``; the other two, which may be equal, are those of the plane
+    across its direction, so that all digits are right.
+
+    Examples
+    --------
+    >>> values, directions = principal([30.0, 70.0, 0, 0, 0, 0])
+    >>> values.round(9), abs(directions[:, 0]).round(9)
+    (array([70., 30.,  0.]), array([0., 1., 0.]))
+    """
+    return recover.principal(_tensor_rows(s, strain))
+
+
+def _tensor_rows(s: ArrayLike, strain: bool) -> Array:
+    rows = np.asarray(s, dtype=np.float64)
+    return rows * np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5]) if strain else rows
 
 
 def evaluate(s: ArrayLike, criterion: Criterion = "von-mises", strain: bool = False) -> Array:
@@ -203,7 +225,7 @@ def evaluate(s: ArrayLike, criterion: Criterion = "von-mises", strain: bool = Fa
     """
     check_criterion(criterion, strain)
     values = np.asarray(s, dtype=np.float64)
-    w = weights(criterion)
+    w = weights(criterion, strain)
     if w is not None:
         return np.asarray(values @ w)
     if criterion == "von-mises":

@@ -10,15 +10,17 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.engine.recover import LANES, Recovery
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.recovery.fields.criteria import (
     Criterion,
     check_criterion,
-    evaluate,
-    tensor,
+    principal,
     turned,
     weights,
 )
+from jousto.recovery.fields.kernels import kernel, world_weights
+from jousto.recovery.fields.planes import CriticalPlane, critical_plane
 from jousto.reduction import StressModes
 
 Array = NDArray[np.float64]
@@ -34,6 +36,12 @@ WHOLE_MEMORY = 1 << 30
 
 FEW_SITES = 64
 """Places that a block along time has at least."""
+
+CALL = 20_000_000
+"""Values of one call of the engine: a fraction of a second."""
+
+KEPT_KERNELS = 2
+"""Criteria whose modes a field keeps in the engine's order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -252,8 +260,7 @@ class StressField:
         if (time is None) == (site is None):
             raise InputError(Problem("principal", "give either time or site"))
         s = self.history(site) if time is None else self.at(time)
-        values, vectors = np.linalg.eigh(tensor(s, self.strain))
-        return values[..., ::-1], vectors[..., ::-1]
+        return principal(s, self.strain)
 
     # -- criteria -----------------------------------------------------------------------------
 
@@ -296,24 +303,37 @@ class StressField:
                     "sites",
                 )
             )
-        S = self.S if len(places) == self.ns and sites is None else self.S[places]
-        return self._values(criterion, S, p, A)
-
-    def _values(self, criterion: Criterion, S: Array, p: Array, A: Array | None) -> Array:
-        ns, _, n = S.shape
-        out = np.empty((len(p), ns))
-        w = weights(criterion)
-        if w is not None and A is None:
-            return np.asarray(p @ np.einsum("c,scj->js", w, S))
-        # some rows at a time: six components of each value are held
-        rows = max(1, BLOCK_MEMORY // (48 * max(ns, 1)))
-        flat = S.reshape(6 * ns, n).T
+        if sites is None:
+            recovery = self._kernel(criterion)
+        else:
+            recovery = kernel(self.S[places], criterion, self.strain, self.A is not None)
+        w = self._weights(criterion, A)
+        out = np.empty((len(p), len(places)))
+        # some rows at a time, so that Ctrl-C is heard
+        rows = max(1, CALL // max(len(places), 1))
         for k in range(0, len(p), rows):
-            s = (p[k : k + rows] @ flat).reshape(-1, ns, 6)
-            if w is not None and A is not None:
-                s = turned(s, A[k : k + rows, None], self.strain)
-            out[k : k + rows] = evaluate(s, criterion, self.strain)
+            some = slice(k, k + rows)
+            recovery.values(p[some], None if w is None else w[some], out[some])
         return out
+
+    @cached_property
+    def _known(self) -> dict[str, Any]:
+        return {}
+
+    def _kernel(self, criterion: Criterion) -> Recovery:
+        """Return what the engine needs for a criterion at all places; the last ones are kept."""
+        key = str(criterion)
+        if key not in self._known:
+            if len(self._known) >= KEPT_KERNELS:
+                self._known.pop(next(iter(self._known)))
+            self._known[key] = kernel(self.S, criterion, self.strain, self.A is not None)
+        found: Recovery = self._known[key]
+        return found
+
+    def _weights(self, criterion: Criterion, A: Array | None) -> Array | None:
+        """Return the weights (nt, 6) of a component in the world."""
+        w = weights(criterion, self.strain)
+        return None if w is None or A is None else world_weights(w, A, self.strain)
 
     def blocks(
         self,
@@ -349,39 +369,80 @@ class StressField:
         cells = max(1, memory // 8)
         if along == "time":
             # whole histories if some fit, else pieces of them
-            width = max(min(self.ns, FEW_SITES), min(self.ns, cells // self.nt))
+            width = _whole_tiles(max(FEW_SITES, cells // self.nt), self.ns)
             height = min(self.nt, max(1, cells // width))
             order = [(t, s) for s in range(0, self.ns, width) for t in range(0, self.nt, height)]
         elif along == "sites":
             height = max(1, min(self.nt, cells // self.ns))
-            width = min(self.ns, cells)
+            width = _whole_tiles(cells, self.ns)
             order = [(t, s) for t in range(0, self.nt, height) for s in range(0, self.ns, width)]
         else:
             raise InputError(Problem("blocks", f"along is {along!r}, must be 'time' or 'sites'"))
+        recovery, w = self._kernel(criterion), self._weights(criterion, self.A)
         for t, s in order:
             instants = slice(t, min(t + height, self.nt))
             places = slice(s, min(s + width, self.ns))
-            A = None if self.A is None else self.A[instants]
-            yield instants, places, self._values(criterion, self.S[places], self.p[instants], A)
+            part = recovery.slice(places.start, places.stop)
+            some = None if w is None else w[instants]
+            yield instants, places, part.values(self.p[instants], some)
 
-    def envelope(
-        self, criterion: Criterion = "von-mises", *, memory: int = BLOCK_MEMORY
-    ) -> Envelope:
-        """Return the smallest and largest value of a criterion at every place, and when."""
+    def envelope(self, criterion: Criterion = "von-mises") -> Envelope:
+        """Return the smallest and largest value of a criterion at every place, and when.
+
+        The values are not stored: what is needed besides the field grows with its places only.
+
+        Raises
+        ------
+        InputError
+            If there is no such criterion.
+        """
+        check_criterion(criterion, self.strain)
         low, high = np.full(self.ns, np.inf), np.full(self.ns, -np.inf)
-        low_at, high_at = np.zeros(self.ns, dtype=np.intp), np.zeros(self.ns, dtype=np.intp)
-        for instants, places, values in self.blocks(criterion, memory=memory):
-            column = np.arange(values.shape[1])
-            for pick, best, at, sign in (
-                (np.argmin(values, axis=0), low, low_at, 1.0),
-                (np.argmax(values, axis=0), high, high_at, -1.0),
-            ):
-                found = values[pick, column]
-                better = sign * found < sign * best[places]
-                best[places] = np.where(better, found, best[places])
-                at[places] = np.where(better, instants.start + pick, at[places])
+        low_at, high_at = np.zeros(self.ns, dtype=np.int64), np.zeros(self.ns, dtype=np.int64)
+        recovery, w = self._kernel(criterion), self._weights(criterion, self.A)
+        rows = max(1, CALL // self.ns)
+        for k in range(0, self.nt, rows):
+            some = slice(k, k + rows)
+            u = None if w is None else w[some]
+            recovery.extremes(self.p[some], k, low, low_at, high, high_at, u)
         t = self.time
         return Envelope(str(criterion), self.unit, self.labels, low, t[low_at], high, t[high_at])
+
+    # -- planes -------------------------------------------------------------------------------
+
+    def critical_plane(
+        self, site: Sites, by: Literal["maximum", "range"] = "maximum"
+    ) -> CriticalPlane:
+        """Return the plane of the largest normal stress at one place, or of its largest range.
+
+        Parameters
+        ----------
+        site : str or int
+            One place, see `indices`.
+        by : str
+            "maximum": largest normal stress of all planes and instants; "range": largest
+            difference of the normal stress of one plane between two instants.
+
+        Returns
+        -------
+        CriticalPlane
+            With its normal in the axes of the field.
+
+        Raises
+        ------
+        InputError
+            If it is not one place.
+        """
+        places = self.indices(site)
+        if len(places) != 1:
+            message = f"give one place, not {len(places)}"
+            raise InputError(Problem(f"critical plane of '{self.name}'", message))
+        s = self.history(slice(int(places[0]), int(places[0]) + 1))[:, 0]
+        return critical_plane(s, self.time, by=by, strain=self.strain)
+
+
+def _whole_tiles(width: int, ns: int) -> int:
+    return ns if width >= ns else max(LANES, width // LANES * LANES)
 
 
 def site_indices(

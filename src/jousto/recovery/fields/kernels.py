@@ -1,0 +1,88 @@
+"""Criteria in the form that the engine works them out: fewest rows for each mode."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.engine.recover import Recovery, tiles
+from jousto.recovery.fields.criteria import PAIRS, Criterion, weights
+
+Array = NDArray[np.float64]
+
+HALF_SHEARS = np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
+
+MISES = np.array(
+    [
+        [np.sqrt(0.75), -np.sqrt(0.75), 0, 0, 0, 0],
+        [-0.5, -0.5, 1.0, 0, 0, 0],
+        [0, 0, 0, np.sqrt(3.0), 0, 0],
+        [0, 0, 0, 0, np.sqrt(3.0), 0],
+        [0, 0, 0, 0, 0, np.sqrt(3.0)],
+    ]
+)
+"""``s^T V s = |MISES s|^2``: von Mises stress is the length of five numbers."""
+
+NAMES = {
+    "signed-von-mises": "SIGNED_MISES",
+    "principal-1": "PRINCIPAL_1",
+    "principal-2": "PRINCIPAL_2",
+    "principal-3": "PRINCIPAL_3",
+    "signed-principal": "SIGNED_PRINCIPAL",
+    "max-shear": "SHEAR",
+}
+
+
+def kernel(S: Array, criterion: Criterion, strain: bool = False, world: bool = False) -> Recovery:
+    """Return what the engine needs for a criterion.
+
+    Parameters
+    ----------
+    S : (ns, 6, k) array
+        Stress or strain of each mode.
+    criterion : str or Plane
+        A good one.
+    strain : bool
+        Whether S is strain with engineering shears.
+    world : bool
+        Whether components follow the world while S is in the body frame; `world_weights` then
+        says how.
+    """
+    ns = len(S)
+    w = weights(criterion, strain)
+    if w is not None and not world:
+        return Recovery(tiles(np.einsum("c,scj->sj", w, S)[:, None, :]), ns, "WEIGHTED")
+    T = S * HALF_SHEARS[:, None] if strain else S
+    if w is not None:
+        return Recovery(tiles(T), ns, "WEIGHTED")
+    if criterion == "von-mises":
+        rows = np.matmul(MISES, T)
+        # parts of beams have one direct and two shear stresses
+        kept = np.any(rows, axis=(0, 2))
+        kept[:1] |= not np.any(kept)
+        return Recovery(tiles(rows[:, kept]), ns, "NORM", 2.0 / 3.0 if strain else 1.0)
+    scale = 1.0
+    if criterion == "signed-von-mises" and strain:
+        scale = 2.0 / 3.0
+    if criterion == "max-shear" and not strain:
+        scale = 0.5
+    return Recovery(tiles(T), ns, NAMES[str(criterion)], scale)
+
+
+def world_weights(w: Array, A: Array, strain: bool = False) -> Array:
+    """Return the weights (nt, 6) of body components that make ``w . s`` of the world's.
+
+    Parameters
+    ----------
+    w : (6,) array
+        Weights of the components in the world.
+    A : (nt, 3, 3) array
+        Body to world.
+    strain : bool
+        Whether w is meant for engineering shears; the result is for those of tensors.
+    """
+    W = np.zeros((3, 3))
+    for c, (i, j) in enumerate(PAIRS):
+        W[i, j] = W[j, i] = w[c] if i == j or strain else 0.5 * w[c]
+    body = np.einsum("tai,ab,tbj->tij", A, W, A, optimize=True)
+    return np.stack([body[:, i, j] * (1.0 if i == j else 2.0) for i, j in PAIRS], axis=1)

@@ -1,0 +1,144 @@
+"""The plane that sees the largest normal stress, or the largest range of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.errors import InputError, Problem
+from jousto.recovery.fields.criteria import PAIRS, principal
+
+Array = NDArray[np.float64]
+
+GRID = 400
+"""Directions of the half sphere, some 7 degrees apart."""
+
+STARTS = 6
+"""Best of them that are refined."""
+
+ROUNDS = 100
+
+INSTANTS = 1 << 16
+"""Instants of a block of the grid."""
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalPlane:
+    """A plane and its normal stress over time.
+
+    Attributes
+    ----------
+    normal : (3,) array
+        Unit normal, in the axes of the stress.
+    value : float
+        Largest normal stress, or the range from the smallest to the largest, Pa (or m/m).
+    time : float
+        When the normal stress is largest, s.
+    minimum_time : float
+        When it is smallest, s.
+    by : str
+        "maximum" or "range".
+    """
+
+    normal: Array
+    value: float
+    time: float
+    minimum_time: float
+    by: str
+
+    def __str__(self) -> str:
+        n = ", ".join(f"{x:.4f}" for x in self.normal)
+        return f"normal ({n}): {self.by} {self.value:.6g}, largest at {self.time:.6g} s"
+
+
+def half_sphere(count: int = GRID) -> Array:
+    """Return directions (count, 3) spread evenly over a half sphere, by the golden angle."""
+    z = (np.arange(count) + 0.5) / count
+    turn = np.pi * (3.0 - np.sqrt(5.0)) * np.arange(count)
+    r = np.sqrt(1.0 - z * z)
+    return np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=1)
+
+
+def plane_weights(normals: Array, strain: bool = False) -> Array:
+    """Return w (..., 6) with ``n^T S n = w . s`` of normals (..., 3)."""
+    shear = 1.0 if strain else 2.0
+    columns = [normals[..., i] * normals[..., j] * (1.0 if i == j else shear) for i, j in PAIRS]
+    return np.stack(columns, axis=-1)
+
+
+def critical_plane(
+    s: ArrayLike,
+    time: ArrayLike,
+    *,
+    by: Literal["maximum", "range"] = "maximum",
+    strain: bool = False,
+) -> CriticalPlane:
+    """Return the plane of the largest normal stress of a history, or of its largest range.
+
+    A grid of the half sphere finds where to start. For the two instants at which the normal stress
+    of a plane is largest and smallest, the principal direction of the difference of their tensors
+    is a plane with a larger range, and so on until the instants stay the same.
+
+    Parameters
+    ----------
+    s : (nt, 6) array_like
+        Stress history ``[s11 s22 s33 s12 s23 s13]``, or strains.
+    time : (nt,) array_like
+        s.
+    by : str
+        "maximum" (the largest principal stress of all instants) or "range".
+    strain : bool
+        Whether s are strains with engineering shears.
+
+    Raises
+    ------
+    InputError
+        If `by` is neither.
+
+    Examples
+    --------
+    Pull along x, then along y: the range is largest in one of these, not between them.
+
+    >>> plane = critical_plane([[80.0, 0, 0, 0, 0, 0], [0, 100.0, 0, 0, 0, 0]], [0, 1], by="range")
+    >>> abs(plane.normal).round(6), round(plane.value, 6)
+    (array([0., 1., 0.]), 100.0)
+    """
+    history, t = np.asarray(s, dtype=np.float64), np.asarray(time, dtype=np.float64)
+    if by == "maximum":
+        values, directions = principal(history, strain)
+        k = int(np.argmax(values[:, 0]))
+        n = directions[k, :, 0]
+        least = int(np.argmin(history @ plane_weights(n, strain)))
+        return CriticalPlane(n, float(values[k, 0]), float(t[k]), float(t[least]), by)
+    if by != "range":
+        raise InputError(Problem("critical plane", f"by is {by!r}, must be 'maximum' or 'range'"))
+    normals = half_sphere()
+    w = plane_weights(normals, strain).T
+    high, low = np.full(len(normals), -np.inf), np.full(len(normals), np.inf)
+    for k in range(0, len(history), INSTANTS):
+        x = history[k : k + INSTANTS] @ w
+        high, low = np.maximum(high, x.max(axis=0)), np.minimum(low, x.min(axis=0))
+    best = (-1.0, np.array([1.0, 0.0, 0.0]), 0, 0)
+    for start in np.argsort(low - high)[:STARTS]:
+        found = _refined(history, normals[start], strain)
+        best = found if found[0] > best[0] else best
+    value, n, top, bottom = best
+    return CriticalPlane(n, value, float(t[top]), float(t[bottom]), by)
+
+
+def _refined(history: Array, n: Array, strain: bool) -> tuple[float, Array, int, int]:
+    """Return range, normal and the instants of the extremes of a plane that is locally best."""
+    pair = (-1, -1)
+    for _ in range(ROUNDS):
+        x = history @ plane_weights(n, strain)
+        found = (int(np.argmax(x)), int(np.argmin(x)))
+        if found == pair:
+            break
+        pair = found
+        n = principal(history[pair[0]] - history[pair[1]], strain)[1][:, 0]
+    x = history @ plane_weights(n, strain)
+    top, bottom = int(np.argmax(x)), int(np.argmin(x))
+    return float(x[top] - x[bottom]), n, top, bottom
