@@ -37,6 +37,8 @@ class StressOperator:
         Row 6 i + c gives component c of ``[s11 s22 s33 s12 s23 s13]`` at site i in Pa.
     elasticity : (ns, 2) ndarray, optional
         Young's modulus in Pa and Poisson's ratio at each site, for strains.
+    compliance : (ns, 6, 6) ndarray, optional
+        Strain from stress in 1/Pa at each site, of materials that have no two such numbers.
     """
 
     sites: tuple[str, ...]
@@ -44,6 +46,7 @@ class StressOperator:
     axes: Floats
     matrix: Sparse
     elasticity: Floats | None = None
+    compliance: Floats | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "positions", read_only(self.positions))
@@ -98,8 +101,9 @@ class StressOperator:
         i = np.array([self.index(site) for site in sites], dtype=np.int64)
         rows = node_dofs(i[:, None], 6).ravel()
         known = None if self.elasticity is None else self.elasticity[i]
+        soft = None if self.compliance is None else self.compliance[i]
         return StressOperator(
-            tuple(sites), self.positions[i], self.axes[i], self.matrix[rows], known
+            tuple(sites), self.positions[i], self.axes[i], self.matrix[rows], known, soft
         )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import logging
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,6 +31,8 @@ from jousto.reduction.partition import (
 )
 from jousto.reduction.reduced import ReducedPart, package_versions
 from jousto.reduction.relief import free_loads, with_residuals
+from jousto.reduction.residual_stress import read_loads
+from jousto.reduction.residual_stress import residual_stress as rest
 from jousto.reduction.rigid import (
     RigidBasis,
     check_stiffness_is_free,
@@ -58,6 +61,7 @@ def reduce(
     method: Method,
     *,
     stiffening: bool = False,
+    residual_stress: bool | Mapping[str, ArrayLike] = False,
     solver: str | None = None,
     cache: ReductionCache | Path | str | bool | None = None,
     progress: bool | Report | None = None,
@@ -78,6 +82,11 @@ def reduce(
         Whether forces along the body stiffen or soften it: for blades, shafts and arms that spin
         fast, and members near buckling. Parts made of beams or of solids only. Off by default:
         without it the body is the linear one of other programs, and costs less.
+    residual_stress : bool or mapping of str to (ndof,) array
+        Whether the stress that the modes leave out is kept for `stress_field`: that of the
+        inertia of the motion and of loads by name, ``{"tip": part.load(...)}``, between the
+        interfaces. It makes stress of few modes as good as that of the mesh where loads change
+        slowly, at the price of one more factorisation.
     solver : str, optional
         Library that factorises the stiffness matrix, see `solvers`; the best that is installed if
         not given. What is kept of another library is not taken if one is named.
@@ -113,32 +122,36 @@ def reduce(
         raise InputError(Problem(where, message))
     if solver is not None:
         factor.choose(part.K.shape[0], where, solver)
+    loads = read_loads(part, residual_stress)
     chosen = choose_cache(cache, part.K.shape[0])
     with reporter(progress) as report:
-        entry = None if chosen is None else _entry(chosen, part, method, stiffening, solver)
+        options = (stiffening, solver, *(() if loads is None else ("residual stress", loads)))
+        entry = None if chosen is None else _entry(chosen, part, method, options)
         if entry is not None and (finished := entry.finished()) is not None:
             return finished
         estimate = memory_estimate(part, method, stiffening=stiffening, solver=solver)
         logging.getLogger(__name__).info("%s: %s", where, estimate)
         check_memory(estimate, where)
         run = Run(solver, report, entry)
-        reduced = _reduced(part, method, stiffening, run)
+        reduced = _reduced(part, method, stiffening, loads, run)
         if entry is not None:
             entry.finish(reduced)
     return reduced
 
 
 def _entry(
-    cache: ReductionCache, part: Part, method: Method, stiffening: bool, solver: str | None
+    cache: ReductionCache, part: Part, method: Method, options: tuple[object, ...]
 ) -> Entry | None:
     try:
-        return cache.entry(content_key(part, method, stiffening, solver, package_versions()))
+        return cache.entry(content_key(part, method, *options, package_versions()))
     except NotHashable as error:
         logging.getLogger(__name__).info("the reduction is not kept: it depends on a %s", error)
         return None
 
 
-def _reduced(part: Part, method: Method, stiffening: bool, run: Run) -> ReducedPart:
+def _reduced(
+    part: Part, method: Method, stiffening: bool, loads: dict[str, Array] | None, run: Run
+) -> ReducedPart:
     where = f"part '{part.name}'"
     M, K = sp.csr_array(part.M), sp.csr_array(part.K)
     with run.stage("checks"):
@@ -155,6 +168,9 @@ def _reduced(part: Part, method: Method, stiffening: bool, run: Run) -> ReducedP
         mu, X = kept["mu"], kept["modes"]
     frequencies = 1.0 / (2.0 * np.pi * np.sqrt(mu))
     reduced = _assemble(part, X, frequencies, interfaces, repr(method), run)
+    if loads is not None and reduced.stress is not None:
+        residual = rest(part, X, 1.0 / mu, interfaces, rigid, loads, run)
+        reduced = replace(reduced, stress=replace(reduced.stress, residual=residual))
     if not stiffening:
         return reduced
     with run.stage("stiffening"):
@@ -322,7 +338,7 @@ def _stress(part: Part, X: Array, run: Run) -> StressModes | None:
             some = slice(k, k + STRESS_BLOCK)
             modes[:, :, some] = s.evaluate(X[:, some])
             report("stress modes", min(k + STRESS_BLOCK, X.shape[1]) / X.shape[1])
-    return StressModes(tuple(s.sites), s.positions, s.axes, modes, s.elasticity)
+    return StressModes(tuple(s.sites), s.positions, s.axes, modes, s.elasticity, s.compliance)
 
 
 def _provenance(part: Part, method: str, run: Run) -> dict[str, str]:

@@ -114,11 +114,15 @@ def free_loads(part: Part, method: FreeFree) -> Array:
     residual = residual_loads(part, method.residuals)
     if not method.interfaces:
         return residual
-    z = coordinates(part)
-    boundary(part, z, method.interfaces)
+    return np.concatenate([unit_loads(part, method.interfaces), residual], axis=1)
+
+
+def unit_loads(part: Part, interfaces: tuple[str, ...]) -> Array:
+    """Return unit forces and moments on interfaces or the nodes of node sets, (ndof, m)."""
+    boundary(part, coordinates(part), interfaces)
     ties = {tie.name: tie for tie in part.ties}
     columns = []
-    for name in method.interfaces:
+    for name in interfaces:
         tie = ties.get(name)
         d = part.dofs_per_node
         if tie is None:
@@ -129,7 +133,7 @@ def free_loads(part: Part, method: FreeFree) -> Array:
         f = np.zeros((part.K.shape[0], unit.shape[1]))
         f[dofs] = unit
         columns.append(f)
-    return np.concatenate([*columns, residual], axis=1)
+    return np.concatenate(columns, axis=1)
 
 
 def with_residuals(

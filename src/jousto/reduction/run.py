@@ -27,6 +27,7 @@ STAGES = (
     "orthonormalisation",
     "invariants",
     "stress modes",
+    "residual stress",
     "stiffening",
 )
 """Stages in their order; a reduction runs those it needs."""

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from jousto.errors import InputError, Problem
 from jousto.reduction.invariants import Invariants
 from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.residual_stress import ResidualStress
 from jousto.reduction.stiffening import Stiffening
 from jousto.reduction.stress import StressModes
 
@@ -39,6 +40,7 @@ UNITS = {
     "stress/positions": "m",
     "stress/modes": "Pa kg^-0.5 m^-1",
     "stress/elasticity": "Pa, 1",
+    "stress/compliance": "1/Pa",
     "stiffening/second_moment": "1",
     "stiffening/translations": "kg^-1 m^-1",
     "stiffening/rotations": "kg^-1 m^-2",
@@ -50,16 +52,16 @@ Arrays = dict[str, NDArray[Any]]
 def save(part: ReducedPart, path: Path) -> None:
     """Write a reduced part; see `ReducedPart.save`."""
     arrays = _arrays(part)
-    header = json.dumps(
-        {
-            "name": part.name,
-            "interfaces": list(part.interfaces),
-            "node_sets": {k: list(v) for k, v in part.node_sets.items()},
-            "labels": None if part.stress is None else list(part.stress.labels),
-            "provenance": dict(part.provenance),
-        },
-        ensure_ascii=False,
-    )
+    about = {
+        "name": part.name,
+        "interfaces": list(part.interfaces),
+        "node_sets": {k: list(v) for k, v in part.node_sets.items()},
+        "labels": None if part.stress is None else list(part.stress.labels),
+        "provenance": dict(part.provenance),
+    }
+    if part.stress is not None and part.stress.residual is not None:
+        about["residual"] = list(part.stress.residual.names)
+    header = json.dumps(about, ensure_ascii=False)
     # the file is made in memory: HDF5 may crash the process where a disk is full
     # of a name of its own: threads may save at the same time
     unique = uuid.uuid4().hex
@@ -160,8 +162,12 @@ def _arrays(part: ReducedPart) -> Arrays:
         arrays["stress/positions"] = part.stress.positions
         arrays["stress/axes"] = part.stress.axes
         arrays["stress/modes"] = part.stress.modes
-        if part.stress.elasticity is not None:
-            arrays["stress/elasticity"] = part.stress.elasticity
+        for name in ("elasticity", "compliance"):
+            if getattr(part.stress, name) is not None:
+                arrays[f"stress/{name}"] = getattr(part.stress, name)
+        if part.stress.residual is not None:
+            arrays["stress/residual/columns"] = part.stress.residual.columns
+            arrays["stress/residual/static"] = part.stress.residual.static
     if part.stiffening is not None:
         arrays["stiffening/second_moment"] = part.stiffening.second_moment
         arrays["stiffening/translations"] = part.stiffening.translations
@@ -171,7 +177,13 @@ def _arrays(part: ReducedPart) -> Arrays:
 
 def _part(header: str, arrays: Arrays) -> ReducedPart:
     text = json.loads(header)
-    stress = None
+    stress = residual = None
+    if text.get("residual"):
+        residual = ResidualStress(
+            tuple(text["residual"]),
+            arrays["stress/residual/columns"],
+            arrays["stress/residual/static"],
+        )
     if text["labels"] is not None:
         stress = StressModes(
             tuple(text["labels"]),
@@ -179,6 +191,8 @@ def _part(header: str, arrays: Arrays) -> ReducedPart:
             arrays["stress/axes"],
             arrays["stress/modes"],
             arrays.get("stress/elasticity"),
+            arrays.get("stress/compliance"),
+            residual=residual,
         )
     field = None
     if any(key.startswith("stiffening/") for key in arrays):

@@ -15,6 +15,7 @@ from jousto.errors import Problems
 
 if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
+    from jousto.reduction.residual_stress import ResidualStress
 
 Array = NDArray[np.float64]
 
@@ -46,6 +47,8 @@ class StressModes:
         node: the points of a section of a beam, or the materials that meet there.
     sets : mapping of str to (k,) int array
         Named groups of places, by index: those at the nodes of a node set.
+    residual : ResidualStress, optional
+        Stress that the modes leave out.
 
     Raises
     ------
@@ -61,6 +64,7 @@ class StressModes:
     compliance: Array | None = None
     nodes: NDArray[np.int64] | None = None
     sets: Mapping[str, NDArray[np.int64]] = field(default_factory=dict)
+    residual: ResidualStress | None = None
 
     def __post_init__(self) -> None:
         problems = Problems()
@@ -105,7 +109,8 @@ class StressModes:
 
     def keep(self, indices: NDArray[np.intp]) -> StressModes:
         """Return the stress of some of the modes, in the order given."""
-        return replace(self, modes=self.modes[:, :, indices])
+        residual = self.residual and self.residual.keep(np.asarray(indices), self.modes)
+        return replace(self, modes=self.modes[:, :, indices], residual=residual)
 
     def select(self, places: NDArray[np.intp]) -> StressModes:
         """Return some of the places, by index, in the order given."""
@@ -124,6 +129,7 @@ class StressModes:
             None if self.compliance is None else self.compliance[places],
             None if self.nodes is None else self.nodes[places],
             {key: members for key, members in found.items() if len(members)},
+            self.residual and replace(self.residual, columns=self.residual.columns[places]),
         )
 
 

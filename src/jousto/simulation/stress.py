@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from jousto.reduction import StressModes
+from jousto.reduction.residual_stress import ResidualStress
 
 GROUP = "stress"
 
@@ -31,6 +32,12 @@ def stress_arrays(stress: StressModes) -> dict[str, Any]:
         arrays["set_names"] = np.array([key.encode() for key in stress.sets], dtype=np.bytes_)
         arrays["set_ends"] = np.cumsum([len(m) for m in members])
         arrays["set_members"] = np.concatenate(members)
+    if stress.residual is not None:
+        arrays["residual_names"] = np.array(
+            [name.encode() for name in stress.residual.names], dtype=np.bytes_
+        )
+        arrays["residual"] = stress.residual.columns
+        arrays["residual_static"] = stress.residual.static
     return {f"{GROUP}/{name}": array for name, array in arrays.items()}
 
 
@@ -43,6 +50,13 @@ def read_stress(body: Any) -> StressModes | None:
             names = [name.decode() for name in group["set_names"][()]]
             pieces = np.split(group["set_members"][()], group["set_ends"][()][:-1])
             sets = dict(zip(names, pieces, strict=True))
+        residual = None
+        if "residual" in group:
+            residual = ResidualStress(
+                tuple(name.decode() for name in group["residual_names"][()]),
+                group["residual"][()],
+                group["residual_static"][()],
+            )
         return StressModes(
             tuple(label.decode() for label in group["labels"][()]),
             group["positions"][()],
@@ -52,6 +66,7 @@ def read_stress(body: Any) -> StressModes | None:
             group["compliance"][()] if "compliance" in group else None,
             group["nodes"][()],
             sets,
+            residual,
         )
     if "stress_nodes" in body:  # files of older versions: seven digits at the nodes of a surface
         nodes = body["stress_nodes"][()]

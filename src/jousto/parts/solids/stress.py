@@ -88,6 +88,11 @@ class SolidStress:
             constants.append((m.E, m.nu))
         return np.array(constants)[self.material]
 
+    @cached_property
+    def compliance(self) -> Floats | None:
+        """Strain from stress, (ns, 6, 6) in 1/Pa, where a material is orthotropic; else None."""
+        return compliances(self.model, self.material)
+
     def evaluate(self, d: Floats) -> Floats:
         """Return stress or strain, (ns, 6, ncol), from displacements (ndof, ncol) or (ndof,).
 
@@ -274,3 +279,10 @@ def labels(model: SolidModel, node: Ints, material: Ints) -> tuple[str, ...]:
         f"n{i}.{model.names[m]}" if shared else f"n{i}"
         for i, m, shared in zip(ids, material, several, strict=True)
     )
+
+
+def compliances(model: SolidModel, material: Ints) -> Floats | None:
+    """Return the compliance (ns, 6, 6) at sites in materials (ns,); None if all are isotropic."""
+    if all(isinstance(m, Material) for m in model.materials):
+        return None
+    return np.array([np.linalg.inv(elasticity(m)) for m in model.materials])[material]

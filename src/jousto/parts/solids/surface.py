@@ -14,7 +14,7 @@ from jousto.parts.loads import pick_nodes
 from jousto.parts.material import Material
 from jousto.parts.orthotropic import elasticity
 from jousto.parts.solids.model import VOIGT, SolidModel
-from jousto.parts.solids.stress import labels
+from jousto.parts.solids.stress import compliances, labels
 from jousto.parts.stress import StressOperator
 
 if TYPE_CHECKING:
@@ -111,6 +111,7 @@ def skin_stress(
         np.broadcast_to(np.eye(3), (ns, 3, 3)),
         total,
         None if np.any(np.isnan(known)) else known,
+        compliances(model, material),
     )
 
 

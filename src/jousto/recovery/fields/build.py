@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.engine import Model
 from jousto.errors import InputError, Problem
 from jousto.recovery.fields.criteria import tensor, voigt
 from jousto.recovery.fields.field import Frame, Sites, StressField, between, site_indices, window
+from jousto.recovery.fields.inertia import amplitudes
 from jousto.recovery.shape import find_body, rotation_matrices
 from jousto.reduction import ReducedPart, StressModes
 from jousto.reduction.stress import located
@@ -29,6 +33,8 @@ def stress_field(
     times: ArrayLike | None = None,
     frame: Frame = "site",
     strain: bool = False,
+    residual: bool | Model = False,
+    loads: Mapping[str, Any] | None = None,
 ) -> StressField:
     """Return the stress (or strain) of a body over a run; nothing is worked out before asked.
 
@@ -55,6 +61,12 @@ def stress_field(
         solid), the part's, or the world's.
     strain : bool
         Strain ``[e11 e22 e33 g12 g23 g13]`` instead of stress.
+    residual : bool or Model
+        Add the stress that the modes leave out, of a part reduced with ``residual_stress=``
+        (mode acceleration): that of the accelerations of the run, by the engine if the model is
+        given, else by differences of the stored velocities.
+    loads : mapping of str to (nt,) array, number or str
+        With `residual`: history of each named load over the run, or the sensor that measured it.
 
     Raises
     ------
@@ -81,6 +93,17 @@ def stress_field(
     rows = window(time, start, end, where)
     q, time = run.coordinates(body, rows), time[rows]
     e, p = q[:, 3:7], q[:, 7:]
+    if residual is not False:
+        if modes.residual is None:
+            message = "no residual stress: reduce the part with residual_stress=True"
+            raise InputError(Problem(where, message))
+        model = residual if isinstance(residual, Model) else None
+        more = amplitudes(run, body, modes.residual, model, loads)
+        p = np.concatenate([p, more[rows]], axis=1)
+        whole = np.concatenate([modes.modes, modes.residual.columns], axis=2)
+        modes = replace(modes, modes=whole, residual=None)
+    elif loads:
+        raise InputError(Problem(where, "loads count with residual= only"))
     if times is not None:
         wanted = np.atleast_1d(np.asarray(times, dtype=np.float64))
         before, after, share = between(time, wanted, where)

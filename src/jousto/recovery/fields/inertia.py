@@ -1,0 +1,111 @@
+"""How a body accelerates in a run: amplitudes of its residual stress."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.engine import Engine, Model
+from jousto.errors import InputError, Problem, Problems, suggest
+from jousto.recovery.shape import find_body, rotation_matrices
+from jousto.reduction.residual_stress import PRODUCTS, ResidualStress
+from jousto.simulation import Solution, State
+from jousto.simulation.state import MEMORY, put
+
+Array = NDArray[np.float64]
+
+
+def accelerations(run: Solution, model: Model | None = None) -> Array:
+    """Return the accelerations (nt, nv) of a run, ``[R'' w' p'']`` body after body.
+
+    Parameters
+    ----------
+    run : Solution
+    model : Model, optional
+        What was run: the engine then works them out. If not given they are central differences
+        of the stored velocities, with an error of the square of the output step.
+
+    Raises
+    ------
+    InputError
+        If the model is another one, or there are too few instants.
+    """
+    if model is None:
+        if len(run) < 3:
+            message = (
+                f"accelerations need three stored instants, there are {len(run)}; give the model"
+            )
+            raise InputError(Problem(str(run.path), message))
+        return np.asarray(np.gradient(run.v, run.time, axis=0, edge_order=2))
+    engine = Engine(model)
+    q, v, lam, time = run.q, run.v, run.multipliers, run.time
+    remembers = any(getattr(engine, name).size for name in MEMORY if name != "input")
+    remembers = remembers or bool(model.inputs)
+    out = np.empty((len(time), model.nv))
+    for k in range(len(time)):
+        t = float(time[k])
+        state = run.state(t) if remembers else State(q=q[k], v=v[k], lam=lam[k], time=t)
+        put(engine, state, str(run.path))
+        out[k] = engine.accelerations()[0]
+    return out
+
+
+def amplitudes(
+    run: Solution,
+    body: str,
+    residual: ResidualStress,
+    model: Model | None = None,
+    loads: Mapping[str, Any] | None = None,
+) -> Array:
+    """Return what the columns of residual stress are to be multiplied by, (nt, m).
+
+    Parameters
+    ----------
+    run : Solution
+    body : str
+    residual : ResidualStress
+        Of the body's part.
+    model : Model, optional
+        See `accelerations`.
+    loads : mapping of str to (nt,) array, number or str
+        History of each named load, in units of that load; a str is the name of a sensor of one
+        component.
+
+    Raises
+    ------
+    InputError
+        If a load is missing, unknown or of another length.
+    """
+    where, problems, given = f"stress of '{body}'", Problems(), dict(loads or {})
+    shape = find_body(run, body)
+    nt, n = len(run), shape.n
+    a = accelerations(run, model)[:, shape.v_offset : shape.v_offset + 6 + n]
+    q = run.coordinates(body)
+    w = run.v[:, shape.v_offset + 3 : shape.v_offset + 6]
+    gravity = np.asarray(run.attributes.get("gravity", np.zeros(3)), dtype=np.float64)
+    A = rotation_matrices(q[:, 3:7])
+    felt = np.einsum("tij,ti->tj", A, a[:, :3] - gravity)
+    spin = np.stack([w[:, i] * w[:, j] for i, j in PRODUCTS], axis=1)
+    columns = [felt, a[:, 3:6], spin, a[:, 6:]]
+    for name in residual.loads:
+        if name not in given:
+            message = f"the history of load '{name}' is missing: loads={{{name!r}: ...}}"
+            problems.add(where, message)
+            continue
+        value = given.pop(name)
+        if isinstance(value, str):
+            value = run[value].reshape(nt, -1)
+            value = value[:, 0] if value.shape[1] == 1 else value
+        values = np.full(nt, value) if np.ndim(value) == 0 else value
+        history = problems.array(where, f"load '{name}'", values, (nt,))
+        if history is not None:
+            columns.append(history[:, None])
+    for name in given:
+        problems.add(
+            where, f"no load '{name}' in its residual stress{suggest(name, residual.loads)}"
+        )
+    problems.raise_if_any()
+    return np.concatenate(columns, axis=1)
