@@ -211,6 +211,7 @@ def test_refusals() -> None:
     with pytest.raises(jo.InputError, match="count with residual= only"):
         jo.stress_field(run, "beam", loads={"tip": 1.0})
     plain = jo.FlexibleBody("beam", jo.reduce(part, method))
-    model = jo.compile(jo.Mechanism(plain, jo.Fixed("wall", jo.ground["origin"], plain["start"])))
+    wall = jo.Fixed("wall", jo.ground["origin"], plain["start"])
+    model = jo.compile(jo.Mechanism(plain, wall, fall))
     with pytest.raises(jo.InputError, match="reduce the part with residual_stress=True"):
-        jo.stress_field(jo.simulate(model, 1e-3), "beam", residual=True)
+        jo.stress_field(jo.simulate(model, 1e-3, solver=jo.ROS2(1e-4)), "beam", residual=True)
