@@ -229,8 +229,12 @@ from .output import plot_root_locus as plot_root_locus
 from .output import (
     plot_spectrum as plot_spectrum,
 )
+from .output import plot_stress as plot_stress
 from .output import still as still
 from .output import write_certificate as write_certificate
+from .output import (
+    write_contour as write_contour,
+)
 from .output import (
     write_fem as write_fem,
 )
@@ -238,6 +242,7 @@ from .output import write_hotspots as write_hotspots
 from .output import (
     write_sid as write_sid,
 )
+from .output import write_stress as write_stress
 from .output import (
     write_vtu as write_vtu,
 )

@@ -3,6 +3,7 @@
 from jousto.output.animate import animate, still
 from jousto.output.campbell import plot_campbell, plot_root_locus
 from jousto.output.certificate import write_certificate
+from jousto.output.contour import write_contour
 from jousto.output.draw import draw
 from jousto.output.hotspots import plot_hotspots, write_hotspots
 from jousto.output.hysteresis import plot_hysteresis, plot_spectrum
@@ -10,6 +11,7 @@ from jousto.output.mbdyn import write_fem
 from jousto.output.meshes import write_mesh
 from jousto.output.plot import plot
 from jousto.output.sid import write_sid
+from jousto.output.stress import plot_stress, write_stress
 from jousto.output.style import COLORS, STYLE
 from jousto.output.table import write_csv
 from jousto.output.view import View
@@ -27,12 +29,15 @@ __all__ = [
     "plot_hysteresis",
     "plot_root_locus",
     "plot_spectrum",
+    "plot_stress",
     "still",
     "write_fem",
     "write_hotspots",
     "write_sid",
     "write_vtu",
     "write_certificate",
+    "write_contour",
     "write_csv",
     "write_mesh",
+    "write_stress",
 ]

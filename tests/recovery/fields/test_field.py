@@ -183,3 +183,25 @@ def test_the_part_gives_the_same(run: jo.Solution, reduced: jo.ReducedPart) -> N
     field = jo.stress_field(run, "beam", reduced=reduced)
     np.testing.assert_array_equal(field.S, jo.stress_field(run, "beam").S)
     np.testing.assert_array_equal(field.history(slice(None)), stress(run, reduced, "beam"))
+
+
+def test_strain_of_an_orthotropic_solid() -> None:
+    """Strain from stress by the compliance is the strain of the displacements themselves."""
+    wood = jo.Orthotropic(
+        E1=11e9, E2=0.9e9, E3=0.5e9, nu12=0.37, nu13=0.42, nu23=0.47, G12=0.75e9, G13=0.72e9,
+        G23=0.04e9, rho=450.0,
+    )  # fmt: skip
+    x, y, z = np.meshgrid([0, 0.1, 0.2], [0, 0.05], [0, 0.05], indexing="ij")
+    points = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+    cells = [[4 * i + j for j in (0, 4, 6, 2, 1, 5, 7, 3)] for i in (0, 1)]
+    part = jo.Part.solid(jo.Mesh("bar", points, jo.Cells("hexahedron", cells)), wood)
+    reduced = jo.reduce(part, jo.FreeFree(modes=4))
+    p = np.random.default_rng(1).normal(size=(3, 4))
+    assert reduced.stress is not None and part.strain is not None
+    field = jo.field_from(reduced.stress, p, np.arange(3.0), strain=True)
+    u = reduced.modes.reshape(-1, 4) @ p.T
+    expected = part.strain.evaluate(u)
+    found = field.history(slice(None))
+    np.testing.assert_allclose(
+        found, np.moveaxis(expected, 2, 0), atol=1e-9 * np.abs(expected).max()
+    )

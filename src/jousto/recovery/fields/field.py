@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -21,6 +22,7 @@ from jousto.recovery.fields.criteria import (
 )
 from jousto.recovery.fields.kernels import kernel, world_weights
 from jousto.recovery.fields.planes import CriticalPlane, critical_plane
+from jousto.recovery.fields.store import write_field
 from jousto.reduction import StressModes
 
 Array = NDArray[np.float64]
@@ -407,6 +409,41 @@ class StressField:
             recovery.extremes(self.p[some], k, low, low_at, high, high_at, u)
         t = self.time
         return Envelope(str(criterion), self.unit, self.labels, low, t[low_at], high, t[high_at])
+
+    def write(
+        self,
+        path: str | Path,
+        criterion: Criterion | None = "von-mises",
+        *,
+        memory: int = BLOCK_MEMORY,
+    ) -> Path:
+        """Write a criterion at all places and instants into an HDF5 file, piece by piece.
+
+        Datasets: ``time`` (nt,), ``labels``, ``positions``, ``axes``, ``nodes`` (ns,),
+        ``values/CRITERION`` (nt, ns), and ``rows``, the instants written so far: what was written
+        before a run was killed is readable.
+
+        Parameters
+        ----------
+        path : path
+            Ends with .h5.
+        criterion : str, Plane or None
+            See `evaluate`; None writes all six components.
+        memory : int
+            Bytes that are worked out at a time.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        InputError
+            If there is no such criterion, or the file cannot be written.
+        """
+        if criterion is not None:
+            check_criterion(criterion, self.strain)
+        return write_field(self, path, criterion, memory)
 
     # -- planes -------------------------------------------------------------------------------
 

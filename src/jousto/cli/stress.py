@@ -1,0 +1,167 @@
+"""The command that shows the stress of a body: stress."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from jousto.cli.hotspots import plane_or_name
+from jousto.cli.options import Debug, From, Output, Result, To, app, instant
+from jousto.cli.terminal import command, say
+from jousto.errors import InputError, Problem
+
+if TYPE_CHECKING:
+    from jousto.recovery import Criterion, StressField
+    from jousto.simulation import Solution
+
+SHOWN = 12
+
+
+@app.command()
+@command
+def stress(
+    result: Result,
+    body: Annotated[str | None, typer.Argument(metavar="[BODY]", help="Body; may be left out.")] = (
+        None
+    ),
+    site: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--site", "-s", metavar="SITE", help="Label, node set or node number from 0; again."
+        ),
+    ] = None,
+    criterion: Annotated[
+        str,
+        typer.Option(
+            "--criterion",
+            metavar="NAME",
+            help="von-mises, signed-von-mises, principal-1 .. 3, signed-principal, max-shear, "
+            "s11 .. s13, or normal:x,y,z of a plane; with --strain of strain.",
+        ),
+    ] = "von-mises",
+    frame: Annotated[
+        str, typer.Option("--frame", metavar="site|body|world", help="Axes of components.")
+    ] = "site",
+    start: From = None,
+    end: To = None,
+    at: Annotated[
+        str | None, typer.Option("--at", metavar="TIME", help="One instant, '0.5 s'.")
+    ] = None,
+    strain: Annotated[bool, typer.Option("--strain", help="Strain instead of stress.")] = False,
+    residual: Annotated[
+        bool, typer.Option("--residual", help="Add what the modes leave out (mode acceleration).")
+    ] = False,
+    output: Output = None,
+    debug: Debug = False,
+) -> None:
+    """Show the stress of a body: its smallest and largest value at places, and when.
+
+    -o writes histories of the sites as .png or .csv, the envelope as .csv or .vtu, the instant
+    --at as .csv or .vtu, all instants as .pvd for a film in ParaView, and everything as .h5.
+    """
+    from jousto.recovery import stress_field
+    from jousto.simulation import load
+
+    sought = plane_or_name(criterion)
+    first, last, moment = instant(start, "--from"), instant(end, "--to"), instant(at, "--at")
+    run = load(result)
+    field = stress_field(
+        run,
+        body or only_body(run),
+        sites=None if not site else [int(x) if x.isdecimal() else x for x in site],
+        start=first,
+        end=last,
+        frame=frame,  # type: ignore[arg-type]
+        strain=strain,
+        residual=residual,
+    )
+    if moment is not None:
+        shown = field.values(sought, times=[moment])[0]
+        rows = [(x, f"{factor(field) * v:.6g}") for x, v in zip(field.labels, shown, strict=True)]
+        table([("site", f"{sought} ({unit(field)}) at {moment:g} s"), *rows[:SHOWN]], len(rows))
+    else:
+        envelope = field.envelope(sought)
+        order = (-envelope.max).argsort(kind="stable")[:SHOWN]
+        f = factor(field)
+        head = ("site", f"smallest ({unit(field)})", "at (s)", f"largest ({unit(field)})", "at (s)")
+        table(
+            [
+                head,
+                *(
+                    (
+                        envelope.labels[i],
+                        f"{f * envelope.min[i]:.6g}",
+                        f"{envelope.min_time[i]:.6g}",
+                        f"{f * envelope.max[i]:.6g}",
+                        f"{envelope.max_time[i]:.6g}",
+                    )
+                    for i in order
+                ),
+            ],
+            field.ns,
+        )
+        say(f"{sought}, {field.frame} axes, {field.time[0]:g} to {field.time[-1]:g} s")
+    if output is not None:
+        say(f"written to {write(run, field, sought, moment, output, bool(site))}", style="green")
+
+
+def only_body(run: Solution) -> str:
+    """Return the only body of a run whose stress is known."""
+    names = [b.name for b in run.bodies if b.kind == "flexible" and run.stress_modes(b.name)]
+    if len(names) != 1:
+        found = (
+            f"name one of the bodies {', '.join(names)}" if names else "no body knows its stress"
+        )
+        raise InputError(Problem(str(run.path), found))
+    return names[0]
+
+
+def factor(field: StressField) -> float:
+    """Return the factor to the unit of tables."""
+    return 1e6 if field.strain else 1e-6
+
+
+def unit(field: StressField) -> str:
+    """Return the unit of tables."""
+    return "um/m" if field.strain else "MPa"
+
+
+def table(rows: list[tuple[str, ...]], count: int) -> None:
+    """Print rows, the first column to the left."""
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    for row in rows:
+        cells = [row[0].ljust(widths[0])]
+        cells += [c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True)]
+        say(("  " + "  ".join(cells)).rstrip())
+    if count > len(rows) - 1:
+        say(f"  ... of {count} places; -o FILE.csv has all of them")
+
+
+def write(
+    run: Solution,
+    field: StressField,
+    criterion: Criterion,
+    moment: float | None,
+    path: Path,
+    sites: bool,
+) -> Path:
+    """Write what the suffix asks for.
+
+    Raises
+    ------
+    InputError
+        For an unknown suffix, or a path that cannot be written.
+    """
+    from jousto.output import plot_stress, write_contour, write_stress
+
+    suffix = path.suffix.lower()
+    if suffix == ".h5":
+        return field.write(path, criterion)
+    if suffix in (".vtu", ".pvd"):
+        times: Any = None if moment is None else [moment]
+        return write_contour(run, field, path, criterion, times=times)
+    if suffix == ".csv":
+        return write_stress(field, path, criterion, time=moment, histories=sites)
+    return plot_stress(field, path, criterion)
