@@ -149,7 +149,8 @@ def residual_stress(
         for a, b in PRODUCTS
     ]
     n = X.shape[1]
-    F = np.column_stack([-(M @ R), *spin, -(M @ X), *loads.values()])
+    inertia, elastic = np.asarray(M @ R), np.asarray(M @ X)
+    F = np.column_stack([-inertia, *spin, -elastic, *loads.values()])
     if interfaces:
         L = unit_loads(part, interfaces)
         size = np.linalg.norm(R, axis=0)
@@ -160,8 +161,7 @@ def residual_stress(
                 "its interfaces cannot hold it: residual stress needs one that stops all motion"
             )
             raise InputError(Problem(f"part '{part.name}'", message))
-        elastic = slice(12, 12 + n)
-        balance[:, elastic] = 0.0  # in balance already
+        balance[:, 12 : 12 + n] = 0.0  # in balance already
         F = F + L @ balance
     F = F - rigid.MR @ (rigid.R.T @ F)
     basis = whole_part_basis(part, K, run)
