@@ -84,6 +84,7 @@ parts:
     elements: 3
     material: *steel
     stiffening: yes
+    residual_stress: yes
     orientation: [0, 1, 0]
     reduce: {type: craig-bampton, interfaces: [start], modes: 6}
     in_plane: xy

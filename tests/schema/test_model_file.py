@@ -89,7 +89,8 @@ def everything() -> jm.Mechanism:
     )
     general = jp.GeneralSection(2e-4, 1e-8, 2e-8, 1.5e-8, ky=0.8, kz=0.8, points=points)
     flat = jp.Part.beam(1.0, general, 3, metal, orientation=(0, 1, 0), name="flat")
-    flat = jr.reduce(flat, jr.CraigBampton("start", modes=6), stiffening=True)
+    method = jr.CraigBampton("start", modes=6)
+    flat = jr.reduce(flat, method, stiffening=True, residual_stress=True)
     flat = flat.keep(flat.in_plane("xy"))
     crank = jm.RigidBody(
         "crank", 0.5, (1e-3, 2e-3, 2e-3), center=(0.1, 0, 0),

@@ -180,7 +180,7 @@ class Builder:
             return None
         options: dict[str, Any] = {
             key: value
-            for key in ("stiffening", "solver", "cache")
+            for key in ("stiffening", "residual_stress", "solver", "cache")
             if (value := getattr(entry, key, None)) is not None
         }
         options |= self.options
@@ -205,7 +205,7 @@ class Builder:
         if isinstance(entry, SolidEntry):
             return build_solid(self, loc, name, entry)
         before = len(self.found)
-        values = entry.given("reduce", "in_plane", "keep", "stiffening")
+        values = entry.given("reduce", "in_plane", "keep", "stiffening", "residual_stress")
         self.beams(loc, values)
         makers: dict[Any, Any] = {
             sp.BeamEntry: Part.beam,

@@ -237,6 +237,9 @@ class FePart(ModeChoice):
     """What all parts with a mesh have."""
 
     reduce: MethodEntry
+    residual_stress: Flag | None = Field(
+        None, description="Keep the stress that the modes leave out, for jousto stress --residual"
+    )
 
 
 class BeamOptionsEntry(FePart):

@@ -50,8 +50,8 @@ def build_solid(builder: Builder, loc: Loc, name: str, entry: ss.SolidEntry) -> 
     if len(builder.found) > before:
         return None
     values = entry.given(
-        "reduce", "in_plane", "keep", "stiffening", "mesh", "material", "materials", "sets",
-        "interfaces", "point_masses", "stress", "solver", "cache",
+        "reduce", "in_plane", "keep", "stiffening", "residual_stress", "mesh", "material",
+        "materials", "sets", "interfaces", "point_masses", "stress", "solver", "cache",
     )  # fmt: skip
     part = builder.make(
         loc,

@@ -477,6 +477,31 @@ class StressField:
         s = self.history(slice(int(places[0]), int(places[0]) + 1))[:, 0]
         return critical_plane(s, self.time, by=by, strain=self.strain)
 
+    def critical_planes(
+        self, sites: Sites = None, by: Literal["maximum", "range"] = "maximum"
+    ) -> tuple[CriticalPlane, ...]:
+        """Return the critical plane of each of several places, see `critical_plane`.
+
+        Histories are worked out a few places at a time.
+
+        Parameters
+        ----------
+        sites : optional
+            See `indices`; all places if not given.
+        by : str
+            "maximum" or "range".
+        """
+        places = self.indices(sites)
+        step = max(1, BLOCK_MEMORY // (48 * self.nt))
+        found = []
+        for k in range(0, len(places), step):
+            some = self.take(places[k : k + step]).history(slice(None))
+            found += [
+                critical_plane(some[:, i], self.time, by=by, strain=self.strain)
+                for i in range(some.shape[1])
+            ]
+        return tuple(found)
+
 
 def _whole_tiles(width: int, ns: int) -> int:
     return ns if width >= ns else max(LANES, width // LANES * LANES)
