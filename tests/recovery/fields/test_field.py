@@ -69,6 +69,9 @@ def test_places_by_label_node_and_set(run: jo.Solution, reduced: jo.ReducedPart)
 def test_world_frame(run: jo.Solution) -> None:
     body, world = (jo.stress_field(run, "beam", frame=f) for f in ("body", "world"))
     assert world.A is not None
+    # this beam lies along x with its height along z
+    site = jo.stress_field(run, "beam").history(slice(None))
+    np.testing.assert_allclose(body.history(slice(None)), site, atol=1e-12 * abs(site).max())
     # the rotation is that of the nodes of the body
     x = positions(run, "beam", scale=0.0)
     along = (x[:, 4] - x[:, 0]) / L
