@@ -90,10 +90,10 @@ def test_inertia_relief() -> None:
     assert (far - 14.4) / (moment - 14.4) == pytest.approx(4.0, rel=0.1)  # second order
 
 
-def static(model: jo.Model) -> jo.Solution:
+def static(model: jo.Model, step: float = 1e-4) -> jo.Solution:
     """A few instants at rest in equilibrium."""
     state = jo.equilibrium(model)
-    return jo.simulate(model, 4e-4, state=state, solver=jo.ROS2(1e-4), output_step=1e-4)
+    return jo.simulate(model, 4 * step, state=state, solver=jo.ROS2(step), output_step=step)
 
 
 @pytest.mark.parametrize("k", IN_SPACE)
@@ -159,6 +159,34 @@ def test_mode_acceleration_of_spin() -> None:
     np.testing.assert_allclose(
         jo.stress_field(run, "bar").history("e1.a.left")[:, 0], 0.0, atol=1e-6 * wanted
     )
+
+
+@pytest.mark.parametrize("kind", ["rigid", "average"])
+def test_mode_acceleration_of_a_solid(kind: str) -> None:
+    """The weight of a solid on an interface: as exact as the modes of inertia relief make it."""
+    n, size = (6, 2, 2), (0.4, 0.03, 0.05)
+    axes = [np.linspace(0.0, s, k + 1) for s, k in zip(size, n, strict=True)]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    corner = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    corner = np.vstack([corner, corner + [0, 0, 1]]) @ [9, 3, 1]
+    first = [9 * i + 3 * j + k for i in range(n[0]) for j in range(n[1]) for k in range(n[2])]
+    mesh = jo.Mesh("bar", points, jo.Cells("hexahedron", np.add.outer(first, corner)))
+    end = jo.InBox((-1e-6, -1, -1), (1e-6, 1, 1))
+    part = jo.Part.solid(mesh, STEEL, interfaces=[jo.Interface("hub", end, kind=kind)])
+
+    def stress(residual: bool, relief: bool) -> np.ndarray:
+        method = jo.CraigBampton(("hub",), modes=1, inertia_relief=relief)
+        reduced = jo.reduce(part, method, residual_stress=residual)
+        body = jo.FlexibleBody("bar", reduced, position=(0, -0.015, -0.025))
+        wall = jo.Fixed("wall", jo.ground["origin"], body["hub"])
+        fall = jo.Gravity((0.01, 0.02, -0.03))
+        run = static(jo.compile(jo.Mechanism(body, wall, fall)), 1e-5)
+        return jo.stress_field(run, "bar", residual=residual).at(2e-5)
+
+    exact = stress(False, True)
+    scale = np.abs(exact).max()
+    np.testing.assert_allclose(stress(True, False), exact, atol=1e-6 * scale)
+    assert np.abs(stress(False, False) - exact).max() > 0.3 * scale
 
 
 def test_what_fewer_modes_leave_out_is_kept() -> None:
