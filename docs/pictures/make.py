@@ -26,6 +26,8 @@ WIDTHS = {  # pixels
     "chain.png": 1000,
     "chain.gif": 420,
     "cantilever_stress.png": 1100,
+    "fatigue_damage.png": 900,
+    "fatigue_cycles.png": 900,
     "slider_crank.png": 1100,
     "slewing_limit.png": 1100,
     "four_bar.png": 1200,

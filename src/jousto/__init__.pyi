@@ -679,7 +679,19 @@ from .output import (
     draw as draw,
 )
 from .output import (
+    plot_cycles as plot_cycles,
+)
+from .output import (
+    plot_damage as plot_damage,
+)
+from .output import (
+    plot_sn as plot_sn,
+)
+from .output import (
     write_csv as write_csv,
+)
+from .output import (
+    write_damage as write_damage,
 )
 from .output import (
     write_mesh as write_mesh,
@@ -754,6 +766,15 @@ from .recovery.fatigue import (
     Cycles as Cycles,
 )
 from .recovery.fatigue import (
+    DamageField as DamageField,
+)
+from .recovery.fatigue import (
+    DutyCycle as DutyCycle,
+)
+from .recovery.fatigue import (
+    DutyEvent as DutyEvent,
+)
+from .recovery.fatigue import (
     RainflowMatrix as RainflowMatrix,
 )
 from .recovery.fatigue import (
@@ -763,10 +784,16 @@ from .recovery.fatigue import (
     damage as damage,
 )
 from .recovery.fatigue import (
+    damage_field as damage_field,
+)
+from .recovery.fatigue import (
     life as life,
 )
 from .recovery.fatigue import (
     rainflow as rainflow,
+)
+from .recovery.fatigue import (
+    site_cycles as site_cycles,
 )
 from .recovery.fatigue import (
     stress_safety as stress_safety,

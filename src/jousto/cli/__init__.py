@@ -4,7 +4,17 @@ Exit codes: 0 success, 1 the run failed, 2 bad input. Problems and warnings go t
 line each. Everything heavy is imported inside the commands.
 """
 
-from jousto.cli import commands, hotspots, meshes, multiaxial, parts, peaks, stress, studies  # noqa: F401  (they register themselves)
+from jousto.cli import (  # noqa: F401  (they register themselves)
+    commands,
+    fatigue,
+    hotspots,
+    meshes,
+    multiaxial,
+    parts,
+    peaks,
+    stress,
+    studies,
+)
 from jousto.cli.options import app
 
 __all__ = ["app", "main"]

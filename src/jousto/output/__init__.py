@@ -4,6 +4,8 @@ from jousto.output.animate import animate, still
 from jousto.output.campbell import plot_campbell, plot_root_locus
 from jousto.output.certificate import write_certificate
 from jousto.output.contour import write_contour
+from jousto.output.cycles import plot_cycles, plot_sn
+from jousto.output.damage import plot_damage, write_damage
 from jousto.output.draw import draw
 from jousto.output.hotspots import plot_hotspots, write_hotspots
 from jousto.output.hysteresis import plot_hysteresis, plot_spectrum
@@ -18,6 +20,10 @@ from jousto.output.view import View
 from jousto.output.vtu import write_vtu
 
 __all__ = [
+    "plot_cycles",
+    "plot_damage",
+    "plot_sn",
+    "write_damage",
     "COLORS",
     "STYLE",
     "View",

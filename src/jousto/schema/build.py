@@ -18,6 +18,7 @@ from jousto.schema.connect import build_coupler, build_friction, build_joint
 from jousto.schema.document import Document, Loc
 from jousto.schema.elements import build_load
 from jousto.schema.entries import Entry, MarkerEntry, RotateEntry
+from jousto.schema.fatigue import build_curves
 from jousto.schema.happen import build_event, is_late, watches_late
 from jousto.schema.matrices import build_matrices, build_superelement, is_superelement
 from jousto.schema.sense import FLEXIBLE_ONLY, build_sensor
@@ -62,6 +63,7 @@ class Builder:
         self.found: list[tuple[Loc, Problem]] = []
         self.warnings: list[str] = []
         self.events: dict[str, Any] = {}
+        self.curves: dict[str, Any] = {}
         self.late_events: set[str] = set()
 
     # -- placing problems -------------------------------------------------------------------
@@ -417,7 +419,9 @@ class Builder:
         # sensors of bodies and joints, the events that watch them, then what events switch
         names = [e.name for e in entry.sensors or ()]
         late = {e.name for e in entry.sensors or () if is_late(e, free)}
+        self.curves = build_curves(self, entry.fatigue)
         known = {"bodies": by_name, "joints": free, "couplings": {}, "forces": {}}
+        known["curves"] = self.curves
 
         def sensed(early: bool) -> list[tuple[Loc, Any]]:
             return listed(

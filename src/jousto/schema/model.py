@@ -43,6 +43,7 @@ from jousto.schema.entries import (
     by_form,
     tagged,
 )
+from jousto.schema.fatigue import FatigueEntry
 from jousto.schema.sensors import SensorEntry
 from jousto.schema.signals import Amount, SignalEntry
 from jousto.schema.solids import PartEntry
@@ -224,3 +225,4 @@ class ModelEntry(Entry):
     sensors: tuple[SensorEntry, ...] | None = None
     events: tuple[EventEntry, ...] | None = None
     simulation: SimulationEntry | None = None
+    fatigue: FatigueEntry | None = None

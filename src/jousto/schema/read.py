@@ -15,6 +15,7 @@ from jousto.mechanism import Mechanism
 from jousto.schema.build import Builder
 from jousto.schema.document import Document, Loc, parse_document, read_document
 from jousto.schema.explain import explain
+from jousto.schema.fatigue import Fatigue, build_fatigue, flexible_bodies
 from jousto.schema.matrices import is_superelement
 from jousto.schema.model import ModelEntry, SimulationEntry
 from jousto.schema.parts import ReducedEntry
@@ -70,11 +71,14 @@ class ModelFile:
         How to simulate it, if the file says so.
     text : str
         The text of the file, to be kept with the results.
+    fatigue : Fatigue or None
+        S-N curves and what is to be checked, if the file says so.
     """
 
     mechanism: Mechanism
     simulation: Simulation | None = None
     text: str = ""
+    fatigue: Fatigue | None = None
 
 
 def read_model(
@@ -141,14 +145,16 @@ def build_model(
     entry, index, invalid, broken = validate(document)
     options = {} if progress is None else {"progress": progress}
     builder = Builder(document, broken, rigid=rigid, trust=trust, options=options)
-    mechanism, simulation = None, None
+    mechanism, simulation, fatigue = None, None, None
     if entry is not None:
         mechanism = builder.mechanism(entry, index)
         if entry.simulation is not None:
             simulation = build_simulation(builder, entry.simulation)
+        if entry.fatigue is not None:
+            fatigue = build_fatigue(builder, entry.fatigue, flexible_bodies(entry), builder.curves)
     finish(document, [*invalid, *builder.found], builder.warnings)
     assert mechanism is not None
-    return ModelFile(mechanism, simulation, document.text)
+    return ModelFile(mechanism, simulation, document.text, fatigue)
 
 
 def finish(document: Document, found: list[tuple[Loc, Problem]], messages: list[str]) -> None:

@@ -47,6 +47,11 @@ def model_facts(file: ModelFile) -> Facts:
         text = f"of joint {friction.joint.name}, mu {friction.mu_kinetic:g}"
         rows.append((f"friction {friction.name}", f"{text}, {friction.law}"))
     rows += [(f"sensor {s.name}", f"{s.description}, {s.unit}") for s in mechanism.sensors]
+    if file.fatigue is not None:
+        rows += [(f"S-N curve {name}", str(curve)) for name, curve in file.fatigue.curves.items()]
+        for check in file.fatigue.checks:
+            text = f"body {check.body}, {check.sn.name or 'S-N curve'}, residue: {check.residue}"
+            rows.append((f"fatigue {check.name}", text))
     for event in mechanism.events:
         mark = {"both": "passes", "rising": "rises above", "falling": "falls below"}
         text = f"{event.watch.name} {mark[event.direction]} {event.threshold:g}"

@@ -35,6 +35,8 @@ degree = 0.01745329251994329576923690768489 radian = deg
 revolution = 6.283185307179586476925286766559 radian = rev = turn
 minute = 60 second = min
 hour = 60 minute = h
+day = 24 hour
+year = 365.2425 day
 hertz = revolution / second = Hz
 rpm = revolution / minute
 tonne = 1000 kilogram = t
@@ -82,10 +84,10 @@ KINDS = {
     "N s/rad": "a force for an angular velocity",
 }
 
-COMMON = ("mm", "cm", "m", "g", "kg", "t", "ms", "s", "min", "rad", "deg", "rpm", "Hz", "kHz", "N",
-          "kN", "MN", "Nm", "kNm", "Nmm", "Pa", "kPa", "MPa", "GPa", "bar", "psi", "ksi", "in",
-          "ft", "lb", "lbf", "J", "percent", "g0", "kg/m3", "g/cm3", "m/s", "m/s2", "rad/s",
-          "deg/s", "kg m2", "mm4")  # fmt: skip
+COMMON = ("mm", "cm", "m", "g", "kg", "t", "ms", "s", "min", "h", "day", "year", "rad", "deg",
+          "rpm", "Hz", "kHz", "N", "kN", "MN", "Nm", "kNm", "Nmm", "Pa", "kPa", "MPa", "GPa",
+          "bar", "psi", "ksi", "in", "ft", "lb", "lbf", "J", "percent", "g0", "kg/m3", "g/cm3",
+          "m/s", "m/s2", "rad/s", "deg/s", "kg m2", "mm4")  # fmt: skip
 
 NUMBER = re.compile(
     r"\s*([-+]?(?:\d[\d_]*\.?[\d_]*|\.\d[\d_]*)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$", re.S

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jousto import SN, InputError, damage, rainflow
-from jousto.recovery.fatigue.rainflow import turning_points
+from jousto.recovery.fatigue.rainflow import by_engine, turning_points
 from recovery.fatigue.counting import astm, simplified
 
 FIGURE_6 = [-2, 1, -3, 5, -1, 3, -4, 4, -2]  # ASTM E1049-85 (2017), figure 6
@@ -88,6 +88,15 @@ def test_samples_of_cycles_are_those_of_the_history(history):
         assert np.abs(b - a).tolist() == counted.range.tolist()
         assert (0.5 * (a + b)).tolist() == counted.mean.tolist()
         assert (b > a).tolist() == counted.rising.tolist()
+
+
+@settings(max_examples=200, deadline=None)
+@given(histories, st.sampled_from(["half", "repeat", "ignore"]))
+def test_the_engine_closes_the_same_cycles(history, rule):
+    offline = rainflow(history, residue=rule)
+    engine = rainflow(history, residue=rule, counter=by_engine)
+    assert spectrum(triples(offline)) == spectrum(triples(engine))
+    assert offline.open.tolist() == engine.open.tolist()
 
 
 def test_the_trap_of_the_residue():

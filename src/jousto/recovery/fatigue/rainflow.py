@@ -133,9 +133,10 @@ class Cycles:
         """
         size = _positive(float(self.range.max(initial=0.0)))
         keys = np.round(self.range / size, digits)
-        values, where = np.unique(keys, return_inverse=True)
-        counts = np.bincount(where.ravel(), weights=self.count, minlength=len(values))
-        return {float(f"{v * size:.12g}"): float(c) for v, c in zip(values, counts, strict=True)}
+        _, first, where = np.unique(keys, return_index=True, return_inverse=True)
+        counts = np.bincount(where.ravel(), weights=self.count, minlength=len(first))
+        values = self.range[first]
+        return {float(f"{v:.12g}"): float(c) for v, c in zip(values, counts, strict=True)}
 
     def matrix(self, bins: int = 32, kind: str = "range-mean") -> RainflowMatrix:
         """Return the cycles sorted into classes.
@@ -398,6 +399,14 @@ def by_pylife(values: Array) -> tuple[Ints, Ints]:
     # pyLife holds the last point back until it is sure of it; here it is the end
     more, left = close(values[rest], values[:0])
     return np.concatenate([pairs, rest[more]]) if len(more) else pairs, rest[left]
+
+
+def by_engine(values: Array) -> tuple[Ints, Ints]:
+    """Count with the engine, which is quick for many short histories; see `Counter`."""
+    from jousto.engine.meter import count_cycles
+
+    _, places, _, rest = count_cycles(values)
+    return places, rest
 
 
 def _positive(size: float) -> float:

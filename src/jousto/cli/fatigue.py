@@ -1,0 +1,305 @@
+"""The command that says how long a part lives: fatigue."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from jousto.cli.hotspots import plane_or_name
+from jousto.cli.options import Debug, From, Output, To, amount, app, instant
+from jousto.cli.terminal import FAILED, command, say
+from jousto.errors import InputError, Problem, Problems, suggest
+
+if TYPE_CHECKING:
+    from jousto.parts import SN, MeanStress
+    from jousto.recovery.fatigue import DamageField, DutyCycle
+    from jousto.schema.fatigue import Fatigue, FatigueCheck
+    from jousto.simulation import Solution
+
+
+@app.command()
+@command
+def fatigue(
+    results: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="RESULT...", help="Results files; several are events of a duty cycle."
+        ),
+    ] = None,
+    sn: Annotated[
+        str | None,
+        typer.Option(
+            "--sn",
+            metavar="NAME|FILE",
+            help="S-N curve: a name of the model's fatigue block or of the library (RQC-100,"
+            " S355), a weld class (fat71, fat71-en) or a YAML file. Without it the checks of the"
+            " model.",
+        ),
+    ] = None,
+    residue: Annotated[
+        str | None,
+        typer.Option("--residue", metavar="half|repeat|ignore", help="Cycles that stay open."),
+    ] = None,
+    bodies: Annotated[
+        list[str] | None, typer.Option("--body", metavar="BODY", help="Bodies; all if none.")
+    ] = None,
+    sites: Annotated[
+        list[str] | None, typer.Option("--site", metavar="SITE", help="Sites or node sets.")
+    ] = None,
+    criterion: Annotated[
+        str,
+        typer.Option(
+            "--criterion",
+            metavar="NAME",
+            help="signed-von-mises, signed-principal, s11 .. s13, critical-plane or normal:x,y,z.",
+        ),
+    ] = "signed-von-mises",
+    mean: Annotated[
+        str | None,
+        typer.Option(
+            "--mean",
+            metavar="RULE",
+            help="Mean stress: 'goodman 500 MPa', 'gerber 500 MPa', 'morrow 900 MPa',"
+            " 'soderberg 355 MPa', swt, 'walker 0.6', 'fkm 0.2'.",
+        ),
+    ] = None,
+    duty: Annotated[
+        Path | None,
+        typer.Option("--duty", metavar="FILE.yaml", help="Duty cycle: results and repeats."),
+    ] = None,
+    transitions: Annotated[
+        str | None,
+        typer.Option(
+            "--transitions", metavar="separate|sequence|worst", help="Between several results."
+        ),
+    ] = None,
+    repeats: Annotated[
+        list[float] | None,
+        typer.Option("--repeats", metavar="N", help="Of each result, in their order; 1 if none."),
+    ] = None,
+    required: Annotated[
+        str | None, typer.Option("--required", metavar="TIME", help="Life wanted, '10 years'.")
+    ] = None,
+    survival: Annotated[
+        float | None, typer.Option("--survival", metavar="SHARE", help="Of parts, such as 0.975.")
+    ] = None,
+    allowable: Annotated[
+        float, typer.Option("--allowable", metavar="SUM", help="Miner's sum that is allowed.")
+    ] = 1.0,
+    start: From = None,
+    end: To = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="End with code 1 if a safety is below 1.")
+    ] = False,
+    csv: Annotated[
+        Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write every place.")
+    ] = None,
+    output: Output = None,
+    quantity: Annotated[
+        str, typer.Option("--quantity", metavar="damage|life|safety", help="That -o draws.")
+    ] = "damage",
+    cycles: Annotated[
+        Path | None,
+        typer.Option(
+            "--cycles", metavar="FILE.png|.csv", help="Draw or list the cycles of the worst place."
+        ),
+    ] = None,
+    vtu: Annotated[
+        Path | None, typer.Option("--vtu", metavar="FILE.vtu", help="Write them for ParaView.")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Count cycles at every place and say what damage they do and how long the part lives.
+
+    Of several bodies the files are those of the one with most damage. A safety below 1 means that
+    the life required (or one repeat) is not reached with the damage allowed.
+    """
+    from jousto.recovery.fatigue import damage_field
+    from jousto.schema.fatigue import FatigueCheck
+
+    span = (instant(start, "--from"), instant(end, "--to"))
+    events = _events(results or [], repeats or [], transitions, duty)
+    run = events.runs[0]
+    known = _block(run)
+    if sn is None:
+        checks = _checks(run, known, bodies)
+    else:
+        options: dict[str, Any] = {"criterion": plane_or_name(criterion), "allowable": allowable}
+        if mean is not None:
+            options["mean"] = mean_rule(mean)
+        if required is not None:
+            options["required"] = amount(required, "s", "--required")
+        if survival is not None:
+            options["survival"] = survival
+        curve = named_curve(sn, known)
+        names = bodies or [b.name for b in run.bodies if run.stress_modes(b.name) is not None]
+        if not names:
+            raise InputError(Problem(str(run.path), "no body with stress in these results"))
+        places = tuple(sites) if sites else None
+        checks = [FatigueCheck(n, n, curve, residue, places, options) for n in names]
+    found: list[tuple[DamageField, DutyCycle, FatigueCheck]] = []
+    for check in checks:
+        source = events.duty(check.body, check.sites, span)
+        rule = residue or check.residue
+        field = damage_field(source, check.sn, residue=rule, **check.options)
+        if check.name != check.body:
+            say(check.name, style="bold")
+        say(str(field) + "\n")
+        found.append((field, source, check))
+    field, source, check = max(found, key=lambda item: float(item[0].damage.max(initial=0.0)))
+    if csv is not None:
+        say(f"table in {field.to_csv(csv)}", style="green")
+    _draw(run, field, output, quantity, vtu)
+    if cycles is not None:
+        _cycles(field, source, cycles)
+    least = min(float(item[0].safety.min(initial=float("inf"))) for item in found)
+    if strict and least < 1.0:
+        say(f"not enough: the least safety is {least:.4g}", error=True, style="red")
+        raise typer.Exit(FAILED)
+
+
+@dataclass(frozen=True, eq=False)
+class _Events:
+    """Runs with their repeats."""
+
+    runs: list[Solution]
+    repeats: list[float]
+    names: list[str]
+    transitions: str | None
+
+    def duty(self, body: str, sites: Any, span: tuple[float | None, float | None]) -> DutyCycle:
+        """Return the duty cycle of a body."""
+        from jousto.recovery.fatigue import DutyCycle, DutyEvent
+        from jousto.recovery.fields import stress_field
+
+        found = [
+            DutyEvent(stress_field(run, body, sites=sites, start=span[0], end=span[1]), times, name)
+            for run, times, name in zip(self.runs, self.repeats, self.names, strict=True)
+        ]
+        return DutyCycle(found, transitions=self.transitions)
+
+
+def _events(
+    results: list[Path], repeats: list[float], transitions: str | None, duty: Path | None
+) -> _Events:
+    from jousto.schema.fatigue import read_duty
+    from jousto.simulation import load
+
+    problems = Problems()
+    if duty is not None:
+        for given, option in (
+            (results, "RESULT"),
+            (repeats, "--repeats"),
+            (transitions, "--transitions"),
+        ):
+            if given:
+                problems.add(option, "stands in the file of --duty already; give one of them")
+        problems.raise_if_any()
+        said = read_duty(duty)
+        return _Events(
+            [load(path) for path, _, _ in said.events],
+            [times for _, times, _ in said.events],
+            [name for _, _, name in said.events],
+            said.transitions,
+        )
+    if not results:
+        problems.add("RESULT", "give a results file, or --duty FILE.yaml")
+    if repeats and len(repeats) != len(results):
+        problems.add("--repeats", f"given {len(repeats)} times for {len(results)} results")
+    problems.raise_if_any()
+    times = repeats or [1.0] * len(results)
+    return _Events([load(p) for p in results], times, [p.stem for p in results], transitions)
+
+
+def _block(run: Solution) -> Fatigue | None:
+    """Return the fatigue block of the model that a run was made of."""
+    from jousto.schema.fatigue import parse_fatigue
+
+    text = run.model_text
+    return parse_fatigue(text, f"model in {run.path.name}") if text.strip() else None
+
+
+def _checks(run: Solution, known: Fatigue | None, bodies: list[str] | None) -> list[FatigueCheck]:
+    checks = [] if known is None else list(known.checks)
+    if bodies:
+        checks = [check for check in checks if check.body in bodies]
+    if not checks:
+        raise InputError(
+            Problem(
+                str(run.path),
+                "its model has no fatigue: checks:"
+                + (" of these bodies" if bodies else "")
+                + "; give a curve, such as --sn fat71 --residue half",
+            )
+        )
+    return checks
+
+
+def named_curve(name: str, known: Fatigue | None) -> SN:
+    """Return the curve of an option: of the model, a file or the library."""
+    from jousto.parts import sn_curve
+    from jousto.schema.fatigue import read_curve
+
+    curves = {} if known is None else known.curves
+    if name in curves:
+        return curves[name]
+    if name.lower().endswith((".yaml", ".yml", ".json")):
+        return read_curve(name)
+    try:
+        return sn_curve(name)
+    except InputError:
+        hint = suggest(name, [*curves, "fat71", "fat71-en", "S355", "RQC-100"])
+        raise InputError(Problem("--sn", f"no S-N curve {name!r}{hint}")) from None
+
+
+def mean_rule(text: str) -> MeanStress:
+    """Return the mean stress correction of an option such as 'goodman 500 MPa'."""
+    from jousto.parts import FKM, SWT, Gerber, Goodman, Morrow, Soderberg, Walker
+
+    word, _, value = text.strip().partition(" ")
+    kinds: dict[str, Any] = {
+        "goodman": (Goodman, "Pa"),
+        "gerber": (Gerber, "Pa"),
+        "morrow": (Morrow, "Pa"),
+        "soderberg": (Soderberg, "Pa"),
+        "walker": (Walker, "1"),
+        "fkm": (FKM, "1"),
+        "swt": (SWT, ""),
+    }
+    kind = word.lower()
+    if kind not in kinds:
+        raise InputError(Problem("--mean", f"no rule {word!r}{suggest(kind, kinds)}"))
+    make, unit = kinds[kind]
+    if bool(unit) != bool(value.strip()):
+        example = {"Pa": f"'{kind} 500 MPa'", "1": f"'{kind} 0.2'", "": kind}[unit]
+        raise InputError(Problem("--mean", f"is {text!r}, must be such as {example}"))
+    return make() if not unit else make(amount(value, unit, "--mean"))  # type: ignore[no-any-return]
+
+
+def _draw(
+    run: Solution, field: DamageField, output: Path | None, quantity: str, vtu: Path | None
+) -> None:
+    if output is not None:
+        from jousto.output import plot_damage
+
+        plot_damage(run, field, output, quantity=quantity)
+        say(f"picture in {output}", style="green")
+    if vtu is not None:
+        from jousto.output import write_damage
+
+        say(f"for ParaView in {write_damage(run, field, vtu)}", style="green")
+
+
+def _cycles(field: DamageField, source: DutyCycle, path: Path) -> None:
+    """Draw or list the cycles of the worst place."""
+    counted = field.cycles(source)
+    if path.suffix.lower() == ".csv":
+        counted.to_csv(path)
+    else:
+        from jousto.output import plot_cycles
+
+        plot_cycles(counted, field.sn, mean=field.mean, path=path)
+    say(f"cycles of {field.worst(1)[0]} in {path}", style="green")
