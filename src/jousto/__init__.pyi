@@ -220,6 +220,9 @@ from .mechanism import (
 )
 from .output import animate as animate
 from .output import plot as plot
+from .output import (
+    plot_band as plot_band,
+)
 from .output import plot_campbell as plot_campbell
 from .output import plot_hotspots as plot_hotspots
 from .output import (

@@ -1,6 +1,7 @@
 """SHOW: plots, pictures and films of a run. matplotlib is imported with this package only."""
 
 from jousto.output.animate import animate, still
+from jousto.output.bands import plot_band
 from jousto.output.campbell import plot_campbell, plot_root_locus
 from jousto.output.certificate import write_certificate
 from jousto.output.contour import write_contour
@@ -32,6 +33,7 @@ __all__ = [
     "plot",
     "plot_campbell",
     "plot_hotspots",
+    "plot_band",
     "plot_hysteresis",
     "plot_root_locus",
     "plot_spectrum",

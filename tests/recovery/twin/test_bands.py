@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -105,7 +107,7 @@ def test_discrepancy_is_part_of_the_band(posterior: Posterior) -> None:
     np.testing.assert_allclose(shear.high, 1.959964 * 2.1e11 / 2.6 * 1e-5, rtol=1e-6)
 
 
-def test_damage_lies_within_its_band() -> None:
+def test_damage_lies_within_its_band(tmp_path: Path) -> None:
     record = shaken(11, nt=900)
     observer = twin(loads=[jo.UnknownLoad("end", "fz", rate=28.0, size=2.0, smooth=True)])
     observed = observer.run(record.time, record.e)
@@ -126,6 +128,9 @@ def test_damage_lies_within_its_band() -> None:
     assert (shortest <= found.life).all() and (found.life <= longest).all()
     np.testing.assert_allclose(found.life * found.damage, 1.8)
     assert "95 % band" in str(found)
+    lines = found.to_csv(tmp_path / "life.csv").read_text().splitlines()
+    assert len(lines) == 3 and lines[1].split(",")[0] == "e1.a.bottom"
+    assert float(lines[1].split(",")[1]) == pytest.approx(found.damage[0], rel=1e-5)
     with pytest.raises(jo.InputError, match="5 draws, must be 20 or more"):
         damage_band(smooth(observed), observer.reduced, sn, residue="half", draws=5)
 
@@ -147,3 +152,19 @@ def test_refusals(posterior: Posterior, options: dict[str, object], message: str
 def test_other_modes_are_refused(posterior: Posterior) -> None:
     with pytest.raises(jo.InputError, match="stress of 4 modes, the estimate has 3"):
         stress_band(posterior, modes_of(np.ones((2, 6, 4))))
+
+
+def test_table_and_picture(posterior: Posterior, tmp_path: Path, rng: np.random.Generator) -> None:
+    band = stress_band(posterior, modes_of(1e8 * rng.normal(size=(3, 6, 3))), "s11")
+    lines = band.to_csv(tmp_path / "band.csv").read_text().splitlines()
+    assert lines[0].split(",")[:3] == ["time s", "n0 s11 MPa", "n0 low MPa"]
+    assert float(lines[2].split(",")[1]) == pytest.approx(1e-6 * band.value[1, 0], rel=1e-6)
+    picture = jo.plot_band(
+        band, tmp_path / "band.png", sites=("n2", "n0"), truth=band.value[:, [2, 0]]
+    )
+    assert (tmp_path / "band.png").stat().st_size > 5000
+    assert [ax.get_title() for ax in picture.axes] == ["n2, s11", "n0, s11"]
+    with pytest.raises(jo.InputError, match="no place 'n7'"):
+        jo.plot_band(band, sites="n7")
+    with pytest.raises(jo.InputError, match=r"truth has shape \(6, 1\), must be \(6, 3\)"):
+        jo.plot_band(band, truth=band.value[:, :1])

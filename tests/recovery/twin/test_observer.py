@@ -350,6 +350,35 @@ def test_moving_arm_from_measured_angles(
     assert abs(mass - 3.0) < max(3 * deviation, 0.03)
 
 
+def test_floating_arm_carries_its_own_weight_and_inertia(
+    swinging: tuple[jo.Solution, jo.ReducedPart, jo.Mechanism],
+) -> None:
+    """Two gauges tell six loads of a floating arm, since they balance its reference motion."""
+    run, arm, _ = swinging
+    t = run.time
+    flat = arm.keep(arm.in_plane("xz"))
+    shape = run.bodies[0]
+    p = run.q[:, shape.q_offset + 7 : shape.q_offset + 7 + shape.n]
+    places = ("e1.b.top", "e6.b.top")
+    ground = jo.UnknownLoad("start", "fx fz my", rate=1e4, size=[200.0, 200.0, 100.0], smooth=True)
+    tip = jo.UnknownLoad("end", "fx fz", rate=1e4, size=100.0, smooth=True)
+    fixed = {"loads": [ground, tip], "step": 2e-3, "noise": 1e-7, "damping": jo.Rayleigh(0.0, 2e-4)}
+    reference = jo.Reference.from_run(run, "arm")
+    observer = jo.Observer(
+        flat, rows(flat, places), reference=reference, balance=jo.Balance(0.5, 0.5), **fixed
+    )
+    observed = smooth(observer.run(t, p @ rows(arm, places).T))
+    fx, fz, my, ex, ez = observed.loads[20:-20].T
+    # the ball of 3 kg hangs at the tip: its force from the motion of the arm's end
+    end = jo.Reference.from_run(run, "arm", node="end", reduced=arm)
+    np.testing.assert_allclose(ez, -3.0 * end.acceleration[20:-20, 2], atol=0.6)
+    # the hinge carries arm and ball: m (a - g) of the arm's centre, less the force of the ball
+    mass = flat.invariants.mass
+    centre = reference.acceleration + np.cross(reference.dw, flat.invariants.first_moment / mass)
+    np.testing.assert_allclose(fz + ez, mass * centre[20:-20, 2], atol=0.6)
+    assert np.abs(ez).max() > 30.0
+
+
 def test_reference_of_a_run_is_the_motion_itself(
     swinging: tuple[jo.Solution, jo.ReducedPart, jo.Mechanism],
 ) -> None:

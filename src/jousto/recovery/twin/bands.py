@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from scipy.special import ndtri
 from scipy.stats import qmc
 
 from jousto.errors import InputError, Problem, Problems, suggest
+from jousto.recovery.fatigue.rainflow import write_table
 from jousto.recovery.fields.criteria import Criterion, check_criterion, evaluate, weights
 from jousto.recovery.twin.posterior import Posterior
 from jousto.reduction import ReducedPart, StressModes
@@ -57,6 +59,15 @@ class Band:
         good = np.isfinite(self.low) & np.isfinite(truth)
         within = (self.low <= truth) & (truth <= self.high) & good
         return np.asarray(within.sum(axis=0) / np.maximum(good.sum(axis=0), 1))
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write time, value, low and high of every site, s and MPa."""
+        head = ["time s"]
+        for label in self.labels:
+            head += [f"{label} {self.criterion} MPa", f"{label} low MPa", f"{label} high MPa"]
+        columns = np.stack([self.value, self.low, self.high], axis=2).reshape(len(self.time), -1)
+        table = np.column_stack([self.time, 1e-6 * columns])
+        return write_table(path, head, ([f"{x:.9g}" for x in row] for row in table))
 
     def __str__(self) -> str:
         width = max(4, *(len(label) for label in self.labels))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from jousto.engine.meter import DamageMeter
 from jousto.errors import InputError, Problem
+from jousto.recovery.fatigue.rainflow import write_table
 from jousto.recovery.fields.criteria import Criterion, evaluate
 from jousto.recovery.twin.bands import _check, _pick
 from jousto.recovery.twin.observed import Observed
@@ -64,6 +66,18 @@ class DamageBand:
     def _lives(self, damage: Array) -> Array:
         endless = np.full(len(damage), np.inf)
         return np.asarray(np.divide(self.duration, damage, out=endless, where=damage > 0.0))
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write damage and life of every site with their bands."""
+        head = [
+            *("site", f"damage of {self.duration:g} s ({self.criterion}, residue {self.residue})"),
+            *("damage low", "damage high", "life h", "life low h", "life high h"),
+        ]
+        shortest, longest = self.life_band
+        numbers = [self.damage, self.low, self.high]
+        numbers += [x / 3600.0 for x in (self.life, shortest, longest)]
+        table = zip(self.labels, *numbers, strict=True)
+        return write_table(path, head, ([row[0], *(f"{x:.6g}" for x in row[1:])] for row in table))
 
     def __str__(self) -> str:
         width = max(4, *(len(label) for label in self.labels))
