@@ -102,8 +102,8 @@ def place_gauges(
     prior : float, (n,) or (n, n) array_like, optional
         As of `Reconstruction`.
     trajectory : (nt, n) array_like, optional
-        Modal coordinates of a run: its mean square over the whole motion becomes the prior, so
-        that modes count by how much they move. Not with `prior`.
+        Modal coordinates of a run, ``run.coordinates(body)[:, 7:]``: its mean square over the
+        whole motion becomes the prior, so that modes count by how much they move. Not with `prior`.
     names : sequence of str, optional
         Names of the candidates.
     positions : (nc, 3) array_like, optional
