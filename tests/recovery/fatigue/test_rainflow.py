@@ -1,5 +1,6 @@
 """Rainflow counting against the standard's text, its figures and random histories."""
 
+import sys
 from collections import Counter
 
 import numpy as np
@@ -176,6 +177,14 @@ def test_missing_rule_is_explained():
 def test_histories_that_are_none(history, sentence):
     with pytest.raises(InputError, match=sentence):
         rainflow(history, residue="half")
+
+
+def test_without_pylife_the_extra_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pylife.stress", None)
+    with pytest.raises(InputError, match=r"pip install 'jousto\[fatigue\]'"):
+        rainflow(FIGURE_6, residue="half")
+    # whole bodies are counted by the engine
+    assert rainflow(FIGURE_6, residue="half", counter=by_engine).total == 4.0
 
 
 def test_csv(tmp_path):
