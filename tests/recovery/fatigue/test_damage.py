@@ -180,6 +180,15 @@ def test_spectrum_is_the_direct_sum():
         assert spectrum.damage(f * (1 - 1e-9)) <= 1e-3 < spectrum.damage(f * (1 + 1e-9))
 
 
+def test_amplitudes_at_the_knee_and_at_the_limit_count():
+    """As in the curve itself: the knee belongs to the line above, the limit to the one below."""
+    for curve in (SN(1.0e8, 1e6, 5, "original"), SN(1.0e8, 1e6, 5, "haibach", N_cut=512e6)):
+        limit = curve.S_limit  # 50 MPa of the second: (1/2)^9 = 1/512
+        S = np.array([1.0e8, limit])
+        assert Spectrum(S, np.ones(2), curve).damage() == pytest.approx(curve.damage(S), rel=1e-12)
+        assert curve.damage(limit) > 0.0
+
+
 def test_safety_of_goodman_scales_mean_and_amplitude():
     cycles = rainflow([0.0, 80e6, 0.0], residue="repeat").times(1e4)
     rule = Goodman(500e6)

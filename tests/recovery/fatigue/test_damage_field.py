@@ -61,7 +61,26 @@ def test_pruning_loses_nothing(mean):
         assert damage(cycles, limit, mean) == 0.0
         # what is said instead of the safety is on the careful side
         assert found.safety[i] <= stress_safety(cycles, limit, mean) * (1 + 1e-9)
+    for i in np.flatnonzero(found.counted):
+        cycles = rainflow(values[:, i], residue="repeat")
+        assert found.damage[i] == pytest.approx(damage(cycles, limit, mean), rel=1e-9)
+        assert found.safety[i] == pytest.approx(stress_safety(cycles, limit, mean), rel=1e-9)
     assert "below the endurance limit" in str(found)
+
+
+def test_a_single_motion_is_pruned_at_its_largest_stress():
+    """With one mode the bound is sharp: places just above the limit are counted."""
+    S = np.zeros((5, 6, 1))
+    S[:, 0, 0] = 40e6 * np.array([0.5, 0.99, 1.01, 1.05, 1.2])
+    modes = StressModes(tuple("abcde"), np.zeros((5, 3)), np.broadcast_to(np.eye(3), (5, 3, 3)), S)
+    t = np.linspace(0, 1, 401)
+    field = field_from(modes, np.cos(20 * np.pi * t)[:, None], t)
+    limit = SN(S_D=40e6, N_D=1e6, k=5, rule="original")
+    found = damage_field(field, limit, criterion="s11", residue="half")
+    assert found.counted.tolist() == [False, False, True, True, True]
+    assert found.damage == pytest.approx(
+        10 / 1e6 * np.array([0, 0, 1.01, 1.05, 1.2]) ** 5, rel=1e-9
+    )
 
 
 def test_bounds_spare_the_stress_of_most_places(monkeypatch):
