@@ -51,6 +51,9 @@ from .mechanism import (
     Cylindrical as Cylindrical,
 )
 from .mechanism import (
+    DamageSensor as DamageSensor,
+)
+from .mechanism import (
     Displacement as Displacement,
 )
 from .mechanism import (

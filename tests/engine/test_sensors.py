@@ -521,6 +521,7 @@ def test_every_sensor_says_what_it_is():
     given = {
         "marker": beam["end"], "body": beam, "joint": hinge, "force": spring,
         "coordinate": hinge.angle, "energy": "kinetic", "signal": jo.Step(1.0), "at": "e1.a.top",
+        "sn": jo.SN(S_D=1e8, N_D=1e6, k=5), "residue": "half",
     }  # fmt: skip
     sensors = []
     for kind in SENSORS:
@@ -528,7 +529,9 @@ def test_every_sensor_says_what_it_is():
             key for key, p in inspect.signature(kind).parameters.items()
             if p.default is p.empty and key != "name"
         ]  # fmt: skip
-        sensors.append(kind(kind.__name__, *[given[key] for key in needed]))
+        sensors.append(kind(name=kind.__name__, **{key: given[key] for key in needed}))
+        if kind is jo.StressSensor:
+            given["sensor"] = sensors[-1]
     model = jo.compile(jo.Mechanism(beam, hinge, spring, jo.Gravity((0, -9.81, 0)), *sensors))
     for sensor in model.sensors:
         units = sensor.unit.split(", ")

@@ -58,6 +58,11 @@ sensors:
   - {type: energy, name: s19, energy: kinetic}
   - {type: signal, name: s20, signal: {type: step, time: 1}}
   - {type: signal, name: s21, signal: 3}
+  - {type: damage, name: s22, sensor: s12, components: "e1.a.top:s11", residue: repeat,
+     depth: 40, sn: {S_D: 100 MPa, N_D: 1e6, k: 5, rule: haibach, T_S: 1.25},
+     mean: {type: goodman, S_u: 400 MPa}}
+  - {type: damage, name: s23, sensor: s17, sn: fat71-en, residue: half, factor: 2e6,
+     resolution: 10 kPa, mean: {type: swt}}
 """
 
 
@@ -68,6 +73,7 @@ def test_sensors_equal_the_python_constructors():
     end, seat = arm["end"], slider["origin"]
     turned = jm.ground["origin"].turned(jm.Rotate((0, 0, 1), 30))
     distance = jm.Distance(end, jm.ground["origin"])
+    stress, angle = (s for s in model.sensors if s.name in ("s12", "s17"))
     expected = (
         jm.PositionSensor("s1", end, relative_to=seat),
         jm.VelocitySensor("s2", end, resolved_in=arm["start"]),
@@ -90,6 +96,20 @@ def test_sensors_equal_the_python_constructors():
         jm.EnergySensor("s19", "kinetic"),
         jm.SignalSensor("s20", jm.Step(1.0)),
         jm.SignalSensor("s21", jm.Constant(3.0)),
+        jm.DamageSensor(
+            *("s22", stress, jo.SN(100e6, 1e6, 5.0, "haibach", T_S=1.25)),
+            residue="repeat",
+            mean=jo.Goodman(400e6),
+            components="e1.a.top:s11",
+            depth=40,
+        ),
+        jm.DamageSensor(
+            *("s23", angle, jo.sn_curve("fat71-en")),
+            residue="half",
+            factor=2e6,
+            resolution=1e4,
+            mean=jo.SWT(),
+        ),
     )
     same(model.sensors, expected)
     assert {type(s) for s in model.sensors} == set(SENSORS.values())

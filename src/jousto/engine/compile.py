@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from jousto.engine.builder import Builder
 from jousto.engine.events import event_models, watched_coordinates
-from jousto.engine.measure import NOT_UNIQUE, flag_reactions, sensor_models
+from jousto.engine.measure import NOT_UNIQUE, flag_reactions, meter_models, sensor_models
 from jousto.engine.model import (
     BodyModel,
     Model,
@@ -108,6 +108,7 @@ def compile(mechanism: Mechanism) -> Model:
         coordinates=tuple(builder.coordinates),
         frictions=tuple(builder.frictions),
         events=tuple(builder.events),
+        meters=meter_models(mechanism, sensors),
     )
     return _consistent(model)
 

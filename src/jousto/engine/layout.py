@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine.callback import callback
+from jousto.engine.meter import meter_size, native_rule
 from jousto.engine.model import Model
 from jousto.engine.newton import newton_pattern
 
@@ -43,6 +44,7 @@ SENSORS = {
     "von mises": 16,
     "principal": 17,
     "friction": 18,
+    "damage": 19,
 }
 CHUNK = 4096  # scalars that are allocated together
 
@@ -164,6 +166,8 @@ class Layout:
             "nnewton": newton.reals,
             "redundant": -1 if self._strict else int(m.redundant),
             "nbreak": len(m.breaks),
+            "nmeter": len(m.meters),
+            "nmemory": sum(meter_size(meter.rule) for meter in m.meters),
             "nq": m.nq,
             "nv": m.nv,
             "nrow": m.nrow,
@@ -202,6 +206,7 @@ class Layout:
             "jo_event", [(e.output, e.direction, int(e.stop), e.threshold) for e in m.events]
         )
         model.sensor = self._sensors()
+        model.meter = self._meters()
         return model
 
     def _fill(self, kind: str, values: list[Any]) -> Any:
@@ -359,6 +364,15 @@ class Layout:
             if sensor.rows is not None:
                 n, pad = self._source.bodies[sensor.object].n, self._library.JO_PAD
                 s.rows = self._constant(_padded(sensor.rows, -(-n // pad) * pad))
+        return structs
+
+    def _meters(self) -> Any:
+        structs = self._structs("jo_meter", len(self._source.meters))
+        at = 0
+        for i, meter in enumerate(self._source.meters):
+            structs[i] = native_rule(self._ffi, meter.rule)[0]
+            structs[i].output, structs[i].factor, structs[i].at = meter.output, meter.factor, at
+            at += meter_size(meter.rule)
         return structs
 
 

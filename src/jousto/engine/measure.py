@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine.builder import Builder
-from jousto.engine.model import SensorModel
+from jousto.engine.model import MeterModel, SensorModel
 from jousto.mechanism import Marker, Mechanism
 from jousto.mechanism.coupling import Coupler
 from jousto.mechanism.friction import Friction
 from jousto.mechanism.sensors import (
     ENERGIES,
     CoordinateSensor,
+    DamageSensor,
     EnergySensor,
     ForceSensor,
     Gauge,
@@ -70,6 +71,7 @@ class Measures:
         self._forces = {id(force): i for i, force in enumerate(mechanism.forces)}
         self._frictions = {id(friction): i for i, friction in enumerate(mechanism.frictions)}
         self._frames: dict[Any, int] = {}
+        self._meters = 0
 
     def frame(self, marker: Marker | None, turns: bool = True) -> int:
         """Return the index of a frame for sensors, -1 for the world."""
@@ -110,6 +112,9 @@ class Measures:
             return Measure("energy", ENERGIES.index(sensor.energy))
         if isinstance(sensor, SignalSensor):
             return Measure("signal", self._builder.signal(sensor.signal))
+        if isinstance(sensor, DamageSensor):
+            first, self._meters = self._meters, self._meters + len(sensor.measured)
+            return Measure("damage", first)
         raise TypeError(f"no engine sensor for {type(sensor).__name__}")
 
 
@@ -143,6 +148,17 @@ def sensor_models(
         )
         offset += len(sensor.components)
     return tuple(models)
+
+
+def meter_models(mechanism: Mechanism, models: tuple[SensorModel, ...]) -> tuple[MeterModel, ...]:
+    """Return the damage meters of a mechanism; `models` are those of its sensors."""
+    offsets = {id(s): model.offset for s, model in zip(mechanism.sensors, models, strict=False)}
+    return tuple(
+        MeterModel(sensor.rule, offsets[id(sensor.sensor)] + place, sensor.factor)
+        for sensor in mechanism.sensors
+        if isinstance(sensor, DamageSensor)
+        for place in sensor.places
+    )
 
 
 def flag_reactions(

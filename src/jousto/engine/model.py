@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from jousto.engine.ordering import Elimination
 from jousto.reduction import StressModes
+from jousto.mechanism.sensors.rule import MeterRule
 
 Array = NDArray[np.float64]
 
@@ -229,6 +230,15 @@ class SensorModel:
     frame: int = -1
 
 
+@dataclass(frozen=True)
+class MeterModel:
+    """A damage meter that counts the sensor value at place `output`, times factor."""
+
+    rule: MeterRule
+    output: int
+    factor: float
+
+
 @dataclass(frozen=True, eq=False)
 class Shape:
     """What a body looks like, for pictures: nodes (nn, 3) m, elements, modes (nn, 3, n).
@@ -264,6 +274,8 @@ class Model:
         One for each body.
     size : float
         Size of the mechanism, m; constraints are closed to 1e-12 of it.
+    meters : tuple
+        Damage meters, sensor after sensor.
     redundant : bool
         Rows repeat one another; the multipliers are those of least norm.
     """
@@ -286,6 +298,7 @@ class Model:
     frictions: tuple[FrictionModel, ...] = ()
     events: tuple[EventModel, ...] = ()
     redundant: bool = False
+    meters: tuple[MeterModel, ...] = ()
 
     @property
     def nq(self) -> int:

@@ -20,6 +20,7 @@ from jousto.engine.failures import (
     failure,
 )
 from jousto.engine.layout import Layout
+from jousto.engine.meter import meter_size
 from jousto.engine.model import Model
 from jousto.errors import InputError, Problem, SimulationError
 
@@ -113,6 +114,8 @@ class Engine:
         self.rub = self._view(self._library.jo_data_rub(data), frictions)
         self.slip = self._view(self._library.jo_data_slip(data), len(model.frictions), np.intc)
         self.happened = self._view(self._library.jo_data_happened(data), len(model.events), np.intc)
+        memory = sum(meter_size(meter.rule) for meter in model.meters)
+        self.meters = self._view(self._library.jo_data_memory(data), memory, np.float64)
         self.counts = self._view(self._library.jo_data_counts(data), 6, np.longlong)
         self.row_size = int(self._library.jo_row_size(self._model))
         self._count = self._ffi.new("long long *", 0)
@@ -339,6 +342,16 @@ class Engine:
         for name, value in options.items():
             setattr(solver, name, value)
         return solver
+
+    def meters_valid(self, memory: NDArray[np.float64]) -> bool:
+        """Return whether numbers may be the memory of this model's damage meters."""
+        values = np.ascontiguousarray(memory, dtype=np.float64)
+        start = self._ffi.cast("double *", values.ctypes.data)
+        rules = [self._model.meter[i] for i in range(len(self.model.meters))]
+        return all(
+            self._library.jo_meter_valid(self._ffi.addressof(rule), start + rule.at)
+            for rule in rules
+        )
 
     # -- errors -----------------------------------------------------------------------------
 

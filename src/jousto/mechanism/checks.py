@@ -20,6 +20,7 @@ from jousto.mechanism.marker import Marker
 from jousto.mechanism.moving import MovingLoad
 from jousto.mechanism.sensors import (
     SENSORS,
+    DamageSensor,
     ForceSensor,
     Gauge,
     ModalSensor,
@@ -163,6 +164,8 @@ def check_members(problems: Problems, mechanism: Mechanism) -> None:
         if isinstance(item, ForceSensor):
             forces = (*mechanism.forces, *mechanism.frictions)
             check_member(problems, item, item.force, forces)
+        if isinstance(item, DamageSensor):
+            check_member(problems, item, item.sensor, mechanism.sensors)
 
 
 def check_member(problems: Problems, item: Any, used: Any, known: tuple[Any, ...]) -> None:

@@ -423,12 +423,8 @@ class Builder:
         known = {"bodies": by_name, "joints": free, "couplings": {}, "forces": {}}
         known["curves"] = self.curves
 
-        def sensed(early: bool) -> list[tuple[Loc, Any]]:
-            return listed(
-                "sensors",
-                lambda at, e: build_sensor(self, at, e, known),
-                lambda e: (e.name not in late) == early,
-            )
+        def sensed(now: Callable[[Any], bool]) -> list[tuple[Loc, Any]]:
+            return listed("sensors", lambda at, e: build_sensor(self, at, e, known), now)
 
         def watched(early: bool) -> list[tuple[Loc, Any]]:
             return listed(
@@ -437,7 +433,7 @@ class Builder:
                 lambda e: watches_late(e, late) != early,
             )
 
-        sensors = sensed(True)
+        sensors = sensed(lambda e: e.name not in late)
         known["sensors"] = named(sensors)
         events = watched(True)
         self.events = named(events)
@@ -447,7 +443,13 @@ class Builder:
         frictions = listed("frictions", lambda at, e: build_friction(self, at, e, free))
         known |= {"couplings": named(couplings), "forces": named(loads)}
         known["frictions"] = named(frictions)
-        sensors = sorted(sensors + sensed(False))
+        sensors += sensed(lambda e: e.name in late and e.type != "damage")
+        known["sensors"] = named(sensors)
+        measured = [e.name for e in entry.sensors or () if e.type in FLEXIBLE_ONLY]
+        sensors += sensed(  # what they count may be gone
+            lambda e: e.type == "damage" and not (self.rigid and e.sensor in measured)
+        )
+        sensors.sort()
         known["sensors"] = named(sensors)
         events = sorted(events + watched(False))
         items = [*bodies, *joints, *couplings, *loads, *frictions, *sensors, *events]

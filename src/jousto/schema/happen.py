@@ -14,8 +14,9 @@ from jousto.schema.units import KINDS
 if TYPE_CHECKING:
     from jousto.schema.build import Builder
 
-# sensors that stand on forces, couplings or signals, which events may switch: they come after
-LATE = ("force", "signal")
+# sensors that stand on forces, couplings or signals, which events may switch, or on other sensors:
+# they come after
+LATE = ("force", "signal", "damage")
 
 
 def is_late(entry: Any, joints: dict[str, Any]) -> bool:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from jousto import mechanism as jm
 from jousto.mechanism.sensors import BODY_SENSORS
 from jousto.schema.connect import build_coordinate, build_signal
+from jousto.schema.curves import build_curve, build_mean
 from jousto.schema.document import Loc
 from jousto.schema.entries import Entry
 
@@ -31,6 +32,7 @@ SENSORS: dict[str, Any] = {
     "rate": jm.RateSensor,
     "energy": jm.EnergySensor,
     "signal": jm.SignalSensor,
+    "damage": jm.DamageSensor,
 }
 FLEXIBLE_ONLY = tuple(key for key, kind in SENSORS.items() if kind in BODY_SENSORS)
 # keys that name something, the sections where it may stand, and what it is called
@@ -38,6 +40,7 @@ NAMES = {
     "body": (("bodies",), "body"),
     "joint": (("joints", "couplings"), "joint"),
     "force": (("forces", "frictions"), "force"),
+    "sensor": (("sensors",), "sensor"),
 }
 
 
@@ -63,6 +66,10 @@ def build_sensor(builder: Builder, loc: Loc, entry: Any, known: dict[str, dict[s
                 builder.unknown(
                     (*loc, key), sections, kind, name, [n for s in sections for n in known[s]]
                 )
+    if "sn" in values:
+        values["sn"] = build_curve(builder, (*loc, "sn"), values["sn"], known.get("curves", {}))
+    if "mean" in values:
+        values["mean"] = build_mean(builder, (*loc, "mean"), values["mean"])
     if "sites" in values and getattr(values.get("body"), "reduced", None) is not None:
         stress = values["body"].reduced.stress
         values["sites"] = tuple(

@@ -7,7 +7,9 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import BaseModel, Discriminator, Field, Tag
 
 from jousto.schema.connections import CoordinateEntry
+from jousto.schema.curves import MeanEntry, SNOrName
 from jousto.schema.entries import (
+    Count,
     Direction,
     Entry,
     Length,
@@ -173,6 +175,34 @@ class SignalSensorEntry(Entry):
     signal: SignalOrNumber
 
 
+Components: TypeAlias = Annotated[
+    Annotated[Text, Tag("scalar")] | Annotated[tuple[Text, ...], Tag("list")], by_form()
+]
+
+
+class DamageSensorEntry(Entry):
+    """`DamageSensor`: fatigue damage of what another sensor measures."""
+
+    type: Literal["damage"]
+    name: Text
+    sensor: Text = Field(description="Name of a sensor of stress")
+    sn: SNOrName = Field(description="S-N curve: such as fat71, a name of the library, or values")
+    residue: Literal["half", "repeat", "ignore"] = Field(
+        description="How what the rainflow count leaves over counts"
+    )
+    mean: MeanEntry | None = Field(None, description="Mean stress correction; none if not given")
+    components: Components | None = Field(
+        None, description="Of the sensor; all of them if not given"
+    )
+    factor: Annotated[
+        Number | None, Field(description="Stress in Pa for a value of 1; needed but for Pa")
+    ] = None
+    depth: Annotated[Count | None, Field(description="Turning points remembered, 32")] = None
+    resolution: Annotated[
+        Pressure | None, Field(description="Samples are rounded to multiples of it; 0")
+    ] = None
+
+
 SensorEntry: TypeAlias = Annotated[
     Annotated[MotionSensorEntry, Tag("position")]
     | Annotated[MotionSensorEntry, Tag("velocity")]
@@ -190,6 +220,7 @@ SensorEntry: TypeAlias = Annotated[
     | Annotated[CoordinateSensorEntry, Tag("coordinate")]
     | Annotated[RateSensorEntry, Tag("rate")]
     | Annotated[EnergySensorEntry, Tag("energy")]
-    | Annotated[SignalSensorEntry, Tag("signal")],
+    | Annotated[SignalSensorEntry, Tag("signal")]
+    | Annotated[DamageSensorEntry, Tag("damage")],
     tagged(),
 ]

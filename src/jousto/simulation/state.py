@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine import Engine, Model
+from jousto.engine.meter import meter_size
 from jousto.errors import Problems
 
 Array = NDArray[np.float64]
@@ -39,6 +40,8 @@ class State:
         Values of external inputs by name; those not named keep their initial value.
     work : (3,) array, optional
         Energy lost to damping and friction and work done so far, J; None starts from zero.
+    meters : array, optional
+        What the damage meters remember; None starts them anew.
     """
 
     q: Array
@@ -53,6 +56,7 @@ class State:
     happened: Array | None = None
     inputs: Mapping[str, float] | None = None
     work: Array | None = None
+    meters: Array | None = None
 
     def __repr__(self) -> str:
         return f"<State at {self.time:g} s: {len(self.q)} positions, {len(self.v)} velocities>"
@@ -67,6 +71,7 @@ MEMORY = {
     "direction": ("1", "direction of slip"),
     "happened": ("1", "how often each event has happened"),
     "input": ("1", "values of the external inputs"),
+    "meters": ("1", "memory of the damage meters"),
 }
 
 
@@ -93,6 +98,11 @@ def put(engine: Engine, state: State, where: str) -> None:
         if given.shape != room.shape:
             found = f"{given.size} {name}" if name.endswith("s") else f"'{name}' of {given.size}"
             problems.add(where, f"state has {found}, the model {room.size}; take one of this model")
+        elif name == "meters":  # damage may be infinite
+            if engine.meters_valid(given):
+                room[:] = given
+            else:
+                problems.add(where, "the meters of the state are not those of damage sensors")
         elif not np.isfinite(given).all():
             problems.add(where, f"the {name} of the state are not finite")
         else:
@@ -132,4 +142,5 @@ def memory_sizes(model: Model) -> dict[str, int]:
         "direction": 2 * len(model.frictions),
         "happened": len(model.events),
         "input": len(model.inputs),
+        "meters": sum(meter_size(meter.rule) for meter in model.meters),
     }

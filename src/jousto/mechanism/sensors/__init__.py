@@ -15,6 +15,7 @@ from jousto.mechanism.sensors.body import (
     StressSensor,
     VonMisesSensor,
 )
+from jousto.mechanism.sensors.damage import DamageSensor
 from jousto.mechanism.sensors.gauge import Gauge, gauge_rows
 from jousto.mechanism.sensors.loads import ForceSensor, ReactionSensor
 from jousto.mechanism.sensors.motion import (
@@ -36,7 +37,9 @@ from jousto.mechanism.sensors.readings import (
 
 BodySensor: TypeAlias = ModalSensor | SiteSensor | Gauge
 Reading: TypeAlias = CoordinateSensor | RateSensor | EnergySensor | SignalSensor
-Sensor: TypeAlias = MotionSensor | BodySensor | ReactionSensor | ForceSensor | Reading
+Sensor: TypeAlias = (
+    MotionSensor | BodySensor | ReactionSensor | ForceSensor | Reading | DamageSensor
+)
 MOTION_SENSORS: tuple[type[MotionSensor], ...] = (
     PositionSensor,
     VelocitySensor,
@@ -54,7 +57,7 @@ BODY_SENSORS: tuple[type[BodySensor], ...] = (
 )
 SENSORS: tuple[type[Sensor], ...] = (
     *(*MOTION_SENSORS, *BODY_SENSORS, ReactionSensor, ForceSensor),
-    *(CoordinateSensor, RateSensor, EnergySensor, SignalSensor),
+    *(CoordinateSensor, RateSensor, EnergySensor, SignalSensor, DamageSensor),
 )
 
 __all__ = [
@@ -67,6 +70,7 @@ __all__ = [
     "AngularVelocitySensor",
     "BodySensor",
     "CoordinateSensor",
+    "DamageSensor",
     "EnergySensor",
     "ForceSensor",
     "Gauge",
