@@ -227,6 +227,7 @@ from .output import (
     plot_band as plot_band,
 )
 from .output import plot_campbell as plot_campbell
+from .output import plot_friction_stress as plot_friction_stress
 from .output import plot_hotspots as plot_hotspots
 from .output import (
     plot_hysteresis as plot_hysteresis,
@@ -382,6 +383,9 @@ from .recovery import (
     Envelope as Envelope,
 )
 from .recovery import (
+    FrictionStress as FrictionStress,
+)
+from .recovery import (
     HotSpot as HotSpot,
 )
 from .recovery import (
@@ -397,10 +401,16 @@ from .recovery import (
     field_from as field_from,
 )
 from .recovery import (
+    friction_stress as friction_stress,
+)
+from .recovery import (
     hot_spots as hot_spots,
 )
 from .recovery import (
     stress_field as stress_field,
+)
+from .recovery import (
+    without_friction as without_friction,
 )
 from .recovery.fatigue.contact import (
     HertzContact as HertzContact,

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine.ordering import Elimination
-from jousto.reduction import StressModes
 from jousto.mechanism.sensors.rule import MeterRule
+from jousto.reduction import StressModes
 
 Array = NDArray[np.float64]
 

@@ -8,6 +8,7 @@ from jousto.output.contour import write_contour
 from jousto.output.cycles import plot_cycles, plot_sn
 from jousto.output.damage import plot_damage, write_damage
 from jousto.output.draw import draw
+from jousto.output.friction import plot_friction_stress
 from jousto.output.hotspots import plot_hotspots, write_hotspots
 from jousto.output.hysteresis import plot_hysteresis, plot_spectrum
 from jousto.output.mbdyn import write_fem
@@ -35,6 +36,7 @@ __all__ = [
     "plot_hotspots",
     "plot_band",
     "plot_hysteresis",
+    "plot_friction_stress",
     "plot_root_locus",
     "plot_spectrum",
     "plot_stress",

@@ -11,6 +11,12 @@ from jousto.recovery.fields import (
     stress_field,
     von_mises,
 )
+from jousto.recovery.friction import (
+    FrictionStress,
+    Transition,
+    friction_stress,
+    without_friction,
+)
 from jousto.recovery.hotspots import HotSpot, HotSpots, hot_spots
 from jousto.recovery.shape import find_body, positions, rotation_matrices
 from jousto.recovery.stress import Peak, peak, stress, surface_stress
@@ -20,14 +26,17 @@ __all__ = [
     "Envelope",
     "HotSpot",
     "HotSpots",
+    "FrictionStress",
     "Peak",
     "Plane",
     "StressField",
+    "Transition",
     "criteria",
     "evaluate",
     "field_from",
     "find_body",
     "hot_spots",
+    "friction_stress",
     "peak",
     "positions",
     "rotation_matrices",
@@ -35,4 +44,5 @@ __all__ = [
     "stress_field",
     "surface_stress",
     "von_mises",
+    "without_friction",
 ]

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from jousto.engine import Engine, Model
 
+FRICTION_CHANGES = ("sticks", "slips forward", "slips backward")  # 0, 1, -1 of the engine's log
+
 
 @dataclass(frozen=True)
 class Happening:
@@ -25,12 +27,15 @@ class Happening:
         of friction, along its coordinate.
     count : int
         The first, second ... time since the model started.
+    joint : str
+        Of friction, the joint that it acts in.
     """
 
     time: float
     name: str
     change: str
     count: int
+    joint: str = ""
 
     def __str__(self) -> str:
         return f"{self.time:.9g} s: {self.name} {self.change}, {ordinal(self.count)} time"
@@ -52,11 +57,17 @@ def sources(model: Model) -> list[str]:
     )
 
 
+def joints_of(model: Model) -> list[str]:
+    """Return the joints of the `sources` that are frictions, empty names for events."""
+    joints = [model.joints[friction.joint].name for friction in model.frictions]
+    return [*("" for _ in model.events), *joints][: len(sources(model))]
+
+
 def change_of(is_event: bool, value: int) -> str:
     """Return what a value of the engine's log means."""
     if is_event:
         return "rising" if value > 0 else "falling"
-    return {0: "sticks", 1: "slips forward"}.get(value, "slips backward")
+    return FRICTION_CHANGES[1 if value > 0 else -1 if value < 0 else 0]
 
 
 class Chronicle:
@@ -83,11 +94,17 @@ class Chronicle:
         return out
 
 
-def happenings(rows: NDArray[np.float64], names: list[str], events: int) -> tuple[Happening, ...]:
+def happenings(
+    rows: NDArray[np.float64], names: list[str], events: int, joints: list[str]
+) -> tuple[Happening, ...]:
     """Return the entries of a `Chronicle` in words; the first `events` names are of events."""
     return tuple(
         Happening(
-            float(time), names[int(source)], change_of(source < events, int(value)), int(count)
+            float(time),
+            names[int(source)],
+            change_of(source < events, int(value)),
+            int(count),
+            joints[int(source)],
         )
         for time, source, value, count in rows
     )

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from jousto import __version__
 from jousto.engine import Model
 from jousto.errors import InputError, Problem
-from jousto.simulation.events import sources
+from jousto.simulation.events import joints_of, sources
 from jousto.simulation.image import SparseImage
 from jousto.simulation.state import MEMORY, memory_sizes
 from jousto.simulation.stress import stress_arrays
@@ -253,6 +253,7 @@ def _describe_events(file: h5py.File, model: Model) -> list[Place]:
         dataset.attrs["description"] = description
         made.append(dataset)
     file["events/names"] = np.array([name.encode() for name in names])
+    file["events/joints"] = np.array([name.encode() for name in joints_of(model)])
     file["events"].attrs["events"] = len(model.events)  # the names after them are of frictions
     file.flush()
     return [Place(dataset.id.get_offset(), 0, 1) for dataset in made]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from jousto.engine import Engine, Model
 from jousto.engine.failures import EVENT
 from jousto.errors import InputError, Problem, Problems, SimulationError, suggest
-from jousto.simulation.events import Chronicle, Happening, happenings, sources
+from jousto.simulation.events import Chronicle, Happening, happenings, joints_of, sources
 from jousto.simulation.solver import ROS2, SOLVERS, Solver
 from jousto.simulation.state import State, put, take
 
@@ -127,7 +127,9 @@ class Simulator:
             left = goal - engine.steps_done
             status, _ = engine.run(self._native, left, 1 << 62, self._rows)
             names = sources(self.model)
-            self.events += happenings(self._chronicle.read(), names, len(self.model.events))
+            self.events += happenings(
+                self._chronicle.read(), names, len(self.model.events), joints_of(self.model)
+            )
             if status == EVENT:
                 self.stopped = self.model.events[engine.error_index].name
                 return

@@ -231,7 +231,10 @@ class Solution:
             count = int(table["rows"][()])
             columns = [table[name][:count] for name, _, _ in EVENT_COLUMNS]
             names = [name.decode() for name in table["names"][()]]
-            return happenings(np.stack(columns, axis=1), names, int(table.attrs["events"]))
+            joints = [""] * len(names)
+            if "joints" in table:
+                joints = [name.decode() for name in table["joints"][()]]
+            return happenings(np.stack(columns, axis=1), names, int(table.attrs["events"]), joints)
 
     def state(self, time: float = -1.0) -> State:
         """Return the state at a stored instant, from which `simulate` can go on.
