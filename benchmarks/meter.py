@@ -6,7 +6,11 @@ three, and a sine are counted; pyLife counts the same histories, all at once, wh
 
 from __future__ import annotations
 
+import shutil
+import subprocess
+import tempfile
 import time
+from pathlib import Path
 
 import numpy as np
 
@@ -102,7 +106,51 @@ def in_engine(steps: int = 20_000) -> None:
     print(f"a step of the engine {plain:.0f} ns, with a damage sensor {metered:.0f} ns")
 
 
+PROGRAM = """
+#include "jousto.h"
+#include <math.h>
+#include <stdlib.h>
+int main(int n, char **a)
+{
+    static double memory[JO_METER + 64];
+    jo_meter r = {0};
+    unsigned seed = 1;
+    r.depth = 64; r.amplitude = 1e8; r.cycles = 1e6; r.slope = r.below = 5.0;
+    for (int i = 0; i < 100000; i++) {
+        seed = seed * 1664525u + 1013904223u;
+        double x = n > 1 && atoi(a[1]) ? 1e8 * sin(0.0628 * i) : (seed >> 8) * 10.0;
+        if (n > 2) jo_meter_push(&r, memory, &x, 1);
+        else memory[0] += x;
+    }
+    return memory[5] < 0.0;
+}
+"""
+
+
+def instructions() -> None:
+    """Instructions per sample, which repeat exactly on any machine: needs cc and valgrind."""
+    if not (shutil.which("cc") and shutil.which("valgrind")):
+        print("no cc or valgrind: instructions are not counted")
+        return
+    engine = Path(__file__).parents[1] / "engine"
+    with tempfile.TemporaryDirectory() as folder:
+        source, program = Path(folder) / "count.c", Path(folder) / "count"
+        source.write_text(PROGRAM, encoding="utf-8")
+        build = ["cc", "-O3", "-std=c99", f"-I{engine}", source, engine / "meter.c", "-o", program]
+        subprocess.run([*build, "-lm"], check=True)
+
+        def count(*given: str) -> int:
+            tool = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={folder}/out"]
+            done = subprocess.run([*tool, program, *given], capture_output=True, text=True)
+            return int(done.stderr.split("Collected :")[1].split()[0])
+
+        for name, kind in (("noise", "0"), ("sine, 100 samples a period", "1")):
+            bare = count(kind) if kind == "1" else count()
+            print(f"{name:<28} {(count(kind, 'count') - bare) / 1e5:.0f} instructions per sample")
+
+
 if __name__ == "__main__":
+    instructions()
     single()
     one_by_one()
     many()

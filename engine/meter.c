@@ -100,11 +100,10 @@ static int make_room(const jo_meter *r, double *m, int n)
     return n - 2;
 }
 
-static int is_cycle(const double *z)   /* the inner two of four points */
+/* the inner two of four turning points lie within the outer two; the last has to reach the second for that */
+static int is_cycle(const double *z)
 {
-    const double low = z[0] < z[3] ? z[0] : z[3], high = z[0] < z[3] ? z[3] : z[0];
-    const double inner_low = z[1] < z[2] ? z[1] : z[2], inner_high = z[1] < z[2] ? z[2] : z[1];
-    return low <= inner_low && inner_high <= high;
+    return z[3] > z[2] ? z[3] >= z[1] && z[0] <= z[2] : z[3] <= z[1] && z[0] >= z[2];
 }
 
 /* one sample; closed cycles go to `cycles` if it is not 0, their number is returned */
