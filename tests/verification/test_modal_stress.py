@@ -208,6 +208,33 @@ def test_what_fewer_modes_leave_out_is_kept() -> None:
         assert abs(total[k, 0, 2]) == pytest.approx(7850 * B * H * L**2 / (2 * W), rel=1e-3)
 
 
+def test_what_free_modes_leave_out() -> None:
+    """Modes and residual of a free part together are the stress of inertia relief."""
+    part = beam()
+    tip = part.load(jo.NodalForce("end", (3.0, 2.0, -1.0), (0.1, 0.2, 0.3)))
+    reduced = jo.reduce(part, jo.FreeFree(modes=3), residual_stress={"tip": tip})
+    assert reduced.stress is not None and part.stress is not None
+    residual = reduced.stress.residual
+    assert residual is not None
+    total = (reduced.stress.modes @ residual.static + residual.columns)[:, :, -1]
+    exact = part.stress.evaluate(jo.inertia_relief(part, tip).displacements[:, 0])
+    np.testing.assert_allclose(total, exact, atol=1e-8 * np.abs(exact).max())
+    assert np.abs(residual.columns[:, :, -1]).max() > 0.1 * np.abs(exact).max()
+    # rigid accelerations leave nothing: inertia relief balances them
+    rigid = np.abs(residual.columns[:, :, :6]).max()
+    assert (
+        rigid
+        < 1e-7
+        * np.abs(
+            part.stress.evaluate(
+                np.linalg.lstsq(
+                    part.K.toarray(), np.asarray(part.M @ part.rigid_modes()), rcond=None
+                )[0]
+            )
+        ).max()
+    )
+
+
 def test_residual_stress_is_saved(tmp_path: Path) -> None:
     part = jo.Part.beam(L, jo.Rectangle(B, H), 2, STEEL)
     tip = part.load(jo.NodalForce("end", (0, 0, -1.0)))
