@@ -19,6 +19,7 @@ from jousto.engine.model import (
 from jousto.engine.native import Engine, SingularJoints
 from jousto.engine.ordering import eliminate
 from jousto.engine.redundancy import check_closed, repeated_rows
+from jousto.engine.start import quiet_velocities
 from jousto.errors import warn
 from jousto.mechanism import (
     CoordinateSensor,
@@ -40,8 +41,10 @@ SYMMETRIC = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))  # xx yy zz yz xz x
 def compile(mechanism: Mechanism) -> Model:
     """Turn a mechanism into the flat arrays of the engine, with a consistent initial state.
 
-    Small gaps at joints are closed and the initial velocities made consistent by projection in
-    the mass metric.
+    Small gaps at joints are closed by projection in the mass metric. Initial velocities that do
+    not fit the joints and drives are changed by rigid motions as far as these can, by those of
+    least kinetic energy, and by elastic rates only where they must: a machine whose drives move
+    from the start starts as the rigid mechanism moves, without a blow to its modes.
 
     Parameters
     ----------
@@ -277,8 +280,9 @@ def _consistent(model: Model) -> Model:
                     "(taken: that of the reactions of least norm); free a motion of the loop or "
                     "let a body be flexible",
                 )
+    quiet = quiet_velocities(model, engine, given)
     model.q0[:] = engine.q
-    model.v0[:] = engine.v
+    model.v0[:] = engine.v if quiet is None else quiet
     model.q0.setflags(write=False)
     model.v0.setflags(write=False)
     scale = max(1.0, float(np.abs(given).max(initial=0.0)))
