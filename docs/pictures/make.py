@@ -54,6 +54,7 @@ WIDTHS = {  # pixels
     "link_arm_mesh.png": 800,
     "link_arm_mode.png": 800,
     "link_arm_still.png": 800,
+    "hotspots_von_mises.png": 900,
 }
 
 
@@ -61,6 +62,7 @@ SMOOTH = (
     "link_arm_still.png",
     "link_arm_mesh.png",
     "link_arm_mode.png",
+    "hotspots_von_mises.png",
 )  # lit surfaces need more colours
 
 

@@ -75,5 +75,14 @@ def test_peaks_of_sensors_and_of_the_surface() -> None:
     assert (row[0], float(row[1])) == ("bar", pytest.approx(1e6 * p.max(), rel=1e-4))
     assert float(row[2]) == pytest.approx(run.time[p.argmax()])
     assert "von Mises on the surface at (1000," in text
+    # from a later time on, and beams
+    code, text = call("peaks", run.path, "--from", "50 ms", "--to", "0.1 s")
+    within = (run.time > 0.05) & (run.time < 0.1 + 1e-9)
+    assert float(text.splitlines()[-1].split()[1]) == pytest.approx(1e6 * p[within].max(), rel=1e-4)
+    code, text = call("peaks", swing().path)
+    worst = jo.hot_spots(swing(), count=1)[0]
+    assert f"von Mises in {worst.site} at (500, 0, 10) mm" in text
+    code, text = call("peaks", run.path, "--from", "5 s")
+    assert (code, "no instant from 5" in text) == (2, True)
     code, text = call("peaks", swing().path, "tipp")
     assert (code, "did you mean 'tip'?" in text) == (2, True)

@@ -81,4 +81,5 @@ def test_refuses_clearly(tmp_path: Path) -> None:
     code, text = call("hotspots", run.path, "--from", "3 s")
     assert (code, "no instant from 3" in text) == (2, True)
     code, text = call("hotspots", run.path, "--csv", tmp_path / "a.txt")
-    assert (code, "must end with .csv" in text) == (2, True)
+    assert (code, "'.txt' is not a format to write here; known: .csv" in text) == (2, True)
+    assert "certified" not in text  # told before the search

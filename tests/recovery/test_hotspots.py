@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
+import sys
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -104,7 +107,7 @@ def test_finds_what_brute_force_finds(criterion: Any, extreme: str) -> None:
 @given(
     seed=st.integers(0, 10_000),
     ns=st.integers(1, 40),
-    nt=st.sampled_from([1, 2, 15, 16, 17, 64, 65, 66, 257, 400]),
+    nt=st.sampled_from([1, 2, 15, 16, 17, 127, 128, 129, 130, 257, 400]),
     n=st.integers(1, 9),
     case=st.sampled_from(CASES),
     apart=st.sampled_from([0.0, 0.3, 3.0]),
@@ -170,17 +173,20 @@ def test_a_bound_that_is_too_low_is_caught(monkeypatch: pytest.MonkeyPatch) -> N
     """With bounds of nine tenths the same checks see that places are missed."""
     field = random_field(11, 300, 700, 5)
     sought = measure("von-mises")
-    expected, best = brute_force(field, sought, 20, 0.0)
+    expected, _ = brute_force(field, sought, 20, 0.0)
     whole = bounds.Search.whole
     monkeypatch.setattr(bounds.Search, "whole", lambda self: 0.9 * whole(self))
-    # one place of which the bound over the run is tight: a single mode, a lone peak
-    S = np.zeros((3, 6, 1))
-    S[:, 0, 0] = 100.0, 99.0, 95.0
-    p = np.array([[1.0], [-1.0], [1.0]])
-    work = bounds.prepare(S, p, sought)
-    assert np.any(work.whole() < 95.0)
+    # a loose bound first, a tight one second: the second place is the worse one
+    S = np.zeros((2, 6, 2))
+    S[0, 0], S[1, 0] = (95.0, 95.0), (96.0, 0.0)
+    p = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    importlib.import_module("jousto.recovery.hotspots.search")
+    monkeypatch.setattr(sys.modules["jousto.recovery.hotspots.search"], "FIRST", 1)
+    low = search(S, p, np.eye(2, 3), sought, count=1)
+    assert (low.ranked[0], low.certificate.bound) == (95.0, pytest.approx(0.9 * 96.0))
     monkeypatch.setattr(bounds.Search, "whole", whole)
-    assert np.all(bounds.prepare(S, p, sought).whole() >= [100.0, 99.0, 95.0])
+    good = search(S, p, np.eye(2, 3), sought, count=1)
+    assert (good.ranked[0], good.certificate.bound) == (96.0, 95.0)
     # chords: a window whose strays are left out misses what happens between its knots
     monkeypatch.setattr(bounds.Windows, "strays", lambda *_: 0.0)
     monkeypatch.setattr(bounds.Windows, "strays_of_pairs", lambda *_: 0.0)
@@ -242,11 +248,46 @@ def test_refuses_clearly() -> None:
         hot_spots(7)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="no instant from 5"):
         hot_spots(field, start=5.0)
-    A = np.tile(np.eye(3), (40, 1, 1))
+    A = np.tile([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], (40, 1, 1))
     world = field_from(field.modes, field.p, field.time, A=A)
     with pytest.raises(InputError, match="world axes turns with the body"):
         hot_spots(world, criterion="s11")
-    assert len(hot_spots(world, count=2)) == 2
+    here, there = hot_spots(field, count=1)[0], hot_spots(world, count=1)[0]
+    assert there.value == pytest.approx(here.value, rel=1e-12)
+    assert there.tensor[:2] == pytest.approx(here.tensor[1::-1], rel=1e-12)  # turned about z
+
+
+def test_coordinates_without_numbers_are_refused_with_their_time() -> None:
+    field = random_field(0, 5, 40, 3)
+    p = np.array(field.p)
+    p[[17, 30], 1] = np.nan
+    with pytest.raises(InputError, match=r"coordinate 2 is nan at 0.435.* s, instant 17, .* of 2"):
+        field_from(field.modes, p, field.time)
+
+
+def test_bodies_are_ranked_together() -> None:
+    """The worst of all bodies; what is left out of one is bounded by the others, too."""
+    fields = [replace(random_field(seed, 30, 100, 3), name=f"b{seed}") for seed in (1, 2, 3)]
+    found = hot_spots(fields, count=4, separation=0.1)
+    apart = [brute_force(field, measure("von-mises"), 4, 0.1)[0] for field in fields]
+    expected = np.sort(np.concatenate(apart))[::-1]
+    assert np.allclose([spot.value for spot in found], expected[:4], rtol=1e-12)
+    assert found.bound >= expected[4] * (1 - 1e-12)
+    assert found.certified
+    assert [spot.rank for spot in found] == [1, 2, 3, 4]
+    assert "body" in str(found)
+    assert np.abs(found.history(0)).max() == pytest.approx(found[0].value, rel=1e-12)
+
+
+def test_says_when_the_start_is_the_worst() -> None:
+    field = random_field(4, 20, 400, 3)
+    decay = np.exp(-200.0 * field.time)[:, None]
+    started = hot_spots(field_from(field.modes, decay * field.p, field.time), count=3)
+    assert started.early == pytest.approx(0.05)
+    assert "first 0.05 s" in started.advice()
+    growing = hot_spots(field_from(field.modes, field.p / decay, field.time), count=3)
+    assert growing.early is None
+    assert growing.advice() == ""
 
 
 def test_invariants_of_strain() -> None:

@@ -66,6 +66,7 @@ def hotspots(
     apart = 0.0 if separation is None else amount(separation, "m", "--separation")
     first, last = instant(start, "--from"), instant(end, "--to")
     sought = plane_or_name(criterion)
+    check_targets({csv: ("csv",), histories: ("csv", "h5"), vtu: ("vtu",), output: ()})
     run = load(result)
     source = run
     if strain:
@@ -97,6 +98,15 @@ def hotspots(
         from jousto.output import write_hotspots
 
         say(f"for ParaView in {write_hotspots(run, found, vtu)}", style="green")
+
+
+def check_targets(targets: dict[Path | None, tuple[str, ...]]) -> None:
+    """Refuse files that cannot be written before the search; no endings stand for pictures."""
+    for path, endings in targets.items():
+        if path is not None:
+            from jousto.output.style import PICTURES, target
+
+            target(path, endings or PICTURES)
 
 
 def plane_or_name(text: str) -> str | Plane:

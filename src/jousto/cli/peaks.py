@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from jousto.cli.options import Debug, Result, app
+from jousto.cli.options import Debug, From, Result, To, app, instant
 from jousto.cli.terminal import command, say
 from jousto.errors import InputError, Problem, suggest
 
@@ -23,15 +23,18 @@ def peaks(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="[NAME]...", help="Sensors; all if none.")
     ] = None,
+    start: From = None,
+    end: To = None,
     debug: Debug = False,
 ) -> None:
-    """List the smallest and largest value of sensors, and the largest stress of solids."""
+    """List the smallest and largest value of sensors, and the largest stress of bodies."""
     from jousto.simulation import load
 
     run = load(result)
-    rows: list[tuple[str, ...]] = [HEAD, *sensor_peaks(run, tuple(names or run.sensors))]
+    span = instant(start, "--from"), instant(end, "--to")
+    rows = [HEAD, *sensor_peaks(run, tuple(names or run.sensors), *span)]
     if not names:
-        rows += stress_peaks(run)
+        rows += stress_peaks(run, *span)
     widths = [max(len(row[k]) for row in rows) for k in range(len(HEAD))]
     for row in rows:
         cells = [
@@ -41,17 +44,24 @@ def peaks(
         say(("  " + "  ".join(cells) + "  " + row[5]).rstrip())
 
 
-def sensor_peaks(run: Solution, names: tuple[str, ...]) -> list[tuple[str, ...]]:
+def sensor_peaks(
+    run: Solution, names: tuple[str, ...], start: float | None = None, end: float | None = None
+) -> list[tuple[str, ...]]:
     """Return name, smallest value, its time, largest value, its time and unit of components."""
     import numpy as np
 
+    from jousto.recovery.fields.field import window
+
+    time = run.time
+    within = window(time, start, end, str(run.path))
+    time = time[within]
     rows: list[tuple[str, ...]] = []
     for name in names:
         if name not in run:
             raise InputError(
                 Problem(str(run.path), f"no sensor {name!r}{suggest(name, run.sensors)}")
             )
-        about, values = run.about(name), np.asarray(run[name])
+        about, values = run.about(name), np.asarray(run[name])[within]
         values = values.reshape(len(values), -1)
         parts = about["components"] if values.shape[1] > 1 else ("",)
         unit = about["unit"] if about["unit"] != "1" else ""
@@ -61,35 +71,30 @@ def sensor_peaks(run: Solution, names: tuple[str, ...]) -> list[tuple[str, ...]]
                 (
                     f"{name}.{part}" if part else name,
                     f"{column[low]:.6g}",
-                    f"{run.time[low]:.6g} s",
+                    f"{time[low]:.6g} s",
                     f"{column[high]:.6g}",
-                    f"{run.time[high]:.6g} s",
+                    f"{time[high]:.6g} s",
                     unit,
                 )
             )
     return rows
 
 
-def stress_peaks(run: Solution, block: int = 200) -> list[tuple[str, ...]]:
-    """Return the largest von Mises stress of each body with a surface, where and when."""
-    import numpy as np
-
-    from jousto.recovery import surface_stress
+def stress_peaks(
+    run: Solution, start: float | None = None, end: float | None = None
+) -> list[tuple[str, ...]]:
+    """Return the largest von Mises stress of each body that knows its stress, where and when."""
+    from jousto.recovery import hot_spots
 
     rows: list[tuple[str, ...]] = []
     for body in run.bodies:
-        best = (-1.0, 0.0, 0)
-        for start in range(0, len(run), block):
-            times = run.time[start : start + block]
-            found = surface_stress(run, body.name, times)
-            if found is None:
-                break
-            nodes, values = found
-            at, site = np.unravel_index(int(np.argmax(values)), values.shape)
-            if values[at, site] > best[0]:
-                best = (float(values[at, site]), float(times[at]), int(nodes[site]))
-        if best[0] >= 0.0:
-            place = ", ".join(f"{1e3 * x:.4g}" for x in body.nodes[best[2]])
-            unit = f"Pa, von Mises on the surface at ({place}) mm"
-            rows.append((body.name, "", "", f"{best[0]:.6g}", f"{best[1]:.6g} s", unit))
+        modes = run.stress_modes(body.name)
+        if modes is None or not modes.labels:
+            continue
+        worst = hot_spots(run, bodies=body.name, count=1, start=start, end=end)[0]
+        place = ", ".join(f"{1e3 * x:.4g}" for x in worst.position)
+        solid = body.elements.ndim == 2 and body.elements.shape[1] == 3
+        where = "on the surface" if solid else f"in {worst.site}"
+        unit = f"Pa, von Mises {where} at ({place}) mm"
+        rows.append((body.name, "", "", f"{worst.value:.6g}", f"{worst.time:.6g} s", unit))
     return rows

@@ -46,7 +46,7 @@ def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None
     nearest = np.array(engine.v)
     scale = max(float(np.abs(nearest).max(initial=0.0)), float(np.abs(given).max(initial=0.0)))
     changed = float(np.abs((nearest - given)[modal]).max(initial=0.0))
-    if changed <= SAME * scale or model.nv > MOST or model.nrow > MOST:
+    if changed <= SAME * max(scale, model.size) or model.nv > MOST or model.nrow > MOST:
         return None
     Cq = constraint_matrix(model, engine)
     engine.v[:] = given

@@ -27,7 +27,7 @@ from jousto.output.style import (
     target,
     writing,
 )
-from jousto.output.surface import DARKEST_STRESS, STRESS_COLORS, Skin, lit
+from jousto.output.surface import DARKEST_STRESS, STRESS_COLORS, Skin, face_normals, lit
 from jousto.output.view import View, choose_view
 from jousto.recovery import HotSpots, find_body
 from jousto.simulation import BodyShape, Solution
@@ -45,8 +45,9 @@ def plot_hotspots(
 ) -> Path:
     """Draw the worst value at every place, the numbered hot spots, and their histories.
 
-    Of very long runs the colours are those of the instants of the hot spots and of evenly chosen
-    ones, which the picture says; the table is always of all instants.
+    Numbers in brackets are of places on the far side. Of very long runs the colours are those of
+    the instants of the hot spots and of evenly chosen ones, which the picture says; the table is
+    always of all instants.
 
     Parameters
     ----------
@@ -248,18 +249,32 @@ def _body(ax: Axes, shape: BodyShape, view: View, shares: Array, found: HotSpots
             continue
         at = view.project(spot.position[None])[0]
         color = COLORS[(spot.rank - 1) % len(COLORS)] if spot.rank <= CURVES else INK
-        ax.plot(at[0], at[1], "o", markersize=4.2, color=PAPER, markeredgecolor=color, zorder=5)
+        seen = _faces_eye(shape, spot.position, view)
+        fill = PAPER if seen else "none"
+        ax.plot(at[0], at[1], "o", markersize=4.2, color=fill, markeredgecolor=color, zorder=5)
         ax.annotate(
-            str(spot.rank),
+            str(spot.rank) if seen else f"({spot.rank})",
             (at[0], at[1]),
             xytext=(5, 5),
             textcoords="offset points",
             color=color,
             fontsize=8.5,
-            fontweight="bold",
+            fontweight="bold" if seen else "normal",
+            alpha=1.0 if seen else 0.7,
             bbox={"boxstyle": "round,pad=0.12", "facecolor": PAPER, "edgecolor": "none"},
             zorder=6,
         )
+
+
+def _faces_eye(shape: BodyShape, position: Array, view: View) -> bool:
+    """Return whether a face of a solid at a place looks at the eye; lines have no back."""
+    if shape.elements.ndim != 2 or shape.elements.shape[1] != 3:
+        return True
+    node = int(np.argmin(np.linalg.norm(shape.nodes - position, axis=1)))
+    around = shape.elements[(shape.elements == node).any(axis=1)]
+    if not len(around):
+        return True
+    return bool((face_normals(view.project(shape.nodes)[around])[:, 2] > 0.0).any())
 
 
 def _colors(shares: Array) -> Any:

@@ -112,6 +112,7 @@ class StressField:
         problems = Problems()
         where = f"stress of '{self.name}'"
         n = self.modes.modes.shape[2]
+        refuse_gaps(where, self.p, self.time)
         p = problems.array(where, "p", self.p, (None, n))
         nt = None if p is None else len(p)
         time = problems.array(where, "time", self.time, (nt,))
@@ -505,6 +506,22 @@ class StressField:
 
 def _whole_tiles(width: int, ns: int) -> int:
     return ns if width >= ns else max(LANES, width // LANES * LANES)
+
+
+def refuse_gaps(where: str, p: Array, time: Array) -> None:
+    """Raise InputError if coordinates are not numbers, with the first such instant."""
+    bad = ~np.isfinite(p).all(axis=1) if np.ndim(p) == 2 else np.zeros(0, dtype=bool)
+    if not bad.any() or np.shape(time) != bad.shape:
+        return
+    k = int(np.argmax(bad))
+    mode = int(np.argmax(~np.isfinite(p[k])))
+    raise InputError(
+        Problem(
+            where,
+            f"coordinate {mode + 1} is {p[k, mode]} at {time[k]:g} s, instant {k}, the first of "
+            f"{int(bad.sum())} without numbers; end the field before it, end=, or fill the gap",
+        )
+    )
 
 
 def site_indices(

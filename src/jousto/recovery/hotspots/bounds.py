@@ -13,7 +13,7 @@ from jousto.recovery.hotspots.windows import SAFETY, UNIT, Windows, cut, spectra
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
-STRIDES = (64, 16)
+STRIDES = (128, 16)  # instants in the windows, coarse and fine
 SMALLEST = 1e-8  # share of the mean that weighs a motion without stress
 SMALLEST_MARGIN = 1e-280
 PAIRS = 4096  # place and window, worked on at once

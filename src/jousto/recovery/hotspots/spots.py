@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.recovery.fields import Criterion, StressField, evaluate, stress_field
-from jousto.recovery.fields.criteria import tensor, weights
+from jousto.recovery.fields.criteria import tensor, turned, weights
 from jousto.recovery.hotspots.measures import measure
 from jousto.recovery.hotspots.search import Proof, search
 from jousto.recovery.hotspots.words import certificate_lines, head, row
@@ -279,7 +279,6 @@ def hot_spots(
     spans = []
     for field in fields:
         part = field.during(start, end)
-        _finite(part)
         spans.append((float(part.time[0]), float(part.time[-1])))
         found = search(part.S, part.p, part.positions, sought, count=count, separation=separation)
         certificates[field.name] = found.certificate
@@ -364,23 +363,10 @@ def _check(
         )
 
 
-def _finite(field: StressField) -> None:
-    bad = ~np.isfinite(field.p).all(axis=1)
-    if bad.any():
-        k = int(np.argmax(bad))
-        mode = int(np.argmax(~np.isfinite(field.p[k])))
-        raise InputError(
-            Problem(
-                f"body '{field.name}'",
-                f"its modal coordinate {mode + 1} is {field.p[k, mode]} at {field.time[k]:g} s"
-                f" ({int(bad.sum())} such instants); search before it with end=, or run again "
-                "with a shorter step",
-            )
-        )
-
-
 def _spot(field: StressField, place: int, instant: int, criterion: Criterion) -> HotSpot:
     s = np.asarray(field.S[place] @ field.p[instant])
+    if field.A is not None:
+        s = turned(s, field.A[instant], field.strain)
     values, vectors = np.linalg.eigh(tensor(s, field.strain))
     normal = vectors[:, int(np.argmax(np.abs(values)))]
     normal = normal * (1.0 if normal[int(np.argmax(np.abs(normal)))] >= 0.0 else -1.0)

@@ -39,11 +39,12 @@ def certificate_lines(found: HotSpots) -> list[str]:
     for name, c in found.certificates.items():
         share = 100.0 * c.pruned / max(c.places, 1)
         total = float(c.places) * c.instants
+        worked = c.knots + c.full
+        few = f"; {worked:.3g} of {total:.3g} values worked out" if worked < total else ""
         lines.append(
             f"'{name}': {c.places} places x {c.instants} stored instants; {c.pruned} places "
             f"({share:.1f} %) pruned by the bound over the run, {c.visited} looked at window by "
-            f"window, {c.complete} to the end; {c.knots + c.full:.3g} of {total:.3g} values worked "
-            "out"
+            f"window, {c.complete} to the end{few}"
         )
         if c.pruned and np.isfinite(c.best_pruned):
             lines.append(f"  the largest bound of a pruned place is {_bound(found, c.best_pruned)}")
