@@ -89,6 +89,7 @@ def test_peak(run: jo.Solution, reduced: jo.ReducedPart) -> None:
     assert whole.value == pytest.approx(value.max(), rel=1e-14)
     assert (whole.site, whole.time) == (reduced.stress.labels[site], run.time[at])
     assert whole.site.startswith("e1.a.")
+    assert np.array_equal(whole.position, reduced.stress.positions[site])
 
 
 def test_refusals(run: jo.Solution, reduced: jo.ReducedPart) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.recovery.fields import StressField, field_from, stress_field
+from jousto.recovery.hotspots import hot_spots
 from jousto.recovery.shape import bracket, find_body
 from jousto.reduction import ReducedPart
 from jousto.simulation import Solution
@@ -28,11 +29,14 @@ class Peak:
         When, s.
     value : float
         Equivalent (von Mises) stress, Pa.
+    position : tuple of float
+        Where, undeformed, part frame, m.
     """
 
     site: str
     time: float
     value: float
+    position: tuple[float, float, float]
 
 
 def stress(
@@ -80,9 +84,9 @@ def peak(
     InputError
         If the body, the part or a site do not fit together.
     """
-    envelope = _field(run, reduced, body, sites).envelope("von-mises")
-    k = int(np.argmax(envelope.max))
-    return Peak(envelope.labels[k], float(envelope.max_time[k]), float(envelope.max[k]))
+    worst = hot_spots(_field(run, reduced, body, sites), count=1)[0]
+    x, y, z = worst.position.tolist()
+    return Peak(worst.site, worst.time, worst.value, (x, y, z))
 
 
 def surface_stress(
