@@ -74,6 +74,18 @@ def test_everything_in_the_block():
     assert named.sites == ("tip",)
 
 
+def test_sensors_count_with_the_curves_of_the_block():
+    sensors = """
+sensors:
+  - {type: stress, name: root, body: arm, sites: [e1.a.top]}
+  - {type: damage, name: life, sensor: root, components: "e1.a.top:s11", sn: plate, residue: half}
+"""
+    file = parse_model(MODEL + BLOCK + sensors)
+    assert file.fatigue is not None
+    life = next(s for s in file.mechanism.sensors if s.name == "life")
+    assert life.sn == file.fatigue.curves["plate"]
+
+
 def test_the_block_alone_says_the_same():
     """Results are read with their text only, whatever the parts need."""
     found = parse_fatigue(BLOCK + "parts: {arm: {type: nonsense}}\n")
