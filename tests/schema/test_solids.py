@@ -95,6 +95,19 @@ def test_orthotropic_material_with_turned_axes(folder: Path) -> None:
     assert across.frequencies[0] < 0.8 * along.frequencies[0]
 
 
+def test_toes_of_welds_are_stress_sites(folder: Path) -> None:
+    toe = "{name: toe, at: [0.1, 20 mm, 20 mm], away: [1, 0, 0], thickness: 20 mm}"
+    for stress in ("surface", "skin", "left", "none"):
+        before = part_of(folder, PLATE + f"stress: {stress}\n").stress
+        known = () if before is None else before.labels
+        part = part_of(folder, PLATE + f"stress: {stress}\nwelds: [{toe}]\n")
+        assert part.stress.labels == ("toe", *known)
+        if before is not None:
+            size = np.abs(before.modes).max()
+            assert np.allclose(part.stress.modes[1:], before.modes, rtol=0.0, atol=1e-9 * size)
+    assert np.allclose(part.stress.axes[0], np.eye(3))
+
+
 def test_stress_is_kept_where_it_is_asked_for(folder: Path) -> None:
     whole = part_of(folder, PLATE)
     surface = np.unique(whole.elements)

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.parts._arrays import Floats, Ints, Sparse, as_csr
+from jousto.parts.solids import SolidStress
 from jousto.parts.solids.elements import CORNERS, FACES, shape_functions
 from jousto.parts.stress import StressOperator
 
@@ -128,7 +129,10 @@ class WeldToe:
 
 
 def weld_stress(
-    part: Part, toes: WeldToe | Sequence[WeldToe], *, add: StressOperator | None = None
+    part: Part,
+    toes: WeldToe | Sequence[WeldToe],
+    *,
+    add: StressOperator | SolidStress | None = None,
 ) -> StressOperator:
     """Return the structural hot-spot stress of weld toes as stress sites of a part of solids.
 
@@ -143,8 +147,8 @@ def weld_stress(
     part : Part
         Of solids.
     toes : WeldToe or sequence of them
-    add : StressOperator, optional
-        Other sites to keep, such as ``part.surface_stress()``.
+    add : StressOperator or SolidStress, optional
+        Other sites to keep, such as ``part.surface_stress()`` or ``part.stress``.
 
     Returns
     -------
@@ -181,7 +185,7 @@ def weld_stress(
     both = [None if k is None else np.asarray(k) for k in constants]
     elasticity = None if any(k is None for k in both) else np.array(both)
     if add is not None:
-        matrix = as_csr(sp.vstack([matrix, add.matrix], format="csr"))
+        matrix = as_csr(sp.vstack([matrix, add.rows(add.sites)], format="csr"))
         positions = np.concatenate([positions, add.positions])
         axes += list(add.axes)
         if elasticity is not None:

@@ -51,7 +51,7 @@ def build_solid(builder: Builder, loc: Loc, name: str, entry: ss.SolidEntry) -> 
         return None
     values = entry.given(
         "reduce", "in_plane", "keep", "stiffening", "residual_stress", "mesh", "material",
-        "materials", "sets", "interfaces", "point_masses", "stress", "solver", "cache",
+        "materials", "sets", "interfaces", "point_masses", "stress", "welds", "solver", "cache",
     )  # fmt: skip
     part = builder.make(
         loc,
@@ -63,7 +63,23 @@ def build_solid(builder: Builder, loc: Loc, name: str, entry: ss.SolidEntry) -> 
         interfaces=interfaces,
         name=name,
     )
-    return None if part is None else builder.make((*loc, "stress"), with_stress_at, part, entry)
+    if part is not None:
+        part = builder.make((*loc, "stress"), with_stress_at, part, entry)
+    return part if part is None or not entry.welds else with_welds(builder, loc, part, entry)
+
+
+def with_welds(builder: Builder, loc: Loc, part: Any, entry: ss.SolidEntry) -> Any:
+    """Return the part with its weld toes as further stress sites, None if one is wrong."""
+    from jousto.parts.toes import WeldToe, weld_stress
+
+    toes = [
+        builder.make((*loc, "welds", i), WeldToe, **toe.given())
+        for i, toe in enumerate(entry.welds or ())
+    ]
+    if any(toe is None for toe in toes):
+        return None
+    stress = builder.make((*loc, "welds"), weld_stress, part, toes, add=part.stress)
+    return None if stress is None else part.with_stress(stress)
 
 
 def with_stress_at(part: Any, entry: ss.SolidEntry) -> Any:

@@ -200,6 +200,18 @@ class InterfaceEntry(Entry):
     )
 
 
+class WeldToeEntry(Entry):
+    """`WeldToe`: a place on the toe of a weld, a stress site of its structural stress."""
+
+    name: Text
+    at: Position = Field(description="On the toe, part frame")
+    away: Direction = Field(description="Along the plate, square to the toe, away from the weld")
+    thickness: Length | None = Field(None, description="Of the plate; not for edges")
+    reading: Literal["fine", "coarse", "quadratic", "edge", "edge-coarse"] | None = Field(
+        None, description="Where the stress is read before the toe, fine if none"
+    )
+
+
 class SolidEntry(FePart):
     """`Part.solid`: tetrahedra, hexahedra and wedges from a mesh or a CAD file."""
 
@@ -221,6 +233,9 @@ class SolidEntry(FePart):
         None,
         description="Where stress is kept: surface (if none), skin (free surfaces), all, none, or"
         " sets",
+    )
+    welds: tuple[WeldToeEntry, ...] | None = Field(
+        None, description="Toes of welds: stress sites besides the others"
     )
     solver: Text | None = Field(None, description="Library for the factorisation; the best if none")
     cache: Flag | None = Field(None, description="Whether the reduction is kept for the next time")
