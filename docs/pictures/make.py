@@ -48,6 +48,7 @@ WIDTHS = {  # pixels
     "carriage.png": 1100,
     "rail_wheel.png": 800,
     "moving_load.png": 700,
+    "monitor.png": 900,
     "split_still.png": 900,
     "split.png": 900,
     "link_arm.png": 1100,

@@ -232,6 +232,7 @@ from .output import plot_hotspots as plot_hotspots
 from .output import (
     plot_hysteresis as plot_hysteresis,
 )
+from .output import plot_monitor as plot_monitor
 from .output import plot_root_locus as plot_root_locus
 from .output import (
     plot_spectrum as plot_spectrum,
@@ -510,6 +511,24 @@ from .recovery.fatigue.strain_life import (
 )
 from .recovery.fatigue.strain_life import (
     strain_damage as strain_damage,
+)
+from .recovery.monitor import (
+    AlarmLimits as AlarmLimits,
+)
+from .recovery.monitor import (
+    ChannelRules as ChannelRules,
+)
+from .recovery.monitor import (
+    Monitor as Monitor,
+)
+from .recovery.monitor import (
+    MonitorRecord as MonitorRecord,
+)
+from .recovery.monitor import (
+    MonitorSettings as MonitorSettings,
+)
+from .recovery.monitor import (
+    watch as watch,
 )
 from .recovery.twin import (
     Accelerometer as Accelerometer,

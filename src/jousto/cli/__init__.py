@@ -10,6 +10,7 @@ from jousto.cli import (  # noqa: F401  (they register themselves)
     friction,
     hotspots,
     meshes,
+    monitor,
     multiaxial,
     parts,
     peaks,

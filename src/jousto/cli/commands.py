@@ -139,13 +139,15 @@ def run(
 @app.command()
 @command
 def info(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Model, results, part or mesh.")],
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="Model, results, record, part or mesh.")
+    ],
     trust: Trust = False,
     debug: Debug = False,
 ) -> None:
     """Say what is in a model file, a results file, a reduced part or a mesh in m."""
     from jousto.schema.document import is_hdf5
-    from jousto.schema.targets import REDUCED_PART, hdf5_format
+    from jousto.schema.targets import MONITOR, REDUCED_PART, hdf5_format
 
     if file.suffix.lower() in MESHES:
         from jousto.cli.meshes import describe_mesh
@@ -158,6 +160,11 @@ def info(
         from jousto.schema import read_model
 
         describe_model(read_model(file, trust=trust))
+    elif hdf5_format(file) == MONITOR:
+        from jousto.recovery.monitor import MonitorRecord
+
+        for line in str(MonitorRecord(file)).splitlines():
+            say(line)
     elif hdf5_format(file) == REDUCED_PART:
         from jousto.reduction import ReducedPart
 
@@ -180,9 +187,18 @@ def plot(
     debug: Debug = False,
 ) -> None:
     """Plot sensors over time; the picture goes to RESULT.png unless -o says otherwise."""
-    from jousto.schema.targets import output_path
+    from jousto.schema.targets import MONITOR, hdf5_format, output_path
 
     target = output_path(output, result, ".png")
+    if hdf5_format(result) == MONITOR:
+        from jousto.output import plot_monitor
+        from jousto.recovery.monitor import MonitorRecord
+
+        if names:
+            raise InputError(Problem(names[0], "the record of a monitoring run has no sensors"))
+        plot_monitor(MonitorRecord(result), path=target)
+        say(f"plot in {target}", style="green")
+        return
     from jousto.output import plot as draw
     from jousto.simulation import load
 

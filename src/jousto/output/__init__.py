@@ -13,6 +13,7 @@ from jousto.output.hotspots import plot_hotspots, write_hotspots
 from jousto.output.hysteresis import plot_hysteresis, plot_spectrum
 from jousto.output.mbdyn import write_fem
 from jousto.output.meshes import write_mesh
+from jousto.output.monitor import plot_monitor
 from jousto.output.plot import plot
 from jousto.output.sid import write_sid
 from jousto.output.stress import plot_stress, write_stress
@@ -37,6 +38,7 @@ __all__ = [
     "plot_band",
     "plot_hysteresis",
     "plot_friction_stress",
+    "plot_monitor",
     "plot_root_locus",
     "plot_spectrum",
     "plot_stress",

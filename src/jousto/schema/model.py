@@ -44,6 +44,7 @@ from jousto.schema.entries import (
     tagged,
 )
 from jousto.schema.fatigue import FatigueEntry
+from jousto.schema.monitor import MonitorEntry
 from jousto.schema.sensors import SensorEntry
 from jousto.schema.signals import Amount, SignalEntry
 from jousto.schema.solids import PartEntry
@@ -226,3 +227,4 @@ class ModelEntry(Entry):
     events: tuple[EventEntry, ...] | None = None
     simulation: SimulationEntry | None = None
     fatigue: FatigueEntry | None = None
+    monitor: MonitorEntry | None = None

@@ -18,6 +18,7 @@ from jousto.schema.explain import explain
 from jousto.schema.fatigue import Fatigue, build_fatigue, flexible_bodies
 from jousto.schema.matrices import is_superelement
 from jousto.schema.model import ModelEntry, SimulationEntry
+from jousto.schema.monitor import build_monitor
 from jousto.schema.parts import ReducedEntry
 from jousto.schema.solids import PartEntry
 
@@ -73,12 +74,15 @@ class ModelFile:
         The text of the file, to be kept with the results.
     fatigue : Fatigue or None
         S-N curves and what is to be checked, if the file says so.
+    monitor : MonitorSettings or None
+        How measured strains are to be watched, if the file says so.
     """
 
     mechanism: Mechanism
     simulation: Simulation | None = None
     text: str = ""
     fatigue: Fatigue | None = None
+    monitor: Any = None
 
 
 def read_model(
@@ -145,16 +149,18 @@ def build_model(
     entry, index, invalid, broken = validate(document)
     options = {} if progress is None else {"progress": progress}
     builder = Builder(document, broken, rigid=rigid, trust=trust, options=options)
-    mechanism, simulation, fatigue = None, None, None
+    mechanism, simulation, fatigue, monitor = None, None, None, None
     if entry is not None:
         mechanism = builder.mechanism(entry, index)
         if entry.simulation is not None:
             simulation = build_simulation(builder, entry.simulation)
         if entry.fatigue is not None:
             fatigue = build_fatigue(builder, entry.fatigue, flexible_bodies(entry), builder.curves)
+        if entry.monitor is not None and mechanism is not None and not rigid:
+            monitor = build_monitor(builder, entry.monitor, mechanism)
     finish(document, [*invalid, *builder.found], builder.warnings)
     assert mechanism is not None
-    return ModelFile(mechanism, simulation, document.text, fatigue)
+    return ModelFile(mechanism, simulation, document.text, fatigue, monitor)
 
 
 def finish(document: Document, found: list[tuple[Loc, Problem]], messages: list[str]) -> None:

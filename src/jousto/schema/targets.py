@@ -9,8 +9,13 @@ from jousto.errors import InputError, Problem
 from jousto.schema.document import is_hdf5
 
 RESULTS, REDUCED_PART = "jousto results", "jousto reduced part"
+MONITOR = "jousto monitor"
 DAMAGED = "damaged"
-WORDS = {RESULTS: "results", REDUCED_PART: "a reduced part"}
+WORDS = {
+    RESULTS: "results",
+    REDUCED_PART: "a reduced part",
+    MONITOR: "the record of a monitoring run",
+}
 
 # what may be in the way of a picture and is not to be lost
 DATA = (".yaml", ".yml", ".json", ".h5", ".hdf5")
