@@ -108,7 +108,7 @@ def main() -> None:
 
     long_p = rng.normal(size=(10_000, n))
     long = jo.field_from(modes, long_p, 1e-3 * np.arange(10_000))
-    few = np.linspace(0, ns - 1, 20).astype(int)
+    few = [modes.labels[k] for k in np.linspace(0, ns - 1, 20).astype(int)]
     rows = (
         ("six components, one frame", least(components), theirs["frame, components"]),
         ("  the same by its sensors", least(components), theirs["frame, sensors"]),
@@ -120,7 +120,7 @@ def main() -> None:
         (f"  the same, {FRAMES} frames", least(sweep) / FRAMES, theirs["frame, von Mises"]),
         (
             "history of a node, a sample",
-            least(lambda: [long.take([k]).history(slice(None)) for k in few]) / (10_000 * len(few)),
+            least(lambda: [long.history(label) for label in few]) / (10_000 * len(few)),
             theirs["history"],
         ),
     )

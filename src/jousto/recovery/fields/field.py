@@ -225,7 +225,9 @@ class StressField:
         """Return the components (ns, 6) at one instant, s; linear between stored instants."""
         places = self.indices(sites)
         p, A = self._rows(np.array([time], dtype=np.float64))
-        s = np.asarray(self.S[places] @ p[0])
+        # all places without a copy of their modes, which are what takes the time
+        S = self.S if sites is None else self.S[places]
+        s = (S.reshape(-1, S.shape[2]) @ p[0]).reshape(-1, 6)
         return s if A is None else turned(s, A[0], self.strain)
 
     def history(self, site: Sites, times: ArrayLike | slice | None = None) -> Array:
