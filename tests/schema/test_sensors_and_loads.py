@@ -310,3 +310,23 @@ def test_the_command_line_asks_for_trust(tmp_path):
     done = CliRunner().invoke(app, ["run", str(path), "--trust", "--quiet"])
     assert done.exit_code == 0, done.stderr
     assert read_model(path, trust=True).mechanism.forces[-1].name == "u"
+
+
+def test_damage_by_a_named_curve_of_a_sensor_that_comes_later():
+    text = (
+        MODEL
+        + """\
+sensors:
+  - {type: damage, name: life, sensor: root, components: "e1.a.top:s11", sn: welded, residue: half}
+  - {type: stress, name: root, body: arm, sites: [e1.a.top]}
+fatigue:
+  curves: {welded: {S_D: 25 MPa, N_D: 1e6, k: 4}}
+"""
+    )
+    life, root = parse_model(text).mechanism.sensors
+    assert life.sensor is root
+    assert (life.sn.name, life.sn.S_D) == ("welded", 25e6)
+    with pytest.raises(jo.InputError, match="no sensor 'rot'; did you mean 'root'"):
+        parse_model(text.replace("sensor: root", "sensor: rot"))
+    with pytest.raises(jo.InputError, match="no S-N curve 'weldd'; did you mean 'welded'"):
+        parse_model(text.replace("sn: welded", "sn: weldd"))
