@@ -67,6 +67,7 @@ int jo_needs_accelerations(const jo_sensor *s)
     case JO_POSITION: case JO_VELOCITY: case JO_ORIENTATION: case JO_ANGULAR_VELOCITY: case JO_MODAL:
     case JO_STRESS: case JO_VON_MISES: case JO_PRINCIPAL: case JO_COORDINATE: case JO_RATE: case JO_SIGNAL:
     case JO_DAMAGE:
+    case JO_BRIDGE:
         return 0;
     case JO_ENERGY: return s->object >= 4;   /* work: its last step waits for the power at its end */
     default: return 1;

@@ -53,7 +53,8 @@ typedef enum { JO_LOAD = 1, JO_ALONG_COORDINATE = 2, JO_BUSHING = 3, JO_MODAL_LO
 typedef enum { JO_POSITION = 1, JO_VELOCITY = 2, JO_ORIENTATION = 3, JO_ANGULAR_VELOCITY = 4,
                JO_MODAL = 5, JO_REACTION = 6, JO_STRESS = 7, JO_ACCELERATION = 8, JO_ANGULAR_ACCELERATION = 9,
                JO_COORDINATE = 10, JO_RATE = 11, JO_MULTIPLIER = 12, JO_ELEMENT = 13, JO_ENERGY = 14,
-               JO_SIGNAL = 15, JO_VON_MISES = 16, JO_PRINCIPAL = 17, JO_RUB = 18, JO_DAMAGE = 19 } jo_sensor_type;
+               JO_SIGNAL = 15, JO_VON_MISES = 16, JO_PRINCIPAL = 17, JO_RUB = 18, JO_DAMAGE = 19,
+               JO_BRIDGE = 21 } jo_sensor_type;
 typedef enum { JO_RESIDUE_HALF = 0, JO_RESIDUE_REPEAT = 1, JO_RESIDUE_IGNORE = 2 } jo_residue;
 typedef enum { JO_MEAN_NONE = 0, JO_MEAN_LINE = 1, JO_MEAN_GERBER = 2, JO_MEAN_WALKER = 3, JO_MEAN_FKM = 4,
                JO_MEAN_WELD = 5, JO_MEAN_COMPRESSION = 6 } jo_mean;
@@ -196,9 +197,11 @@ typedef struct {
 typedef struct {
     int type;               /* jo_sensor_type */
     int object;             /* marker, body, joint, coordinate, force, signal, or kind of energy */
-    int other, frame;       /* markers: of the observer, of the axes; -1: the world. ELEMENT: other is the first component */
+    int other, frame;       /* markers: of the observer, of the axes; -1: the world. ELEMENT: other is the first component;
+                             * STRESS, BRIDGE: other is a signal of apparent strain, of change of temperature; -1: none */
     int offset, count;      /* place in the sensor vector */
-    const jo_real *rows;    /* STRESS: (count x np), VON_MISES: (6 count x np), PRINCIPAL: (2 count x np), row-major */
+    const jo_real *rows;    /* STRESS: (count x np), VON_MISES: (6 count x np), PRINCIPAL: (2 count x np), row-major;
+                             * BRIDGE: (5 x np) relative resistance of four arms, then in the last row their drifts */
 } jo_sensor;
 
 /* A damage meter: rainflow count of one value as it comes (four-point rule) and Miner's sum.

@@ -221,6 +221,10 @@ static void stress(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_r
 {
     if (s->type == JO_STRESS) {
         modal_rows(m, d, s, 0, s->count, y);
+        if (s->other >= 0) {   /* apparent strain */
+            const jo_real e = jo_signal_at(m, d, s->other, d->time[0]).value;
+            for (int r = 0; r < s->count; r++) y[r] += e;
+        }
         return;
     }
     const int each = s->type == JO_PRINCIPAL ? 3 : 1;
@@ -230,6 +234,19 @@ static void stress(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_r
         if (s->type == JO_PRINCIPAL) principal(y + 3 * k, x);
         else y[k] = von_mises(x);
     }
+}
+
+/* output of a Wheatstone bridge over its supply: arms 1 and 2 in series beside 4 and 3 */
+static void bridge(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
+{
+    jo_real r[4];
+    modal_rows(m, d, s, 0, 4, r);
+    if (s->other >= 0) {
+        const jo_real *drift = s->rows + 4 * m->body[s->object].np;
+        const jo_real change = jo_signal_at(m, d, s->other, d->time[0]).value;
+        for (int i = 0; i < 4; i++) r[i] += drift[i] * change;
+    }
+    y[0] = 0.5 * (r[0] - r[1]) / (2.0 + r[0] + r[1]) + 0.5 * (r[2] - r[3]) / (2.0 + r[2] + r[3]);
 }
 
 /* kinetic strain potential springs, then dissipated friction work so far */
@@ -306,6 +323,7 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
         case JO_VON_MISES:
         case JO_PRINCIPAL: stress(m, d, s, y); break;
         case JO_DAMAGE: jo_damage(m, d, s, y); break;
+        case JO_BRIDGE: bridge(m, d, s, y); break;
         default: break;
         }
     }

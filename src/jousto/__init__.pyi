@@ -32,6 +32,7 @@ from .mechanism import (
 from .mechanism import (
     AngularVelocitySensor as AngularVelocitySensor,
 )
+from .mechanism import Bridge as Bridge
 from .mechanism import (
     Bushing as Bushing,
 )
@@ -161,6 +162,7 @@ from .mechanism import (
 from .mechanism import (
     Rod as Rod,
 )
+from .mechanism import Rosette as Rosette
 from .mechanism import (
     Rotate as Rotate,
 )
@@ -200,6 +202,7 @@ from .mechanism import (
 from .mechanism import (
     Table as Table,
 )
+from .mechanism import Temperature as Temperature
 from .mechanism import (
     Torque as Torque,
 )
@@ -215,12 +218,14 @@ from .mechanism import (
 from .mechanism import (
     VonMisesSensor as VonMisesSensor,
 )
+from .mechanism import bridge_output as bridge_output
 from .mechanism import (
     gauge_rows as gauge_rows,
 )
 from .mechanism import (
     ground as ground,
 )
+from .mechanism import quarter_bridge_strain as quarter_bridge_strain
 from .output import animate as animate
 from .output import plot as plot
 from .output import (
@@ -228,6 +233,7 @@ from .output import (
 )
 from .output import plot_campbell as plot_campbell
 from .output import plot_friction_stress as plot_friction_stress
+from .output import plot_gauges as plot_gauges
 from .output import plot_hotspots as plot_hotspots
 from .output import (
     plot_hysteresis as plot_hysteresis,
@@ -380,12 +386,15 @@ from .parts.toes import (
 from .parts.toes import (
     weld_stress as weld_stress,
 )
+from .recovery import Alignment as Alignment
 from .recovery import (
     Envelope as Envelope,
 )
 from .recovery import (
     FrictionStress as FrictionStress,
 )
+from .recovery import GaugeComparison as GaugeComparison
+from .recovery import GaugePair as GaugePair
 from .recovery import (
     HotSpot as HotSpot,
 )
@@ -395,9 +404,12 @@ from .recovery import (
 from .recovery import (
     Plane as Plane,
 )
+from .recovery import Record as Record
+from .recovery import RosetteState as RosetteState
 from .recovery import (
     StressField as StressField,
 )
+from .recovery import compare_gauges as compare_gauges
 from .recovery import (
     field_from as field_from,
 )
@@ -407,6 +419,9 @@ from .recovery import (
 from .recovery import (
     hot_spots as hot_spots,
 )
+from .recovery import read_record as read_record
+from .recovery import record_of as record_of
+from .recovery import rosette_state as rosette_state
 from .recovery import (
     stress_field as stress_field,
 )

@@ -522,6 +522,7 @@ def test_every_sensor_says_what_it_is():
         "marker": beam["end"], "body": beam, "joint": hinge, "force": spring,
         "coordinate": hinge.angle, "energy": "kinetic", "signal": jo.Step(1.0), "at": "e1.a.top",
         "sn": jo.SN(S_D=1e8, N_D=1e6, k=5), "residue": "half",
+        "arms": jo.Gauge("arm", beam, "e1.a.top"),
     }  # fmt: skip
     sensors = []
     for kind in SENSORS:

@@ -120,3 +120,177 @@ def test_what_is_wrong_on_solids(bar):
     (over,) = sentences(bar, (0.15, 0.045, 0.02), (0, 1, 0), length=0.02)
     assert "grid of 20 x 0 mm leaves the surface or runs over an edge" in over
     assert sentences(bar, "n0", (1, 0, 0))[0].startswith("gauge 'g': at: part ")
+
+
+# -- rosettes ---------------------------------------------------------------------------------
+
+
+def test_rosette_on_a_solid(bar):
+    """Grids at 0, 45, 90 degrees counterclockwise seen from above, from below the other way."""
+    for z, side in ((0.02, 1.0), (0.0, -1.0)):
+        at = (0.15, 0.025, z)
+        rosette = jm.Rosette("r", bar, at, (1, 0, 0), length=0.004, width=0.004)
+        np.testing.assert_allclose(rosette.normal, (0, 0, side), atol=1e-9)
+        c = np.sqrt(0.5)
+        for rows, d in zip(rosette.rows, ((1, 0, 0), (c, c * side, 0), (0, 1, 0)), strict=True):
+            single = jm.Gauge("g", bar, at, d, length=0.004, width=0.004)
+            np.testing.assert_allclose(rows, single.rows[0], atol=1e-9 * np.abs(rows).max())
+    # the state does not depend on how the rosette is turned, nor on its kind; at a point
+    p = 1e-6 * np.random.default_rng(5).standard_normal(bar.n)
+    found = []
+    for kind, turn in (("45", 0.0), ("45", 33.0), ("delta", 10.0)):
+        d = (np.cos(np.radians(turn)), np.sin(np.radians(turn)), 0)
+        e = jm.Rosette("r", bar, (0.15, 0.025, 0.02), d, kind=kind).rows @ p
+        state = jo.rosette_state(e, kind=kind, E=210e9, nu=0.3)
+        found.append((state.s1, state.s2, np.cos(2 * (state.angle + np.radians(turn)))))
+    np.testing.assert_allclose(found[1:], [found[0]] * 2, rtol=1e-6)
+
+
+def test_rosettes_say_what_is_wrong(bar, beam):
+    with pytest.raises(jo.InputError) as error:
+        jm.Rosette("r", bar, (0.15, 0.025, 0.02), (1, 0, 0), kind="30")
+    assert "rosette 'r': kind is '30', must be '45', '60' (delta) or '90' (tee)" in str(error.value)
+    with pytest.raises(jo.InputError, match="rosette 'r': direction is missing"):
+        jm.Rosette("r", bar, (0.15, 0.025, 0.02))
+    with pytest.raises(jo.InputError, match="rosette 'r': measures shear, which beams know"):
+        jm.Rosette("r", beam, (0.3, 0.005, 0.02))
+
+
+def cantilever(torque=(0.0, 0, 0), force=(0, 0, 0.0), *, section=None, sensors, more=()):
+    """Return the sensors of a loaded cantilever at rest."""
+    part = jo.Part.beam(0.5, section or jo.Circle(0.03), 3, STEEL, theory=jo.EulerBernoulli())
+    body = jo.FlexibleBody("shaft", jo.reduce(part, jo.CraigBampton(("start", "end"), modes=12)))
+    clamp = jo.Fixed("clamp", jo.ground["origin"], body["start"])
+    loads = (jo.Torque("t", body["end"], torque), jo.Force("f", body["end"], force))
+    model = jo.compile(jo.Mechanism(body, clamp, *loads, *sensors(body), *more))
+    engine = jo.Engine(model)
+    state = jo.equilibrium(model)
+    engine.q[:], engine.v[:] = state.q, 0.0
+    engine.accelerations()
+    values = engine.sensors().real
+    return {s.name: values[s.offset : s.offset + s.count] for s in model.sensors}
+
+
+def test_shaft_in_torsion():
+    """tau = 16 T/(pi d^3); a rosette along the shaft: +-tau/2G at 45 degrees, none along it."""
+    d = 0.03
+    found = cantilever(
+        (20.0, 0, 0),
+        section=jo.Circle(d),
+        sensors=lambda body: [
+            jo.Rosette("r", body, "e2.a.top"),
+            jo.Rosette("delta", body, "e2.a.left", kind="delta"),
+            jo.Gauge("oblique", body, "e2.a.top", (1, 1, 0), transverse=0.01),
+        ],
+    )
+    tau = 16 * 20.0 / (np.pi * d**3)
+    gamma = tau / (210e9 / 2.6)
+    size = gamma / 2
+    # on top, the normal is z and the grid at 45 degrees along x + y, where torsion shortens it
+    np.testing.assert_allclose(found["r"], (0, -size, 0), atol=1e-6 * size)
+    for name, kind in (("r", "45"), ("delta", "60")):
+        state = jo.rosette_state(found[name], kind=kind, E=210e9, nu=0.3)
+        assert state.txy == pytest.approx(-tau, rel=1e-6)
+        assert state.s1 == pytest.approx(tau, rel=1e-6)
+        assert abs(state.angle) == pytest.approx(np.pi / 4, rel=1e-6)
+        assert state.von_mises == pytest.approx(np.sqrt(3) * tau, rel=1e-6)
+    # e = -size, across +size
+    shown = -size * (1 - 0.01) / (1 - 0.285 * 0.01)
+    assert found["oblique"][0] == pytest.approx(shown, rel=1e-6)
+
+
+# -- bridges and temperature ------------------------------------------------------------------
+
+
+def test_bridges_of_a_bent_beam():
+    """Half bridge top and bottom: k e / 2, no tension; opposite arms: tension, no bending."""
+    section = jo.Rectangle(0.02, 0.04)
+
+    def sensors(body):
+        top, bottom = (
+            jo.Gauge(name, body, (0.1, 0, z)) for name, z in (("top", 0.02), ("bottom", -0.02))
+        )
+        return [
+            jo.Bridge("quarter", top, gauge_factor=2.1),
+            jo.Bridge("half", (top, bottom), gauge_factor=2.1),
+            jo.Bridge("pull", (top, None, bottom), gauge_factor=2.1),
+        ]
+
+    found = cantilever(force=(400.0, 0, -50.0), section=section, sensors=sensors)
+    bend = 50.0 * 0.4 * 0.02 / (210e9 * section.Iy)
+    pull = 400.0 / (210e9 * section.A)
+    quarter = 2.1 * (bend + pull)
+    # small deflections bend the pull's line of action a little
+    assert found["quarter"][0] == pytest.approx(quarter / (4 + 2 * quarter), rel=3e-3)
+    assert found["half"][0] == pytest.approx(2.1 * bend / 2, rel=3e-3)
+    assert found["pull"][0] == pytest.approx(2.1 * pull / 2, rel=2e-3)
+
+
+def test_nonlinearity_and_shunt(beam):
+    """Tables of makers: 1000 um/m of a quarter bridge read 0.1 % low at k = 2; 174.65 kOhm beside
+    350 ohm is 1000 um/m in compression (k = 2)."""
+    gauge = jm.Gauge("g", beam, "e1.a.top")
+    bridge = jm.Bridge("b", gauge)
+    assert bridge.kind == "quarter"
+    v = bridge.output([1000e-6])
+    assert v / (2.0 * 1000e-6 / 4) == pytest.approx(1 - 0.001, abs=2e-6)
+    assert jm.quarter_bridge_strain(v) == pytest.approx(1000e-6, rel=1e-12)
+    shunt = bridge.shunt(174_650.0)
+    assert jm.quarter_bridge_strain(shunt) == pytest.approx(-1000e-6, rel=1e-9)
+    np.testing.assert_allclose(bridge.rows, 2.0 * gauge.rows / 4)
+    # an adjacent half bridge is exact: e and -e
+    other = jm.Gauge("h", beam, "e1.a.bottom")
+    half = jm.Bridge("half", (gauge, other))
+    assert half.output([500e-6, -500e-6]) == pytest.approx(2.0 * 500e-6 / 2, rel=1e-12)
+
+
+def test_temperature_of_gauges_and_bridges():
+    """(alpha_part - alpha_gauge + beta/k) (T - T0) on one gauge, nothing on a half bridge."""
+    warm = jo.Temperature(
+        jo.Ramp(0.0, 1.0, before=30.0, after=70.0), part=12e-6, gauge=10e-6, resistance=4e-6
+    )
+    assert warm.per_kelvin == pytest.approx(4e-6)
+
+    def sensors(body):
+        top, bottom = (
+            jo.Gauge(name, body, (0.1, 0, z), temperature=warm)
+            for name, z in (("top", 0.02), ("bottom", -0.02))
+        )
+        rosette = jo.Rosette("rosette", body, "e2.a.top", temperature=warm)
+        return [top, rosette, jo.Bridge("quarter", top), jo.Bridge("half", (top, bottom))]
+
+    found = cantilever(section=jo.Rectangle(0.02, 0.04), sensors=sensors)
+    e = 4e-6 * 10.0
+    assert found["top"][0] == pytest.approx(e)
+    np.testing.assert_allclose(found["rosette"], e)
+    assert found["quarter"][0] == pytest.approx(2 * e / (4 + 4 * e), rel=1e-12)
+    assert abs(found["half"][0]) < 1e-18
+    # a material may know its alpha
+    steel = jo.Material(E=210e9, nu=0.3, rho=7850, alpha=12e-6)
+    assert jo.Temperature(20.0, part=steel).part == 12e-6
+    with pytest.raises(jo.InputError) as error:
+        jo.Temperature(20.0, part=STEEL, gauge=11.0)
+    assert [str(p) for p in error.value.problems] == [
+        f"temperature: part: {STEEL!r} has no alpha; give it in 1/K, as 12e-6",
+        "temperature: gauge is 11 1/K; was it meant in 1e-6/K? Give 12e-6",
+    ]
+    with pytest.raises(jo.InputError, match="alpha is 12 1/K; was it meant in 1e-6/K"):
+        jo.Material(E=210e9, nu=0.3, rho=7850, alpha=12)
+
+
+def test_bridges_say_what_is_wrong(bar, beam):
+    g, h = jm.Gauge("g", beam, "e1.a.top"), jm.Gauge("h", bar, (0.15, 0.025, 0.02), (1, 0, 0))
+    with pytest.raises(jo.InputError) as error:
+        jm.Bridge("b", (g, h, g), gauge_factor=0.0, resistance=-1)
+    assert [str(p) for p in error.value.problems] == [
+        "bridge 'b': its gauges sit on several bodies (beam, box), must be on one",
+        "bridge 'b': one gauge stands in several arms; place one for each arm",
+        "bridge 'b': gauge_factor is 0, must be near 2 (metal) or 100 (silicon)",
+        "bridge 'b': resistance is -1 ohm, must be positive",
+    ]
+    with pytest.raises(jo.InputError, match="has 0 arms, must have one to four"):
+        jm.Bridge("b", ())
+    with pytest.raises(jo.InputError, match="arm 1 is 'g', must be a Gauge or None"):
+        jm.Bridge("b", ("g", g))
+    with pytest.raises(jo.InputError, match=r"strains have shape \(3,\), the last must be 1"):
+        jm.Bridge("b", g).output([1, 2, 3])

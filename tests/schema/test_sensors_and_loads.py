@@ -63,6 +63,9 @@ sensors:
      mean: {type: goodman, S_u: 400 MPa}}
   - {type: damage, name: s23, sensor: s17, sn: fat71-en, residue: half, factor: 2e6,
      resolution: 10 kPa, mean: {type: swt}}
+  - {type: rosette, name: s24, body: arm, at: e1.a.top, kind: '60',
+     temperature: {signal: 30, part: S355}}
+  - {type: bridge, name: s25, arms: [s15, null, s16], gauge_factor: 2.1}
 """
 
 
@@ -74,6 +77,8 @@ def test_sensors_equal_the_python_constructors():
     turned = jm.ground["origin"].turned(jm.Rotate((0, 0, 1), 30))
     distance = jm.Distance(end, jm.ground["origin"])
     stress, angle = (s for s in model.sensors if s.name in ("s12", "s17"))
+    top = jm.Gauge("s15", arm, "e1.a.top", (1, 1, 0))
+    between = jm.Gauge("s16", arm, (0.4, 0, 0.05), length=0.003, E=200e9, nu=0.25)
     expected = (
         jm.PositionSensor("s1", end, relative_to=seat),
         jm.VelocitySensor("s2", end, resolved_in=arm["start"]),
@@ -89,8 +94,8 @@ def test_sensors_equal_the_python_constructors():
         jm.StressSensor("s12", arm, ("e1.a.top",)),
         jm.VonMisesSensor("s13", arm),
         jm.PrincipalStressSensor("s14", arm, ("e1.a.top", "e2.b.left")),
-        jm.Gauge("s15", arm, "e1.a.top", (1, 1, 0)),
-        jm.Gauge("s16", arm, (0.4, 0, 0.05), length=0.003, E=200e9, nu=0.25),
+        top,
+        between,
         jm.CoordinateSensor("s17", hinge.angle),
         jm.RateSensor("s18", distance),
         jm.EnergySensor("s19", "kinetic"),
@@ -110,6 +115,8 @@ def test_sensors_equal_the_python_constructors():
             resolution=1e4,
             mean=jo.SWT(),
         ),
+        jm.Rosette("s24", arm, "e1.a.top", kind="60", temperature=jm.Temperature(30.0, part=12e-6)),
+        jm.Bridge("s25", (top, None, between), gauge_factor=2.1),
     )
     same(model.sensors, expected)
     assert {type(s) for s in model.sensors} == set(SENSORS.values())
@@ -137,6 +144,12 @@ MISTAKES = [
      "sensors.0.at: is 250 mm off the beams of part"),
     ("{type: gauge, name: s, body: arm, at: e1.a.top, E: 3 N}",
      "sensors.0.E: expects a pressure (Pa), got 3 N (a force)"),
+    ("{type: bridge, name: s, arms: [g1]}",
+     "sensors.0.arms.0: no gauge 'g1'; there are none"),
+    ("{type: rosette, name: s, body: arm, at: e1.a.top, kind: '30'}",
+     "sensors.0.kind: kind is '30', must be '45', '60' (delta) or '90' (tee)"),
+    ("{type: gauge, name: s, body: arm, at: e1.a.top, temperature: {signal: 20, part: 12}}",
+     "sensors.0.temperature.part: part is 12 1/K; was it meant in 1e-6/K? Give 12e-6"),
     ("{type: energy, name: s, energy: kintic}",
      "sensors.0.energy: energy is 'kintic'; did you mean 'kinetic'?"),
     ("{type: von-mises, name: s, body: slider}",

@@ -8,6 +8,7 @@ from jousto.cli import (  # noqa: F401  (they register themselves)
     commands,
     fatigue,
     friction,
+    gauges,
     hotspots,
     meshes,
     monitor,

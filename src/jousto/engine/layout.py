@@ -45,6 +45,7 @@ SENSORS = {
     "principal": 17,
     "friction": 18,
     "damage": 19,
+    "bridge": 21,
 }
 CHUNK = 4096  # scalars that are allocated together
 

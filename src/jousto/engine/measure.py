@@ -15,6 +15,7 @@ from jousto.mechanism.coupling import Coupler
 from jousto.mechanism.friction import Friction
 from jousto.mechanism.sensors import (
     ENERGIES,
+    Bridge,
     CoordinateSensor,
     DamageSensor,
     EnergySensor,
@@ -25,6 +26,7 @@ from jousto.mechanism.sensors import (
     PrincipalStressSensor,
     RateSensor,
     ReactionSensor,
+    Rosette,
     SignalSensor,
     StressSensor,
     VonMisesSensor,
@@ -33,7 +35,6 @@ from jousto.mechanism.sensors import (
 NOT_UNIQUE = " (not unique: least norm)"
 ROWS = {
     StressSensor: "stress",
-    Gauge: "stress",
     VonMisesSensor: "von mises",
     PrincipalStressSensor: "principal",
 }
@@ -103,6 +104,17 @@ class Measures:
             return Measure("element", place, other=sensor.first, frame=self.frame(sensor.axes))
         if isinstance(sensor, ModalSensor):
             return Measure("modal", self._bodies[id(sensor.body)])
+        if isinstance(sensor, Gauge | Rosette):
+            signal = self._builder.signal(sensor.signal)
+            place = self._bodies[id(sensor.body)]
+            return Measure("stress", place, rows=sensor.rows, other=signal)
+        if isinstance(sensor, Bridge):
+            # rows of the arms, then one with their drifts
+            rows = np.zeros((5, max(sensor.arm_rows.shape[1], 4)))
+            rows[:4, : sensor.arm_rows.shape[1]] = sensor.arm_rows
+            rows[4, :4] = sensor.arm_drift
+            signal = self._builder.signal(sensor.signal)
+            return Measure("bridge", self._bodies[id(sensor.body)], rows=rows, other=signal)
         if type(sensor) in ROWS:
             return Measure(ROWS[type(sensor)], self._bodies[id(sensor.body)], rows=sensor.rows)
         if isinstance(sensor, CoordinateSensor | RateSensor):

@@ -20,12 +20,14 @@ from jousto.mechanism.marker import Marker
 from jousto.mechanism.moving import MovingLoad
 from jousto.mechanism.sensors import (
     SENSORS,
+    Bridge,
     DamageSensor,
     ForceSensor,
     Gauge,
     ModalSensor,
     MotionSensor,
     ReactionSensor,
+    Rosette,
     SiteSensor,
 )
 from jousto.mechanism.signals import Signal, Switched, leaves
@@ -156,7 +158,9 @@ def check_members(problems: Problems, mechanism: Mechanism) -> None:
     for item in (*items, *mechanism.frictions):
         for argument, marker in markers_of(item):
             missing(item, argument, marker.body)
-        if isinstance(item, ModalLoad | MovingLoad | ModalSensor | SiteSensor | Gauge):
+        if isinstance(
+            item, ModalLoad | MovingLoad | ModalSensor | SiteSensor | Gauge | Rosette | Bridge
+        ):
             missing(item, "body", item.body)
         if isinstance(item, ReactionSensor | Friction):
             known = (*mechanism.joints, *mechanism.couplings)

@@ -9,6 +9,7 @@ from jousto.output.cycles import plot_cycles, plot_sn
 from jousto.output.damage import plot_damage, write_damage
 from jousto.output.draw import draw
 from jousto.output.friction import plot_friction_stress
+from jousto.output.gauges import plot_gauges
 from jousto.output.hotspots import plot_hotspots, write_hotspots
 from jousto.output.hysteresis import plot_hysteresis, plot_spectrum
 from jousto.output.mbdyn import write_fem
@@ -23,6 +24,7 @@ from jousto.output.view import View
 from jousto.output.vtu import write_vtu
 
 __all__ = [
+    "plot_gauges",
     "plot_cycles",
     "plot_damage",
     "plot_sn",

@@ -74,6 +74,14 @@ _TABLE: dict[str, tuple[float, float, float, str]] = {
         " typical of the family",
     ),
 }
+# thermal expansion in 1/K, from the same sources (of stainless steels EN 10088-1, 20 to 100 deg C)
+_ALPHA = {
+    _EC3: 12e-6,
+    _EC9: 23e-6,
+    "1.4301": 16e-6,
+    "1.4404": 16e-6,
+    "1.4462": 13e-6,
+}
 _ALIASES = {"steel": "S355", "aluminium": "EN AW-6082", "titanium": "Ti-6Al-4V"}
 
 
@@ -115,7 +123,8 @@ def material(name: str) -> Material:
         )
     found = keys[_key(str(name))]
     E, nu, rho, source = _TABLE[found]
-    return Material(E=E, nu=nu, rho=rho, name=found, source=source)
+    alpha = _ALPHA.get(found, _ALPHA.get(source))
+    return Material(E=E, nu=nu, rho=rho, name=found, source=source, alpha=alpha)
 
 
 def materials() -> tuple[str, ...]:

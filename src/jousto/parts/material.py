@@ -25,6 +25,8 @@ class Material:
         Shown in messages.
     source : str
         Where the values come from; the materials of :func:`material` say it.
+    alpha : float, optional
+        Coefficient of thermal expansion in 1/K, for the temperature of strain gauges.
 
     Raises
     ------
@@ -48,6 +50,7 @@ class Material:
     rho: float
     name: str = ""
     source: str = field(default="", compare=False)
+    alpha: float | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         where = f"material '{self.name}'" if self.name else "material"
@@ -57,6 +60,10 @@ class Material:
             problems.add(where, f"Poisson's ratio nu is {self.nu:g}, must be in (-1, 0.5]")
         if not (math.isfinite(self.rho) and self.rho >= 0.0):
             problems.add(where, f"density rho is {self.rho:g} kg/m^3, must be zero or positive")
+        if self.alpha is not None and not abs(self.alpha) < 0.01:
+            problems.add(
+                where, f"alpha is {self.alpha:g} 1/K; was it meant in 1e-6/K? Give it as 12e-6"
+            )
         problems.raise_if_any()
 
         # values that are legal numbers but most likely in other units

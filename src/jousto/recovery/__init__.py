@@ -17,11 +17,31 @@ from jousto.recovery.friction import (
     friction_stress,
     without_friction,
 )
+from jousto.recovery.gauges import (
+    Alignment,
+    GaugeComparison,
+    GaugePair,
+    Record,
+    RosetteState,
+    compare_gauges,
+    read_record,
+    record_of,
+    rosette_state,
+)
 from jousto.recovery.hotspots import HotSpot, HotSpots, hot_spots
 from jousto.recovery.shape import find_body, positions, rotation_matrices
 from jousto.recovery.stress import Peak, peak, stress, surface_stress
 
 __all__ = [
+    "Alignment",
+    "GaugeComparison",
+    "GaugePair",
+    "Record",
+    "RosetteState",
+    "compare_gauges",
+    "read_record",
+    "record_of",
+    "rosette_state",
     "Criterion",
     "Envelope",
     "HotSpot",

@@ -443,7 +443,10 @@ class Builder:
         frictions = listed("frictions", lambda at, e: build_friction(self, at, e, free))
         known |= {"couplings": named(couplings), "forces": named(loads)}
         known["frictions"] = named(frictions)
-        sensors += sensed(lambda e: e.name in late and e.type != "damage")
+        stacked = ("damage", "bridge")
+        sensors += sensed(lambda e: e.name in late and e.type not in stacked)
+        known["sensors"] = named(sensors)
+        sensors += sensed(lambda e: e.type == "bridge")
         known["sensors"] = named(sensors)
         measured = [e.name for e in entry.sensors or () if e.type in FLEXIBLE_ONLY]
         sensors += sensed(  # what they count may be gone

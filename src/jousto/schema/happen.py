@@ -16,12 +16,14 @@ if TYPE_CHECKING:
 
 # sensors that stand on forces, couplings or signals, which events may switch, or on other sensors:
 # they come after
-LATE = ("force", "signal", "damage")
+LATE = ("force", "signal", "damage", "bridge")
 
 
 def is_late(entry: Any, joints: dict[str, Any]) -> bool:
     """Return whether a sensor can only be built after forces and couplings."""
     kind = getattr(entry, "type", "")
+    if getattr(entry, "temperature", None) is not None:
+        return True
     return kind in LATE or (kind == "reaction" and entry.joint not in joints)
 
 

@@ -35,6 +35,7 @@ class MaterialEntry(Entry):
     nu: Number = Field(description="Poisson's ratio")
     rho: Density = Field(description="Density")
     name: Text | None = None
+    alpha: Number | None = Field(None, description="Thermal expansion, 1/K")
 
 
 MaterialForm: TypeAlias = Annotated[

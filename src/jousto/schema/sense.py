@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from jousto import mechanism as jm
 from jousto.mechanism.sensors import BODY_SENSORS
+from jousto.parts import material
 from jousto.schema.connect import build_coordinate, build_signal
 from jousto.schema.curves import build_curve, build_mean
 from jousto.schema.document import Loc
@@ -28,6 +29,8 @@ SENSORS: dict[str, Any] = {
     "von-mises": jm.VonMisesSensor,
     "principal-stress": jm.PrincipalStressSensor,
     "gauge": jm.Gauge,
+    "rosette": jm.Rosette,
+    "bridge": jm.Bridge,
     "coordinate": jm.CoordinateSensor,
     "rate": jm.RateSensor,
     "energy": jm.EnergySensor,
@@ -84,6 +87,36 @@ def build_sensor(builder: Builder, loc: Loc, entry: Any, known: dict[str, dict[s
         values["signal"] = build_signal(builder, (*loc, "signal"), values["signal"], "1")
         if isinstance(values["signal"], float):
             values["signal"] = jm.Constant(values["signal"])
+    if "temperature" in values:
+        values["temperature"] = _temperature(builder, (*loc, "temperature"), values["temperature"])
+    if "arms" in values:
+        values["arms"] = _arms(builder, (*loc, "arms"), values["arms"], known["sensors"])
     if any(value is None for value in values.values()):
         return None
     return builder.make(loc, SENSORS[entry.type], **values)
+
+
+def _temperature(builder: Builder, loc: Loc, entry: Any) -> Any:
+    """Return the temperature of a gauge, None if anything is wrong with it."""
+    values = entry.given()
+    values["signal"] = build_signal(builder, (*loc, "signal"), values["signal"], "1")
+    if isinstance(values["part"], str):
+        values["part"] = builder.make((*loc, "part"), material, values["part"])
+    if any(value is None for value in values.values()):
+        return None
+    return builder.make(loc, jm.Temperature, **values)
+
+
+def _arms(
+    builder: Builder, loc: Loc, names: tuple[str | None, ...], sensors: dict[str, Any]
+) -> tuple[Any, ...] | None:
+    """Return the gauges of a bridge, None if one is not there."""
+    gauges = [name for name, sensor in sensors.items() if isinstance(sensor, jm.Gauge)]
+    missing = False
+    for i, name in enumerate(names):
+        if name is not None and name not in gauges:
+            builder.unknown((*loc, i), ("sensors",), "gauge", name, gauges)
+            missing = True
+    if missing:
+        return None
+    return tuple(None if name is None else sensors[name] for name in names)

@@ -121,6 +121,31 @@ class PrincipalStressSensorEntry(Entry):
     sites: tuple[Place, ...] | None = Field(None, description=SITES)
 
 
+def _expansion(value: Any) -> str:
+    """Return whether an expansion is a number, maybe in quotes, or the name of a material."""
+    try:
+        float(value)
+    except (TypeError, ValueError):
+        return "text" if isinstance(value, str) else "number"
+    return "number"
+
+
+class TemperatureEntry(Entry):
+    """`Temperature`: what a gauge shows when it gets warm."""
+
+    signal: SignalOrNumber = Field(description="Temperature over time, K or deg C")
+    part: Annotated[
+        Annotated[Number, Tag("number")] | Annotated[Text, Tag("text")],
+        Discriminator(_expansion),
+    ] = Field(description="Thermal expansion of the part, 1/K, or the name of a material")
+    gauge: Annotated[Number | None, Field(description="That of the grid, 1/K")] = None
+    reference: Annotated[Number | None, Field(description="When it was balanced, 20")] = None
+    resistance: Annotated[
+        Number | None, Field(description="Temperature coefficient of the resistance, 1/K")
+    ] = None
+    gauge_factor: Annotated[Number | None, Field(description="For the resistance, 2")] = None
+
+
 class GaugeEntry(Entry):
     """`Gauge`: a virtual strain gauge."""
 
@@ -139,6 +164,42 @@ class GaugeEntry(Entry):
     ] = None
     E: Annotated[Pressure | None, Field(description="Young's modulus, if not the part's")] = None
     nu: Annotated[Number | None, Field(description="Poisson's ratio, if not the part's")] = None
+    temperature: TemperatureEntry | None = None
+
+
+class RosetteEntry(Entry):
+    """`Rosette`: two or three virtual strain gauges at one place."""
+
+    type: Literal["rosette"]
+    name: Text
+    body: Text
+    at: Place = Field(description="A position in the part frame, or a stress site as e3.a.top")
+    direction: Direction | None = Field(
+        None, description="Along grid a, part frame; along the beam if not given"
+    )
+    kind: Annotated[Text | None, Field(description="'45' (if not given), '60' or '90'")] = None
+    normal: Direction | None = Field(None, description="Outward normal, on beams")
+    length: Annotated[Length | None, Field(description="Of the grids")] = None
+    width: Annotated[Length | None, Field(description="Of the grids")] = None
+    transverse: Annotated[Number | None, Field(description="Transverse sensitivity")] = None
+    reach: Annotated[
+        Length | None, Field(description="How far the position may lie off the surface")
+    ] = None
+    E: Annotated[Pressure | None, Field(description="Young's modulus, if not the part's")] = None
+    nu: Annotated[Number | None, Field(description="Poisson's ratio, if not the part's")] = None
+    temperature: TemperatureEntry | None = None
+
+
+class BridgeEntry(Entry):
+    """`Bridge`: a Wheatstone bridge of gauges, V/V."""
+
+    type: Literal["bridge"]
+    name: Text
+    arms: tuple[Text | None, ...] = Field(
+        description="Names of gauges in the arms 1 to 4 (+ - + -); null is a fixed resistor"
+    )
+    gauge_factor: Annotated[Number | None, Field(description="2 if not given")] = None
+    resistance: Annotated[Number | None, Field(description="Of each arm, ohm")] = None
 
 
 class CoordinateSensorEntry(Entry):
@@ -217,6 +278,8 @@ SensorEntry: TypeAlias = Annotated[
     | Annotated[VonMisesSensorEntry, Tag("von-mises")]
     | Annotated[PrincipalStressSensorEntry, Tag("principal-stress")]
     | Annotated[GaugeEntry, Tag("gauge")]
+    | Annotated[RosetteEntry, Tag("rosette")]
+    | Annotated[BridgeEntry, Tag("bridge")]
     | Annotated[CoordinateSensorEntry, Tag("coordinate")]
     | Annotated[RateSensorEntry, Tag("rate")]
     | Annotated[EnergySensorEntry, Tag("energy")]

@@ -54,9 +54,8 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
         force = t.N.T @ t.M @ t.a
         squares, shapes = stiffness_modes(t)
         # reach of the forces: a stiff direction at its round-off must not keep the others waiting
-        push = np.real(shapes.T @ force)
-        norms = np.einsum("ij,ij->j", shapes, t.N.T @ t.M @ t.N @ shapes)
-        push = push / np.maximum(np.abs(norms), 1e-300)
+        # the shapes of equal frequencies need not be orthogonal: expand the accelerations in them
+        push = np.linalg.lstsq(shapes, np.linalg.solve(t.N.T @ t.M @ t.N, force), rcond=None)[0]
         rates = np.abs(squares)
         amounts = push / np.maximum(rates, FREE * max(float(rates.max()), 1.0))
         step = t.N @ np.real(shapes @ amounts)

@@ -15,6 +15,7 @@ from jousto.mechanism.sensors.body import (
     StressSensor,
     VonMisesSensor,
 )
+from jousto.mechanism.sensors.bridge import Bridge, bridge_output, quarter_bridge_strain
 from jousto.mechanism.sensors.damage import DamageSensor
 from jousto.mechanism.sensors.gauge import Gauge, gauge_rows
 from jousto.mechanism.sensors.loads import ForceSensor, ReactionSensor
@@ -34,8 +35,10 @@ from jousto.mechanism.sensors.readings import (
     RateSensor,
     SignalSensor,
 )
+from jousto.mechanism.sensors.rosette import Rosette
+from jousto.mechanism.sensors.temperature import Temperature
 
-BodySensor: TypeAlias = ModalSensor | SiteSensor | Gauge
+BodySensor: TypeAlias = ModalSensor | SiteSensor | Gauge | Rosette | Bridge
 Reading: TypeAlias = CoordinateSensor | RateSensor | EnergySensor | SignalSensor
 Sensor: TypeAlias = (
     MotionSensor | BodySensor | ReactionSensor | ForceSensor | Reading | DamageSensor
@@ -54,6 +57,8 @@ BODY_SENSORS: tuple[type[BodySensor], ...] = (
     VonMisesSensor,
     PrincipalStressSensor,
     Gauge,
+    Rosette,
+    Bridge,
 )
 SENSORS: tuple[type[Sensor], ...] = (
     *(*MOTION_SENSORS, *BODY_SENSORS, ReactionSensor, ForceSensor),
@@ -66,6 +71,11 @@ __all__ = [
     "MOTION_SENSORS",
     "SENSORS",
     "AccelerationSensor",
+    "Bridge",
+    "Rosette",
+    "Temperature",
+    "bridge_output",
+    "quarter_bridge_strain",
     "AngularAccelerationSensor",
     "AngularVelocitySensor",
     "BodySensor",

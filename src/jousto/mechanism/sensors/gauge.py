@@ -13,6 +13,8 @@ from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.mechanism.body import FlexibleBody
 from jousto.mechanism.fields import check_name, number, set_fields
 from jousto.mechanism.orientation import Array, readonly
+from jousto.mechanism.sensors.temperature import Temperature, check_temperature
+from jousto.mechanism.signals import Signal
 
 if TYPE_CHECKING:
     from jousto.reduction import ReducedPart, StressModes
@@ -56,6 +58,8 @@ class Gauge:
         Of the grid, m, over which strain is averaged; zero is a point.
     transverse : float
         Transverse sensitivity K, such as 0.005.
+    temperature : Temperature, optional
+        Adds the apparent strain of a temperature that changes.
     reach : float, optional
         How far the position may lie off the surface, m; 1 % of the size of the part (solids) or
         of the section (beams) if not given.
@@ -88,6 +92,7 @@ class Gauge:
     length: float
     width: float
     transverse: float
+    temperature: Temperature | None
     reach: float | None
     E: float | None
     nu: float | None
@@ -105,6 +110,7 @@ class Gauge:
         length: float = 0.0,
         width: float = 0.0,
         transverse: float = 0.0,
+        temperature: Temperature | None = None,
         reach: float | None = None,
         E: float | None = None,
         nu: float | None = None,
@@ -132,12 +138,14 @@ class Gauge:
         poisson = None if nu is None else number(problems, where, "nu", nu)
         if poisson is not None and not -1.0 < poisson <= 0.5:
             problems.add(where, f"nu is {poisson:g}, must be in (-1, 0.5]")
+        warm = check_temperature(problems, where, temperature)
         problems.raise_if_any()
         set_fields(
             self,
             name=name,
             body=body,
             at=place,
+            temperature=warm,
             direction=None if t is None else readonly(t / np.linalg.norm(t)),
             transverse=K,
             E=young,
@@ -153,6 +161,11 @@ class Gauge:
     def reduced(self) -> ReducedPart:
         """The part it sticks to."""
         return self.body.reduced if isinstance(self.body, FlexibleBody) else self.body
+
+    @property
+    def signal(self) -> Signal | None:
+        """Apparent strain over time."""
+        return None if self.temperature is None else self.temperature.apparent
 
     @property
     def description(self) -> str:
@@ -225,6 +238,41 @@ def gauge_rows(gauges: Iterable[Any], reduced: ReducedPart | None = None) -> Arr
             Problem("gauges", f"they stick to parts of different numbers of modes: {names}")
         )
     return np.concatenate(blocks)
+
+
+def outward(g: Gauge, given: Array | None = None) -> Array:
+    """Return the unit normal (3,), outwards, where a gauge sticks; part frame.
+
+    Parameters
+    ----------
+    g : Gauge
+    given : (3,) array, optional
+        The normal on a beam, if it is not away from the middle of its section.
+    """
+    if g.reduced.faces:
+        from jousto.reduction.skin import Skin
+
+        feet = Skin(g.reduced.nodes, g.reduced.faces).feet(g.position)
+        n = np.mean([foot.normal for foot in feet], axis=0)
+        return np.asarray(n / np.linalg.norm(n))
+    from jousto.reduction.fibre import elements, nearest_fibre
+
+    where = f"gauge {g.name!r}"
+    stress = known_stress(where, g.reduced)
+    beams = elements(stress)
+    if given is None and not beams:
+        raise InputError(Problem(where, "normal is missing: there are neither surface nor beams"))
+    if given is not None:
+        along = g.axis
+        n = given - (given @ along) * along
+    else:
+        fibre = nearest_fibre(beams, g.position)
+        e = fibre.element
+        y, z = fibre.shares @ e.yz - 0.5 * (e.yz.min(axis=0) + e.yz.max(axis=0))
+        n = e.axes[:, 1:] @ np.array([y, z])
+    if np.linalg.norm(n) <= 1e-9:
+        raise InputError(Problem(where, "normal is missing or along the gauge; give normal=..."))
+    return np.asarray(n / np.linalg.norm(n))
 
 
 def known_stress(where: str, reduced: ReducedPart) -> StressModes:

@@ -1,0 +1,241 @@
+"""Wheatstone bridges of virtual strain gauges."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from jousto.errors import InputError, Problem, Problems
+from jousto.mechanism.body import FlexibleBody
+from jousto.mechanism.fields import check_name, number, set_fields
+from jousto.mechanism.orientation import Array, readonly
+from jousto.mechanism.sensors.gauge import Gauge
+from jousto.mechanism.signals import Signal
+
+if TYPE_CHECKING:
+    from jousto.reduction import ReducedPart
+
+SIGNS = np.array([1.0, -1.0, 1.0, -1.0])
+KINDS = {1: "quarter", 2: "half", 3: "three-quarter", 4: "full"}
+
+
+def bridge_output(r: ArrayLike) -> Array:
+    """Return the output of a Wheatstone bridge over its supply, V/V.
+
+    ``V/U = (1 + r1)/(2 + r1 + r2) - (1 + r4)/(2 + r3 + r4)``, which is near
+    ``(r1 - r2 + r3 - r4) / 4``: arms 1 and 2 stand in series beside 4 and 3.
+
+    Parameters
+    ----------
+    r : (..., 4) array_like
+        Relative changes of resistance of arms 1 to 4; those of a gauge are ``k e``.
+
+    Examples
+    --------
+    A quarter bridge of 2000 um/m and k = 2 shows 0.998 mV/V, not 1:
+
+    >>> bridge_output([0.004, 0, 0, 0]).round(6)
+    np.float64(0.000998)
+    """
+    r1, r2, r3, r4 = np.moveaxis(np.asarray(r, dtype=np.float64), -1, 0)
+    left, right = (r1 - r2) / (2.0 + r1 + r2), (r3 - r4) / (2.0 + r3 + r4)
+    return np.asarray(0.5 * (left + right))[()]
+
+
+def quarter_bridge_strain(output: ArrayLike, gauge_factor: float = 2.0) -> Array:
+    """Return the strain of a quarter bridge of its output in V/V, without linearisation.
+
+    ``e = 4 v / (k (1 - 2 v))``, the inverse of ``v = k e / (4 + 2 k e)``.
+
+    Examples
+    --------
+    >>> quarter_bridge_strain(bridge_output([0.004, 0, 0, 0]))
+    np.float64(0.002)
+    """
+    v = np.asarray(output, dtype=np.float64)
+    return np.asarray(4.0 * v / (gauge_factor * (1.0 - 2.0 * v)))[()]
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Bridge:
+    """A Wheatstone bridge of one to four gauges on a body, (1,) V/V.
+
+    The output over the supply is that of the resistors, see `bridge_output`: a quarter bridge is
+    slightly nonlinear, as a real one. ``rows`` is its linear part,
+    ``k (e1 - e2 + e3 - e4) / 4``.
+
+    Parameters
+    ----------
+    name : str
+        Name, unique among the sensors.
+    arms : sequence of Gauge or None
+        Up to four gauges in the order of the arms; None (and what is not given) is a fixed
+        resistor. Arms 1 and 3 count positive, 2 and 4 negative: bending is measured by
+        ``(top, bottom)``, tension without bending by ``(top, None, bottom)``.
+    gauge_factor : float
+        k of ``dR/R = k e``.
+    resistance : float
+        R of each arm, ohm; for shunt calibration.
+
+    Raises
+    ------
+    InputError
+        No gauge, more than four, gauges of several bodies or of several temperatures.
+    """
+
+    unit: ClassVar[str] = "V/V"
+    frame: ClassVar[str] = "gauge"
+    components: ClassVar[tuple[str, ...]] = ("ratio",)
+    name: str
+    arms: tuple[Gauge | None, ...]
+    gauge_factor: float
+    resistance: float
+
+    def __init__(
+        self,
+        name: str,
+        arms: Sequence[Gauge | None] | Gauge,
+        *,
+        gauge_factor: float = 2.0,
+        resistance: float = 350.0,
+    ) -> None:
+        problems = Problems()
+        where = check_name(problems, "bridge", name)
+        given: Any = (arms,) if isinstance(arms, Gauge) else arms
+        if not isinstance(given, Sequence) or isinstance(given, str):
+            problems.add(where, f"arms is {arms!r}, must be up to four gauges")
+            given = ()
+        elif not 1 <= len(given) <= 4 or all(arm is None for arm in given):
+            problems.add(
+                where, f"has {len(given)} arms, must have one to four with a gauge or more"
+            )
+        for i, arm in enumerate(given):
+            if arm is not None and not isinstance(arm, Gauge):
+                problems.add(where, f"arm {i + 1} is {arm!r}, must be a Gauge or None")
+        gauges = [arm for arm in given if isinstance(arm, Gauge)]
+        if len({id(g.body) for g in gauges}) > 1:
+            names = ", ".join(sorted({g.body.name for g in gauges}))
+            problems.add(where, f"its gauges sit on several bodies ({names}), must be on one")
+        seen = {id(g) for g in gauges}
+        if len(seen) < len(gauges):
+            problems.add(where, "one gauge stands in several arms; place one for each arm")
+        if len({id(g.temperature.signal) for g in gauges if g.temperature is not None}) > 1:
+            problems.add(
+                where, "its gauges have several temperature signals; give all the same signal"
+            )
+        k = number(problems, where, "gauge_factor", gauge_factor)
+        if k is not None and not 0.1 <= abs(k) <= 300.0:
+            problems.add(where, f"gauge_factor is {k:g}, must be near 2 (metal) or 100 (silicon)")
+        R = number(problems, where, "resistance", resistance)
+        if R is not None and R <= 0.0:
+            problems.add(where, f"resistance is {R:g} ohm, must be positive")
+        problems.raise_if_any()
+        four = (*given, *(None,) * (4 - len(given)))
+        set_fields(self, name=name, arms=four, gauge_factor=k, resistance=R)
+
+    @property
+    def gauges(self) -> tuple[Gauge, ...]:
+        """The gauges of its arms."""
+        return tuple(arm for arm in self.arms if arm is not None)
+
+    @property
+    def kind(self) -> str:
+        """``quarter``, ``half``, ``three-quarter`` or ``full``."""
+        return KINDS[len(self.gauges)]
+
+    @property
+    def body(self) -> FlexibleBody | ReducedPart:
+        """What its gauges stick to."""
+        return self.gauges[0].body
+
+    @property
+    def reduced(self) -> ReducedPart:
+        """The part its gauges stick to."""
+        return self.gauges[0].reduced
+
+    @property
+    def arm_rows(self) -> Array:
+        """Relative changes of resistance of the arms per unit modal coordinate, (4, n)."""
+        out = np.zeros((4, self.gauges[0].rows.shape[1]))
+        for i, arm in enumerate(self.arms):
+            if arm is not None:
+                out[i] = self.gauge_factor * arm.rows[0]
+        return readonly(out)
+
+    @property
+    def arm_drift(self) -> Array:
+        """Relative changes of resistance of the arms per kelvin, (4,)."""
+        rates = [0.0 if a is None or a.temperature is None else a.temperature.per_kelvin
+                 for a in self.arms]  # fmt: skip
+        return readonly(self.gauge_factor * np.array(rates))
+
+    @property
+    def rows(self) -> Array:
+        """Output per unit modal coordinate, (1, n) V/V: its linear part."""
+        return readonly(0.25 * (SIGNS @ self.arm_rows)[None])
+
+    @property
+    def signal(self) -> Signal | None:
+        """Temperature change over time, K; None if no gauge has a temperature."""
+        for gauge in self.gauges:
+            if gauge.temperature is not None:
+                return gauge.temperature.change
+        return None
+
+    @property
+    def description(self) -> str:
+        """One line for results and plots."""
+        names = ", ".join("-" if arm is None else arm.name for arm in self.arms)
+        return f"{self.kind} bridge ({names}), k = {self.gauge_factor:g}"
+
+    def placed(self, reduced: ReducedPart) -> tuple[Array, Array, Array]:
+        """Return position and axis of its first gauge, and its rows on a part (n,)."""
+        total = np.zeros(len(reduced.frequencies))
+        position, axis = np.zeros(3), np.zeros(3)
+        for sign, arm in reversed(list(zip(SIGNS, self.arms, strict=True))):
+            if arm is not None:
+                position, axis, rows = arm.placed(reduced)
+                total += 0.25 * sign * self.gauge_factor * rows
+        return position, axis, total
+
+    def output(self, strains: ArrayLike) -> Array:
+        """Return the output in V/V of the strains (..., m) of its gauges, in their order."""
+        e = np.asarray(strains, dtype=np.float64)
+        if e.shape[-1:] != (len(self.gauges),):
+            raise InputError(
+                Problem(
+                    f"bridge {self.name!r}",
+                    f"strains have shape {e.shape}, the last must be {len(self.gauges)}: one for "
+                    "each gauge",
+                )
+            )
+        r = np.zeros((*e.shape[:-1], 4))
+        active = [i for i, arm in enumerate(self.arms) if arm is not None]
+        r[..., active] = self.gauge_factor * e
+        return bridge_output(r)
+
+    def shunt(self, resistor: float, arm: int = 1) -> float:
+        """Return the output in V/V when a resistor is put in parallel to an arm.
+
+        ``r = -R / (R + R_shunt)`` of that arm: the strain ``r/k`` is simulated there.
+
+        Parameters
+        ----------
+        resistor : float
+            ohm.
+        arm : int
+            1 to 4.
+        """
+        problems = Problems()
+        where = f"bridge {self.name!r}"
+        problems.positive(where, "resistor", resistor, "ohm")
+        if arm not in (1, 2, 3, 4):
+            problems.add(where, f"arm is {arm!r}, must be 1 to 4")
+        problems.raise_if_any()
+        r = np.zeros(4)
+        r[arm - 1] = -self.resistance / (self.resistance + resistor)
+        return float(bridge_output(r))
