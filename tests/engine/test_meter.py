@@ -194,6 +194,53 @@ def test_many_histories_side_by_side(rng):
     np.testing.assert_array_equal(m.extremes, np.stack([x.min(axis=0), x.max(axis=0)], axis=1))
 
 
+# -- curves and mean stress as in Python ------------------------------------------------------
+
+MEANS = (
+    *(None, jo.Goodman(400e6), jo.Goodman(400e6, credit=False), jo.Morrow(900e6)),
+    *(jo.Soderberg(300e6), jo.Gerber(400e6), jo.SWT(), jo.Walker(0.65), jo.FKM(0.3)),
+    *(jo.WeldRatio("low"), jo.WeldRatio("medium"), jo.WeldRatio("high"), jo.PartCompression()),
+)
+CURVES = (
+    *(jo.SN(100e6, 1e6, 5, rule) for rule in ("original", "elementary", "haibach")),
+    *(jo.fat_class(71), jo.fat_class(71, "en"), jo.SN(80e6, 2e6, 4, T_S=1.3).at_survival(0.977)),
+)
+
+
+@pytest.mark.parametrize("mean", MEANS, ids=str)
+def test_mean_stress_is_corrected_as_in_python(rng, mean):
+    a, b = rng.uniform(-350e6, 350e6, (2, 500))
+    a[:8] = [0, 100e6, -100e6, 100e6, 300e6, -300e6, 399e6, 200e6]  # on the borders of regimes
+    b[:8] = [100e6, 0, 0, -100e6, 150e6, -100e6, 401e6, 100e6]
+    m = jo.DamageMeter(CURVES[1], residue="half", mean=mean)
+    found = [m._library.jo_cycle_amplitude(m._rule, x, y) for x, y in zip(a, b, strict=True)]
+    expected = 0.5 * np.abs(a - b)
+    if mean is not None:
+        expected = mean.equivalent(expected, 0.5 * (a + b))
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("sn", CURVES, ids=str)
+def test_damage_is_that_of_the_curve(rng, sn):
+    S_D, _, _, _, limit = sn.numbers
+    S = np.concatenate([rng.uniform(0.0, 3.0 * S_D, 200), [0.0, S_D, limit, 0.999 * limit]])
+    m = jo.DamageMeter(sn, residue="half")
+    found = [m._library.jo_cycle_damage(m._rule, -x, x) for x in S]
+    np.testing.assert_allclose(found, [sn.damage(x) for x in S], rtol=1e-12)
+
+
+@pytest.mark.parametrize("residue", ["half", "ignore", "repeat"])
+def test_the_meter_and_the_offline_damage_are_one(rng, residue):
+    pytest.importorskip("pylife")
+    x = 40e6 + 0.97 * np.cumsum(rng.normal(size=5000)) * 4e6
+    sn, mean = jo.SN(100e6, 1e6, 5, "haibach"), jo.FKM(0.3)
+    m = jo.DamageMeter(sn, residue=residue, mean=mean)
+    m.push(x)
+    offline = jo.damage(jo.rainflow(x, residue=residue), sn, mean)
+    assert m.damage()[0] == pytest.approx(offline, rel=1e-12)
+    assert offline > 0.0
+
+
 # -- a full memory --------------------------------------------------------------------------
 
 
