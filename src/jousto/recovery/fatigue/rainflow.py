@@ -277,7 +277,7 @@ def rainflow(
 ) -> Cycles:
     """Count the cycles of a history by the rainflow method.
 
-    Four-point rule: of turning points S1..S4 the inner range |S2 - S3| is a closed cycle if it
+    Four-point rule: of turning points S1..S4 the inner range ``|S2 - S3|`` is a closed cycle if it
     lies within S1 and S4. It is taken out, and so on; what remains is the residue. With
     ``residue="half"`` the ranges of the residue count as half cycles, which is the count of
     ASTM E1049-85, 5.4.4.
