@@ -6,6 +6,9 @@ import io
 from collections.abc import Iterator
 from typing import Any
 
+import h5py
+import numpy as np
+
 PAGE = 4096
 
 
@@ -96,3 +99,20 @@ class SparseImage(io.RawIOBase):
                 end = start + length
                 self.seek(first)
                 yield first, self.read(end - first)
+
+
+def reserve(file: h5py.File, place: str, shape: tuple[int, ...], kind: str) -> h5py.Dataset:
+    """Create a dataset that has its fixed place in the file at once and is not filled.
+
+    Contiguous and allocated now: plain writes at its offset put the data in later.
+    """
+    layout = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    layout.set_layout(h5py.h5d.CONTIGUOUS)
+    layout.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    layout.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+    links = h5py.h5p.create(h5py.h5p.LINK_CREATE)
+    links.set_create_intermediate_group(True)
+    space = h5py.h5s.create_simple(shape) if shape else h5py.h5s.create(h5py.h5s.SCALAR)
+    numbers = h5py.h5t.py_create(np.dtype(kind))
+    name = place.encode()
+    return h5py.Dataset(h5py.h5d.create(file.id, name, numbers, space, layout, links))

@@ -23,7 +23,7 @@ from jousto import __version__
 from jousto.engine import Model
 from jousto.errors import InputError, Problem
 from jousto.simulation.events import joints_of, sources
-from jousto.simulation.image import SparseImage
+from jousto.simulation.image import SparseImage, reserve
 from jousto.simulation.state import MEMORY, memory_sizes
 from jousto.simulation.stress import stress_arrays
 
@@ -225,30 +225,16 @@ def _write(file: BinaryIO, offset: int, data: bytes) -> None:
         view = view[file.write(view) :]
 
 
-def _reserve(file: h5py.File, place: str, shape: tuple[int, ...], kind: str) -> h5py.Dataset:
-    # contiguous, allocated now and never filled: the data gets a fixed place in the file
-    layout = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-    layout.set_layout(h5py.h5d.CONTIGUOUS)
-    layout.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
-    layout.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
-    links = h5py.h5p.create(h5py.h5p.LINK_CREATE)
-    links.set_create_intermediate_group(True)
-    space = h5py.h5s.create_simple(shape) if shape else h5py.h5s.create(h5py.h5s.SCALAR)
-    numbers = h5py.h5t.py_create(np.dtype(kind))
-    name = place.encode()
-    return h5py.Dataset(h5py.h5d.create(file.id, name, numbers, space, layout, links))
-
-
 def _describe_events(file: h5py.File, model: Model) -> list[Place]:
     """Create the table of what happens; return the places of its length and columns."""
     names = sources(model)
     if not names:
         return []
-    counter = _reserve(file, "events/rows", (), "<i8")
+    counter = reserve(file, "events/rows", (), "<i8")
     counter.attrs["description"] = "entries written so far"
     made = [counter]
     for name, unit, description in EVENT_COLUMNS:
-        dataset = _reserve(file, f"events/{name}", (EVENTS,), "<f8")
+        dataset = reserve(file, f"events/{name}", (EVENTS,), "<f8")
         dataset.attrs["unit"] = unit
         dataset.attrs["description"] = description
         made.append(dataset)
@@ -283,15 +269,12 @@ def _describe(
     datasets: list[tuple[h5py.Dataset, int, int]] = []
     at = 0
 
-    def reserve(place: str, shape: tuple[int, ...], kind: str) -> h5py.Dataset:
-        return _reserve(file, place, shape, kind)
-
     def column(place: str, width: int | None, **attrs: Any) -> None:
         nonlocal at
         count = 1 if width is None else width
         shape = (rows,) if width is None else (rows, width)
         if count:
-            dataset = reserve(place, shape, "<f8")
+            dataset = reserve(file, place, shape, "<f8")
             datasets.append((dataset, at, count))
             at += count
         else:  # nothing of this kind in the model
@@ -299,7 +282,7 @@ def _describe(
         for key, value in attrs.items():
             dataset.attrs[key] = value
 
-    counter = reserve("rows", (), "<i8")
+    counter = reserve(file, "rows", (), "<i8")
     counter.attrs["description"] = "instants written so far"
     column("time", None, unit="s")
     column("state/q", model.nq, unit="m, 1, kg^0.5 m", description="[R e p] of every body")

@@ -11,7 +11,7 @@ import numpy as np
 from jousto import __version__
 from jousto.errors import InputError, Problem
 from jousto.recovery.fields.criteria import STRAIN_COMPONENTS, STRESS_COMPONENTS, Criterion
-from jousto.simulation.image import SparseImage
+from jousto.simulation.image import SparseImage, reserve
 
 if TYPE_CHECKING:
     from jousto.recovery.fields.field import StressField
@@ -76,28 +76,15 @@ def _image(field: StressField, criterion: Criterion | None) -> tuple[SparseImage
             file["nodes"] = field.modes.nodes
         file["time"] = field.time
         file["time"].attrs["unit"] = "s"
-        made = {"rows": _reserve(file, "rows", (), "<i8")}
+        made = {"rows": reserve(file, "rows", (), "<i8")}
         made["rows"].attrs["description"] = "instants written so far"
         for what in names if criterion is None else (criterion,):
             key = f"values/{what}"
-            made[key] = _reserve(file, key, (field.nt, field.ns), "<f8")
+            made[key] = reserve(file, key, (field.nt, field.ns), "<f8")
             made[key].attrs["unit"] = field.unit
         file.flush()
         places = {key: int(dataset.id.get_offset()) for key, dataset in made.items()}
     return image, places
-
-
-def _reserve(file: h5py.File, place: str, shape: tuple[int, ...], kind: str) -> Any:
-    """Create a dataset with a fixed place in the file that is not filled."""
-    layout = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-    layout.set_layout(h5py.h5d.CONTIGUOUS)
-    layout.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
-    layout.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
-    links = h5py.h5p.create(h5py.h5p.LINK_CREATE)
-    links.set_create_intermediate_group(True)
-    space = h5py.h5s.create_simple(shape) if shape else h5py.h5s.create(h5py.h5s.SCALAR)
-    numbers = h5py.h5t.py_create(np.dtype(kind))
-    return h5py.Dataset(h5py.h5d.create(file.id, place.encode(), numbers, space, layout, links))
 
 
 def _write(file: BinaryIO, offset: int, data: Any) -> None:

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from jousto import __version__
 from jousto.errors import InputError, Problem
-from jousto.simulation.image import SparseImage
+from jousto.simulation.image import SparseImage, reserve
 from jousto.simulation.results import uninterrupted
 
 Array = NDArray[np.float64]
@@ -333,16 +333,16 @@ def _describe(file: h5py.File, layout: Layout) -> None:
             value = np.array([text.encode() for text in value])
         file[name] = value
     for table in layout.tables:
-        _reserve(file, f"{table.name}/rows", (), "<i8")
+        reserve(file, f"{table.name}/rows", (), "<i8")
         for column in table.columns:
             shape = (table.room, column.width) if column.width else (table.room,)
-            dataset = _reserve(file, f"{table.name}/{column.name}", shape, column.kind)
+            dataset = reserve(file, f"{table.name}/{column.name}", shape, column.kind)
             for key, value in (column.attrs or {}).items():
                 dataset.attrs[key] = value
-    _reserve(file, "complete", (), "<i8")
-    _reserve(file, ENDED, (TEXT,), "|u1")
+    reserve(file, "complete", (), "<i8")
+    reserve(file, ENDED, (TEXT,), "|u1")
     for name in SLOTS:
-        _reserve(file, f"checkpoint/{name}", (HEAD.itemsize + layout.memory,), "|u1")
+        reserve(file, f"checkpoint/{name}", (HEAD.itemsize + layout.memory,), "|u1")
     file.flush()
 
 
@@ -351,19 +351,6 @@ def _places(file: h5py.File, layout: Layout) -> dict[str, int]:
     for table in layout.tables:
         names += [f"{table.name}/rows", *(f"{table.name}/{c.name}" for c in table.columns)]
     return {name: int(file[name].id.get_offset()) for name in names}
-
-
-def _reserve(file: h5py.File, place: str, shape: tuple[int, ...], kind: str) -> h5py.Dataset:
-    # contiguous, allocated now and never filled: the data gets a fixed place in the file
-    layout = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-    layout.set_layout(h5py.h5d.CONTIGUOUS)
-    layout.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
-    layout.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
-    links = h5py.h5p.create(h5py.h5p.LINK_CREATE)
-    links.set_create_intermediate_group(True)
-    space = h5py.h5s.create_simple(shape) if shape else h5py.h5s.create(h5py.h5s.SCALAR)
-    numbers = h5py.h5t.py_create(np.dtype(kind))
-    return h5py.Dataset(h5py.h5d.create(file.id, place.encode(), numbers, space, layout, links))
 
 
 def _differs(file: h5py.File, layout: Layout) -> str:
