@@ -42,6 +42,7 @@ def kinds(blocks):
         ("Time\ta\tb\n0\t1\t2\n0.5\t3\t4\n", ("", "")),
         ("t a b\n0 1 2\n0.5   3  4\n", ("", "")),
         ("# a logger\n\ntime,a,b\ns,um/m,um/m\n0,1,2\n0.5,3,4", ("um/m", "um/m")),
+        ("time,a,b\n\n# by hand\ns,um/m,um/m\n0,1,2\n0.5,3,4", ("um/m", "um/m")),
         ('\ufeff"time [s]","a","b"\r\n0,1,2\r\n0.5,3,4\r\n', ("", "")),
     ],
 )
@@ -193,3 +194,31 @@ def test_reading_goes_on_from_any_block():
         for a, b in zip(whole, before + after, strict=True):
             np.testing.assert_array_equal(a.time, b.time)
         assert again.place == stream.place
+
+
+@pytest.mark.parametrize("cut", ["time,a\n", "time,a\nms", "time,a\n\n# made by hand\n"])
+def test_a_unit_row_that_comes_later_than_its_header(cut):
+    text = "time,a\n\n# made by hand\nms,um/m\n" if "#" in cut else "time,a\nms,um/m\n"
+    out, into = os.pipe()
+    with os.fdopen(out, "rb") as source:
+        os.write(into, cut.encode())
+        stream = Stream(source, "pipe")
+        assert stream.channels == ("a",)
+        os.write(into, (text[len(cut) :] + "0,1\n500,2\nms,um/m\n").encode())
+        os.close(into)
+        blocks = list(stream.blocks())
+    assert stream.header.units == ("um/m",)
+    np.testing.assert_array_equal(rows(blocks), [0.0, 0.5])
+    # a second one is garbage
+    assert kinds(blocks) == ["garbage"]
+
+
+def test_a_unit_row_behind_a_long_preamble_of_a_file():
+    """The header ends a piece that is read at once, the units begin the next."""
+    from jousto.recovery.monitor.stream import PIECE
+
+    head = "time,a\n"
+    text = "#" + "x" * (PIECE - len(head) - 2) + "\n" + head + "s,um/m\n0,1\n"
+    stream, blocks = read(text)
+    assert stream.header.units == ("um/m",)
+    assert kinds(blocks) == []

@@ -202,6 +202,29 @@ def test_units_and_columns(tmp_path):
     np.testing.assert_allclose(found.strain, e, atol=1e-11)
 
 
+class Pieces(io.BytesIO):
+    """A pipe that gives the header alone, then all that follows."""
+
+    def read1(self, size=-1):
+        return self.readline() if self.tell() == 0 else super().read1(size)
+
+    def seekable(self):
+        return False
+
+
+def test_units_that_come_later_than_their_names_hold(tmp_path):
+    t, _, e = motion(600)
+    text = lines(t, e)
+    text[0] = "time," + ",".join(NAMES)
+    text.insert(1, "s" + 5 * ",um/m")
+    data = "\n".join(text).encode()
+    found = watch(monitor(), Pieces(data), tmp_path / "r.h5")
+    np.testing.assert_allclose(found.strain, e, atol=1e-10)
+    assert not [event for event in found.events if event.kind == "garbage"]
+    with pytest.raises(jo.InputError, match="in 'furlong', which is no unit of strain"):
+        watch(monitor(), Pieces(data.replace(b"um/m", b"furlong")), tmp_path / "f.h5")
+
+
 class Stopped(io.BytesIO):
     """A pipe in which something happens after some reads."""
 

@@ -209,6 +209,7 @@ class Stream:
         self._origin: float | None = None  # of a pipe that may begin anew
         self._skip = False
         self._whole = bool(self.source.seekable())
+        self._headed = False  # whether the next line with text may hold the units
         if self.header is None:
             self.header = self._find_header()
 
@@ -227,6 +228,7 @@ class Stream:
             self._rest.clear()
             self._queue.clear()
             self._ended = False
+            self._headed = False
             self.source.seek(place.offset)
             self.place, self._read, self._line = place, place.offset, place.line
             return
@@ -316,6 +318,10 @@ class Stream:
                 if found is None:
                     break
                 rest = lines[k + 1 :]
+                if self._whole:
+                    self._read_on(rest)
+                # of a pipe it may not have come yet
+                self._headed = not any(map(_told, rest))
                 found, used = _with_unit_row(found, rest)
                 # what follows the header is read again as lines of numbers
                 back = b"".join(raw + b"\n" for _, raw in rest[used:])
@@ -337,6 +343,11 @@ class Stream:
             )
         )
 
+    def _read_on(self, lines: list[tuple[int, bytes]]) -> None:
+        """Add lines until one of them holds something."""
+        while not self._ended and not any(map(_told, lines)):
+            lines += self._lines()
+
     # -- lines to numbers -------------------------------------------------------------------------
 
     def _parse(self, lines: list[tuple[int, bytes]]) -> Block:
@@ -347,6 +358,11 @@ class Stream:
             text = _text(raw)
             if not text and b"\0" not in raw:
                 continue
+            if self._headed and _told((start, raw)):
+                self._headed = False
+                self.header, used = _with_unit_row(self.header, [(start, raw)])
+                if used:
+                    continue
             row = self._row(text, start) if text else None
             if row is None:
                 self.place.garbage += 1
@@ -508,9 +524,10 @@ def factor(unit: str) -> float | None:
 
 def _with_unit_row(header: Header, lines: list[tuple[int, bytes]]) -> tuple[Header, int]:
     """Return the header with the units of a second row of units, and how many lines that took."""
-    if not lines:
+    at = next((k for k, line in enumerate(lines) if _told(line)), None)
+    if at is None:
         return header, 0
-    cells = [cell.strip().strip("[]() ") for cell in _text(lines[0][1]).split(header.separator)]
+    cells = [cell.strip().strip("[]() ") for cell in _text(lines[at][1]).split(header.separator)]
     if len(cells) != len(header.names) + 1 or cells[0] not in SECONDS or not cells[0]:
         return header, 0
     if any(_number(cell) is not None and cell != "1" for cell in cells):
@@ -523,8 +540,14 @@ def _with_unit_row(header: Header, lines: list[tuple[int, bytes]]) -> tuple[Head
             header.separator,
             header.comma,
         ),
-        1,
+        at + 1,
     )
+
+
+def _told(line: tuple[int, bytes]) -> bool:
+    """Return whether a line is neither empty nor a comment."""
+    text = _text(line[1])
+    return bool(text) and text[0] not in "#%"
 
 
 def _name_and_unit(cell: str) -> tuple[str, str]:

@@ -101,6 +101,9 @@ def watch(
     with _opened(source) as (file, name):
         stream = Stream(file, name)
         pick, factors = _columns(monitor, stream, columns or {}, unit)
+        unused = [name for i, name in enumerate(stream.channels) if i not in pick]
+        if unused:
+            warn(stream.name, f"columns that no gauge uses: {', '.join(unused)}")
         layout = _layout(monitor, text)
         if resume:
             record, memory = Record.resume(path, layout)
@@ -112,7 +115,7 @@ def watch(
                 raise
         else:
             record = Record.create(path, layout)
-        run = _Run(monitor, stream, record, pick, factors, unit, show)
+        run = _Run(monitor, stream, record, pick, factors, columns or {}, unit, show)
         run.note(stream.place.time, "resumed" if resume else "start", f"watching {name}")
         ended, complete = "stopped", False
         try:
@@ -142,6 +145,7 @@ class _Run:
         record: Record,
         pick: NDArray[np.intp],
         factors: Array,
+        columns: Mapping[str, str],
         unit: str | None,
         show: Show | None,
     ) -> None:
@@ -150,6 +154,8 @@ class _Run:
         self.record = record
         self.pick = pick
         self.factors = factors
+        self.header = stream.header
+        self.columns = columns
         self.unit = unit
         self.show = show
         self.events: list[tuple[float, str, str]] = []
@@ -161,6 +167,9 @@ class _Run:
                 self.take(block)
 
     def take(self, block: Block) -> None:
+        if self.stream.header is not self.header:  # the units came after the names
+            self.header = self.stream.header
+            self.pick, self.factors = _columns(self.monitor, self.stream, self.columns, self.unit)
         values = block.values[:, self.pick] * self.factors
         self._plausible(values)
         for oddity in block.oddities:
@@ -344,9 +353,6 @@ def _columns(
             )
         factors.append(scale or 1.0)
     problems.raise_if_any()
-    unused = [name for i, name in enumerate(known) if i not in pick]
-    if unused:
-        warn(stream.name, f"columns that no gauge uses: {', '.join(unused)}")
     return np.array(pick, dtype=np.intp), np.array(factors)
 
 
