@@ -114,3 +114,9 @@ def test_bad_rules_are_told():
     with pytest.raises(jo.InputError) as error:
         ChannelRules(range=0.0, stuck=-1, spike=np.nan, back=1.5)
     assert len(error.value.problems) == 4
+
+
+def test_a_range_that_no_gauge_has_is_told():
+    """Beyond it the twins refuse values as no strains, which would end a watch."""
+    with pytest.raises(jo.InputError, match="must be at most 0.02"):
+        ChannelRules(range=0.05)

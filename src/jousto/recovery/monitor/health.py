@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from jousto.errors import Problems
 from jousto.recovery.monitor.stream import EMPTY, INFINITE, NOT_A_NUMBER
+from jousto.recovery.twin.signals import LARGEST
 
 Array = NDArray[np.float64]
 States = NDArray[np.uint8]
@@ -30,7 +31,7 @@ class ChannelRules:
     Parameters
     ----------
     range : float
-        Magnitude at which a channel is saturated, m/m.
+        Magnitude at which a channel is saturated, m/m; at most 0.02.
     stuck : int
         Samples of exactly the same value, while others change, after which a channel is stuck;
         0 does not look.
@@ -49,6 +50,11 @@ class ChannelRules:
     def __post_init__(self) -> None:
         problems = Problems()
         problems.positive("ChannelRules", "range", self.range, "m/m")
+        if self.range > LARGEST:
+            problems.add(
+                "ChannelRules",
+                f"range is {self.range:g} m/m, must be at most {LARGEST:g}: no gauge shows more",
+            )
         for name in ("stuck", "back"):
             value = getattr(self, name)
             if not isinstance(value, int) or value < 0:

@@ -113,7 +113,9 @@ def _updated(
         change = np.abs(after - last.P) / np.outer(size, size)
         steady = bool(change.max(initial=0.0) < STEADY)
     whiten = la.solve_triangular(L, np.diag(1.0 / scale), lower=True) if len(L) else L
-    return Gain(key, mask, F, Gu, K / scale, whiten, P, after, steady)
+    # rows in order, so that a memory read from anywhere gives the same products to the last bit
+    F, Gu, K, whiten = (np.ascontiguousarray(x) for x in (F, Gu, K / scale, whiten))
+    return Gain(key, mask, F, Gu, K, whiten, P, after, steady)
 
 
 def backward(this: Gain, after: Gain) -> Array:

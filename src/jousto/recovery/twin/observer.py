@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import copy
+import zlib
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -23,6 +25,8 @@ CENTERED = 1e-6
 """Share of the mass that modes may move with their frame where loads balance its inertia."""
 JITTER = 1e-3
 """Share of a step by which a clock may jitter without being followed."""
+MEMORY = ("F", "Gu", "K", "whiten", "predicted", "P")
+"""Arrays of the gain that a step leaves behind for the next."""
 BALANCE = ("balance fx", "balance fy", "balance fz", "balance mx", "balance my", "balance mz")
 
 
@@ -297,6 +301,67 @@ class Observer:
         self._x = np.zeros(self.system.nx)
         self._gain: Gain | None = None
         self._f = np.zeros(self.reduced.n)
+
+    def save(self) -> dict[str, Array]:
+        """Return all that is remembered of the samples so far, as plain arrays.
+
+        Returns
+        -------
+        dict of str to array
+            For `load` of an observer that was made alike; empty before the first step.
+        """
+        gain = self._gain
+        if gain is None or self.time is None:
+            return {}
+        own = {
+            "clock": np.array([self.time, gain.key[0], float(gain.steady)]),
+            "state": np.array(self._x),
+            "force": np.array(self._f),
+            "seen": gain.mask.astype(np.float64),
+            "names": self._fingerprint(),
+        }
+        return own | {name: np.array(getattr(gain, name)) for name in MEMORY}
+
+    def load(self, memory: Mapping[str, ArrayLike]) -> None:
+        """Go on from what `save` returned; the next steps are then the same to the last bit.
+
+        Raises
+        ------
+        InputError
+            If it is the memory of another observer; this one stays as it is.
+        """
+        if not memory:
+            self.reset()
+            return
+        known = {"clock": (3,), "state": self._x.shape, "force": self._f.shape}
+        known |= {"seen": (len(self.channels.names),), "names": (1,)}
+        wanted = (*known, *MEMORY)
+        kept = {name: np.array(memory[name], float, order="C") for name in wanted if name in memory}
+        problems = Problems()
+        for name in wanted:
+            if name not in kept:
+                problems.add("Observer.load", f"the memory holds no {name!r}; give what save made")
+            elif name in known and kept[name].shape != known[name]:
+                problems.add(
+                    "Observer.load",
+                    f"{name!r} has shape {kept[name].shape}, must be {known[name]}: it is the "
+                    "memory of an observer with other modes, loads or channels",
+                )
+        if not problems.found and kept["names"] != self._fingerprint():
+            problems.add(
+                "Observer.load", "it is the memory of an observer with other loads or channels"
+            )
+        problems.raise_if_any()
+        time, step, steady = (float(x) for x in kept["clock"])
+        mask = kept["seen"] > 0.5
+        gain = {name: kept[name] for name in MEMORY}
+        self._gain = Gain((step, mask.tobytes()), mask, steady=bool(steady), **gain)
+        self._x, self._f, self.time = kept["state"], kept["force"], time
+
+    def _fingerprint(self) -> Array:
+        """Return a number (1,) of the names of loads and channels."""
+        text = "\n".join((*self.system.labels, "", *self.channels.names))
+        return np.array([float(zlib.crc32(text.encode()))])
 
     def step(self, t: float, e: ArrayLike, motion: Motion | None = None) -> Step:
         """Take one sample of all channels and return what is known now.

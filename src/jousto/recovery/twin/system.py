@@ -18,6 +18,8 @@ from jousto.reduction import ReducedPart
 Array = NDArray[np.float64]
 LOADS = ("fx", "fy", "fz", "mx", "my", "mz")
 """Components of a load on a node: forces, N, and moments, N m, along the body axes."""
+FADED = 4.0
+"""Logarithm of the decay within one step beyond which the step is made of two halves."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -297,7 +299,7 @@ class System:
 
         Exact for forces that are constant in the step (Van Loan 1978).
         """
-        key = round(dt, 12)
+        key = dt = round(dt, 12)
         if key in self._discrete:
             return self._discrete[key]
         nx, nd = self.nx, self.nd
@@ -323,6 +325,12 @@ class System:
         scale[slope] = self.rate[smooth]
         scale[last] = self.discrepancy
         A = A / scale[:, None] * scale
+        if dt * np.abs(la.eigvals(A).real).max(initial=0.0) > FADED:
+            # what fades grows backwards in time, out of range: a long pause is twice its half
+            F, G, Q = self.discrete(0.5 * dt)
+            Q = F @ Q @ F.T + Q
+            self._discrete[key] = (F @ F, F @ G + G, 0.5 * (Q + Q.T))
+            return self._discrete[key]
         big = np.zeros((2 * nx, 2 * nx))
         big[:nx, :nx], big[:nx, nx:], big[nx:, nx:] = -A, np.diag(noise / scale**2), A.T
         E = la.expm(dt * big)
