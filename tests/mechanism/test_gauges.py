@@ -294,3 +294,19 @@ def test_bridges_say_what_is_wrong(bar, beam):
         jm.Bridge("b", ("g", g))
     with pytest.raises(jo.InputError, match=r"strains have shape \(3,\), the last must be 1"):
         jm.Bridge("b", g).output([1, 2, 3])
+
+
+def test_a_grid_must_fit_on_its_beam(beam):
+    """A grid of 3 mm given as 3, or stuck half beyond the end, is no gauge."""
+    (long,) = sentences(beam, (0.1, 0, 0.02), length=3)
+    assert "its grid of 3000 mm leaves the beam of part" in long
+    assert "lengths are in m: were 3 mm meant, length=0.003?" in long
+    (end,) = sentences(beam, (0.499, 0, 0.02), length=0.004)
+    assert "25 % of it lie beyond an end" in end
+    assert "3 mm meant" not in end
+    assert "50 % of it lie" in sentences(beam, "e1.a.top", length=0.01)[0]
+    (across,) = sentences(beam, (0.1, 0, 0.02), (0, 1, 0), length=0.3)
+    assert "the section is 40 mm" in across
+    # up to the end, within rounding, it fits
+    jm.Gauge("g", beam, (0.498, 0, 0.02), length=0.004)
+    jm.Gauge("g", beam, (0.25, 0, 0.02), length=0.5)

@@ -26,6 +26,9 @@ NU_CALIBRATION = 0.285
 REACH = 0.01
 """Share of the size of a solid, of the section of a beam, that a gauge may lie off the surface."""
 
+LEAVES = 1e-6
+"""Share of the length of a grid that may lie beyond the end of a beam."""
+
 TRACE = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 
 
@@ -412,17 +415,47 @@ def _on_beam(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Array, 
                 f"({', '.join(element.points)}); place it on one of their lines or along the beam",
             )
         )
+    sides = g.length * float(np.linalg.norm(local[1:]))
+    if 0.0 < element.size * (1.0 + LEAVES) < sides:
+        raise InputError(
+            _off_beam(g, where, reduced, f"the section is {1e3 * element.size:.4g} mm")
+        )
+    shares = _along(fibre, beams, g.length * abs(float(local[0])))
+    outside = 1.0 - sum(share for share, _ in shares)
+    if outside > LEAVES:
+        raise InputError(
+            _off_beam(
+                g,
+                where,
+                reduced,
+                f"{100.0 * outside:.3g} % of it lie beyond an end, a bend or a step of the section",
+            )
+        )
     sites: dict[int, float] = {}
-    for share, at in _along(fibre, beams, g.length * abs(float(local[0]))):
+    for share, at in shares:
         for i, w in at.items():
-            sites[i] = sites.get(i, 0.0) + share * w
+            sites[i] = sites.get(i, 0.0) + share * w / (1.0 - outside)
     return fibre.x, t, _hooke(g, where, reduced, stress, local, sites)
+
+
+def _off_beam(g: Gauge, where: str, reduced: ReducedPart, why: str) -> Problem:
+    hint = ""
+    if g.length > 0.1:  # no gauge is as long; 3 is likely 3 mm
+        hint = f"; lengths are in m: were {g.length:g} mm meant, length={1e-3 * g.length:g}?"
+    return Problem(
+        where,
+        f"its grid of {1e3 * g.length:.4g} mm leaves the beam of part '{reduced.name}': {why}; "
+        f"move or shorten it{hint}",
+    )
 
 
 def _along(
     fibre: Fibre, beams: list[Element], length: float
 ) -> list[tuple[float, dict[int, float]]]:
-    """Return sites and their shares in the mean over a length of the fibre, element by element."""
+    """Return sites and their shares in the mean over a length of the fibre, element by element.
+
+    The shares add up to less than one if a piece of the length is on no beam.
+    """
     from jousto.reduction.fibre import nearest_fibre
 
     if length == 0.0:
@@ -439,11 +472,23 @@ def _along(
     edges = sorted(cuts)
     for a, b in zip(edges[:-1], edges[1:], strict=True):
         if b - a > 1e-9 * length:
-            there = nearest_fibre(beams, fibre.x + 0.5 * (a + b) * axis)
-            # beyond the end of the member the last place counts
-            inside = there if there.distance <= 0.05 * size + 1e-9 * length else fibre
-            out.append(((b - a) / length, inside.sites()))
+            middle = fibre.x + 0.5 * (a + b) * axis
+            there = nearest_fibre(beams, middle)
+            near = there.distance <= 0.05 * size + 1e-9 * length
+            if near and not _past_free_end(there, middle, beams):
+                out.append(((b - a) / length, there.sites()))
     return out
+
+
+def _past_free_end(there: Fibre, x: Array, beams: list[Element]) -> bool:
+    """Return whether x (3,) is beyond an end of the element on which no other one follows."""
+    e = there.element
+    along = float((x - e.origin) @ e.axes[:, 0])
+    if -LEAVES * e.length <= along <= (1.0 + LEAVES) * e.length:
+        return False
+    end = e.origin + (0.0 if along < 0.0 else e.length) * e.axes[:, 0]
+    others = [b.origin + s * b.axes[:, 0] for b in beams if b is not e for s in (0.0, b.length)]
+    return not any(np.linalg.norm(other - end) <= 0.5 * e.size for other in others)
 
 
 def _hooke(
