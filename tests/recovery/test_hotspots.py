@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import jousto.recovery.hotspots.bounds as bounds
-from jousto.errors import InputError
+from jousto.errors import InputError, JoustoError
 from jousto.recovery.fields import Plane, StressField, evaluate, field_from
 from jousto.recovery.hotspots import hot_spots, search
 from jousto.recovery.hotspots.measures import EXTREMES, measure
@@ -145,6 +145,36 @@ def test_bounds_are_never_below_the_truth(criterion: Any, extreme: str) -> None:
         found, _, upper = work.refine(every, np.full(field.ns, np.median(best)))
         assert np.all(upper >= np.where(found == upper, best - rounding(field), best))
         assert np.all(found <= best + rounding(field))
+
+
+STRAINS = [case for case in CASES if case[0] not in ("s11", "s23")]
+STRAINS += [(name, extreme) for name in ("e11", "g23", "e12") for extreme in EXTREMES]
+
+
+@pytest.mark.parametrize(("criterion", "extreme"), STRAINS)
+def test_finds_what_brute_force_finds_of_strain(criterion: Any, extreme: str) -> None:
+    """The normal strain of a plane takes half of every engineering shear: one bound, one value."""
+    for seed in range(3):
+        stress = random_field(seed, 40, 330, 4)
+        modes = replace(stress.modes, elasticity=np.tile([210e9, 0.3], (40, 1)))
+        field = field_from(modes, stress.p, stress.time, strain=True)
+        values = measure(criterion, extreme, strain=True).rank(field.values(criterion))
+        expected = np.sort(values.max(axis=0))[::-1][:5]
+        found = hot_spots(field, count=5, criterion=criterion, extreme=extreme)
+        slack = rounding(field).max()
+        ranked = measure(criterion, extreme, strain=True).rank(np.array([x.value for x in found]))
+        assert np.abs(ranked - expected).max() <= slack
+        assert found.bound <= ranked.min() + slack
+
+
+def test_bounds_that_contradict_values_end_with_an_error() -> None:
+    """A bound that stays above a value after all windows were worked out must not loop forever."""
+    field = random_field(2, 30, 300, 3)
+    sought = measure("s12", "magnitude")
+    # values of half the size: no value reaches what the knots of the windows promise
+    low = replace(sought, value=lambda s: 0.5 * sought.value(s))
+    with pytest.raises(JoustoError, match="contradict each other"):
+        search(field.S, field.p, field.positions, low, count=3)
 
 
 def test_one_instant_of_one_place() -> None:

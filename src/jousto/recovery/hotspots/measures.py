@@ -128,7 +128,7 @@ def measure(criterion: Criterion, extreme: str | None = None, *, strain: bool = 
                 "leave extreme out",
             )
         )
-    rank, row = RANKS[chosen], weights(criterion)
+    rank, row = RANKS[chosen], weights(criterion, strain)
     if row is not None:
         majorant: Scale = {"largest": _first, "smallest": _minus_first}.get(chosen, _size_of_first)
         return Measure(chosen, row[None], value, rank, majorant, True)

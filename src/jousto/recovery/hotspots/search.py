@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.errors import JoustoError
 from jousto.recovery.hotspots.bounds import prepare
 from jousto.recovery.hotspots.measures import Measure
 
@@ -96,6 +97,11 @@ def search(
         How many.
     separation : float
         Straight distance, m.
+
+    Raises
+    ------
+    JoustoError
+        If a place does not become known exactly, since values and bounds of the criterion disagree.
     """
     work = prepare(modes, p, measure)
     ns = len(modes)
@@ -130,6 +136,7 @@ def search(
         when[waiting] = np.where(better, instant, when[waiting])
         upper[waiting] = np.minimum(upper[waiting], np.maximum(bound, lower[waiting]))
         exact[waiting] = upper[waiting] <= lower[waiting]
+        _refuse_standstill(waiting[seen[waiting] & ~exact[waiting]], lower, upper)
         seen[waiting] = True
         batch = min(2 * batch, MOST)
     chosen = np.array(spots, dtype=np.intp)
@@ -149,6 +156,17 @@ def search(
         margin=float(work.margin.max(initial=0.0)),
     )
     return Found(chosen, when[chosen], lower[chosen], certificate)
+
+
+def _refuse_standstill(places: Ints, lower: Array, upper: Array) -> None:
+    """Refuse places that were looked at twice and are not known exactly: the next pass is alike."""
+    if len(places):
+        k = int(places[0])
+        raise JoustoError(
+            f"hot_spots: place {k} of the field has a bound of {upper[k]:.9g} and a value of "
+            f"{lower[k]:.9g} after its last pass, which must agree; values and bounds of this "
+            "criterion contradict each other: search with another criterion and report this one"
+        )
 
 
 def _hope(
