@@ -105,15 +105,6 @@ def test_scatter_bands():
     assert curve.at_survival(0.99).at_survival(0.5).S_D == pytest.approx(100e6)
 
 
-def test_survival_of_a_damage_is_where_its_curve_gives_one():
-    curve = steel(T_N=4.0)
-    for P in (0.02, 0.5, 0.9, 0.999):
-        N = curve.at_survival(P).cycles(130e6)
-        assert curve.survival_of(float(N / curve.cycles(130e6))) == pytest.approx(P)
-    assert curve.survival_of(0.0) == 1.0
-    assert curve.survival_of(np.inf) == 0.0
-
-
 def test_estimates():
     # FKM: 0.45 of the tensile strength of steel, 0.34 of nodular iron, 0.30 of aluminium
     assert estimate_sn(1000e6).S_D == pytest.approx(450e6)

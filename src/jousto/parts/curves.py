@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import ndtr, ndtri
+from scipy.special import ndtri
 
 from jousto.errors import InputError, Problem, Problems, suggest, warn
 
@@ -239,12 +239,7 @@ class SN:
             raise InputError(
                 Problem("S-N curve", "stress amplitudes must be zero or positive numbers in Pa")
             )
-        S_D, N_D, k, k2, limit = self.numbers
-        with np.errstate(over="ignore"):
-            ratio = S / S_D
-            low = ratio**k2 if math.isfinite(k2) else np.zeros_like(ratio)
-            each = np.where(S >= S_D, ratio**k, low) / N_D
-        return np.asarray(np.where((limit > S) | (S == 0.0), 0.0, each))
+        return miner(S, self.numbers)
 
     # -- other curves from it ---------------------------------------------------------------
 
@@ -349,36 +344,24 @@ class SN:
         wanted = "between 0 and 1 (0.975, not 97.5)"
         problems.number("at_survival", "probability", probability, "", wanted, _share)
         problems.raise_if_any()
-        shift = float(ndtri(self.survival) - ndtri(probability))
-        sigma = self.deviation
-        sigma_S = math.log10(self.T_S) / SPAN if self.T_S is not None else sigma / self.k
-        factor = 10.0 ** (shift * sigma_S)
-        # the finite-life line scatters by T_N, the limit by T_S: their knee moves by the rest
-        knee = 10.0 ** (shift * (sigma - self.k * sigma_S))
+        factor, knee = self._shift(probability)
         N_D = self.N_D * knee
         cut = None if self.N_cut is None else self.N_cut * knee
         return replace(self, S_D=self.S_D * factor, N_D=N_D, N_cut=cut, survival=probability)
 
-    def survival_of(self, damage: float) -> float:
-        """Return the probability of survival when Miner's sum with this curve is `damage`.
+    def numbers_at(self, probability: float) -> tuple[float, float, float, float, float]:
+        """`numbers` of the curve `at_survival` of a probability, without its checks."""
+        factor, knee = self._shift(probability)
+        S_D, N_D, k, k2, limit = self.numbers
+        return (S_D * factor, N_D * knee, k, k2, limit * factor)
 
-        Miner's sum of the curve for P is ``damage`` times the ratio of the lives, which is
-        log-normal with the standard deviation of lg N: the P whose sum is 1.
-
-        Examples
-        --------
-        >>> SN(S_D=100e6, N_D=1e6, k=5, T_S=1.25).survival_of(1.0)
-        0.5
-        """
-        if damage <= 0.0:
-            return 1.0
-        if math.isinf(damage):
-            return 0.0
+    def _shift(self, probability: float) -> tuple[float, float]:
+        """Return the factors on S_D and on N_D for a probability of survival."""
+        shift = float(ndtri(self.survival) - ndtri(probability))
         sigma = self.deviation
-        z0 = float(ndtri(self.survival))
-        if sigma == 0.0:
-            return 1.0 if damage < 1.0 else 0.0 if damage > 1.0 else self.survival
-        return float(ndtr(z0 - math.log10(damage) / sigma))
+        sigma_S = math.log10(self.T_S) / SPAN if self.T_S is not None else sigma / self.k
+        # the finite-life line scatters by T_N, the limit by T_S: their knee moves by the rest
+        return 10.0 ** (shift * sigma_S), 10.0 ** (shift * (sigma - self.k * sigma_S))
 
     def __str__(self) -> str:
         named = f"{self.name}: " if self.name else ""
@@ -391,6 +374,17 @@ class SN:
         if self.R is not None:
             text += f", R {self.R:g}"
         return text + f", survival {100 * self.survival:.5g} %"
+
+
+def miner(amplitude: Array, numbers: tuple[float, float, float, float, float]) -> Array:
+    """Return the damage of one cycle at each amplitude, with a curve's `SN.numbers`."""
+    S = amplitude
+    S_D, N_D, k, k2, limit = numbers
+    with np.errstate(over="ignore"):
+        ratio = S / S_D
+        low = ratio**k2 if math.isfinite(k2) else np.zeros_like(ratio)
+        each = np.where(S >= S_D, ratio**k, low) / N_D
+    return np.asarray(np.where((limit > S) | (S == 0.0), 0.0, each))
 
 
 def check_unit(where: str, name: str, stress: float) -> None:

@@ -198,6 +198,55 @@ def test_safety_of_goodman_scales_mean_and_amplitude():
     assert stress_safety(cycles, CURVE, FKM(0.2)) == pytest.approx(100**0.2 / (0.4 * 1.2), rel=1e-9)
 
 
+CURVES = [
+    {"rule": "elementary", "T_S": 1.25},
+    {"rule": "original", "T_S": 1.25},
+    {"rule": "haibach", "T_S": 1.25},
+    {"rule": "haibach", "T_S": 1.15, "T_N": 4.0},
+    {"rule": "haibach", "T_N": 4.0, "N_cut": 1e8},
+]
+
+
+@pytest.mark.parametrize("kind", CURVES)
+@pytest.mark.parametrize("mean", [None, SWT(), Goodman(700e6)])
+@pytest.mark.parametrize("peak", [260e6, 160e6])
+def test_life_at_a_survival_probability_has_that_probability(kind, mean, peak):
+    """Whether the cycles are above the knee of the mean curve, below it or at both sides."""
+    curve = SN(S_D=100e6, N_D=1e6, k=5, R=-1.0 if mean is None else -0.5, **kind)
+    history = [0.0, peak, -20e6, 0.8 * peak, 10e6, peak, 0.0]
+    for P in (0.1, 0.9, 0.99, 0.9999):
+        at = assess(history, curve, residue="repeat", mean=mean, survival=P)
+        if math.isinf(at.life):  # below the limit of specimens as weak as these
+            assert assess(history, curve, residue="repeat", mean=mean).probability >= P
+            continue
+        again = assess(history, curve, residue="repeat", mean=mean, required=at.life * 0.999999)
+        assert again.probability >= P * (1.0 - 1e-9)
+        if kind["rule"] != "original" and "N_cut" not in kind:  # no jump of the sum at a limit
+            assert again.probability == pytest.approx(P, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("rule", "amplitude", "required"),
+    [("original", 99e6, 1e7), ("haibach", 60e6, 3e7), ("elementary", 60e6, 1e7)],
+)
+def test_survival_is_that_of_specimens_of_scattering_strength(rule, amplitude, required):
+    """Cycles below the knee of the mean are above that of weak specimens: Monte Carlo."""
+    curve = SN(S_D=100e6, N_D=1e6, k=5, rule=rule, T_S=1.25)
+    found = assess([0, 2 * amplitude, 0], curve, residue="repeat", required=required)
+    strength = 100e6 * 1.25 ** (np.random.default_rng(7).normal(size=100_000) / 2.5631)
+    ratio = amplitude / strength
+    below = {"original": 0.0 * ratio, "haibach": ratio**9, "elementary": ratio**5}[rule]
+    sums = np.where(ratio >= 1.0, ratio**5, below) * required / 1e6
+    assert found.probability == pytest.approx(np.mean(sums <= 1.0), abs=0.005)
+
+
+def test_survival_of_nothing_and_of_a_break():
+    scatter = SN(S_D=100e6, N_D=1e6, k=5, T_S=1.25)
+    assert assess([1e6, 1e6], scatter, residue="half").probability == 1.0
+    broken = [300e6, 500e6, 300e6]
+    assert assess(broken, scatter, residue="half", mean=Goodman(350e6)).probability == 0.0
+
+
 def test_assessment_at_a_survival_probability():
     mean = SN(S_D=100e6, N_D=1e6, k=5, T_S=1.25)
     history = [0.0, 240e6, 0.0]

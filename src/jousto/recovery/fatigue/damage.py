@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtr
 
 from jousto.errors import InputError, Problem, Problems, warn
-from jousto.parts.curves import SN
+from jousto.parts.curves import SN, miner
 from jousto.parts.mean_stress import MeanStress, PartCompression, WeldRatio
 from jousto.recovery.fatigue.rainflow import Cycles, rainflow
 from jousto.recovery.fatigue.spectrum import Spectrum
@@ -26,11 +27,9 @@ def reference(sn: SN, mean: MeanStress | None) -> SN:
     Of a curve from tests at another stress ratio R, S_D becomes the equivalent of the cycle with
     amplitude S_D and mean ``S_D (1 + R) / (1 - R)``.
     """
-    if mean is None or sn.R is None or sn.R == -1.0:
+    S_D = _reversed(sn, mean, sn.S_D)
+    if S_D == sn.S_D:
         return sn
-    if isinstance(mean, WeldRatio | PartCompression):
-        return sn
-    S_D = float(mean.equivalent(sn.S_D, sn.S_D * (1.0 + sn.R) / (1.0 - sn.R)))
     if not (math.isfinite(S_D) and S_D > 0.0):
         raise InputError(
             Problem(
@@ -40,6 +39,15 @@ def reference(sn: SN, mean: MeanStress | None) -> SN:
             )
         )
     return replace(sn, S_D=S_D, R=-1.0)
+
+
+def _reversed(sn: SN, mean: MeanStress | None, S_D: float) -> float:
+    """Return the fully reversed equivalent of an amplitude at the stress ratio of the curve."""
+    if mean is None or sn.R is None or sn.R == -1.0:
+        return S_D
+    if isinstance(mean, WeldRatio | PartCompression):
+        return S_D
+    return float(mean.equivalent(S_D, S_D * (1.0 + sn.R) / (1.0 - sn.R)))
 
 
 def check_stress(sn: SN, amplitude: float, peak: float, where: str = "damage") -> None:
@@ -192,6 +200,54 @@ def stress_safety(
     return math.exp(low)
 
 
+def survival_of(
+    cycles: Cycles, sn: SN, mean: MeanStress | None = None, *, allowable: float = 1.0
+) -> float:
+    """Return the probability of survival of counted cycles: the P whose curve just allows them.
+
+    Solves ``sum n_i / N_P(S_i) = allowable`` with the curve N_P of `SN.at_survival`. Miner's sum
+    of the curve alone does not tell: as the curve falls, cycles below its knee become cycles above
+    it, with another slope or with damage where there was none.
+
+    Parameters
+    ----------
+    cycles, sn, mean
+        As for `damage`; the curve must have a scatter.
+    allowable : float
+        Miner's sum that is allowed.
+
+    Raises
+    ------
+    InputError
+        If the curve has no scatter.
+
+    Examples
+    --------
+    >>> cycles = rainflow([0.0, 198e6, 0.0], residue="repeat").times(1e7)  # just below the limit
+    >>> round(survival_of(cycles, SN(S_D=100e6, N_D=1e6, k=5, rule="original", T_S=1.25)), 3)
+    0.546
+    """
+    S = equivalents(cycles, mean)
+
+    def survives(z: float) -> bool:
+        S_D, N_D, k, k2, limit = sn.numbers_at(float(ndtr(z)))
+        strength = _reversed(sn, mean, S_D)
+        if not (math.isfinite(strength) and strength > 0.0):  # stronger than the static strength
+            return True
+        at = (strength, N_D, k, k2, limit * strength / S_D)
+        return float(np.sum(cycles.count * miner(S, at))) <= allowable
+
+    low, high = -8.0, 8.0  # standard deviations; beyond it is 0 or 1 in double precision
+    if np.any(np.isinf(S)) or not survives(low):
+        return 0.0
+    if survives(high):
+        return 1.0
+    for _ in range(48):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if survives(middle) else (low, middle)
+    return float(ndtr(low))
+
+
 @dataclass(frozen=True, eq=False)
 class Assessment:
     """What a history does to a place.
@@ -209,7 +265,7 @@ class Assessment:
     life_safety : float
         Life over the life required.
     probability : float
-        Of survival over the life required; nan if the curve has no scatter.
+        Of survival over the life required, see `survival_of`; nan if the curve has no scatter.
     survival : float
         Probability of survival of damage, life and safety.
     allowable, required : float
@@ -325,16 +381,16 @@ def assess(
     D = damage(cycles, curve, mean)
     wanted = duration if required is None else required
     left = math.inf if D == 0.0 else allowable * duration / D
-    safety = stress_safety(cycles, curve, mean, allowable=allowable * duration / wanted)
+    share = allowable * duration / wanted
+    safety = stress_safety(cycles, curve, mean, allowable=share)
     known = sn.T_S is not None or sn.T_N is not None
-    share = D * wanted / duration / allowable
     return Assessment(
         D,
         duration,
         left,
         safety,
         left / wanted,
-        curve.survival_of(share) if known else math.nan,
+        survival_of(cycles, curve, mean, allowable=share) if known else math.nan,
         curve.survival,
         allowable,
         wanted,
