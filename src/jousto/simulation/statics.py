@@ -46,16 +46,23 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
     rest = np.zeros(model.nv)
     engine = Engine(model)
     bound, largest = 1.0, 0.0
+    exact = polished = False
     body = ""
-    for _ in range(ITERATIONS):
+    for iteration in range(ITERATIONS):
         t = tangent(model, State(q, rest, np.zeros(model.nrow), time))
         if t.N.shape[1] == 0:
             return State(q, rest, t.lam, time)
         force = t.N.T @ t.M @ t.a
         squares, shapes = stiffness_modes(t)
         # reach of the forces: a stiff direction at its round-off must not keep the others waiting
-        # the shapes of equal frequencies need not be orthogonal: expand the accelerations in them
-        push = np.linalg.lstsq(shapes, np.linalg.solve(t.N.T @ t.M @ t.N, force), rcond=None)[0]
+        M = t.N.T @ t.M @ t.N
+        if iteration == ITERATIONS // 2:
+            exact, bound = True, 1.0
+        if not exact:  # shapes as if they were orthogonal: finds the way from afar
+            push = np.real(shapes.T @ force)
+            push = push / np.maximum(np.abs(np.einsum("ij,ij->j", shapes, M @ shapes)), 1e-300)
+        else:  # under follower loads they are not, least of all those of equal frequencies
+            push = np.linalg.lstsq(shapes, np.linalg.solve(M, force), rcond=None)[0]
         rates = np.abs(squares)
         amounts = push / np.maximum(rates, FREE * max(float(rates.max()), 1.0))
         step = t.N @ np.real(shapes @ amounts)
@@ -71,7 +78,12 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
         body = model.bodies[int(np.argmax(np.array(moves) / model.size + np.array(turns)))].name
         small = np.abs(t.a).max() <= tolerance * max(largest, 1e-300)
         if small or reach < 1e-13:
-            return State(q, rest, t.lam, time)
+            if polished:
+                return State(q, rest, t.lam, time)
+            polished = exact  # one exact step more
+            if not exact:
+                exact, bound = True, 1.0
+                continue
         before = float(force @ force)
         factor = min(1.0, bound / reach)
         engine.time[0] = time
