@@ -58,6 +58,35 @@ def test_dang_van_is_a_limit() -> None:
     assert one.utilisation[-1] < 0.5 * one.utilisation.max()
 
 
+@pytest.mark.parametrize("friction", [0.0, 0.2, 0.3, 0.4])
+def test_the_surface_of_a_line_counts(friction: float) -> None:
+    # the same numbers from the stress history itself; under friction the surface is the worst
+    criterion = jo.Findley(0.25)
+    curve = jo.SN(S_D=210e6, N_D=2e6, k=6.0)
+    found = jo.rolling_life(CONTACT, [10e3], criterion, curve, friction=friction)
+    z = np.array([0.0, 0.005, 0.03, 0.4, 0.8]) * CONTACT.a
+    roll = jo.rolling_contact(CONTACT, z, friction=friction)
+    direct = np.array(
+        [float(criterion.equivalent(jo.critical_plane(s, criterion).value)) for s in roll.stress]
+    )
+    assert found.depth[0] == 0.0
+    assert found.utilisation.max() >= 0.99 * direct.max() / 210e6
+    if friction >= 0.3:
+        assert found.worst == 0.0
+        assert found.utilisation[0] == pytest.approx(direct[0] / 210e6, rel=1e-3)
+    near = jo.rolling_life(CONTACT, [10e3], criterion, curve, friction=friction, depths=z[:3])
+    assert near.utilisation == pytest.approx(direct[:3] / 210e6, rel=0.03)
+
+
+def test_a_shallowest_depth_that_is_the_worst_is_told() -> None:
+    point = jo.hertz_point(10e3, radii=(0.1, 0.1), material=STEEL)
+    with pytest.warns(jo.JoustoWarning, match="shallowest"):
+        told = jo.rolling_life(point, [10e3], jo.DangVan(0.3, 150e6), friction=0.4)
+    assert told.worst == pytest.approx(0.04 * min(point.a, point.b))
+    with pytest.warns(jo.JoustoWarning, match="nearer"):
+        jo.rolling_life(CONTACT, [10e3], jo.DangVan(0.3, 150e6), friction=0.4, depths=[1e-5, 3e-4])
+
+
 def test_mistakes() -> None:
     with pytest.raises(jo.InputError) as told:
         jo.rolling_life(CONTACT, [-1.0], jo.Findley(), counts=[-1.0])

@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.errors import Problems
-from jousto.recovery.fatigue.contact import HertzContact, rolling_contact
+from jousto.errors import Problems, warn
+from jousto.recovery.fatigue.contact import SHALLOW, HertzContact, rolling_contact
 from jousto.recovery.fatigue.planes import DangVan, Findley, critical_plane
 
 Array = NDArray[np.float64]
-UNIT_DEPTHS = np.concatenate([np.linspace(0.08, 1.2, 15), np.linspace(1.4, 4.0, 6)])
+BELOW = np.concatenate([np.linspace(0.08, 1.2, 15), np.linspace(1.4, 4.0, 6)])
+LINE_DEPTHS = np.concatenate([[0.0, 0.0025, 0.005, 0.01, 0.02, 0.04, 0.06], BELOW])
+POINT_DEPTHS = np.concatenate([[SHALLOW], BELOW])
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +71,8 @@ def _relative(
     unit: HertzContact, friction: float, criterion: Findley | DangVan
 ) -> tuple[float, ...]:
     """Return the criterion at the relative depths of a contact of unit size and pressure."""
-    roll = rolling_contact(unit, UNIT_DEPTHS, friction=friction, samples=101)
+    depths = LINE_DEPTHS if unit.kind == "line" else POINT_DEPTHS
+    roll = rolling_contact(unit, depths, friction=friction, samples=101)
     return tuple(critical_plane(s, criterion).value for s in roll.stress)
 
 
@@ -103,7 +106,15 @@ def rolling_life(
     friction : float
         Tangential over normal traction.
     depths : (nd,) array_like, optional
-        m; None takes 21 depths that suit the largest force.
+        m; None takes depths that suit the largest force: of a line from the surface, which decides
+        under friction, of a point from 0.04 of its short half axis, where its stress begins to be
+        known.
+
+    Warns
+    -----
+    JoustoWarning
+        If the worst of several depths is the shallowest one and the material above it is worse, or
+        not known.
 
     Raises
     ------
@@ -139,16 +150,30 @@ def rolling_life(
 
     power = 0.5 if contact.kind == "line" else 1.0 / 3.0
     scale = (F / contact.force) ** power
-    z = size * scale.max() * UNIT_DEPTHS if depths is None else np.atleast_1d(np.asarray(depths))
+    grid = LINE_DEPTHS if contact.kind == "line" else POINT_DEPTHS
+    z = size * scale.max() * grid if depths is None else np.atleast_1d(np.asarray(depths))
     used = scale > 0.0
     with np.errstate(divide="ignore"):
         relative = np.asarray(z)[:, None] / (size * scale[None, used])
-    # nearer to the surface than the first depth as there; farther than the last it fades as 1/z
-    each = np.interp(relative, UNIT_DEPTHS, value)
-    far = relative > UNIT_DEPTHS[-1]
-    each = np.where(far, value[-1] * UNIT_DEPTHS[-1] / np.maximum(relative, 1e-300), each)
+    # above the first depth of a point as there; below the last it fades as 1/z
+    each = np.interp(relative, grid, value)
+    far = relative > grid[-1]
+    each = np.where(far, value[-1] * grid[-1] / np.maximum(relative, 1e-300), each)
     stress = each * contact.p0 * scale[None, used]
     damage = np.zeros(len(z))
     if isinstance(criterion, Findley):
         damage = np.array([float(curve.damage(row, c[used])) for row in stress])
-    return RollingLife(np.asarray(z), damage, stress.max(axis=1) / limit, float(c.sum()))
+    life = RollingLife(np.asarray(z), damage, stress.max(axis=1) / limit, float(c.sum()))
+    # of a point nothing above its first depth is known; of a line everything
+    least = max(float(life.depth.min()), size * scale.max() * grid[0])
+    if len(z) > 1 and 0.0 < life.worst <= least:
+        at = life.worst / (size * scale.max())
+        above = value[grid <= at].max(initial=0.0)
+        if contact.kind == "point" and at <= grid[0]:
+            remedy = "the stress of a point contact is not worked out nearer to the surface"
+        elif above > 1.05 * np.interp(at, grid, value):
+            remedy = "above it is worse; ask for depths nearer to the surface"
+        else:
+            return life
+        warn("rolling life", f"worst at the shallowest depth, {1e3 * life.worst:.3g} mm: {remedy}")
+    return life
