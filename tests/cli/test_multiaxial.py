@@ -79,6 +79,11 @@ def test_hertz() -> None:
     assert code == 0 and "p0 = 349.9 MPa, a = 0.6065 mm" in text and "87.47 MPa" in text
     code, text = run("hertz", "--force", "10 kN", "--radius", "100 mm", "--crown", "300 mm")
     assert code == 0 and "point contact" in text
+    # friction: mu p0 at the surface is more than what stands below it
+    words = ("hertz", "--force", "10 kN", "--radius", "100 mm", "--length", "30 mm")
+    code, text = run(*words, "--friction", "0.4")
+    assert code == 0 and "on the axis, without friction 105.1 MPa" in text
+    assert "at the surface 140 MPa" in text
 
 
 def test_mistakes(result: Path) -> None:

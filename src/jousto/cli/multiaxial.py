@@ -159,7 +159,10 @@ def hertz(
         contact = hertz_point(F, radii=(R, amount(crown, "m", "--crown")), material=both)
     shear, depth = contact.largest_shear()
     say(str(contact))
-    say(f"largest shear {1e-6 * shear:.4g} MPa, {1e3 * depth:.4g} mm deep")
+    note = " on the axis, without friction" if friction else ""
+    say(f"largest shear{note} {1e-6 * shear:.4g} MPa, {1e3 * depth:.4g} mm deep")
+    if friction:
+        say(f"shear at the surface {1e-6 * friction * contact.p0:.4g} MPa by friction {friction:g}")
     if contact.kind == "line":
         k = contact.p0 / shakedown_limit(friction)
         say(f"shakes down if the material yields in shear above {1e-6 * k:.4g} MPa")

@@ -53,7 +53,7 @@ def hot_spot_stress(stress: ArrayLike, reading: Reading = "fine") -> Floats:
     Raises
     ------
     InputError
-        Unknown reading, or another number of stresses.
+        Unknown reading, another number of stresses, or one that is not finite.
 
     Examples
     --------
@@ -65,6 +65,8 @@ def hot_spot_stress(stress: ArrayLike, reading: Reading = "fine") -> Floats:
     if s.shape[:1] != (len(weights),):
         message = f"reading '{reading}' takes {len(weights)} stresses, not {s.shape[:1]}"
         raise InputError(Problem("hot-spot stress", message))
+    if not np.all(np.isfinite(s)):
+        raise InputError(Problem("hot-spot stress", "stresses must be finite numbers"))
     return np.asarray(np.tensordot(weights, s, axes=1))
 
 

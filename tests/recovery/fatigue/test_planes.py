@@ -226,3 +226,38 @@ def test_mistakes() -> None:
     with pytest.raises(jo.InputError, match="shape"):
         jo.multiaxial(np.zeros((2, 3, 4, 6)), jo.Findley())
     assert "worst" not in str(jo.multiaxial(s, jo.Findley()))
+
+
+def test_inputs_that_are_none() -> None:
+    for nu in (30.0, math.nan, 0.5):
+        with pytest.raises(jo.InputError, match="nu is"):
+            jo.FatemiSocie(350e6, 210e9, nu=nu)
+    with pytest.warns(jo.JoustoWarning, match="MPa"):
+        jo.FatemiSocie(350.0, 210e9)
+    with pytest.raises(jo.InputError, match="no place"):
+        jo.multiaxial(np.zeros((0, 5, 6)), jo.Findley(0.3))
+    with pytest.raises(jo.InputError, match="finite"):
+        jo.hot_spot_stress([120e6, math.nan])
+    beam = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.01), 4, jo.Material(E=210e9, nu=0.3, rho=7850.0))
+    reduced = jo.reduce(beam, jo.CraigBampton(interfaces=("start", "end"), modes=6))
+    with pytest.raises(jo.InputError, match=r"damping has shape \(2,\)"):
+        jo.random_response(
+            reduced,
+            [2.0, 80.0],
+            [3.0, 3.0],
+            base="start",
+            direction=(0, 1, 0),
+            damping=[0.03, 0.02],
+        )
+
+
+def test_shear_along_a_triangle() -> None:
+    # the longest line of an equilateral triangle is sqrt(3)/2 of the diameter of its circle
+    s = np.zeros((4, 6))
+    turn = np.radians([90.0, 210.0, 330.0, 90.0])
+    s[:, 3], s[:, 5] = 100e6 * np.cos(turn), 100e6 * np.sin(turn)
+    circle = jo.critical_plane(s, jo.Findley(0.0)).value
+    curve = jo.SN(S_D=100e6, N_D=1e6, k=5)
+    counted = jo.plane_damage(s, jo.Findley(0.0), curve, residue="repeat").damage[0]
+    line = 0.5 * 100e6 * (1e6 * counted) ** 0.2
+    assert line / circle == pytest.approx(math.sqrt(3.0) / 2.0, abs=0.02)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import jousto as jo
 from jousto.recovery.fatigue.strain_life import pairs, turning_points
@@ -230,3 +232,29 @@ def test_places_of_a_field() -> None:
     assert label in str(one)
     with pytest.raises(jo.InputError, match="no sign"):
         jo.strain_damage(field, m, criterion="von-mises", residue="half")
+
+
+@given(
+    st.floats(5e7, 3e8),
+    st.floats(-1.0, 0.9),
+    st.integers(1, 4),
+    st.sampled_from(["half", "repeat"]),
+)
+def test_peaks_repeated_one_ulp_lower(a: float, r: float, n: int, residue: str) -> None:
+    # rounding of equal ranges must not lose the first loading curve; damage as of exact repeats
+    m = jo.strain_life("sae-1045")
+    b, lower = r * a, float(np.nextafter(a, 0.0))
+    near = jo.local_cycles([0.0, a, *[b, lower] * n], m, residue=residue)
+    same = jo.local_cycles([0.0, a, *[b, a] * n], m, residue=residue)
+    assert near.damage == pytest.approx(same.damage, rel=1e-3, abs=1e-30)
+
+
+def test_a_repeated_peak_that_lost_its_branch() -> None:
+    S = [0, 136694895.0077239, -26809683.32321541, 136694895.00772387]
+    loops = jo.local_cycles(S, jo.strain_life("sae-1045"), residue="half")
+    assert np.all(np.isfinite(loops.cycles)) and len(loops.count)
+
+
+def test_a_history_in_mpa_is_told() -> None:
+    with pytest.warns(jo.JoustoWarning, match="in MPa"):
+        jo.local_cycles([0.0, 200.0, -200.0], jo.strain_life("sae-1045"), residue="half")

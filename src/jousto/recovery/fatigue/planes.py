@@ -16,7 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.errors import InputError, Problem, Problems
+from jousto.errors import InputError, Problem, Problems, warn
 from jousto.parts.strain_life import StrainLife
 from jousto.recovery.fatigue.enclosing import enclosing_ball, enclosing_circles
 from jousto.recovery.fatigue.rainflow import write_table
@@ -96,8 +96,13 @@ class FatemiSocie:
         problems = Problems()
         problems.positive("FatemiSocie", "yield stress S_y", self.S_y, "Pa")
         problems.positive("FatemiSocie", "Young's modulus E", self.E, "Pa")
+        problems.number(
+            "FatemiSocie", "nu", self.nu, "", "above -1 and below 0.5", lambda v: -1.0 < v < 0.5
+        )
         problems.number("FatemiSocie", "k", self.k, "", "in [0, 10]", lambda k: 0.0 <= k <= 10.0)
         problems.raise_if_any()
+        if self.S_y < 1e5:
+            warn("FatemiSocie", f"S_y = {self.S_y:g} Pa is very weak; was it given in MPa?")
 
     @property
     def G(self) -> float:
@@ -490,6 +495,8 @@ def _places(stress: Any, sites: Sequence[str] | str | None) -> tuple[tuple[str, 
             "multiaxial",
             f"stress has shape {s.shape}, must be (places, instants, 6) or (instants, 6)",
         )
+    elif not len(s):
+        problems.add("multiaxial", "there is no place to look at")
     problems.raise_if_any()
     return tuple(str(i) for i in range(len(s))), iter(s)
 
@@ -567,7 +574,9 @@ def plane_damage(
 
     On every plane the shear stress is resolved in directions `step` apart and counted by rainflow;
     each cycle takes the largest normal stress while it lasts. `NormalStress` counts the normal
-    stress of each plane.
+    stress of each plane. Where shear turns in its plane no line sees all of it: the amplitude may
+    be up to 13 % (``1 - sqrt(3)/2``, an equilateral triangle) below the smallest circle, which
+    `critical_plane` takes.
 
     Parameters
     ----------

@@ -339,7 +339,11 @@ def random_response(
     elastic = squares > (RIGID**2) * squares[-1]
     natural = np.sqrt(squares[elastic]) / (2.0 * np.pi)
     shapes = (Z @ shapes)[:, elastic]
-    zeta = np.broadcast_to(np.asarray(damping, dtype=np.float64), natural.shape)
+    given = np.asarray(damping, dtype=np.float64)
+    if given.shape not in ((), (1,), natural.shape):
+        told = f"damping has shape {given.shape}, must be a number or one for each of"
+        raise InputError(Problem(where, f"{told} {len(natural)} modes"))
+    zeta = np.broadcast_to(given, natural.shape)
     if not np.all((zeta > 0.0) & (zeta < 1.0)):
         raise InputError(Problem(where, f"damping is {damping!r}, must be above 0 and below 1"))
     if natural[-1] < f[-1]:

@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.errors import InputError, Problem, Problems, suggest
+from jousto.errors import InputError, Problem, Problems, suggest, warn
 from jousto.parts.strain_life import FORMS, Form, StrainLife
 
 Array = NDArray[np.float64]
@@ -140,8 +140,10 @@ def local_path(series: ArrayLike, material: StrainLife, *, rule: Rule = "neuber"
         # close the loops that this branch runs through
         while len(stack) >= 2 and abs(value - S[stack[-1]]) >= abs(S[stack[-1]] - S[stack[-2]]):
             del stack[-2:]
-        if abs(value) >= largest:  # on the first loading curve; what was before is forgotten
-            stack, largest = [k], abs(float(value))
+        # on the first loading curve; what was before is forgotten. rounding of equal ranges may
+        # close every loop a little below the largest value
+        if abs(value) >= largest or not stack:
+            stack, largest = [k], max(largest, abs(float(value)))
         else:
             start[k] = stack[-1]
             stack.append(k)
@@ -301,6 +303,13 @@ def local_cycles(
         problems.add("strain life", f"form is {form!r}{suggest(form, FORMS)}")
     problems.raise_if_any()
     x = _checked(series, rule)
+    peak = float(np.abs(x).max())
+    if 1e-2 < peak < min(5e3, 1e-4 * material.sf):
+        warn(
+            "strain life",
+            f"the largest stress is {peak:.4g} Pa where the material has sf ="
+            f" {material.sf / 1e6:.4g} MPa; are the stresses in MPa? SI needs Pa",
+        )
     if residue == "repeat":
         # from the largest value round to it again: every loop closes
         turn = int(np.argmax(np.abs(x)))
