@@ -20,6 +20,7 @@ from jousto.recovery.twin import (
     stress_band,
     tune,
 )
+from jousto.recovery.twin.system import System
 from jousto.reduction import Invariants
 
 STEEL = jo.Material(2.1e11, 0.3, 7850.0)
@@ -475,3 +476,71 @@ def test_record_by_channel_names() -> None:
         warnings.simplefilter("error")
         with pytest.raises(jo.InputError, match="e is missing"):
             observer.run(np.zeros(3))
+
+
+STEPS = (1e-3, 0.01, 0.1, 1.0, 10.0, 100.0, 1000.0, 3600.0)
+
+
+def _system(smooth: bool, limit: float = 500.0) -> System:
+    """Return a stiff and a soft mode scale, a quick load, disturbances and discrepancies."""
+    load = jo.UnknownLoad("end", "fz", rate=400.0, size=10.0, smooth=smooth)
+    rod = cantilever(3)
+    return System(rod, 0.02 * np.sqrt(rod.stiffness), (load,), limit, 1e-3, 2, 1e-6, 10.0)
+
+
+@pytest.mark.parametrize("smooth", [False, True])
+@pytest.mark.parametrize("limit", [500.0, 1e6])
+def test_a_long_step_equals_many_short_ones(smooth: bool, limit: float) -> None:
+    system = _system(smooth, limit)
+    for dt in STEPS:
+        F, G, Q = system.discrete(dt)
+        f, g, q = system.discrete(dt / 10)
+        many, pushed, noise = np.eye(system.nx), np.zeros_like(g), np.zeros_like(q)
+        for _ in range(10):
+            many, pushed, noise = f @ many, f @ pushed + g, f @ noise @ f.T + q
+        size = np.sqrt(np.diag(Q))
+        assert np.all(size > 0.0)
+        weight = size[:, None] / size
+        assert np.abs((F - many) / weight).max() < 1e-6
+        assert np.abs(G - pushed).max() < 1e-6 * np.abs(pushed).max()
+        assert np.abs((Q - noise) / np.outer(size, size)).max() < 1e-6
+
+
+@pytest.mark.parametrize("smooth", [False, True])
+def test_noise_of_a_step_of_any_length_is_a_covariance_and_ends_stationary(smooth: bool) -> None:
+    system = _system(smooth)
+    for dt in STEPS:
+        Q = system.discrete(dt)[2]
+        size = np.sqrt(np.diag(Q))
+        assert np.array_equal(Q, Q.T)
+        assert np.linalg.eigvalsh(Q / np.outer(size, size))[0] > -1e-12
+    # after an hour nothing is left of the start: the load has its size, the gauges their miss
+    F, _, Q = system.discrete(3600.0)
+    assert np.abs(F[system.places, system.places]).max() < 1e-12
+    np.testing.assert_allclose(np.sqrt(Q[system.places, system.places]), [[10.0]], rtol=1e-9)
+    np.testing.assert_allclose(np.sqrt(np.diag(Q)[-2:]), 1e-6, rtol=1e-9)
+
+
+@pytest.mark.parametrize("gap", [0.5, 3.0, 5.0, 60.0, 3600.0, 1e6])
+def test_a_pause_in_the_data_widens_the_band_and_does_no_harm(gap: float) -> None:
+    rod = cantilever(3)
+    load = jo.UnknownLoad("end", "fz", rate=100.0, size=10.0, smooth=True)
+    observer = jo.Observer(rod, rows(rod, PLACES), loads=[load], step=1e-3, noise=1e-6)
+    for k in range(20):
+        observer.step(k * 1e-3, np.zeros(len(PLACES)))
+    step = observer.step(0.019 + gap, np.full(len(PLACES), np.nan))
+    assert np.linalg.eigvalsh(step.load_covariance)[0] > 0.0
+    # a'' + 2 c a' + c^2 a forgets as (1 + c t) exp(-c t), c = rate / size
+    left = (1.0 + 10.0 * gap) * np.exp(-10.0 * gap)
+    np.testing.assert_allclose(
+        np.sqrt(step.load_covariance), 10.0 * np.sqrt(1 - left**2), rtol=0.05
+    )
+
+
+def test_a_load_quicker_than_the_record_is_followed() -> None:
+    rod = cantilever(3)
+    load = jo.UnknownLoad("end", "fz", rate=6770.0, size=10.0)  # returns in 4 us
+    observer = jo.Observer(rod, rows(rod, PLACES), loads=[load], step=1e-3, noise=1e-6)
+    t = np.arange(200) * 1e-3
+    found = observer.run(t, np.zeros((200, len(PLACES))))
+    assert np.isfinite(found.loads).all()
