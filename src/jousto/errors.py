@@ -198,6 +198,24 @@ def warn(where: str, message: str) -> None:
     warnings.warn(JoustoWarning(f"{where}: {message}" if where else message), stacklevel=level)
 
 
+LARGE_STRAIN = 0.01
+"""m/m: what is beyond was likely given in another unit; foil and steel are long past use."""
+
+
+def likely_strain_unit(size: float) -> str:
+    """Return in which unit a strain was likely given that is too large for m/m.
+
+    >>> likely_strain_unit(0.05), likely_strain_unit(10.57)
+    ('%', 'um/m')
+    """
+    return "%" if size <= 1.0 else "um/m"
+
+
+def strain_remedy(size: float) -> str:
+    """Return likely unit and remedy of a strain that is too large for m/m."""
+    return "percent: divide by 100" if size <= 1.0 else "um/m: divide by 1e6"
+
+
 def count(number: int, noun: str) -> str:
     """Return ``1 mode`` or ``2 modes``."""
     return f"{number} {noun}{'' if number == 1 else 's'}"

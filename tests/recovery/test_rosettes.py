@@ -79,9 +79,31 @@ def test_pressure_vessel():
 def test_what_is_wrong():
     with pytest.raises(jo.InputError) as error:
         jo.rosette_state([200.0, 80.0, -50.0], **STEEL)
-    assert "a strain is 200 m/m: it was likely given in um/m; divide by 1e6" in str(error.value)
+    assert "a strain is 200 m/m: it was likely given in um/m: divide by 1e6" in str(error.value)
     with pytest.raises(jo.InputError) as error:
         jo.rosette_state([1e-6, 1e-6], kind="x", E=0.0, nu=0.7)
     assert len(error.value.problems) == 3
     with pytest.raises(jo.InputError, match=r"e has shape \(2,\), the last must be 3"):
         jo.rosette_state([1e-6, 1e-6], **STEEL)
+
+
+@pytest.mark.parametrize(
+    ("e", "E", "message"),
+    [
+        ([0.02, 0.008, -0.005], 210e9, "percent: divide by 100"),
+        ([9e-3, 9e-3, 9e-3], 210e9, "beyond most steels"),
+        ([2e-4, 8e-5, -5e-5], 210e3, "was it given in MPa"),
+    ],
+)
+def test_other_units_are_warned_of(e: list[float], E: float, message: str) -> None:
+    with pytest.warns(jo.JoustoWarning, match=message):
+        jo.rosette_state(e, E=E, nu=0.3)
+
+
+def test_no_direction_is_printed_where_all_are_equal() -> None:
+    same = str(jo.rosette_state([1e-4, 1e-4, 1e-4], E=210e9, nu=0.3, noise=1e-6))
+    assert "undefined" in same
+    assert "nan" not in same
+    clear = str(jo.rosette_state([2e-4, 8e-5, -5e-5], E=210e9, nu=0.3, noise=1e-6))
+    assert "deg from grid a" in clear
+    assert "undefined" not in clear

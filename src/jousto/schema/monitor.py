@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 class ChannelRulesEntry(Entry):
     """`ChannelRules`: when a value is not believed."""
 
-    range: Number | None = Field(None, description="Magnitude of saturation, 0.02 (m/m)")
+    range: Number | None = Field(None, description="Magnitude of saturation, 0.01 (m/m)")
     stuck: Count | None = Field(None, description="Equal samples of a dead channel, 50; 0 for none")
     spike: Number | None = Field(None, description="Jump in usual steps, 40; 0 for none")
     back: Count | None = Field(None, description="Good samples before it is believed again, 10")

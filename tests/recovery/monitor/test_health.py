@@ -118,5 +118,5 @@ def test_bad_rules_are_told():
 
 def test_a_range_that_no_gauge_has_is_told():
     """Beyond it the twins refuse values as no strains, which would end a watch."""
-    with pytest.raises(jo.InputError, match="must be at most 0.02"):
+    with pytest.raises(jo.InputError, match="must be at most 0.01"):
         ChannelRules(range=0.05)

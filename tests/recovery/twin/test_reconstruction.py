@@ -53,6 +53,7 @@ def test_static_shape_completes_the_basis(beam: Clamped) -> None:
             assert ratio - 1.0 == pytest.approx(7e-7, abs=1e-7)
 
 
+@pytest.mark.filterwarnings("ignore:.*contradict one another")
 def test_estimate_is_that_of_bayes(rng: np.random.Generator) -> None:
     """Gain and covariance against the normal equations of the text books."""
     B = rng.normal(size=(5, 3))
@@ -72,6 +73,7 @@ def test_estimate_is_that_of_bayes(rng: np.random.Generator) -> None:
     np.testing.assert_allclose(found.band[2], np.sqrt(np.diag(G)))
 
 
+@pytest.mark.filterwarnings("ignore:.*contradict one another")
 def test_left_out_residual_is_that_without_the_gauge(rng: np.random.Generator) -> None:
     B, R = rng.normal(size=(6, 3)), np.diag(1e-12 * rng.uniform(1.0, 3.0, 6))
     e = 1e-4 * rng.normal(size=6)
@@ -183,3 +185,34 @@ def test_row_that_too_few_gauges_see_is_nan() -> None:
     with pytest.warns(jo.JoustoWarning, match="at 1 instant of 2 too few gauges"):
         found = twin.estimate([[1e-4, 1e-4], [1e-4, np.nan]])
     assert np.isfinite(found.p[0]).all() and np.isnan(found.p[1]).all()
+
+
+def test_strains_in_percent_contradict_one_another() -> None:
+    """Small strains in percent pass as large ones; what does not fit is a hundredfold, too."""
+    rng = np.random.default_rng(3)
+    B = rng.standard_normal((6, 2))
+    e = 1e-5 * rng.standard_normal((50, 2)) @ B.T + 1e-6 * rng.standard_normal((50, 6))
+    twin = jo.Reconstruction(B)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        twin.estimate(e)
+    with pytest.warns(jo.JoustoWarning, match="contradict one another"):
+        twin.estimate(100.0 * e)
+
+
+@pytest.mark.parametrize(
+    ("strain", "message"), [(0.012, "percent"), (0.9, "percent"), (10.57, "um/m: divide by 1e6")]
+)
+def test_every_door_names_the_same_unit(strain: float, message: str) -> None:
+    from jousto.recovery.gauges.record import too_large
+
+    twin = jo.Reconstruction([[1.0], [1.0]])
+    with pytest.raises(jo.InputError, match=message):
+        twin.estimate([[strain, strain]])
+    assert ("um/m'" if strain > 1 else "'%'") in too_large("g", np.array([strain]))
+
+
+def test_damage_of_single_instants_is_refused_in_words() -> None:
+    found = jo.Reconstruction([[1.0], [1.0]]).estimate([[1e-4, 1e-4]])
+    with pytest.raises(jo.InputError, match=r"must be from Observer\.run"):
+        jo.damage_band(found, None, None, residue="half")  # type: ignore[arg-type]

@@ -51,12 +51,29 @@ def quarter_bridge_strain(output: ArrayLike, gauge_factor: float = 2.0) -> Array
 
     ``e = 4 v / (k (1 - 2 v))``, the inverse of ``v = k e / (4 + 2 k e)``.
 
+    Raises
+    ------
+    InputError
+        A strain beyond 10 %: the output was likely given in mV/V.
+
     Examples
     --------
     >>> quarter_bridge_strain(bridge_output([0.004, 0, 0, 0]))
     np.float64(0.002)
     """
     v = np.asarray(output, dtype=np.float64)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        strain = np.abs(4.0 * v / (gauge_factor * (1.0 - 2.0 * v)))
+    if np.nanmax(strain, initial=0.0) > 0.1:
+        big = float(np.nanmax(np.abs(v)))
+        raise InputError(
+            Problem(
+                "quarter_bridge_strain",
+                f"an output of {big:g} V/V is a strain of "
+                f"{100 * np.nanmax(strain):.3g} %, which no gauge bears; was it in mV/V? "
+                "Divide by 1000",
+            )
+        )
     return np.asarray(4.0 * v / (gauge_factor * (1.0 - 2.0 * v)))[()]
 
 

@@ -84,6 +84,7 @@ class GaugeComparison:
                 f"{p.channel:{width}}  {p.sensor:{other}}  {unit:5} {high[0]:10.4g} "
                 f"{high[1]:10.4g} {factor * p.rms:10.4g} {p.scale:7.3f} {p.correlation:7.4f}"
             )
+        lines += [hint for hint in map(likely_unit, self.pairs) if hint]
         if self.alignment is not None:
             lines.append(f"aligned: {self.alignment}")
         return "\n".join(lines)
@@ -100,6 +101,26 @@ class GaugeComparison:
     def to_csv(self, path: str | Path) -> Path:
         """Write both over time, see `Record.to_csv`."""
         return self.record().to_csv(path)
+
+
+def likely_unit(pair: GaugePair) -> str:
+    """Return a sentence if the scale looks like another unit of strain, else nothing."""
+    if pair.unit != STRAIN or not abs(pair.correlation) > 0.9:
+        return ""
+    for factor, unit, remedy in (
+        (1e2, "percent", "divide it by 100"),
+        (1e6, "um/m", "divide it by 1e6"),
+        (1e3, "mm/m", "divide it by 1000"),
+        (1e-2, "m/m but was taken as percent", "multiply it by 100"),
+        (1e-3, "m/m but was taken as mm/m", "multiply it by 1000"),
+        (1e-6, "m/m but was taken as um/m", "multiply it by 1e6"),
+    ):
+        if 0.5 < abs(pair.scale) / factor < 2.0:
+            return (
+                f"'{pair.channel}' is about {factor:g} times '{pair.sensor}' with the same course: "
+                f"it was probably given in {unit}; {remedy}, or name its unit"
+            )
+    return ""
 
 
 def shown_unit(unit: str) -> tuple[str, float]:

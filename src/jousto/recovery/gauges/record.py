@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.errors import InputError, Problem, Problems, count, suggest
+from jousto.errors import (
+    LARGE_STRAIN,
+    InputError,
+    Problem,
+    Problems,
+    count,
+    likely_strain_unit,
+    suggest,
+)
 from jousto.recovery.gauges.units import STRAIN
 
 if TYPE_CHECKING:
@@ -19,9 +27,6 @@ if TYPE_CHECKING:
     from jousto.simulation import Solution
 
 Array = NDArray[np.float64]
-
-LARGE_STRAIN = 0.01
-"""m/m: gauges break at a few percent; what is beyond was likely given in another unit."""
 
 GAP = 1.5
 """A step of so many usual ones is a gap."""
@@ -310,7 +315,7 @@ def too_large(name: str, values: Array) -> str:
     largest = float(np.abs(good).max())
     if largest <= LARGE_STRAIN:
         return ""
-    unit = "%" if largest < 5.0 else "um/m"
+    unit = likely_strain_unit(largest)
     return (
         f"channel '{name}' reaches {largest:.4g}: too large for strain in m/m, it was likely given "
         f"in {unit}; say units={{'{name}': '{unit}'}}"

@@ -8,11 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.errors import Problems
+from jousto.errors import LARGE_STRAIN, Problems, strain_remedy, warn
 from jousto.mechanism.sensors.gauge import NU_CALIBRATION
 from jousto.mechanism.sensors.rosette import ANGLES, KINDS
 
 Array = NDArray[np.float64]
+LARGE_STRESS = 1.5e9
+"""Pa; von Mises stress beyond which strains were likely given in another unit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,11 +60,19 @@ class RosetteState:
     von_mises: Array
     sd: dict[str, Array]
 
+    @property
+    def vague(self) -> bool:
+        """Whether the (first) angle has no meaning: e1 = e2, or noise turns it by 90 deg."""
+        angle, sd = np.ravel(self.angle), np.ravel(self.sd.get("angle", 0.0))
+        return bool(len(angle) and not (np.isfinite(angle[0]) and sd[0] < 0.5 * np.pi))
+
     def __str__(self) -> str:
         """Return a table of the values; of the first one of a history."""
 
         def text(name: str, factor: float, unit: str) -> str:
             value = factor * np.ravel(getattr(self, name))[0]
+            if name == "angle" and self.vague:
+                return f"{name:>10} {'undefined':>12}: e1 = e2 within the noise"
             line = f"{name:>10} {value:12.4f} {unit}"
             if name in self.sd:
                 line += f"  +- {factor * np.ravel(self.sd[name])[0]:.4f}"
@@ -110,7 +120,12 @@ def rosette_state(
     Raises
     ------
     InputError
-        With everything that is wrong; strains that look like um/m or percent are told.
+        With everything that is wrong; strains above 0.5 m/m, likely um/m, are told.
+
+    Warns
+    -----
+    JoustoWarning
+        Strains beyond 1 %, von Mises stress beyond 1.5 GPa, E below 1 GPa: likely other units.
 
     Examples
     --------
@@ -143,7 +158,7 @@ def rosette_state(
         problems.add(where, f"e has shape {values.shape}, the last must be {m}: a value per grid")
     elif values.size and not np.nanmax(np.abs(values), initial=0.0) <= 0.5:
         big = float(np.nanmax(np.abs(values)))
-        problems.add(where, f"a strain is {big:g} m/m: it was likely given in um/m; divide by 1e6")
+        problems.add(where, f"a strain is {big:g} m/m: it was likely given in {strain_remedy(big)}")
     spread = None if noise is None else np.broadcast_to(np.asarray(noise, dtype=np.float64), (m,))
     if spread is not None and not np.all(spread >= 0.0):
         problems.add(where, f"noise is {noise!r} m/m, must not be negative")
@@ -160,6 +175,18 @@ def rosette_state(
     sd: dict[str, Array] = {}
     if spread is not None:
         sd = _deviations(lambda x: _derived(x @ inverse.T, E, nu), values, spread)
+    if E < 1e9:
+        warn(where, f"E = {E:g} Pa is softer than most plastics; was it given in MPa or GPa?")
+    big = float(np.nanmax(np.abs(values), initial=0.0))
+    high = float(np.nanmax(found["von_mises"], initial=0.0))
+    if big > LARGE_STRAIN:
+        warn(where, f"a strain is {big:.4g} m/m: it was likely given in {strain_remedy(big)}")
+    elif high > LARGE_STRESS:
+        warn(
+            where,
+            f"a stress is {high / 1e6:.4g} MPa, beyond most steels: were strains in percent, or is "
+            "E of another material?",
+        )
     return RosetteState(**found, sd=sd)
 
 

@@ -31,7 +31,7 @@ class ChannelRules:
     Parameters
     ----------
     range : float
-        Magnitude at which a channel is saturated, m/m; at most 0.02.
+        Magnitude at which a channel is saturated, m/m; at most 0.01.
     stuck : int
         Samples of exactly the same value, while others change, after which a channel is stuck;
         0 does not look.
@@ -42,7 +42,7 @@ class ChannelRules:
         Good samples in a row before a channel that failed is used again.
     """
 
-    range: float = 0.02
+    range: float = LARGEST
     stuck: int = 50
     spike: float = 40.0
     back: int = 10

@@ -12,7 +12,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.errors import InputError, Problem, Problems, suggest, warn
+from jousto.errors import LARGE_STRAIN, InputError, Problem, Problems, suggest, warn
 from jousto.recovery.monitor.alarms import Alarm
 from jousto.recovery.monitor.health import STATES, Change
 from jousto.recovery.monitor.monitor import Monitor, Summary, Update
@@ -26,7 +26,7 @@ Show = Callable[["Progress"], None]
 
 TEXT = 160  # bytes of an event
 MOST_ODDITIES = 1000  # lines that made no sense and are recorded one by one; all are counted
-UNLIKELY = 0.02  # m/m; a channel without unit that is mostly above is not in m/m
+UNLIKELY = LARGE_STRAIN  # m/m; a channel without unit that is mostly above is not in m/m
 KINDS = ("start", "channel", "alarm", "garbage", "backwards", "clock", "gap", "resumed", "end")
 
 

@@ -143,6 +143,15 @@ def damage_band(
     InputError
         As `stress_band`; fewer than 20 draws.
     """
+    if not isinstance(observed, Observed):
+        raise InputError(
+            Problem(
+                "damage_band",
+                f"observed is of type {type(observed).__name__}, must be from Observer.run: "
+                "histories are drawn from the motion between the instants, which single instants "
+                "(Reconstruction) do not tell; for those use stress_band",
+            )
+        )
     labels, S, missed = _pick(observed, modes, sites)
     _check(criterion, level)
     if not 0.0 <= scale < 0.5:

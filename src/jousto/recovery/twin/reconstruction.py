@@ -20,6 +20,8 @@ NOISE = 1e-6
 """Standard deviation of a gauge if nothing is said, m/m."""
 CONDITION = 1e4
 """Condition number from which on a basis without prior is told to amplify the noise."""
+FAR_OFF = 10.0
+"""Score of most gauges from which on the estimate is told to be doubtful; 1 is right."""
 PARALLEL = 1e-9
 """How near to 1 the cosine of the rows of two gauges is if they say the same."""
 
@@ -219,7 +221,8 @@ class Reconstruction:
         Warns
         -----
         JoustoWarning
-            Rows with too few gauges left to tell the modes: their p is nan.
+            Rows with too few gauges left to tell the modes: their p is nan. Scores far above 1 of
+            most gauges, as of strains in percent.
         """
         problems = Problems()
         strain = read_strain(problems, "Reconstruction.estimate", e, self.names)
@@ -253,9 +256,18 @@ class Reconstruction:
                 f"{count(self.n, 'mode')}; p is nan there, give a prior to go on",
             )
         residual = strain - p @ self.B.T
-        return Estimate(
+        found = Estimate(
             t, p, P, which, residual, leave, expected, self.condition, self.names, self.discrepancy
         )
+        score = found.score[np.isfinite(found.score)]
+        if len(score) and np.median(score) > FAR_OFF:
+            warn(
+                "Reconstruction.estimate",
+                f"the gauges contradict one another by {np.median(score):.3g} times what their "
+                "noise explains (median score): strains in percent or another unit instead of m/m, "
+                "gauges in another order or with another sign, missing modes, or noise= too small",
+            )
+        return found
 
     def calibrated(self, e: ArrayLike) -> Reconstruction:
         """Return the reconstruction with the noise that measured strains show.
@@ -272,7 +284,9 @@ class Reconstruction:
         """
         scaled = self
         for _ in range(20):  # the prior does not scale along, so the factor is found by repetition
-            score = scaled.estimate(e).score
+            with warnings.catch_warnings():  # scores far above 1 are what is put right here
+                warnings.filterwarnings("ignore", message=".*contradict one another")
+                score = scaled.estimate(e).score
             good = score[np.isfinite(score)]
             if not len(good):
                 raise InputError(

@@ -9,11 +9,11 @@ import numpy as np
 import scipy.linalg as la
 from numpy.typing import NDArray
 
-from jousto.errors import Problems, count
+from jousto.errors import LARGE_STRAIN, Problems, count, strain_remedy
 
 Array = NDArray[np.float64]
-LARGEST = 0.02
-"""Strain beyond which no foil gauge and no elastic part goes, m/m (2 %)."""
+LARGEST = LARGE_STRAIN
+"""Strain beyond which no elastic part goes, m/m, the same for every door of the package."""
 
 
 def read_strain(
@@ -69,11 +69,11 @@ def read_strain(
     size = np.nan_to_num(size)
     if len(size) and size.max() > LARGEST:
         worst = int(size.argmax())
-        guess = "um/m: divide by 1e6" if size.max() > 20.0 else "percent: divide by 100"
         problems.add(
             where,
             f"strain of '{names[worst]}' reaches {size[worst]:.4g} m/m, "
-            f"{100 * size[worst]:.4g} %, which nothing elastic bears; it looks like {guess}",
+            f"{100 * size[worst]:.4g} %, which nothing elastic bears; it looks like "
+            f"{strain_remedy(float(size[worst]))}",
         )
         return None
     return strain
