@@ -124,6 +124,39 @@ def test_everything_wrong_at_once(tmp_path):
     np.testing.assert_allclose(record["g3"], [1e-4, 1e-4, 3e-4, 5e-5])
 
 
+def blocks(offset):
+    return "".join(f"{(i % 10) * 0.1 + offset * (i // 10):.3f},{i}\n" for i in range(30))
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.003])
+@pytest.mark.parametrize("repair", [False, True])
+def test_a_clock_that_restarts_is_refused(tmp_path, offset, repair):
+    """Three records of 10 samples in one file are not one of 10, nor one jagged one of 30."""
+    path = written(tmp_path, "time [s],g1 [um/m]\n" + blocks(offset))
+    with pytest.raises(jo.InputError, match=r"the clock restarts: 3 blocks.*sample 10 \(0.9 to"):
+        jo.read_record(path, repair=repair)
+
+
+def test_packets_in_the_wrong_order_are_sorted(tmp_path):
+    """They fill gaps; a late sample and retries are no restart, and what is dropped is counted."""
+    order = [*range(10), *range(20, 30), *range(10, 20), *range(30, 40), 5, 40, 41, 5]
+    text = "time [s],g1 [um/m]\n" + "".join(f"{i / 10},{i}\n" for i in order)
+    with pytest.warns(jo.JoustoWarning, match=r"sorted|dropped"):
+        record = jo.read_record(written(tmp_path, text), repair=True)
+    assert record.notes[-1].endswith("2 of 44 samples dropped")
+    np.testing.assert_allclose(record["g1"], 1e-6 * np.arange(42))
+
+
+def test_midnight(tmp_path):
+    text = "time,g1 [um/m]\n23:59:59.8,4\n23:59:59.9,5\n00:00:00.0,6\n00:00:00.1,7\n"
+    path = written(tmp_path, text)
+    with pytest.raises(jo.InputError, match="over midnight 1 times.* counts on from there"):
+        jo.read_record(path)
+    with pytest.warns(jo.JoustoWarning, match="a day was added"):
+        record = jo.read_record(path, repair=True)
+    np.testing.assert_allclose(record.time - record.time[0], [0, 0.1, 0.2, 0.3], atol=1e-9)
+
+
 @pytest.mark.parametrize(("text", "sentence"), [
     ("", "is empty: there is no line of numbers"),
     ("  \n\n", "is empty: there is no line of numbers"),

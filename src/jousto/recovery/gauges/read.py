@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, Problems, suggest, warn
+from jousto.recovery.gauges.order import ordered
 from jousto.recovery.gauges.record import GAP, Record, record_of, too_large
 from jousto.recovery.gauges.table import read_table
 from jousto.recovery.gauges.units import STRAIN, parse_unit
@@ -52,7 +53,9 @@ def read_record(
     units : mapping of str to str, optional
         Units of channels that the file does not name, or names wrongly.
     repair : bool
-        Sort instants that run backwards and drop those that come twice, instead of refusing them.
+        Sort instants that run backwards, drop those that come twice and count on over midnight,
+        instead of refusing them. A clock that restarts is refused all the same: such a file holds
+        several records.
 
     Raises
     ------
@@ -118,50 +121,12 @@ def _record(where: str, raw: Raw, given: dict[str, str], repair: bool) -> Record
             sentence = too_large(name, channels[name])
             if sentence:
                 problems.add(where, f"{sentence} (the file says '{label}')")
-    t, channels, order = _ordered(problems, where, t, channels, repair)
+    t, channels, order = ordered(problems, where, t, channels, repair)
     problems.raise_if_any()
     remarks = [*notes, *order, *_remarks(t, channels)]
     for remark in remarks:
         warn(where, remark)
     return Record(t, channels, units, name=Path(where).name, notes=tuple(remarks))
-
-
-def _ordered(
-    problems: Problems, where: str, t: Array, channels: dict[str, Array], repair: bool
-) -> tuple[Array, dict[str, Array], list[str]]:
-    """Return time and channels in order; note what is out of it, or mend it."""
-    notes: list[str] = []
-    unknown = ~np.isfinite(t)
-    if unknown.any():
-        sentence = f"{np.count_nonzero(unknown)} instants have no time"
-        if not repair:
-            problems.add(where, f"{sentence}; repair=True leaves them out")
-        notes.append(f"{sentence} and were left out")
-        t = t[~unknown]
-        channels = {name: x[~unknown] for name, x in channels.items()}
-    steps = np.diff(t)
-    back, twice = np.flatnonzero(steps < 0.0), np.flatnonzero(steps == 0.0)
-    if len(back):
-        i = int(back[0])
-        sentence = (
-            f"time runs backwards {len(back)} times, first from {t[i]:.6g} s to {t[i + 1]:.6g} s "
-            f"at sample {i + 1}"
-        )
-        if not repair:
-            problems.add(where, f"{sentence}; repair=True sorts the samples")
-        notes.append(f"{sentence}: sorted")
-    if len(twice):
-        i = int(twice[0])
-        sentence = f"{len(twice)} instants come twice, first {t[i]:.6g} s at sample {i + 1}"
-        if not repair:
-            problems.add(where, f"{sentence}; repair=True keeps the first of each")
-        notes.append(f"{sentence}: the first of each was kept")
-    if len(t) < 2:
-        problems.add(where, f"has {len(t)} instants, must have two or more")
-    if not notes or problems.found:
-        return t, channels, notes
-    kept, first = np.unique(t, return_index=True)
-    return kept, {name: x[first] for name, x in channels.items()}, notes
 
 
 def _remarks(t: Array, channels: dict[str, Array]) -> list[str]:
