@@ -157,6 +157,22 @@ def test_midnight(tmp_path):
     np.testing.assert_allclose(record.time - record.time[0], [0, 0.1, 0.2, 0.3], atol=1e-9)
 
 
+def test_quoted_decimal_commas(tmp_path):
+    text = 'time [s],"g1 [um/m]"\n"0,0","1,5"\n"0,1","2,5"\n"0,2",3\n'
+    record = jo.read_record(written(tmp_path, text))
+    assert list(record.channels) == ["g1"]
+    np.testing.assert_allclose(record.time, [0, 0.1, 0.2])
+    np.testing.assert_allclose(record["g1"], [1.5e-6, 2.5e-6, 3e-6])
+
+
+@pytest.mark.parametrize("row", ["0,00,1,50", "0,1,50"])
+def test_more_numbers_than_names(tmp_path, row):
+    """Decimal commas between commas cannot be told apart."""
+    path = written(tmp_path, f"time [s],g1 [um/m]\n{row}\n1{row[1:]}\n")
+    with pytest.raises(jo.InputError, match=r"line 1 names 2 columns .* line 2 has \d numbers"):
+        jo.read_record(path)
+
+
 @pytest.mark.parametrize(("text", "sentence"), [
     ("", "is empty: there is no line of numbers"),
     ("  \n\n", "is empty: there is no line of numbers"),

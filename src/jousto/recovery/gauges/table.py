@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import re
 from dataclasses import dataclass
 from datetime import datetime
@@ -73,7 +74,7 @@ def read_table(path: Path) -> Table:
     best: tuple[int, str | None, str, int] | None = None
     sample = lines[:SAMPLE]
     for delimiter, decimal in ((";", ","), (";", "."), ("\t", ","), ("\t", "."), (",", "."),
-                               (None, ","), (None, ".")):  # fmt: skip
+                               (",", ","), (None, ","), (None, ".")):  # fmt: skip
         rows, width, _ = _block(sample, delimiter, decimal)
         # fewer columns are a sign of the wrong delimiter
         score = len(rows) * width
@@ -92,6 +93,7 @@ def read_table(path: Path) -> Table:
     rows, _, numbers = _block(lines, delimiter, decimal, width)
     names, labels = _heads(lines[: rows[0]], delimiter, width)
     values = np.array(numbers)
+    _check_heads(path, lines, rows, delimiter, values)
     notes = _left_out(lines, rows, width)
     # many loggers end every line with a delimiter
     if not names[-1] and np.all(np.isnan(values[:, -1])):
@@ -116,6 +118,9 @@ def _decoded(path: Path) -> str:
 def _fields(line: str, delimiter: str | None) -> list[str]:
     if delimiter is None:
         return line.split()
+    if '"' in line:  # a delimiter within quotes belongs to the field
+        row = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+        return [field.strip() for field in row]
     return [field.strip().strip('"').strip() for field in line.split(delimiter)]
 
 
@@ -207,6 +212,32 @@ def _heads(
         names.append(name)
         units[i] = unit if unit is not None else units[i]
     return tuple(names), tuple(units)
+
+
+def _check_heads(
+    path: Path, lines: list[str], rows: list[int], delimiter: str | None, values: Array
+) -> None:
+    """Refuse heads of other columns than the numbers have; comments above are none."""
+    above = [i for i in range(rows[0]) if lines[i].strip()]
+    if delimiter is None or not above or lines[above[-1]].lstrip()[0] in "#%!":
+        return
+    heads = _fields(lines[above[-1]], delimiter)
+    while heads and not heads[-1]:
+        heads.pop()
+    width = values.shape[1]
+    while width > len(heads) and np.all(np.isnan(values[:, width - 1])):
+        width -= 1
+    if len(heads) < 2 or len(heads) >= width:
+        return
+    hint = "; quote numbers with a decimal comma, or separate columns by semicolons"
+    raise InputError(
+        Problem(
+            str(path),
+            f"line {above[-1] + 1} names {len(heads)} columns ({', '.join(heads[:4])}), line "
+            f"{rows[0] + 1} has {width} numbers ({lines[rows[0]].strip()[:40]!r})"
+            f"{hint if delimiter == ',' else ''}",
+        )
+    )
 
 
 def _are_units(row: list[str]) -> bool:
