@@ -298,6 +298,27 @@ def test_small_cycles_are_not_lost_in_a_large_sum():
     assert gained == pytest.approx((m.cycles[0] - 1) * each, rel=1e-3)
 
 
+def test_the_memory_of_another_curve_is_refused():
+    x = 25e6 * ASTM
+    first = jo.DamageMeter(jo.SN(100e6, 1e6, 5), residue="half", n=2)
+    first.push(np.stack([x, 2 * x], axis=1))
+    saved = first.save()
+    for name, sn, options in (
+        ("S-N curve", jo.SN(10e6, 1e6, 5), {}),
+        ("S-N curve", jo.SN(100e6, 1e6, 5, "haibach"), {}),
+        ("mean stress correction", jo.SN(100e6, 1e6, 5), {"mean": jo.Goodman(400e6)}),
+        ("resolution", jo.SN(100e6, 1e6, 5), {"resolution": 1e6}),
+    ):
+        other = jo.DamageMeter(sn, residue="half", n=2, **options)
+        with pytest.raises(jo.InputError, match=f"row 0 of memory was counted with another {name}"):
+            other.load(saved)
+        assert not other.damage().any()  # nothing was taken
+    # the same curve and another residue rule go on
+    same = jo.DamageMeter(jo.SN(100e6, 1e6, 5), residue="ignore", n=2)
+    same.load(saved)
+    np.testing.assert_array_equal(same.damage("half"), first.damage())
+
+
 # -- mistakes -------------------------------------------------------------------------------
 
 

@@ -23,6 +23,12 @@ HEAD = {
     "smallest": 11,
     "largest": 12,
 }
+MARKS = {
+    "S-N curve (S_D in Pa, N_D, k, slope below, limit in Pa)": slice(0, 5),
+    "mean stress correction (kind and values)": slice(5, 8),
+    "resolution (Pa)": slice(8, 9),
+}
+"""What a saved memory was counted with: its last numbers."""
 
 
 def native_rule(ffi: Any, rule: MeterRule) -> Any:
@@ -38,6 +44,11 @@ def native_rule(ffi: Any, rule: MeterRule) -> Any:
 def meter_size(rule: MeterRule) -> int:
     """Return how many numbers a meter remembers."""
     return int(library.real_library().JO_METER) + rule.depth
+
+
+def fingerprint(rule: MeterRule) -> Array:
+    """Return the numbers (9,) that the damage of a memory depends on; see `MARKS`."""
+    return np.array([*rule.curve, *rule.mean, rule.resolution])
 
 
 class DamageMeter:
@@ -269,11 +280,17 @@ class DamageMeter:
     # -- checkpoints ------------------------------------------------------------------------
 
     def save(self) -> Array:
-        """Return all that the meter remembers, (n, size); `load` goes on from it."""
-        return self._memory.copy()
+        """Return all that the meter remembers, (n, size); `load` goes on from it.
+
+        The last numbers of each row are curve, mean stress correction and resolution.
+        """
+        return np.hstack([self._memory, np.tile(fingerprint(self.rule), (self.n, 1))])
 
     def load(self, memory: ArrayLike) -> None:
-        """Go on from what `save` returned, of a meter with the same curve and depth.
+        """Go on from what `save` returned, of a meter that counts in the same way.
+
+        Curve, mean stress correction, depth and resolution must be the same: the damage so far
+        holds for them alone. The residue rule may be another.
 
         Raises
         ------
@@ -282,14 +299,33 @@ class DamageMeter:
         """
         found = np.ascontiguousarray(memory, dtype=np.float64)
         where = "DamageMeter.load"
-        if found.shape != self._memory.shape:
+        own = fingerprint(self.rule)
+        shape = (self.n, self._memory.shape[1] + len(own))
+        if found.shape != shape:
             raise InputError(
                 Problem(
                     where,
-                    f"memory is {found.shape}, this meter's is {self._memory.shape}; give the same"
-                    " n and depth",
+                    f"memory is {found.shape}, this meter's is {shape}; give the same n and depth",
                 )
             )
+        found, marks = np.split(found, [self._memory.shape[1]], axis=1)
+        found = np.ascontiguousarray(found)
+        problems = Problems()
+        other = ~np.isclose(marks, own, rtol=1e-12, atol=0.0, equal_nan=True)
+        for name, columns in MARKS.items():
+            rows = np.flatnonzero(other[:, columns].any(axis=1))
+            if len(rows):
+                here, there = (
+                    ", ".join(f"{x:.6g}" for x in values[columns])
+                    for values in (own, marks[rows[0]])
+                )
+                problems.add(
+                    where,
+                    f"row {rows[0]} of memory was counted with another {name}, {there}; this"
+                    f" meter's is {here}. Load it into a meter like the one that was saved, or"
+                    " count anew",
+                )
+        problems.raise_if_any()
         for i, one in enumerate(found):
             if not self._library.jo_meter_valid(self._rule, self._pointer(one)):
                 raise InputError(Problem(where, f"row {i} of memory is not that of a meter"))
