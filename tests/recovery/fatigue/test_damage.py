@@ -294,3 +294,22 @@ def test_mistakes():
     assert len(caught.value.problems) == 3
     with pytest.raises(InputError, match="no scatter is known"):
         assess([0, 1e6, 0], CURVE, residue="half", survival=0.99)
+
+
+def test_a_constant_stress_above_the_strength_does_not_live_for_ever():
+    cycles = rainflow([600e6, 600e6], residue="half")
+    assert damage(cycles, CURVE, Goodman(500e6)) == math.inf
+    assert life(cycles, CURVE, Goodman(500e6)) == 0.0
+    assert damage(rainflow([400e6, 400e6], residue="half"), CURVE, Goodman(500e6)) == 0.0
+    scatter = SN(S_D=100e6, N_D=1e6, k=5, T_S=1.25)
+    found = assess(cycles, scatter, mean=Goodman(500e6))
+    assert (found.life, found.probability) == (0.0, 0.0)
+    assert found.safety == pytest.approx(500 / 600)
+    with pytest.warns(JoustoWarning, match="above the tensile strength 500 MPa"):
+        assert damage(cycles, SN(S_D=100e6, N_D=1e6, k=5, S_u=500e6)) == 0.0
+
+
+@pytest.mark.parametrize("duration", [-5.0, 0.0, math.nan])
+def test_life_refuses_a_duration_that_is_none(duration):
+    with pytest.raises(InputError, match="duration"):
+        life(rainflow([0, 1e8, 0], residue="half"), CURVE, duration=duration)

@@ -96,6 +96,26 @@ def test_bounds_spare_the_stress_of_most_places(monkeypatch):
     assert np.all(found.peak >= np.abs(small.values("signed-von-mises")).max(axis=0))
 
 
+@pytest.mark.parametrize("rule", ["elementary", "original"])
+def test_critical_plane_of_tension_in_any_direction_is_exact(rule):
+    """One per cent above the limit, where a plane 6 degrees off sees no damage at all."""
+    n = np.random.default_rng(0).normal(size=(6, 3))
+    n = np.concatenate([np.eye(3), n / np.linalg.norm(n, axis=1)[:, None]])
+    pairs = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+    S = np.stack([n[:, i] * n[:, j] for i, j in pairs], axis=1)[:, :, None]
+    labels = tuple(f"n{i}" for i in range(9))
+    field = field_from(
+        StressModes(labels, n, np.broadcast_to(np.eye(3), (9, 3, 3)), S),
+        101e6 * np.sin(np.linspace(0, 20, 60))[:, None],
+        np.arange(60.0),
+    )
+    curve = SN(S_D=100e6, N_D=1e6, k=10, rule=rule)
+    found = damage_field(field, curve, criterion="critical-plane", residue="half", planes=20)
+    exact = damage_field(field, curve, criterion="signed-principal", residue="half")
+    assert np.all(exact.damage > 0.0)
+    assert found.damage == pytest.approx(exact.damage, rel=1e-9)
+
+
 def test_critical_plane_of_shear():
     # shear t has the principal stresses +-t under 45 degrees: the amplitude is t there
     S = np.zeros((2, 6, 1))

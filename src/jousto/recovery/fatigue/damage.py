@@ -124,7 +124,8 @@ def damage(cycles: Cycles, sn: SN, mean: MeanStress | None = None) -> float:
             Problem("damage", "cycles must be counted first: rainflow(history, residue=...)")
         )
     if not len(cycles):
-        return 0.0
+        check_stress(sn, 0.0, float(np.max(np.abs(cycles.open), initial=0.0)))
+        return math.inf if _breaks(cycles, mean) else 0.0
     check_stress(sn, float(cycles.amplitude.max()), _peak(cycles))
     return _sum(cycles, reference(sn, mean), mean)
 
@@ -139,6 +140,9 @@ def life(cycles: Cycles, sn: SN, mean: MeanStress | None = None, *, duration: fl
     duration : float
         Of the history, s (the life is then in s); 1 gives the number of repeats.
     """
+    problems = Problems()
+    problems.positive("life", "duration", duration, "s")
+    problems.raise_if_any()
     D = damage(cycles, sn, mean)
     return math.inf if D == 0.0 else duration / D
 
@@ -147,8 +151,18 @@ def _peak(cycles: Cycles) -> float:
     return float(np.max(np.abs(cycles.mean) + cycles.amplitude, initial=0.0))
 
 
+def _breaks(cycles: Cycles, mean: MeanStress | None, factor: float = 1.0) -> bool:
+    """Return whether a stress that stays constant, times a factor, is above the strength."""
+    if mean is None or len(cycles):
+        return False
+    top = factor * float(np.max(cycles.open, initial=0.0))
+    return bool(np.isinf(mean.equivalent(0.0, top)))
+
+
 def _sum(cycles: Cycles, sn: SN, mean: MeanStress | None, factor: float = 1.0) -> float:
     """Return Miner's sum with stresses times a factor."""
+    if _breaks(cycles, mean, factor):
+        return math.inf
     S = cycles.amplitude * factor
     if mean is not None:
         S = mean.equivalent(S, cycles.mean * factor)
@@ -181,10 +195,11 @@ def stress_safety(
     problems = Problems()
     problems.positive("stress_safety", "allowable", allowable, "")
     problems.raise_if_any()
-    if not len(cycles) or not np.any(cycles.range > 0.0):
+    breaks = _breaks(cycles, mean)
+    if not breaks and not np.any(cycles.range > 0.0):
         return math.inf
     curve = reference(sn, mean)
-    if proportional(mean):
+    if proportional(mean) and not breaks:
         S = equivalents(cycles, mean)
         return Spectrum(S, cycles.count, curve).factor(allowable)
     low, high = math.log(FACTORS[0]), math.log(FACTORS[1])
@@ -238,7 +253,7 @@ def survival_of(
         return float(np.sum(cycles.count * miner(S, at))) <= allowable
 
     low, high = -8.0, 8.0  # standard deviations; beyond it is 0 or 1 in double precision
-    if np.any(np.isinf(S)) or not survives(low):
+    if np.any(np.isinf(S)) or _breaks(cycles, mean) or not survives(low):
         return 0.0
     if survives(high):
         return 1.0

@@ -99,7 +99,9 @@ class DutyCycle:
           rainflow of that whole history, however long.
         * worst: any order. The cycles that close within an event count as they are; the peaks and
           valleys that it leaves open pair with those of all others, the highest with the lowest (as
-          ASME III, NB-3222.4 sums ranges). No order does more damage. For ``residue="repeat"``.
+          ASME III, NB-3222.4 sums ranges). No order does more damage with a curve without limit
+          and without mean stress correction; with an endurance limit or cut-off, or a correction,
+          compare with "separate". For ``residue="repeat"``.
 
     Raises
     ------
