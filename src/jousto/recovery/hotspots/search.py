@@ -34,8 +34,8 @@ class Proof:
     neighbours : int
         Places nearer to a hot spot than the separation, which cannot be one.
     bound : float
-        No place that is neither a hot spot nor a neighbour of one exceeds this; -inf if there is
-        none.
+        No place that is neither a hot spot nor a neighbour of one exceeds this, in whatever order
+        its sums are taken; -inf if there is none.
     best_pruned : float
         The largest bound of those that were pruned, -inf if none was.
     knots, full : int
@@ -141,7 +141,8 @@ def search(
         batch = min(2 * batch, MOST)
     chosen = np.array(spots, dtype=np.intp)
     unseen = alive & ~seen
-    left = np.where(exact, lower, upper)[alive]
+    # values known exactly are sums in one order; the margin is for all others
+    left = np.maximum(upper, lower + work.margin)[alive]
     certificate = Proof(
         places=ns,
         instants=len(p),

@@ -122,9 +122,10 @@ class HotSpots:
 
     @property
     def certified(self) -> bool:
-        """Whether nothing left out exceeds the last hot spot."""
+        """Whether nothing left out exceeds the last hot spot by more than a rounding error."""
         ranked = [self._ranked(spot.value) for spot in self.spots]
-        return not ranked or self.bound <= min(ranked)
+        margin = max((c.margin for c in self.certificates.values()), default=0.0)
+        return not ranked or self.bound <= min(ranked) + margin
 
     @property
     def early(self) -> float | None:
@@ -289,7 +290,7 @@ def hot_spots(
     for k in order[count:]:
         ranked, spot = spots[k]
         known = certificates[spot.body]
-        certificates[spot.body] = replace(known, bound=max(known.bound, ranked))
+        certificates[spot.body] = replace(known, bound=max(known.bound, ranked + known.margin))
     chosen = tuple(replace(spots[k][1], rank=r) for r, k in enumerate(order[:count], 1))
     return HotSpots(
         chosen,
