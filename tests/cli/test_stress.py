@@ -49,6 +49,20 @@ def test_envelope(result: Path, tmp_path: Path) -> None:
     assert top["node"] == "0" and float(top["z (m)"]) == pytest.approx(H / 2)
 
 
+@pytest.mark.parametrize("criterion", ["principal-3", "s11"])
+def test_the_worst_places_come_first(result: Path, criterion: str) -> None:
+    """Compression counts: the first row is the first hot spot, the last shown one no milder."""
+    field = jo.stress_field(jo.load(result), "arm")
+    worst = np.abs(field.values(criterion)).max(axis=0)
+    assert field.ns > 12
+    for more in ((), ("--at", "0")):
+        shown = call("stress", result, "--criterion", criterion, *more)
+        assert shown.exit_code == 0, shown.output
+        sites = [line.split()[0] for line in shown.output.splitlines()[1:13]]
+        found = [worst[field.indices(site)[0]] for site in sites]
+        np.testing.assert_allclose(found, np.sort(worst)[::-1][:12], rtol=1e-2)
+
+
 def test_sites(result: Path, tmp_path: Path) -> None:
     args = ["stress", result, "arm", "-s", "e1.a.top", "--site", "end", "--criterion", "s11"]
     shown = call(*args, "-o", tmp_path / "some.csv")

@@ -5,7 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
+from numpy.typing import NDArray
 
 from jousto.cli.hotspots import plane_or_name
 from jousto.cli.options import Debug, From, Output, Result, To, app, instant
@@ -15,6 +17,8 @@ from jousto.errors import InputError, Problem
 if TYPE_CHECKING:
     from jousto.recovery import Criterion, StressField
     from jousto.simulation import Solution
+
+Array = NDArray[Any]
 
 SHOWN = 12
 
@@ -79,11 +83,12 @@ def stress(
     )
     if moment is not None:
         shown = field.values(sought, times=[moment])[0]
-        rows = [(x, f"{factor(field) * v:.6g}") for x, v in zip(field.labels, shown, strict=True)]
+        order = worst_first(sought, field.strain, shown)
+        rows = [(field.labels[i], f"{factor(field) * shown[i]:.6g}") for i in order]
         table([("site", f"{sought} ({unit(field)}) at {moment:g} s"), *rows[:SHOWN]], len(rows))
     else:
         envelope = field.envelope(sought)
-        order = (-envelope.max).argsort(kind="stable")[:SHOWN]
+        order = worst_first(sought, field.strain, envelope.min, envelope.max)[:SHOWN]
         f = factor(field)
         head = ("site", f"smallest ({unit(field)})", "at (s)", f"largest ({unit(field)})", "at (s)")
         table(
@@ -105,6 +110,15 @@ def stress(
         say(f"{sought}, {field.frame} axes, {field.time[0]:g} to {field.time[-1]:g} s")
     if output is not None:
         say(f"written to {write(run, field, sought, moment, output, bool(site))}", style="green")
+
+
+def worst_first(criterion: Criterion, strain: bool, *values: Array) -> Array:
+    """Return the order of places by the worst of their values, as hot spots are ranked."""
+    from jousto.recovery.hotspots.measures import measure
+
+    rank = measure(criterion, strain=strain).rank
+    worst = np.max([rank(value) for value in values], axis=0)
+    return np.asarray((-worst).argsort(kind="stable"))
 
 
 def only_body(run: Solution) -> str:

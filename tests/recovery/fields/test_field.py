@@ -46,6 +46,31 @@ def test_results_alone_give_what_the_sensor_measured(run: jo.Solution) -> None:
     np.testing.assert_allclose(s.reshape(len(run), -1), run["all"], atol=1e-13 * scale)
 
 
+def test_planes_that_print_alike_are_two_criteria() -> None:
+    rng = np.random.default_rng(0)
+    axes = np.broadcast_to(np.eye(3), (3, 3, 3))
+    modes = StressModes(("a", "b", "c"), np.eye(3), axes, 1e8 * rng.normal(size=(3, 6, 2)))
+    one, other = jo.Plane((1, 0.40000004, 0)), jo.Plane((1, 0.40000001, 0))
+    assert str(one) == str(other)
+    field = jo.field_from(modes, rng.normal(size=(5, 2)), np.arange(5.0))
+    s = field.history(slice(None))
+    for plane in (one, other):
+        np.testing.assert_allclose(field.values(plane), evaluate(s, plane), rtol=1e-11)
+
+
+def test_matrices_that_are_no_rotations_are_refused() -> None:
+    axes = np.broadcast_to(np.eye(3), (3, 3, 3))
+    modes = StressModes(("a", "b", "c"), np.eye(3), axes, np.ones((3, 6, 1)))
+    p, time = np.ones((4, 1)), np.arange(4.0)
+    for wrong, found in ((2.0 * np.eye(3), "differs from I by 3"), (-np.eye(3), "it mirrors")):
+        A = np.tile(np.eye(3), (4, 1, 1))
+        A[2:] = wrong
+        with pytest.raises(
+            jo.InputError, match=rf"no rotation at 2 s, instant 2: .*{found}; 2 of 4"
+        ):
+            jo.field_from(modes, p, time, A=A)
+
+
 def test_places_by_label_node_and_set(run: jo.Solution, reduced: jo.ReducedPart) -> None:
     field = jo.stress_field(run, "beam")
     assert field.history("e2.a.top").shape == (len(run), 6)

@@ -42,6 +42,9 @@ FEW_SITES = 64
 CALL = 20_000_000
 """Values of one call of the engine: a fraction of a second."""
 
+ROTATION = 1e-6
+"""What ``A^T A`` of a rotation may differ from I by."""
+
 KEPT_KERNELS = 2
 """Criteria whose modes a field keeps in the engine's order."""
 
@@ -122,7 +125,10 @@ class StressField:
             k = int(np.argmax(np.diff(time) <= 0.0))
             problems.add(where, f"time does not grow after {time[k]:g} s, instant {k}")
         if self.A is not None:
-            object.__setattr__(self, "A", problems.array(where, "A", self.A, (nt, 3, 3)))
+            A = problems.array(where, "A", self.A, (nt, 3, 3))
+            object.__setattr__(self, "A", A)
+            if A is not None:
+                refuse_no_rotations(problems, where, A, self.time)
         if (self.A is None) == (self.frame == "world"):
             problems.add(where, "rotation matrices A and frame='world' belong together")
         problems.raise_if_any()
@@ -322,17 +328,16 @@ class StressField:
         return out
 
     @cached_property
-    def _known(self) -> dict[str, Any]:
+    def _known(self) -> dict[Criterion, Any]:
         return {}
 
     def _kernel(self, criterion: Criterion) -> Recovery:
         """Return what the engine needs for a criterion at all places; the last ones are kept."""
-        key = str(criterion)
-        if key not in self._known:
+        if criterion not in self._known:
             if len(self._known) >= KEPT_KERNELS:
                 self._known.pop(next(iter(self._known)))
-            self._known[key] = kernel(self.S, criterion, self.strain, self.A is not None)
-        found: Recovery = self._known[key]
+            self._known[criterion] = kernel(self.S, criterion, self.strain, self.A is not None)
+        found: Recovery = self._known[criterion]
         return found
 
     def _weights(self, criterion: Criterion, A: Array | None) -> Array | None:
@@ -508,6 +513,23 @@ class StressField:
 
 def _whole_tiles(width: int, ns: int) -> int:
     return ns if width >= ns else max(LANES, width // LANES * LANES)
+
+
+def refuse_no_rotations(problems: Problems, where: str, A: Array, time: Array) -> None:
+    """Add a problem if a matrix of A (nt, 3, 3) is not a rotation, ``A^T A = I``, ``det A = 1``."""
+    away = np.abs(np.swapaxes(A, 1, 2) @ A - np.eye(3)).max(axis=(1, 2), initial=0.0)
+    mirrored = np.linalg.det(A) < 0.0
+    bad = np.flatnonzero((away > ROTATION) | mirrored)
+    if len(bad):
+        k = int(bad[0])
+        found = (
+            "A^T A differs from I by " + f"{away[k]:.3g}" if away[k] > ROTATION else "it mirrors"
+        )
+        problems.add(
+            where,
+            f"A is no rotation at {time[k]:g} s, instant {k}: {found}; {len(bad)} of {len(A)} are "
+            "none; give orthonormal matrices from body to world with determinant 1",
+        )
 
 
 def refuse_gaps(where: str, p: Array, time: Array) -> None:
