@@ -400,3 +400,42 @@ def test_its_memory_does_not_grow():
     size = sum(x.nbytes for x in one.save().values())
     one.push(t + 10.0, e)
     assert sum(x.nbytes for x in one.save().values()) == size
+
+
+@pytest.mark.parametrize("reads", [3, 8, 1000])
+def test_a_pipe_that_begins_again_is_skipped_with_its_garbage(tmp_path, reads):
+    """Also where a piece holds nothing new, and after a record that is complete."""
+    t, _, e = motion(900)
+    text = lines(t, e)
+    text[300:300] = 3 * ["garbage"]
+    text[700:700] = 2 * ["1,2"]
+    data = "\n".join(text).encode()
+    whole = watch(monitor(sn=curve()), io.BytesIO(data), tmp_path / "w.h5")
+    target = tmp_path / "r.h5"
+    watch(monitor(sn=curve()), Stopped(data, reads, KeyboardInterrupt()), target)
+    again = Stopped(data, 1000, KeyboardInterrupt())
+    found = watch(monitor(sn=curve()), again, target, resume=True)
+    assert found.complete
+    np.testing.assert_array_equal(found.time, whole.time)
+    np.testing.assert_allclose(found.stress, whole.stress, rtol=1e-12, atol=1e-3)
+    np.testing.assert_allclose(found.summary("damage"), whole.summary("damage"), rtol=1e-9)
+    assert found.summary("garbage")[-1] == whole.summary("garbage")[-1] == 5
+    told = [[x.text for x in r.events if x.kind == "garbage"] for r in (found, whole)]
+    assert told[0] == told[1]
+
+
+def test_a_piece_of_garbage_alone_is_borne(tmp_path):
+    t, _, e = motion(100)
+    text = "\n".join(lines(t, e)) + "\n"
+    data = (text + 2000 * "garbage\n").encode()
+    found = watch(monitor(), Stopped(data, 1000, KeyboardInterrupt()), tmp_path / "r.h5")
+    assert found.complete
+    assert len(found) == 100
+    assert sum(x.kind == "garbage" for x in found.events) == 1000
+
+
+def test_no_samples_tell_nothing():
+    one = monitor(sn=curve())
+    update = one.push([], np.zeros((0, 5)))
+    assert update.stress.shape == (0, len(SPOTS))
+    assert update.states.shape == (0, 5)

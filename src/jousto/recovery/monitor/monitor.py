@@ -196,6 +196,12 @@ class Monitor:
             Shapes that do not fit, time that does not increase.
         """
         t = np.atleast_1d(np.asarray(time, dtype=np.float64))
+        if not len(t):
+            states, stress = (
+                np.zeros((0, len(self.channels)), np.uint8),
+                np.zeros((0, len(self.spots))),
+            )
+            return Update(t, states, stress, stress, stress, (), (), ())
         e = np.asarray(strain, dtype=np.float64).reshape(len(t), -1)
         problems = Problems()
         if e.shape[1] != len(self.channels):
@@ -203,7 +209,7 @@ class Monitor:
                 "Monitor.push",
                 f"{e.shape[1]} channels, must be {len(self.channels)}: {', '.join(self.channels)}",
             )
-        before = np.concatenate([[self._time], t[:-1]]) if len(t) else t
+        before = np.concatenate([[self._time], t[:-1]])
         if np.any(t <= before) or not np.all(np.isfinite(t)):
             problems.add("Monitor.push", "time must increase from sample to sample")
         problems.raise_if_any()

@@ -208,6 +208,8 @@ class Stream:
         self._queue: deque[tuple[int, bytes]] = deque()
         self._origin: float | None = None  # of a pipe that may begin anew
         self._skip = False
+        self._known = 0  # lines without sense of such a pipe that were told before
+        self._unsure: list[Oddity] = []  # met before it is clear whether it begins anew
         self._whole = bool(self.source.seekable())
         self._headed = False  # whether the next line with text may hold the units
         if self.header is None:
@@ -234,6 +236,7 @@ class Stream:
             return
         place.offset, place.line = self.place.offset, self.place.line
         self.place, self._origin = place, origin
+        self._known, self._unsure, self._oddities = place.garbage, self._oddities, []
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -365,11 +368,8 @@ class Stream:
                     continue
             row = self._row(text, start) if text else None
             if row is None:
-                self.place.garbage += 1
-                if text[:1] in ("#", "%"):
-                    self.place.garbage -= 1
-                    continue
-                self._odd("garbage", f"no line of {len(self.channels) + 1} numbers: {_shown(text)}")
+                if text[:1] not in ("#", "%"):
+                    self._garbage(text)
                 continue
             self._order(row, rows)
         if self._ended and not self._queue:
@@ -388,6 +388,17 @@ class Stream:
             np.array([row.cells for row in rows], dtype=np.uint8).reshape(-1, nc),
             oddities,
         )
+
+    def _garbage(self, text: str) -> None:
+        """Count and tell a line without sense, unless it was told before the pipe began anew."""
+        message = f"no line of {len(self.channels) + 1} numbers: {_shown(text)}"
+        if self._origin is not None and len(self._unsure) < self._known:
+            self._unsure.append(Oddity("garbage", self._line, self.place.time, message))
+        elif self._skip and self._known:
+            self._known -= 1
+        else:
+            self.place.garbage += 1
+            self._odd("garbage", message)
 
     def _row(self, text: str, start: int) -> _Row | None:
         header = self.header
@@ -421,6 +432,12 @@ class Stream:
         if self._origin is not None:
             self._skip = row.time <= self._origin + 1e-9 * abs(self._origin)
             self._origin = None
+            if self._skip:
+                self._known -= len(self._unsure)
+            else:
+                place.garbage += len(self._unsure)
+                self._oddities += self._unsure
+            self._unsure = []
         if self._skip and time <= place.time:
             return
         self._skip = False
