@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 
+import numpy as np
 import pytest
 from PIL import Image
 from typer.testing import CliRunner
@@ -62,6 +63,13 @@ def test_a_model_is_run_twice_and_compared(model, tmp_path):
         rows = list(csv.reader(file))
     found = jo.friction_stress(rubbed, smooth, "arm")
     assert float(rows[1][4]) == pytest.approx(found.table(1)[0]["due"])
+    # searched where no instant is stored: not known, instead of 0
+    narrow = jo.friction_stress(rubbed, smooth, "arm", window=1e-8)
+    between = [t for t in narrow.transitions if np.abs(rubbed.time - t.time).min() > 1e-6]
+    assert between
+    assert np.isnan([[t.jump, t.stress] for t in between]).all()
+    assert "its stress is not known" in str(between[0])
+    assert found.peaks(1)[0].jump > 0.0  # those of which nothing is known come last
     with Image.open(tmp_path / "f.png") as picture:
         assert len(picture.convert("RGB").getcolors(1 << 24)) > 20
     # the same of the results
@@ -78,6 +86,9 @@ def test_mistakes(model, tmp_path):
     assert "give it alone" in jousto("friction", model, result, code=2)
     out = jousto("friction", result, result, "--body", "am", code=2)
     assert "no flexible body 'am'; did you mean 'arm'?" in out
+    # nothing is simulated before the bodies are known
+    assert "no flexible body 'am'" in jousto("friction", model, "--body", "am", code=2)
+    assert not list(tmp_path.glob("*friction*.h5"))
     model.write_text(MODEL.replace("frictions:", "events: []\n#").replace("  - {name: rub", "#"))
     text = "\n".join(line for line in model.read_text().splitlines() if "torque" not in line)
     model.write_text(text.replace("sensors:", ""))

@@ -187,6 +187,9 @@ def test_mistakes(rod):
         jo.DamageSensor("life", jo.CoordinateSensor("a", pin.angle), STEEL, residue="half")
     with pytest.raises(jo.InputError, match="must be a sensor of stress"):
         jo.DamageSensor("life", arm, STEEL, residue="half")
+    for factor, text in ((0.0, "factor is 0"), (np.nan, "factor is nan")):
+        with pytest.raises(jo.InputError, match=text):
+            jo.DamageSensor("life", stress, STEEL, residue="half", factor=factor)
     life = jo.DamageSensor("life", other, STEEL, residue="half")
     with pytest.raises(jo.InputError, match=r"sensor 'other' is not in the mechanism"):
         jo.Mechanism(arm, pin, stress, life)

@@ -132,3 +132,10 @@ def test_free_bodies_and_given_rates_stay() -> None:
     model = jo.compile(jo.Mechanism(body))
     assert np.array_equal(model.v0, [1, 2, 3, 0, 0, 0, *rates])
     assert start_module.quiet_velocities(model, jo.Engine(model), model.v0) is None
+
+
+def test_a_mechanism_that_is_too_large_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = sys.modules["jousto.engine.start"]
+    monkeypatch.setattr(module, "MOST", 5)
+    with pytest.warns(jo.JoustoWarning, match="rows are more than 5"):
+        jo.compile(four_bar(True))

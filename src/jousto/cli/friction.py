@@ -71,15 +71,8 @@ def friction(
             Problem(str(source), "is a model file, of which both runs are made; give it alone")
         )
     else:
-        pair = both_runs(source, t_end, trust)
-    flexible = [shape.name for shape in pair[0].bodies if shape.n]
-    names = body or flexible
-    unknown = [name for name in names if name not in flexible]
-    if unknown or not names:
-        text = "no flexible body" if not flexible else f"no flexible body {unknown[0]!r}"
-        raise InputError(
-            Problem(str(source), f"{text}{suggest(unknown[0], flexible) if unknown else ''}")
-        )
+        pair = both_runs(source, t_end, trust, body)
+    names = _names(source, body, [shape.name for shape in pair[0].bodies if shape.n])
     for name in names:
         found = friction_stress(*pair, name, start=start, end=end, window=window)
         say(str(found))
@@ -95,13 +88,30 @@ def friction(
             say(f"picture in {target}", style="green")
 
 
+def _names(source: Path, asked: list[str] | None, flexible: list[str]) -> list[str]:
+    """Return the bodies to compare; refuse what is not a flexible one."""
+    names = asked or flexible
+    unknown = [name for name in names if name not in flexible]
+    if unknown or not names:
+        text = "no flexible body" if not flexible else f"no flexible body {unknown[0]!r}"
+        raise InputError(
+            Problem(str(source), f"{text}{suggest(unknown[0], flexible) if unknown else ''}")
+        )
+    return names
+
+
 def _of(path: Path, name: str, count: int) -> Path:
     """Return the file of one body of several."""
     return path if count == 1 else path.with_name(f"{path.stem}-{name}{path.suffix}")
 
 
-def both_runs(source: Path, t_end: str | None, trust: bool) -> tuple[Solution, Solution]:
-    """Simulate a model with and without its friction; return the results."""
+def both_runs(
+    source: Path, t_end: str | None, trust: bool, asked: list[str] | None = None
+) -> tuple[Solution, Solution]:
+    """Simulate a model with and without its friction; return the results.
+
+    Bodies `asked` for are looked for before anything is simulated.
+    """
     from jousto.recovery import without_friction
     from jousto.schema import read_model
     from jousto.schema.targets import RESULTS, output_path
@@ -113,9 +123,11 @@ def both_runs(source: Path, t_end: str | None, trust: bool) -> tuple[Solution, S
         raise InputError(Problem(source.name, "does not say how long to simulate; give --t-end"))
     end = settings.t_end if t_end is None and settings is not None else end_time(str(t_end))
     smooth = without_friction(file.mechanism)
+    rubbed = compile_model(file)
+    _names(source, asked, [shape.name for shape in rubbed.bodies if shape.n])
     runs = []
     for kind in ("friction", "frictionless"):
-        compiled = compile_model(file) if kind == "friction" else _compiled(smooth)
+        compiled = rubbed if kind == "friction" else _compiled(smooth)
         target = output_path(None, source, f".{kind}.h5", kind=RESULTS)
         given = settings.given(compiled) if settings is not None else {}
         runs.append(

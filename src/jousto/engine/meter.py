@@ -64,9 +64,11 @@ class DamageMeter:
     can leave without harm: it is half a cycle, as in ASTM E1049. A residue that shrinks and is
     longer than that (a free vibration that decays for dozens of cycles) is closed by force from its
     small end: `forced` says how many cycles were, `largest_forced` the largest of their ranges, and
-    the damage is never below the exact one. With a `resolution` no two of the growing or shrinking
-    points fall into one class: ``depth >= 2 (max - min) / resolution + 4`` never forces any. With
-    ``residue="repeat"`` oldest points that left count as full cycles, also the careful side.
+    the damage is never below the exact one. With ``residue="ignore"`` forced cycles count as well,
+    although a decay closes none: read it with more depth. With a `resolution` no two of the growing
+    or shrinking points fall into one class: ``depth >= 2 (max - min) / resolution + 4`` never
+    forces any. With ``residue="repeat"`` oldest points that left count as full cycles, also the
+    careful side.
 
     Parameters
     ----------

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from jousto.engine.model import Model
 from jousto.engine.native import Engine
 from jousto.engine.redundancy import RANK, constraint_matrix
+from jousto.errors import warn
 from jousto.mechanism import rotation_matrix
 
 Array = NDArray[np.float64]
@@ -25,7 +26,8 @@ def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None
     ``Cq dv = -(Cq v + C_t)``. Of all such dv those with the least ``|dp'|`` are taken, none where
     the rigid mechanism can follow, and of these the one of least kinetic energy ``dv^T M dv``. The
     nearest velocities in the mass metric alone would be those after a blow: the modes would ring
-    from the start.
+    from the start. Mechanisms of more than `MOST` velocities or rows of constraints keep the
+    nearest velocities, and a warning says so.
 
     Parameters
     ----------
@@ -46,7 +48,15 @@ def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None
     nearest = np.array(engine.v)
     scale = max(float(np.abs(nearest).max(initial=0.0)), float(np.abs(given).max(initial=0.0)))
     changed = float(np.abs((nearest - given)[modal]).max(initial=0.0))
-    if changed <= SAME * max(scale, model.size) or model.nv > MOST or model.nrow > MOST:
+    if changed <= SAME * max(scale, model.size):
+        return None
+    if model.nv > MOST or model.nrow > MOST:
+        warn(
+            "start",
+            f"velocities that do not fit the joints were corrected as by a blow, so that the modes"
+            f" ring from time 0: {model.nv} velocities and {model.nrow} rows are more than {MOST},"
+            " for which the quiet ones are sought; give initial velocities that fit",
+        )
         return None
     Cq = constraint_matrix(model, engine)
     engine.v[:] = given

@@ -40,7 +40,8 @@ class Transition:
     site : str
         Where the stress due to friction changed most until the next transition.
     jump : float
-        By how much: von Mises stress of the change, Pa.
+        By how much: von Mises stress of the change, Pa; nan of a state that began and ended
+        between two stored instants, of which nothing is known.
     at : float
         When it had changed so, s.
     stress : float
@@ -57,6 +58,11 @@ class Transition:
     stress: float
 
     def __str__(self) -> str:
+        if np.isnan(self.jump):
+            return (
+                f"{self.time:.6g} s: {self.friction} ({self.joint}) {self.change}; between"
+                " stored instants, its stress is not known"
+            )
         return (
             f"{self.time:.6g} s: {self.friction} ({self.joint}) {self.change}; {self.site} by"
             f" {self.jump / 1e6:.4g} MPa at {self.at:.6g} s, then {self.stress / 1e6:.4g} MPa"
@@ -104,7 +110,7 @@ class FrictionStress:
 
     def peaks(self, count: int = 10) -> tuple[Transition, ...]:
         """Return the transitions that changed the stress most, the largest first."""
-        return tuple(sorted(self.transitions, key=lambda t: -t.jump)[:count])
+        return tuple(sorted(self.transitions, key=lambda t: -np.nan_to_num(t.jump))[:count])
 
     def table(self, count: int = 10) -> list[dict[str, Any]]:
         """Return the places with the largest stress due to friction, the largest first.
@@ -337,17 +343,18 @@ def _transition(
             best = float(value.flat[top]), int(piece[top // due.ns]), top % due.ns
     jump, row, place = best
     if jump < 0.0:  # nothing stored until the next transition
-        row, jump = int(np.argmin(np.abs(time - event.time))), 0.0
+        row, jump = int(np.argmin(np.abs(time - event.time))), float("nan")
     stress = evaluate(rubbed.S[place] @ rubbed.p[row], "von-mises")
+    unknown = bool(np.isnan(jump))
     return Transition(
         time=event.time,
         friction=event.name,
         joint=event.joint,
         change=event.change,
-        site=due.labels[place],
+        site="" if unknown else due.labels[place],
         jump=jump,
         at=float(time[row]),
-        stress=float(stress),
+        stress=float("nan") if unknown else float(stress),
     )
 
 

@@ -18,8 +18,10 @@ class DamageSensor:
 
     The engine counts rainflow cycles at every step that it accepts, whatever is stored of them: at
     the ends of steps of fixed length, and at those of the adaptive method's own steps. Memory is
-    fixed, and part of the state: a run that goes on from ``run.state()`` counts on as if it had not
-    been interrupted. The value includes the residue as declared.
+    fixed, and part of the state: with steps of fixed length a run that goes on from
+    ``run.state()`` counts on as if it had not been interrupted; the adaptive method chooses its
+    steps anew, and damage differs by what peaks between steps are missed. The value includes the
+    residue as declared.
 
     Parameters
     ----------
@@ -37,7 +39,7 @@ class DamageSensor:
     components : str or sequence of str, optional
         Which components of the sensor; None for all of them.
     factor : float, optional
-        Stress, Pa, for a value of 1; needed where the sensor does not measure Pa. A stress
+        Stress, Pa, for a value of 1, not 0; needed where the sensor does not measure Pa. A stress
         concentration factor too.
     depth : int
         Turning points that each meter remembers.
@@ -99,6 +101,11 @@ class DamageSensor:
                     " the stress in Pa for a value of 1",
                 )
         scale = 1.0 if factor is None else number(problems, where, "factor", factor)
+        if scale == 0.0:
+            problems.add(
+                where,
+                "factor is 0, with which nothing is damaged; give the stress for a value of 1",
+            )
         problems.raise_if_any()
         if isinstance(sensor, VonMisesSensor):
             warn(
