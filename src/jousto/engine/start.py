@@ -40,8 +40,11 @@ def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None
     Returns
     -------
     array or None
-        None where nothing is to be gained: no elastic rates differ, or the mechanism is too large.
+        None where nothing is to be gained: no elastic rates differ, or the mechanism is too large;
+        and where velocities were given, which keep their momentum: what they stretch must stretch.
     """
+    if np.any(given):
+        return None
     modal = np.zeros(model.nv, dtype=bool)
     for body in model.bodies:
         modal[body.iv + 6 : body.iv + 6 + body.n] = True

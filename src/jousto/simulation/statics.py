@@ -74,7 +74,7 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
             np.abs(s.modes @ step[b.iv + 6 : b.iv + 6 + b.n]).max(initial=0.0)
             for b, s in zip(model.bodies, model.shapes, strict=True)
         )
-        reach = max(max(*moves, bent) / (TRAVEL * model.size), max(turns) / TURN)
+        reach = max(max(*moves, bent) / (TRAVEL * model.size), max(turns) / TURN, 1e-300)
         body = model.bodies[int(np.argmax(np.array(moves) / model.size + np.array(turns)))].name
         small = np.abs(t.a).max() <= tolerance * max(largest, 1e-300)
         if small or reach < 1e-13:
