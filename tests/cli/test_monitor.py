@@ -68,6 +68,7 @@ def test_a_file_is_watched_plotted_and_described(case, tmp_path):
     code, out, err = call("monitor", model, "--gauges", data, "--csv", tmp_path / "s.csv")
     assert code == 0, err
     assert "ALARM: stress" in out
+    assert "alarm: ALARM" not in out
     assert "garbage: line 1202" in out
     record = MonitorRecord(tmp_path / "rod.monitor.h5")
     assert record.complete

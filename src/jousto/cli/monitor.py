@@ -141,7 +141,8 @@ class Lines:
         """Print what is new."""
         for time, kind, text in progress.events:
             at = "" if math.isnan(time) else f"{time:12.3f} s  "
-            say(f"{at}{kind}: {text}", style=STYLES.get(kind, ""))
+            said = text if kind == "alarm" else f"{kind}: {text}"
+            say(f"{at}{said}", style=STYLES.get(kind, ""))
         update = progress.update
         from time import monotonic
 

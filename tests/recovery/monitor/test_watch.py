@@ -156,7 +156,9 @@ def test_damage_and_life_raise_alarms_once(tmp_path):
         assert (spot in told) == bool(len(crossed))
         if len(crossed):
             assert told[spot].time == when[crossed[0]]
-    assert sum("remaining life" in x.text for x in found.events) == 2
+    lives = [x.text for x in found.events if "remaining life" in x.text]
+    assert len(lives) == 2
+    assert all(x.endswith("limit 31.7 years") for x in lives)  # 1e9 s
 
 
 @pytest.mark.parametrize(
@@ -353,9 +355,10 @@ def test_a_record_grows(tmp_path, monkeypatch):
 def test_resume_refuses_what_does_not_fit(tmp_path):
     t, _, e = motion(600)
     data, target = written(tmp_path / "d.csv", lines(t, e)), tmp_path / "r.h5"
-    with pytest.raises(jo.InputError, match="no such record"):
-        watch(monitor(), data, target, resume=True)
-    watch(monitor(), data, target)
+    with pytest.warns(jo.JoustoWarning, match="a new one begins"):
+        new = watch(monitor(), data, target, resume=True)
+    assert len(new) == 600
+    assert new.events[0].kind == "start"
     reduced, B = cantilever()
     twin = jo.Reconstruction(B, noise=NOISE, names=NAMES)
     with pytest.raises(jo.InputError, match="its spots are e1.a.top"):
@@ -432,6 +435,14 @@ def test_a_piece_of_garbage_alone_is_borne(tmp_path):
     assert found.complete
     assert len(found) == 100
     assert sum(x.kind == "garbage" for x in found.events) == 1000
+
+
+def test_only_a_cross_begins_a_comment(tmp_path):
+    t, _, e = motion(100)
+    text = lines(t, e)
+    text[50:50] = ["# a remark", "% 12 percent"]
+    found = watch(monitor(), written(tmp_path / "d.csv", text), tmp_path / "r.h5")
+    assert [x.text[:8] for x in found.events if x.kind == "garbage"] == ["line 52:"]
 
 
 def test_no_samples_tell_nothing():

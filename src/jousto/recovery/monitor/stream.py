@@ -368,7 +368,7 @@ class Stream:
                     continue
             row = self._row(text, start) if text else None
             if row is None:
-                if text[:1] not in ("#", "%"):
+                if not text.startswith("#"):
                     self._garbage(text)
                 continue
             self._order(row, rows)

@@ -17,7 +17,7 @@ from jousto.recovery.monitor.alarms import Alarm
 from jousto.recovery.monitor.health import STATES, Change
 from jousto.recovery.monitor.monitor import Monitor, Summary, Update
 from jousto.recovery.monitor.record import Column, Layout, Record, Table
-from jousto.recovery.monitor.recorded import MonitorRecord
+from jousto.recovery.monitor.recorded import MonitorRecord, duration
 from jousto.recovery.monitor.stream import UNITS, Block, Oddity, Place, Stream, factor
 from jousto.simulation.results import uninterrupted
 
@@ -83,7 +83,7 @@ def watch(
     unit : str, optional
         Unit of columns that name none: "m/m", "um/m", "mm/m" or "%".
     resume : bool
-        Go on with the record at `path`.
+        Go on with the record at `path`; if there is none, a new one begins and a warning says so.
     show : callable, optional
         Called with a `Progress` after every block.
     text : str
@@ -105,6 +105,9 @@ def watch(
         if unused:
             warn(stream.name, f"columns that no gauge uses: {', '.join(unused)}")
         layout = _layout(monitor, text)
+        if resume and not path.exists():
+            warn(str(path), "no such record to go on with; a new one begins")
+            resume = False
         if resume:
             record, memory = Record.resume(path, layout)
             try:
@@ -296,7 +299,7 @@ def alarm_text(alarm: Alarm) -> str:
     elif alarm.kind == "damage":
         what = f"damage {alarm.value:.4g}{at}, limit {alarm.limit:.4g}"
     elif alarm.kind == "life":
-        what = f"remaining life {alarm.value:.4g} s{at}, limit {alarm.limit:.4g} s"
+        what = f"remaining life {duration(alarm.value)}{at}, limit {duration(alarm.limit)}"
     else:
         what = f"{alarm.value:.0f} channels are left, at least {alarm.limit:.0f} wanted"
     return f"{'ALARM' if alarm.on else 'over'}: {what}"
