@@ -47,7 +47,7 @@ def test_a_table_is_drawn_and_ctrl_c_ends_it_clean(tmp_path):
         stdin=terminal,
         stdout=terminal,
         stderr=terminal,
-        env={**ENV, "TERM": "xterm-256color"},
+        env={**ENV, "TERM": "xterm-256color", "COLUMNS": "120", "LINES": "40"},
         start_new_session=True,
         preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
     )
@@ -58,7 +58,7 @@ def test_a_table_is_drawn_and_ctrl_c_ends_it_clean(tmp_path):
         os.write(into, text[: text.index("\n1.5,")].encode() + b"\ngarbage\n")
         read_until(b"lines without sense: 1")
         os.write(into, text[text.index("\n1.5,") + 1 : text.index("\n3,") + 1].encode())
-        read_until(b"logger: 2.990 s")
+        read_until(b": 2.990 s")  # a long path breaks the line before it
         os.write(keyboard, b"\x03")
         read_until(b"record in")
         assert process.wait(timeout=60) == 0

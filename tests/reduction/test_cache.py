@@ -228,7 +228,7 @@ def test_what_cannot_be_hashed_is_not_kept(tmp_path: Path) -> None:
     class Odd:
         def __init__(self) -> None:
             self.sites, self.positions, self.axes = ("a",), np.zeros((1, 3)), np.eye(3)[None]
-            self.elasticity = None
+            self.elasticity = self.compliance = None
             self.how = lambda d: np.zeros((1, 6, d.shape[1]))
 
         def evaluate(self, d: Any) -> Any:
