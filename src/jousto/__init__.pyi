@@ -336,6 +336,9 @@ from .parts import (
     Spin as Spin,
 )
 from .parts import (
+    StressPoint as StressPoint,
+)
+from .parts import (
     SurfaceLoad as SurfaceLoad,
 )
 from .parts import (

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.engine.beam_shape import BeamShape
 from jousto.engine.ordering import Elimination
 from jousto.mechanism.sensors.rule import MeterRule
 from jousto.reduction import StressModes
@@ -278,6 +279,8 @@ class Model:
         Damage meters, sensor after sensor.
     redundant : bool
         Rows repeat one another; the multipliers are those of least norm.
+    beam_shapes : tuple of BeamShape
+        What results keep of each beam: its elements, nodes and the stress of its section.
     """
 
     name: str
@@ -299,6 +302,7 @@ class Model:
     events: tuple[EventModel, ...] = ()
     redundant: bool = False
     meters: tuple[MeterModel, ...] = ()
+    beam_shapes: tuple[BeamShape, ...] = ()
 
     @property
     def nq(self) -> int:

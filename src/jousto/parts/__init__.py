@@ -40,6 +40,7 @@ from jousto.parts.section import (
     Tube,
     polar_moment,
 )
+from jousto.parts.section_stress import StressPoint
 from jousto.parts.solids import SolidStress
 from jousto.parts.strength import (
     finish_factor,
@@ -98,6 +99,7 @@ __all__ = [
     "Rectangle",
     "Section",
     "SectionPoint",
+    "StressPoint",
     "SolidStress",
     "StressOperator",
     "Theory",

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from jousto import __version__
 from jousto.engine import Model
 from jousto.errors import InputError, Problem
+from jousto.simulation.beams import GROUP, beam_arrays
 from jousto.simulation.events import joints_of, sources
 from jousto.simulation.image import SparseImage, reserve
 from jousto.simulation.state import MEMORY, memory_sizes
@@ -340,6 +341,12 @@ def _describe(
                 group[name] = known[content]
             else:
                 known[content] = group.create_dataset(name, data=array)
+    if model.beam_shapes:
+        beams = file.create_group(GROUP, track_order=True)
+        for beam in model.beam_shapes:
+            group = beams.create_group(beam.name)
+            for name, array in beam_arrays(beam).items():
+                group.create_dataset(name, data=array)
     joints = file.create_group("joints", track_order=True)
     for joint in model.joints:
         group = joints.create_group(joint.name)

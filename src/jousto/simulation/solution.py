@@ -13,8 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.engine import BeamShape
 from jousto.errors import InputError, Problem, suggest
 from jousto.reduction import StressModes
+from jousto.simulation.beams import GROUP, read_beam
 from jousto.simulation.events import Happening, happenings
 from jousto.simulation.results import EVENT_COLUMNS, open_results
 from jousto.simulation.state import MEMORY, State
@@ -332,6 +334,14 @@ class Solution:
                 )
                 for name, group in file["bodies"].items()
             )
+
+    @property
+    def beams(self) -> tuple[BeamShape, ...]:
+        """Beams: their nodes are bodies, numbered as in `bodies`."""
+        with self._open() as file:
+            if GROUP not in file:
+                return ()
+            return tuple(read_beam(name, group) for name, group in file[GROUP].items())
 
     def stress_modes(self, body: str) -> StressModes | None:
         """Return the stress of each mode of a body, None if it is not known.
