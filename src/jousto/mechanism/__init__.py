@@ -1,5 +1,7 @@
 """DECLARE: bodies, markers, joints, forces, signals and sensors; a mechanism checks them all."""
 
+from jousto.mechanism.beam import BeamBody, BeamDamping, BeamNode
+from jousto.mechanism.beam_section import BeamSection
 from jousto.mechanism.body import Body, FlexibleBody, Ground, MovingBody, RigidBody, ground
 from jousto.mechanism.coordinate import Angle, Coordinate, Displacement, Distance, Line
 from jousto.mechanism.coupling import COUPLINGS, Coupler, Coupling, Drive, Gear, Rack
@@ -96,6 +98,10 @@ __all__ = [
     "Angle",
     "AngularAccelerationSensor",
     "AngularVelocitySensor",
+    "BeamBody",
+    "BeamDamping",
+    "BeamNode",
+    "BeamSection",
     "Body",
     "Bushing",
     "Constant",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from jousto.errors import Problems, suggest, warn
+from jousto.mechanism.beam import BeamBody, BeamNode
 from jousto.mechanism.body import FlexibleBody, Ground, RigidBody
 from jousto.mechanism.coordinate import Coordinate, Distance
 from jousto.mechanism.coupling import Coupler, Drive
@@ -40,13 +41,15 @@ GAP_TOLERANCE = 1e-6
 
 # all that may be given to a mechanism
 ITEMS = (
-    *(RigidBody, FlexibleBody, Joint, Coupler, Gravity, Friction, Event),
+    *(RigidBody, FlexibleBody, BeamBody, Joint, Coupler, Gravity, Friction, Event),
     *(*LOADS, *ELEMENTS, *SENSORS),
 )
 
 
 def kind_of(item: Any) -> str:
     """Return the kind of an item for messages."""
+    if isinstance(item, BeamBody):
+        return "beam"
     if isinstance(item, RigidBody | FlexibleBody):
         return "body"
     if isinstance(item, (Joint, Coupler, Friction, Event, *ELEMENTS)):
@@ -87,14 +90,14 @@ def check_items(problems: Problems, items: tuple[Any, ...]) -> None:
     different = {id(x) for x in items if isinstance(x, Gravity)}
     if len(different) > 1:
         problems.add("gravity", f"{len(different)} Gravity items, only one makes sense")
-    if not any(isinstance(x, RigidBody | FlexibleBody) for x in items):
+    if not any(isinstance(x, RigidBody | FlexibleBody | BeamBody) for x in items):
         problems.add("mechanism", "has no bodies")
 
 
 def check_names(problems: Problems, mechanism: Mechanism) -> None:
     """Note names that several items of a kind share."""
     groups: dict[str, tuple[Any, ...]] = {
-        "bodies": mechanism.bodies,
+        "bodies": whole_bodies(mechanism),
         "joints and couplings": (*mechanism.joints, *mechanism.couplings),
         "forces": (*mechanism.forces, *mechanism.frictions),
         "events": mechanism.events,
@@ -111,6 +114,11 @@ def check_names(problems: Problems, mechanism: Mechanism) -> None:
                 kinds = {kind_of(x) for x in items if x.name == item.name}
                 plural = "joints" if kinds == {"joint"} else group
                 problems.add(where(item), f"{count} {plural} have this name, names must differ")
+
+
+def whole_bodies(mechanism: Mechanism) -> tuple[Any, ...]:
+    """Return the bodies of a mechanism, beams as one each."""
+    return tuple(x for x in mechanism.items if isinstance(x, RigidBody | FlexibleBody | BeamBody))
 
 
 def coordinates_of(item: Any) -> tuple[Coordinate, ...]:
@@ -138,17 +146,18 @@ def markers_of(item: Any) -> Iterator[tuple[str, Marker]]:
 
 def check_members(problems: Problems, mechanism: Mechanism) -> None:
     """Note items that refer to bodies or joints that are not in the mechanism."""
-    bodies = {body.name: body for body in mechanism.bodies}
-    ids = {id(body) for body in mechanism.bodies}
+    bodies = {body.name: body for body in whole_bodies(mechanism)}
+    ids = {id(body) for body in (*mechanism.bodies, *mechanism.beams)}
 
     def missing(item: Any, argument: str, body: Any) -> None:
         if isinstance(body, Ground) or id(body) in ids:
             return
-        if body.name in bodies:
+        kind, name = ("beam", body.beam) if isinstance(body, BeamNode) else ("body", body.name)
+        if name in bodies:
             text = "is another body of that name than the one in the mechanism"
         else:
-            text = f"is not in the mechanism{suggest(body.name, bodies)}"
-        problems.add(where(item), f"{argument}: body {body.name!r} {text}")
+            text = f"is not in the mechanism{suggest(name, bodies)}"
+        problems.add(where(item), f"{argument}: {kind} {name!r} {text}")
 
     items = (*mechanism.joints, *mechanism.couplings, *mechanism.forces, *mechanism.sensors)
     for event in mechanism.events:
@@ -387,8 +396,9 @@ def warn_unconnected(mechanism: Mechanism) -> None:
     elements = (x for x in mechanism.forces if not isinstance(x, (*LOADS, UserForce)))
     connections = (*mechanism.joints, *mechanism.couplings, *elements)
     joined = {id(marker.body) for item in connections for _, marker in markers_of(item)}
-    for body in mechanism.bodies:
-        if id(body) not in joined:
+    for body in whole_bodies(mechanism):
+        parts = body.bodies if isinstance(body, BeamBody) else (body,)
+        if not any(id(part) in joined for part in parts):
             warn(where(body), "is not connected to anything, it moves freely")
 
 

@@ -53,7 +53,8 @@ class Marker:
     @property
     def label(self) -> str:
         """Name for messages, ``body.point``."""
-        return f"{self.body.name}.{self.point}"
+        # a node of a beam is spoken of as a point of the beam
+        return f"{getattr(self.body, 'beam', self.body.name)}.{self.point}"
 
     def turned(self, axes: Any) -> Marker:
         """Return the marker at the same point with other axes.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from jousto.errors import Problems
 from jousto.mechanism import checks
+from jousto.mechanism.beam import BeamBody, BeamNode
 from jousto.mechanism.body import Body, FlexibleBody, MovingBody, RigidBody
 from jousto.mechanism.checks import where as where
 from jousto.mechanism.coupling import Coupler
@@ -29,7 +30,7 @@ class Mechanism:
 
     Parameters
     ----------
-    *items : RigidBody, FlexibleBody, joint, Gravity, Force, Torque, Event or sensor
+    *items : RigidBody, FlexibleBody, BeamBody, joint, Gravity, Force, Torque, Event or sensor
         In any order; bodies, joints, forces and sensors keep the order in which they are given.
     name : str
         Name for plots and messages.
@@ -38,7 +39,9 @@ class Mechanism:
     ----------
     bodies, joints, couplings, forces, frictions, events, sensors : tuple
         The items by kind, in the given order; couplings holds gears, racks, couplings and
-        drives, forces all force elements.
+        drives, forces all force elements. In bodies stand the nodes of beams in the beam's place.
+    beams : tuple of BeamBody
+        The beams, in the given order.
     gravity : (3,) array
         Acceleration of free fall, world frame, m/s2; zero without a `Gravity`.
     size : float
@@ -66,6 +69,7 @@ class Mechanism:
     name: str
     items: tuple[Any, ...]
     bodies: tuple[MovingBody, ...]
+    beams: tuple[BeamBody, ...]
     joints: tuple[Joint, ...]
     couplings: tuple[Coupler, ...]
     forces: tuple[Load | Element, ...]
@@ -76,7 +80,8 @@ class Mechanism:
 
     def __init__(self, *items: Any, name: str = "mechanism") -> None:
         fields = {
-            "bodies": tuple(x for x in items if isinstance(x, RigidBody | FlexibleBody)),
+            "bodies": tuple(flattened(items)),
+            "beams": tuple(x for x in items if isinstance(x, BeamBody)),
             "joints": tuple(x for x in items if isinstance(x, Joint)),
             "couplings": tuple(x for x in items if isinstance(x, Coupler)),
             "forces": tuple(x for x in items if isinstance(x, (*LOADS, *ELEMENTS))),
@@ -98,8 +103,9 @@ class Mechanism:
         def count(kind: str, plural: str, items: Sequence[Any]) -> str:
             return f"{len(items)} {kind if len(items) == 1 else plural}"
 
+        whole = [x for x in self.items if isinstance(x, RigidBody | FlexibleBody | BeamBody)]
         return (
-            f"<Mechanism {self.name!r}: {count('body', 'bodies', self.bodies)}, "
+            f"<Mechanism {self.name!r}: {count('body', 'bodies', whole)}, "
             f"{count('joint', 'joints', self.joints)}, {count('force', 'forces', self.forces)}, "
             f"{count('sensor', 'sensors', self.sensors)}>"
         )
@@ -121,7 +127,8 @@ class Mechanism:
     @property
     def size(self) -> float:
         """Diagonal of the box around all bodies and joints at the initial pose, m."""
-        points = [body_points(body) for body in self.bodies]
+        points = [body_points(x) for x in self.bodies if not isinstance(x, BeamNode)]
+        points += [beam_points(beam) for beam in self.beams]
         points += [marker.r[None] for joint in self.joints for marker in (joint.a, joint.b)]
         cloud = np.vstack(points) if points else np.zeros((1, 3))
         size = float(np.linalg.norm(cloud.max(axis=0) - cloud.min(axis=0)))
@@ -129,9 +136,13 @@ class Mechanism:
 
     @property
     def mobility(self) -> int:
-        """Rigid degrees of freedom less the rows of joints, couplings and drives."""
+        """Rigid degrees of freedom less the rows of joints, couplings and drives.
+
+        A beam counts as one body, although every node of it moves freely.
+        """
         rows = sum(joint.rows for joint in self.joints) + len(self.couplings)
-        return 6 * len(self.bodies) - rows
+        nodes = sum(len(beam.bodies) for beam in self.beams)
+        return 6 * (len(self.bodies) - nodes + len(self.beams)) - rows
 
     def check(self) -> None:
         """Raise InputError with all problems and warn about what is probably not meant."""
@@ -153,6 +164,20 @@ class Mechanism:
         checks.warn_mobility(self)
         checks.warn_ground_loads(self)
         checks.warn_at_rest(self)
+
+
+def flattened(items: Sequence[Any]) -> Iterator[MovingBody]:
+    """Yield the bodies, the nodes of a beam in its place."""
+    for item in items:
+        if isinstance(item, BeamBody):
+            yield from item.bodies
+        elif isinstance(item, RigidBody | FlexibleBody):
+            yield item
+
+
+def beam_points(beam: BeamBody) -> Array:
+    """Return the world positions (n + 1, 3) of a beam's nodes."""
+    return np.asarray(beam.position + beam.nodes @ rotation_matrix(beam.orientation).T)
 
 
 def body_points(body: MovingBody) -> Array:
