@@ -32,6 +32,15 @@ from .mechanism import (
 from .mechanism import (
     AngularVelocitySensor as AngularVelocitySensor,
 )
+from .mechanism import (
+    BeamBody as BeamBody,
+)
+from .mechanism import (
+    BeamDamping as BeamDamping,
+)
+from .mechanism import (
+    BeamSection as BeamSection,
+)
 from .mechanism import Bridge as Bridge
 from .mechanism import (
     Bushing as Bushing,

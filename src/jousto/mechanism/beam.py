@@ -205,7 +205,7 @@ class BeamBody:
         corners: Sequence[int] = (),
         mass: str | float = "lumped",
         bending: bool = False,
-        damping: BeamDamping | None = None,
+        damping: Any = None,
         offset: ArrayLike = (0.0, 0.0),
         straight: bool = False,
         reference: ArrayLike | None = None,

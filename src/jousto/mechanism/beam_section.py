@@ -18,7 +18,8 @@ from jousto.mechanism.fields import number, set_fields
 from jousto.mechanism.inertia import check_inertia
 from jousto.mechanism.orientation import Array, readonly
 from jousto.parts.material import Material
-from jousto.parts.section import Section, SectionPoint
+from jousto.parts.section import Section
+from jousto.parts.section_stress import StressPoint, section_outline, stress_points
 
 # m/s: waves that no solid carries along a beam
 FASTEST_WAVE = 5e4
@@ -45,13 +46,13 @@ class BeamSection:
         section it is ``rho (Iy + Iz), rho Iy, rho Iz``.
     center : (2,) array_like
         Mass centre (y, z) from the reference axis, m.
-    points : sequence of SectionPoint
-        Places of the section where stress is recovered, from the centroid.
-    section, material : Section, Material, optional
-        What the section was made of, for stress and pictures.
-    centroid, shear_center : (2,) array_like
-        Elastic centre and shear centre (y, z) from the reference axis, m. They tell where stress
-        comes from and change nothing of `stiffness`, which belongs to the reference axis.
+    points : sequence of StressPoint
+        Places of the section where stress is recovered, and what it is for unit resultants.
+    outline : (k, 2) array_like, optional
+        Outer edge of the section for pictures, counterclockwise seen from ahead, m; None for the
+        rectangle of the same rotary inertia.
+    elasticity : (float, float), optional
+        Young's modulus, Pa, and Poisson's ratio, for strain gauges; None if there are none.
 
     Raises
     ------
@@ -70,11 +71,9 @@ class BeamSection:
     mass: float
     inertia: Array
     center: Array
-    points: tuple[SectionPoint, ...]
-    section: Section | None
-    material: Material | None
-    centroid: Array
-    shear_center: Array
+    points: tuple[StressPoint, ...]
+    outline: Array
+    elasticity: tuple[float, float] | None
 
     def __init__(
         self,
@@ -84,10 +83,8 @@ class BeamSection:
         *,
         center: ArrayLike = (0.0, 0.0),
         points: Any = (),
-        section: Section | None = None,
-        material: Material | None = None,
-        centroid: ArrayLike = (0.0, 0.0),
-        shear_center: ArrayLike = (0.0, 0.0),
+        outline: ArrayLike | None = None,
+        elasticity: tuple[float, float] | None = None,
     ) -> None:
         problems, where = Problems(), "BeamSection"
         C = _stiffness(problems, where, stiffness)
@@ -95,23 +92,23 @@ class BeamSection:
         if density is not None and density <= 0:
             problems.add(where, f"mass is {density:g} kg/m, must be a positive number")
         J = check_inertia(problems, where, inertia)
-        places = {
-            "center": problems.array(where, "center", center, (2,)),
-            "centroid": problems.array(where, "centroid", centroid, (2,)),
-            "shear_center": problems.array(where, "shear_center", shear_center, (2,)),
-        }
-        named = problems.several(where, "points", points, SectionPoint)
+        c = problems.array(where, "center", center, (2,))
+        named = problems.several(where, "points", points, StressPoint)
+        edge = None if outline is None else problems.array(where, "outline", outline, (None, 2))
         problems.raise_if_any()
-        assert C is not None and density is not None and J is not None
+        assert C is not None and density is not None and J is not None and c is not None
+        if edge is None:
+            y, z = np.sqrt(3.0 * np.diag(J)[[2, 1]] / density)
+            edge = readonly(c + np.array([[-y, -z], [y, -z], [y, z], [-y, z]]))
         set_fields(
             self,
             stiffness=C,
             mass=density,
             inertia=J,
+            center=c,
             points=named,
-            section=section,
-            material=material,
-            **places,
+            outline=edge,
+            elasticity=elasticity,
         )
         _warn_units(where, C, density)
 
@@ -121,8 +118,8 @@ class BeamSection:
     @classmethod
     def of(
         cls,
-        section: Section,
-        material: Material,
+        section: Any,
+        material: Any,
         *,
         centroid: ArrayLike = (0.0, 0.0),
         shear_center: ArrayLike | None = None,
@@ -190,11 +187,9 @@ class BeamSection:
             rho * A,
             (rho * (Iy + Iz), rho * Iy, rho * Iz),
             center=c,
-            points=section.points,
-            section=section,
-            material=material,
-            centroid=c,
-            shear_center=s,
+            points=stress_points(section, (c[0], c[1]), (s[0], s[1])),
+            outline=section_outline(section, (c[0], c[1])),
+            elasticity=(E, material.nu),
         )
 
     def with_bending(self, length: float) -> Array:
