@@ -393,6 +393,7 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double en
     d->counts[5]++;
     if (m->nturn) jo_count_turns(m, d);
     remember_extent(m, d);
+    if (m->nbeam) jo_beam_accept(m, d);
     c->measured = 0;
     c->found = found;
     if (!found) c->chain = 0;

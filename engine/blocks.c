@@ -338,6 +338,7 @@ int jo_newton_assemble(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nnewton; i++) d->N[i] = 0.0;
     for (int i = 0; i < m->nbody; i++) inertia(m, d, i);
+    if (m->nbeam) jo_newton_beams(m, d);
     for (int i = 0; i < m->nactive; i++) {
         for (int j = 0; j < 6; j++) d->marker[i].load[j] = 0.0;
         if (m->marker[i].body >= 0) marker_motion(m, d, i);
@@ -354,7 +355,7 @@ int jo_newton_assemble(const jo_model *m, jo_data *d)
 int jo_newton_matrix(const jo_model *m, jo_data *d, double ca, double cv, double cq, jo_real *out)
 {
     const int count = m->nv + m->nrow;
-    const jo_weights weights = {ca, cv, cq, 1.0, 0};
+    const jo_weights weights = {ca, cv, cq, 1.0, 0, 0};
     for (int i = 0; i < m->nbody; i++)
         for (int j = 0; j < 9; j++) d->body[i].turn[j] = j % 4 == 0;
     int status = jo_residual(m, d, d->rate);

@@ -59,6 +59,9 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched, jo_sen
     d->S0 = reals(a, m->redundant >= 0 ? JO_BLOCK * m->nblock : 0);
     for (int s = 0; s < 2; s++) d->gram[s] = reals(a, 36 * m->npair);
     d->body = take(a, (size_t)m->nbody * sizeof(jo_body_work));
+    d->nbeam = m->nbeam;
+    d->beam = take(a, (size_t)m->nbeam * sizeof(jo_beam_work));
+    d->bent = take(a, 2 * (size_t)m->nbeam * sizeof(double));
     d->marker = take(a, (size_t)m->nmarker * sizeof(jo_marker_work));
     d->joint = take(a, (size_t)m->njoint * sizeof(jo_joint_work));
     for (int i = 0; i < m->njoint; i++) {
@@ -150,6 +153,7 @@ jo_data *jo_data_new(const jo_model *m)
         d->q[m->body[i].iq + 3] = 1.0;
         jo_body_setup(&m->body[i], &d->body[i], 0, 0.0);
     }
+    jo_beam_setup(m, d);
     jo_marker_setup(m, d, 0);
     jo_joint_plan(m, d);
     jo_joint_setup(m, d, 0);
@@ -180,6 +184,7 @@ jo_real *jo_data_direction(jo_data *d) { return d->direction; }
 jo_real *jo_data_held(jo_data *d) { return d->held; }
 jo_real *jo_data_rub(jo_data *d) { return d->rub; }
 double *jo_data_memory(jo_data *d) { return d->memory; }
+double *jo_data_bent(jo_data *d) { return d->bent; }
 int *jo_data_happened(jo_data *d) { return d->happened; }
 long long *jo_data_counts(jo_data *d) { return d->counts; }
 const double *jo_data_log(const jo_data *d) { return d->log; }

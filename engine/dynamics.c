@@ -40,6 +40,10 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
         const int applied = jo_apply_forces(m, d);
         if (applied != JO_OK) return applied;
     }
+    if (m->nbeam) {
+        const int bent = jo_beam_forces(m, d);
+        if (bent != JO_OK) return bent;
+    }
     for (int i = 0; i < m->nbody; i++) {
         int regular = jo_body_factor(&m->body[i], &d->body[i], set);
         if (regular != JO_OK) {
@@ -270,6 +274,7 @@ void jo_energy(const jo_model *m, jo_data *d, jo_real *out)
         jo_axpy3(centre, b->mass[0], d->q + b->iq);
         P -= jo_dot3(m->gravity, centre);
     }
+    if (m->nbeam) U += jo_beam_stored(m, d);
     out[0] = T;
     out[1] = U;
     out[2] = P;

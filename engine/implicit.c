@@ -274,14 +274,15 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
     const double h = s->step, am = s->alpha_m, af = s->alpha_f, g = s->newmark_gamma, b = s->newmark_beta;
     const jo_weights old = d->weights;
     const jo_weights weights = {(1.0 - am) / (1.0 - af), g * h, b * h * h, 1.0 / (s->projection ? g * h : b * h * h),
-                                !s->projection};
+                                !s->projection, s->plain_inertia};
     if (!continues(m, d, h)) {
         *d->started = d->factored = 0;
         d->restart = 0;
         const int status = restart(m, d, s);
         if (status != JO_OK) return status;
     }
-    if (old.a != weights.a || old.v != weights.v || old.q != weights.q || old.position != weights.position) d->factored = 0;
+    if (old.a != weights.a || old.v != weights.v || old.q != weights.q || old.position != weights.position
+        || old.plain != weights.plain) d->factored = 0;
     d->weights = weights;
     const jo_real t0 = d->time[0];
     for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];

@@ -31,6 +31,21 @@ typedef struct {
     jo_body_set set[2];
 } jo_body_work;
 
+/* A beam element; vectors resolved in the frame of its middle unless said otherwise. */
+typedef struct {
+    jo_real B[2][4];        /* quaternions of the end frames on their bodies */
+    int turned, offset, damped;   /* B, u, beta are not trivial */
+    jo_real Q[9];           /* orientation of the middle frame */
+    jo_real G[2][9];        /* A^T Q of the bodies */
+    jo_real U[2][3];        /* levers u */
+    jo_real tau[3], square; /* Rodrigues' parameters of half the rotation between the ends, their square */
+    jo_real mu, dmu;        /* H = E - mu tau~ tau~, and its change with the square */
+    jo_real d[3], e[6], rate[6], s[6];   /* Gamma + e1; strains, their rates, resultants */
+    jo_real om[2][3], om_m[3], dv[3];    /* angular velocities of the ends and the middle, relative velocity of the ends */
+    jo_real t[3], M[2][3];  /* L n x d; moments on the ends */
+    jo_real last[3];        /* tau of the last accepted state */
+} jo_beam_work;
+
 typedef struct {
     jo_real *Phiw, *Psiw;   /* (3 x np) mode shapes weighted */
     jo_real PhiI3[9], PsiI3[9];
@@ -114,6 +129,7 @@ typedef struct {
 typedef struct {
     double a, v, q, rows;
     int position;           /* rows of C instead of C' */
+    int plain;              /* inertia forces change with accelerations only */
 } jo_weights;
 
 /* The block Cholesky of S as it is carried out: what the model's lists mean in memory. `kind` says which numbers of rows
@@ -157,6 +173,9 @@ struct jo_data {
     double *extent;         /* (3 x nbody) largest speed, modal coordinates and their speed so far */
     jo_control control;
     jo_body_work *body;
+    int nbeam;
+    jo_beam_work *beam;
+    double *bent;           /* (nbeam x 2) */
     jo_marker_work *marker;
     jo_coordinate_work *coordinate;
     jo_joint_work *joint;
@@ -295,6 +314,17 @@ void jo_relative_velocity(const jo_model *m, const jo_data *d, const jo_force *f
 void jo_rotation_vector(jo_real *theta, const jo_real *R);
 void jo_conjugate(jo_real *y, const jo_real *theta, const jo_real *x, double sign);
 int jo_ask(const jo_force *f, jo_real time, const jo_real *x, jo_real *y);
+
+/* beam.c */
+void jo_beam_setup(const jo_model *m, jo_data *d);
+int jo_beam_forces(const jo_model *m, jo_data *d);
+jo_real jo_beam_stored(const jo_model *m, const jo_data *d);
+void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y);
+void jo_beam_accept(const jo_model *m, jo_data *d);
+void jo_beam_forget(jo_data *d);
+
+/* beam_tangent.c */
+void jo_newton_beams(const jo_model *m, jo_data *d);
 
 /* friction.c */
 int jo_friction_solve(const jo_model *m, jo_data *d, const jo_solver *s);

@@ -21,7 +21,7 @@ typedef double jo_real;
 #endif
 
 /* BEGIN */
-enum { JO_ABI = 5 };           /* raised whenever a struct or a meaning below changes */
+enum { JO_ABI = 6 };           /* raised whenever a struct or a meaning below changes */
 enum { JO_PAD = 4 };           /* modal coordinates are padded to a multiple of this */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -38,7 +38,8 @@ typedef enum { JO_OK = 0, JO_NOT_FINITE = 1, JO_SINGULAR_BODY = 2, JO_SINGULAR_J
                JO_FRICTION_FAILED = 7,    /* no reaction agrees with its own friction; error_index: friction */
                JO_EVENT = 8,              /* the state stands at an event; error_index: event */
                JO_STEP_TOO_SMALL = 9,
-               JO_ENDLESS = 10            /* events without end within one step; error_index: event, or nevent + friction */
+               JO_ENDLESS = 10,           /* events without end within one step; error_index: event, or nevent + friction */
+               JO_BENT = 11               /* a beam element is bent by half a turn; error_index: beam */
 } jo_status;
 typedef enum { JO_RK4 = 1, JO_ROS2 = 2, JO_ALPHA = 3, JO_DOPRI = 4 } jo_method;
 typedef enum { JO_CONSTANT = 0, JO_HARMONIC = 1, JO_TABLE = 2, JO_STEP = 3,
@@ -54,7 +55,7 @@ typedef enum { JO_POSITION = 1, JO_VELOCITY = 2, JO_ORIENTATION = 3, JO_ANGULAR_
                JO_MODAL = 5, JO_REACTION = 6, JO_STRESS = 7, JO_ACCELERATION = 8, JO_ANGULAR_ACCELERATION = 9,
                JO_COORDINATE = 10, JO_RATE = 11, JO_MULTIPLIER = 12, JO_ELEMENT = 13, JO_ENERGY = 14,
                JO_SIGNAL = 15, JO_VON_MISES = 16, JO_PRINCIPAL = 17, JO_RUB = 18, JO_DAMAGE = 19,
-               JO_BRIDGE = 21 } jo_sensor_type;
+               JO_BRIDGE = 21, JO_SECTION = 22 } jo_sensor_type;
 typedef enum { JO_RESIDUE_HALF = 0, JO_RESIDUE_REPEAT = 1, JO_RESIDUE_IGNORE = 2 } jo_residue;
 typedef enum { JO_MEAN_NONE = 0, JO_MEAN_LINE = 1, JO_MEAN_GERBER = 2, JO_MEAN_WALKER = 3, JO_MEAN_FKM = 4,
                JO_MEAN_WELD = 5, JO_MEAN_COMPRESSION = 6 } jo_mean;
@@ -87,6 +88,16 @@ typedef struct {
     const jo_real *Psi;     /* (3 x np)  rotation mode shapes, 0 where rigid or not needed */
     const jo_real *chi;     /* (6 n x np) second-order translation and rotation chi_jk, symmetric; 0 without stiffening */
 } jo_marker;
+
+/* A geometrically exact beam element between two bodies without modes, see beam.c. Data (78):
+ * 0 length; 1 u_a (3), 4 B_a (9), 13 u_b (3), 16 B_b (9): ends and their frames (x along the beam) on the bodies, row-major;
+ * 25 C (36) section stiffness on [Gamma, kappa], row-major; 61 strains (6) of the unstressed shape; 67 damping beta of the
+ * stiffness, s; 68 damping alpha of the mass, 1/s; 69 share of the consistent mass beyond the bodies' lumped one; 70 mass,
+ * 71 rotary inertia (6) of the whole element in the frames of its ends; 77 tension times this is compared with 1; 0: never */
+typedef struct {
+    int a, b;               /* bodies */
+    const jo_real *data;
+} jo_beam;
 
 /* A scalar function of two frames a, b. */
 typedef struct {
@@ -196,7 +207,8 @@ typedef struct {
 
 typedef struct {
     int type;               /* jo_sensor_type */
-    int object;             /* marker, body, joint, coordinate, force, signal, or kind of energy */
+    int object;             /* marker, body, joint, coordinate, force, signal, beam, or kind of energy;
+                             * SECTION: strains (6) and resultants (6) in the middle of the beam element, in its axes */
     int other, frame;       /* markers: of the observer, of the axes; -1: the world. ELEMENT: other is the first component;
                              * STRESS, BRIDGE: other is a signal of apparent strain, of change of temperature; -1: none */
     int offset, count;      /* place in the sensor vector */
@@ -231,6 +243,7 @@ typedef struct {
     int nbody, nmarker, nactive, ncoordinate, njoint, nline, npair, ncolumn, nblock, nsignal, nforce, nfriction, nevent, nsensor;
     int nturn, nlock, ninput, nnode, nnewton;   /* nnewton: reals of Newton's matrix */
     int nmeter, nmemory;    /* damage meters and the doubles that they remember */
+    int nbeam;
     int nbreak;             /* times at which a signal jumps or has a kink */
     int nq, nv, nrow, nout;
     int redundant;          /* 1: rows repeat one another, multipliers of least norm; 0: only in singular positions;
@@ -238,6 +251,7 @@ typedef struct {
     double size;            /* m, of the mechanism: measure of what is small */
     const jo_real *gravity; /* (3) m/s^2 */
     const jo_body *body;
+    const jo_beam *beam;
     const jo_marker *marker;   /* the first nactive belong to joints and forces, the rest to sensors */
     const jo_coordinate *coordinate;
     const jo_joint *joint;
@@ -273,6 +287,7 @@ typedef struct {
     double first;           /* DOPRI: first step, s; 0: automatic */
     int iterations;         /* ALPHA: most iterations of a step; DOPRI: most steps between two rows */
     int modified;           /* ALPHA: keep the factors while they converge */
+    int plain_inertia;      /* ALPHA: how inertia forces change with positions and velocities is left out of Newton's matrix */
 } jo_solver;
 
 typedef struct jo_data jo_data;
@@ -296,6 +311,8 @@ jo_real *jo_data_direction(jo_data *d);          /* (2 nfriction) direction of t
 jo_real *jo_data_held(jo_data *d);               /* (2 nlock) values of the coordinates that optional joints hold */
 jo_real *jo_data_rub(jo_data *d);                /* (2 nfriction) friction along the coordinates, on b, N or N m */
 double *jo_data_memory(jo_data *d);              /* (nmemory) of the damage meters */
+double *jo_data_bent(jo_data *d);                /* (nbeam x 2) at the ends of steps so far: largest rotation between the ends
+                                                  * of an element, rad, and largest tension over its limit */
 int *jo_data_happened(jo_data *d);               /* (nevent) how often each event has happened */
 const double *jo_data_log(const jo_data *d);     /* (logged x 3) of the last jo_run or jo_step: time, event and +1 rising
                                                   * or -1 falling, or nevent + friction and its slip from then on */

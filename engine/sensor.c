@@ -324,6 +324,7 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
         case JO_PRINCIPAL: stress(m, d, s, y); break;
         case JO_DAMAGE: jo_damage(m, d, s, y); break;
         case JO_BRIDGE: bridge(m, d, s, y); break;
+        case JO_SECTION: jo_beam_section(m, d, s->object, y); break;
         default: break;
         }
     }

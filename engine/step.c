@@ -163,6 +163,7 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
         if (!s->projection) jo_coordinates(m, d, m->ncoordinate);
         jo_count_turns(m, d);
     }
+    if (m->nbeam) jo_beam_accept(m, d);
     return jo_check(m, d);
 }
 
@@ -184,6 +185,7 @@ void jo_restart(jo_data *d)
 {
     d->restart = 1;
     d->watching = d->grid.valid = 0;
+    jo_beam_forget(d);
 }
 
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)

@@ -98,6 +98,10 @@ int jo_residual(const jo_model *m, jo_data *d, jo_real *r)
         const int applied = jo_apply_forces(m, d);
         if (applied != JO_OK) return applied;
     }
+    if (m->nbeam) {
+        const int status = jo_beam_forces(m, d);
+        if (status != JO_OK) return status;
+    }
     if (m->nfriction) jo_friction_push(m, d);
     react(m, d);
     for (int i = 0; i < m->nbody; i++) balance(m, d, i, r + m->body[i].iv);

@@ -7,7 +7,9 @@ from jousto.engine.model import Model
 from jousto.errors import Problem
 
 OK, NOT_FINITE, SINGULAR_BODY, SINGULAR_JOINT, NO_MEMORY = range(5)
-CALLBACK_FAILED, NO_CONVERGENCE, FRICTION_FAILED, EVENT, STEP_TOO_SMALL, ENDLESS = range(5, 11)
+CALLBACK_FAILED, NO_CONVERGENCE, FRICTION_FAILED, EVENT, STEP_TOO_SMALL, ENDLESS, BENT = range(
+    5, 12
+)
 AT_BODY = (NOT_FINITE, SINGULAR_BODY, NO_CONVERGENCE)  # whose index is that of a body
 
 
@@ -89,5 +91,13 @@ def failure(model: Model, status: int, index: int, cause: BaseException | None =
             "happens again and again within one step, each time undone at once; let it count in "
             "one direction only, keep the thresholds of opposed events apart, or take a smaller "
             "step",
+        )
+    if status == BENT:
+        beam = model.beams[index] if 0 <= index < len(model.beams) else None
+        return Problem(
+            f"beam '{beam.body}', element '{beam.name}'" if beam else "a beam element",
+            "it is bent or twisted by 3 rad or more, where its rotation is no longer one number; "
+            "divide the beam into more elements (half a radian each is accurate), or take smaller "
+            "steps if it only passes through here by too long a one",
         )
     return Problem("", f"engine status {status}")

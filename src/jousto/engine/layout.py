@@ -46,6 +46,7 @@ SENSORS = {
     "friction": 18,
     "damage": 19,
     "bridge": 21,
+    "section": 22,
 }
 CHUNK = 4096  # scalars that are allocated together
 
@@ -147,6 +148,7 @@ class Layout:
         belows = [b for column in m.elimination.below for b in column]
         sizes = {
             "nbody": len(m.bodies),
+            "nbeam": len(m.beams),
             "nmarker": len(m.markers),
             "nactive": m.active,
             "ncoordinate": len(m.coordinates),
@@ -180,6 +182,7 @@ class Layout:
         model.breaks = self._constant(m.breaks)
         model.gravity = self._constant(m.gravity, ("model", 0, "gravity"))
         model.body = self._bodies()
+        model.beam = self._beams()
         model.marker = self._markers()
         model.coordinate = self._coordinates()
         model.joint = self._joints()
@@ -254,6 +257,13 @@ class Layout:
                     name,
                     self._constant(_blocked(np.asarray(array), np_, rows, dense), shared=array),
                 )
+        return structs
+
+    def _beams(self) -> Any:
+        structs = self._structs("jo_beam", len(self._source.beams))
+        for i, beam in enumerate(self._source.beams):
+            structs[i].a, structs[i].b = beam.a, beam.b
+            structs[i].data = self._constant(beam.data, ("beam", i, "data"))
         return structs
 
     def _markers(self) -> Any:

@@ -65,6 +65,29 @@ class BodyModel:
 
 
 @dataclass(frozen=True, eq=False)
+class BeamModel:
+    """A geometrically exact beam element between two bodies without modes.
+
+    Attributes
+    ----------
+    name : str
+        Name of the element.
+    body : str
+        Name of the beam that it is part of.
+    a, b : int
+        Bodies of its ends.
+    data : array (78,)
+        Length, ends, section stiffness, unstressed strains, damping and inertia as in jousto.h.
+    """
+
+    name: str
+    body: str
+    a: int
+    b: int
+    data: Array
+
+
+@dataclass(frozen=True, eq=False)
 class MarkerModel:
     """A frame on body `body` (-1: ground); mode shapes (3, n) or None where rigid.
 
@@ -281,6 +304,8 @@ class Model:
         Rows repeat one another; the multipliers are those of least norm.
     beam_shapes : tuple of BeamShape
         What results keep of each beam: its elements, nodes and the stress of its section.
+    beams : tuple of BeamModel
+        Elements of geometrically exact beams between bodies.
     """
 
     name: str
@@ -303,6 +328,7 @@ class Model:
     redundant: bool = False
     meters: tuple[MeterModel, ...] = ()
     beam_shapes: tuple[BeamShape, ...] = ()
+    beams: tuple[BeamModel, ...] = ()
 
     @property
     def nq(self) -> int:

@@ -116,6 +116,8 @@ class Engine:
         self.happened = self._view(self._library.jo_data_happened(data), len(model.events), np.intc)
         memory = sum(meter_size(meter.rule) for meter in model.meters)
         self.meters = self._view(self._library.jo_data_memory(data), memory, np.float64)
+        bent = self._view(self._library.jo_data_bent(data), 2 * len(model.beams), np.float64)
+        self.bent = bent.reshape(-1, 2)
         self.counts = self._view(self._library.jo_data_counts(data), 6, np.longlong)
         self.row_size = int(self._library.jo_row_size(self._model))
         self._count = self._ffi.new("long long *", 0)

@@ -84,6 +84,7 @@ def _pattern(model: Model) -> NewtonPattern:
         if force.coordinate >= 0:
             sides += [model.coordinates[force.coordinate].a, model.coordinates[force.coordinate].b]
         cliques.append(_moving(model, [s for s in sides if s >= 0]))
+    cliques += [[beam.a, beam.b] for beam in model.beams]
     width: dict[tuple[int, int], int] = {}  # leading unknowns of the second that the first sees
     for clique in cliques:
         for x in clique:

@@ -1,0 +1,30 @@
+/* beam.h - small operators that the beam element's forces and tangents share.
+ *
+ * With Rodrigues' parameters tau = tan(phi/4) n of the relative rotation phi n of the ends, seen in the middle frame:
+ *   d tau = (1 + tau^2)/4 dbeta,  d(phi n) = H dbeta,  H = E - mu tau~ tau~,  dbeta = beta_b - beta_a (spins, middle frame)
+ */
+#ifndef JO_BEAM_H
+#define JO_BEAM_H
+
+#include "internal.h"
+
+enum { JO_BEAM_UA = 1, JO_BEAM_BA = 4, JO_BEAM_UB = 13, JO_BEAM_BB = 16, JO_BEAM_C = 25, JO_BEAM_E0 = 61, JO_BEAM_BETA = 67,
+       JO_BEAM_ALPHA = 68, JO_BEAM_SHARE = 69, JO_BEAM_MASS = 70, JO_BEAM_J = 71, JO_BEAM_LIMIT = 77 };
+
+/* y = H x */
+static inline void jo_beam_h(jo_real *y, const jo_beam_work *w, const jo_real *x)
+{
+    jo_real t[3];
+    jo_cross(t, w->tau, x);
+    jo_cross(t, w->tau, t);
+    y[0] = x[0] - w->mu * t[0]; y[1] = x[1] - w->mu * t[1]; y[2] = x[2] - w->mu * t[2];
+}
+
+/* what the consistent mass has beyond the lumped one: c (x_b'' - x_a'') on a, and its opposite on b */
+static inline jo_real jo_beam_shared(const jo_beam *b) { return b->data[JO_BEAM_SHARE] * b->data[JO_BEAM_MASS] / 6.0; }
+static inline int jo_beam_inertial(const jo_beam *b)
+{
+    return b->data[JO_BEAM_SHARE] != 0.0 || b->data[JO_BEAM_ALPHA] != 0.0;
+}
+
+#endif
