@@ -419,6 +419,9 @@ from .recovery import (
 from .recovery import Record as Record
 from .recovery import RosetteState as RosetteState
 from .recovery import (
+    SectionForces as SectionForces,
+)
+from .recovery import (
     StressField as StressField,
 )
 from .recovery import compare_gauges as compare_gauges
@@ -434,6 +437,9 @@ from .recovery import (
 from .recovery import read_record as read_record
 from .recovery import record_of as record_of
 from .recovery import rosette_state as rosette_state
+from .recovery import (
+    section_forces as section_forces,
+)
 from .recovery import (
     stress_field as stress_field,
 )

@@ -13,21 +13,13 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class BeamShape:
-    """A beam: its elements, the bodies at their ends, and the stress of its section.
+class SectionShape:
+    """Stress and outline of a section of a beam.
 
     Parameters
     ----------
-    name : str
-        Name of the beam.
-    bodies : (n + 1,) int array
-        Numbers of the bodies at the nodes, along the beam.
-    data : (n, 78) array
-        Each element as the engine has it, see ``jo_beam`` in jousto.h.
-    s : (n + 1,) array
-        Length of the unstressed beam from its start to each node, m.
     labels : tuple of str
-        Names of the points of the section.
+        Names of the points of the section; none if its stress is not known.
     points : (np, 2) array
         Where they are, y and z from the axis, m.
     rows : (np, 6, 6) array
@@ -43,10 +35,6 @@ class BeamShape:
         If the arrays do not fit together.
     """
 
-    name: str
-    bodies: NDArray[np.int64]
-    data: Array
-    s: Array
     labels: tuple[str, ...] = ()
     points: Array = field(default_factory=lambda: np.zeros((0, 2)))
     rows: Array = field(default_factory=lambda: np.zeros((0, 6, 6)))
@@ -54,12 +42,9 @@ class BeamShape:
     elasticity: Array | None = None
 
     def __post_init__(self) -> None:
-        where, problems = f"beam '{self.name}'", Problems()
-        bodies = np.asarray(self.bodies, dtype=np.int64)
+        where, problems = "SectionShape", Problems()
         labels = tuple(self.labels)
-        n, m = len(bodies) - 1, len(labels)
-        data = problems.array(where, "data", self.data, (n, 78))
-        s = problems.array(where, "s", self.s, (n + 1,))
+        m = len(labels)
         points = problems.array(where, "points", self.points, (m, 2))
         rows = problems.array(where, "rows", self.rows, (m, 6, 6))
         outline = problems.array(where, "outline", self.outline, (None, 2))
@@ -68,9 +53,6 @@ class BeamShape:
             elasticity = problems.array(where, "elasticity", elasticity, (2,))
         problems.raise_if_any()
         for name, value in (
-            ("bodies", bodies),
-            ("data", data),
-            ("s", s),
             ("labels", labels),
             ("points", points),
             ("rows", rows),
@@ -79,7 +61,74 @@ class BeamShape:
         ):
             object.__setattr__(self, name, value)
 
+
+@dataclass(frozen=True, eq=False)
+class BeamShape:
+    """A beam: its elements, the bodies at their ends, and the stress of its sections.
+
+    Parameters
+    ----------
+    name : str
+        Name of the beam.
+    bodies : (n + 1,) int array
+        Numbers of the bodies at the nodes, along the beam.
+    data : (n, 78) or wider array
+        Each element as the engine has it, see ``jo_beam`` in jousto.h.
+    s : (n + 1,) array
+        Length of the unstressed beam from its start to each node, m.
+    nodes : (n + 1, 3) array
+        Nodes in the body frame, m.
+    frames : (n + 1, 3, 3) array
+        Axes of the node bodies, as columns in the body frame.
+    sections : tuple of SectionShape
+        The different sections.
+    which : (n,) int array
+        Section of each element.
+
+    Raises
+    ------
+    InputError
+        If the arrays do not fit together.
+    """
+
+    name: str
+    bodies: NDArray[np.int64]
+    data: Array
+    s: Array
+    nodes: Array
+    frames: Array
+    sections: tuple[SectionShape, ...]
+    which: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        where, problems = f"beam '{self.name}'", Problems()
+        bodies, which = (np.array(x, dtype=np.int64) for x in (self.bodies, self.which))
+        n = len(bodies) - 1
+        data = problems.array(where, "data", self.data, (n, None))
+        s = problems.array(where, "s", self.s, (n + 1,))
+        nodes = problems.array(where, "nodes", self.nodes, (n + 1, 3))
+        frames = problems.array(where, "frames", self.frames, (n + 1, 3, 3))
+        if which.shape != (n,) or (n and not 0 <= which.min() <= which.max() < len(self.sections)):
+            problems.add(
+                where, f"which must name a section of {len(self.sections)} for {n} elements"
+            )
+        problems.raise_if_any()
+        for name, value in (
+            ("bodies", bodies),
+            ("data", data),
+            ("s", s),
+            ("nodes", nodes),
+            ("frames", frames),
+            ("which", which),
+        ):
+            object.__setattr__(self, name, value)
+
     @property
     def n(self) -> int:
         """Number of elements."""
         return len(self.data)
+
+    @property
+    def stressed(self) -> bool:
+        """Whether the stress of a section is known."""
+        return any(section.labels for section in self.sections)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from jousto.engine.beam_shape import BeamShape
-from jousto.mechanism import BeamBody, Mechanism
+from jousto.engine.beam_shape import BeamShape, SectionShape
+from jousto.mechanism import BeamBody, BeamSection, Mechanism
 
 
 def beam_shapes(mechanism: Mechanism, index: dict[int, int]) -> tuple[BeamShape, ...]:
@@ -14,18 +14,26 @@ def beam_shapes(mechanism: Mechanism, index: dict[int, int]) -> tuple[BeamShape,
 
 
 def _shape(beam: BeamBody, index: dict[int, int]) -> BeamShape:
-    section = beam.sections[0]
-    same = all(other is section for other in beam.sections)
-    # points of one section belong to all elements or to none
-    points = section.points if same else ()
+    kinds = {id(section): section for section in beam.sections}
+    place = {key: k for k, key in enumerate(kinds)}
     return BeamShape(
         name=beam.name,
         bodies=np.array([index[id(body)] for body in beam.bodies], dtype=np.int64),
         data=beam.elements,
         s=beam.s,
+        nodes=beam.nodes,
+        frames=beam.frames,
+        sections=tuple(_section(section) for section in kinds.values()),
+        which=np.array([place[id(section)] for section in beam.sections], dtype=np.int64),
+    )
+
+
+def _section(section: BeamSection) -> SectionShape:
+    points = section.points
+    return SectionShape(
         labels=tuple(point.name for point in points),
         points=np.array([(p.y, p.z) for p in points], dtype=float).reshape(-1, 2),
         rows=np.array([p.rows for p in points], dtype=float).reshape(-1, 6, 6),
         outline=section.outline,
-        elasticity=np.array(section.elasticity) if same and section.elasticity else None,
+        elasticity=np.array(section.elasticity) if section.elasticity else None,
     )

@@ -1,5 +1,6 @@
 """RECOVER: fields over a body from the few coordinates that a run stores."""
 
+from jousto.recovery.beams import RESULTANTS, SectionForces, section_forces
 from jousto.recovery.fields import (
     Criterion,
     Envelope,
@@ -33,6 +34,9 @@ from jousto.recovery.shape import find_body, positions, rotation_matrices
 from jousto.recovery.stress import Peak, peak, stress, surface_stress
 
 __all__ = [
+    "RESULTANTS",
+    "SectionForces",
+    "section_forces",
     "Alignment",
     "GaugeComparison",
     "GaugePair",

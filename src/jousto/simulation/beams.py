@@ -6,39 +6,54 @@ from typing import Any
 
 import numpy as np
 
-from jousto.engine import BeamShape
+from jousto.engine.beam_shape import BeamShape, SectionShape
 
 GROUP = "beams"
 
 
 def beam_arrays(beam: BeamShape) -> dict[str, Any]:
     """Return the datasets of a beam by their place in its group."""
-    arrays: dict[str, Any] = {
-        "bodies": beam.bodies,
-        "data": beam.data,
-        "s": beam.s,
-        "labels": np.array([label.encode() for label in beam.labels], dtype="S"),
-        "points": beam.points,
-        "rows": beam.rows,
-        "outline": beam.outline,
-    }
-    if not beam.labels:
-        arrays["labels"] = np.zeros(0, dtype="S1")
-    if beam.elasticity is not None:
-        arrays["elasticity"] = beam.elasticity
+    names = ("bodies", "data", "s", "nodes", "frames", "which")
+    arrays: dict[str, Any] = {name: getattr(beam, name) for name in names}
+    for k, section in enumerate(beam.sections):
+        own = {
+            "labels": np.array([label.encode() for label in section.labels] or [b""]),
+            "points": section.points,
+            "rows": section.rows,
+            "outline": section.outline,
+        }
+        if section.elasticity is not None:
+            own["elasticity"] = section.elasticity
+        arrays |= {f"sections/{k}/{name}": array for name, array in own.items()}
     return arrays
 
 
 def read_beam(name: str, group: Any) -> BeamShape:
     """Return a beam of its HDF5 group."""
+    found = []
+    for k in range(len(group["sections"])):
+        own = group[f"sections/{k}"]
+        found.append(
+            SectionShape(
+                tuple(x.decode() for x in own["labels"][: len(own["points"])]),
+                own["points"][()],
+                own["rows"][()],
+                own["outline"][()],
+                own["elasticity"][()] if "elasticity" in own else None,
+            )
+        )
     return BeamShape(
         name,
         group["bodies"][()],
         group["data"][()],
         group["s"][()],
-        tuple(label.decode() for label in group["labels"][()]),
-        group["points"][()],
-        group["rows"][()],
-        group["outline"][()],
-        group["elasticity"][()] if "elasticity" in group else None,
+        group["nodes"][()],
+        group["frames"][()],
+        tuple(found),
+        group["which"][()],
     )
+
+
+def beam_knows_stress(group: Any) -> bool:
+    """Return whether a beam (its HDF5 group) has points of a section."""
+    return any(len(own["points"]) for own in group["sections"].values())

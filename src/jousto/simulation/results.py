@@ -347,6 +347,9 @@ def _describe(
             group = beams.create_group(beam.name)
             for name, array in beam_arrays(beam).items():
                 group.create_dataset(name, data=array)
+            # where the states of the nodes are
+            group["iq"] = np.array([model.bodies[k].iq for k in beam.bodies])
+            group["iv"] = np.array([model.bodies[k].iv for k in beam.bodies])
     joints = file.create_group("joints", track_order=True)
     for joint in model.joints:
         group = joints.create_group(joint.name)

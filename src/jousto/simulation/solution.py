@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from jousto.engine import BeamShape
 from jousto.errors import InputError, Problem, suggest
 from jousto.reduction import StressModes
-from jousto.simulation.beams import GROUP, read_beam
+from jousto.simulation.beams import GROUP, beam_knows_stress, read_beam
 from jousto.simulation.events import Happening, happenings
 from jousto.simulation.results import EVENT_COLUMNS, open_results
 from jousto.simulation.state import MEMORY, State
-from jousto.simulation.stress import read_stress
+from jousto.simulation.stress import knows_stress, read_stress
 
 Array = NDArray[np.float64]
 WORK = ("dissipated", "friction", "work")
@@ -342,6 +342,45 @@ class Solution:
             if GROUP not in file:
                 return ()
             return tuple(read_beam(name, group) for name, group in file[GROUP].items())
+
+    def beam_states(self, beam: str, rows: slice = slice(None)) -> tuple[Array, Array]:
+        """Return ``[R e]`` (nt, n + 1, 7) and ``[R' w_local]`` (nt, n + 1, 6) of a beam's nodes.
+
+        Parameters
+        ----------
+        beam : str
+            Name of the beam.
+        rows : slice
+            Which instants; all of them if not given.
+
+        Raises
+        ------
+        InputError
+            If there is no such beam.
+        """
+        with self._open() as file:
+            known = tuple(file[GROUP]) if GROUP in file else ()
+            if beam not in known:
+                tail = suggest(beam, known) if known else "; this run has no beams"
+                raise InputError(Problem(str(self.path), f"no beam '{beam}'{tail}"))
+            found = []
+            start, stop, step = rows.indices(self._length)
+            for place, width in (("q", 7), ("v", 6)):
+                at = file[GROUP][beam][f"i{place}"][()]
+                first = int(at.min())
+                block = file[f"state/{place}"][start:stop:step, first : int(at.max()) + width]
+                columns = (at - first)[:, None] + np.arange(width)
+                found.append(np.asarray(block[:, columns]))
+            return found[0], found[1]
+
+    @property
+    def stressed(self) -> tuple[str, ...]:
+        """Names of the bodies and beams whose stress is known."""
+        with self._open() as file:
+            names = [k for k, g in file["bodies"].items() if knows_stress(g)]
+            if GROUP in file:
+                names += [name for name, group in file[GROUP].items() if beam_knows_stress(group)]
+            return tuple(names)
 
     def stress_modes(self, body: str) -> StressModes | None:
         """Return the stress of each mode of a body, None if it is not known.

@@ -41,6 +41,11 @@ def stress_arrays(stress: StressModes) -> dict[str, Any]:
     return {f"{GROUP}/{name}": array for name, array in arrays.items()}
 
 
+def knows_stress(body: Any) -> bool:
+    """Return whether a body (its HDF5 group) has stress modes."""
+    return GROUP in body or "stress_nodes" in body
+
+
 def read_stress(body: Any) -> StressModes | None:
     """Return the stress modes of a body (its HDF5 group), None if it has none."""
     if GROUP in body:
