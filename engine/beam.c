@@ -184,8 +184,8 @@ static void internal(const jo_model *m, jo_data *d, const int i)
     }
 }
 
-/* elastic and damping forces of all beams added to those on their bodies */
-int jo_beam_forces(const jo_model *m, jo_data *d)
+/* elastic and damping forces of all beams added to those on their bodies, with the inertia that those do not have */
+int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a)
 {
     for (int i = 0; i < m->nbeam; i++) {
         const int status = section(m, d, i);
@@ -194,6 +194,7 @@ int jo_beam_forces(const jo_model *m, jo_data *d)
             return status;
         }
         internal(m, d, i);
+        if (jo_beam_inertial(&m->beam[i])) jo_beam_inertia(m, d, i, a);
     }
     return JO_OK;
 }

@@ -250,6 +250,8 @@ static void elastic(const jo_model *m, jo_data *d, const int i)
 
 void jo_newton_beams(const jo_model *m, jo_data *d)
 {
-    if (d->weights.q == 0.0 && d->weights.v == 0.0) return;
-    for (int i = 0; i < m->nbeam; i++) elastic(m, d, i);
+    for (int i = 0; i < m->nbeam; i++) {
+        if (jo_beam_inertial(&m->beam[i])) jo_beam_newton_inertia(m, d, i);
+        if (d->weights.q != 0.0 || d->weights.v != 0.0) elastic(m, d, i);
+    }
 }

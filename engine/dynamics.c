@@ -41,7 +41,7 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
         if (applied != JO_OK) return applied;
     }
     if (m->nbeam) {
-        const int bent = jo_beam_forces(m, d);
+        const int bent = jo_beam_forces(m, d, 0);
         if (bent != JO_OK) return bent;
     }
     for (int i = 0; i < m->nbody; i++) {
@@ -274,7 +274,10 @@ void jo_energy(const jo_model *m, jo_data *d, jo_real *out)
         jo_axpy3(centre, b->mass[0], d->q + b->iq);
         P -= jo_dot3(m->gravity, centre);
     }
-    if (m->nbeam) U += jo_beam_stored(m, d);
+    if (m->nbeam) {
+        T += jo_beam_kinetic(m, d);
+        U += jo_beam_stored(m, d);
+    }
     out[0] = T;
     out[1] = U;
     out[2] = P;

@@ -317,11 +317,16 @@ int jo_ask(const jo_force *f, jo_real time, const jo_real *x, jo_real *y);
 
 /* beam.c */
 void jo_beam_setup(const jo_model *m, jo_data *d);
-int jo_beam_forces(const jo_model *m, jo_data *d);
+int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a);   /* with inertia at accelerations a, 0: at none */
 jo_real jo_beam_stored(const jo_model *m, const jo_data *d);
 void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y);
 void jo_beam_accept(const jo_model *m, jo_data *d);
 void jo_beam_forget(jo_data *d);
+
+/* beam_inertia.c */
+void jo_beam_inertia(const jo_model *m, jo_data *d, int i, const jo_real *a);
+jo_real jo_beam_kinetic(const jo_model *m, const jo_data *d);
+void jo_beam_newton_inertia(const jo_model *m, jo_data *d, int i);
 
 /* beam_tangent.c */
 void jo_newton_beams(const jo_model *m, jo_data *d);

@@ -99,7 +99,7 @@ int jo_residual(const jo_model *m, jo_data *d, jo_real *r)
         if (applied != JO_OK) return applied;
     }
     if (m->nbeam) {
-        const int status = jo_beam_forces(m, d);
+        const int status = jo_beam_forces(m, d, d->a);
         if (status != JO_OK) return status;
     }
     if (m->nfriction) jo_friction_push(m, d);
