@@ -1,4 +1,5 @@
 # the public names; __init__.py loads them from here when they are first used
+from . import planar as planar
 from .engine import DamageMeter as DamageMeter
 from .engine import Diagnosis as Diagnosis
 from .engine import Engine as Engine
@@ -827,6 +828,7 @@ from .parts import (
 from .parts import (
     thickness_factor as thickness_factor,
 )
+from .planar import PlanarFrame as PlanarFrame
 from .recovery.fatigue import (
     Assessment as Assessment,
 )

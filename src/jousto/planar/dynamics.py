@@ -1,0 +1,263 @@
+"""simulate_planar: Newmark and generalised-alpha with Newton's full iteration."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lapack
+
+from jousto.errors import InputError, Problem, Problems, SimulationError, warn
+from jousto.planar.frame import PlanarFrame
+from jousto.planar.methods import Convergence, Method
+from jousto.planar.results import PlanarRun, PlanarState, Records, rest
+from jousto.planar.system import Loads, Point, System
+
+Array = NDArray[Any]
+
+
+class Outcome(NamedTuple):
+    """How Newton's iteration ended.
+
+    Attributes
+    ----------
+    point : Point
+        The last state looked at.
+    converged : bool
+    evaluations, solves : int
+        Residuals and linear systems.
+    history : list of float
+        Norms of the residuals.
+    """
+
+    point: Point
+    converged: bool
+    evaluations: int
+    solves: int
+    history: list[float]
+
+
+class Scheme(NamedTuple):
+    """A method at one step: how velocities and accelerations follow the unknowns.
+
+    Attributes
+    ----------
+    h, c, m, am, af, beta, gamma : float
+    """
+
+    h: float
+    c: float
+    m: float
+    am: float
+    af: float
+    beta: float
+    gamma: float
+
+
+def scheme(method: Method) -> Scheme:
+    """Return the numbers that Newton needs of a method."""
+    am, af, beta, gamma = method.weights
+    h = method.step
+    c, m = gamma / (beta * h), (1.0 - am) / ((1.0 - af) * beta * h * h)
+    return Scheme(h, c, m, am, af, beta, gamma)
+
+
+def solve(A: Array, b: Array) -> Array | None:
+    """Return the solution of a dense linear system, None if it is singular."""
+    _, _, x, info = lapack.dgesv(A, b, overwrite_a=1)
+    return x if info == 0 and np.isfinite(x).all() else None
+
+
+def newton(
+    system: System,
+    start: tuple[Array, Array, Array],
+    loads: Loads,
+    rule: Scheme,
+    convergence: Convergence,
+    inertia_tangents: bool,
+) -> Outcome:
+    """Correct a predicted state until the residual at the end of the step is small."""
+    q, v, a = (x.copy() for x in start)
+    free = system.free
+    grid = free[:, None], free
+    history: list[float] = []
+    solves = 0
+    while True:
+        p = system.evaluate(q, v, a, loads)
+        r = p.residual[free]
+        size = math.sqrt(float(r @ r))
+        history.append(size)
+        if not math.isfinite(size):
+            return Outcome(p, False, len(history), solves, history)
+        good = convergence.residual is None or size <= convergence.residual
+        if good and convergence.relative is not None:
+            good = size <= convergence.relative * system.scale(p, loads)
+        if good and convergence.increment is None:
+            return Outcome(p, True, len(history), solves, history)
+        if solves == convergence.max_iterations:
+            return Outcome(p, False, len(history), solves, history)
+        J = system.tangent(p, loads, rule.c, rule.m, inertia_tangents)
+        dq = solve(J[grid], r)
+        solves += 1
+        if dq is None:
+            return Outcome(p, False, len(history), solves, history)
+        q[free] -= dq
+        v[free] -= rule.c * dq
+        a[free] -= rule.m * dq
+        if good and convergence.increment is not None:
+            if math.sqrt(float(dq @ dq)) <= convergence.increment:
+                # not counted: the state is accepted, this is for the results
+                p = system.evaluate(q, v, a, loads)
+                return Outcome(p, True, len(history), solves, history)
+
+
+def start_accelerations(system: System, q: Array, v: Array, loads: Loads) -> Array:
+    """Return accelerations that satisfy the equations at the start.
+
+    Raises
+    ------
+    InputError
+        If an unknown has no mass.
+    """
+    zero = np.zeros_like(q)
+    p = system.evaluate(q, v, zero, loads)
+    free = system.free
+    M = (p.slaves.B.T @ system.M @ p.slaves.B)[np.ix_(free, free)]
+    bare = [system.names[i] for i, mass in zip(free, np.diag(M), strict=True) if mass <= 0.0]
+    if bare:
+        listed = ", ".join(bare[:6]) + (", ..." if len(bare) > 6 else "")
+        text = f"no mass moves with {listed}; give sections mass and rotary, or a PlanarMass"
+        raise InputError(Problem("simulate_planar", text))
+    a = zero.copy()
+    a[free] = np.linalg.solve(M, -p.residual[free])
+    return a
+
+
+def simulate_planar(
+    frame: PlanarFrame,
+    t_end: float,
+    method: Method,
+    *,
+    convergence: Convergence | None = None,
+    inertia_tangents: bool = True,
+    start: PlanarState | None = None,
+    partial: bool = False,
+) -> PlanarRun:
+    """Move a planar frame through time.
+
+    Parameters
+    ----------
+    frame : PlanarFrame
+    t_end : float
+        s.
+    method : PlanarNewmark or PlanarGeneralizedAlpha
+    convergence : Convergence, optional
+        By default to 1e-9 of the largest force.
+    inertia_tangents : bool
+        Whether Newton's matrix has the velocity-dependent tangents K_acc and C_acc of eq. 13. They
+        change the number of iterations, not the result.
+    start : PlanarState, optional
+        Unloaded and at rest by default; ``run.state()`` goes on from a run.
+    partial : bool
+        Return what there is if a step does not converge, instead of an error.
+
+    Returns
+    -------
+    PlanarRun
+
+    Raises
+    ------
+    InputError
+        If the frame has unknowns without mass.
+    SimulationError
+        If Newton's iteration does not converge: with the time, the element that stands out and
+        what to do.
+
+    Warns
+    -----
+    JoustoWarning
+        If an axial force is beyond the limit of tension-shear stability of the linear law.
+    """
+    problems = Problems()
+    problems.positive("simulate_planar", "t_end", t_end, "s")
+    problems.raise_if_any()
+    convergence = convergence or Convergence()
+    system, rule = frame.system, scheme(method)
+    start = start or rest(frame)
+    t0, q, v = start.time, start.q.copy(), start.v.copy()
+    steps = int(math.ceil((t_end - t0) / rule.h - 1e-9))
+    if steps < 1:
+        text = f"t_end is {t_end:g} s, must be after the start at {t0:g} s"
+        raise InputError(Problem("simulate_planar", text))
+    loads = system.at_time(t0)
+    a = start_accelerations(system, q, v, loads) if start.a is None else start.a.copy()
+    s = a.copy() if start.s is None else start.s.copy()
+    records = Records(frame, t0, rule.h, steps)
+    records.add(system.evaluate(q, v, a, loads), s, 0, 0)
+    failure = ""
+    history: list[float] = []
+    for k in range(1, steps + 1):
+        t = t0 + k * rule.h
+        loads = system.at_time(t)
+        # predictor with zero acceleration at the end
+        rest_s = (rule.af * a - rule.am * s) / (1.0 - rule.am)
+        mean = (0.5 - rule.beta) * s + rule.beta * rest_s
+        q1 = q + rule.h * v + rule.h**2 * mean
+        v1 = v + rule.h * ((1.0 - rule.gamma) * s + rule.gamma * rest_s)
+        q1[records.held], v1[records.held] = q[records.held], 0.0
+        out = newton(system, (q1, v1, np.zeros_like(a)), loads, rule, convergence, inertia_tangents)
+        history = out.history
+        if not out.converged:
+            failure = _explain(frame, out, t, records, convergence)
+            break
+        q, v = out.point.q, out.point.v
+        s = ((1.0 - rule.af) * out.point.a + rule.af * a - rule.am * s) / (1.0 - rule.am)
+        a = out.point.a
+        records.add(out.point, s, out.evaluations, out.solves)
+    run = records.run(failure, tuple(history))
+    unstable = run.unstable
+    if failure and not partial:
+        raise SimulationError(
+            failure, time=float(run.time[-1]), body=unstable[1] if unstable else ""
+        )
+    if unstable:
+        time, where, ratio = unstable
+        warn(where, f"at t = {time:g} s {_instability(ratio)}")
+    return run
+
+
+def _instability(ratio: float) -> str:
+    return (
+        f"its axial force is {ratio:.3g} times the limit GA / (1 - GA/EA), beyond which the linear "
+        "law is unstable: sections turn and the beam shears off without a cause. No material is "
+        "linear at such strains; use GA = EA, a stiffer section or less load"
+    )
+
+
+def _explain(
+    frame: PlanarFrame, out: Outcome, t: float, records: Records, convergence: Convergence
+) -> str:
+    """Return one sentence on why a step did not converge, and one on what to do."""
+    tail = ", ".join(f"{x:.2g}" for x in out.history[-4:])
+    text = f"step to t = {t:g} s does not converge (residuals ... {tail} N)"
+    ratios = records.ratios(out.point.middle.resultants)
+    worst = records.largest_ratio
+    now = int(np.argmax(ratios))
+    if max(worst, float(ratios[now])) > 1.0:
+        i = now if ratios[now] > worst else records.worst_element
+        return f"{text}; {frame.beam_name(i)}: {_instability(max(worst, float(ratios[now])))}"
+    finite = [x for x in out.history if math.isfinite(x)]
+    force = frame.system.scale(out.point, frame.system.at_time(t)) if finite else math.inf
+    if math.isfinite(force) and min(finite) < 1e-9 * force:
+        return (
+            f"{text}; the forces are of {force:.2g} N and rounding leaves no less: give a larger "
+            "Convergence(residual=) or a relative one"
+        )
+    turned = np.abs(out.point.q - records.q[-1] if records.q else 0.0)
+    k = int(np.argmax(turned)) if np.isfinite(turned).all() else 0
+    return (
+        f"{text}; {frame.system.names[k]} changes most ({turned[k]:.2g} in this step): use a "
+        f"smaller step than {records.step:g} s"
+    )

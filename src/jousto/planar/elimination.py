@@ -1,0 +1,366 @@
+"""Master-slave elimination: any holonomic coupling ``u = f(um)`` by one piece of code.
+
+J. Makinen, H. Marjamaki, S. Pajunen, *Nopeudesta riippuvien hitausvoimatermien vaikutus
+palkkilaskentaan* (Tampere University of Technology), equations 2 to 13; signs checked by complex
+steps. A map knows `f`, its derivative `B`, the time derivatives `B1` and `B2` of that, and `Kg`;
+what follows for forces, stiffness and inertia is the same for all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.planar.jets import derivatives
+
+Array = NDArray[Any]
+
+
+class Map(Protocol):
+    """Slave displacements as a function of master displacements.
+
+    Attributes
+    ----------
+    shape : (int, int)
+        Numbers of slaves and masters.
+    """
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Numbers of slaves and masters."""
+
+    def f(self, q: Array) -> Array:
+        """Slave displacements, eq. 2."""
+
+    def B(self, q: Array) -> Array:
+        """Return ``df/dq``, eq. 3."""
+
+    def B1(self, q: Array, v: Array) -> Array:
+        """Time derivative of B at the velocity v."""
+
+    def B2(self, q: Array, v: Array, a: Array) -> Array:
+        """Second time derivative of B at velocity v and acceleration a."""
+
+    def Kg(self, q: Array, F: Array) -> Array:
+        """Return ``d(B^T F)/dq`` with F held, eq. 6."""
+
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """Linear coupling ``u = T q + u0``: ties, symmetry, gears, interpolation.
+
+    Parameters
+    ----------
+    T : (slaves, masters) array
+    u0 : (slaves,) array, optional
+    """
+
+    T: Array
+    u0: Array | float = 0.0
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Numbers of slaves and masters."""
+        return self.T.shape[0], self.T.shape[1]
+
+    def f(self, q: Array) -> Array:
+        """Slave displacements."""
+        return np.asarray(self.T @ q + self.u0)
+
+    def B(self, q: Array) -> Array:
+        """Return the matrix itself."""
+        return self.T
+
+    def B1(self, q: Array, v: Array) -> Array:
+        """Return zero."""
+        return np.zeros_like(self.T)
+
+    def B2(self, q: Array, v: Array, a: Array) -> Array:
+        """Return zero."""
+        return np.zeros_like(self.T)
+
+    def Kg(self, q: Array, F: Array) -> Array:
+        """Return zero."""
+        return np.zeros((self.T.shape[1], self.T.shape[1]))
+
+
+class Arms:
+    """Slave points at the ends of rigid arms: ``(x, y) + R(theta) (X, Y) - (X, Y)``, eqs. 20 to 25.
+
+    Masters are nodes (x, y, rotation), as are the slaves unless ``rotation`` is False: then an end
+    is a hinge and has two displacements only.
+
+    Parameters
+    ----------
+    nodes : int
+        Number of master nodes.
+    master : (k,) array of int
+        Node that carries each arm; a node may carry several.
+    arms : (k, 2) array
+        (X, Y) from master to slave in the unloaded frame, m.
+    rotation : bool
+        Whether the slaves turn with their masters.
+    """
+
+    def __init__(self, nodes: int, master: Array, arms: Array, rotation: bool = True) -> None:
+        k, width = len(master), 3 if rotation else 2
+        self.shape = (width * k, 3 * nodes)
+        self.X, self.Y = np.array(arms, dtype=float).reshape(k, 2).T
+        self.turn = 3 * np.asarray(master, dtype=int) + 2
+        self.row = width * np.arange(k)
+        self.rigid = np.zeros(self.shape)
+        for c in range(width):
+            self.rigid[self.row + c, self.turn - 2 + c] = 1.0
+        # sums what several arms add to their node
+        self.sum = np.zeros((3 * nodes, k))
+        self.sum[self.turn, np.arange(k)] = 1.0
+
+    def _fill(self, base: Array, first: Array, second: Array) -> Array:
+        """Return a copy of base with columns of rotations: rows x first, rows y second."""
+        B = base.astype(np.result_type(base, first))
+        B[self.row, self.turn] = first
+        B[self.row + 1, self.turn] = second
+        return B
+
+    def _arm(self, q: Array) -> tuple[Array, Array, Array, Array]:
+        th = q[self.turn]
+        return np.cos(th), np.sin(th), self.X, self.Y
+
+    def f(self, q: Array) -> Array:
+        """Slave displacements, eq. 20."""
+        c, s, X, Y = self._arm(q)
+        u: Array = self.rigid @ q
+        u[self.row] += X * c - Y * s - X
+        u[self.row + 1] += X * s + Y * c - Y
+        return u
+
+    def B(self, q: Array) -> Array:
+        """Kinematic matrix, eq. 22."""
+        c, s, X, Y = self._arm(q)
+        return self._fill(self.rigid, -X * s - Y * c, X * c - Y * s)
+
+    def B1(self, q: Array, v: Array) -> Array:
+        """Eq. 24."""
+        c, s, X, Y = self._arm(q)
+        w = v[self.turn]
+        return self._fill(0.0 * self.rigid, w * (Y * s - X * c), -w * (X * s + Y * c))
+
+    def B2(self, q: Array, v: Array, a: Array) -> Array:
+        """Eq. 25, with the minus that is lost in print."""
+        c, s, X, Y = self._arm(q)
+        w2, dw = v[self.turn] ** 2, a[self.turn]
+        A, B = Y * w2 - X * dw, Y * dw + X * w2
+        return self._fill(0.0 * self.rigid, A * c + B * s, A * s - B * c)
+
+    def Kg(self, q: Array, F: Array) -> Array:
+        """Eq. 23: ``-F1 B23 + F2 B13`` where the rotation meets itself."""
+        c, s, X, Y = self._arm(q)
+        F1, F2 = F[self.row], F[self.row + 1]
+        return np.diag(self.sum @ (F2 * (-X * s - Y * c) - F1 * (X * c - Y * s)))
+
+
+class Function:
+    """Any coupling, given as a function; derivatives are exact to rounding (`jets`).
+
+    Parameters
+    ----------
+    function : function
+        Master coordinates (masters,) to slave displacements (slaves,), written with NumPy's
+        ``sin, cos, tan, exp, log, sqrt, arctan`` and arithmetic, without ``if`` on coordinates.
+    slaves, masters : int
+    """
+
+    def __init__(self, function: Callable[[Array], Any], slaves: int, masters: int) -> None:
+        self.function, self.shape = function, (slaves, masters)
+
+    def f(self, q: Array) -> Array:
+        """Slave displacements."""
+        u = np.asarray(self.function(q))
+        return u.astype(np.result_type(q, float)).reshape(-1)
+
+    def B(self, q: Array) -> Array:
+        """Return its derivative."""
+        n = self.shape[1]
+        still = np.zeros((n, n))
+        return derivatives(self.function, q, np.eye(n), still, still)[0].T
+
+    def B1(self, q: Array, v: Array) -> Array:
+        """Return the coefficient of t of the derivative along ``q + v t``."""
+        n = self.shape[1]
+        path = np.broadcast_to(v, (n, n))
+        return derivatives(self.function, q, np.eye(n), path, 0.0 * path)[1].T
+
+    def B2(self, q: Array, v: Array, a: Array) -> Array:
+        """Return twice the coefficient of t^2 of the derivative along ``q + v t + a t^2 / 2``."""
+        n = self.shape[1]
+        c1, c2 = np.broadcast_to(v, (n, n)), np.broadcast_to(0.5 * a, (n, n))
+        return 2.0 * derivatives(self.function, q, np.eye(n), c1, c2)[2].T
+
+    def Kg(self, q: Array, F: Array) -> Array:
+        """Return F times the second derivatives: how the first ones change along each axis."""
+        n = self.shape[1]
+        e = np.eye(n)
+        along, path = np.repeat(e, n, axis=0), np.tile(e, (n, 1))
+        second = derivatives(self.function, q, along, path, 0.0 * path)[1]
+        return np.asarray((second @ F).reshape(n, n))
+
+
+class Blocks:
+    """Maps of groups of coordinates side by side: ``u[rows] = f(q[columns])``.
+
+    Parameters
+    ----------
+    shape : (int, int)
+        Numbers of all slaves and masters.
+    blocks : sequence of (rows, columns, Map)
+        Each slave stands in one block; a master may serve many.
+    """
+
+    def __init__(self, shape: tuple[int, int], blocks: Sequence[tuple[Array, Array, Map]]) -> None:
+        self.shape = shape
+        self.blocks = [(np.asarray(r), np.asarray(c), m) for r, c, m in blocks]
+
+    def f(self, q: Array) -> Array:
+        """Slave displacements."""
+        u = np.zeros(self.shape[0], dtype=q.dtype)
+        for rows, columns, part in self.blocks:
+            u[rows] = part.f(q[columns])
+        return u
+
+    def _place(self, parts: Sequence[Array]) -> Array:
+        B = np.zeros(self.shape, dtype=np.result_type(float, *parts))
+        for (rows, columns, _), part in zip(self.blocks, parts, strict=True):
+            B[rows[:, None], columns] = part
+        return B
+
+    def B(self, q: Array) -> Array:
+        """Kinematic matrices of the blocks in their places."""
+        return self._place([m.B(q[c]) for _, c, m in self.blocks])
+
+    def B1(self, q: Array, v: Array) -> Array:
+        """Their time derivatives."""
+        return self._place([m.B1(q[c], v[c]) for _, c, m in self.blocks])
+
+    def B2(self, q: Array, v: Array, a: Array) -> Array:
+        """Their second time derivatives."""
+        return self._place([m.B2(q[c], v[c], a[c]) for _, c, m in self.blocks])
+
+    def Kg(self, q: Array, F: Array) -> Array:
+        """Sum of the geometric stiffness of the blocks."""
+        K = np.zeros((self.shape[1], self.shape[1]), dtype=np.result_type(q, F))
+        for rows, columns, part in self.blocks:
+            K[columns[:, None], columns] += part.Kg(q[columns], F[rows])
+        return K
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A map of a map: ``u = outer(inner(q))``, such as an offset on a node that is itself a slave.
+
+    Parameters
+    ----------
+    outer, inner : Map
+    """
+
+    outer: Map
+    inner: Map
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Numbers of slaves and masters."""
+        return self.outer.shape[0], self.inner.shape[1]
+
+    def f(self, q: Array) -> Array:
+        """Slave displacements."""
+        return self.outer.f(self.inner.f(q))
+
+    def B(self, q: Array) -> Array:
+        """Return the product of both."""
+        return np.asarray(self.outer.B(self.inner.f(q)) @ self.inner.B(q))
+
+    def B1(self, q: Array, v: Array) -> Array:
+        """Product rule."""
+        w, b = self.inner.f(q), self.inner.B(q)
+        return np.asarray(self.outer.B1(w, b @ v) @ b + self.outer.B(w) @ self.inner.B1(q, v))
+
+    def B2(self, q: Array, v: Array, a: Array) -> Array:
+        """Product rule, twice."""
+        w, b, b1 = self.inner.f(q), self.inner.B(q), self.inner.B1(q, v)
+        wv, wa = b @ v, b @ a + b1 @ v
+        return np.asarray(
+            self.outer.B2(w, wv, wa) @ b
+            + 2.0 * self.outer.B1(w, wv) @ b1
+            + self.outer.B(w) @ self.inner.B2(q, v, a)
+        )
+
+    def Kg(self, q: Array, F: Array) -> Array:
+        """Return that of the inner map under what is passed on, and the outer one eliminated."""
+        w, b = self.inner.f(q), self.inner.B(q)
+        return np.asarray(b.T @ self.outer.Kg(w, F) @ b + self.inner.Kg(q, self.outer.B(w).T @ F))
+
+
+class Slaves(NamedTuple):
+    """Motion of the slaves that belongs to one of the masters, eq. 8.
+
+    Attributes
+    ----------
+    u, v, a : (slaves,) array
+        Displacements f(q), velocities ``B v`` and accelerations ``B a + B1 v``.
+    B, B1 : (slaves, masters) array
+    """
+
+    u: Array
+    v: Array
+    a: Array
+    B: Array
+    B1: Array
+
+
+@dataclass(frozen=True)
+class Elimination:
+    """Forces, stiffness and inertia of slaves, as seen by their masters.
+
+    Parameters
+    ----------
+    map : Map
+        The coupling.
+    """
+
+    map: Map
+
+    def slaves(self, q: Array, v: Array, a: Array) -> Slaves:
+        """Return the motion of the slaves."""
+        B, B1 = self.map.B(q), self.map.B1(q, v)
+        return Slaves(self.map.f(q), B @ v, B @ a + B1 @ v, B, B1)
+
+    def force(self, q: Array, F: Array) -> Array:
+        """Eq. 5: ``F_m = B^T F``."""
+        return np.asarray(self.map.B(q).T @ F)
+
+    def stiffness(self, q: Array, F: Array, K: Array) -> Array:
+        """Eq. 6: ``K_m = B^T K B + Kg(F)``."""
+        B = self.map.B(q)
+        return np.asarray(B.T @ K @ B + self.map.Kg(q, F))
+
+    def mass(self, q: Array, M: Array) -> Array:
+        """Eq. 10: ``M_m = B^T M B``."""
+        B = self.map.B(q)
+        return np.asarray(B.T @ M @ B)
+
+    def centrifugal(self, q: Array, v: Array, M: Array) -> Array:
+        """Eq. 10: ``F_cent = B^T M B1 v``, of the order of squared velocities."""
+        return np.asarray(self.map.B(q).T @ (M @ (self.map.B1(q, v) @ v)))
+
+    def inertia_tangents(self, q: Array, v: Array, a: Array, M: Array) -> tuple[Array, Array]:
+        """Eq. 13: ``K_acc = B^T M B2 + Kg(M u'')`` and ``C_acc = 2 B^T M B1``.
+
+        Derivatives of ``M_m a + F_cent`` by q and v; not symmetric.
+        """
+        s = self.slaves(q, v, a)
+        MB = M @ s.B
+        K = MB.T @ self.map.B2(q, v, a) + self.map.Kg(q, M @ s.a)
+        return np.asarray(K), np.asarray(2.0 * MB.T @ s.B1)

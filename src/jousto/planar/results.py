@@ -1,0 +1,285 @@
+"""Results of planar frames: states, runs and equilibrium paths."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.errors import InputError, Problem, suggest
+from jousto.planar.frame import PlanarFrame
+from jousto.planar.system import Point
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarState:
+    """Where a run begins.
+
+    Parameters
+    ----------
+    q, v : (n,) array
+        Unknowns and their velocities, as ``frame.system.names`` lists them.
+    time : float
+        s.
+    a, s : (n,) array, optional
+        Accelerations, and those of the method, of a run that goes on.
+    """
+
+    q: Array
+    v: Array
+    time: float = 0.0
+    a: Array | None = None
+    s: Array | None = None
+
+
+def rest(frame: PlanarFrame) -> PlanarState:
+    """Return the unloaded frame at rest."""
+    return PlanarState(np.zeros(frame.system.size), np.zeros(frame.system.size))
+
+
+def spinning(frame: PlanarFrame, speed: float, about: tuple[float, float] = (0, 0)) -> PlanarState:
+    """Return the unloaded frame that turns as a rigid body; for frames without links.
+
+    Parameters
+    ----------
+    frame : PlanarFrame
+    speed : float
+        rad/s, counterclockwise.
+    about : (float, float)
+        Point that stands still, m.
+
+    Raises
+    ------
+    InputError
+        If the frame has links, whose unknowns it does not know.
+    """
+    if frame.links:
+        text = "the frame has links; give PlanarState(q, v) with the velocities of its unknowns"
+        raise InputError(Problem("spinning", text))
+    v = np.zeros((len(frame.nodes), 3))
+    r = np.array(list(frame.nodes.values())) - np.asarray(about)
+    v[:, 0], v[:, 1], v[:, 2] = -speed * r[:, 1], speed * r[:, 0], speed
+    return PlanarState(np.zeros(v.size), v.ravel())
+
+
+def _ratios(D: Array, resultants: Any) -> Array:
+    EA, GA = D[:, 0], D[:, 1]
+    return np.asarray(np.real(resultants[..., 0]) * (EA - GA) / (EA * GA))
+
+
+class Records:
+    """Collects the steps of a run."""
+
+    def __init__(self, frame: PlanarFrame, t0: float, step: float, steps: int) -> None:
+        self.frame, self.system, self.t0, self.step = frame, frame.system, t0, step
+        self.held = np.setdiff1d(np.arange(self.system.size), self.system.free)
+        self.q: list[Array] = []
+        self.v: list[Array] = []
+        self.a: list[Array] = []
+        self.u: list[tuple[Array, Array, Array]] = []
+        self.strains: list[Array] = []
+        self.counts: list[tuple[int, int]] = []
+        self.energies: list[tuple[float, float]] = []
+        self.s: Array | None = None
+        self.largest_ratio, self.worst_element = -np.inf, 0
+        # time, element and ratio of the first instability
+        self.first: tuple[float, int, float] | None = None
+
+    def ratios(self, resultants: Any) -> Array:
+        """Return axial force over its limit of stability, for each element."""
+        return _ratios(self.system.D, resultants)
+
+    def add(self, p: Point, s: Array, evaluations: int, solves: int) -> None:
+        """Keep one step."""
+        self.q.append(p.q)
+        self.v.append(p.v)
+        self.a.append(p.a)
+        self.u.append((p.slaves.u, p.slaves.v, p.slaves.a))
+        self.strains.append(p.middle.strains)
+        self.counts.append((evaluations, solves))
+        self.energies.append(self.system.energies(p))
+        self.s = s
+        ratio = self.ratios(p.middle.resultants)
+        i = int(ratio.argmax())
+        if ratio[i] > self.largest_ratio:
+            self.largest_ratio, self.worst_element = float(ratio[i]), i
+        if self.first is None and ratio[i] > 1.0:
+            self.first = self.t0 + (len(self.q) - 1) * self.step, i, float(ratio[i])
+
+    def run(self, failure: str, history: tuple[float, ...]) -> PlanarRun:
+        """Return what was kept."""
+        unstable = None
+        if self.first is not None:
+            time, i, _ = self.first
+            unstable = time, self.frame.beam_name(i), self.largest_ratio
+        counts = np.array(self.counts)
+        n = 3 * self.system.count
+        motion = np.array(self.u)[:, :, :n].reshape(len(self.u), 3, -1, 3)
+        return PlanarRun(
+            frame=self.frame,
+            time=np.asarray(self.t0 + self.step * np.arange(len(self.q)), dtype=np.float64),
+            q=np.array(self.q),
+            v=np.array(self.v),
+            a=np.array(self.a),
+            displacements=motion[:, 0],
+            velocities=motion[:, 1],
+            accelerations=motion[:, 2],
+            strains=np.array(self.strains),
+            evaluations=counts[:, 0],
+            solves=counts[:, 1],
+            energies=np.array(self.energies),
+            unstable=unstable,
+            failure=failure,
+            last_residuals=history,
+            method_accelerations=self.s,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarRun:
+    """Motion of a planar frame; arrays over time, nodes in the order of ``frame.nodes``.
+
+    Attributes
+    ----------
+    frame : PlanarFrame
+    time : (nt,) array
+        s, every step.
+    q, v, a : (nt, n) array
+        Unknowns with their velocities and accelerations.
+    displacements, velocities, accelerations : (nt, nodes, 3) array
+        x, y (m, m/s, m/s^2) and rotation (rad, rad/s, rad/s^2) of the nodes.
+    strains : (nt, ne, 3) array
+        eps, gam, kap (1/m) at the middles of the elements.
+    evaluations, solves : (nt,) array of int
+        Residuals and linear systems of each step; zero for the start.
+    energies : (nt, 2) array
+        Kinetic and strain energy, J.
+    unstable : (float, str, float) or None
+        First time at which a beam is beyond its limit of tension-shear stability, which one, and
+        the largest ratio to the limit in the run.
+    failure : str
+        Why the run ended early; empty if it did not.
+    last_residuals : tuple of float
+        Of Newton's iteration in the last step.
+    method_accelerations : (n,) array or None
+        What the method needs to go on.
+    """
+
+    frame: PlanarFrame
+    time: Array
+    q: Array
+    v: Array
+    a: Array
+    displacements: Array
+    velocities: Array
+    accelerations: Array
+    strains: Array
+    evaluations: NDArray[np.int_]
+    solves: NDArray[np.int_]
+    energies: Array
+    unstable: tuple[float, str, float] | None
+    failure: str
+    last_residuals: tuple[float, ...]
+    method_accelerations: Array | None
+
+    @property
+    def steps(self) -> int:
+        """Number of steps that converged."""
+        return len(self.time) - 1
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run came to its end."""
+        return not self.failure
+
+    @property
+    def positions(self) -> Array:
+        """Positions of the nodes, (nt, nodes, 2), m."""
+        return np.asarray(_rest(self.frame) + self.displacements[:, :, :2])
+
+    @property
+    def resultants(self) -> Array:
+        """N, Q (N), M (N m) at the middles of the elements, (nt, ne, 3), without their damping."""
+        return np.asarray(self.strains * self.frame.system.D)
+
+    def node(self, name: object) -> int:
+        """Return the place of a node in the arrays.
+
+        Raises
+        ------
+        InputError
+            With the nearest name if there is none.
+        """
+        return _node(self.frame, name)
+
+    def state(self, k: int = -1) -> PlanarState:
+        """Return the state at a step to go on from, exactly where it is the last one."""
+        last = k in (-1, self.steps)
+        s = self.method_accelerations if last else None
+        return PlanarState(self.q[k], self.v[k], float(self.time[k]), self.a[k], s)
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarPath:
+    """Equilibria of a planar frame under growing loads.
+
+    Attributes
+    ----------
+    frame : PlanarFrame
+    factors : (nt,) array
+        Load factors.
+    q : (nt, n) array
+        Unknowns.
+    displacements : (nt, nodes, 3) array
+        m, rad.
+    strains : (nt, ne, 3) array
+        eps, gam, kap (1/m).
+    negative : (nt,) array of int
+        Number of negative eigenvalues of the tangent: 0 where the equilibrium is stable under
+        conservative loads; a change tells a limit or a branching point.
+    residuals : tuple of tuples of float
+        Of Newton's iteration at each point.
+    """
+
+    frame: PlanarFrame
+    factors: Array
+    q: Array
+    displacements: Array
+    strains: Array
+    negative: NDArray[np.int_]
+    residuals: tuple[tuple[float, ...], ...]
+
+    @property
+    def positions(self) -> Array:
+        """Positions of the nodes, (nt, nodes, 2), m."""
+        return np.asarray(_rest(self.frame) + self.displacements[:, :, :2])
+
+    @property
+    def resultants(self) -> Array:
+        """N, Q (N), M (N m) at the middles of the elements, (nt, ne, 3)."""
+        return np.asarray(self.strains * self.frame.system.D)
+
+    def node(self, name: object) -> int:
+        """Return the place of a node in the arrays."""
+        return _node(self.frame, name)
+
+    def state(self, k: int = -1) -> PlanarState:
+        """Return an equilibrium as the start of a run."""
+        return PlanarState(self.q[k], np.zeros_like(self.q[k]))
+
+
+def _rest(frame: PlanarFrame) -> Array:
+    return np.array(list(frame.nodes.values()), dtype=float)
+
+
+def _node(frame: PlanarFrame, name: object) -> int:
+    names = list(frame.nodes)
+    if name not in names:
+        raise InputError(
+            Problem(f"node {name!r}", f"there is none{suggest(name, map(str, names))}")
+        )
+    return names.index(name)

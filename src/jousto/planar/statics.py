@@ -1,0 +1,319 @@
+"""Equilibria of planar frames: load stepping, arc-length and vibrations about an equilibrium."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.errors import InputError, Problem, Problems, SimulationError
+from jousto.planar.dynamics import solve
+from jousto.planar.frame import PlanarFrame
+from jousto.planar.methods import Convergence
+from jousto.planar.results import PlanarPath, PlanarState
+from jousto.planar.system import Point, System
+
+Array = NDArray[Any]
+
+
+class _Equilibrium(NamedTuple):
+    factor: float
+    point: Point
+    history: tuple[float, ...]
+
+
+def load_steps(
+    frame: PlanarFrame,
+    factors: Sequence[float] | NDArray[np.float64] = (1.0,),
+    *,
+    convergence: Convergence | None = None,
+    start: PlanarState | None = None,
+) -> PlanarPath:
+    """Find equilibria under loads and gravity times factors, one after the other, by Newton.
+
+    Parameters
+    ----------
+    frame : PlanarFrame
+        Signals of the loads are not used.
+    factors : sequence of float
+        Load factors; smaller steps if it does not converge.
+    convergence : Convergence, optional
+        By default to 1e-9 of the largest force.
+    start : PlanarState, optional
+        Where to begin; unloaded by default.
+
+    Returns
+    -------
+    PlanarPath
+
+    Raises
+    ------
+    InputError
+        If the frame can move without force: what moves.
+    SimulationError
+        If a step does not converge, with its factor; ``arc_length`` passes limit points.
+    """
+    problems = Problems()
+    values = problems.array("load_steps", "factors", factors, (None,))
+    problems.raise_if_any()
+    assert values is not None
+    convergence = convergence or Convergence()
+    system = frame.system
+    q = np.zeros(system.size) if start is None else start.q.copy()
+    if start is None:
+        _check_supports(system)
+    found = []
+    last = 0.0
+    for factor in values:
+        out = _newton(system, q, float(factor), convergence)
+        if not out.history or not _good(system, out, convergence):
+            tail = ", ".join(f"{x:.2g}" for x in out.history[-3:])
+            text = (
+                f"load_steps: factor {factor:g} after {last:g} does not converge (residuals ... "
+                f"{tail} N); take smaller steps, or arc_length if the load has a limit there"
+            )
+            raise SimulationError(text, time=float(factor))
+        q, last = out.point.q.copy(), float(factor)
+        found.append(out)
+    return _path(frame, found)
+
+
+def arc_length(
+    frame: PlanarFrame,
+    first: float,
+    *,
+    until: float = 1.0,
+    max_steps: int = 200,
+    convergence: Convergence | None = None,
+) -> PlanarPath:
+    """Follow equilibria through limit points: the load may fall while the frame moves on.
+
+    ``|dq|^2 = s^2`` over all corrections of a step (M. A. Crisfield, *Comput. Struct.* 13 (1981)
+    55-62, without the load in the length), rotations weighed by the mean length of the elements;
+    the length s adapts to the number of iterations.
+
+    Parameters
+    ----------
+    frame : PlanarFrame
+    first : float
+        Load factor of the first step, which fixes the length.
+    until : float
+        Load factor at which the path ends, in the direction of `first`.
+    max_steps : int
+        Most points.
+    convergence : Convergence, optional
+        By default to 1e-9 of the largest force, at most 12 iterations.
+
+    Raises
+    ------
+    InputError
+        If the frame can move without force, or nothing loads it.
+    SimulationError
+        If a step does not converge even when it is a thousand times shorter.
+    """
+    problems = Problems()
+    wanted = "a number other than zero"
+    problems.number("arc_length", "first", first, "", wanted, lambda x: x != 0.0)
+    problems.raise_if_any()
+    convergence = convergence or Convergence(max_iterations=12)
+    system = frame.system
+    _check_supports(system)
+    free, sign = system.free, math.copysign(1.0, first)
+    weight = np.array(
+        [float(np.mean(system.length)) if name.startswith("r of") else 1.0 for name in system.names]
+    )[free]
+    q, factor = np.zeros(system.size), 0.0
+    found = [_Equilibrium(0.0, _at(system, q, 0.0), (0.0,))]
+    direction = _tangent_step(system, q, factor)
+    if not np.linalg.norm(direction) > 0.0:
+        raise InputError(Problem("arc_length", "no load moves the frame; give loads or gravity"))
+    s = abs(first) * float(np.linalg.norm(weight * direction))
+    longest, shortest = s, 1e-3 * s
+    before = sign * direction
+    while len(found) <= max_steps:
+        slope = _tangent_step(system, q, factor)
+        way = 1.0 if (weight * slope) @ (weight * before) >= 0.0 else -1.0
+        step = way * s / float(np.linalg.norm(weight * slope))
+        out = _corrected(system, q, factor, step, slope, weight, s, convergence)
+        if out is None:
+            s *= 0.5
+            if s < shortest:
+                text = f"arc_length: no equilibrium is found beyond factor {factor:g}"
+                raise SimulationError(f"{text}; begin with a smaller first step", time=factor)
+            continue
+        before = (out.point.q - q)[free]
+        if sign * out.factor >= sign * until:
+            # end on the load asked for
+            last = _newton(system, out.point.q, until, convergence)
+            found.append(last if _good(system, last, convergence) else out)
+            break
+        q, factor = out.point.q.copy(), out.factor
+        found.append(out)
+        s = min(longest, s * math.sqrt(4.0 / max(1, len(out.history) - 1)))
+    return _path(frame, found)
+
+
+def _at(system: System, q: Array, factor: float) -> Point:
+    zero = np.zeros(system.size)
+    return system.evaluate(q, zero, zero, system.at_factor(factor))
+
+
+def _load_vector(system: System, p: Point) -> Array:
+    """Return d r / d factor, negative: the load of factor 1 on the free unknowns."""
+    return np.asarray((p.slaves.B.T @ system.at_factor(1.0).force(p.slaves.u))[system.free])
+
+
+def _stiffness(system: System, p: Point, factor: float) -> Array:
+    K = system.stiffness(p, system.at_factor(factor))
+    return np.asarray(K[np.ix_(system.free, system.free)])
+
+
+def _tangent_step(system: System, q: Array, factor: float) -> Array:
+    p = _at(system, q, factor)
+    x = solve(_stiffness(system, p, factor), _load_vector(system, p))
+    return np.zeros(len(system.free)) if x is None else x
+
+
+def _newton(system: System, q0: Array, factor: float, convergence: Convergence) -> _Equilibrium:
+    """Correct until it converges or cannot."""
+    q, history = q0.copy(), []
+    p = _at(system, q, factor)
+    for _ in range(convergence.max_iterations + 1):
+        p = _at(system, q, factor)
+        history.append(float(np.linalg.norm(p.residual[system.free])))
+        out = _Equilibrium(factor, p, tuple(history))
+        if not math.isfinite(history[-1]) or _good(system, out, convergence):
+            return out
+        dq = solve(_stiffness(system, p, factor), p.residual[system.free])
+        if dq is None:
+            return out
+        q = q.copy()
+        q[system.free] -= dq
+    return _Equilibrium(factor, p, tuple(history))
+
+
+def _good(system: System, out: _Equilibrium, convergence: Convergence) -> bool:
+    size = out.history[-1]
+    if not math.isfinite(size):
+        return False
+    if convergence.residual is not None and size > convergence.residual:
+        return False
+    relative = convergence.relative
+    if relative is None and convergence.residual is None:
+        relative = 1e-9
+    if relative is None:
+        return True
+    return size <= relative * system.scale(out.point, system.at_factor(out.factor))
+
+
+def _corrected(
+    system: System,
+    q0: Array,
+    factor0: float,
+    step: float,
+    slope: Array,
+    weight: Array,
+    s: float,
+    convergence: Convergence,
+) -> _Equilibrium | None:
+    """Return the equilibrium at the distance s from q0, None if it is not found."""
+    free = system.free
+    q, factor, history = q0.copy(), factor0 + step, []
+    q[free] += step * slope
+    for _ in range(convergence.max_iterations + 1):
+        p = _at(system, q, factor)
+        r = p.residual[free]
+        history.append(float(np.linalg.norm(r)))
+        out = _Equilibrium(factor, p, tuple(history))
+        d = weight * (q - q0)[free]
+        gap = float(d @ d) - s * s
+        if abs(gap) <= 1e-8 * s * s and _good(system, out, convergence):
+            return out
+        # bordered system: equilibrium and length together, regular at limit points
+        n = len(free)
+        A = np.zeros((n + 1, n + 1))
+        A[:n, :n] = _stiffness(system, p, factor)
+        A[:n, n] = -_load_vector(system, p)
+        A[n, :n] = 2.0 * weight * d
+        dx = solve(A, np.append(r, gap))
+        if dx is None:
+            return None
+        q = q.copy()
+        q[free] -= dx[:n]
+        factor -= float(dx[n])
+    return None
+
+
+def _path(frame: PlanarFrame, found: list[_Equilibrium]) -> PlanarPath:
+    system = frame.system
+    negative = []
+    for item in found:
+        K = _stiffness(system, item.point, item.factor)
+        negative.append(int(np.sum(np.linalg.eigvalsh(0.5 * (K + K.T)) < 0.0)))
+    n = 3 * system.count
+    return PlanarPath(
+        frame=frame,
+        factors=np.array([item.factor for item in found]),
+        q=np.array([item.point.q for item in found]),
+        displacements=np.array([item.point.slaves.u[:n] for item in found]).reshape(
+            len(found), -1, 3
+        ),
+        strains=np.array([item.point.middle.strains for item in found]),
+        negative=np.array(negative),
+        residuals=tuple(item.history for item in found),
+    )
+
+
+def _check_supports(system: System) -> None:
+    """Refuse frames that move without force when unloaded.
+
+    Raises
+    ------
+    InputError
+        With the unknown that moves most.
+    """
+    K = _stiffness(system, _at(system, np.zeros(system.size), 0.0), 0.0)
+    # each unknown by its own stiffness, so that units do not matter
+    d = np.sqrt(np.maximum(np.abs(np.diag(K)), 1e-300))
+    values, vectors = np.linalg.eigh(K / d[:, None] / d)
+    loose = values < 1e-12
+    if loose.any():
+        k = int(np.argmax(np.abs(vectors[:, 0] / d)))
+        text = (
+            f"the frame can move without force in {int(loose.sum())} ways; "
+            f"{system.names[system.free[k]]} moves most: add PlanarSupport"
+        )
+        raise InputError(Problem("PlanarFrame", text))
+
+
+def planar_frequencies(
+    frame: PlanarFrame, path: PlanarPath | None = None, k: int = -1
+) -> NDArray[np.float64]:
+    """Return undamped natural frequencies in Hz, unloaded or about an equilibrium.
+
+    Parameters
+    ----------
+    frame : PlanarFrame
+    path : PlanarPath, optional
+        Equilibria from `load_steps` or `arc_length`.
+    k : int
+        Which of them.
+
+    Returns
+    -------
+    (n,) array
+        Hz, ascending; negative where the equilibrium is unstable: ``-sqrt(-K/M) / (2 pi)``.
+    """
+    from scipy.linalg import eigh
+
+    system = frame.system
+    q, factor = (np.zeros(system.size), 0.0) if path is None else (path.q[k], path.factors[k])
+    p = _at(system, q, float(factor))
+    K = _stiffness(system, p, float(factor))
+    grid = np.ix_(system.free, system.free)
+    M = (p.slaves.B.T @ system.M @ p.slaves.B)[grid]
+    values = eigh(0.5 * (K + K.T), M, eigvals_only=True)
+    return np.asarray(np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi))

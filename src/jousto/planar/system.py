@@ -1,0 +1,351 @@
+"""System: the equations of motion of a planar frame, with exact tangents.
+
+All displacements u = [nodes; ends of offset beams] are a map u = f(q) of the unknowns q, and
+
+    r(q, v, a, t) = B^T [ F_int(u, u') + M (u'' + alpha u' - g) - F_ext(u, t) ] = 0.
+
+Everything accepts complex numbers, so that complex steps check the tangents.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.planar.element import (
+    Middle,
+    gradient,
+    hessian,
+    mass_matrix,
+    middle,
+    shape_matrix,
+    viscous,
+)
+from jousto.planar.elimination import (
+    Arms,
+    Blocks,
+    Chain,
+    Elimination,
+    Function,
+    Linear,
+    Map,
+    Slaves,
+)
+from jousto.planar.items import FunctionLink, LinearLink, PlanarLoad, RigidLink, vector
+
+if TYPE_CHECKING:
+    from jousto.planar.frame import PlanarFrame
+
+Array = NDArray[Any]
+
+
+class Loads:
+    """External forces on the slaves u at one time or load factor.
+
+    Parameters
+    ----------
+    loads : sequence of (PlanarLoad, int)
+        Each with the first displacement of its node in u.
+    weight : (slaves,) array
+        Forces of gravity.
+    factors : sequence of float
+        Of each load.
+    gravity : float
+        Factor of gravity.
+    """
+
+    def __init__(
+        self,
+        loads: Sequence[tuple[PlanarLoad, int]],
+        weight: Array,
+        factors: Sequence[float],
+        gravity: float = 1.0,
+    ) -> None:
+        self.dead = gravity * weight
+        self.following: list[tuple[int, float, float]] = []
+        for (load, k), factor in zip(loads, factors, strict=True):
+            fx, fy = load.force[0] * factor, load.force[1] * factor
+            self.dead[k + 2] += load.moment * factor
+            if not load.follow:
+                self.dead[k] += fx
+                self.dead[k + 1] += fy
+            elif fx != 0.0 or fy != 0.0:
+                self.following.append((k, fx, fy))
+
+    def force(self, u: Array) -> Array:
+        """Return F_ext."""
+        if not self.following:
+            return self.dead
+        F = self.dead.astype(np.result_type(self.dead, u))
+        for k, fx, fy in self.following:
+            c, s = np.cos(u[k + 2]), np.sin(u[k + 2])
+            F[k] += c * fx - s * fy
+            F[k + 1] += s * fx + c * fy
+        return F
+
+    def add_stiffness(self, u: Array, K: Array) -> None:
+        """Take dF_ext/du off K."""
+        for k, fx, fy in self.following:
+            c, s = np.cos(u[k + 2]), np.sin(u[k + 2])
+            K[k, k + 2] += s * fx + c * fy
+            K[k + 1, k + 2] -= c * fx - s * fy
+
+
+class Point(NamedTuple):
+    """Everything that is known at one state.
+
+    Attributes
+    ----------
+    q, v, a : (n,) array
+        Unknowns, velocities, accelerations.
+    slaves : Slaves
+    middle : Middle
+        Strains and resultants.
+    inner, force : (slaves,) array
+        F_int, and the whole force in brackets.
+    residual : (n,) array
+        ``B^T force``.
+    """
+
+    q: Array
+    v: Array
+    a: Array
+    slaves: Slaves
+    middle: Middle
+    inner: Array
+    force: Array
+    residual: Array
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """Equations of a frame in arrays.
+
+    Attributes
+    ----------
+    elimination : Elimination
+        From unknowns q to displacements u.
+    free : (nf,) array of int
+        Unknowns that are not held.
+    names : tuple of str
+        Of the unknowns, for messages.
+    T, z0, length, D :
+        Of the elements: shape matrix (4 ne, slaves), unloaded z (4 ne,), lengths (m),
+        stiffness (ne, 3).
+    M : (slaves, slaves) array
+    loads : tuple of (PlanarLoad, int)
+    weight : (slaves,) array
+    alpha, beta : float
+        Damping.
+    count : int
+        Number of nodes, which are the first in u.
+    """
+
+    elimination: Elimination
+    free: Array
+    names: tuple[str, ...]
+    T: Array
+    z0: Array
+    length: Array
+    D: Array
+    M: Array
+    loads: tuple[tuple[PlanarLoad, int], ...]
+    weight: Array
+    alpha: float
+    beta: float
+    count: int
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns, held ones included."""
+        return self.elimination.map.shape[1]
+
+    def at_time(self, t: float) -> Loads:
+        """Return the loads of dynamics at a time."""
+        factors = [1.0 if load.signal is None else load.signal(t) for load, _ in self.loads]
+        return Loads(self.loads, self.weight, factors)
+
+    def at_factor(self, factor: float) -> Loads:
+        """Return the loads of statics, all times a factor."""
+        return Loads(self.loads, self.weight, [factor] * len(self.loads), factor)
+
+    def evaluate(self, q: Array, v: Array, a: Array, loads: Loads) -> Point:
+        """Return the residual and what it is made of."""
+        s = self.elimination.slaves(q, v, a)
+        z = (self.T @ s.u + self.z0).reshape(-1, 4)
+        rate = (self.T @ s.v).reshape(-1, 4) if self.beta else None
+        m = middle(z, self.D, self.beta, rate)
+        inner = (gradient(m) * self.length[:, None]).ravel() @ self.T
+        force = inner + self.M @ (s.a + self.alpha * s.v) - loads.force(s.u)
+        return Point(q, v, a, s, m, inner, force, s.B.T @ force)
+
+    def slave_stiffness(self, p: Point, loads: Loads) -> Array:
+        """Return dF/du of the slaves at held B: K_t less the tangents of the loads."""
+        H = hessian(p.middle, self.D, self.beta) * self.length[:, None, None]
+        n = self.T.shape[1]
+        K: Array = self.T.T @ (H @ self.T.reshape(-1, 4, n)).reshape(-1, n)
+        loads.add_stiffness(p.slaves.u, K)
+        return K
+
+    def slave_damping(self, p: Point) -> Array:
+        """Return dF/du' of the slaves."""
+        C = self.alpha * self.M
+        if self.beta:
+            V = viscous(p.middle, self.D, self.beta) * self.length[:, None, None]
+            n = self.T.shape[1]
+            C = C + self.T.T @ (V @ self.T.reshape(-1, 4, n)).reshape(-1, n)
+        return C
+
+    def tangent(
+        self, p: Point, loads: Loads, c: float, m: float, inertia_tangents: bool = True
+    ) -> Array:
+        """Return ``dr/dq + c dr/dv + m dr/da``.
+
+        Parameters
+        ----------
+        p : Point
+        loads : Loads
+        c, m : float
+            How velocities (1/s) and accelerations (1/s^2) follow the unknowns in the method.
+        inertia_tangents : bool
+            False leaves K_acc and C_acc of eq. 13 out.
+        """
+        s, B, B1 = p.slaves, p.slaves.B, p.slaves.B1
+        K, C = self.slave_stiffness(p, loads), self.slave_damping(p)
+        inner = (K + c * C + m * self.M) @ B + C @ B1
+        held = p.force
+        if inertia_tangents:
+            inner += self.M @ (self.elimination.map.B2(p.q, p.v, p.a) + (2.0 * c) * B1)
+        else:
+            held = held - self.M @ s.a
+        return np.asarray(B.T @ inner + self.elimination.map.Kg(p.q, held))
+
+    def stiffness(self, p: Point, loads: Loads) -> Array:
+        """Return K of eq. 6: the elastic tangent with loads, without inertia."""
+        held = p.inner - loads.force(p.slaves.u)
+        K = self.slave_stiffness(p, loads)
+        return np.asarray(p.slaves.B.T @ K @ p.slaves.B + self.elimination.map.Kg(p.q, held))
+
+    def scale(self, p: Point, loads: Loads) -> float:
+        """Return the largest of the forces in balance, for relative criteria, N and N m."""
+        B = p.slaves.B
+        parts = (p.inner, loads.force(p.slaves.u), self.M @ p.slaves.a)
+        return max(float(np.linalg.norm((B.T @ F)[self.free])) for F in parts)
+
+    def energies(self, p: Point) -> tuple[float, float]:
+        """Return kinetic and strain energy, J."""
+        strain = 0.5 * np.sum(self.length * np.sum(self.D * p.middle.strains**2, axis=1))
+        return 0.5 * float(p.slaves.v @ self.M @ p.slaves.v), float(strain)
+
+
+def assemble(frame: PlanarFrame) -> System:
+    """Return the equations of a frame."""
+    names = list(frame.nodes)
+    place = {key: i for i, key in enumerate(names)}
+    count = len(names)
+    where = np.array([frame.nodes[key] for key in names])
+
+    # displacements u: nodes first, then each different end of an offset beam
+    ends: dict[tuple[int, float, float], int] = {}
+    dofs = np.zeros((len(frame.beams), 6), dtype=int)
+    for e, beam in enumerate(frame.beams):
+        for k, (key, offset) in enumerate(((beam.a, beam.offset_a), (beam.b, beam.offset_b))):
+            X, Y = float(offset[0]), float(offset[1])
+            index = place[key]
+            if X or Y:
+                index = ends.setdefault((index, X, Y), count + len(ends))
+            dofs[e, 3 * k : 3 * k + 3] = 3 * index + np.arange(3)
+    size = 3 * (count + len(ends))
+
+    coupling, unknowns = _links(frame, place, where)
+    if ends:
+        master = np.array([k[0] for k in ends])
+        arms = np.array([k[1:] for k in ends])
+        # a node itself is an end with no arm
+        every = np.concatenate([np.arange(count), master])
+        offsets: Map = Arms(count, every, np.concatenate([np.zeros((count, 2)), arms]))
+        coupling = offsets if coupling is None else Chain(offsets, coupling)
+    if coupling is None:
+        coupling = Linear(np.eye(3 * count))
+
+    # elements
+    a = np.array([frame.ends(e)[0] for e in range(len(frame.beams))])
+    b = np.array([frame.ends(e)[1] for e in range(len(frame.beams))])
+    d = b - a
+    length = np.hypot(d[:, 0], d[:, 1])
+    sections = [beam.section for beam in frame.beams]
+    z0 = np.zeros((len(a), 4))
+    z0[:, :2] = d / length[:, None]
+    z0[:, 2] = np.arctan2(d[:, 1], d[:, 0])
+    M = mass_matrix(
+        length * [s.mass for s in sections], length * [s.rotary for s in sections], dofs, size
+    )
+    for item in frame.masses:
+        k = 3 * place[item.node]
+        M[range(k, k + 3), range(k, k + 3)] += (item.mass, item.mass, item.inertia)
+    g = np.zeros(size)
+    g[0::3], g[1::3] = frame.gravity
+
+    held = set()
+    label = [f"{'xyr'[c]} of node {names[i]!r}" for i in range(count) for c in range(3)]
+    column = {name: i for i, name in enumerate(unknowns)}
+    for support in frame.supports:
+        for c, hold in enumerate((support.x, support.y, support.rotation)):
+            if hold:
+                held.add(column[label[3 * place[support.node] + c]])
+    return System(
+        elimination=Elimination(coupling),
+        free=np.array([i for i in range(len(unknowns)) if i not in held], dtype=int),
+        names=tuple(unknowns),
+        T=shape_matrix(length, dofs, size),
+        z0=z0.ravel(),
+        length=length,
+        D=np.array([(s.EA, s.GA, s.EI) for s in sections]),
+        M=M,
+        loads=tuple((load, 3 * place[load.node]) for load in frame.loads),
+        weight=M @ g,
+        alpha=frame.damping.mass,
+        beta=frame.damping.stiffness,
+        count=count,
+    )
+
+
+def _links(frame: PlanarFrame, place: dict[Any, int], where: Array) -> tuple[Map | None, list[str]]:
+    """Return the map from unknowns to displacements of nodes, and the names of the unknowns."""
+    names = list(frame.nodes)
+    label = [f"{'xyr'[c]} of node {key!r}" for key in names for c in range(3)]
+    if not frame.links:
+        return None, label
+    slaves: set[int] = set()
+    for link in frame.links:
+        width = 2 if isinstance(link, RigidLink) and not link.rotation else 3
+        slaves |= {3 * place[key] + c for key in link.nodes for c in range(width)}
+    kept = [i for i in range(len(label)) if i not in slaves]
+    column = {i: k for k, i in enumerate(kept)}
+    unknowns = [label[i] for i in kept]
+    blocks: list[tuple[Array, Array, Map]] = []
+    identity = np.eye(len(kept))
+    blocks.append((np.array(kept), np.arange(len(kept)), Linear(identity)))
+    for i, link in enumerate(frame.links):
+        masters = (link.master,) if isinstance(link, RigidLink) else link.masters
+        columns = [column[3 * place[key] + c] for key in masters for c in range(3)]
+        width = 2 if isinstance(link, RigidLink) and not link.rotation else 3
+        rows = np.array([3 * place[key] + c for key in link.nodes for c in range(width)])
+        part: Map
+        if isinstance(link, RigidLink):
+            arms = np.array([where[place[k]] - where[place[link.master]] for k in link.nodes])
+            part = Arms(1, np.zeros(len(arms), dtype=int), arms, link.rotation)
+        elif isinstance(link, LinearLink):
+            part = Linear(vector(link.T), 0.0 if link.u0 is None else vector(link.u0))
+        else:
+            own = [f"{name} of links[{i}]" for name in link.coordinates]
+            columns += [len(unknowns) + k for k in range(len(own))]
+            unknowns += own
+            part = Function(link.function, len(rows), len(columns))
+        blocks.append((rows, np.array(columns), part))
+    assert all(isinstance(x, (RigidLink, LinearLink, FunctionLink)) for x in frame.links)
+    return Blocks((len(label), len(unknowns)), blocks), unknowns
