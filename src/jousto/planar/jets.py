@@ -44,8 +44,8 @@ class Jet:
         d = Jet(self.c.copy())
         d.c[0, 0] = 0.0
         # powers of s and t beyond the third are cut off: Taylor's series ends
-        third = (d * g[3] / 6).__add__(g[2] / 2)
-        return (third * d).__add__(g[1]).__mul__(d).__add__(g[0])
+        third = d.__mul__(g[3] / 6).__add__(g[2] / 2)
+        return third.__mul__(d).__add__(g[1]).__mul__(d).__add__(g[0])
 
     def __add__(self, other: Any) -> Jet:
         if isinstance(other, Jet):
