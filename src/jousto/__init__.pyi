@@ -248,6 +248,7 @@ from .output import plot_hotspots as plot_hotspots
 from .output import (
     plot_hysteresis as plot_hysteresis,
 )
+from .output import plot_load_path as plot_load_path
 from .output import plot_monitor as plot_monitor
 from .output import plot_root_locus as plot_root_locus
 from .output import (
@@ -680,10 +681,16 @@ from .simulation import (
     ROS2 as ROS2,
 )
 from .simulation import (
+    ArcLength as ArcLength,
+)
+from .simulation import (
     Baumgarte as Baumgarte,
 )
 from .simulation import (
     Campbell as Campbell,
+)
+from .simulation import (
+    CriticalPoint as CriticalPoint,
 )
 from .simulation import (
     DormandPrince as DormandPrince,
@@ -698,10 +705,16 @@ from .simulation import (
     LinearModel as LinearModel,
 )
 from .simulation import (
+    LoadPath as LoadPath,
+)
+from .simulation import (
     MechanismModes as MechanismModes,
 )
 from .simulation import (
     Newmark as Newmark,
+)
+from .simulation import (
+    PathFailed as PathFailed,
 )
 from .simulation import (
     RunFailed as RunFailed,
@@ -737,6 +750,9 @@ from .simulation import (
     load as load,
 )
 from .simulation import (
+    load_path as load_path,
+)
+from .simulation import (
     modes as modes,
 )
 from .simulation import (
@@ -761,6 +777,9 @@ from .output import (
 )
 from .output import (
     write_damage as write_damage,
+)
+from .output import (
+    write_load_path as write_load_path,
 )
 from .output import (
     write_mesh as write_mesh,

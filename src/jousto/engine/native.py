@@ -102,6 +102,7 @@ class Engine:
         self.a = self._view(self._library.jo_data_a(data), model.nv)
         self.lam = self._view(self._library.jo_data_lam(data), model.nrow)
         self.time = self._view(self._library.jo_data_time(data), 1)
+        self.gravity = self._view(self._model.gravity, 3)  # m/s2, of this engine alone
         self.work = self._view(self._library.jo_data_work(data), 3)
         self.input = self._view(self._library.jo_data_input(data), len(model.inputs))
         turns = sum(c.kind == "angle" for c in model.coordinates)
@@ -389,7 +390,7 @@ class Engine:
         if count == 0:
             return np.zeros(0, dtype)
         address = int(self._ffi.cast("uintptr_t", pointer))
-        return np.asarray(_Memory(self._data, address, count, dtype))
+        return np.asarray(_Memory((self._data, self._layout), address, count, dtype))
 
 
 class _Memory:

@@ -12,6 +12,7 @@ from jousto.output.friction import plot_friction_stress
 from jousto.output.gauges import plot_gauges
 from jousto.output.hotspots import plot_hotspots, write_hotspots
 from jousto.output.hysteresis import plot_hysteresis, plot_spectrum
+from jousto.output.load_path import plot_load_path, write_load_path
 from jousto.output.mbdyn import write_fem
 from jousto.output.meshes import write_mesh
 from jousto.output.monitor import plot_monitor
@@ -36,6 +37,7 @@ __all__ = [
     "draw",
     "plot",
     "plot_campbell",
+    "plot_load_path",
     "plot_hotspots",
     "plot_band",
     "plot_hysteresis",
@@ -52,6 +54,7 @@ __all__ = [
     "write_certificate",
     "write_contour",
     "write_csv",
+    "write_load_path",
     "write_mesh",
     "write_stress",
 ]

@@ -6,6 +6,7 @@ from jousto.simulation.events import Happening
 from jousto.simulation.implicit import GeneralizedAlpha, Newmark
 from jousto.simulation.kinematics import inverse_dynamics, kinematics
 from jousto.simulation.linear import LinearModel, MechanismModes, linearise, modes
+from jousto.simulation.paths import ArcLength, CriticalPoint, LoadPath, PathFailed, load_path
 from jousto.simulation.simulate import RunFailed, RunInterrupted, describe, simulate
 from jousto.simulation.simulator import Simulator
 from jousto.simulation.solution import BodyShape, Energy, Residuals, Solution, Work, load
@@ -17,17 +18,21 @@ __all__ = [
     "RK4",
     "ROS2",
     "SOLVERS",
+    "ArcLength",
     "Baumgarte",
     "BodyShape",
     "Campbell",
+    "CriticalPoint",
     "DormandPrince",
     "Energy",
     "GeneralizedAlpha",
     "Happening",
     "LinearModel",
+    "LoadPath",
     "MechanismModes",
     "Newmark",
     "Residuals",
+    "PathFailed",
     "RunFailed",
     "RunInterrupted",
     "Simulator",
@@ -42,6 +47,7 @@ __all__ = [
     "kinematics",
     "linearise",
     "load",
+    "load_path",
     "modes",
     "simulate",
 ]

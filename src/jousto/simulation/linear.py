@@ -303,7 +303,7 @@ def modes(model: Model, state: State | None = None, *, damped: bool = False) -> 
         damping,
         eigenvalues,
         increments,
-        _pictures(model, state.q, increments),
+        pictures(model, state.q, increments),
     )
 
 
@@ -322,8 +322,8 @@ def stiffness_modes(t: Tangent) -> tuple[NDArray[Any], NDArray[Any]]:
     return values, vectors
 
 
-def _pictures(model: Model, q: Array, increments: NDArray[Any]) -> dict[str, NDArray[Any]]:
-    """Nodal displacements (k, nodes, 3) of every body, world frame, scaled to 1 by mode."""
+def pictures(model: Model, q: Array, increments: NDArray[Any]) -> dict[str, NDArray[Any]]:
+    """Return nodal displacements (k, nodes, 3) of every body, world, scaled to 1 by mode."""
     out: dict[str, NDArray[Any]] = {}
     for body, shape, A in zip(model.bodies, model.shapes, rotations(model, q), strict=True):
         dx = increments[body.iv : body.iv + 6 + body.n].T

@@ -1,0 +1,128 @@
+"""plot_load_path and write_load_path: equilibria over a load, as a picture and as a table."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.errors import InputError, Problem, suggest
+from jousto.output.style import COLORS, INK, MUTED, PICTURES, Picture, save, styled, target, writing
+from jousto.simulation import LoadPath
+
+SIZE = (7.0, 4.6)  # inch
+AXES = "xyz"
+
+
+def _column(data: LoadPath, sensor: str) -> tuple[NDArray[np.float64], str]:
+    """Return the values of ``sensor``, ``sensor.y`` or ``sensor.1`` and a label."""
+    name, _, part = sensor.partition(".")
+    if sensor in data.sensors:
+        name, part = sensor, ""
+    if name not in data.sensors:
+        have = ", ".join(data.sensors) or "none"
+        hint = suggest(name, list(data.sensors)) or f"; there are: {have}"
+        raise InputError(Problem("load path", f"no sensor {name!r}{hint}"))
+    values = data.sensors[name]
+    unit = data.units.get(name, "")
+    if values.ndim == 2:
+        k = AXES.find(part) if part and part in AXES else int(part) if part.isdigit() else -1
+        if not part and values.shape[1] == 1:
+            k = 0
+        if not 0 <= k < values.shape[1]:
+            raise InputError(
+                Problem(
+                    "load path",
+                    f"sensor {name!r} has {values.shape[1]} values; say which, as '{name}.y' or "
+                    f"'{name}.0'",
+                )
+            )
+        values = values[:, k]
+    return np.asarray(values), f"{sensor} ({unit})" if unit else sensor
+
+
+def plot_load_path(data: LoadPath, sensor: str, *, path: str | Path | None = None) -> Picture:
+    """Draw the load over a sensor value; unstable equilibria dashed, critical points marked.
+
+    Parameters
+    ----------
+    data : LoadPath
+        From `load_path`.
+    sensor : str
+        Name, with the component if it has several: "tip.y" or "tip.1".
+    path : path, optional
+        File to write; the suffix chooses the format.
+
+    Raises
+    ------
+    InputError
+        For an unknown sensor or suffix or an unwritable path.
+    """
+    values, label = _column(data, sensor)
+    out = None if path is None else target(path, PICTURES)
+    with styled():
+        figure = Picture(figsize=SIZE, layout="constrained")
+        ax = figure.subplots()
+        stable = data.stable
+        for k in range(len(data) - 1):
+            both = bool(stable[k] and stable[k + 1])
+            ax.plot(values[k : k + 2], data.load[k : k + 2], "-" if both else "--", color=COLORS[0])
+        ax.plot(values, data.load, ".", color=COLORS[0], markersize=4)
+        for found in data.critical:
+            k = found.after
+            a, b = data.load[k], data.load[k + 1]
+            near = values[k : k + 2]
+            share = float(np.clip((found.load - a) / (b - a), 0.0, 1.0)) if b != a else 0.5
+            x = near[0] + share * (near[1] - near[0])
+            limit = found.kind == "limit"
+            ax.plot(x, found.load, "o" if limit else "D", color=COLORS[1], markersize=6)
+            ax.annotate(
+                f"{found.kind} {found.load:.5g}",
+                (x, found.load),
+                xytext=(6, 6),
+                textcoords="offset points",
+                color=INK,
+            )
+        ax.axhline(0.0, color=MUTED, linewidth=0.6)
+        ax.set_xlabel(label)
+        ax.set_ylabel(data.parameter)
+    if out is not None:
+        save(figure, out)
+    return figure
+
+
+def write_load_path(data: LoadPath, path: str | Path) -> Path:
+    """Write a load path as a table: load, unstable modes, lowest omega^2 and all sensors.
+
+    Parameters
+    ----------
+    data : LoadPath
+        From `load_path`.
+    path : path
+        Ends with .csv.
+
+    Raises
+    ------
+    InputError
+        For a path that cannot be written.
+    """
+    out = target(path, ("csv",))
+    heads = [data.parameter, "unstable modes", "lowest omega^2 (rad2/s2)"]
+    columns = [data.load, data.unstable, data.squares]
+    for name, values in data.sensors.items():
+        unit = f" ({data.units[name]})" if data.units.get(name, "") not in ("", "1") else ""
+        if values.ndim == 1:
+            heads.append(f"{name}{unit}")
+            columns.append(values)
+            continue
+        three = values.shape[1] == 3
+        for k in range(values.shape[1]):
+            heads.append(f"{name}.{AXES[k] if three else k}{unit}")
+            columns.append(values[:, k])
+    with writing(out), out.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(heads)
+        writer.writerows(np.column_stack(columns).tolist())
+    return out

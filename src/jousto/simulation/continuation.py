@@ -1,0 +1,211 @@
+"""Newton's method for points of an equilibrium path, at a load or at a distance along it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse.linalg as spl
+from numpy.typing import NDArray
+
+from jousto.simulation.balance import Balance
+from jousto.simulation.linear import rotations
+from jousto.simulation.spectrum import Spectrum, nearest
+
+Array = NDArray[np.float64]
+SMALL = 1e-10  # length of the last increment
+STALLED = 1e-6  # length of an increment that no longer shrinks: round-off
+TURN = 1.0  # rad or sizes of the mechanism, largest increment of a body
+
+
+class NoConvergenceError(Exception):
+    """Newton's iteration failed; `body` moved most."""
+
+    def __init__(self, message: str, body: str = "") -> None:
+        self.body = body
+        super().__init__(message)
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """Positions, multipliers (and the torque of a held azimuth) and the parameter."""
+
+    q: Array
+    lam: Array
+    value: float
+    iterations: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Rates:
+    """Increments of all unknowns per unit of the path's length, and of the parameter."""
+
+    step: Array
+    value: float
+
+
+def factor(balance: Balance, point: Point) -> Any:
+    """Return the factors of the tangent matrix.
+
+    Raises
+    ------
+    NoConvergenceError
+        If it is singular.
+    """
+    A = balance.matrix(point.q, point.lam, point.value)
+    try:
+        return spl.splu(A)
+    except RuntimeError as error:
+        raise NoConvergenceError("the tangent matrix is singular") from error
+
+
+def at_load(balance: Balance, point: Point, value: float, iterations: int = 15) -> Point:
+    """Return the point of rest at a value of the parameter, from one nearby.
+
+    Raises
+    ------
+    NoConvergenceError
+        If Newton's iteration fails.
+    """
+    q, lam = point.q, point.lam
+    before = np.inf
+    for k in range(iterations):
+        r = balance.residual(q, lam, value)
+        step = -factor(balance, Point(q, lam, value)).solve(r)
+        cut = bounded(balance, step)
+        q, lam = balance.moved(q, cut * step), lam + cut * step[balance.model.nv :]
+        length = balance.length(step)
+        if finished(length, before, cut):
+            return Point(q, lam, value, k + 1)
+        before = _checked(balance, step, length, before, k)
+    raise _failed(balance, step, iterations)
+
+
+def along(
+    balance: Balance, point: Point, ahead: Rates, length: float, weight: float, iterations: int = 12
+) -> Point:
+    """Return the point at a distance along the path, ``x^T W x + (weight s)^2 = length^2``.
+
+    Newton's method for the unknowns and the parameter together (Riks 1979; Schweizerhof and
+    Wriggers 1986). x are the increments from `point`, rotations as rotation vectors: the
+    derivative of ``|theta|^2`` with body-fixed turns is ``2 theta``, exactly.
+
+    Raises
+    ------
+    NoConvergenceError
+        If Newton's iteration fails.
+    """
+    nv = balance.model.nv
+    q = balance.moved(point.q, length * ahead.step)
+    lam = point.lam + length * ahead.step[nv:]
+    value = point.value + length * ahead.value
+    before = np.inf
+    for k in range(iterations):
+        lu = factor(balance, Point(q, lam, value))
+        free = -lu.solve(balance.residual(q, lam, value))
+        pushed = -lu.solve(balance.push(q, lam, value))
+        x, s = balance.between(point.q, q), value - point.value
+        normal = 2.0 * balance.weights * x
+        gap = float(balance.weights @ (x * x)) + (weight * s) ** 2 - length**2
+        below = float(normal @ pushed[:nv]) + 2.0 * weight**2 * s
+        if below == 0.0:
+            raise NoConvergenceError("the path turns back on itself")
+        change = -(gap + float(normal @ free[:nv])) / below
+        step = free + change * pushed
+        cut = bounded(balance, step)
+        q, lam = balance.moved(q, cut * step), lam + cut * step[nv:]
+        value += cut * change
+        moved = balance.length(step) + abs(weight * change)
+        if finished(moved, before, cut):
+            return Point(q, lam, value, k + 1)
+        before = _checked(balance, step, moved, before, k)
+    raise _failed(balance, step, iterations)
+
+
+def tangent(balance: Balance, point: Point, weight: float, last: Rates | None) -> Rates:
+    """Return the direction of the path of length 1, onwards from the last one.
+
+    Raises
+    ------
+    NoConvergenceError
+        If the tangent matrix is singular.
+    """
+    push = balance.push(point.q, point.lam, point.value)
+    step = -factor(balance, point).solve(push)
+    size = float(np.hypot(balance.length(step), weight))
+    sign = 1.0
+    if last is not None:
+        nv = balance.model.nv
+        onwards = float((balance.weights * last.step[:nv]) @ step[:nv]) + weight**2 * last.value
+        sign = -1.0 if onwards < 0.0 else 1.0
+    return Rates(sign * step / size, sign / size)
+
+
+def spectrum(balance: Balance, point: Point, count: int) -> Spectrum:
+    """Return the modes of the tangent stiffness nearest to 0 at a point of the path."""
+    nv, nrow = balance.model.nv, balance.model.nrow
+    A = balance.matrix(point.q, point.lam, point.value)
+    M = balance.mass(point.q, point.lam, point.value)
+    C = A[nv : nv + nrow + balance.gauge, :nv]
+    return nearest(A[:nv, :nv], M, C, count)
+
+
+def free_motion(balance: Balance, point: Point) -> str:
+    """Return which body can move freely, and how, at a point with a singular tangent."""
+    from jousto.simulation.spectrum import nearest
+
+    nv, nrow = balance.model.nv, balance.model.nrow
+    A = balance.matrix(point.q, point.lam, point.value)
+    M = balance.mass(point.q, point.lam, point.value)
+    found = nearest(A[:nv, :nv], M, A[nv : nv + nrow, :nv], 1)
+    if not found.shapes.shape[1]:
+        return "its joints hold everything but contradict one another"
+    x = np.real(found.shapes[:, 0])
+    model = balance.model
+    moves = np.array([np.linalg.norm(x[b.iv : b.iv + 3]) for b in model.bodies]) / model.size
+    turns = np.array([np.linalg.norm(x[b.iv + 3 : b.iv + 6]) for b in model.bodies])
+    k = int(np.argmax(moves + turns))
+    b, R = model.bodies[k], rotations(model, point.q)[k]
+    turning = turns[k] > moves[k]
+    way = R @ x[b.iv + 3 : b.iv + 6] if turning else x[b.iv : b.iv + 3]
+    way = way / np.linalg.norm(way) + 0.0
+    way = np.where(np.abs(way) < 1e-6, 0.0, way)
+    text = ", ".join(f"{c:.3g}" for c in way)
+    return f"body '{b.name}' {'turns freely about' if turning else 'moves freely along'} ({text})"
+
+
+def bounded(balance: Balance, step: Array) -> float:
+    """Return the factor that keeps turns and travels of an iteration within TURN."""
+    size = balance.model.size
+    most = max(
+        max(
+            float(np.abs(step[b.iv : b.iv + 3]).max()) / size,
+            float(np.abs(step[b.iv + 3 : b.iv + 6]).max()),
+        )
+        for b in balance.model.bodies
+    )
+    return float(min(1.0, TURN / max(most, 1e-300)))
+
+
+def finished(length: float, before: float, cut: float) -> bool:
+    """Return whether the increment was the last one."""
+    if cut < 1.0:
+        return False
+    return length <= SMALL or (length <= STALLED and length > 0.3 * before)
+
+
+def _checked(balance: Balance, step: Array, length: float, before: float, k: int) -> float:
+    if not np.isfinite(length) or (k > 3 and length > 10.0 * before):
+        raise _failed(balance, step, k + 1)
+    return length
+
+
+def _failed(balance: Balance, step: Array, iterations: int) -> NoConvergenceError:
+    model = balance.model
+    size = [float(np.linalg.norm(step[b.iv : b.iv + 6])) for b in model.bodies]
+    body = model.bodies[int(np.argmax(np.nan_to_num(size, nan=np.inf)))].name
+    return NoConvergenceError(
+        f"Newton's iteration did not converge in {iterations} iterations, body '{body}' moves most",
+        body,
+    )

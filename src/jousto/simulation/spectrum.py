@@ -1,0 +1,142 @@
+"""spectrum: the modes next to a frequency, of small and of large constrained systems."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.linalg as sl
+import scipy.sparse as sp
+import scipy.sparse.linalg as spl
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+blocks: Any = sp.bmat  # of which the type information knows too little
+DENSE = 360  # unknowns up to which all modes are computed
+SYMMETRIC = 1e-7  # relative asymmetry of a stiffness that is taken as round-off
+RANK = 1e-10  # of the largest pivot of the scaled constraint matrix
+SHIFT = 1e-14  # of the largest stiffness over mass
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Modes ``K x = omega^2 M x`` under ``C x = 0``, sorted by ``|omega^2|``.
+
+    Attributes
+    ----------
+    squares : (k,) array
+        Real part of omega^2, rad2/s2; below 0: falls away.
+    shapes : (n, k) array
+        Increments, of unit modal mass.
+    """
+
+    squares: NDArray[Any]
+    shapes: NDArray[Any]
+
+    @property
+    def unstable(self) -> int:
+        """How many fall away."""
+        return int((np.real(self.squares) < 0.0).sum())
+
+
+def null_basis(C: Any, n: int) -> Array:
+    """Return an orthonormal basis (n, f) of the motions that the rows C (m, n) allow."""
+    rows: Any = C.toarray() if hasattr(C, "toarray") else np.asarray(C)
+    size = np.linalg.norm(rows, axis=1) if rows.size else np.zeros(0)
+    rows = rows[size > 0.0] / size[size > 0.0, None]
+    if not rows.size:
+        return np.eye(n)
+    Q, R, _ = sl.qr(rows.T, mode="full", pivoting=True, check_finite=False)
+    pivots = np.abs(np.diag(R))
+    rank = int((pivots > RANK * pivots[0]).sum())
+    return np.asarray(Q[:, rank:])
+
+
+def nearest(K: Any, M: Any, C: Any, count: int, *, dense: bool | None = None) -> Spectrum:
+    """Return the `count` modes of smallest ``|omega^2|``.
+
+    Small systems by dense matrices in the free motions; large ones by shift-invert Lanczos or
+    Arnoldi on the saddle-point matrix ``[K - s M, C^T; C, 0]``.
+
+    Parameters
+    ----------
+    K, M : sparse matrices (n, n)
+        Stiffness and mass.
+    C : sparse matrix (m, n)
+        Constraints.
+    count : int
+    dense : bool, optional
+        Which way; None decides by the size.
+    """
+    n, m = K.shape[0], C.shape[0]
+    if dense if dense is not None else n + m <= DENSE:
+        N = null_basis(C, n)
+        if not N.shape[1]:
+            return Spectrum(np.zeros(0), np.zeros((n, 0)))
+        k = N.T @ (K @ N)
+        mass = N.T @ (M @ N)
+        mass = 0.5 * (mass + mass.T)
+        if np.abs(k - k.T).max() <= SYMMETRIC * np.abs(k).max():
+            values, vectors = sl.eigh(0.5 * (k + k.T), mass)
+        else:
+            values, vectors = sl.eig(k, mass)
+        order = np.argsort(np.abs(values), kind="stable")[:count]
+        return Spectrum(values[order], _unit(N @ vectors[:, order], M))
+    return _sparse(K, M, C, count)
+
+
+def _sparse(K: Any, M: Any, C: Any, count: int) -> Spectrum:
+    n, m = K.shape[0], C.shape[0]
+    free = n - m
+    count = max(1, min(count, free - 2))
+    asymmetry = abs(K - K.T).max()
+    symmetric = asymmetry <= SYMMETRIC * abs(K).max()
+    ratio = float(np.max(np.abs(K.diagonal()) / np.maximum(M.diagonal(), 1e-300)))
+    shift = -SHIFT * ratio
+    A = K - shift * M
+    try:
+        solve = saddle(A, C)
+    except RuntimeError:
+        shift = -1e-9 * ratio
+        solve = saddle(K - shift * M, C)
+    inverse = spl.LinearOperator((n, n), matvec=lambda b: solve(b), dtype=np.float64)
+    start = solve(M @ np.random.default_rng(7).standard_normal(n))
+    if symmetric:
+        sym = 0.5 * (K + K.T)
+        values, vectors = spl.eigsh(
+            sym, k=count, M=0.5 * (M + M.T), sigma=shift, OPinv=inverse, v0=start
+        )
+    else:
+        values, vectors = spl.eigs(K, k=count, M=M, sigma=shift, OPinv=inverse, v0=start)
+    order = np.argsort(np.abs(values), kind="stable")
+    return Spectrum(values[order], _unit(vectors[:, order], M))
+
+
+def saddle(A: Any, C: Any) -> Any:
+    """Return a function that solves ``A x + C^T y = b, C x = 0`` for x.
+
+    Raises
+    ------
+    RuntimeError
+        If the matrix is singular.
+    """
+    n, m = A.shape[0], C.shape[0]
+    lu = spl.splu(blocks([[A, C.T], [C, None if not m else _soft(A, C)]], format="csc"))
+
+    def solve(b: Any) -> Any:
+        return lu.solve(np.concatenate([b, np.zeros(m)]))[:n]
+
+    return solve
+
+
+def _soft(A: Any, C: Any) -> Any:
+    """A compliance of the rows at the round-off, so that repeated rows do no harm."""
+    square = float((C.multiply(C)).sum(axis=1).max()) if C.nnz else 1.0
+    stiff = float(abs(A).max())
+    return -1e-13 * square / max(stiff, 1e-300) * sp.eye(C.shape[0])
+
+
+def _unit(shapes: NDArray[Any], M: Any) -> NDArray[Any]:
+    size = np.sqrt(np.abs(np.einsum("ij,ij->j", shapes.conj(), M @ shapes)))
+    return np.asarray(shapes / np.where(size > 0.0, size, 1.0))
