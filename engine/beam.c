@@ -98,6 +98,7 @@ static int strain(const jo_model *m, const jo_data *d, const int i)
         w->e[j] = w->d[j] - (j == 0 ? 1.0 : 0.0) - x[JO_BEAM_E0 + j];
         w->e[3 + j] = angle * w->tau[j] - x[JO_BEAM_E0 + 3 + j];
     }
+    if (w->helical) jo_beam_helix(m, d, i);
     return JO_OK;
 }
 
@@ -127,6 +128,7 @@ static void strain_rate(const jo_model *m, const jo_data *d, const int i)
         w->rate[j] = w->dv[j] / b->data[0] + t[j];
         w->rate[3 + j] /= b->data[0];
     }
+    if (w->helical) jo_beam_helix_rate(m, d, i);
 }
 
 /* strains, and resultants s = C (e + beta e') */
@@ -145,7 +147,9 @@ static int section(const jo_model *m, const jo_data *d, const int i)
     for (int j = 0; j < 6; j++) {
         const jo_real *C = x + JO_BEAM_C + 6 * j;
         w->s[j] = C[0] * e[0] + C[1] * e[1] + C[2] * e[2] + C[3] * e[3] + C[4] * e[4] + C[5] * e[5];
+        w->f[j] = w->s[j];
     }
+    if (w->helical) jo_beam_helix_force(m, d, i);
     return JO_OK;
 }
 
@@ -154,12 +158,12 @@ static void internal(const jo_model *m, jo_data *d, const int i)
     const jo_beam *b = &m->beam[i];
     jo_body_work *body[2] = {&d->body[b->a], &d->body[b->b]};
     jo_beam_work *w = &d->beam[i];
-    const jo_real *n = w->s;
+    const jo_real *n = w->f;
     jo_real h[3], x[3], y[3];
     jo_cross(w->t, n, w->d);
     for (int j = 0; j < 3; j++) w->t[j] *= b->data[0];
     jo_cross(x, w->tau, w->t);
-    jo_beam_h(h, w, w->s + 3);
+    jo_beam_h(h, w, w->f + 3);
     for (int k = 0; k < 2; k++) {
         const double sign = k ? 1.0 : -1.0;
         for (int j = 0; j < 3; j++) w->M[k][j] = 0.5 * w->t[j] + sign * (h[j] + 0.5 * x[j]);
@@ -237,6 +241,7 @@ void jo_beam_setup(const jo_model *m, jo_data *d)
         for (int j = 0; j < 9; j++) w->turned |= x[JO_BEAM_BA + j] != unit[j] || x[JO_BEAM_BB + j] != unit[j];
         for (int j = 0; j < 3; j++) w->offset |= x[JO_BEAM_UA + j] != 0.0 || x[JO_BEAM_UB + j] != 0.0;
         w->damped = x[JO_BEAM_BETA] != 0.0;
+        w->helical = x[JO_BEAM_HELICAL] != 0.0;
     }
 }
 

@@ -126,15 +126,15 @@ static void material(jo_real K[3][3][9], const jo_real factor, jo_real G[3][9], 
 static void geometric(jo_real K[3][3][9], jo_real G[3][9], const jo_beam_work *w, const spins *p, const jo_real L)
 {
     jo_real n[9], X[9], Y[9];
-    skew(n, w->s);
+    skew(n, w->f);
     for (int c = 0; c < 2; c++) add_product(K[0][1 + c], -1.0, n, p->M[c]);
-    h_rate(Y, w, w->s + 3);
+    h_rate(Y, w, w->f + 3);
     add_skew(Y, -0.125 * (1.0 + w->square), w->t);
     for (int k = 0; k < 2; k++) {
         const double sign = k ? 1.0 : -1.0;
         jo_real Z[9] = {0.0};
         add_skew(Z, 1.0, w->M[k]);
-        if (w->offset) add_skew_skew(Z, sign, w->U[k], w->s);
+        if (w->offset) add_skew_skew(Z, sign, w->U[k], w->f);
         for (int i = 0; i < 9; i++) X[i] = 0.0;
         add_transposed(X, L, p->M[k], n);
         for (int c = 0; c < 3; c++) add_product(K[1 + k][c], 1.0, X, G[c]);
@@ -229,12 +229,17 @@ static void elastic(const jo_model *m, jo_data *d, const int i)
     const jo_beam *b = &m->beam[i];
     const jo_beam_work *w = &d->beam[i];
     const jo_real L = b->data[0], beta = b->data[JO_BEAM_BETA], *C = b->data + JO_BEAM_C;
+    jo_real effective[36], changing[36];
     jo_real G[3][9], kb[9], Sn[3][9], Sm[3][9], K[3][3][9], V[3][3][9];
     spins p;
     for (int k = 0; k < 81; k++) K[k / 27][k / 9 % 3][k % 9] = 0.0;
     spins_of(&p, w);
     strain_operator(G, w, &p, L);
     for (int k = 0; k < 9; k++) kb[k] = p.H[k] / L;
+    if (w->helical) {
+        jo_beam_helix_tangent(m, d, i, effective, changing);
+        C = effective;
+    }
     resultants(Sn, Sm, C, G, kb);
     material(K, 1.0, G, &p, L, Sn, Sm);
     if (w->damped) {
@@ -243,6 +248,10 @@ static void elastic(const jo_model *m, jo_data *d, const int i)
         rate_operator(E, F, G, w, &p, L);
         resultants(Sn, Sm, C, E, F);
         material(K, beta, G, &p, L, Sn, Sm);
+    }
+    if (w->helical) {
+        resultants(Sn, Sm, changing, G, kb);
+        material(K, 1.0, G, &p, L, Sn, Sm);
     }
     geometric(K, G, w, &p, L);
     scatter(m, d, b, K, V);

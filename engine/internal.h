@@ -34,7 +34,7 @@ typedef struct {
 /* A beam element; vectors resolved in the frame of its middle unless said otherwise. */
 typedef struct {
     jo_real B[2][4];        /* quaternions of the end frames on their bodies */
-    int turned, offset, damped;   /* B, u, beta are not trivial */
+    int turned, offset, damped, helical;   /* B, u, beta are not trivial; the axis is a screw line */
     jo_real Q[9];           /* orientation of the middle frame */
     jo_real G[2][9];        /* A^T Q of the bodies */
     jo_real U[2][3];        /* levers u */
@@ -42,6 +42,7 @@ typedef struct {
     jo_real mu, dmu;        /* H = E - mu tau~ tau~, and its change with the square */
     jo_real d[3], e[6], rate[6], s[6];   /* Gamma + e1; strains, their rates, resultants */
     jo_real om[2][3], om_m[3], dv[3];    /* angular velocities of the ends and the middle, relative velocity of the ends */
+    jo_real raw[6], f[6];   /* helical: rates of d and kappa; conjugate to d and kappa, else the resultants */
     jo_real t[3], M[2][3];  /* L n x d; moments on the ends */
     jo_real last[3];        /* tau of the last accepted state */
 } jo_beam_work;
@@ -327,6 +328,12 @@ void jo_beam_forget(jo_data *d);
 void jo_beam_inertia(const jo_model *m, jo_data *d, int i, const jo_real *a);
 jo_real jo_beam_kinetic(const jo_model *m, const jo_data *d);
 void jo_beam_newton_inertia(const jo_model *m, jo_data *d, int i);
+
+/* beam_helix.c */
+void jo_beam_helix(const jo_model *m, const jo_data *d, int i);
+void jo_beam_helix_rate(const jo_model *m, const jo_data *d, int i);
+void jo_beam_helix_force(const jo_model *m, const jo_data *d, int i);
+void jo_beam_helix_tangent(const jo_model *m, const jo_data *d, int i, jo_real *C, jo_real *X);
 
 /* beam_tangent.c */
 void jo_newton_beams(const jo_model *m, jo_data *d);

@@ -20,6 +20,8 @@ KINDS = [
     {"share": 0.5, "alpha": 0.9},
     {"share": 0.0, "alpha": 0.9},
     {"beta": 0.07, "share": 1.0, "alpha": 0.9},
+    {"helical": 1},
+    {"helical": 1, "beta": 0.07},
 ]
 
 
@@ -33,12 +35,26 @@ def stiffness(rng, coupled=True):
 
 
 def element(
-    a, b, *, L=1.0, u=None, B=None, C=None, e0=None, beta=0.0, alpha=0.0, share=0.0, m=0.0, J=None
+    a,
+    b,
+    *,
+    L=1.0,
+    u=None,
+    B=None,
+    C=None,
+    e0=None,
+    beta=0.0,
+    alpha=0.0,
+    share=0.0,
+    m=0.0,
+    J=None,
+    helical=0,
 ):
     """Return the element between bodies a and b, and its data as in jousto.h."""
     u = np.zeros((2, 3)) if u is None else u
     B = np.array([np.eye(3)] * 2) if B is None else B
-    data = np.zeros(78)
+    data = np.zeros(79)
+    data[78] = helical
     data[0] = L
     data[1:4], data[13:16] = u
     data[4:13], data[16:25] = B[0].ravel(), B[1].ravel()
@@ -126,7 +142,10 @@ def strains(model, beam, q):
     n = axis / sine
     cross = np.array([[0, -n[2], n[1]], [n[2], 0, -n[0]], [-n[1], n[0], 0]])
     half = np.eye(3) + np.sin(angle / 2) * cross + (1 - np.cos(angle / 2)) * cross @ cross
-    gamma = (Qa @ half).T @ (rb - ra) / x[0] - np.array([1.0, 0, 0])
+    d = (Qa @ half).T @ (rb - ra) / x[0]
+    if x[78]:  # arc over chord, across the rotation vector
+        d = (d - n * (n @ d)) * (angle / 2) / np.sin(angle / 2) + n * (n @ d)
+    gamma = d - np.array([1.0, 0, 0])
     return np.concatenate([gamma, phi / x[0]]) - x[61:67]
 
 
@@ -148,9 +167,10 @@ def assert_tangent(engine, tolerance=1e-12):
 
 
 @pytest.mark.parametrize("turn", [1e-9, 1e-3, 0.2, 0.7, 1.2])
-def test_forces_are_the_gradient_of_the_strain_energy(turn):
+@pytest.mark.parametrize("helical", [0, 1])
+def test_forces_are_the_gradient_of_the_strain_energy(turn, helical):
     rng = np.random.default_rng(int(1e6 * turn) + 1)
-    model = beams(rng)
+    model = beams(rng, helical=helical)
     engine = bent(model, rng, turn)
     engine.v[:] = engine.a[:] = 0.0
     without = jo.Engine(replace(model, beams=()))

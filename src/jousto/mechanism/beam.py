@@ -26,7 +26,7 @@ from jousto.mechanism.orientation import (
 )
 
 SHARES = {"lumped": 0.0, "consistent": 1.0}
-ELEMENT_DATA = 78
+ELEMENT_DATA = 79
 
 
 @dataclass(frozen=True)
@@ -127,9 +127,10 @@ class BeamBody:
         Inertia of the elements: of their halves at the nodes (0), of linear shape functions (1) or
         between; frequencies are best at 0.5.
     bending : bool
-        Add the residual bending flexibility (see `BeamSection.with_bending`): elements under end
-        loads are then exact for small deflections, so that few elements do. Elements become
-        softer in shear, which lowers the tension that they bear.
+        Elements of fourth order instead of second: their axis is a screw line between the ends
+        (Sonneville, Cardona and Bruls 2014) instead of its chord, and the residual bending
+        flexibility is added (see `BeamSection.with_bending`). Elements become softer in shear,
+        which lowers the tension that they bear.
     damping : BeamDamping, optional
         Damping proportional to mass and stiffness; None for none.
     offset : (2,) or (n + 1, 2) array_like
@@ -251,9 +252,9 @@ class BeamBody:
             _, ends0, r0 = _shape(problems, where, rest, z, turns, kinks, arms)
             problems.raise_if_any()
             lengths = arc_lengths(r0, ends0)
-            e0 = strains(r0, ends0, lengths)
+            e0 = strains(r0, ends0, lengths, helical=bool(bending))
         else:
-            e0 = strains(r, ends, lengths)
+            e0 = strains(r, ends, lengths, helical=bool(bending))
         set_fields(
             self,
             name=name,
@@ -367,7 +368,7 @@ class BeamBody:
 
     @cached_property
     def elements(self) -> Array:
-        """Data (n, 78) of the elements for the engine, see ``jo_beam`` in jousto.h."""
+        """Data (n, 79) of the elements for the engine, see ``jo_beam`` in jousto.h."""
         return readonly(_element_data(self))
 
 
@@ -573,6 +574,7 @@ def _element_data(beam: BeamBody) -> Array:
     data[:, 13:16], data[:, 16:25] = u[:, 1], B[:, 1].reshape(-1, 9)
     data[:, 61:67] = beam.unstressed
     data[:, 67], data[:, 68], data[:, 69] = beam.damping.stiffness, beam.damping.mass, beam.share
+    data[:, 78] = beam.bending
     return data
 
 

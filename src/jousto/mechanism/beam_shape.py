@@ -113,7 +113,7 @@ def rotation_vectors(A: Array) -> Array:
     return out
 
 
-def strains(r: Array, Q: Array, length: Array) -> Array:
+def strains(r: Array, Q: Array, length: Array, *, helical: bool = False) -> Array:
     """Return ``[Q_m^T (r_b - r_a)/L - e1, phi/L]`` (n, 6) of elements.
 
     Parameters
@@ -124,6 +124,9 @@ def strains(r: Array, Q: Array, length: Array) -> Array:
         Frames of the ends.
     length : (n,) array
         Unstressed lengths, m.
+    helical : bool
+        The axis is a screw line between the ends, longer than its chord: across the rotation
+        vector Gamma + e1 is multiplied by ``h / sin h``, ``h = |phi|/2``.
 
     Returns
     -------
@@ -134,6 +137,11 @@ def strains(r: Array, Q: Array, length: Array) -> Array:
     half = np.stack([exp_rotation(0.5 * x) for x in phi])
     middle = Q[:, 0] @ half
     gamma = np.einsum("nji,nj->ni", middle, (r[:, 1] - r[:, 0]) / length[:, None])
+    if helical:
+        h = 0.5 * np.linalg.norm(phi, axis=1, keepdims=True)
+        axis = phi / np.where(h > 0.0, 2.0 * h, 1.0)
+        along = axis * np.sum(axis * gamma, axis=1, keepdims=True)
+        gamma = along + (gamma - along) / np.sinc(h / np.pi)
     gamma[:, 0] -= 1.0
     return np.concatenate([gamma, phi / length[:, None]], axis=1)
 
