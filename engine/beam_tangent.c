@@ -224,6 +224,60 @@ static void scatter(const jo_model *m, jo_data *d, const jo_beam *b, jo_real K[3
         }
 }
 
+/* the same with both kept: for [r_b - r_a, turn of a, turn of b] of the bodies, without weights */
+static void keep(const jo_model *m, jo_data *d, const jo_beam *b, jo_real K[3][3][9], jo_real V[3][3][9])
+{
+    const jo_beam_work *w = &d->beam[b - m->beam];
+    jo_real *kept = d->stiff + 162 * (b - m->beam);
+    const jo_weights *c = &d->weights;
+    const int body[2] = {b->a, b->b};
+    jo_block N[2][2];
+    for (int i = 0; i < 2; i++)
+        for (int j = 0; j < 2; j++) N[i][j] = jo_newton_find(m, d, body[i], body[j]);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++, kept += 9) {
+            jo_real X[9] = {0.0}, Y[9];
+            const jo_real *left = i ? w->G[i - 1] : w->Q, *right = j ? w->G[j - 1] : w->Q;
+            for (int v = 0; v < 2; v++) {
+                jo_real t[9], *out = kept + 81 * v;
+                if (v && !w->damped) break;
+                jo_mul33(t, left, v ? V[i][j] : K[i][j]);
+                for (int r = 0; r < 3; r++)
+                    for (int s = 0; s < 3; s++) out[3 * r + s] = jo_dot3(t + 3 * r, right + 3 * s);
+                for (int k = 0; k < 9; k++) X[k] += (v ? c->v : c->q) * out[k];
+            }
+            for (int k = 0; k < 9; k++) Y[k] = -X[k];
+            for (int r = i ? i - 1 : 0; r < (i ? i : 2); r++)
+                for (int s = j ? j - 1 : 0; s < (j ? j : 2); s++)
+                    add_block(N[r][s], i ? 3 : 0, j ? 3 : 0, 1.0, (i || r) == (j || s) ? X : Y);
+        }
+}
+
+/* d->lag += K x + D z with what was kept */
+void jo_beam_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real *z)
+{
+    for (int i = 0; i < m->nbeam; i++) {
+        const jo_real *kept = d->stiff + 162 * i;
+        const int a = m->body[m->beam[i].a].iv, b = m->body[m->beam[i].b].iv;
+        for (int v = 0; v < (z && d->beam[i].damped ? 2 : 1); v++) {
+            const jo_real *in = v ? z : x;
+            jo_real y[9], out[9] = {0.0};
+            for (int j = 0; j < 3; j++) { y[j] = in[b + j] - in[a + j]; y[3 + j] = in[a + 3 + j]; y[6 + j] = in[b + 3 + j]; }
+            for (int r = 0; r < 3; r++)
+                for (int s = 0; s < 3; s++) {
+                    const jo_real *B = kept + 81 * v + 9 * (3 * r + s);
+                    for (int j = 0; j < 3; j++) out[3 * r + j] += jo_dot3(B + 3 * j, y + 3 * s);
+                }
+            for (int j = 0; j < 3; j++) {
+                d->lag[a + j] -= out[j];
+                d->lag[b + j] += out[j];
+                d->lag[a + 3 + j] += out[3 + j];
+                d->lag[b + 3 + j] += out[6 + j];
+            }
+        }
+    }
+}
+
 static void elastic(const jo_model *m, jo_data *d, const int i)
 {
     const jo_beam *b = &m->beam[i];
@@ -254,13 +308,19 @@ static void elastic(const jo_model *m, jo_data *d, const int i)
         material(K, 1.0, G, &p, L, Sn, Sm);
     }
     geometric(K, G, w, &p, L);
-    scatter(m, d, b, K, V);
+    if (d->keeping) keep(m, d, b, K, V);
+    else scatter(m, d, b, K, V);
 }
 
 void jo_newton_beams(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nbeam; i++) {
-        if (jo_beam_inertial(&m->beam[i])) jo_beam_newton_inertia(m, d, i);
+        if (jo_beam_inertial(&m->beam[i])) {
+            const double v = d->weights.v;
+            if (d->keeping) d->weights.v = 0.0;   /* ROS2: damping of the mass is not stiff */
+            jo_beam_newton_inertia(m, d, i);
+            d->weights.v = v;
+        }
         if (d->weights.q != 0.0 || d->weights.v != 0.0) elastic(m, d, i);
     }
 }

@@ -242,7 +242,7 @@ static void inertia(const jo_model *m, jo_data *d, int body)
     const jo_body *b = &m->body[body];
     jo_body_work *w = &d->body[body];
     const jo_weights *c = &d->weights;
-    const jo_real ca = c->a, cv = c->v, cq = c->q;
+    const jo_real ca = c->a, cv = c->plain ? 0.0 : c->v, cq = c->plain ? 0.0 : c->q;
     const jo_real *a = d->a + b->iv, *wd = a + 3, *pdd = a + 6, *om = w->w, *A = w->A;
     const int n = b->n, np = b->np;
     const jo_block N = jo_newton_find(m, d, body, body);
@@ -258,7 +258,7 @@ static void inertia(const jo_model *m, jo_data *d, int body)
         modal_sums(b, b->ED, 6, JO_ROW_D, 1.0, coef, w->pd, w->Dd, P);
         for (int i = 0; i < 3; i++) coef[i] = cq * wd[i] + 2.0 * cv * om[i];
         modal_sums(b, b->EB, 3, JO_ROW_B, -1.0, coef, pdd, w->H, P);
-        for (int j = 0; j < n; j++) P.at[j * (P.stride + 1)] += ca + cv * b->D[j] + cq * b->K[j];
+        for (int j = 0; j < n; j++) P.at[j * (P.stride + 1)] += ca + c->v * b->D[j] + c->q * b->K[j];
         for (int j = 0; j < n; j++) {
             for (int i = 0; i < 3; i++) { Ip[i] += b->I3[i * np + j] * w->pd[j]; Bp[i] += w->B[i * np + j] * w->pd[j]; }
             for (int i = 0; i < 6; i++) Jd[i] += w->D[i * np + j] * w->pd[j];
@@ -331,6 +331,23 @@ static void inertia(const jo_model *m, jo_data *d, int body)
             N.at[(6 + k) * N.stride + i] += ca * x[i];
             N.at[(6 + k) * N.stride + 3 + i] += ca * B[i] + 2.0 * cv * (G[i] - Dw[i]) + cq * g[i];
         }
+    }
+}
+
+void jo_newton_masses(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nnewton; i++) d->N[i] = 0.0;
+    for (int i = 0; i < m->nbody; i++) inertia(m, d, i);
+    if (m->nbeam) jo_newton_beams(m, d);
+}
+
+void jo_newton_rows(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->njoint; i++) {
+        const jo_joint *k = &m->joint[i];
+        for (int s = 0; s < k->nside; s++)
+            if (m->marker[k->side[s]].body >= 0) marker_motion(m, d, k->side[s]);
+        jo_newton_joint(m, d, i);
     }
 }
 

@@ -78,6 +78,11 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched, jo_sen
     d->force = take(a, (size_t)m->nforce * sizeof(jo_force_work));
     d->N = reals(a, m->nnewton + JO_PAD);
     d->x = reals(a, m->nv + m->nrow);
+    d->base = reals(a, m->nv);
+    d->base_lam = reals(a, m->nrow);
+    d->stiff = reals(a, 162 * m->nbeam);
+    d->lag = reals(a, m->nv);
+    d->sum = reals(a, m->nv);
     d->pivot = take(a, (size_t)(m->nv + m->nrow) * sizeof(int));
     jo_real **mixing[4] = {&d->mixing.g, &d->mixing.r, &d->mixing.before, &d->mixing.change};
     for (int i = 0; i < 4; i++) *mixing[i] = reals(a, 2 * m->nfriction);

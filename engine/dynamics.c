@@ -23,6 +23,15 @@ static void refresh(const jo_model *m, jo_data *d)
     if (m->ncoordinate) jo_coordinates(m, d, m->ncoordinate);
 }
 
+/* whether masses of different bodies are coupled: in ROS2 by the stiffness of beams, else by their consistent mass */
+static int couples(const jo_model *m, int set)
+{
+    if (set && m->nbeam) return 1;
+    for (int i = 0; i < m->nbeam; i++)
+        if (JO_RE(m->beam[i].data[69]) != 0.0) return 1;
+    return 0;
+}
+
 /* a and lam at time, q, v; the modal mass is that of the set */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
 {
@@ -41,7 +50,7 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
         if (applied != JO_OK) return applied;
     }
     if (m->nbeam) {
-        const int bent = jo_beam_forces(m, d, 0);
+        const int bent = jo_beam_forces(m, d, d->second ? d->base : 0);
         if (bent != JO_OK) return bent;
     }
     for (int i = 0; i < m->nbody; i++) {
@@ -59,17 +68,27 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
         jo_joint_residual_rate(m, d);
     }
     jo_joint_rows(m, d);
-    jo_joint_acceleration(m, d, s);
-    int status = jo_joint_factor(m, d);
-    if (status != JO_OK) return status;
-    jo_joint_solve(m, d);
+    d->coupled = couples(m, set);
+    int status;
+    if (d->coupled) {
+        status = jo_coupled_accelerations(m, d, s);
+        if (status != JO_OK) return status;
+    } else {
+        jo_joint_acceleration(m, d, s);
+        status = jo_joint_factor(m, d);
+        if (status != JO_OK) return status;
+        jo_joint_solve(m, d);
+    }
     if (m->nfriction && !d->smooth) {
         status = jo_friction_solve(m, d, s);
         if (status != JO_OK) return status;
     }
-    jo_joint_apply(m, d);
     d->drive = m->nline ? jo_joint_power(m, d) : 0.0;
     d->power[2] += d->drive;
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) d->lam[m->joint[i].row + r] = d->joint[i].x[r];
+    if (d->coupled) return JO_OK;
+    jo_joint_apply(m, d);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         const jo_body_work *w = &d->body[i];
@@ -79,8 +98,6 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
         jo_set3(a + 3, w->y + 3);
         for (int j = 0; j < b->n; j++) a[6 + j] = w->yp[j];
     }
-    for (int i = 0; i < m->njoint; i++)
-        for (int r = 0; r < m->joint[i].nrow; r++) d->lam[m->joint[i].row + r] = d->joint[i].x[r];
     return JO_OK;
 }
 
@@ -109,6 +126,10 @@ void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real
 /* increment = -M^-1 Cq^T S^-1 c with the factors of the last evaluation */
 static void correction(const jo_model *m, jo_data *d, jo_real *increment)
 {
+    if (d->coupled) {
+        jo_coupled_correction(m, d, increment);
+        return;
+    }
     for (int i = 0; i < m->nbody; i++) {
         jo_body_work *w = &d->body[i];
         for (int j = 0; j < 6; j++) w->z[j] = 0.0;

@@ -211,7 +211,7 @@ static void add_row(const jo_model *m, jo_data *d, int joint, int row, int a, in
     }
 }
 
-static void joint(const jo_model *m, jo_data *d, int i)
+void jo_newton_joint(const jo_model *m, jo_data *d, int i)
 {
     const jo_joint *k = &m->joint[i];
     const int a = k->side[0], b = k->side[1];
@@ -366,7 +366,7 @@ static void rub(const jo_model *m, jo_data *d, int i)
 
 int jo_newton_elements(const jo_model *m, jo_data *d)
 {
-    for (int i = 0; i < m->njoint; i++) joint(m, d, i);
+    for (int i = 0; i < m->njoint; i++) jo_newton_joint(m, d, i);
     for (int i = 0; i < m->nfriction; i++) rub(m, d, i);
     return jo_newton_forces(m, d);
 }

@@ -256,6 +256,10 @@ static void accelerate(jo_mixing *w, int n, jo_real *change)
 /* multipliers with the forces that stand in fr and fp, the factors untouched */
 static void solve_again(const jo_model *m, jo_data *d, const jo_solver *s)
 {
+    if (d->coupled) {
+        jo_coupled_solve(m, d, s);
+        return;
+    }
     for (int i = 0; i < m->nbody; i++) jo_body_free(&m->body[i], &d->body[i], d->set);
     jo_marker_reduce(m, d, m->nactive);
     jo_joint_acceleration(m, d, s);

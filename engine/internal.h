@@ -223,6 +223,12 @@ struct jo_data {
     int set;                /* set in use */
     jo_weights weights;
     int factored;           /* N holds factors */
+    int coupled;            /* the last evaluation was that of coupled.c, which needs these: */
+    int second;             /* second stage of ROS2: the factors of the first serve again */
+    jo_real *base, *base_lam;   /* (nv), (nrow) accelerations and multipliers that it starts from */
+    int keeping;            /* the stiffness of beams is kept in: */
+    jo_real *stiff;         /* (nbeam x 162) */
+    jo_real *lag, *sum;     /* (nv) what beams lag behind in an implicit stage; scratch */
     int *started;           /* (1) implicit method: the arrays below belong to the state end_q, end_v */
     jo_real *algorithmic, *end_a, *end_q, *end_v, *end_lam;   /* algorithmic and true accelerations .. at the end of its step */
     jo_real *end_time;      /* (1) */
@@ -337,6 +343,7 @@ void jo_beam_helix_tangent(const jo_model *m, const jo_data *d, int i, jo_real *
 
 /* beam_tangent.c */
 void jo_newton_beams(const jo_model *m, jo_data *d);
+void jo_beam_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real *z);   /* (nv) d->lag += K x + D z, z may be 0 */
 
 /* friction.c */
 int jo_friction_solve(const jo_model *m, jo_data *d, const jo_solver *s);
@@ -380,9 +387,21 @@ void jo_newton_solve(const jo_model *m, jo_data *d);
 
 /* blocks.c */
 int jo_newton_assemble(const jo_model *m, jo_data *d);   /* at the state of the last jo_residual */
+void jo_newton_masses(const jo_model *m, jo_data *d);    /* bodies and beams only */
+void jo_newton_rows(const jo_model *m, jo_data *d);      /* joints only, without multipliers */
 
 /* elements.c */
 int jo_newton_elements(const jo_model *m, jo_data *d);
+void jo_newton_joint(const jo_model *m, jo_data *d, int joint);
+
+/* tangent.c */
+void jo_balance(const jo_model *m, const jo_data *d, jo_real *r);   /* M a less the forces that stand in fr and fp */
+void jo_react(const jo_model *m, jo_data *d);                       /* -Cq^T lam acts on the bodies */
+
+/* coupled.c */
+int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_solver *s);   /* a and joint[].x */
+void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_solver *s);
+void jo_coupled_correction(const jo_model *m, jo_data *d, jo_real *increment);
 
 /* implicit.c */
 int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s);

@@ -72,7 +72,7 @@ static int factor_dense(jo_real *A, const int n, const int stride, int *pivot, d
         for (int i = k + 1; i < n; i++) {
             jo_real *row = A + i * stride;
             const jo_real s = row[k] * inverse;
-            if (JO_RE(s) == 0.0) continue;
+            if (s == 0.0) continue;
             jo_real kept[JO_PAD];   /* entries of L in the first lanes */
             for (int j = 0; j < JO_PAD; j++) kept[j] = row[from + j];
             subtract_row(row + from, s, A + k * stride + from, stride - from);

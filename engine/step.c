@@ -74,8 +74,24 @@ static void no_extra(const jo_model *m, jo_data *d)
         for (int j = 0; j < m->body[i].n; j++) d->body[i].extra[j] = 0.0;
 }
 
+/* the second stage starts from accelerations and multipliers of the first; beams lag by
+ * g h K (2 v0 - x' + 4 g h a1) + 2 g h D a1 less M^ - M times a1, which is gone already */
+static void second_stage(const jo_model *m, jo_data *d, double gh)
+{
+    jo_increment_rate(m, d->rate, d->dq, d->v);
+    for (int i = 0; i < m->nv; i++) {
+        d->base[i] = d->acc[i];
+        d->rate[i] = gh * (2.0 * d->v0[i] - d->rate[i] + 3.0 * gh * d->acc[i]);
+        d->dv[i] = gh * d->acc[i];
+        d->lag[i] = 0.0;
+    }
+    for (int i = 0; i < m->nrow; i++) d->base_lam[i] = d->lam[i];
+    jo_beam_lag(m, d, d->rate, d->dv);
+    d->second = 1;
+}
+
 /* ROS2 (Verwer, Spee, Blom, Hundsdorfer 1999), a W-method of order 2: modal stiffness and damping implicit.
- * With k2 = k2' - 2 k1 the step is y + (k1 + k2')/2. */
+ * With k2 = k2' - 2 k1 the step is y + (k1 + k2')/2. Beams lag like modes, with the stiffness of the first stage. */
 static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const double h = s->step, gh = (1.0 - 0.70710678118654752440) * h;
@@ -114,8 +130,10 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
             d->body[i].extra[j] = gh * (b->K[j] * (2.0 * v0[j] - v[j] + 4.0 * gh * a1[j]) + 2.0 * b->D[j] * a1[j]);
     }
     d->lead = -gh;
+    if (m->nbeam) second_stage(m, d, gh);
     status = jo_evaluate(m, d, s, 1);
     d->lead = 0.0;
+    d->second = 0;
     no_extra(m, d);
     if (status != JO_OK) return status;
     d->work[1] += 0.5 * h * d->power[1];

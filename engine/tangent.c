@@ -24,8 +24,7 @@ static void pull(const jo_model *m, jo_data *d, int coordinate, jo_real lam)
     jo_push(m, d, c->a, F, T);
 }
 
-/* -Cq^T lam as forces at the markers */
-static void react(const jo_model *m, jo_data *d)
+void jo_react(const jo_model *m, jo_data *d)
 {
     static const jo_real none[3] = {0.0, 0.0, 0.0};
     for (int i = 0; i < m->njoint; i++) {
@@ -86,6 +85,11 @@ static void balance(const jo_model *m, const jo_data *d, int body, jo_real *r)
     jo_set3(r + 3, T);
 }
 
+void jo_balance(const jo_model *m, const jo_data *d, jo_real *r)
+{
+    for (int i = 0; i < m->nbody; i++) balance(m, d, i, r + m->body[i].iv);
+}
+
 int jo_residual(const jo_model *m, jo_data *d, jo_real *r)
 {
     jo_real largest[2];
@@ -103,7 +107,7 @@ int jo_residual(const jo_model *m, jo_data *d, jo_real *r)
         if (status != JO_OK) return status;
     }
     if (m->nfriction) jo_friction_push(m, d);
-    react(m, d);
-    for (int i = 0; i < m->nbody; i++) balance(m, d, i, r + m->body[i].iv);
+    jo_react(m, d);
+    jo_balance(m, d, r);
     return JO_OK;
 }

@@ -1,0 +1,189 @@
+/* coupled.c - accelerations and multipliers where beams couple the masses of the bodies, by the block LU of newton.c.
+ *
+ *   [M^ Cq^T; Cq 0] [a; lam] = [Q; -(Cq)' v],  M^ = M or, in ROS2, M + g h D + (g h)^2 K of beams and modes
+ * solved for the changes from accelerations and multipliers `base`: 0 but for gravity, or in the second stage of ROS2
+ * those of the first, whose factors serve again. The masses change by O(h) meanwhile and the accelerations, too, so
+ * that the error is O(h^2) in a and the method keeps its order 2.
+ */
+#include "internal.h"
+
+enum { JO_REFINE = 2 };    /* steps of refinement, each closing what the regularisation left open */
+
+/* M^ and the rows of the joints */
+static void assemble(const jo_model *m, jo_data *d)
+{
+    const double gh = d->set ? d->gh : 0.0;
+    const jo_weights masses = {1.0, gh, gh * gh, 1.0, 0, 1}, rows = {1.0, 1.0, 0.0, 1.0, 0, 1};
+    d->factored = 0;
+    d->weights = masses;
+    for (int i = 0; i < m->nrow; i++) d->lam[i] = 0.0;
+    d->keeping = d->set;
+    jo_newton_masses(m, d);
+    d->keeping = 0;
+    d->weights = rows;
+    jo_newton_rows(m, d);
+}
+
+static jo_real *part_of(const jo_model *m, jo_data *d, int item)
+{
+    return d->x + m->node[m->place[item].node].at + m->place[item].local;
+}
+
+/* d->x = N^-1 d->x; with rows that repeat one another the multipliers of least norm, where what the regularisation
+ * leaves open in the rows is solved for again */
+static void solve(const jo_model *m, jo_data *d)
+{
+    jo_newton_solve(m, d);
+    if (!d->regular) return;
+    for (int i = 0; i < m->nv; i++) d->sum[i] = 0.0;
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].sum[r] = 0.0;
+    for (int k = 0;; k++) {
+        for (int i = 0; i < m->nbody; i++) {
+            jo_real *x = part_of(m, d, i), *sum = d->sum + m->body[i].iv;
+            for (int j = 0; j < 6 + m->body[i].n; j++) {
+                sum[j] += x[j];
+                x[j] = k < JO_REFINE ? 0.0 : sum[j];
+            }
+        }
+        for (int i = 0; i < m->njoint; i++) {
+            jo_real *x = part_of(m, d, m->nbody + i), *sum = d->joint[i].sum;
+            for (int r = 0; r < m->joint[i].nrow; r++) {
+                const jo_real left = jo_absent(d, &m->joint[i]) ? 0.0 : -d->joint[i].scale[r] * x[r];
+                sum[r] += x[r];
+                x[r] = k < JO_REFINE ? left : sum[r];
+            }
+        }
+        if (k == JO_REFINE) return;
+        jo_newton_solve(m, d);
+    }
+}
+
+/* C'' of one joint at the accelerations in a, plus Baumgarte terms */
+static void row_accelerations(const jo_model *m, const jo_data *d, const jo_solver *s, int i, jo_real *y)
+{
+    const jo_joint *k = &m->joint[i];
+    const jo_joint_work *w = &d->joint[i];
+    jo_real a[6], b[6], t[3];
+    int row = 0;
+    if (k->coincident || k->nperp) {
+        jo_marker_acceleration(m, d, k->side[0], a);
+        jo_marker_acceleration(m, d, k->side[1], b);
+    }
+    for (; row < (k->coincident ? 3 : 0); row++) y[row] = b[row] - a[row];
+    if (k->nperp) {
+        jo_real oma[3], omb[3];
+        jo_to_world(oma, m, d, k->side[0], d->marker[k->side[0]].om);
+        jo_to_world(omb, m, d, k->side[1], d->marker[k->side[1]].om);
+        for (int r = 0; r < k->nperp; r++, row++) {
+            const jo_real *A = d->marker[k->side[0]].A + k->perp_a[r], *B = d->marker[k->side[1]].A + k->perp_b[r];
+            const jo_real f[3] = {A[0], A[3], A[6]}, h[3] = {B[0], B[3], B[6]};
+            jo_real fd[3], hd[3], fdd[3], hdd[3];
+            jo_cross(fd, oma, f);
+            jo_cross(hd, omb, h);
+            jo_cross(fdd, oma, fd);
+            jo_cross(t, a + 3, f);
+            jo_add3(fdd, t);
+            jo_cross(hdd, omb, hd);
+            jo_cross(t, b + 3, h);
+            jo_add3(hdd, t);
+            y[row] = jo_dot3(fdd, h) + 2.0 * jo_dot3(fd, hd) + jo_dot3(f, hdd);
+        }
+    }
+    for (int l = 0; l < k->nline; l++, row++) {
+        const jo_line *line = &m->line[k->line + l];
+        y[row] = 0.0;
+        for (int j = 0; j < line->count; j++) {
+            const jo_coordinate *c = &m->coordinate[line->coordinate[j]];
+            const jo_coordinate_work *x = &d->coordinate[line->coordinate[j]];
+            jo_marker_acceleration(m, d, c->a, a);
+            jo_marker_acceleration(m, d, c->b, b);
+            for (int p = 0; p < 3; p++) t[p] = b[p] - a[p];
+            y[row] += line->data[1 + j] * (jo_dot3(x->along, t) + jo_dot3(x->turn_a, a + 3) + jo_dot3(x->turn_b, b + 3) + x->bias);
+        }
+        if (line->signal >= 0) y[row] -= jo_signal_at(m, d, line->signal, d->time[0] + d->lead).second;
+    }
+    if (s && (s->alpha != 0.0 || s->beta != 0.0))
+        for (int r = 0; r < k->nrow; r++) y[r] += 2.0 * s->alpha * w->cdot[r] + s->beta * s->beta * w->c[r];
+}
+
+/* a and joint[].x from the forces that stand in fr and fp, with the factors */
+void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    const double gh = d->set ? d->gh : 0.0;
+    for (int i = 0; i < m->nv; i++) d->a[i] = d->base[i];
+    jo_balance(m, d, d->sum);
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const jo_real *r = d->sum + b->iv, *a = d->base + b->iv, *f = d->lag + b->iv;
+        jo_real *x = part_of(m, d, i);
+        for (int j = 0; j < 6; j++) x[j] = (d->set ? f[j] : 0.0) - r[j];
+        for (int j = 0; j < b->n; j++) x[6 + j] = -r[6 + j] - gh * (b->D[j] + gh * b->K[j]) * a[6 + j];
+    }
+    for (int i = 0; i < m->njoint; i++) {
+        jo_real *x = part_of(m, d, m->nbody + i), y[JO_MAX_ROWS] = {0.0};
+        if (!jo_absent(d, &m->joint[i])) row_accelerations(m, d, s, i, y);
+        for (int r = 0; r < m->joint[i].nrow; r++) x[r] = -y[r];
+    }
+    solve(m, d);
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_real *x = part_of(m, d, i);
+        jo_real *a = d->a + m->body[i].iv;
+        for (int j = 0; j < 6 + m->body[i].n; j++) a[j] += x[j];
+    }
+    for (int i = 0; i < m->njoint; i++) {
+        const jo_real *x = part_of(m, d, m->nbody + i);
+        for (int r = 0; r < m->joint[i].nrow; r++)
+            d->joint[i].x[r] = x[r] + (d->second ? d->base_lam[m->joint[i].row + r] : 0.0);
+    }
+}
+
+/* the factors, unless those of the first stage serve, then the solution. Rows that repeat one another show in the
+ * factorisation of S, which knows how small is small */
+int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    int status = JO_OK;
+    if (d->second) {   /* the reactions of the first stage act like forces */
+        for (int i = 0; i < m->nrow; i++) d->lam[i] = d->base_lam[i];
+        jo_react(m, d);
+    } else {
+        for (int i = 0; i < m->nbody; i++) {
+            jo_real *a = d->base + m->body[i].iv;
+            for (int j = 0; j < 6 + m->body[i].n; j++) a[j] = j < 3 ? m->gravity[j] : 0.0;
+        }
+        d->regular = m->redundant > 0;
+        if (m->njoint && !d->regular) status = jo_joint_factor(m, d);
+        if (status != JO_OK) return status;
+        assemble(m, d);
+        status = jo_newton_factor(m, d);
+        d->counts[2]--;   /* counted as an evaluation */
+        if (status != JO_OK) return status;
+        if (d->set) {   /* the first stage of ROS2 */
+            for (int i = 0; i < m->nv; i++) {
+                d->sum[i] = -d->gh * d->v[i];
+                d->lag[i] = 0.0;
+            }
+            jo_beam_lag(m, d, d->sum, 0);
+        }
+    }
+    jo_coupled_solve(m, d, s);
+    return JO_OK;
+}
+
+/* increment = the change of least norm in the metric of M^ by which the rows change by -x of the joints */
+void jo_coupled_correction(const jo_model *m, jo_data *d, jo_real *increment)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        jo_real *x = part_of(m, d, i);
+        for (int j = 0; j < 6 + m->body[i].n; j++) x[j] = 0.0;
+    }
+    for (int i = 0; i < m->njoint; i++) {
+        jo_real *x = part_of(m, d, m->nbody + i);
+        for (int r = 0; r < m->joint[i].nrow; r++) x[r] = -d->joint[i].x[r];
+    }
+    solve(m, d);
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_real *x = part_of(m, d, i);
+        for (int j = 0; j < 6 + m->body[i].n; j++) increment[m->body[i].iv + j] = x[j];
+    }
+}
