@@ -113,6 +113,9 @@ from .mechanism import (
     JointForce as JointForce,
 )
 from .mechanism import (
+    LineLoad as LineLoad,
+)
+from .mechanism import (
     Mechanism as Mechanism,
 )
 from .mechanism import (
@@ -181,6 +184,9 @@ from .mechanism import (
 )
 from .mechanism import (
     SCurve as SCurve,
+)
+from .mechanism import (
+    SectionSensor as SectionSensor,
 )
 from .mechanism import (
     Servo as Servo,

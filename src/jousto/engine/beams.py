@@ -5,12 +5,25 @@ from __future__ import annotations
 import numpy as np
 
 from jousto.engine.beam_shape import BeamShape, SectionShape
+from jousto.engine.model import BeamModel
 from jousto.mechanism import BeamBody, BeamSection, Mechanism
 
 
 def beam_shapes(mechanism: Mechanism, index: dict[int, int]) -> tuple[BeamShape, ...]:
     """Return what results keep of each beam; `index` holds the place of every body by its id."""
     return tuple(_shape(beam, index) for beam in mechanism.beams)
+
+
+def beam_models(mechanism: Mechanism, index: dict[int, int]) -> tuple[BeamModel, ...]:
+    """Return the elements of all beams, one after the other."""
+    models: list[BeamModel] = []
+    for beam in mechanism.beams:
+        at = [index[id(body)] for body in beam.bodies]
+        models += [
+            BeamModel(f"{beam.name}.element{i + 1}", beam.name, at[i], at[i + 1], data)
+            for i, data in enumerate(beam.elements)
+        ]
+    return tuple(models)
 
 
 def _shape(beam: BeamBody, index: dict[int, int]) -> BeamShape:

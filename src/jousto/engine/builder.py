@@ -32,6 +32,7 @@ from jousto.mechanism.elements import (
 )
 from jousto.mechanism.friction import Friction, Regularised, StickSlip
 from jousto.mechanism.joints import Joint
+from jousto.mechanism.line_load import LineLoad
 from jousto.mechanism.moving import MovingLoad
 from jousto.mechanism.signals import Constant, Input, Product, Ramp, SCurve, Sum, Switched
 
@@ -57,6 +58,7 @@ class Builder:
         self.forces: list[ForceModel] = []
         self.frictions: list[FrictionModel] = []
         self.events: list[EventModel] = []
+        self.force_places: dict[int, int] = {}
         self._places: dict[Any, int] = {}
 
     def marker(self, marker: Marker, turns: bool, *, shared: bool = True) -> int:
@@ -212,9 +214,28 @@ class Builder:
         return len(self.signals) - 1
 
     def force(self, load: Load | Element) -> int:
-        """Return the index of what pushes."""
-        self.forces.append(self._force(load))
-        return len(self.forces) - 1
+        """Return the index of what pushes, of the first of several."""
+        self.force_places[id(load)] = place = len(self.forces)
+        if isinstance(load, LineLoad):
+            self.forces += self._line(load)
+        else:
+            self.forces.append(self._force(load))
+        return place
+
+    def _line(self, load: LineLoad) -> list[ForceModel]:
+        """Return the loads at a beam's nodes."""
+        signal = self.signal(load.signal)
+        return [
+            ForceModel(
+                name=load.name,
+                kind="load",
+                data=np.concatenate([force, torque]),
+                b=self.marker(marker, load.follow or bool(np.any(torque))),
+                follow=load.follow,
+                signal=signal,
+            )
+            for marker, force, torque in load.loads
+        ]
 
     def _force(self, load: Load | Element) -> ForceModel:
         if isinstance(load, Force | Torque):
@@ -264,6 +285,7 @@ class Builder:
                 b=self.marker(load.marker, True),
                 function=load.function,
             )
+        assert not isinstance(load, LineLoad)
         return self._along(load)
 
     def _along(self, load: Spring | JointForce | Servo) -> ForceModel:

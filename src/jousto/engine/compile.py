@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.engine.beams import beam_shapes
+from jousto.engine.beams import beam_models, beam_shapes
 from jousto.engine.builder import Builder
 from jousto.engine.events import event_models, watched_coordinates
 from jousto.engine.measure import NOT_UNIQUE, flag_reactions, meter_models, sensor_models
@@ -113,6 +113,7 @@ def compile(mechanism: Mechanism) -> Model:
         frictions=tuple(builder.frictions),
         events=tuple(builder.events),
         meters=meter_models(mechanism, sensors),
+        beams=beam_models(mechanism, index),
         beam_shapes=beam_shapes(mechanism, index),
     )
     return _consistent(model)

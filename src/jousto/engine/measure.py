@@ -27,6 +27,7 @@ from jousto.mechanism.sensors import (
     RateSensor,
     ReactionSensor,
     Rosette,
+    SectionSensor,
     SignalSensor,
     StressSensor,
     VonMisesSensor,
@@ -69,8 +70,11 @@ class Measures:
         self._bodies = bodies
         joints = (*mechanism.joints, *mechanism.couplings)
         self._joints = {id(joint): i for i, joint in enumerate(joints)}
-        self._forces = {id(force): i for i, force in enumerate(mechanism.forces)}
+        self._forces = builder.force_places
         self._frictions = {id(friction): i for i, friction in enumerate(mechanism.frictions)}
+        self._elements: dict[int, int] = {}  # first element of every beam
+        for beam in mechanism.beams:
+            self._elements[id(beam)] = sum(b.n for b in mechanism.beams[: len(self._elements)])
         self._frames: dict[Any, int] = {}
         self._meters = 0
 
@@ -108,6 +112,9 @@ class Measures:
             signal = self._builder.signal(sensor.signal)
             place = self._bodies[id(sensor.body)]
             return Measure("stress", place, rows=sensor.rows, other=signal)
+        if isinstance(sensor, SectionSensor):
+            place = self._elements[id(sensor.beam)] + sensor.element
+            return Measure("section", place, other=sensor.first)
         if isinstance(sensor, Bridge):
             # rows of the arms, then one with their drifts
             rows = np.zeros((5, max(sensor.arm_rows.shape[1], 4)))

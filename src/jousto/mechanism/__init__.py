@@ -33,6 +33,7 @@ from jousto.mechanism.joints import (
     Spherical,
     Universal,
 )
+from jousto.mechanism.line_load import LineLoad
 from jousto.mechanism.marker import Marker
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.moving import MovingLoad
@@ -62,6 +63,7 @@ from jousto.mechanism.sensors import (
     RateSensor,
     ReactionSensor,
     Rosette,
+    SectionSensor,
     Sensor,
     SignalSensor,
     StressSensor,
@@ -136,6 +138,7 @@ __all__ = [
     "Joint",
     "JointForce",
     "Line",
+    "LineLoad",
     "Load",
     "Marker",
     "Mechanism",
@@ -162,6 +165,7 @@ __all__ = [
     "Rotate",
     "SCurve",
     "Screw",
+    "SectionSensor",
     "Sensor",
     "Servo",
     "Signal",

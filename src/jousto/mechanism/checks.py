@@ -17,6 +17,7 @@ from jousto.mechanism.event import Event
 from jousto.mechanism.force import LOADS, Gravity, Torque
 from jousto.mechanism.friction import Friction, StickSlip
 from jousto.mechanism.joints import Joint
+from jousto.mechanism.line_load import LineLoad
 from jousto.mechanism.marker import Marker
 from jousto.mechanism.moving import MovingLoad
 from jousto.mechanism.sensors import (
@@ -29,6 +30,7 @@ from jousto.mechanism.sensors import (
     MotionSensor,
     ReactionSensor,
     Rosette,
+    SectionSensor,
     SiteSensor,
 )
 from jousto.mechanism.signals import Signal, Switched, leaves
@@ -152,7 +154,9 @@ def check_members(problems: Problems, mechanism: Mechanism) -> None:
     def missing(item: Any, argument: str, body: Any) -> None:
         if isinstance(body, Ground) or id(body) in ids:
             return
-        kind, name = ("beam", body.beam) if isinstance(body, BeamNode) else ("body", body.name)
+        kind, name = ("body", body.name)
+        if isinstance(body, BeamBody | BeamNode):
+            kind, name = "beam", getattr(body, "beam", body.name)
         if name in bodies:
             text = "is another body of that name than the one in the mechanism"
         else:
@@ -171,6 +175,8 @@ def check_members(problems: Problems, mechanism: Mechanism) -> None:
             item, ModalLoad | MovingLoad | ModalSensor | SiteSensor | Gauge | Rosette | Bridge
         ):
             missing(item, "body", item.body)
+        if isinstance(item, LineLoad | SectionSensor):
+            missing(item, "beam", item.beam)
         if isinstance(item, ReactionSensor | Friction):
             known = (*mechanism.joints, *mechanism.couplings)
             check_member(problems, item, item.joint, known)

@@ -13,6 +13,7 @@ from jousto.errors import Problems
 from jousto.mechanism.body import FlexibleBody, ground
 from jousto.mechanism.coordinate import Coordinate, Distance, check_coordinate
 from jousto.mechanism.fields import check_name, number, set_fields
+from jousto.mechanism.line_load import LineLoad
 from jousto.mechanism.marker import Marker, check_marker
 from jousto.mechanism.moving import MovingLoad
 from jousto.mechanism.orientation import Array, readonly
@@ -304,7 +305,7 @@ class UserForce:
         set_fields(self, name=name, marker=marker, function=function, reference=frame)
 
 
-Element = Spring | Bushing | JointForce | Servo | ModalLoad | MovingLoad | UserForce
+Element = Spring | Bushing | JointForce | Servo | ModalLoad | MovingLoad | UserForce | LineLoad
 ELEMENTS: tuple[type[Element], ...] = (
     Spring,
     Bushing,
@@ -313,6 +314,7 @@ ELEMENTS: tuple[type[Element], ...] = (
     ModalLoad,
     MovingLoad,
     UserForce,
+    LineLoad,
 )
 
 

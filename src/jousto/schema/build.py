@@ -14,6 +14,8 @@ from jousto import mechanism as jm
 from jousto.errors import InputError, JoustoWarning, Problem, suggest
 from jousto.schema import model as sm
 from jousto.schema import parts as sp
+from jousto.schema.beam import build_beam
+from jousto.schema.beams import BeamBodyEntry
 from jousto.schema.connect import build_coupler, build_friction, build_joint
 from jousto.schema.document import Document, Loc
 from jousto.schema.elements import build_load
@@ -290,6 +292,8 @@ class Builder:
 
     def body(self, loc: Loc, entry: Any, parts: dict[str, Any]) -> Any:
         """Return the body of an entry, None if anything is wrong with it."""
+        if isinstance(entry, BeamBodyEntry):
+            return build_beam(self, loc, entry)
         values = self.orientations(loc, entry.given("part"))
         if isinstance(entry, sm.RigidBodyEntry):
             return self.make(loc, jm.RigidBody, **values)

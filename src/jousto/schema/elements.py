@@ -28,6 +28,7 @@ ELEMENTS = {
     "servo": jm.Servo,
     "modal-load": jm.ModalLoad,
     "user-force": jm.UserForce,
+    "line": jm.LineLoad,
 }
 
 # units of stiffness and damping along a length and along an angle
@@ -57,10 +58,12 @@ def build_load(
         for key, unit in (("position", "m"), ("signal", "1")):
             if key in values:
                 values[key] = build_signal(builder, (*loc, key), values[key], unit)
-    if "body" in values:
-        values["body"] = bodies.get(entry.body)
-        if values["body"] is None:
-            builder.unknown((*loc, "body"), "bodies", "body", entry.body, bodies)
+    for key in ("body", "beam"):
+        if key in values:
+            name = values[key]
+            values[key] = bodies.get(name)
+            if values[key] is None:
+                builder.unknown((*loc, key), "bodies", key, name, bodies)
     if entry.type == "modal-load":
         values["pattern"] = pattern(builder, (*loc, "pattern"), entry.pattern, values["body"])
     if entry.type == "user-force":

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, Tag
 
+from jousto.schema.beams import BeamBodyEntry, LineLoadEntry
 from jousto.schema.connections import (
     BushingEntry,
     CoordinateForm,
@@ -107,11 +108,15 @@ class FlexibleBodyEntry(Posed):
 def _kind_of_body(data: dict[str, Any]) -> str | None:
     if "part" in data:
         return "flexible"
+    if "section" in data or "points" in data:
+        return "beam"
     return "rigid" if "mass" in data or "inertia" in data else None
 
 
 BodyEntry: TypeAlias = Annotated[
-    Annotated[RigidBodyEntry, Tag("rigid")] | Annotated[FlexibleBodyEntry, Tag("flexible")],
+    Annotated[RigidBodyEntry, Tag("rigid")]
+    | Annotated[FlexibleBodyEntry, Tag("flexible")]
+    | Annotated[BeamBodyEntry, Tag("beam")],
     tagged(_kind_of_body),
 ]
 
@@ -149,7 +154,8 @@ LoadEntry: TypeAlias = Annotated[
     | Annotated[MovingLoadEntry, Tag("moving-load")]
     | Annotated[ServoEntry, Tag("servo")]
     | Annotated[ModalLoadEntry, Tag("modal-load")]
-    | Annotated[UserForceEntry, Tag("user-force")],
+    | Annotated[UserForceEntry, Tag("user-force")]
+    | Annotated[LineLoadEntry, Tag("line")],
     tagged(),
 ]
 

@@ -31,16 +31,20 @@ SENSORS: dict[str, Any] = {
     "gauge": jm.Gauge,
     "rosette": jm.Rosette,
     "bridge": jm.Bridge,
+    "section": jm.SectionSensor,
     "coordinate": jm.CoordinateSensor,
     "rate": jm.RateSensor,
     "energy": jm.EnergySensor,
     "signal": jm.SignalSensor,
     "damage": jm.DamageSensor,
 }
-FLEXIBLE_ONLY = tuple(key for key, kind in SENSORS.items() if kind in BODY_SENSORS)
+FLEXIBLE_ONLY = tuple(
+    key for key, kind in SENSORS.items() if kind in BODY_SENSORS and kind is not jm.SectionSensor
+)
 # keys that name something, the sections where it may stand, and what it is called
 NAMES = {
     "body": (("bodies",), "body"),
+    "beam": (("bodies",), "beam"),
     "joint": (("joints", "couplings"), "joint"),
     "force": (("forces", "frictions"), "force"),
     "sensor": (("sensors",), "sensor"),

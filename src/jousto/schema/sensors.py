@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, Discriminator, Field, Tag
 
+from jousto.schema.beams import SectionSensorEntry
 from jousto.schema.connections import CoordinateEntry
 from jousto.schema.curves import MeanEntry, SNOrName
 from jousto.schema.entries import (
@@ -280,6 +281,7 @@ SensorEntry: TypeAlias = Annotated[
     | Annotated[GaugeEntry, Tag("gauge")]
     | Annotated[RosetteEntry, Tag("rosette")]
     | Annotated[BridgeEntry, Tag("bridge")]
+    | Annotated[SectionSensorEntry, Tag("section")]
     | Annotated[CoordinateSensorEntry, Tag("coordinate")]
     | Annotated[RateSensorEntry, Tag("rate")]
     | Annotated[EnergySensorEntry, Tag("energy")]

@@ -36,9 +36,10 @@ from jousto.mechanism.sensors.readings import (
     SignalSensor,
 )
 from jousto.mechanism.sensors.rosette import Rosette
+from jousto.mechanism.sensors.section import SectionSensor
 from jousto.mechanism.sensors.temperature import Temperature
 
-BodySensor: TypeAlias = ModalSensor | SiteSensor | Gauge | Rosette | Bridge
+BodySensor: TypeAlias = ModalSensor | SiteSensor | Gauge | Rosette | Bridge | SectionSensor
 Reading: TypeAlias = CoordinateSensor | RateSensor | EnergySensor | SignalSensor
 Sensor: TypeAlias = (
     MotionSensor | BodySensor | ReactionSensor | ForceSensor | Reading | DamageSensor
@@ -59,6 +60,7 @@ BODY_SENSORS: tuple[type[BodySensor], ...] = (
     Gauge,
     Rosette,
     Bridge,
+    SectionSensor,
 )
 SENSORS: tuple[type[Sensor], ...] = (
     *(*MOTION_SENSORS, *BODY_SENSORS, ReactionSensor, ForceSensor),
@@ -92,6 +94,7 @@ __all__ = [
     "RateSensor",
     "Reading",
     "ReactionSensor",
+    "SectionSensor",
     "Sensor",
     "SignalSensor",
     "SiteSensor",

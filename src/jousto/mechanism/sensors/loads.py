@@ -21,6 +21,7 @@ from jousto.mechanism.fields import check_name, set_fields
 from jousto.mechanism.force import LOADS, Force, Load, Torque
 from jousto.mechanism.friction import Friction
 from jousto.mechanism.joints import JOINTS, Joint
+from jousto.mechanism.line_load import LineLoad
 from jousto.mechanism.marker import Marker, check_marker
 from jousto.mechanism.moving import MovingLoad
 from jousto.mechanism.sensors.motion import frame_name
@@ -149,6 +150,12 @@ class ForceSensor:
         checked: Any = force
         if not isinstance(checked, (*LOADS, *ELEMENTS, Friction)):
             problems.add(where, f"force is {checked!r}, must be a force element such as a Spring")
+        elif isinstance(checked, LineLoad):
+            problems.add(
+                where,
+                f"{checked.name!r} acts all along beam {checked.beam.name!r}; take a "
+                "SectionSensor, or ForceSensors on point forces",
+            )
         if resolved_in is not None:
             check_marker(problems, where, "resolved_in", resolved_in)
             if along(checked):
