@@ -210,7 +210,7 @@ typedef struct {
     int type;               /* jo_sensor_type */
     int object;             /* marker, body, joint, coordinate, force, signal, beam, or kind of energy;
                              * SECTION: strains (6) and resultants (6) in the middle of the beam element, in its axes */
-    int other, frame;       /* markers: of the observer, of the axes; -1: the world. ELEMENT: other is the first component;
+    int other, frame;       /* markers: of the observer, of the axes; -1: the world. ELEMENT, SECTION: other is the first component;
                              * STRESS, BRIDGE: other is a signal of apparent strain, of change of temperature; -1: none */
     int offset, count;      /* place in the sensor vector */
     const jo_real *rows;    /* STRESS: (count x np), VON_MISES: (6 count x np), PRINCIPAL: (2 count x np), row-major;

@@ -278,6 +278,14 @@ static void multiplier(const jo_model *m, const jo_data *d, const jo_sensor *s, 
     for (int j = 0; j < s->count; j++) y[j] = -lam * m->line[k->line].data[1 + j];
 }
 
+/* some of the strains and resultants of a beam element */
+static void section(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
+{
+    jo_real all[12] = {0.0};
+    jo_beam_section(m, d, s->object, all);
+    for (int i = 0; i < s->count; i++) y[i] = all[(s->other > 0 ? s->other : 0) + i];
+}
+
 void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
 {
     jo_marker_position(m, d, m->nmarker);
@@ -324,7 +332,7 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
         case JO_PRINCIPAL: stress(m, d, s, y); break;
         case JO_DAMAGE: jo_damage(m, d, s, y); break;
         case JO_BRIDGE: bridge(m, d, s, y); break;
-        case JO_SECTION: jo_beam_section(m, d, s->object, y); break;
+        case JO_SECTION: section(m, d, s, y); break;
         default: break;
         }
     }
