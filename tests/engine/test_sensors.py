@@ -518,8 +518,10 @@ def test_every_sensor_says_what_it_is():
     beam = jo.FlexibleBody("beam", rod())
     hinge = jo.Revolute("hinge", jo.ground["origin"], beam["start"], Z)
     spring = jo.Spring("spring", hinge.angle, 1.0)
+    rope = jo.BeamBody("rope", [(0, 0, 0), (1, 0, 0)], jo.Circle(0.05), SOFT, elements=3)
+    root = jo.Fixed("root", jo.ground["origin"], rope["start"])
     given = {
-        "marker": beam["end"], "body": beam, "joint": hinge, "force": spring,
+        "beam": rope, "marker": beam["end"], "body": beam, "joint": hinge, "force": spring,
         "coordinate": hinge.angle, "energy": "kinetic", "signal": jo.Step(1.0), "at": "e1.a.top",
         "sn": jo.SN(S_D=1e8, N_D=1e6, k=5), "residue": "half",
         "arms": jo.Gauge("arm", beam, "e1.a.top"),
@@ -533,7 +535,9 @@ def test_every_sensor_says_what_it_is():
         sensors.append(kind(name=kind.__name__, **{key: given[key] for key in needed}))
         if kind is jo.StressSensor:
             given["sensor"] = sensors[-1]
-    model = jo.compile(jo.Mechanism(beam, hinge, spring, jo.Gravity((0, -9.81, 0)), *sensors))
+    model = jo.compile(
+        jo.Mechanism(beam, rope, hinge, root, spring, jo.Gravity((0, -9.81, 0)), *sensors)
+    )
     for sensor in model.sensors:
         units = sensor.unit.split(", ")
         assert sensor.count == len(sensor.components) > 0, sensor.name
@@ -541,7 +545,7 @@ def test_every_sensor_says_what_it_is():
         assert all(units), sensor.name
         assert sensor.description, sensor.name
         assert sensor.resolved_in, sensor.name
-    run = jo.simulate(model, 0.01)
+    run = jo.simulate(model, 0.01, solver=jo.GeneralizedAlpha(step=1e-3))
     assert set(run.sensors) == {kind.__name__ for kind in SENSORS}
     for name in run.sensors:
         assert np.isfinite(run[name]).all()

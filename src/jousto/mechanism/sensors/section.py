@@ -31,9 +31,9 @@ class SectionSensor:
         Name, unique among the sensors.
     beam : BeamBody
         The beam.
-    at : "start", "middle", "end" or float
-        Where: its first, middle or last element, or the element at that distance from the start
-        along the unstressed axis, m.
+    at : "start", "middle", "end" or float, optional
+        Where, the middle if nothing is given: its first, middle or last element, or the element at
+        that distance from the start along the unstressed axis, m.
     element : int, optional
         The element itself instead, from 0; -1 is the last.
     quantity : "resultants" or "strains"
@@ -63,9 +63,10 @@ class SectionSensor:
             problems.raise_if_any()
         if quantity not in QUANTITIES:
             problems.add(where, f"quantity is {quantity!r}, must be 'resultants' or 'strains'")
-        if (at is None) == (element is None):
-            problems.add(where, "give at, a place along the beam, or element, its number")
-            problems.raise_if_any()
+        if at is not None and element is not None:
+            problems.add(where, "give at, a place along the beam, or element, its number, not both")
+        if at is None and element is None:
+            at = "middle"
         place = _element(problems, where, beam, at, element)
         problems.raise_if_any()
         set_fields(self, name=name, beam=beam, element=place, quantity=quantity)
