@@ -135,7 +135,7 @@ def fatigue(
         if survival is not None:
             options["survival"] = survival
         curve = named_curve(sn, known)
-        names = bodies or [b.name for b in run.bodies if run.stress_modes(b.name) is not None]
+        names = bodies or list(run.stressed)
         if not names:
             raise InputError(Problem(str(run.path), "no body with stress in these results"))
         places = tuple(sites) if sites else None

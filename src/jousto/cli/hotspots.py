@@ -70,7 +70,7 @@ def hotspots(
     run = load(result)
     source = run
     if strain:
-        names = bodies or [b.name for b in run.bodies if run.stress_modes(b.name) is not None]
+        names = bodies or list(run.stressed)
         source = [stress_field(run, name, strain=True) for name in names]  # type: ignore[assignment]
     found = hot_spots(
         source,

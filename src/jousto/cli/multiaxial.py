@@ -177,7 +177,7 @@ def _field(result: Path, body: str | None, sites: list[str] | None, count: int) 
 
     run = load(result)
     if body is None:
-        names = [b.name for b in run.bodies if run.stress_modes(b.name) is not None]
+        names = list(run.stressed)
         if len(names) != 1:
             which = "none has stress" if not names else f"name one of {', '.join(names)}"
             raise InputError(Problem(str(result), f"which body? {which}"))

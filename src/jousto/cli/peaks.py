@@ -50,7 +50,7 @@ def sensor_peaks(
     """Return name, smallest value, its time, largest value, its time and unit of components."""
     import numpy as np
 
-    from jousto.recovery.fields.field import window
+    from jousto.recovery.instants import window
 
     time = run.time
     within = window(time, start, end, str(run.path))
@@ -87,14 +87,13 @@ def stress_peaks(
     from jousto.recovery import hot_spots
 
     rows: list[tuple[str, ...]] = []
-    for body in run.bodies:
-        modes = run.stress_modes(body.name)
-        if modes is None or not modes.labels:
-            continue
-        worst = hot_spots(run, bodies=body.name, count=1, start=start, end=end)[0]
+    solids = {
+        body.name for body in run.bodies if body.elements.ndim == 2 and body.elements.shape[1] == 3
+    }
+    for name in run.stressed:
+        worst = hot_spots(run, bodies=name, count=1, start=start, end=end)[0]
         place = ", ".join(f"{1e3 * x:.4g}" for x in worst.position)
-        solid = body.elements.ndim == 2 and body.elements.shape[1] == 3
-        where = "on the surface" if solid else f"in {worst.site}"
+        where = "on the surface" if name in solids else f"in {worst.site}"
         unit = f"Pa, von Mises {where} at ({place}) mm"
-        rows.append((body.name, "", "", f"{worst.value:.6g}", f"{worst.time:.6g} s", unit))
+        rows.append((name, "", "", f"{worst.value:.6g}", f"{worst.time:.6g} s", unit))
     return rows

@@ -123,7 +123,7 @@ def worst_first(criterion: Criterion, strain: bool, *values: Array) -> Array:
 
 def only_body(run: Solution) -> str:
     """Return the only body of a run whose stress is known."""
-    names = [b.name for b in run.bodies if b.kind == "flexible" and run.stress_modes(b.name)]
+    names = list(run.stressed)
     if len(names) != 1:
         found = (
             f"name one of the bodies {', '.join(names)}" if names else "no body knows its stress"

@@ -24,7 +24,7 @@ from jousto.recovery.beams.strains import (
     resultants,
     strains,
 )
-from jousto.recovery.fields.field import between, window
+from jousto.recovery.instants import between, window
 from jousto.recovery.shape import rotation_matrices
 from jousto.simulation import Solution
 

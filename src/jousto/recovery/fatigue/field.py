@@ -35,6 +35,7 @@ from jousto.recovery.fatigue.spectrum import Spectrum
 from jousto.recovery.fields import Criterion, Plane, StressField
 from jousto.recovery.fields.criteria import check_criterion
 from jousto.recovery.hotspots.bounds import prepare
+from jousto.recovery.hotspots.every import largest
 from jousto.recovery.hotspots.measures import measure
 
 Array = NDArray[np.float64]
@@ -447,7 +448,10 @@ class _Work:
         if any(f.A is not None for f in self.fields):
             return None
         sought = measure(self.bounding, "magnitude")
-        found = [prepare(f.S, f.p, sought).whole() for f in self.fields]
+        found = [
+            prepare(f.S, f.p, sought).whole() if f.columns is None else largest(f, self.bounding)
+            for f in self.fields
+        ]
         return np.asarray(np.max(found, axis=0))
 
     def chunks(self, chosen: Ints) -> Iterator[tuple[Ints, list[Array]]]:

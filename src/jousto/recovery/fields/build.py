@@ -11,9 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.engine import Model
 from jousto.errors import InputError, Problem
+from jousto.recovery.beams.stress import BeamStress, beam_stress
 from jousto.recovery.fields.criteria import tensor, voigt
-from jousto.recovery.fields.field import Frame, Sites, StressField, between, site_indices, window
+from jousto.recovery.fields.field import Frame, Sites, StressField, site_indices
 from jousto.recovery.fields.inertia import amplitudes
+from jousto.recovery.instants import between, window
 from jousto.recovery.shape import find_body, rotation_matrices
 from jousto.reduction import ReducedPart, StressModes
 from jousto.reduction.stress import located
@@ -47,7 +49,7 @@ def stress_field(
         The results; they hold the stress modes of the surface of solids and of all section points
         of beams.
     body : str
-        Name of the body.
+        Name of the body or beam.
     reduced : ReducedPart, optional
         The part the body was made of, for places that the results leave out.
     sites : str, int or sequence of these, optional
@@ -79,6 +81,12 @@ def stress_field(
     ``stress_field(run, "arm").envelope("von-mises")`` is the largest stress everywhere.
     """
     where = f"stress of '{body}'"
+    if body in {beam.name for beam in run.beams}:
+        if reduced is not None or residual is not False or loads:
+            message = "a beam has no reduced part: leave out reduced, residual and loads"
+            raise InputError(Problem(where, message))
+        beam = beam_stress(run, body, where, start, end, times, frame)
+        return _beam_field(body, beam, site_indices(beam.modes, sites, where), frame, strain)
     shape = find_body(run, body)
     if reduced is None:
         modes = run.stress_modes(body)
@@ -124,6 +132,7 @@ def field_from(
     frame: Frame | None = None,
     strain: bool = False,
     name: str = "body",
+    columns: NDArray[np.intp] | None = None,
 ) -> StressField:
     """Return the stress field of coordinates that come from elsewhere, such as gauges.
 
@@ -143,6 +152,8 @@ def field_from(
         Strain instead of stress.
     name : str
         Name of the body.
+    columns : (ns,) int array, optional
+        First of the coordinates that each place depends on, if these are as few as `modes` has.
 
     Raises
     ------
@@ -167,6 +178,21 @@ def field_from(
         frame or ("site" if A is None else "world"),
         strain,
         rotations,
+        columns,
+    )
+
+
+def _beam_field(
+    name: str, beam: BeamStress, chosen: NDArray[np.intp], frame: Frame, strain: bool
+) -> StressField:
+    return field_from(
+        beam.modes.select(chosen),
+        beam.p,
+        beam.time,
+        frame=frame,
+        strain=strain,
+        name=name,
+        columns=beam.columns[chosen],
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -23,6 +24,7 @@ from jousto.recovery.fields.criteria import (
 from jousto.recovery.fields.kernels import kernel, world_weights
 from jousto.recovery.fields.planes import CriticalPlane, critical_plane
 from jousto.recovery.fields.store import write_field
+from jousto.recovery.instants import between, window
 from jousto.reduction import StressModes
 
 Array = NDArray[np.float64]
@@ -101,6 +103,9 @@ class StressField:
         Whether it is strain ``[e11 e22 e33 g12 g23 g13]``.
     A : (nt, 3, 3) array or None
         Of a field in the world: body to world at every instant; `modes` are in the body frame.
+    columns : (ns,) int array or None
+        Of a beam, whose places depend on the six resultants of their section alone: the first of
+        these in p. None: every place depends on all of p.
     """
 
     name: str
@@ -110,13 +115,14 @@ class StressField:
     frame: Frame = "site"
     strain: bool = False
     A: Array | None = None
+    columns: Ints | None = None
 
     def __post_init__(self) -> None:
         problems = Problems()
         where = f"stress of '{self.name}'"
         n = self.modes.modes.shape[2]
         refuse_gaps(where, self.p, self.time)
-        p = problems.array(where, "p", self.p, (None, n))
+        p = problems.array(where, "p", self.p, (None, n if self.columns is None else None))
         nt = None if p is None else len(p)
         time = problems.array(where, "time", self.time, (nt,))
         if nt == 0:
@@ -173,6 +179,26 @@ class StressField:
     def _places(self) -> dict[str, int]:
         return {label: i for i, label in enumerate(self.modes.labels)}
 
+    @cached_property
+    def pieces(self) -> tuple[tuple[slice, slice], ...]:
+        """Places and the coordinates that they depend on; one piece unless it is a beam."""
+        n = self.S.shape[2]
+        if self.columns is None:
+            return ((slice(0, self.ns), slice(0, n)),)
+        cuts = np.flatnonzero(np.diff(self.columns)) + 1
+        starts, stops = [0, *cuts.tolist()], [*cuts.tolist(), self.ns]
+        first = [int(self.columns[k]) for k in starts]
+        return tuple(
+            (slice(a, b), slice(c, c + n)) for a, b, c in zip(starts, stops, first, strict=True)
+        )
+
+    def _tensors(self, p: Array) -> Array:
+        """Return the components (nt, ns, 6) for coordinates (nt, n), in the axes of `modes`."""
+        if self.columns is None:
+            return np.asarray(np.einsum("scj,tj->tsc", self.S, p, optimize=True))
+        own = p[:, self.columns[:, None] + np.arange(self.S.shape[2])]
+        return np.asarray(np.einsum("scj,tsj->tsc", self.S, own))
+
     # -- choosing -----------------------------------------------------------------------------
 
     def indices(self, sites: Sites = None) -> Ints:
@@ -197,7 +223,9 @@ class StressField:
 
     def take(self, places: ArrayLike) -> StressField:
         """Return the field at places given by index, in that order."""
-        return replace(self, modes=self.modes.select(np.asarray(places, dtype=np.intp)))
+        chosen = np.asarray(places, dtype=np.intp)
+        columns = None if self.columns is None else self.columns[chosen]
+        return replace(self, modes=self.modes.select(chosen), columns=columns)
 
     def during(self, start: float | None = None, end: float | None = None) -> StressField:
         """Return the field at the instants from `start` to `end`, s.
@@ -229,18 +257,21 @@ class StressField:
 
     def at(self, time: float, sites: Sites = None) -> Array:
         """Return the components (ns, 6) at one instant, s; linear between stored instants."""
-        places = self.indices(sites)
         p, A = self._rows(np.array([time], dtype=np.float64))
         # all places without a copy of their modes, which are what takes the time
-        S = self.S if sites is None else self.S[places]
-        s = (S.reshape(-1, S.shape[2]) @ p[0]).reshape(-1, 6)
+        chosen = self if sites is None else self.only(sites)
+        if self.columns is None:
+            S = chosen.S
+            s = (S.reshape(-1, S.shape[2]) @ p[0]).reshape(-1, 6)
+        else:
+            s = chosen._tensors(p)[0]
         return s if A is None else turned(s, A[0], self.strain)
 
     def history(self, site: Sites, times: ArrayLike | slice | None = None) -> Array:
         """Return the components over time: (nt, 6) of one place, (nt, k, 6) of several."""
         places = self.indices(site)
         p, A = self._rows(times)
-        s = np.einsum("scj,tj->tsc", self.S[places], p, optimize=True)
+        s = self.take(places)._tensors(p)
         if A is not None:
             s = turned(s, A[:, None], self.strain)
         single = len(places) == 1 and isinstance(site, str | int | np.integer)
@@ -314,31 +345,45 @@ class StressField:
                     "sites",
                 )
             )
-        if sites is None:
-            recovery = self._kernel(criterion)
-        else:
-            recovery = kernel(self.S[places], criterion, self.strain, self.A is not None)
+        chosen = self if sites is None else self.take(places)
         w = self._weights(criterion, A)
         out = np.empty((len(p), len(places)))
         # some rows at a time, so that Ctrl-C is heard
         rows = max(1, CALL // max(len(places), 1))
         for k in range(0, len(p), rows):
             some = slice(k, k + rows)
-            recovery.values(p[some], None if w is None else w[some], out[some])
+            u = None if w is None else w[some]
+            for at, on, recovery in chosen._kernels(criterion):
+                recovery.values(p[some, on], u, out[some, at])
         return out
 
     @cached_property
     def _known(self) -> dict[Criterion, Any]:
         return {}
 
-    def _kernel(self, criterion: Criterion) -> Recovery:
-        """Return what the engine needs for a criterion at all places; the last ones are kept."""
+    def _kernels(self, criterion: Criterion) -> list[tuple[slice, slice, Recovery]]:
+        """Return what the engine needs for a criterion at all pieces; the last ones are kept."""
         if criterion not in self._known:
             if len(self._known) >= KEPT_KERNELS:
                 self._known.pop(next(iter(self._known)))
-            self._known[criterion] = kernel(self.S, criterion, self.strain, self.A is not None)
-        found: Recovery = self._known[criterion]
+            turning = self.A is not None
+            self._known[criterion] = [
+                (at, on, kernel(self.S[at], criterion, self.strain, turning))
+                for at, on in self.pieces
+            ]
+        found: list[tuple[slice, slice, Recovery]] = self._known[criterion]
         return found
+
+    def _cuts(self, width: int) -> list[tuple[int, int]]:
+        """Return places (first, last + 1) of blocks of about a width; pieces of beams are whole."""
+        if self.columns is None:
+            return [(s, min(s + width, self.ns)) for s in range(0, self.ns, width)]
+        cuts, first = [], 0
+        for at, _ in self.pieces:
+            if at.stop - first > width and at.start > first:
+                cuts.append((first, at.start))
+                first = at.start
+        return [*cuts, (first, self.ns)]
 
     def _weights(self, criterion: Criterion, A: Array | None) -> Array | None:
         """Return the weights (nt, 6) of a component in the world."""
@@ -381,20 +426,25 @@ class StressField:
             # whole histories if some fit, else pieces of them
             width = _whole_tiles(max(FEW_SITES, cells // self.nt), self.ns)
             height = min(self.nt, max(1, cells // width))
-            order = [(t, s) for s in range(0, self.ns, width) for t in range(0, self.nt, height)]
+            order = [(t, s) for s in self._cuts(width) for t in range(0, self.nt, height)]
         elif along == "sites":
             height = max(1, min(self.nt, cells // self.ns))
             width = _whole_tiles(cells, self.ns)
-            order = [(t, s) for t in range(0, self.nt, height) for s in range(0, self.ns, width)]
+            order = [(t, s) for t in range(0, self.nt, height) for s in self._cuts(width)]
         else:
             raise InputError(Problem("blocks", f"along is {along!r}, must be 'time' or 'sites'"))
-        recovery, w = self._kernel(criterion), self._weights(criterion, self.A)
-        for t, s in order:
+        kernels, w = self._kernels(criterion), self._weights(criterion, self.A)
+        starts = [at.start for at, _, _ in kernels]
+        for t, (first, last) in order:
             instants = slice(t, min(t + height, self.nt))
-            places = slice(s, min(s + width, self.ns))
-            part = recovery.slice(places.start, places.stop)
             some = None if w is None else w[instants]
-            yield instants, places, part.values(self.p[instants], some)
+            out = np.empty((instants.stop - t, last - first))
+            for k in range(bisect_right(starts, first) - 1, bisect_left(starts, last)):
+                at, on, recovery = kernels[k]
+                a, b = max(first, at.start), min(last, at.stop)
+                part = recovery.slice(a - at.start, b - at.start)
+                part.values(self.p[instants, on], some, out[:, a - first : b - first])
+            yield instants, slice(first, last), out
 
     def envelope(self, criterion: Criterion = "von-mises") -> Envelope:
         """Return the smallest and largest value of a criterion at every place, and when.
@@ -409,12 +459,14 @@ class StressField:
         check_criterion(criterion, self.strain)
         low, high = np.full(self.ns, np.inf), np.full(self.ns, -np.inf)
         low_at, high_at = np.zeros(self.ns, dtype=np.int64), np.zeros(self.ns, dtype=np.int64)
-        recovery, w = self._kernel(criterion), self._weights(criterion, self.A)
+        kernels, w = self._kernels(criterion), self._weights(criterion, self.A)
         rows = max(1, CALL // self.ns)
         for k in range(0, self.nt, rows):
             some = slice(k, k + rows)
             u = None if w is None else w[some]
-            recovery.extremes(self.p[some], k, low, low_at, high, high_at, u)
+            for at, on, recovery in kernels:
+                found = low[at], low_at[at], high[at], high_at[at]
+                recovery.extremes(self.p[some, on], k, *found, u)
         t = self.time
         return Envelope(str(criterion), self.unit, self.labels, low, t[low_at], high, t[high_at])
 
@@ -596,44 +648,3 @@ def site_indices(
         problems.add(where, "sites is empty; None takes all of them")
     problems.raise_if_any()
     return np.array(list(dict.fromkeys(found)), dtype=np.intp)
-
-
-def window(time: Array, start: float | None, end: float | None, where: str) -> slice:
-    """Return the instants from `start` to `end`, s, as a slice.
-
-    Raises
-    ------
-    InputError
-        If no instant lies there.
-    """
-    slack = 1e-9 * max(float(time[-1] - time[0]), 1e-300)
-    first = 0 if start is None else int(np.searchsorted(time, start - slack))
-    last = len(time) if end is None else int(np.searchsorted(time, end + slack, side="right"))
-    if first >= last:
-        shown = f"{time[0] if start is None else start:g} to {time[-1] if end is None else end:g} s"
-        message = f"no instant from {shown}; there are {time[0]:g} to {time[-1]:g} s"
-        raise InputError(Problem(where, message))
-    return slice(first, last)
-
-
-def between(time: Array, times: ArrayLike, where: str) -> tuple[Ints, Ints, Array]:
-    """Return the instants before and after each time, and the share of the later one.
-
-    Raises
-    ------
-    InputError
-        If a time is outside or not a number.
-    """
-    wanted = np.atleast_1d(np.asarray(times, dtype=np.float64))
-    slack = 1e-9 * max(float(time[-1] - time[0]), 1e-300)
-    bad = wanted[~((wanted >= time[0] - slack) & (wanted <= time[-1] + slack))]
-    if len(bad):
-        message = f"{bad[0]:g} s is outside the run, {time[0]:g} to {time[-1]:g} s"
-        raise InputError(Problem(where, message))
-    if len(time) == 1:
-        none = np.zeros(len(wanted), dtype=np.intp)
-        return none, none, np.zeros(len(wanted))
-    after = np.clip(np.searchsorted(time, wanted), 1, len(time) - 1)
-    before = after - 1
-    share = np.clip((wanted - time[before]) / (time[after] - time[before]), 0.0, 1.0)
-    return before, after, share

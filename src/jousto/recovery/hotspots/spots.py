@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.recovery.fields import Criterion, StressField, evaluate, stress_field
 from jousto.recovery.fields.criteria import tensor, turned, weights
+from jousto.recovery.hotspots.every import every
 from jousto.recovery.hotspots.measures import measure
 from jousto.recovery.hotspots.search import Proof, search
 from jousto.recovery.hotspots.words import certificate_lines, head, row
@@ -281,7 +282,12 @@ def hot_spots(
     for field in fields:
         part = field.during(start, end)
         spans.append((float(part.time[0]), float(part.time[-1])))
-        found = search(part.S, part.p, part.positions, sought, count=count, separation=separation)
+        if part.columns is None:
+            found = search(
+                part.S, part.p, part.positions, sought, count=count, separation=separation
+            )
+        else:
+            found = every(part, criterion, sought, count=count, separation=separation)
         certificates[field.name] = found.certificate
         for place, instant, ranked in zip(found.places, found.instants, found.ranked, strict=True):
             spots.append((float(ranked), _spot(part, int(place), int(instant), criterion)))
@@ -309,14 +315,14 @@ def _fields(
 ) -> tuple[StressField, ...]:
     """Return the fields to search."""
     if isinstance(source, Solution):
-        names = [body.name for body in source.bodies]
+        names = [x.name for x in source.bodies] + [x.name for x in source.beams]
         wanted = [bodies] if isinstance(bodies, str) else list(bodies or ())
         problems = Problems()
         for name in wanted:
             if name not in names:
                 problems.add(str(source.path), f"no body '{name}'{suggest(name, names)}")
         problems.raise_if_any()
-        known = wanted or [name for name in names if source.stress_modes(name) is not None]
+        known = wanted or list(source.stressed)
         if not known:
             raise InputError(
                 Problem(
@@ -365,7 +371,10 @@ def _check(
 
 
 def _spot(field: StressField, place: int, instant: int, criterion: Criterion) -> HotSpot:
-    s = np.asarray(field.S[place] @ field.p[instant])
+    on = slice(None)
+    if field.columns is not None:
+        on = slice(int(field.columns[place]), int(field.columns[place]) + field.S.shape[2])
+    s = np.asarray(field.S[place] @ field.p[instant, on])
     if field.A is not None:
         s = turned(s, field.A[instant], field.strain)
     values, vectors = np.linalg.eigh(tensor(s, field.strain))

@@ -1,0 +1,86 @@
+"""Hot spots of beams: a place depends on six resultants alone, so that all are worked out."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.recovery.fields import Criterion, StressField
+from jousto.recovery.hotspots.measures import Measure
+from jousto.recovery.hotspots.search import Found, Proof
+from jousto.recovery.hotspots.windows import SAFETY, UNIT
+
+Array = NDArray[np.float64]
+
+
+def every(
+    field: StressField,
+    criterion: Criterion,
+    measure: Measure,
+    *,
+    count: int = 10,
+    separation: float = 0.0,
+) -> Found:
+    """Return the places where a criterion is largest, each apart from those before; see `search`.
+
+    Parameters
+    ----------
+    field : StressField
+        Of a beam.
+    criterion, measure
+        The criterion and how it is ranked.
+    count : int
+        How many.
+    separation : float
+        Straight distance, m.
+    """
+    found = field.envelope(criterion)
+    ends = np.stack([found.min, found.max])
+    ranked = measure.rank(ends)
+    which = ranked.argmax(axis=0)
+    column = np.arange(field.ns)
+    values = ranked[which, column]
+    times = np.stack([found.min_time, found.max_time])[which, column]
+    instants = np.searchsorted(field.time, times)
+    margin = rounding(field)
+    alive = np.ones(field.ns, dtype=bool)
+    spots: list[int] = []
+    while len(spots) < count and alive.any():
+        top = int(np.argmax(np.where(alive, values, -np.inf)))
+        spots.append(top)
+        if separation > 0.0:
+            away = np.linalg.norm(field.positions - field.positions[top], axis=1)
+            alive &= away > separation
+        alive[top] = False
+    chosen = np.array(spots, dtype=np.intp)
+    proof = Proof(
+        places=field.ns,
+        instants=field.nt,
+        pruned=0,
+        visited=field.ns,
+        complete=field.ns,
+        neighbours=int(field.ns - alive.sum() - len(spots)),
+        bound=float((values + margin)[alive].max(initial=-np.inf)),
+        best_pruned=-np.inf,
+        knots=0,
+        full=field.ns * field.nt,
+        margin=float(margin.max(initial=0.0)),
+    )
+    return Found(chosen, instants[chosen].astype(np.intp), values[chosen], proof)
+
+
+def rounding(field: StressField) -> Array:
+    """Return what rounding may change of a criterion at each place (ns,), of any order of sums."""
+    size = np.abs(field.p).max(axis=0)
+    n = field.S.shape[2]
+    own = np.broadcast_to(size[:n], (field.ns, n))
+    if field.columns is not None:
+        own = size[field.columns[:, None] + np.arange(n)]
+    parts = np.einsum("scj,sj->sc", np.abs(field.S), own)
+    return np.asarray(SAFETY * UNIT * (n + SAFETY) * np.sqrt((parts**2).sum(axis=1)))
+
+
+def largest(field: StressField, criterion: Criterion) -> Array:
+    """Return the largest magnitude of a criterion at each place (ns,), rounding included."""
+    found = field.envelope(criterion)
+    return np.asarray(np.maximum(np.abs(found.min), np.abs(found.max)) + rounding(field))

@@ -1,0 +1,175 @@
+"""Resultants along beams in mechanisms: closed forms, statics of curved bars, reactions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import jousto as jo
+from recovery.beams.cases import STEEL, cantilever, compiled, rest
+
+
+def test_cantilever_under_an_end_load() -> None:
+    """Q = -P and M = P (L - s): the moments are exact at the nodes, with any number of elements."""
+    forces = jo.section_forces(cantilever((0.0, 0.0, -1.0), 3), "beam")
+    assert forces.at_nodes[0, :, 4] == pytest.approx(1.0 - forces.s_nodes, abs=1e-6)
+    assert forces.at_nodes[0, :, 2] == pytest.approx(-1.0, rel=1e-9)
+    assert forces.at_nodes[0][:, [1, 3, 5]] == pytest.approx(0.0, abs=1e-9)
+    s, M = forces.diagram("My", 0.0)
+    assert M == pytest.approx(1.0 - s, abs=1e-6)
+    assert forces.history("My", 0.25) == pytest.approx(0.75, abs=1e-6)
+    low, _, high, at = forces.envelope("My")
+    assert high[0] == pytest.approx(1.0, rel=1e-6) and low[-1] == pytest.approx(0.0, abs=1e-6)
+    assert at[0] in forces.time
+
+
+def test_hanging_bar() -> None:
+    """N = rho A g (L - s): linear to the ends, although it is constant in every element."""
+    beam = jo.BeamBody("bar", [(0, 0, 0), (0, 0, -2)], jo.Circle(0.02), STEEL, elements=5)
+    run = rest(
+        compiled(
+            beam, jo.Fixed("clamp", jo.ground["origin"], beam["start"]), jo.Gravity((0, 0, -9.81))
+        )
+    )
+    forces = jo.section_forces(run, "bar")
+    weight = 7850.0 * np.pi * 1e-4 * 9.81
+    assert forces.at_nodes[0, :, 0] == pytest.approx(weight * (2.0 - forces.s_nodes), abs=1e-6)
+
+
+def test_quarter_ring() -> None:
+    """N = -P cos, Q = P sin, M = -P R sin of the angle from the loaded end: plain statics."""
+    R, P, n = 0.5, 1.0, 8
+    angle = 0.5 * np.pi * np.arange(n + 1) / n
+    points = R * np.stack([np.sin(angle), 1.0 - np.cos(angle), 0.0 * angle], axis=1)
+    beam = jo.BeamBody("ring", points, jo.Circle(0.03), STEEL)
+    run = rest(
+        compiled(
+            beam,
+            jo.Fixed("clamp", jo.ground["origin"], beam["start"]),
+            jo.Force("pull", beam["end"], (P, 0.0, 0.0)),
+        )
+    )
+    found = jo.section_forces(run, "ring").ends[0]
+    phi = np.stack([angle[:-1], angle[1:]], axis=1)
+    # the end is at (R, R): the moment of the force about a point of the ring
+    assert found[..., 0] == pytest.approx(P * np.cos(phi), abs=1e-4)
+    assert found[..., 1] == pytest.approx(-P * np.sin(phi), abs=1e-4)
+    assert found[..., 5] == pytest.approx(-P * R * np.cos(phi), abs=1e-4)
+
+
+def test_rotating_bar() -> None:
+    """N = rho A w^2 (L^2 - s^2) / 2 of the stretched bar that turns steadily."""
+    w, L, n = 50.0, 1.0, 10
+    x = np.linspace(0.0, L, n + 1)
+    stretched = x + 0.5 * STEEL.rho * w**2 / STEEL.E * (L**2 * x - x**3 / 3.0)
+    line = np.stack([x, 0.0 * x, 0.0 * x], axis=1)
+    beam = jo.BeamBody(
+        "bar",
+        np.stack([stretched, 0.0 * x, 0.0 * x], axis=1),
+        jo.Circle(0.02),
+        STEEL,
+        reference=line,
+        angular_velocity=(0, 0, w),
+    )
+    hinge = jo.Revolute("hinge", jo.ground["origin"], beam["start"], axis=(0, 0, 1))
+    model = compiled(beam, hinge)
+    run = jo.simulate(model, t_end=0.002, solver=jo.GeneralizedAlpha(step=1e-5))
+    forces = jo.section_forces(run, "bar")
+    exact = 0.5 * STEEL.rho * np.pi * 1e-4 * w**2 * (L**2 - forces.s_nodes**2)
+    N = forces.at_nodes[:, :, 0]
+    # lumped masses err by h^2 / 6 L^2 of the largest force or so, and swing about that
+    assert N[0] == pytest.approx(exact, abs=0.007 * exact[0])
+    assert N[-1] == pytest.approx(exact, abs=0.02 * exact[0])
+
+
+def test_helical_spring() -> None:
+    """k = G d^4 / (8 D^3 n) and tau = 8 P D / (pi d^3), slender (Wahl, Mechanical Springs, 1963).
+
+    Of an axial pull at the axis the wire sees the torque P D/2 cos(a) and the moment P D/2 sin(a)
+    with the pitch angle a.
+    """
+    D, d, turns, pitch, n = 0.1, 0.005, 1, 0.01, 16
+    angle = 2.0 * np.pi * turns * np.arange(n + 1) / n
+    points = np.stack(
+        [0.5 * D * np.cos(angle), 0.5 * D * np.sin(angle), pitch * angle / (2.0 * np.pi)], axis=1
+    )
+    beam = jo.BeamBody("spring", points, jo.Circle(d), STEEL)
+    P = 0.01
+    # rigid arms hold and pull the ends at the axis
+    top = beam.frames[-1].T @ (np.array([0.0, 0.0, points[-1, 2]]) - points[-1])
+    hook = beam.node(n, at=top)
+    run = rest(
+        compiled(
+            beam,
+            jo.Fixed("foot", jo.ground.at(points[0]), beam["start"]),
+            jo.Force("pull", hook, (0.0, 0.0, P)),
+            jo.PositionSensor("hook", hook),
+        )
+    )
+    forces = jo.section_forces(run, "spring")
+    a = np.arctan(pitch / (np.pi * D))
+    assert np.abs(forces.resultants[0, :, 3]) == pytest.approx(0.5 * P * D * np.cos(a), rel=0.01)
+    G = STEEL.E / 2.6
+    field = jo.stress_field(run, "spring")
+    tau = np.abs(field.values("max-shear", sites=[f"e{k}.a.left" for k in range(2, n)]))
+    assert tau[0] == pytest.approx(8.0 * P * D / (np.pi * d**3), rel=0.05)
+    # the hook, free to turn and shift, also moves by the bending of the wire: 1 % at this pitch
+    stretch = run["hook"][0, 2] - points[-1, 2]
+    assert P / stretch == pytest.approx(G * d**4 / (8.0 * D**3 * turns), rel=0.02)
+
+
+def test_reaction_is_the_resultant_at_the_clamp() -> None:
+    """To round-off while it swings with large rotations, damping in the resultants included."""
+    beam = jo.BeamBody(
+        "rod",
+        [(0, 0, 0), (1, 0, 0)],
+        jo.Rectangle(0.02, 0.04),
+        STEEL,
+        elements=6,
+        twist=0.5,
+        damping=jo.BeamDamping(stiffness=1e-5),
+    )
+    clamp = jo.Fixed("clamp", jo.ground["origin"], beam["start"])
+    model = compiled(
+        beam, clamp, jo.Gravity((300.0, 200.0, -981.0)), jo.ReactionSensor("clamp", clamp)
+    )
+    run = jo.simulate(model, t_end=0.04, solver=jo.GeneralizedAlpha(step=4e-4))
+    ends = jo.section_forces(run, "rod").ends[:, 0, 0]
+    half = model.bodies[model.beam_shapes[0].bodies[0]].mass[0]
+    weight = half * np.array([300.0, 200.0, -981.0])
+    # the joint also bears the half of the first element that is lumped at the clamp
+    force = run["clamp"][:, :3] + weight
+    Q = beam.frames[0]
+    assert ends[5:, :3] @ Q.T == pytest.approx(-force[5:], abs=1e-7 * np.abs(force).max())
+    moment = run["clamp"][:, 3:]
+    assert ends[5:, 3:] @ Q.T == pytest.approx(-moment[5:], abs=1e-7 * np.abs(moment).max())
+
+
+def test_instants_between_stored_ones_and_tables(tmp_path: Path) -> None:
+    run = cantilever((0.0, 0.0, -1.0), 3)
+    forces = jo.section_forces(run, "beam", times=[0.5e-9, 1.5e-9])
+    assert forces.time.tolist() == [0.5e-9, 1.5e-9]
+    assert forces.history("My", "start") == pytest.approx(1.0, rel=1e-6)
+    for time in (None, 1e-9):
+        lines = forces.to_csv(tmp_path / "a.csv", time).read_text().splitlines()
+        assert lines[0].startswith("s (m),") and len(lines) == (5 if time is None else 7)
+    assert "My" in str(forces)
+
+
+def test_messages() -> None:
+    run = cantilever((0.0, 0.0, -1.0), 3)
+    with pytest.raises(jo.InputError, match="no beam 'bean'; did you mean 'beam'"):
+        jo.section_forces(run, "bean")
+    forces = jo.section_forces(run, "beam")
+    with pytest.raises(jo.InputError, match="no resultant 'Mw'"):
+        forces.history("Mw", 0.0)
+    with pytest.raises(jo.InputError, match="outside the beam, 0 to 1 m"):
+        forces.history("My", 2.0)
+    with pytest.raises(jo.InputError, match="'start' or 'end'"):
+        forces.history("My", "middle")
+    with pytest.raises(jo.InputError, match="outside the run"):
+        jo.section_forces(run, "beam", times=[5.0])
+    with pytest.raises(jo.InputError, match="written as .csv"):
+        forces.to_csv("a.txt")
