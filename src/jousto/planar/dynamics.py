@@ -18,6 +18,9 @@ from jousto.planar.system import Loads, Point, System
 Array = NDArray[Any]
 
 
+NEAR = 0.95  # of the limit of stability, to be named as the cause of a failure
+
+
 class Outcome(NamedTuple):
     """How Newton's iteration ended.
 
@@ -93,7 +96,7 @@ def newton(
             return Outcome(p, False, len(history), solves, history)
         good = convergence.residual is None or size <= convergence.residual
         if good and convergence.relative is not None:
-            good = size <= convergence.relative * system.scale(p, loads)
+            good = size <= max(convergence.relative * system.scale(p, loads), system.rounding(p))
         if good and convergence.increment is None:
             return Outcome(p, True, len(history), solves, history)
         if solves == convergence.max_iterations:
@@ -242,12 +245,10 @@ def _explain(
     """Return one sentence on why a step did not converge, and one on what to do."""
     tail = ", ".join(f"{x:.2g}" for x in out.history[-4:])
     text = f"step to t = {t:g} s does not converge (residuals ... {tail} N)"
-    ratios = records.ratios(out.point.middle.resultants)
-    worst = records.largest_ratio
-    now = int(np.argmax(ratios))
-    if max(worst, float(ratios[now])) > 1.0:
-        i = now if ratios[now] > worst else records.worst_element
-        return f"{text}; {frame.beam_name(i)}: {_instability(max(worst, float(ratios[now])))}"
+    # of the steps that converged: what an iteration that fails passes through tells nothing
+    if records.largest_ratio > NEAR:
+        where = frame.beam_name(records.worst_element)
+        return f"{text}; {where}: {_instability(records.largest_ratio)}"
     finite = [x for x in out.history if math.isfinite(x)]
     force = frame.system.scale(out.point, frame.system.at_time(t)) if finite else math.inf
     if math.isfinite(force) and min(finite) < 1e-9 * force:
