@@ -693,6 +693,9 @@ from .simulation import (
     Baumgarte as Baumgarte,
 )
 from .simulation import (
+    Buckling as Buckling,
+)
+from .simulation import (
     Campbell as Campbell,
 )
 from .simulation import (
@@ -736,6 +739,9 @@ from .simulation import (
 )
 from .simulation import (
     State as State,
+)
+from .simulation import (
+    buckling as buckling,
 )
 from .simulation import (
     campbell as campbell,

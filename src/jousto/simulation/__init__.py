@@ -1,6 +1,7 @@
 """SIMULATE: run a model, stream its results, read them."""
 
 from jousto.simulation.adaptive import DormandPrince
+from jousto.simulation.buckling import Buckling, buckling
 from jousto.simulation.campbell import Campbell, campbell
 from jousto.simulation.events import Happening
 from jousto.simulation.implicit import GeneralizedAlpha, Newmark
@@ -21,6 +22,7 @@ __all__ = [
     "ArcLength",
     "Baumgarte",
     "BodyShape",
+    "Buckling",
     "Campbell",
     "CriticalPoint",
     "DormandPrince",
@@ -41,6 +43,7 @@ __all__ = [
     "State",
     "Work",
     "describe",
+    "buckling",
     "campbell",
     "equilibrium",
     "inverse_dynamics",

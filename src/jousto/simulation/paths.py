@@ -175,6 +175,7 @@ def load_path(
     state: State | None = None,
     until: Callable[[State], bool] | None = None,
     branch: int = 0,
+    enough: int = 0,
     axis: ArrayLike | None = None,
     point: ArrayLike = (0.0, 0.0, 0.0),
     speed: float = 0.0,
@@ -211,6 +212,8 @@ def load_path(
     branch : int
         1 or -1: leave the path at the first bifurcation, along plus or minus the critical mode
         (with "arc").
+    enough : int
+        End after so many critical points; 0: never.
     axis, point, speed
         A steady rotation of everything with `speed` about an axis through a point, world.
 
@@ -240,11 +243,13 @@ def load_path(
     if first == to:
         problems.add(where, f"{parameter} is {to:g} already; give another `to` or `start`")
         problems.raise_if_any()
-    walk = _Walk(balance, first, float(to), int(steps), arc, until, branch)
+    walk = Walk(
+        balance, first, float(to), int(steps), arc=arc, until=until, branch=branch, enough=enough
+    )
     return walk.run()
 
 
-class _Walk:
+class Walk:
     """One path as it grows."""
 
     def __init__(
@@ -252,13 +257,15 @@ class _Walk:
         balance: Balance,
         start: float,
         to: float,
-        steps: int,
-        arc: ArcLength | None,
-        until: Callable[[State], bool] | None,
-        branch: int,
+        steps: int = 20,
+        *,
+        arc: ArcLength | None = None,
+        until: Callable[[State], bool] | None = None,
+        branch: int = 0,
+        enough: int = 0,
     ) -> None:
         self.balance, self.start, self.to, self.arc = balance, start, to, arc
-        self.until, self.branch, self.steps = until, branch, steps
+        self.until, self.branch, self.steps, self.enough = until, branch, steps, enough
         self.weight = (arc.weight if arc else 1.0) / abs(to - start)
         self.points: list[Point] = []
         self.spectra: list[Spectrum] = []
@@ -268,12 +275,12 @@ class _Walk:
 
     def run(self) -> LoadPath:
         """Return the whole path."""
-        self._add(self._begin())
+        self._add(self.begin())
         done = self._by_arc() if self.arc else self._by_load()
         return self.result(done)
 
-    def _begin(self) -> Point:
-        """The equilibrium at the first load."""
+    def begin(self) -> Point:
+        """Return the equilibrium at the first load."""
         balance = self.balance
         size = balance.model.nrow + balance.gauge
         lam = np.concatenate([balance.engine.lam, np.zeros(int(balance.gauge))])[:size]
@@ -441,7 +448,7 @@ class _Walk:
         before, after = self.spectra[-2].unstable, self.spectra[-1].unstable
         for place in range(min(before, after), max(before, after)):
             self.critical.append(self._crossing(fraction, place))
-        return goes_on
+        return goes_on and not 0 < self.enough <= len(self.critical)
 
     def _crossing(self, fraction: Callable[[float], Point], place: int) -> CriticalPoint:
         """Find where the mode at `place`, in ascending order, has omega^2 = 0 (Illinois rule)."""

@@ -1,0 +1,167 @@
+"""buckling: loads at which the equilibrium of a mechanism turns unstable, and the modes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as sl
+import scipy.sparse.linalg as spl
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.engine import Model
+from jousto.errors import Problems
+from jousto.simulation.balance import Balance
+from jousto.simulation.continuation import factor
+from jousto.simulation.linear import pictures
+from jousto.simulation.paths import LoadPath, PathFailed, Walk, load_path
+from jousto.simulation.spectrum import DENSE
+from jousto.simulation.state import State
+
+Array = NDArray[np.float64]
+REAL = 1e-6  # imaginary part of a load that is round-off
+REACH = 1.5  # the path goes on to so many times the highest load of the linear theory
+FAR = 1e9  # of the lowest load: infinite
+
+
+@dataclass(frozen=True, eq=False)
+class Buckling:
+    """Critical values of a parameter, the lowest first.
+
+    Attributes
+    ----------
+    parameter : str
+    loads : (k,) array
+    increments : (nv, k) array
+        Modes: increments [dR (world), dtheta (body frame), dp] of every body.
+    shapes : dict
+        Body name to nodal displacements (k, nodes, 3), world; largest of a mode is 1.
+    kinds : tuple of str
+        "linear", or "limit" and "bifurcation" on the path.
+    path : LoadPath or None
+        The path, if it was followed.
+    """
+
+    parameter: str
+    loads: Array
+    increments: Array
+    shapes: dict[str, Array]
+    kinds: tuple[str, ...]
+    path: LoadPath | None = None
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{x:.6g}" for x in self.loads)
+        return f"<Buckling over {self.parameter!r}: {found or 'none'}>"
+
+
+def buckling(
+    model: Model,
+    parameter: str,
+    count: int = 3,
+    *,
+    method: str = "linear",
+    start: float | None = None,
+    to: float | None = None,
+    steps: int = 20,
+    state: State | None = None,
+    axis: ArrayLike | None = None,
+    point: ArrayLike = (0.0, 0.0, 0.0),
+) -> Buckling:
+    """Find the loads beyond a start at which the equilibrium turns unstable.
+
+    ``method="linear"``: with the tangent matrix A0 of the equilibrium at `start` and its exact
+    rate A' along the path there, ``(A0 + (s - start) A') x = 0``: right where displacements stay
+    small up to the critical load. ``method="path"``: the path is followed and the points where
+    the tangent stiffness is singular are found on it, exactly, limit points too.
+
+    Parameters
+    ----------
+    model : Model
+        From `compile`.
+    parameter : str
+        Name of an `Input` that scales loads, "gravity" or "time", as for `load_path`.
+    count : int
+        Most loads.
+    method : str
+        "linear" or "path".
+    start : float, optional
+        Prestress; None is the input's present value, 0 for gravity.
+    to : float, optional
+        End of the path; None is half beyond the loads of the linear theory.
+    steps : int
+        Of the path.
+    state : State, optional
+        Near the first equilibrium.
+    axis, point
+        As for `load_path`.
+
+    Raises
+    ------
+    InputError
+        If the parameter does not exist or the values make no sense.
+    PathFailed
+        If there is no equilibrium to begin with.
+    """
+    problems = Problems()
+    where = "buckling"
+    problems.number(where, "count", count, "", "1 or more", lambda x: x >= 1)
+    problems.number(where, "steps", steps, "", "1 or more", lambda x: x >= 1)
+    if method not in ("linear", "path"):
+        problems.add(where, f"method is {method!r}, must be 'linear' or 'path'")
+    if to is not None:
+        problems.number(where, "to", to, "")
+    problems.raise_if_any()
+    if method == "linear" or to is None:
+        balance = Balance(model, parameter, state, axis=axis, point=point, where=where)
+        linear = _linear(balance, balance.value if start is None else float(start), count)
+        if method == "linear":
+            return linear
+        if not len(linear.loads):
+            problems.add(where, "the linear theory finds no critical load; say how far: to=...")
+            problems.raise_if_any()
+        first = balance.value if start is None else float(start)
+        to = first + REACH * float(linear.loads[-1] - first)
+    try:
+        path = load_path(
+            model, parameter, to=to, start=start, steps=steps, method="arc", state=state,
+            axis=axis, point=point, enough=count,
+        )  # fmt: skip
+    except PathFailed as error:
+        path = error.path
+        if not path.critical:
+            raise
+    found = path.critical[:count]
+    increments = np.array([p.increments for p in found]).reshape(len(found), model.nv).T
+    shapes = {
+        name: np.array([p.shape[name] for p in found]) for name in (found[0].shape if found else ())
+    }
+    loads = np.array([p.load for p in found])
+    return Buckling(parameter, loads, increments, shapes, tuple(p.kind for p in found), path)
+
+
+def _linear(balance: Balance, start: float, count: int) -> Buckling:
+    at = Walk(balance, start, start + 1.0).begin()
+    lu = factor(balance, at)
+    step = -lu.solve(balance.push(at.q, at.lam, at.value))
+    slope = balance.slope(at.q, at.lam, at.value, step)
+    n, nv = balance.size, balance.model.nv
+    if n <= DENSE:
+        values, vectors = sl.eig(-lu.solve(slope.toarray()))
+    else:
+        inverse = spl.LinearOperator((n, n), matvec=lambda x: -lu.solve(slope @ x), dtype=float)
+        seed = np.random.default_rng(7).standard_normal(n)
+        wanted = min(4 * count + 8, n - 2)
+        values, vectors = spl.eigs(inverse, k=wanted, which="LM", v0=inverse @ seed)
+    largest = np.abs(values).max(initial=0.0)
+    real = (np.abs(values.imag) <= REAL * np.abs(values)) & (values.real > largest / FAR)
+    loads = 1.0 / values[real].real
+    order = np.argsort(loads)[:count]
+    shapes = np.real(vectors[:nv, real][:, order])
+    drawn = pictures(balance.model, at.q, shapes)
+    return Buckling(
+        balance.parameter,
+        start + loads[order],
+        shapes,
+        {name: np.real(x) for name, x in drawn.items()},
+        ("linear",) * len(order),
+    )
