@@ -770,6 +770,9 @@ from .simulation import (
 from .simulation import (
     simulate as simulate,
 )
+from .simulation import (
+    steady_rotation as steady_rotation,
+)
 
 __version__: str
 from .output import (

@@ -8,6 +8,7 @@ from jousto.simulation.implicit import GeneralizedAlpha, Newmark
 from jousto.simulation.kinematics import inverse_dynamics, kinematics
 from jousto.simulation.linear import LinearModel, MechanismModes, linearise, modes
 from jousto.simulation.paths import ArcLength, CriticalPoint, LoadPath, PathFailed, load_path
+from jousto.simulation.rotation import steady_rotation
 from jousto.simulation.simulate import RunFailed, RunInterrupted, describe, simulate
 from jousto.simulation.simulator import Simulator
 from jousto.simulation.solution import BodyShape, Energy, Residuals, Solution, Work, load
@@ -53,4 +54,5 @@ __all__ = [
     "load_path",
     "modes",
     "simulate",
+    "steady_rotation",
 ]

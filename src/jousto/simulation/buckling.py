@@ -13,7 +13,7 @@ from jousto.engine import Model
 from jousto.errors import Problems
 from jousto.simulation.balance import Balance
 from jousto.simulation.continuation import factor
-from jousto.simulation.linear import pictures
+from jousto.simulation.linear import local, pictures
 from jousto.simulation.paths import LoadPath, PathFailed, Walk, load_path
 from jousto.simulation.spectrum import DENSE
 from jousto.simulation.state import State
@@ -157,7 +157,7 @@ def _linear(balance: Balance, start: float, count: int) -> Buckling:
     loads = 1.0 / values[real].real
     order = np.argsort(loads)[:count]
     shapes = np.real(vectors[:nv, real][:, order])
-    drawn = pictures(balance.model, at.q, shapes)
+    drawn = pictures(balance.model, at.q, local(balance.model, at.q, shapes))
     return Buckling(
         balance.parameter,
         start + loads[order],

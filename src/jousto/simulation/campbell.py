@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from jousto.engine import Model
 from jousto.errors import InputError, Problem
+from jousto.simulation.large import MANY
 from jousto.simulation.linear import modes
 from jousto.simulation.state import State
 
@@ -44,6 +45,10 @@ class Campbell:
     def damping(self) -> Array:
         """Damping ratios (nv, k)."""
         return np.asarray(-self.eigenvalues.real / np.abs(self.eigenvalues))
+
+
+def _small(model: Model) -> bool:
+    return model.nv + model.nrow <= MANY
 
 
 def campbell(
@@ -87,7 +92,7 @@ def campbell(
     for value in points:
         built = build(float(value))
         model, state = built if isinstance(built, tuple) else (built, None)
-        found = modes(model, state, damped=True)
+        found = modes(model, state, damped=True, count=None if _small(model) else 3 * count)
         swings = found.frequencies > above
         eigenvalues, vectors = found.eigenvalues[swings], found.increments[:, swings]
         vectors = vectors / np.linalg.norm(vectors, axis=0)

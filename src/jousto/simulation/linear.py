@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from jousto.engine import Engine, Model
 from jousto.engine.native import IMAGINARY, displaced
-from jousto.errors import InputError, Problem
+from jousto.errors import InputError, Problem, Problems
 from jousto.mechanism import rotation_matrix, skew
 from jousto.simulation.state import State, put
 
@@ -140,10 +140,7 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
     for twin in (engine, steps):
         put(twin, State(q, v, np.zeros(model.nrow), time) if state is None else state, "linearise")
     a, lam = (np.array(x) for x in engine.accelerations())
-    M = np.zeros((nv, nv))
-    for k, body in enumerate(model.bodies):
-        own = slice(body.iv, body.iv + 6 + body.n)
-        M[own, own] = engine.mass_matrix(k)
+    M = T.T @ engine.newton_matrix(1.0, 0.0, 0.0)[:nv, :nv] @ T  # of beams between the bodies too
 
     def slopes(dq: Array, dv: Array, du: Array) -> tuple[Array, Array, Array, Array]:
         """Directional derivatives of C, C', a (body frames) and sensors."""
@@ -261,7 +258,9 @@ def _known(kind: str, names: Sequence[str], wanted: Sequence[str] | None) -> lis
     return list(wanted)
 
 
-def modes(model: Model, state: State | None = None, *, damped: bool = False) -> MechanismModes:
+def modes(
+    model: Model, state: State | None = None, *, damped: bool = False, count: int | None = None
+) -> MechanismModes:
     """Compute the natural modes of a mechanism about a state.
 
     Undamped: ``K x = omega^2 M x`` in the free coordinates with all velocities zero, where K is
@@ -276,13 +275,25 @@ def modes(model: Model, state: State | None = None, *, damped: bool = False) -> 
         Where, usually from `equilibrium`; None is the initial state.
     damped : bool
         Whether damping and velocities count.
+    count : int, optional
+        Most modes, the slowest first; None is all, 20 of mechanisms with more than 600 velocities
+        and rows of constraints, which are found by sparse matrices.
 
     Raises
     ------
     InputError
         If a body or joint is singular at the state.
     """
+    from jousto.simulation.large import MANY, USUAL, large_modes
+
+    if count is not None:
+        problems = Problems()
+        problems.number("modes", "count", count, "", "1 or more", lambda x: x >= 1)
+        problems.raise_if_any()
     state = State(model.q0, model.v0, np.zeros(model.nrow)) if state is None else state
+    if model.nv + model.nrow > MANY:
+        found, x = large_modes(model, state, damped, count or USUAL)
+        return _modes(model, state, found, x)
     if damped:
         t = tangent(model, state)
         f = t.N.shape[1]
@@ -294,9 +305,14 @@ def modes(model: Model, state: State | None = None, *, damped: bool = False) -> 
         squares, free = stiffness_modes(t)
         roots = np.sqrt(-squares.astype(np.complex128))
         eigenvalues = np.where(roots.imag < 0.0, -roots, roots)
+    order = np.argsort(np.abs(eigenvalues), kind="stable")[:count]
+    return _modes(model, state, eigenvalues[order], t.N @ free[:, order])
+
+
+def _modes(
+    model: Model, state: State, eigenvalues: Eigenvalues, increments: NDArray[Any]
+) -> MechanismModes:
     size = np.abs(eigenvalues)
-    order = np.argsort(size, kind="stable")
-    eigenvalues, size, increments = eigenvalues[order], size[order], t.N @ free[:, order]
     damping = np.divide(-eigenvalues.real, size, out=np.zeros_like(size), where=size > 0.0)
     return MechanismModes(
         np.abs(eigenvalues.imag) / (2 * np.pi),
@@ -305,6 +321,14 @@ def modes(model: Model, state: State | None = None, *, damped: bool = False) -> 
         increments,
         pictures(model, state.q, increments),
     )
+
+
+def local(model: Model, q: Array, increments: NDArray[Any]) -> NDArray[Any]:
+    """Return increments (nv, k) of the engine with translations in body frames."""
+    out = np.array(increments)
+    for body, A in zip(model.bodies, rotations(model, q), strict=True):
+        out[body.iv : body.iv + 3] = A.T @ out[body.iv : body.iv + 3]
+    return out
 
 
 def stiffness_modes(t: Tangent) -> tuple[NDArray[Any], NDArray[Any]]:

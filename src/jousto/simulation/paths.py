@@ -25,7 +25,7 @@ from jousto.simulation.continuation import (
     spectrum,
     tangent,
 )
-from jousto.simulation.linear import pictures
+from jousto.simulation.linear import local, pictures
 from jousto.simulation.spectrum import Spectrum, blocks
 from jousto.simulation.state import State
 
@@ -476,8 +476,9 @@ class Walk:
             else:
                 right, fr, fl = x, value, 0.5 * fl
         point, shape = best
+        model = self.balance.model
         state, _ = self.balance.accept(point.q, point.lam, point.value)
-        drawn = pictures(self.balance.model, state.q, shape[:, None])
+        drawn = pictures(model, state.q, local(model, state.q, shape[:, None]))
         return CriticalPoint(
             load=point.value,
             kind=self._kind(point, shape),
