@@ -18,6 +18,7 @@ from jousto.simulation.state import State, put
 Array = NDArray[np.float64]
 MANY = 600  # velocities and rows above which matrices are sparse
 USUAL = 20  # modes of large mechanisms
+NOISE = 1e-13  # of the largest stiffness over mass: omega^2 that is round-off
 
 
 def large_modes(
@@ -78,16 +79,13 @@ def _quadratic(
 ) -> tuple[NDArray[np.complex128], NDArray[Any]]:
     """``(l^2 M + l G + K) x = 0`` under ``C x = 0`` next to 0, by shift-invert Arnoldi."""
     n = K.shape[0]
-    shift = 0.0
-    try:
-        solve = saddle(K, C)
-        probe = solve(M @ np.ones(n))
-        if not np.isfinite(probe).all():
-            raise RuntimeError
-    except RuntimeError:
-        ratio = float(np.max(np.abs(K.diagonal()) / np.maximum(M.diagonal(), 1e-300)))
-        shift = 1e-6 * np.sqrt(ratio)
-        solve = saddle(K + shift * G + shift**2 * M, C)
+    ratio = float(np.max(np.abs(K.diagonal()) / np.maximum(M.diagonal(), 1e-300)))
+    still = np.sort(np.abs(nearest(K.tocsc(), M.tocsc(), C.tocsc(), 8).squares))
+    firm = still[still > NOISE * ratio]
+    # a free motion, such as the turn of everything, is at 0: stay away from it
+    free_one = len(firm) < len(still)
+    shift = 0.3 * float(np.sqrt(firm[0] if len(firm) else 1e3 * NOISE * ratio)) * free_one
+    solve = saddle(K + shift * G + shift**2 * M, C)
 
     def inverse(z: Array) -> Array:
         f, g = z[:n], z[n:]

@@ -18,7 +18,7 @@ from jousto.simulation.state import State
 
 Array = NDArray[np.float64]
 TORQUE = 1e-6  # of the inertia forces: a torque that is round-off
-SAME = 1e-3  # of the accelerations: what may change as everything turns on
+SAME = 1e-5  # of the inertia forces: what may change as everything turns on
 FITS = 1e-6  # of the speed times the size: velocities that fit the joints and drives
 
 
@@ -129,11 +129,12 @@ def _check(balance: Balance, at: Point) -> None:
     if speed:
         later.time[0] = time + 2.0 * half / speed
     found, _ = later.accelerations()
-    change = np.abs(np.array(found) - wanted)
     later.time[0] = time
+    change = np.abs(balance.mass(q, at.lam, speed) @ (np.array(found) - wanted))
     turns = np.concatenate([np.arange(b.iv + 3, b.iv + 6) for b in model.bodies])
-    change[turns] *= model.size
-    scale = float(np.abs(wanted).max(initial=0.0)) + float(np.linalg.norm(model.gravity))
+    change[turns] /= model.size
+    mass = sum(float(np.real(b.mass[0])) for b in model.bodies)
+    scale = mass * (float(np.abs(wanted).max(initial=0.0)) + float(np.linalg.norm(model.gravity)))
     if change.max(initial=0.0) > SAME * max(scale, 1e-300):
         worst = int(np.argmax(change))
         body = next(b.name for b in model.bodies if b.iv <= worst < b.iv + 6 + b.n)

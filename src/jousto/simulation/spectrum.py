@@ -15,6 +15,7 @@ Array = NDArray[np.float64]
 blocks: Any = sp.bmat  # of which the type information knows too little
 DENSE = 360  # unknowns up to which all modes are computed
 SYMMETRIC = 1e-7  # relative asymmetry of a stiffness that is taken as round-off
+ROUND_OFF = 1e-11  # the same of sparse ones, where solving without symmetry costs little
 RANK = 1e-10  # of the largest pivot of the scaled constraint matrix
 SHIFT = 1e-14  # of the largest stiffness over mass
 
@@ -91,7 +92,7 @@ def _sparse(K: Any, M: Any, C: Any, count: int) -> Spectrum:
     free = n - m
     count = max(1, min(count, free - 2))
     asymmetry = abs(K - K.T).max()
-    symmetric = asymmetry <= SYMMETRIC * abs(K).max()
+    symmetric = asymmetry <= ROUND_OFF * abs(K).max()
     ratio = float(np.max(np.abs(K.diagonal()) / np.maximum(M.diagonal(), 1e-300)))
     shift = -SHIFT * ratio
     A = K - shift * M
