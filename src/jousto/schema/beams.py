@@ -159,12 +159,14 @@ class BeamBodyEntry(Entry):
     corners: tuple[Count, ...] | None = Field(None, description="Nodes (from 0) with a corner")
     mass: (
         Annotated[
-            Annotated[Literal["lumped", "consistent"], Tag("word")]
+            Annotated[Literal["lumped", "corrected", "consistent"], Tag("word")]
             | Annotated[Number, Tag("number")],
             Discriminator(_mass),
         ]
         | None
-    ) = Field(None, description="Inertia: lumped (0, if not given), consistent (1) or between")
+    ) = Field(
+        None, description="Inertia: lumped (0, if not given), consistent (1), between, or corrected"
+    )
     bending: Flag | None = Field(None, description="Residual bending flexibility")
     damping: BeamDampingEntry | None = None
     offset: (
