@@ -80,7 +80,7 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched, jo_sen
     d->x = reals(a, m->nv + m->nrow);
     d->base = reals(a, m->nv);
     d->base_lam = reals(a, m->nrow);
-    d->stiff = reals(a, 162 * m->nbeam);
+    d->stiff = reals(a, JO_BEAM_KEPT * m->nbeam);
     d->lag = reals(a, m->nv);
     d->sum = reals(a, m->nv);
     d->pivot = take(a, (size_t)(m->nv + m->nrow) * sizeof(int));

@@ -31,6 +31,8 @@ typedef struct {
     jo_body_set set[2];
 } jo_body_work;
 
+enum { JO_BEAM_KEPT = 216 };   /* reals of the stiffness and damping of a beam element that ROS2 keeps */
+
 /* A beam element; vectors resolved in the frame of its middle unless said otherwise. */
 typedef struct {
     jo_real B[2][4];        /* quaternions of the end frames on their bodies */
@@ -227,7 +229,7 @@ struct jo_data {
     int second;             /* second stage of ROS2: the factors of the first serve again */
     jo_real *base, *base_lam;   /* (nv), (nrow) accelerations and multipliers that it starts from */
     int keeping;            /* the stiffness of beams is kept in: */
-    jo_real *stiff;         /* (nbeam x 162) */
+    jo_real *stiff;         /* (nbeam x JO_BEAM_KEPT) */
     jo_real *lag, *sum;     /* (nv) what beams lag behind in an implicit stage; scratch */
     int *started;           /* (1) implicit method: the arrays below belong to the state end_q, end_v */
     jo_real *algorithmic, *end_a, *end_q, *end_v, *end_lam;   /* algorithmic and true accelerations .. at the end of its step */

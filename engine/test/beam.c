@@ -12,9 +12,9 @@
 #define CHECK(x) \
     do { if (!(x)) { fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #x); exit(1); } } while (0)
 
-static double data[78];
+static double data[79];
 
-static void fill(double beta, double alpha, double share)
+static void fill(double beta, double alpha, double share, double helical)
 {
     memset(data, 0, sizeof data);
     data[0] = 0.9;
@@ -28,7 +28,7 @@ static void fill(double beta, double alpha, double share)
         for (int j = 0; j < 6; j++) data[25 + 6 * i + j] = i == j ? 20.0 * (6 - i) : 1.0 / (1 + i + j);
     for (int i = 0; i < 6; i++) data[61 + i] = 0.02 * i - 0.05;
     data[67] = beta; data[68] = alpha; data[69] = share; data[70] = 0.8;
-    data[71] = 0.06; data[72] = 0.05; data[73] = 0.04; data[74] = 0.01; data[77] = 1e-3;
+    data[71] = 0.06; data[72] = 0.05; data[73] = 0.04; data[74] = 0.01; data[77] = 1e-3; data[78] = helical;
 }
 
 static void place(const jo_model *m, jo_data *d)
@@ -122,9 +122,9 @@ int main(int argc, char **argv)
     m.size = 1.0; m.gravity = zero; m.body = body; m.beam = beam; m.node = node; m.branch = branch; m.fill = fill_in;
     m.fill_first = fill_first; m.place = places; m.sensor = sensor;
 
-    const double kinds[4][3] = {{0, 0, 0}, {0.05, 0, 0}, {0, 0.3, 1}, {0.05, 0.3, 0.5}};
-    for (int k = 0; k < 4; k++) {
-        fill(kinds[k][0], kinds[k][1], kinds[k][2]);
+    const double kinds[5][4] = {{0, 0, 0, 0}, {0.05, 0, 0, 0}, {0, 0.3, 1, 0}, {0, 0, 0, 1}, {0.05, 0.3, 0.5, 1}};
+    for (int k = 0; k < 5; k++) {
+        fill(kinds[k][0], kinds[k][1], kinds[k][2], kinds[k][3]);
         jo_data *d = jo_data_new(&m);
         CHECK(d);
         place(&m, d);
@@ -138,7 +138,7 @@ int main(int argc, char **argv)
         }
         jo_data_free(d);
     }
-    fill(0.0, 0.0, 0.0);
+    fill(0.0, 0.0, 0.0, 0.0);
     const double coarse = drift(&m, 1e-2), fine = drift(&m, 5e-3);
     printf("RK4 energy error %.2e -> %.2e J\n", coarse, fine);
     CHECK(fine < coarse / 12.0 && fine < 1e-4);
