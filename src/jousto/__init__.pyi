@@ -247,6 +247,9 @@ from .output import plot as plot
 from .output import (
     plot_band as plot_band,
 )
+from .output import (
+    plot_beam as plot_beam,
+)
 from .output import plot_campbell as plot_campbell
 from .output import plot_friction_stress as plot_friction_stress
 from .output import plot_gauges as plot_gauges
@@ -258,10 +261,16 @@ from .output import plot_load_path as plot_load_path
 from .output import plot_monitor as plot_monitor
 from .output import plot_root_locus as plot_root_locus
 from .output import (
+    plot_section_forces as plot_section_forces,
+)
+from .output import (
     plot_spectrum as plot_spectrum,
 )
 from .output import plot_stress as plot_stress
 from .output import still as still
+from .output import (
+    write_beam as write_beam,
+)
 from .output import write_certificate as write_certificate
 from .output import (
     write_contour as write_contour,

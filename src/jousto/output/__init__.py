@@ -2,6 +2,7 @@
 
 from jousto.output.animate import animate, still
 from jousto.output.bands import plot_band
+from jousto.output.beams import plot_beam, plot_section_forces, write_beam
 from jousto.output.campbell import plot_campbell, plot_root_locus
 from jousto.output.certificate import write_certificate
 from jousto.output.contour import write_contour
@@ -25,6 +26,9 @@ from jousto.output.view import View
 from jousto.output.vtu import write_vtu
 
 __all__ = [
+    "plot_beam",
+    "plot_section_forces",
+    "write_beam",
     "plot_gauges",
     "plot_cycles",
     "plot_damage",

@@ -71,7 +71,7 @@ def outline(shape: BodyShape) -> Outline:
         neighbours.setdefault(int(a), []).append(int(b))
         neighbours.setdefault(int(b), []).append(int(a))
     stops = {k for k in neighbours if not _goes_on(shape.nodes, k, neighbours[k])}
-    smooth = shape.kind == "flexible"
+    smooth = shape.kind in ("flexible", "beam")
     chains = []
     left = {(int(min(e)), int(max(e))) for e in edges}
     starts = [*sorted(stops), *sorted(neighbours)]  # the second part is for closed rings

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 from jousto.errors import Problems, suggest
 from jousto.output.lines import Outline, drawn
+from jousto.output.skins import BeamSkin, beam_skin
 from jousto.output.style import COLORS, MUTED, Picture
-from jousto.output.surface import DARKEST, DARKEST_STRESS, STRESS_COLORS, lit
+from jousto.output.surface import DARKEST, DARKEST_STRESS, STRESS_COLORS, lit, make_surface
 from jousto.output.view import View, choose_view
 from jousto.recovery import positions, surface_stress
-from jousto.simulation import Solution
+from jousto.simulation import BodyShape, Solution
 
 Array = NDArray[np.float64]
 
@@ -26,6 +27,7 @@ WIDTH = 7.2  # inch
 MARGIN = 0.07
 FLATTEST, TALLEST = 0.35, 1.0  # height of a picture by its width
 LEGEND = 0.8  # inch, room for the colours of stress
+LEAST = 0.008  # thickness of a beam by the extent of its motion; thinner ones are drawn thicker
 UNKNOWN = "#B9BEC5"  # where the stress is not known
 
 
@@ -101,14 +103,24 @@ def make_scene(
             problems.add("trail", f"no sensor '{name}'{suggest(name, run.sensors)}")
         elif run.about(name)["unit"] != "m":
             problems.add("trail", f"sensor '{name}' is not a position but in {_unit(run, name)}")
-    shapes = run.bodies
-    if not shapes:
+    # the nodes of beams are no bodies in a picture, their beams are
+    beams = run.beams
+    nodes = {int(k) for beam in beams for k in beam.bodies}
+    shapes = tuple(shape for k, shape in enumerate(run.bodies) if k not in nodes)
+    if not shapes and not beams:
         problems.add(str(run.path), "there are no bodies to draw")
-    values, limit = _stress(run, times, stress, problems)
+    problems.raise_if_any()
+    skins = [beam_skin(run, beam, times, stress=stress is not False, least=LEAST) for beam in beams]
+    values, limit = _stress(run, shapes, skins, times, stress, problems)
     problems.raise_if_any()
 
     pairs = [drawn(shape) for shape in shapes]
     world = [positions(run, shape, times, scale=scale) for shape, _ in pairs]
+    outlines = [lines for _, lines in pairs]
+    for skin in skins:
+        surface = make_surface(skin.x[0], skin.triangles)
+        outlines.append(Outline((), np.zeros(0, dtype=np.intp), surface))
+        world.append(skin.x[:, surface.nodes])
     within = (run.time >= times[0]) & (run.time <= times[-1])
     trail_times = run.time[within]
     every = max(1, len(trail_times) // 4000)
@@ -120,7 +132,7 @@ def make_scene(
     if np.all(np.abs(np.clip(0.0, low, high)) <= size):
         low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
     chosen = choose_view(view, np.stack([low, high]), run.attributes.get("gravity"))
-    bodies = tuple((lines, chosen.project(x)) for (_, lines), x in zip(pairs, world, strict=True))
+    bodies = tuple((lines, chosen.project(x)) for lines, x in zip(outlines, world, strict=True))
     trails = tuple(chosen.project(path) for path in paths)
     corners = np.stack([low, high])
     level, step, grid = (0.0, 0.0, ()) if chosen.plane else _floor(chosen, corners)
@@ -137,19 +149,23 @@ def make_scene(
         grid=grid,
         stress=tuple(
             None if v is None or lines.surface is None else v[:, lines.surface.nodes]
-            for v, (_, lines) in zip(values, pairs, strict=True)
+            for v, lines in zip(values, outlines, strict=True)
         ),
         limit=limit,
     )
 
 
 def _stress(
-    run: Solution, times: Array, wanted: bool | float, problems: Problems
+    run: Solution,
+    shapes: Sequence[BodyShape],
+    skins: Sequence[BeamSkin],
+    times: Array,
+    wanted: bool | float,
+    problems: Problems,
 ) -> tuple[list[Array | None], float]:
     """Return the von Mises stress (nt, nn) of each body, nan where unknown, and the top of it."""
-    shapes = run.bodies
-    if wanted is False or not shapes:
-        return [None] * len(shapes), 0.0
+    if wanted is False:
+        return [None] * (len(shapes) + len(skins)), 0.0
     if wanted is not True:
         problems.positive("animate", "stress", float(wanted), "Pa")
     values: list[Array | None] = []
@@ -161,9 +177,10 @@ def _stress(
         whole = np.full((len(times), len(shape.nodes)), np.nan)
         whole[:, found[0]] = found[1]
         values.append(whole)
+    values += [skin.mises for skin in skins]
     if all(v is None for v in values):
         problems.add(
-            "stress", "no body of this run has a surface with stress; beams have no colours"
+            "stress", "no body of this run has a surface with stress; modal beams have no colours"
         )
         return values, 0.0
     highest = max(float(np.nanmax(v)) for v in values if v is not None)

@@ -30,10 +30,11 @@ from jousto.recovery.gauges import (
     rosette_state,
 )
 from jousto.recovery.hotspots import HotSpot, HotSpots, hot_spots
-from jousto.recovery.shape import find_body, positions, rotation_matrices
+from jousto.recovery.shape import bracket, find_body, positions, rotation_matrices
 from jousto.recovery.stress import Peak, peak, stress, surface_stress
 
 __all__ = [
+    "bracket",
     "RESULTANTS",
     "SectionForces",
     "section_forces",

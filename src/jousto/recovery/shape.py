@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.engine import BeamShape
 from jousto.errors import InputError, Problem, suggest
 from jousto.simulation import BodyShape, Solution
 
@@ -37,7 +38,7 @@ def rotation_matrices(e: ArrayLike) -> Array:
 
 
 def find_body(run: Solution, name: str) -> BodyShape:
-    """Return the body of that name.
+    """Return the body of that name; of a beam the line of its nodes.
 
     Raises
     ------
@@ -45,9 +46,20 @@ def find_body(run: Solution, name: str) -> BodyShape:
         If there is none; the nearest name is suggested.
     """
     bodies = {body.name: body for body in run.bodies}
+    beams = {beam.name: beam for beam in run.beams}
+    if name in beams:
+        return _line(beams[name])
     if name not in bodies:
+        bodies = {k: v for k, v in bodies.items() if k.rpartition(".node")[0] not in beams}
+        bodies |= dict.fromkeys(beams)  # type: ignore[arg-type]
         raise InputError(Problem(str(run.path), f"no body '{name}'{suggest(name, bodies)}"))
     return bodies[name]
+
+
+def _line(beam: BeamShape) -> BodyShape:
+    pairs = np.stack([np.arange(beam.n), np.arange(beam.n) + 1], axis=1)
+    still = np.zeros((beam.n + 1, 3, 0))
+    return BodyShape(beam.name, "beam", -1, -1, 0, beam.nodes, pairs, still)
 
 
 def positions(
@@ -67,7 +79,7 @@ def positions(
         Instants in s, inside the run; between two stored instants the positions are interpolated
         linearly. None takes every stored instant.
     scale : float
-        Factor on the deformation ``Phi p``; other than 1 for pictures only.
+        Factor on the deformation ``Phi p``; other than 1 for pictures only. Beams are as they are.
 
     Raises
     ------
@@ -75,6 +87,13 @@ def positions(
         If there is no such body, or a time is outside the run.
     """
     shape = find_body(run, body) if isinstance(body, str) else body
+    if shape.kind == "beam":
+        r = run.beam_states(shape.name)[0][..., :3]
+        if times is None:
+            return r
+        before, after, share = bracket(run, times)
+        share = share[:, None, None]
+        return np.asarray((1.0 - share) * r[before] + share * r[after])
     q = run.q[:, shape.q_offset : shape.q_offset + 7 + shape.n]
     if times is None:
         return _place(shape, q, scale)
