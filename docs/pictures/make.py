@@ -30,6 +30,7 @@ WIDTHS = {  # pixels
     "fatigue_cycles.png": 900,
     "slider_crank.png": 1100,
     "slewing_limit.png": 1100,
+    "offset_boom.png": 1200,
     "four_bar.png": 1200,
     "spin_up.png": 1100,
     "trolley.png": 800,
@@ -93,7 +94,8 @@ def main() -> int:
     """Run the examples and keep what is shown."""
     with tempfile.TemporaryDirectory() as folder:
         for script in sorted(EXAMPLES.glob("*.py")):
-            subprocess.run([sys.executable, str(script), folder], check=True)
+            more = ["--long"] if script.name == "offset_boom.py" else []
+            subprocess.run([sys.executable, str(script), folder, *more], check=True)
         for name in ("orders.py", "solids.py"):
             subprocess.run([sys.executable, str(HERE / name), folder], check=True)
         for name, width in WIDTHS.items():

@@ -259,6 +259,7 @@ from .output import (
 )
 from .output import plot_load_path as plot_load_path
 from .output import plot_monitor as plot_monitor
+from .output import plot_planar as plot_planar
 from .output import plot_root_locus as plot_root_locus
 from .output import (
     plot_section_forces as plot_section_forces,

@@ -17,6 +17,7 @@ from jousto.output.load_path import plot_load_path, write_load_path
 from jousto.output.mbdyn import write_fem
 from jousto.output.meshes import write_mesh
 from jousto.output.monitor import plot_monitor
+from jousto.output.planar import plot_planar
 from jousto.output.plot import plot
 from jousto.output.sid import write_sid
 from jousto.output.stress import plot_stress, write_stress
@@ -47,6 +48,7 @@ __all__ = [
     "plot_hysteresis",
     "plot_friction_stress",
     "plot_monitor",
+    "plot_planar",
     "plot_root_locus",
     "plot_spectrum",
     "plot_stress",

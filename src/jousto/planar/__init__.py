@@ -27,6 +27,7 @@ from jousto.planar.methods import Convergence, PlanarGeneralizedAlpha, PlanarNew
 from jousto.planar.results import PlanarPath, PlanarRun, PlanarState, rest, spinning
 from jousto.planar.statics import arc_length, load_steps, planar_frequencies
 from jousto.planar.system import System
+from jousto.planar.tangents import inertia_share
 
 __all__ = [
     "Arms",
@@ -55,6 +56,7 @@ __all__ = [
     "Slaves",
     "System",
     "arc_length",
+    "inertia_share",
     "load_steps",
     "planar_frequencies",
     "rest",
