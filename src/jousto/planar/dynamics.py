@@ -18,9 +18,6 @@ from jousto.planar.system import Loads, Point, System
 Array = NDArray[Any]
 
 
-NEAR = 0.95  # of the limit of stability, to be named as the cause of a failure
-
-
 class Outcome(NamedTuple):
     """How Newton's iteration ended.
 
@@ -96,7 +93,7 @@ def newton(
             return Outcome(p, False, len(history), solves, history)
         good = convergence.residual is None or size <= convergence.residual
         if good and convergence.relative is not None:
-            good = size <= max(convergence.relative * system.scale(p, loads), system.rounding(p))
+            good = size <= convergence.relative * system.scale(p, loads)
         if good and convergence.increment is None:
             return Outcome(p, True, len(history), solves, history)
         if solves == convergence.max_iterations:
@@ -245,10 +242,12 @@ def _explain(
     """Return one sentence on why a step did not converge, and one on what to do."""
     tail = ", ".join(f"{x:.2g}" for x in out.history[-4:])
     text = f"step to t = {t:g} s does not converge (residuals ... {tail} N)"
-    # of the steps that converged: what an iteration that fails passes through tells nothing
-    if records.largest_ratio > NEAR:
-        where = frame.beam_name(records.worst_element)
-        return f"{text}; {where}: {_instability(records.largest_ratio)}"
+    ratios = records.ratios(out.point.middle.resultants)
+    worst = records.largest_ratio
+    now = int(np.argmax(ratios))
+    if max(worst, float(ratios[now])) > 1.0:
+        i = now if ratios[now] > worst else records.worst_element
+        return f"{text}; {frame.beam_name(i)}: {_instability(max(worst, float(ratios[now])))}"
     finite = [x for x in out.history if math.isfinite(x)]
     force = frame.system.scale(out.point, frame.system.at_time(t)) if finite else math.inf
     if math.isfinite(force) and min(finite) < 1e-9 * force:
