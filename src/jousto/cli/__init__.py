@@ -7,6 +7,7 @@ line each. Everything heavy is imported inside the commands.
 from jousto.cli import (  # noqa: F401  (they register themselves)
     commands,
     fatigue,
+    forces,
     friction,
     gauges,
     hotspots,

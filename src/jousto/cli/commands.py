@@ -237,7 +237,8 @@ def animate(
     """Film the motion; it goes to RESULT.gif unless -o says otherwise.
 
     The ending of the file says what is made: .gif, .mp4 or .html films, .png, .svg or .pdf
-    pictures of several instants. Beams are lines, solids are surfaces.
+    pictures of several instants. Modal beams are lines, exact beams and solids are
+    surfaces.
     """
     from jousto.schema.targets import output_path
 

@@ -1,0 +1,64 @@
+"""The command that shows the forces and moments along exact beams: forces."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from jousto.cli.options import Debug, From, Output, Result, To, app, instant
+from jousto.cli.terminal import command, say
+from jousto.errors import InputError, Problem
+
+
+@app.command()
+@command
+def forces(
+    result: Result,
+    beam: Annotated[
+        str | None, typer.Argument(metavar="[BEAM]", help="Exact beam; may be left out.")
+    ] = None,
+    at: Annotated[
+        list[str] | None, typer.Option("--at", metavar="TIME", help="An instant, '0.5 s'; again.")
+    ] = None,
+    start: From = None,
+    end: To = None,
+    output: Output = None,
+    debug: Debug = False,
+) -> None:
+    """Show the forces and moments along an exact beam: the smallest and largest, where and when.
+
+    -o writes the envelope or the instant --at as .csv, diagrams at the instants --at as .png,
+    .svg or .pdf, the swept surface with its stress as .vtu, and all instants as .pvd.
+    """
+    from jousto.recovery import section_forces
+    from jousto.simulation import load
+
+    moments = [float(instant(text, "--at") or 0.0) for text in at or ()]
+    run = load(result)
+    names = [shape.name for shape in run.beams]
+    if beam is None and len(names) != 1:
+        found = f"name one of the beams {', '.join(names)}" if names else "this run has no beams"
+        raise InputError(Problem(str(run.path), found))
+    name = beam or names[0]
+    found_forces = section_forces(
+        run, name, start=instant(start, "--from"), end=instant(end, "--to")
+    )
+    say(str(found_forces))
+    if output is None:
+        return
+    suffix = output.suffix.lower()
+    if suffix == ".csv":
+        if len(moments) > 1:
+            raise InputError(Problem("--at", f"a table has one instant, not {len(moments)}"))
+        path = found_forces.to_csv(output, *moments)
+    elif suffix in (".vtu", ".pvd"):
+        from jousto.output import write_beam
+
+        path = write_beam(run, name, output, times=moments or None)
+    else:
+        from jousto.output import plot_section_forces
+
+        path = output
+        plot_section_forces(found_forces, output, times=moments or None)
+    say(f"written to {path}", style="green")
