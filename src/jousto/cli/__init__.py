@@ -16,6 +16,7 @@ from jousto.cli import (  # noqa: F401  (they register themselves)
     multiaxial,
     parts,
     peaks,
+    statics,
     stress,
     studies,
 )

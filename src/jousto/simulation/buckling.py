@@ -26,7 +26,7 @@ FAR = 1e9  # of the lowest load: infinite
 
 @dataclass(frozen=True, eq=False)
 class Buckling:
-    """Critical values of a parameter, the lowest first.
+    """Critical values of a parameter: the lowest first, or in the order of the path.
 
     Attributes
     ----------
@@ -111,6 +111,7 @@ def buckling(
     if to is not None:
         problems.number(where, "to", to, "")
     problems.raise_if_any()
+    given = to is not None
     if method == "linear" or to is None:
         balance = Balance(model, parameter, state, axis=axis, point=point, where=where)
         linear = _linear(balance, balance.value if start is None else float(start), count)
@@ -121,15 +122,20 @@ def buckling(
             problems.raise_if_any()
         first = balance.value if start is None else float(start)
         to = first + REACH * float(linear.loads[-1] - first)
-    try:
-        path = load_path(
-            model, parameter, to=to, start=start, steps=steps, method="arc", state=state,
-            axis=axis, point=point, enough=count,
-        )  # fmt: skip
-    except PathFailed as error:
-        path = error.path
-        if not path.critical:
-            raise
+    reach = to
+    for _ in range(1 if given else 3):
+        try:
+            path = load_path(
+                model, parameter, to=reach, start=start, steps=steps, method="arc", state=state,
+                axis=axis, point=point, enough=count,
+            )  # fmt: skip
+        except PathFailed as error:
+            path = error.path
+            if not path.critical:
+                raise
+        if len(path.critical) >= count:
+            break
+        reach += 2.0 * (reach - float(path.load[0]))
     found = path.critical[:count]
     increments = np.array([p.increments for p in found]).reshape(len(found), model.nv).T
     shapes = {

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from functools import wraps
+from typing import Any, TypeVar
 
 import numpy as np
 import scipy.sparse.linalg as spl
 from numpy.typing import NDArray
 
+from jousto.errors import SimulationError
 from jousto.simulation.balance import Balance
 from jousto.simulation.linear import rotations
 from jousto.simulation.spectrum import Spectrum, nearest
@@ -45,6 +48,22 @@ class Rates:
     value: float
 
 
+T = TypeVar("T")
+
+
+def _steady(solve: Callable[..., T]) -> Callable[..., T]:
+    """Take what the engine cannot do at a trial position for a failure of the iteration."""
+
+    @wraps(solve)
+    def tried(*values: Any, **options: Any) -> T:
+        try:
+            return solve(*values, **options)
+        except SimulationError as error:
+            raise NoConvergenceError(str(error), error.body) from error
+
+    return tried
+
+
 def factor(balance: Balance, point: Point) -> Any:
     """Return the factors of the tangent matrix.
 
@@ -60,6 +79,7 @@ def factor(balance: Balance, point: Point) -> Any:
         raise NoConvergenceError("the tangent matrix is singular") from error
 
 
+@_steady
 def at_load(balance: Balance, point: Point, value: float, iterations: int = 15) -> Point:
     """Return the point of rest at a value of the parameter, from one nearby.
 
@@ -82,6 +102,7 @@ def at_load(balance: Balance, point: Point, value: float, iterations: int = 15) 
     raise _failed(balance, step, iterations)
 
 
+@_steady
 def along(
     balance: Balance, point: Point, ahead: Rates, length: float, weight: float, iterations: int = 12
 ) -> Point:
@@ -123,6 +144,7 @@ def along(
     raise _failed(balance, step, iterations)
 
 
+@_steady
 def tangent(balance: Balance, point: Point, weight: float, last: Rates | None) -> Rates:
     """Return the direction of the path of length 1, onwards from the last one.
 

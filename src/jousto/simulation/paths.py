@@ -112,6 +112,8 @@ class LoadPath:
     critical : tuple of CriticalPoint
     complete : bool
         Whether the last load is the one asked for.
+    ended : str
+        Why it ends where it does.
     """
 
     parameter: str
@@ -123,6 +125,7 @@ class LoadPath:
     iterations: NDArray[np.int64]
     critical: tuple[CriticalPoint, ...]
     complete: bool
+    ended: str = ""
     units: Mapping[str, str] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Array:
@@ -272,6 +275,8 @@ class Walk:
         self.states: list[State] = []
         self.rows: list[Array] = []
         self.critical: list[CriticalPoint] = []
+        self.ended = "no equilibrium found"
+        self.anchor = 0  # the first point of the present branch
 
     def run(self) -> LoadPath:
         """Return the whole path."""
@@ -318,7 +323,10 @@ class Walk:
         state, sensors = self.balance.accept(point.q, point.lam, point.value)
         self.states.append(state)
         self.rows.append(sensors)
-        return not (self.until and self.until(state))
+        if self.until and self.until(state):
+            self.ended = "until"
+            return False
+        return True
 
     # -- steps of the load
 
@@ -329,6 +337,7 @@ class Walk:
             last = self.points[-1]
             left = self.to - last.value
             if abs(left) <= 1e-9 * abs(whole):
+                self.ended = "reached"
                 return True
             step = min(step, left, key=abs)
             value = self.to if step == left else last.value + step
@@ -373,8 +382,13 @@ class Walk:
                     point = at_load(balance, point, self.to)
                     fraction = partial(self._at_share, last, point.value)
                 goes_on = self._step(point, fraction)
+                if passed:
+                    self.ended = "reached"
                 if passed or not goes_on:
                     return passed
+                if self._closes(length):
+                    self.ended = "the path comes back to where it began: it is a closed loop"
+                    return False
                 switched = self._switch(longest)
                 last = self.points[-1]
                 if switched is not None:
@@ -392,7 +406,16 @@ class Walk:
                     raise self._stuck(error) from error
                 continue
             length = min(length * (1.5 if point.iterations <= 5 else 1.0), longest)
+        self.ended = f"{self.arc.limit} steps; give method=ArcLength(limit=...) for more"
         return False
+
+    def _closes(self, length: float) -> bool:
+        """Whether the path is back at the first point of its branch."""
+        first, last = self.points[self.anchor], self.points[-1]
+        if len(self.points) - self.anchor < 8:
+            return False
+        away = self.balance.length(self.balance.between(first.q, last.q))
+        return bool(np.hypot(away, self.weight * (last.value - first.value)) < 0.7 * length)
 
     def _strays(self, last: Point, point: Point, ahead: Rates) -> bool:
         """Whether a point lies behind: the iteration has turned round."""
@@ -437,6 +460,7 @@ class Walk:
             np.concatenate([balance.between(at.q, point.q), point.lam - at.lam]),
             point.value - at.value,
         )
+        self.anchor = len(self.points)
         self._add(point)
         return tangent(balance, point, self.weight, came)
 
@@ -448,7 +472,10 @@ class Walk:
         before, after = self.spectra[-2].unstable, self.spectra[-1].unstable
         for place in range(min(before, after), max(before, after)):
             self.critical.append(self._crossing(fraction, place))
-        return goes_on and not 0 < self.enough <= len(self.critical)
+        if 0 < self.enough <= len(self.critical):
+            self.ended = "enough critical points"
+            return False
+        return goes_on
 
     def _crossing(self, fraction: Callable[[float], Point], place: int) -> CriticalPoint:
         """Find where the mode at `place`, in ascending order, has omega^2 = 0 (Illinois rule)."""
@@ -535,6 +562,7 @@ class Walk:
             iterations=np.array([p.iterations for p in self.points], dtype=np.int64),
             critical=tuple(self.critical),
             complete=complete,
+            ended=self.ended,
             units={s.name: s.unit for s in model.sensors},
         )
 

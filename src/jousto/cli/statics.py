@@ -1,0 +1,140 @@
+"""Commands of statics: a path over a load, and the loads at which a model buckles."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from jousto.cli.options import Debug, Model, Output, Trust, app, compile_model
+from jousto.cli.terminal import command, facts, numbers, say
+from jousto.errors import InputError, Problem
+
+Input = Annotated[
+    str | None,
+    typer.Option("--input", metavar="NAME", help="Input that grows, or gravity or time."),
+]
+Start = Annotated[float | None, typer.Option("--start", help="First value; now or 0 without it.")]
+Steps = Annotated[int, typer.Option("--steps", min=1, help="Steps to the last value.")]
+
+
+@app.command()
+@command
+def path(
+    model: Model,
+    parameter: Input = None,
+    to: Annotated[
+        float | None, typer.Option("--to", metavar="VALUE", help="Last value, SI.")
+    ] = None,
+    start: Start = None,
+    steps: Steps = 20,
+    arc: Annotated[
+        bool, typer.Option("--arc", help="Steps along the path: through snap-through.")
+    ] = False,
+    sensor: Annotated[
+        str | None, typer.Option("--sensor", metavar="NAME", help="For the picture, such as tip.y.")
+    ] = None,
+    table: Annotated[
+        Path | None, typer.Option("--csv", metavar="FILE", help="Table of the path.")
+    ] = None,
+    output: Output = None,
+    trust: Trust = False,
+    debug: Debug = False,
+) -> None:
+    """Follow the equilibrium of a model while an input grows; -o draws it over a sensor."""
+    from jousto.output import plot_load_path, write_load_path
+    from jousto.schema import read_model
+    from jousto.simulation import load_path
+
+    compiled = compile_model(read_model(model, trust=trust))
+    name = _parameter(compiled, parameter, model)
+    if to is None:
+        raise InputError(Problem(model.name, f"does not say how far {name} grows; give --to VALUE"))
+    shown = ""
+    if output is not None:
+        shown = sensor or _first(compiled, model)
+    found = load_path(
+        compiled, name, to=to, start=start, steps=steps, method="arc" if arc else "load"
+    )
+    rows = [
+        ("points", str(len(found))),
+        (name, f"{found.load[0]:.6g} to {found.load[-1]:.6g}"),
+        ("Newton iterations", f"{found.iterations[1:].mean():.2g} a point"),
+    ]
+    for point in found.critical:
+        moves = max(point.shape, key=lambda body: float(abs(point.shape[body]).max(initial=0.0)))
+        rows.append((point.kind, f"{name} = {point.load:.6g}, most at {moves}"))
+    if not found.critical:
+        rows.append(("critical points", "none"))
+    rows.append(("at the end", "stable" if found.stable[-1] else "unstable"))
+    for quantity in compiled.sensors:
+        value = found[quantity.name][-1]
+        text = numbers(value if value.ndim else [value])
+        rows.append((f"sensor {quantity.name}", f"{text} {quantity.unit}".rstrip()))
+    facts(rows, f"{model.name} over {name}")
+    if table is not None:
+        say(f"table in {write_load_path(found, table)}", style="green")
+    if output is not None:
+        plot_load_path(found, shown, path=output)
+        say(f"picture in {output}", style="green")
+    if not found.complete:
+        say(f"the path ends before {name} = {to:g}: {found.ended}", style="yellow")
+
+
+@app.command()
+@command
+def buckle(
+    model: Model,
+    parameter: Input = None,
+    count: Annotated[int, typer.Option("--count", "-n", min=1, help="How many loads.")] = 3,
+    along: Annotated[
+        bool, typer.Option("--path", help="On the path itself, not of the linear theory.")
+    ] = False,
+    to: Annotated[
+        float | None, typer.Option("--to", metavar="VALUE", help="End of the path.")
+    ] = None,
+    start: Start = None,
+    trust: Trust = False,
+    debug: Debug = False,
+) -> None:
+    """Find the loads at which a model buckles, the lowest first, and where it moves."""
+    from jousto.schema import read_model
+    from jousto.simulation import buckling
+
+    compiled = compile_model(read_model(model, trust=trust))
+    name = _parameter(compiled, parameter, model)
+    found = buckling(
+        compiled, name, count, method="path" if along else "linear", start=start, to=to
+    )
+    rows = []
+    for k, load in enumerate(found.loads):
+        moves = max(found.shapes, key=lambda body: float(abs(found.shapes[body][k]).max(initial=0)))
+        rows.append((f"{name} = {load:.6g}", f"{found.kinds[k]}, most at {moves}"))
+    kind = "on the path" if along else "by the linear theory"
+    facts(rows or [("loads", "none: nothing buckles in this direction")], f"{model.name} {kind}")
+
+
+def _parameter(compiled: Any, given: str | None, model: Path) -> str:
+    """Return what grows: the one input if none is named."""
+    if given is not None:
+        return given
+    if len(compiled.inputs) == 1:
+        return str(compiled.inputs[0])
+    have = ", ".join(compiled.inputs) or "none"
+    raise InputError(
+        Problem(
+            model.name,
+            f"say what grows, --input NAME; inputs: {have}; others: gravity, time. A load grows "
+            "with signal: {type: input, name: NAME}",
+        )
+    )
+
+
+def _first(compiled: Any, model: Path) -> str:
+    if not compiled.sensors:
+        raise InputError(
+            Problem(model.name, "has no sensor to draw the load over; add a position sensor")
+        )
+    sensor = compiled.sensors[0]
+    return str(sensor.name) if sensor.count == 1 else f"{sensor.name}.{min(1, sensor.count - 1)}"
