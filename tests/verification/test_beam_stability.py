@@ -268,3 +268,17 @@ def test_gravity_across_the_axis_is_refused():
     )
     with pytest.raises(jo.SimulationError, match="steady rotation|steady, and nothing drives"):
         jo.steady_rotation(model, (0, 0, 1), 5.0)
+
+
+def test_large_mechanisms_rest_where_small_ones_do(monkeypatch):
+    """A soft cantilever under its own weight, far from straight: sparse and dense the same."""
+    soft = jo.Material(E=2e9, nu=NU, rho=RHO)
+    beam = straight(8, jo.BeamSection.of(jo.Circle(0.01), soft))
+    model = jo.compile(
+        jo.Mechanism(beam, jo.Fixed("base", BASE, beam["start"]), jo.Gravity((0, 0, -9.81)))
+    )
+    dense = jo.equilibrium(model)
+    monkeypatch.setattr("jousto.simulation.statics.MANY", 10)
+    sparse = jo.equilibrium(model)
+    assert dense.q[-5] < -0.5 * L  # it hangs
+    assert np.abs(sparse.q - dense.q).max() < 1e-7

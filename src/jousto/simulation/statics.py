@@ -7,6 +7,7 @@ import numpy as np
 from jousto.engine import Engine, Model
 from jousto.engine.native import displaced
 from jousto.errors import SimulationError
+from jousto.simulation.large import MANY
 from jousto.simulation.linear import stiffness_modes, tangent, turning
 from jousto.simulation.state import State
 
@@ -41,6 +42,10 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
     InputError
         If a body or joint is singular at some position on the way.
     """
+    if model.nv + model.nrow > MANY:
+        from jousto.simulation.settle import settle
+
+        return settle(model, state)
     time = 0.0 if state is None else state.time
     q = np.array(model.q0 if state is None else state.q)
     rest = np.zeros(model.nv)
