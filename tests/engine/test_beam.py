@@ -490,15 +490,16 @@ def test_bent_keeps_the_largest_rotation_and_tension():
         beam.data[77] = limit
     engine = jo.Engine(model)
     engine.v[-6], engine.v[-1] = 100.0, 3.0
-    solver = engine.native_solver(1, 1e-4, False)
+    solver = engine.native_solver(1, 5e-4, False)
     bend, tension = [], []
-    for _ in range(100):
+    for _ in range(200):
         engine.step(solver)
         y = section(engine, 1)
         bend.append(5.0 * np.linalg.norm(y[3:6]))
         tension.append(limit * y[6])
     np.testing.assert_allclose(engine.bent[1], [max(bend), max(tension)], rtol=1e-3)
-    assert min(engine.bent[1]) > 0.01
+    assert bend[-1] < 0.95 * max(bend)
+    assert tension[-1] < 0.95 * max(tension)
 
 
 def momentum(engine):
