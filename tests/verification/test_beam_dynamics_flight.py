@@ -145,7 +145,8 @@ def test_another_program_flies_alike(space):
         run = jo.simulate(model, 5.0, solver=solver, output_step=1.0)
         found = np.hstack([run["start"], run["end"]])[table[:, 0].astype(int)]
         misses.append(np.abs(found - table[:, 1:]).max())
-    assert misses[-1] < 0.02, misses
+    # in the plane the other program still moves by 0.1 from 20 to 40 elements, in space by 0.02
+    assert misses[-1] < (0.02 if space else 0.06), misses
     assert misses[0] > 2 * misses[1], misses
     if not space:
         assert np.abs(found[:, [2, 5]]).max() < 1e-9

@@ -42,20 +42,17 @@ def test_the_beam_bends_like_a_chain_of_rigid_links():
 
 
 @pytest.mark.slow
-def test_it_converges_to_the_links_and_to_the_closed_form_stretch():
-    times = np.arange(0.0, 20.005, 0.01)
-    coarse, fine = (spin_up.links(n, times) for n in (10, 20))
+def test_it_converges_to_the_links():
+    times = np.arange(0.0, 9.0025, 0.005)
+    coarse, fine = (spin_up.links(n, times) for n in (8, 16))
     exact = fine + (fine - coarse) / 3
-    early = times < 10
     misses = []
-    for n in (8, 16, 32):
-        run, u = spun(n, 20.0, 0.01, mass=0.5)
-        late = u[run.time > 17]
-        assert np.mean(late[:, 0]) == pytest.approx(STRETCH, rel=5e-3)
-        misses.append(np.abs(u - exact)[early, 1].max())
+    for n in (5, 10, 20):
+        _, u = spun(n, 9.0, 0.005, mass=0.5)
+        misses.append(np.abs(u - exact)[:, 1].max())
     # the links neither stretch nor shear, and the step is finite: that much is left
     assert misses[0] > 3 * misses[1]
-    assert misses[2] < 1e-3, misses
+    assert misses[2] < 1.5e-3, misses
 
 
 def test_in_the_end_the_stretch_is_that_of_the_closed_form():

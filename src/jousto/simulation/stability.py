@@ -42,6 +42,32 @@ def body_eigenvalues(model: Model, body: int) -> Eigenvalues:
     return np.asarray(np.linalg.eigvals(companion), dtype=np.complex128)
 
 
+def beam_eigenvalues(model: Model, i: int) -> Eigenvalues:
+    """Return the eigenvalues lambda of one free beam element, 1/s.
+
+    The masses and stiffnesses of a beam are sums over its elements, so that none of its frequencies
+    is above the highest of them (Irons and Treharne 1971); bodies at the nodes only lower them.
+    """
+    data = np.asarray(model.beams[i].data, dtype=np.float64)
+    L, C = data[0], data[25:61].reshape(6, 6)
+    beta, alpha, share, mass = data[67:71]
+    xx, yy, zz, yz, xz, xy = data[71:77]
+    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    # strains of [u_a, f_a, u_b, f_b], section axes: (u_b - u_a)/L + e1 x f_mean, (f_b - f_a)/L
+    cross = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+    E, O = np.eye(3), np.zeros((3, 3))
+    B = np.block([[-E / L, 0.5 * cross, E / L, 0.5 * cross], [O, -E / L, O, E / L]])
+    K = L * B.T @ C @ B
+    one = np.block([[mass * E, O], [O, J]])
+    c = np.array([[0.5 - share / 6, share / 6], [share / 6, 0.5 - share / 6]])
+    M = np.kron(c, one)
+    if np.linalg.eigvalsh(M)[0] <= 0.0:
+        return np.zeros(0, dtype=np.complex128)
+    A, D = np.linalg.solve(M, K), beta * np.linalg.solve(M, K) + alpha * np.eye(12)
+    companion = np.block([[np.zeros((12, 12)), np.eye(12)], [-A, -D]])
+    return np.asarray(np.linalg.eigvals(companion), dtype=np.complex128)
+
+
 def mechanism_eigenvalues(model: Model) -> Eigenvalues:
     """Return the largest eigenvalues of the linearised mechanism at its initial state, 1/s.
 
@@ -50,10 +76,9 @@ def mechanism_eigenvalues(model: Model) -> Eigenvalues:
     (Arnoldi iteration).
     """
     engine = Engine(model)
-    scale = max(
-        1.0,
-        *(np.abs(body_eigenvalues(model, i)).max(initial=0.0) for i in range(len(model.bodies))),
-    )
+    free = [body_eigenvalues(model, i) for i in range(len(model.bodies))]
+    free += [beam_eigenvalues(model, i) for i in range(len(model.beams))]
+    scale = max(1.0, *(np.abs(e).max(initial=0.0) for e in free))
     nv = model.nv
 
     def rate(x: Array) -> Array:
@@ -89,10 +114,13 @@ def stability_warning(model: Model, solver: Solver, step: float) -> str:
     if sentence:
         return sentence
     eigenvalues = [body_eigenvalues(model, i) for i in range(len(model.bodies))]
+    eigenvalues += [beam_eigenvalues(model, i) for i in range(len(model.beams))]
+    names = [body.name for body in model.bodies] + [beam.body for beam in model.beams]
     largest = [np.abs(e[solver.unstable(step, e)]).max(initial=0.0) for e in eigenvalues]
     if not any(largest):
         return ""
-    body = model.bodies[int(np.argmax(largest))].name
+    body = names[int(np.argmax(largest))]
+    beam = int(np.argmax(largest)) >= len(model.bodies)
     from scipy.sparse.linalg import ArpackNoConvergence  # slow to import and rarely needed
 
     try:
@@ -108,7 +136,7 @@ def stability_warning(model: Model, solver: Solver, step: float) -> str:
     return (
         f"the mechanism has a mode of {np.abs(bad).max() / (2 * np.pi):.4g} Hz (stiffest body "
         f"'{body}'), for which {type(solver).__name__} needs a step below {limit:.2g} s (it is "
-        f"{step:.3g} s); take a smaller step, fewer modes, or ROS2"
+        f"{step:.3g} s); take a smaller step, fewer {'elements' if beam else 'modes'}, or ROS2"
     )
 
 
