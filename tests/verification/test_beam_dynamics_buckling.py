@@ -1,12 +1,11 @@
 """Lateral buckling of a thin beam, driven by a crank: a benchmark for flexible multibody programs.
 
-Bauchau, Wu, Liu and others, "Validation of flexible multibody dynamics beam formulations using
-benchmark problems", Multibody Syst. Dyn. 37 (2016) 29-48, and the benchmark library of IFToMM;
-the numbers as in MBDyn's `tests/benchmarks/lateralbuckling` (P. Masarati). A blade of 1 m, 0.1 by
-0.01 m, clamped at its root, is lifted at its tip by a link of 0.25 m and a crank of 0.05 m, which
-turns by half a turn in 0.4 s; the link stands 0.1 mm beside the blade, so that it buckles to that
-side. The critical tip load is ``4.0126 sqrt(EI GJ)/L^2`` (Timoshenko and Gere, Theory of Elastic
-Stability, section 6.3). Further numbers: EXUDYN 1.13.6, its geometrically exact beam on SE(3), 20
+A problem of the benchmark library of IFToMM (O. Bauchau); the numbers as in MBDyn's
+`tests/benchmarks/lateralbuckling` (P. Masarati). A blade of 1 m, 0.1 by 0.01 m, clamped at its
+root, is lifted at its tip by a link of 0.25 m and a crank of 0.05 m, which turns by half a turn
+in 0.4 s; the link stands 0.1 mm beside the blade, so that it buckles to that side. The critical
+tip load is ``4.0126 sqrt(EI GJ)/L^2`` (Timoshenko and Gere, Theory of Elastic Stability,
+section 6.3). Further numbers: EXUDYN 1.13.6, its geometrically exact beam on SE(3), 20
 elements, 0.5 ms, generalised alpha (0.6).
 """
 

@@ -1,9 +1,9 @@
 """The right-angle cantilever of Simo and Vu-Quoc, out of its plane, against the published curves.
 
-Simo and Vu-Quoc, Comput. Methods Appl. Mech. Eng. 66 (1988) 125-161, example 7.3: two legs of
-10, ``GA = EA = 1e6, GJ = EI = 1e3, m = 1``, rotary inertia 10 (20 about the axis), a force out
-of the plane at the elbow that rises to 50 at t = 1 and is gone at t = 2. The points of the
-curves below were read off the figures by others: for elbow and tip by L. Pancini (AeroBeams.jl,
+Simo and Vu-Quoc, Comput. Methods Appl. Mech. Eng. 66 (1988) 125-161, the two legs of 10, ``GA =
+EA = 1e6, GJ = EI = 1e3, m = 1``, rotary inertia 10 (20 about the axis), a force out of the
+plane at the elbow that rises to 50 at t = 1 and is gone at t = 2. The points of the curves
+below were read off the figures by others: for elbow and tip by L. Pancini (AeroBeams.jl,
 reference data of `elbowFrame`), again for the tip by P. Krysl (FinEtoolsFlexStructures.jl,
 `simo_vuquoc_examples`). The two readings agree on the extremes of the tip to 0.5 and not on
 what lies between: so much can be asked.
