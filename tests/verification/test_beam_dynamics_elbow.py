@@ -1,6 +1,6 @@
 """The right-angle cantilever of Simo and Vu-Quoc, out of its plane, against the published curves.
 
-Simo and Vu-Quoc, Comput. Methods Appl. Mech. Eng. 66 (1988) 125-161, the two legs of 10, ``GA =
+Simo and Vu-Quoc, Comput. Methods Appl. Mech. Eng. 66 (1988) 125-161: two legs of 10, ``GA =
 EA = 1e6, GJ = EI = 1e3, m = 1``, rotary inertia 10 (20 about the axis), a force out of the
 plane at the elbow that rises to 50 at t = 1 and is gone at t = 2. The points of the curves
 below were read off the figures by others: for elbow and tip by L. Pancini (AeroBeams.jl,
