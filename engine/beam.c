@@ -203,6 +203,25 @@ int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a)
     return JO_OK;
 }
 
+/* square of the accelerations that the forces of one element would cause at its bodies, in the metric of the masses */
+double jo_beam_pull(const jo_model *m, const jo_data *d, int i)
+{
+    const jo_beam_work *w = &d->beam[i];
+    const int body[2] = {m->beam[i].a, m->beam[i].b};
+    double n = 0.0, sum = 0.0;
+    for (int j = 0; j < 3; j++) n += JO_RE(w->s[j]) * JO_RE(w->s[j]);
+    for (int k = 0; k < 2; k++) {
+        const jo_real *J = m->body[body[k]].J0;
+        const double mass = JO_RE(m->body[body[k]].mass[0]);
+        double M = 0.0;
+        for (int j = 0; j < 3; j++) M += JO_RE(w->M[k][j]) * JO_RE(w->M[k][j]);
+        if (mass > 0.0) sum += n / mass;
+        const double inertia = JO_RE(J[0] + J[1] + J[2]);
+        if (inertia > 0.0) sum += M / inertia;
+    }
+    return sum;
+}
+
 /* strain energy of the beams at the present q */
 jo_real jo_beam_stored(const jo_model *m, const jo_data *d)
 {

@@ -34,7 +34,7 @@ static double size_of(const jo_model *m, const jo_data *d, int body, const jo_re
 }
 
 /* what increments of the accelerations are measured against: accelerations without gravity, elastic forces and a
- * small share of the accelerations that would stop everything in one step */
+ * small share of the accelerations that would stop everything in one step; its square */
 static double reference(const jo_model *m, const jo_data *d, double h)
 {
     double sum = 0.0;
@@ -51,7 +51,7 @@ static double reference(const jo_model *m, const jo_data *d, double h)
             sum += f * f + a2 * a2;
         }
     }
-    return sqrt(sum);
+    return sum;
 }
 
 /* the first step, or one after the state was changed: consistent accelerations, and the algorithmic one, which
@@ -69,7 +69,7 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
         d->algorithmic[i] = d->end_a[i] = d->a[i];
         d->dq[i] = ahead * (d->v[i] + 0.5 * ahead * d->a[i]);
     }
-    if (ahead == 0.0) return JO_OK;
+    if (ahead == 0.0 || m->nbeam) return JO_OK;   /* stiff beams would be strained by so long a move */
     for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
     for (int i = 0; i < m->nv; i++) {
         d->v0[i] = d->v[i];
@@ -174,7 +174,7 @@ static jo_real *solution_of(const jo_model *m, jo_data *d, int item)
 /* Newton's method for one step from q0, v0; a step's accelerations in a, algorithmic in rate */
 static int newton(const jo_model *m, jo_data *d, const jo_solver *s)
 {
-    double before = 0.0;
+    double before = 0.0, elastic = INFINITY;   /* of beams the least, which no iterate on the way exaggerates */
     int after = -1;
     for (int k = 0; k < s->iterations + JO_AFTER; k++) {
         move(m, d, s);
@@ -206,13 +206,16 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s)
         }
         size = sqrt(size);
         if (!isfinite(size)) return JO_NO_CONVERGENCE;
-        const double small = s->tolerance * reference(m, d, s->step), gain = before > 0.0 ? size / before : 1.0;
+        double pull = 0.0;
+        for (int i = 0; i < m->nbeam; i++) pull += jo_beam_pull(m, d, i);
+        if (pull < elastic) elastic = pull;
+        const double small = s->tolerance * sqrt(reference(m, d, s->step) + elastic), gain = before > 0.0 ? size / before : 1.0;
         if (s->tolerance <= 0.0) {   /* a fixed number of iterations */
             if (k + 1 == s->iterations) return JO_OK;
             continue;
         }
         if (after >= 0 || size <= small || (k && gain < 1.0 && size * gain / (1.0 - gain) <= small)
-            || (k > 1 && gain > 0.5 && size * s->tolerance <= JO_ROUND_OFF * small)) {
+            || (k > 1 && renewed && gain > 0.5 && size * s->tolerance <= JO_ROUND_OFF * small)) {
             if (++after == JO_AFTER) return JO_OK;
         }
         if (s->modified && !renewed && k && gain > JO_SLOW) d->factored = 0;
@@ -278,6 +281,16 @@ static int add_work(const jo_model *m, jo_data *d, double h)
     return JO_OK;
 }
 
+/* the algorithmic acceleration stays */
+static void predict(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    for (int i = 0; i < m->nrow; i++) d->lam[i] = d->end_lam[i];
+    for (int i = 0; i < m->nv; i++) {
+        d->rate[i] = d->algorithmic[i];
+        d->a[i] = (d->algorithmic[i] - s->alpha_f * d->end_a[i]) / (1.0 - s->alpha_f);
+    }
+}
+
 int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const double h = s->step, am = s->alpha_m, af = s->alpha_f, g = s->newmark_gamma, b = s->newmark_beta;
@@ -295,14 +308,16 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
     d->weights = weights;
     const jo_real t0 = d->time[0];
     for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
-    for (int i = 0; i < m->nrow; i++) d->lam[i] = d->end_lam[i];
-    for (int i = 0; i < m->nv; i++) {   /* predictor: the algorithmic acceleration stays */
-        d->v0[i] = d->v[i];
-        d->rate[i] = d->algorithmic[i];
-        d->a[i] = (d->algorithmic[i] - af * d->end_a[i]) / (1.0 - af);
-    }
+    for (int i = 0; i < m->nv; i++) d->v0[i] = d->v[i];
     d->time[0] = t0 + h;
+    predict(m, d, s);
     int status = newton(m, d, s);
+    if (status != JO_OK && s->modified) {   /* kept factors were too old: once more with those of every iteration */
+        jo_solver exact = *s;
+        exact.modified = d->factored = 0;
+        predict(m, d, s);
+        status = newton(m, d, &exact);
+    }
     if (status == JO_OK) {
         move(m, d, s);
         for (int i = 0; i < m->nv; i++) {

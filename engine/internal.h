@@ -327,6 +327,7 @@ int jo_ask(const jo_force *f, jo_real time, const jo_real *x, jo_real *y);
 /* beam.c */
 void jo_beam_setup(const jo_model *m, jo_data *d);
 int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a);   /* with inertia at accelerations a, 0: at none */
+double jo_beam_pull(const jo_model *m, const jo_data *d, int i);
 jo_real jo_beam_stored(const jo_model *m, const jo_data *d);
 void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y);
 void jo_beam_accept(const jo_model *m, jo_data *d);

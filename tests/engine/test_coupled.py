@@ -24,14 +24,18 @@ def beam_model(name, a, b, *, C=None, share=0.0, L=0.1, m=0.0, beta=0.0):
     return BeamModel(name, "beam", a, b, data)
 
 
-def cable(n=8, *, E=2e9, clamped=True, beta=0.0, share=0.0):
-    """Return a beam of n elements, 1 m x 10 mm x 10 mm, that falls from the horizontal."""
+def cable(n=8, *, E=2e9, clamped=True, beta=0.0, share=0.0, offset=0.0):
+    """Return a beam of n elements, 1 m x 10 mm x 10 mm, that falls from the horizontal.
+
+    Its axis lies `offset` beside its nodes.
+    """
     L, A, second = 1.0 / n, 1e-4, 1e-8 / 12
     nodes = [
         jo.RigidBody(
             f"node{i}",
             1000.0 * A * L * (0.5 if i in (0, n) else 1.0),
             1000.0 * L * second * np.eye(3) * (0.5 if i in (0, n) else 1.0),
+            center=(0, offset, 0),
             position=(i * L, 0, 0),
         )
         for i in range(n + 1)
@@ -50,6 +54,7 @@ def cable(n=8, *, E=2e9, clamped=True, beta=0.0, share=0.0):
     beams = [beam_model(f"e{i}", i, i + 1, **kind) for i in range(n)]
     for beam in beams:
         beam.data[71:74] = 1000.0 * L * second
+        beam.data[2] = beam.data[14] = offset
     return replace(model, beams=tuple(beams))
 
 
@@ -170,3 +175,40 @@ def test_explicit_methods_and_the_implicit_one_agree_with_consistent_mass():
     ]
     assert np.linalg.norm(tips[1] - tips[0]) < 1e-6
     assert np.linalg.norm(tips[2] - tips[0]) < 1e-6
+
+
+def whirl(**options):
+    """Return tip and iterations of a beam that turns fast about its root."""
+    model = cable(4, clamped=False, E=2e11, offset=0.05)
+    for body in model.bodies:
+        model.v0.setflags(write=True)
+        model.v0[body.iv : body.iv + 6] = (0, 40.0 * model.q0[body.iq], 0, 0, 0, 40.0)
+    run = jo.simulate(model, t_end=0.05, solver=jo.GeneralizedAlpha(step=1e-3, **options))
+    return run["tip"], float(run.work.iterations[-1])
+
+
+def test_tangents_of_the_inertia_save_iterations_and_change_nothing_else():
+    tip, count = whirl()
+    same, more = whirl(inertia_tangents=False)
+    assert np.abs(tip - same).max() < 1e-8
+    assert np.abs(tip[-1] - tip[0]).max() > 0.1
+    assert more > 1.2 * count
+
+
+def test_modified_newton_keeps_factors_of_either_matrix():
+    tip, _ = whirl()
+    for exact in (True, False):
+        same, _ = whirl(tangent="modified", inertia_tangents=exact)
+        assert np.abs(tip - same).max() < 1e-7
+
+
+def test_a_stiff_beam_starts_with_few_iterations():
+    """Accelerations a fraction of a step later, taken explicitly, once strained it out of sight."""
+    model = cable(16, E=2e11)
+    run = jo.simulate(model, t_end=0.02, solver=jo.GeneralizedAlpha(step=1e-3))
+    assert run.work.iterations[-1] <= 4 * 20
+
+
+def test_inertia_tangents_must_be_a_truth_value():
+    with pytest.raises(jo.InputError, match="inertia_tangents is 'no', must be True or False"):
+        jo.GeneralizedAlpha(inertia_tangents="no")

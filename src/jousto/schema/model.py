@@ -204,6 +204,9 @@ class SolverEntry(Entry):
     output: Duration | None = Field(None, description="DormandPrince: time between results")
     max_iterations: Count | None = Field(None, description="Of Newton's iteration")
     tangent: Literal["exact", "modified"] | None = Field(None, description="Of Newton's iteration")
+    inertia_tangents: Flag | None = Field(
+        None, description="Velocity-dependent inertia in Newton's matrix: yes if not given"
+    )
 
 
 class SimulationEntry(Entry):

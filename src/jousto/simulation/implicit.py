@@ -42,6 +42,11 @@ class GeneralizedAlpha:
         long as the iteration converges fast.
     projection : bool
         Index 2 with closed positions, or index 3.
+    inertia_tangents : bool
+        How inertia forces change with positions and velocities counts in the exact matrix: the
+        matrices K_acc and C_acc of Makinen, Marjamaki and Pajunen (eq. 13) and the gyroscopic
+        ones. Without them the result is the same, to the tolerance, after more iterations
+        where bodies turn fast; what they save, ``run.work.iterations`` tells.
 
     Examples
     --------
@@ -60,6 +65,7 @@ class GeneralizedAlpha:
     max_iterations: int = 10
     tangent: Literal["exact", "modified"] = "exact"
     projection: bool = True
+    inertia_tangents: bool = True
 
     def __post_init__(self) -> None:
         problems = _problems(self)
@@ -107,7 +113,7 @@ class Newmark:
         Step size, s.
     beta, gamma : float
         Weights of the new acceleration; stable at any step if ``2 beta >= gamma >= 1/2``.
-    tolerance, max_iterations, tangent, projection
+    tolerance, max_iterations, tangent, projection, inertia_tangents
         As for `GeneralizedAlpha`.
     """
 
@@ -123,6 +129,7 @@ class Newmark:
     max_iterations: int = 10
     tangent: Literal["exact", "modified"] = "exact"
     projection: bool = True
+    inertia_tangents: bool = True
 
     def __post_init__(self) -> None:
         problems = _problems(self)
@@ -198,6 +205,7 @@ def _options(solver: Implicit) -> dict[str, float | int]:
         "tolerance": solver.tolerance or 0.0,
         "iterations": solver.max_iterations,
         "modified": int(solver.tangent == "modified"),
+        "plain_inertia": int(not solver.inertia_tangents),
     }
 
 
@@ -226,4 +234,7 @@ def _problems(solver: Implicit) -> Problems:
         problems.add(where, f"tangent is {solver.tangent!r}, must be 'exact' or 'modified'")
     if not isinstance(projection, bool):
         problems.add(where, f"projection is {projection!r}, must be True or False")
+    if not isinstance(solver.inertia_tangents, bool):
+        given: Any = solver.inertia_tangents
+        problems.add(where, f"inertia_tangents is {given!r}, must be True or False")
     return problems
