@@ -368,17 +368,30 @@ int jo_newton_assemble(const jo_model *m, jo_data *d)
     return JO_OK;
 }
 
-/* the matrix in the order of [v, lam], for tests and analyses */
-int jo_newton_matrix(const jo_model *m, jo_data *d, double ca, double cv, double cq, jo_real *out)
+/* the matrix at any weights, for tests and analyses */
+static int assemble_with(const jo_model *m, jo_data *d, double ca, double cv, double cq)
 {
-    const int count = m->nv + m->nrow;
     const jo_weights weights = {ca, cv, cq, 1.0, 0, 0};
     for (int i = 0; i < m->nbody; i++)
         for (int j = 0; j < 9; j++) d->body[i].turn[j] = j % 4 == 0;
-    int status = jo_residual(m, d, d->rate);
+    const int status = jo_residual(m, d, d->rate);
     d->weights = weights;
     d->factored = 0;
-    if (status == JO_OK) status = jo_newton_assemble(m, d);
+    return status == JO_OK ? jo_newton_assemble(m, d) : status;
+}
+
+int jo_newton_values(const jo_model *m, jo_data *d, double ca, double cv, double cq, jo_real *out)
+{
+    const int status = assemble_with(m, d, ca, cv, cq);
+    for (int i = 0; i < m->nnewton && status == JO_OK; i++) out[i] = d->N[i];
+    return status;
+}
+
+/* in the order of [v, lam] */
+int jo_newton_matrix(const jo_model *m, jo_data *d, double ca, double cv, double cq, jo_real *out)
+{
+    const int count = m->nv + m->nrow;
+    const int status = assemble_with(m, d, ca, cv, cq);
     if (status != JO_OK) return status;
     for (int i = 0; i < count * count; i++) out[i] = 0.0;
     for (int x = 0; x < m->nbody + m->njoint; x++)

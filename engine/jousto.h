@@ -333,6 +333,8 @@ void jo_mass_matrix(const jo_model *m, jo_data *d, int body, jo_real *M);       
 int jo_residual(const jo_model *m, jo_data *d, jo_real *r);     /* (nv) M a + Cq^T lam - Q at time, q, v, a, lam */
 /* (nv + nrow)^2 [ca M + cv D + cq K, Cq^T; d(Cq v)], the last with the same weights, at time, q, v, a, lam */
 int jo_newton_matrix(const jo_model *m, jo_data *d, double ca, double cv, double cq, jo_real *out);
+/* (nnewton) the same as it lies in memory, in the blocks of jo_node and jo_branch */
+int jo_newton_values(const jo_model *m, jo_data *d, double ca, double cv, double cq, jo_real *out);
 void jo_sensors(const jo_model *m, jo_data *d, jo_real *out);     /* (nout), after jo_accelerations */
 
 /* Advance nsteps; whenever the step count is a multiple of `every` write one row

@@ -212,3 +212,23 @@ def test_a_stiff_beam_starts_with_few_iterations():
 def test_inertia_tangents_must_be_a_truth_value():
     with pytest.raises(jo.InputError, match="inertia_tangents is 'no', must be True or False"):
         jo.GeneralizedAlpha(inertia_tangents="no")
+
+
+def test_the_sparse_matrix_is_the_dense_one():
+    model = cable(6, clamped=False, share=1.0, offset=0.1)
+    engine = jo.Engine(model)
+    engine.accelerations()
+    for weights in ((1.0, 0.0, 0.0), (0.3, 0.2, 0.1)):
+        dense = engine.newton_matrix(*weights)
+        sparse = engine.newton_sparse(*weights)
+        np.testing.assert_array_equal(sparse.toarray(), dense)
+    four = jo.Engine(jo.compile(four_bar()))
+    four.accelerations()
+    dense = four.newton_matrix(1.0, 0.1, 0.1)
+    np.testing.assert_array_equal(four.newton_sparse(1.0, 0.1, 0.1).toarray(), dense)
+
+
+def test_the_sparse_matrix_of_a_long_beam_grows_with_it():
+    model = cable(400, clamped=True)
+    matrix = jo.Engine(model).newton_sparse(1.0, 1e-3, 1e-6)
+    assert matrix.nnz < 401 * 6 * 6 * 5

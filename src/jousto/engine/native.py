@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from jousto.engine import library
@@ -22,6 +23,7 @@ from jousto.engine.failures import (
 from jousto.engine.layout import Layout
 from jousto.engine.meter import meter_size
 from jousto.engine.model import Model
+from jousto.engine.newton import newton_entries, newton_pattern
 from jousto.errors import InputError, Problem, SimulationError
 
 Scalars = NDArray[Any]  # float64, or complex128 in the build for derivatives
@@ -122,6 +124,7 @@ class Engine:
         self.counts = self._view(self._library.jo_data_counts(data), 6, np.longlong)
         self.row_size = int(self._library.jo_row_size(self._model))
         self._count = self._ffi.new("long long *", 0)
+        self._entries: tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]] | None = None
         for signal in model.signals:
             if signal.kind == "input":
                 self.input[signal.count] = signal.data[0]
@@ -280,6 +283,20 @@ class Engine:
             self._library.jo_newton_matrix(self._model, self._data, ca, cv, cq, self._pointer(out))
         )
         return out
+
+    def newton_sparse(self, ca: float, cv: float, cq: float) -> Any:
+        """Return `newton_matrix` as a sparse matrix (scipy CSR), without a dense one."""
+        values = np.zeros(newton_pattern(self.model).reals, self.dtype)
+        self._check(
+            self._library.jo_newton_values(
+                self._model, self._data, ca, cv, cq, self._pointer(values)
+            )
+        )
+        if self._entries is None:
+            self._entries = newton_entries(self.model)
+        at, rows, columns = self._entries
+        size = self.model.nv + self.model.nrow
+        return sp.csr_matrix((values[at], (rows, columns)), shape=(size, size))
 
     def tangent(self) -> Tangent:
         """Return the exact derivatives of `residual` and of the constraints at this state.

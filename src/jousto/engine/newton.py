@@ -7,6 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
+import numpy as np
+from numpy.typing import NDArray
+
 from jousto.engine.model import JointModel, Model
 from jousto.engine.ordering import eliminate
 
@@ -60,6 +63,36 @@ def newton_pattern(model: Model) -> NewtonPattern:
     if model not in _KNOWN:
         _KNOWN[model] = _pattern(model)
     return _KNOWN[model]
+
+
+def newton_entries(model: Model) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
+    """Return place in memory, row and column of every entry, rows and columns as in [v, lam]."""
+    pattern = newton_pattern(model)
+    unknown: list[list[int]] = [[0] * node[1] for node in pattern.nodes]
+    items = [(b.iv, 6 + b.n) for b in model.bodies]
+    items += [(model.nv + joint.row, joint.rows) for joint in model.joints]
+    for (node, local), (first, count) in zip(pattern.places, items, strict=True):
+        unknown[node][local : local + count] = range(first, first + count)
+    own = [np.array(x, dtype=np.intp) for x in unknown]
+    blocks = []  # start, stride, rows, columns
+    for mine, node in zip(own, pattern.nodes, strict=True):
+        stride = padded(node[1])
+        blocks.append((node[4], stride, mine, mine))
+        for later, width, lower, upper in pattern.branches[node[5] : node[5] + node[6]]:
+            other = own[later][:width]
+            blocks.append((lower, stride, other, mine))
+            blocks.append((upper, padded(width), mine, other))
+    at, rows, columns = [], [], []
+    for start, stride, r, c in blocks:
+        at.append((start + stride * np.arange(len(r))[:, None] + np.arange(len(c))).ravel())
+        rows.append(np.repeat(r, len(c)))
+        columns.append(np.tile(c, len(r)))
+    none = np.zeros(0, dtype=np.intp)
+    return (
+        np.concatenate([none, *at]),
+        np.concatenate([none, *rows]),
+        np.concatenate([none, *columns]),
+    )
 
 
 def _pattern(model: Model) -> NewtonPattern:
