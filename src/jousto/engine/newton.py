@@ -71,8 +71,8 @@ def newton_entries(model: Model) -> tuple[NDArray[np.intp], NDArray[np.intp], ND
     unknown: list[list[int]] = [[0] * node[1] for node in pattern.nodes]
     items = [(b.iv, 6 + b.n) for b in model.bodies]
     items += [(model.nv + joint.row, joint.rows) for joint in model.joints]
-    for (node, local), (first, count) in zip(pattern.places, items, strict=True):
-        unknown[node][local : local + count] = range(first, first + count)
+    for (place, local), (first, count) in zip(pattern.places, items, strict=True):
+        unknown[place][local : local + count] = range(first, first + count)
     own = [np.array(x, dtype=np.intp) for x in unknown]
     blocks = []  # start, stride, rows, columns
     for mine, node in zip(own, pattern.nodes, strict=True):
