@@ -220,6 +220,7 @@ def _problems(solver: Implicit) -> Problems:
     tolerance: Any = solver.tolerance
     most: Any = solver.max_iterations
     projection: Any = solver.projection
+    inertia: Any = solver.inertia_tangents
     if not _is_number(step) or not np.isfinite(step) or step <= 0.0:
         problems.add(where, f"step is {step!r}, must be a positive number of seconds")
     if tolerance is not None and (not _is_number(tolerance) or not 1e-14 <= tolerance <= 1e-2):
@@ -234,7 +235,6 @@ def _problems(solver: Implicit) -> Problems:
         problems.add(where, f"tangent is {solver.tangent!r}, must be 'exact' or 'modified'")
     if not isinstance(projection, bool):
         problems.add(where, f"projection is {projection!r}, must be True or False")
-    if not isinstance(solver.inertia_tangents, bool):
-        given: Any = solver.inertia_tangents
-        problems.add(where, f"inertia_tangents is {given!r}, must be True or False")
+    if not isinstance(inertia, bool):
+        problems.add(where, f"inertia_tangents is {inertia!r}, must be True or False")
     return problems
