@@ -68,31 +68,48 @@ def arc(radius: float, angle: float, elements: int, sec: Any, **more: Any) -> jo
 def rest(
     model: jo.Model, way: int | ArrayLike = 4, *, tolerance: float = 1e-10
 ) -> tuple[jo.State, list[float]]:
-    """Newton's iteration on the residual of the engine while loads grow: state, last norms.
+    """Newton's iteration on the residual of the engine while loads grow: state, sizes of steps.
 
-    Plain and quick: no predictor, no shorter steps, no look at stability (`jo.load_path` has all
-    that). `way` is a number of equal steps of all inputs to 1, or their values (k, inputs).
+    Plain and quick, without predictor and without a look at stability, which `jo.load_path` has;
+    a step that fails is halved. `way` is a number of equal steps of all inputs to 1, or their
+    values (k, inputs).
     """
     engine = jo.Engine(model)
-    nv, norms = model.nv, []
     if isinstance(way, int):
         way = np.arange(1, way + 1)[:, None] / way
-    for values in np.asarray(way):
-        engine.input[:] = values
-        norms = []
-        for _ in range(60):
-            r = np.concatenate([engine.residual(), engine.constraints()[0]])
-            norms.append(float(np.abs(r).max()))
-            step = -np.linalg.solve(engine.newton_matrix(0.0, 1.0, 1.0), r)
-            moves = step[:nv].reshape(-1, 2, 3)
-            engine.q[:] = displaced(model, engine.q, step[:nv])
-            engine.lam[:] += step[nv:]
-            if np.abs(moves[:, 1]).max() + np.abs(moves[:, 0]).max() / model.size < tolerance:
-                break
-        else:
-            raise AssertionError(f"no equilibrium at {values}: {norms}")
+    todo = [np.broadcast_to(x, engine.input.shape).astype(float) for x in np.asarray(way)]
+    last, q, lam = np.array(engine.input), np.array(engine.q), np.array(engine.lam)
+    norms: list[float] = []
+    while todo:
+        engine.input[:] = todo[0]
+        norms = iterate(engine, tolerance)
+        if norms:
+            last, q, lam = todo.pop(0), np.array(engine.q), np.array(engine.lam)
+            continue
+        engine.q[:], engine.lam[:] = q, lam
+        todo.insert(0, 0.5 * (last + todo[0]))
+        if np.abs(todo[1] - todo[0]).max() < 1e-5:
+            raise AssertionError(f"no equilibrium beyond {last}")
     inputs = dict(zip(model.inputs, map(float, engine.input), strict=True))
-    return jo.State(np.array(engine.q), np.zeros(nv), np.array(engine.lam), inputs=inputs), norms
+    return jo.State(q, np.zeros(model.nv), lam, inputs=inputs), norms
+
+
+def iterate(engine: jo.Engine, tolerance: float = 1e-10) -> list[float]:
+    """Newton's iteration at given loads: sizes of its steps, none if it fails."""
+    model, norms = engine.model, []
+    try:
+        for _ in range(14):
+            r = np.concatenate([engine.residual(), engine.constraints()[0]])
+            step = -np.linalg.solve(engine.newton_matrix(0.0, 1.0, 1.0), r)
+            moves = step[: model.nv].reshape(-1, 2, 3)
+            engine.q[:] = displaced(model, engine.q, step[: model.nv])
+            engine.lam[:] += step[model.nv :]
+            norms.append(float(np.abs(moves[:, 1]).max() + np.abs(moves[:, 0]).max() / model.size))
+            if norms[-1] < tolerance:
+                return norms
+    except jo.SimulationError:
+        pass
+    return []
 
 
 def tip(model: jo.Model, way: int | ArrayLike = 4) -> Array:

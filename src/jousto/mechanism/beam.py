@@ -129,7 +129,8 @@ class BeamBody:
         between, all of order 2 in the length of the elements; or that of their halves with the end
         correction of Euler and Maclaurin, for which bending vibrations are of order 3.
     bending : bool
-        Elements of fourth order instead of second: their axis is a screw line between the ends
+        Straight beams bent in a plane converge with fourth order instead of second, curved and
+        twisted ones with smaller errors: the axis of an element is a screw line between its ends
         (Sonneville, Cardona and Bruls 2014) instead of its chord, and the residual bending
         flexibility is added (see `BeamSection.with_bending`). Elements become softer in shear,
         which lowers the tension that they bear.
