@@ -33,6 +33,7 @@ WIDTHS = {  # pixels
     "offset_boom.png": 1200,
     "four_bar.png": 1200,
     "spin_up.png": 1100,
+    "beam_benchmarks.png": 1300,
     "trolley.png": 800,
     "work_precision.png": 700,
     "orders.png": 1200,

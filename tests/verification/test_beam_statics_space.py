@@ -49,6 +49,13 @@ def test_45_degree_bend_of_others() -> None:
     assert np.abs(plain - ends[8, True]).max() < 0.04
 
 
+def test_45_degree_bend_of_exudyn() -> None:
+    # EXUDYN's geometricallyExactBeamCurvedTest, 32 elements: GA = G A and J = 0.141 there
+    sec = section(1e7, 5e6, 5e6, 5e6 * 0.141, 1e7 / 12, 1e7 / 12)
+    end = tip(cantilever(arc(100.0, np.pi / 4, 32, sec), (0.0, 0.0, 600.0)), 6)
+    assert end == pytest.approx((46.90, 15.56, 53.60), abs=0.006)
+
+
 def test_no_path_is_special() -> None:
     # forces and an end moment about the fixed axis of a hinge-free end in any order of loads
     beam = arc(100.0, np.pi / 4, 6, BEND)
