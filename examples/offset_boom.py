@@ -97,8 +97,7 @@ def shears_off() -> None:
             simulate_planar(boom(5 / 6 * E / 2.6 * A), 1.1, PlanarNewmark(1e-4, 0.001))
         except jo.SimulationError as error:
             print(error)
-        for item in caught:
-            print(item.message)
+        print(*(item.message for item in caught), sep="\n")
 
 
 def draw(
@@ -114,9 +113,11 @@ def draw(
         left.set_title("Speed", **bold)
         left.set(xlabel="time (s)", ylabel="rpm")
         left.legend()
-        for run, color, name in zip(fine, COLORS, ("with", "without"), strict=False):
+        for run, color, name in zip(
+            fine, COLORS, ("with K$_{acc}$, C$_{acc}$", "without"), strict=False
+        ):
             middle.plot(run.time, np.cumsum(run.evaluations), color=color, label=name)
-        middle.set_title("Residuals evaluated, with K$_{acc}$, C$_{acc}$ or without", **bold)
+        middle.set_title("Residuals evaluated", **bold)
         middle.set(xlabel="time (s)")
         middle.legend()
         every = np.arange(0, fine[0].steps, max(1, fine[0].steps // 400))
@@ -130,8 +131,7 @@ def draw(
 def main(out: Path, long: bool) -> int:
     """Run, compare and draw; return 0 if speeds and savings are those of the paper."""
     out.mkdir(parents=True, exist_ok=True)
-    coarse = compare(1e-3, 0.442)
-    fine = compare(1e-4, 2.0 if long else 0.442)
+    coarse, fine = compare(1e-3, 0.442), compare(1e-4, 2.0 if long else 0.442)
     criteria()
     if long:
         shears_off()

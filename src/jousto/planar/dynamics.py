@@ -18,6 +18,9 @@ from jousto.planar.system import Loads, Point, System
 Array = NDArray[Any]
 
 
+NEAR = 0.95  # of the limit of stability, to be named as the cause of a failure
+
+
 class Outcome(NamedTuple):
     """How Newton's iteration ended.
 
@@ -93,7 +96,7 @@ def newton(
             return Outcome(p, False, len(history), solves, history)
         good = convergence.residual is None or size <= convergence.residual
         if good and convergence.relative is not None:
-            good = size <= convergence.relative * system.scale(p, loads)
+            good = size <= max(convergence.relative * system.scale(p, loads), system.rounding(p))
         if good and convergence.increment is None:
             return Outcome(p, True, len(history), solves, history)
         if solves == convergence.max_iterations:
@@ -242,19 +245,17 @@ def _explain(
     """Return one sentence on why a step did not converge, and one on what to do."""
     tail = ", ".join(f"{x:.2g}" for x in out.history[-4:])
     text = f"step to t = {t:g} s does not converge (residuals ... {tail} N)"
-    ratios = records.ratios(out.point.middle.resultants)
-    worst = records.largest_ratio
-    now = int(np.argmax(ratios))
-    if max(worst, float(ratios[now])) > 1.0:
-        i = now if ratios[now] > worst else records.worst_element
-        return f"{text}; {frame.beam_name(i)}: {_instability(max(worst, float(ratios[now])))}"
-    finite = [x for x in out.history if math.isfinite(x)]
-    force = frame.system.scale(out.point, frame.system.at_time(t)) if finite else math.inf
-    if math.isfinite(force) and min(finite) < 1e-9 * force:
-        return (
-            f"{text}; the forces are of {force:.2g} N and rounding leaves no less: give a larger "
-            "Convergence(residual=) or a relative one"
-        )
+    # of the steps that converged: what an iteration that fails passes through tells nothing
+    if records.largest_ratio > NEAR:
+        where = frame.beam_name(records.worst_element)
+        return f"{text}; {where}: {_instability(records.largest_ratio)}"
+    if math.isfinite(out.history[-1]):
+        force = frame.system.scale(out.point, frame.system.at_time(t))
+        if out.history[-1] < 100.0 * frame.system.rounding(out.point) and force < math.inf:
+            return (
+                f"{text}; the forces are of {force:.2g} N and rounding leaves no less: give a "
+                "larger Convergence(residual=) or a relative one"
+            )
     turned = np.abs(out.point.q - records.q[-1] if records.q else 0.0)
     k = int(np.argmax(turned)) if np.isfinite(turned).all() else 0
     return (

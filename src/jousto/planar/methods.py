@@ -103,8 +103,9 @@ class Convergence:
     residual : float, optional
         ``|r| <= residual``, N and N m.
     relative : float, optional
-        ``|r| <= relative * (largest of |F_int|, |F_ext|, |M u''|)``. The default is 1e-9 unless
-        another criterion is given.
+        ``|r| <= relative * (largest of |F_int|, |F_ext|, |M u''|)``, or what rounding leaves if
+        that is more, ``4 eps EA (1 + |u| / L)``. The default is 1e-9 unless another criterion is
+        given.
     increment : float, optional
         ``|dq| <= increment``, m and rad. The residual after that correction is not looked at, so
         that the last correction costs no evaluation.

@@ -206,7 +206,8 @@ def _good(system: System, out: _Equilibrium, convergence: Convergence) -> bool:
         relative = 1e-9
     if relative is None:
         return True
-    return size <= relative * system.scale(out.point, system.at_factor(out.factor))
+    scale = system.scale(out.point, system.at_factor(out.factor))
+    return size <= max(relative * scale, system.rounding(out.point))
 
 
 def _corrected(

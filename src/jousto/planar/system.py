@@ -236,6 +236,13 @@ class System:
         parts = (p.inner, loads.force(p.slaves.u), self.M @ p.slaves.a)
         return max(float(np.linalg.norm((B.T @ F)[self.free])) for F in parts)
 
+    def rounding(self, p: Point) -> float:
+        """Return the residual that rounding leaves: strains are differences of coordinates."""
+        u = np.abs(p.slaves.u)
+        size = max(1e-300, float(u[0::3].max()), float(u[1::3].max()))
+        forces = self.D[:, :2].max(axis=1) * (1.0 + size / self.length)
+        return 4.0 * float(np.finfo(float).eps) * float(np.linalg.norm(forces))
+
     def energies(self, p: Point) -> tuple[float, float]:
         """Return kinetic and strain energy, J."""
         strain = 0.5 * np.sum(self.length * np.sum(self.D * p.middle.strains**2, axis=1))
