@@ -282,3 +282,22 @@ def test_large_mechanisms_rest_where_small_ones_do(monkeypatch):
     sparse = jo.equilibrium(model)
     assert dense.q[-5] < -0.5 * L  # it hangs
     assert np.abs(sparse.q - dense.q).max() < 1e-7
+
+
+@pytest.mark.parametrize("many", [600, 1])
+def test_on_a_turntable_springs_split_by_the_speed(monkeypatch, many):
+    """Isotropic springs k = w0^2 m about the axis: w0 - W and w0 + W in the turning frame."""
+    speed, w0 = 3.0, 10.0
+    hub = jo.RigidBody("hub", mass=1.0, inertia=np.eye(3))
+    ball = jo.RigidBody("ball", mass=1.0, inertia=np.eye(3))
+    axle = jo.Revolute("axle", BASE, hub["origin"], axis=(0, 0, 1))
+    turn = jo.Table([-1.0, 9.0], [-speed, 9 * speed])
+    k = w0**2 * np.diag([1, 1, 4, 9, 9, 9])
+    spring = jo.Bushing("spring", hub["origin"], ball["origin"], k)
+    model = jo.compile(jo.Mechanism(hub, ball, axle, jo.Drive("motor", axle.angle, turn), spring))
+    state = jo.steady_rotation(model, (0, 0, 1), speed)
+    monkeypatch.setattr(large, "MANY", many)
+    found = 2 * np.pi * jo.modes(model, state, damped=True, count=3).frequencies
+    assert np.sort(found) == pytest.approx([w0 - speed, w0 + speed, 2 * w0], rel=1e-8)
+    with pytest.raises(jo.SimulationError, match="'motor' does not move as a rotation"):
+        jo.steady_rotation(model, (0, 0, 1), 2 * speed)
