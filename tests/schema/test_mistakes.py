@@ -67,7 +67,8 @@ SINGLE = [
     ("modes: 4", "modes: -4", 11, "parts.rod.reduce.modes: modes is -4"),
     ("part: rod", "part: rdo", 13, "bodies.0.part: no part 'rdo'; did you mean 'rod'?"),
     ("part: rod, damping: 0.0", "prt: rod", 13,
-     "bodies.0: give part: NAME for a flexible body, or mass and inertia for a rigid one"),
+     "bodies.0: give part: NAME for a flexible body, mass and inertia for a rigid one, or points "
+     "and section for an exact beam"),
     ("damping: 0.0", "damping: -1", 13,
      "bodies.0.damping: the ratio -1 must be 0 or positive"),
     ("damping: 0.0", "damping: [0.1, x]", 13,

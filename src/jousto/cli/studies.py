@@ -27,9 +27,12 @@ def equilibrium(model: Model, trust: Trust = False, debug: Debug = False) -> Non
     engine.q[:], engine.v[:], engine.time[0] = state.q, state.v, state.time
     engine.accelerations()
     values = engine.sensors()
+    # of beams the ends
+    inner = {int(i) for beam in compiled.beam_shapes for i in beam.bodies[1:-1]}
     rows = [
         (f"body {body.name}", f"{numbers(state.q[body.iq : body.iq + 3])} m")
-        for body in compiled.bodies
+        for i, body in enumerate(compiled.bodies)
+        if i not in inner
     ]
     for sensor in compiled.sensors:
         found = values[sensor.offset : sensor.offset + sensor.count]

@@ -6,6 +6,7 @@ import numpy as np
 
 from jousto.engine.beam_shape import BeamShape, SectionShape
 from jousto.engine.model import BeamModel
+from jousto.errors import warn
 from jousto.mechanism import BeamBody, BeamSection, Mechanism
 
 
@@ -24,6 +25,30 @@ def beam_models(mechanism: Mechanism, index: dict[int, int]) -> tuple[BeamModel,
             for i, data in enumerate(beam.elements)
         ]
     return tuple(models)
+
+
+def warn_beams(mechanism: Mechanism) -> None:
+    """Warn of tension that the linear law does not bear, from weight and initial spin.
+
+    A beam bears at most its own weight where it hangs, and ``m w^2 L/2`` where it turns about an
+    end.
+    """
+    for beam in mechanism.beams:
+        spin = float(beam.angular_velocity @ beam.angular_velocity)
+        weight = beam.mass * float(np.linalg.norm(mechanism.gravity))
+        tension = max(weight, beam.mass * spin * beam.length / 2)
+        factors = beam.elements[:, 77]
+        worst = int(np.argmax(factors))
+        if tension * factors[worst] > 1.0:
+            cause = "its own weight" if tension == weight else "its spin"
+            warn(
+                f"beam '{beam.name}'",
+                f"{cause} pulls with up to {tension:.3g} N, but beyond {1 / factors[worst]:.3g} N "
+                f"its element {worst} is unstable: the linear law lets the section turn aside in "
+                "shear, N > GA/(1 - GA/EA); check E and the units, give it GA = EA where shear "
+                "does not matter"
+                + (", take more elements or leave bending=True out" if beam.bending else ""),
+            )
 
 
 def _shape(beam: BeamBody, index: dict[int, int]) -> BeamShape:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.engine.beams import beam_models, beam_shapes
+from jousto.engine.beams import beam_models, beam_shapes, warn_beams
 from jousto.engine.builder import Builder
 from jousto.engine.events import event_models, watched_coordinates
 from jousto.engine.measure import NOT_UNIQUE, flag_reactions, meter_models, sensor_models
@@ -68,6 +68,7 @@ def compile(mechanism: Mechanism) -> Model:
         If initial velocities contradict the joints and had to be changed, or joints repeat one
         another, so that their reactions are not unique.
     """
+    warn_beams(mechanism)
     index = {id(body): i for i, body in enumerate(mechanism.bodies)}
     bodies, q0, v0 = _bodies(mechanism)
     builder = Builder(index, {id(event): i for i, event in enumerate(mechanism.events)})

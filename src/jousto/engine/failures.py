@@ -56,6 +56,16 @@ def failure(model: Model, status: int, index: int, cause: BaseException | None =
             "its function reported an error or returned a value that is not finite; check it at "
             "the positions and velocities of this time",
         )
+    beams = {i: beam.body for beam in model.beams for i in (beam.a, beam.b)}
+    if status == NO_CONVERGENCE and index in beams:
+        return Problem(
+            f"beam '{beams[index]}'",
+            f"Newton's iteration did not converge, the largest residual is at its node "
+            f"'{model.bodies[index].name}'; take a smaller step (the beam should turn by less than "
+            "about half a radian a step), more iterations or more elements, apply loads over some "
+            "time instead of at once, and check that no element is under more tension than shear "
+            "bears or is squeezed to nothing",
+        )
     if status == NO_CONVERGENCE:
         return Problem(
             f"body '{model.bodies[index].name}'",

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.errors import InputError, Problem, Problems, suggest
+from jousto.errors import InputError, Problem, Problems, suggest, warn
+from jousto.mechanism.beam_limits import highest_frequencies
 from jousto.mechanism.beam_section import BeamSection, as_beam_section, tension_factor
 from jousto.mechanism.beam_shape import arc_lengths, section_frames, strains, tangents
 from jousto.mechanism.body import ZERO3, RigidBody, initial_pose
@@ -27,6 +28,7 @@ from jousto.mechanism.orientation import (
 
 SHARES = {"lumped": 0.0, "corrected": 0.0, "consistent": 1.0}
 ROTARY = 1.2  # of the inertia that a first moment needs at least
+COARSE = 1.0  # rad that an unstressed element may turn
 ELEMENT_DATA = 79
 
 
@@ -277,6 +279,14 @@ class BeamBody:
             **pose,
         )
 
+        coarsest = float((lengths * np.linalg.norm(e0[:, 3:], axis=1)).max())
+        if coarsest > COARSE:
+            warn(
+                where,
+                f"its elements turn by up to {coarsest:.3g} rad each, which is coarse; give more "
+                "points, or corners=[...] where the beam has corners",
+            )
+
     def __repr__(self) -> str:
         return (
             f"<BeamBody {self.name!r}, {self.n} elements, {self.length:.4g} m, {self.mass:.3g} kg>"
@@ -365,6 +375,11 @@ class BeamBody:
     def s(self) -> Array:
         """Arc length (n + 1,) of the nodes along the unstressed axis, m."""
         return np.concatenate([[0.0], np.cumsum(self.lengths)])
+
+    @property
+    def highest_frequency(self) -> float:
+        """Highest frequency of an element, Hz; explicit methods need steps of 1/(3 f) or less."""
+        return float(highest_frequencies(self.elements).max()) / (2 * np.pi)
 
     @cached_property
     def bodies(self) -> tuple[BeamNode, ...]:

@@ -124,7 +124,10 @@ def what(loc: Loc) -> str:
 def missing_type(loc: Loc) -> str:
     """Return the message for an entry that does not say its type."""
     if loc and loc[0] == "bodies":
-        return "give part: NAME for a flexible body, or mass and inertia for a rigid one"
+        return (
+            "give part: NAME for a flexible body, mass and inertia for a rigid one, or points and "
+            "section for an exact beam"
+        )
     return f"'type' of the {what(loc)} is missing"
 
 

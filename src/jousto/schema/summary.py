@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from jousto.errors import count
-from jousto.mechanism import FlexibleBody
+from jousto.mechanism import BeamBody, FlexibleBody, LineLoad, RigidBody
 
 if TYPE_CHECKING:
     from jousto.parts import Mesh
@@ -25,8 +25,13 @@ def model_facts(file: ModelFile) -> Facts:
     """Return what is in a model."""
     mechanism = file.mechanism
     rows: Facts = []
-    for body in mechanism.bodies:
-        if isinstance(body, FlexibleBody):
+    for body in mechanism.items:
+        if not isinstance(body, RigidBody | FlexibleBody | BeamBody):
+            continue
+        if isinstance(body, BeamBody):
+            text = f"exact beam, {body.mass:.6g} kg, {body.length:.6g} m, {body.n + 1} nodes, "
+            text += f"elements up to {body.highest_frequency:.4g} Hz"
+        elif isinstance(body, FlexibleBody):
             f, mass = body.reduced.frequencies, body.reduced.invariants.mass
             text = f"flexible, {mass:.6g} kg, {count(len(f), 'mode')}, {f[0]:.6g}"
             text += f" to {f[-1]:.6g} Hz" if len(f) > 1 else " Hz"
@@ -42,7 +47,10 @@ def model_facts(file: ModelFile) -> Facts:
     for force in mechanism.forces:
         kind = type(force).__name__.lower()
         marker = getattr(force, "marker", None)
-        rows.append((f"{kind} {force.name}", f"at {marker.label}" if marker else ""))
+        text = f"at {marker.label}" if marker else ""
+        if isinstance(force, LineLoad):
+            text = f"along {force.beam.name}" + (", follows it" if force.follow else "")
+        rows.append((f"{kind} {force.name}", text))
     for friction in mechanism.frictions:
         text = f"of joint {friction.joint.name}, mu {friction.mu_kinetic:g}"
         rows.append((f"friction {friction.name}", f"{text}, {friction.law}"))

@@ -10,6 +10,7 @@ import numpy as np
 
 from jousto.engine import Model
 from jousto.errors import InputError, Problem, Problems
+from jousto.simulation.beam_checks import beam_step_warning, beam_steps_warning
 from jousto.simulation.solver import SOLVERS, Solver
 from jousto.simulation.stability import friction_warning, many_steps, stability_warning
 
@@ -112,9 +113,13 @@ def cautions(model: Model, solver: Solver, plan: Schedule) -> list[str]:
     sentence = stability_warning(model, solver, plan.step)
     if sentence:
         found.append(f"the run will probably diverge: {sentence}")
+    sentence = beam_step_warning(model, solver, plan.step)
+    if sentence:
+        found.append(f"the run will probably diverge: {sentence}")
     if solver.adaptive:
-        sentence = many_steps(model, plan.step * plan.steps)
-        return [sentence] if sentence else []
+        duration = plan.step * plan.steps
+        sentences = (many_steps(model, duration), beam_steps_warning(model, duration))
+        return [sentence for sentence in sentences if sentence]
     sentence = friction_warning(model, solver, plan.step)
     if sentence:
         found.append(sentence)

@@ -26,6 +26,7 @@ from jousto.engine.failures import (
 from jousto.engine.redundancy import is_drive
 from jousto.errors import SimulationError, warn
 from jousto.simulation.adaptive import LONGEST, follow, too_many_steps
+from jousto.simulation.beam_checks import warn_bent
 from jousto.simulation.events import Chronicle
 from jousto.simulation.inputs import Feed, InputFailed, connect
 from jousto.simulation.progress import Report, reporter
@@ -243,6 +244,7 @@ def _run(
             f"only the first {EVENTS} events are in the results; watch for fewer crossings",
         )
     watch.judge()
+    warn_bent(engine)
     if not watch.rubbed:
         _warn_idle_friction(engine)
     if engine.counts[4] and not engine.model.redundant:
