@@ -34,6 +34,7 @@ WIDTHS = {  # pixels
     "four_bar.png": 1200,
     "spin_up.png": 1100,
     "beam_benchmarks.png": 1300,
+    "steel_strip.png": 1100,
     "trolley.png": 800,
     "work_precision.png": 700,
     "orders.png": 1200,
