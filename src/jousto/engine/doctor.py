@@ -14,13 +14,14 @@ from jousto.engine.native import Engine
 from jousto.engine.redundancy import (
     RANK,
     Redundancy,
+    constraint_matrix,
     is_drive,
     null_space,
     repeated_rows,
     unit_rows,
 )
 from jousto.errors import InputError, JoustoWarning, Problem, count
-from jousto.mechanism import Mechanism
+from jousto.mechanism import Mechanism, rotation_matrix, skew
 
 LARGE = 2000  # velocity coordinates above which the moving bodies are not told apart
 
@@ -136,9 +137,10 @@ def doctor(mechanism: Mechanism | Model) -> Diagnosis:
 
 def _with_motions(diagnosis: Diagnosis, model: Model) -> Diagnosis:
     """Add what the null space of the constraint rows tells."""
-    G = unit_rows(model, Engine(model))
-    rigid = np.array([b.iv + k for b in model.bodies for k in range(6)], dtype=int)
-    s = np.linalg.svd(G[:, rigid], compute_uv=False)
+    engine = Engine(model)
+    G = unit_rows(model, engine)
+    rigid = _rigid_rows(model, engine, G)
+    s = np.linalg.svd(rigid, compute_uv=False)
     drives = np.zeros(len(G), dtype=bool)
     for joint in model.joints:
         if is_drive(joint):
@@ -147,11 +149,45 @@ def _with_motions(diagnosis: Diagnosis, model: Model) -> Diagnosis:
     loose = _moving(model, G[~drives]) if drives.any() else moving
     return replace(
         diagnosis,
-        rigid_mobility=len(rigid) - int((s > RANK).sum()),
-        moving=tuple(b.name for b in model.bodies if b.name in moving),
-        driven=tuple(b.name for b in model.bodies if b.name in loose - moving),
-        still=tuple(b.name for b in model.bodies if b.name not in loose),
+        rigid_mobility=rigid.shape[1] - int((s > RANK).sum()),
+        moving=_names(model, moving),
+        driven=_names(model, loose - moving),
+        still=_names(model, {b.name for b in model.bodies} - loose),
     )
+
+
+def _rigid_rows(model: Model, engine: Engine, G: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rows on the rigid motions of all bodies, six columns each; a beam is one body."""
+    beams = [[int(i) for i in beam.bodies] for beam in model.beam_shapes]
+    inside = {i for nodes in beams for i in nodes}
+    columns = [G[:, b.iv : b.iv + 6] for i, b in enumerate(model.bodies) if i not in inside]
+    if not beams:
+        return np.hstack(columns)
+    C = constraint_matrix(model, engine)  # rates [R' (world), w (local)]
+    for nodes in beams:
+        turned = np.zeros((len(C), 6))
+        first = model.bodies[nodes[0]].iq
+        for i in nodes:
+            b = model.bodies[i]
+            arm = skew(engine.q[b.iq : b.iq + 3] - engine.q[first : first + 3])
+            A = rotation_matrix(engine.q[b.iq + 3 : b.iq + 7])
+            move, turn = C[:, b.iv : b.iv + 3], C[:, b.iv + 3 : b.iv + 6]
+            turned += np.hstack([move, turn @ A.T - move @ arm])
+        columns.append(turned / max(float(np.linalg.norm(turned, axis=1).max()), 1e-300))
+    rows = np.hstack(columns)
+    length = np.linalg.norm(rows, axis=1)
+    return np.asarray(rows / np.where(length > 0.0, length, 1.0)[:, None])
+
+
+def _names(model: Model, which: set[str]) -> tuple[str, ...]:
+    """Return the names of bodies in their order, that of a beam where it is all of its nodes."""
+    whole: dict[str, str] = {}
+    for beam in model.beam_shapes:
+        nodes = [model.bodies[int(i)].name for i in beam.bodies]
+        if which.issuperset(nodes):
+            whole |= dict.fromkeys(nodes, beam.name)
+    names = (whole.get(b.name, b.name) for b in model.bodies if b.name in which)
+    return tuple(dict.fromkeys(names))
 
 
 def _moving(model: Model, G: NDArray[np.float64]) -> set[str]:
