@@ -7,7 +7,6 @@ import numpy as np
 from jousto.engine import Engine, Model
 from jousto.errors import warn
 from jousto.mechanism.beam_limits import highest_frequencies
-from jousto.simulation.solver import Solver
 
 MANY_STEPS = 1e6
 FAR = 1.0  # rad that one element bends or twists
@@ -20,22 +19,6 @@ def fastest_beam(model: Model) -> tuple[str, float]:
     fastest = highest_frequencies(np.stack([beam.data for beam in model.beams]))
     worst = int(np.argmax(fastest))
     return model.beams[worst].body, float(fastest[worst])
-
-
-def beam_step_warning(model: Model, solver: Solver, step: float) -> str:
-    """Return a sentence if the step is too large for an explicit method with these beams."""
-    beam, fastest = fastest_beam(model)
-    if not fastest or not solver.unstable(step, np.array([1j * fastest])).any():
-        return ""
-    limit = step
-    while solver.unstable(limit, np.array([1j * fastest])).any():
-        limit *= 0.95
-    return (
-        f"elements of beam '{beam}' vibrate (stretch, shear or turn) at up to "
-        f"{fastest / (2 * np.pi):.3g} Hz, for which {type(solver).__name__} needs a step of about "
-        f"{limit:.2g} s (it is {step:.3g} s); take GeneralizedAlpha or ROS2, which do not mind "
-        "them, a smaller step or longer elements"
-    )
 
 
 def beam_steps_warning(model: Model, duration: float) -> str:

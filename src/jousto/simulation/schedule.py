@@ -10,7 +10,7 @@ import numpy as np
 
 from jousto.engine import Model
 from jousto.errors import InputError, Problem, Problems
-from jousto.simulation.beam_checks import beam_step_warning, beam_steps_warning
+from jousto.simulation.beam_checks import beam_steps_warning
 from jousto.simulation.solver import SOLVERS, Solver
 from jousto.simulation.stability import friction_warning, many_steps, stability_warning
 
@@ -111,9 +111,6 @@ def cautions(model: Model, solver: Solver, plan: Schedule) -> list[str]:
     """Return what is probably wrong with a run, known before it starts."""
     found = []
     sentence = stability_warning(model, solver, plan.step)
-    if sentence:
-        found.append(f"the run will probably diverge: {sentence}")
-    sentence = beam_step_warning(model, solver, plan.step)
     if sentence:
         found.append(f"the run will probably diverge: {sentence}")
     if solver.adaptive:

@@ -68,6 +68,20 @@ def beam_eigenvalues(model: Model, i: int) -> Eigenvalues:
     return np.asarray(np.linalg.eigvals(companion), dtype=np.complex128)
 
 
+def all_beam_eigenvalues(model: Model) -> list[Eigenvalues]:
+    """Return those of every beam element; equal elements are worked out once."""
+    made: dict[bytes, Eigenvalues] = {}
+    found = []
+    for i, beam in enumerate(model.beams):
+        data = np.asarray(beam.data, dtype=np.float64)
+        # lengths that differ by rounding alone are equal
+        key = np.concatenate([data[:1], data[25:61], data[67:77]]).astype(np.float32).tobytes()
+        if key not in made:
+            made[key] = beam_eigenvalues(model, i)
+        found.append(made[key])
+    return found
+
+
 def mechanism_eigenvalues(model: Model) -> Eigenvalues:
     """Return the largest eigenvalues of the linearised mechanism at its initial state, 1/s.
 
@@ -77,7 +91,7 @@ def mechanism_eigenvalues(model: Model) -> Eigenvalues:
     """
     engine = Engine(model)
     free = [body_eigenvalues(model, i) for i in range(len(model.bodies))]
-    free += [beam_eigenvalues(model, i) for i in range(len(model.beams))]
+    free += all_beam_eigenvalues(model)
     scale = max(1.0, *(np.abs(e).max(initial=0.0) for e in free))
     nv = model.nv
 
@@ -114,7 +128,7 @@ def stability_warning(model: Model, solver: Solver, step: float) -> str:
     if sentence:
         return sentence
     eigenvalues = [body_eigenvalues(model, i) for i in range(len(model.bodies))]
-    eigenvalues += [beam_eigenvalues(model, i) for i in range(len(model.beams))]
+    eigenvalues += all_beam_eigenvalues(model)
     names = [body.name for body in model.bodies] + [beam.body for beam in model.beams]
     largest = [np.abs(e[solver.unstable(step, e)]).max(initial=0.0) for e in eigenvalues]
     if not any(largest):
