@@ -139,6 +139,7 @@ class WithoutTangents(jo.Newmark):
         return {**super().options, "plain_inertia": 1}
 
 
+@pytest.mark.filterwarnings("ignore:.*which is coarse")
 def test_the_tangents_save_as_much_in_both_programs() -> None:
     """Offset nodes spun to 60 rad/s in 60 steps: half the iterations, here and there."""
     arm, step, t_end, moment = 0.5, 1e-3, 0.06, 3e3
