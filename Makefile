@@ -81,6 +81,7 @@ demo: $(LIB)/.built  ## the flexible pendulum against its reference; plot and an
 bench: $(LIB)/.built $(VENV)/.bench  ## speed side by side with EXUDYN and Pinocchio
 	@$(PY) benchmarks/speed.py
 	@$(PY) benchmarks/mechanisms.py
+	@$(PY) benchmarks/beams.py
 
 docs: $(LIB)/.built $(VENV)/.docs  ## documentation in build/docs, warnings are errors
 	@$(PY) -m sphinx -W --keep-going -q -b html docs build/docs
