@@ -48,6 +48,8 @@ WIDTHS = {  # pixels
     "crane_twin.png": 1200,
     "robot.png": 1200,
     "robot_still.png": 700,
+    "robot_hose.png": 1200,
+    "robot_hose_still.png": 700,
     "carriage.png": 1100,
     "rail_wheel.png": 800,
     "moving_load.png": 700,
