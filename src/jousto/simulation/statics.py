@@ -42,10 +42,15 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
     InputError
         If a body or joint is singular at some position on the way.
     """
-    if model.nv + model.nrow > MANY:
+    large = model.nv + model.nrow > MANY
+    if large or model.beams:  # beams travel far and have many coordinates
         from jousto.simulation.settle import settle
 
-        return settle(model, state)
+        try:
+            return settle(model, state)
+        except RuntimeError:  # rows that repeat one another make the sparse matrix singular
+            if large:
+                raise
     time = 0.0 if state is None else state.time
     q = np.array(model.q0 if state is None else state.q)
     rest = np.zeros(model.nv)
