@@ -243,3 +243,27 @@ def test_markers_have_names_numbers_and_arms():
         beam.node(5)
     with pytest.raises(jo.InputError, match="sit on nodes"):
         beam.at((0, 0, 0))
+
+
+def test_twist_that_the_ends_of_an_element_do_not_show_is_refused():
+    with pytest.raises(jo.InputError, match=r"element \d by 6\.3 rad.* take 26 elements"):
+        jo.BeamBody("b", [(0, 0, 0), (1, 0, 0)], jo.Circle(0.01), STEEL, elements=4, twist=25.2)
+    with pytest.raises(jo.InputError, match="were degrees meant"):
+        jo.BeamBody("b", [(0, 0, 0), (1, 0, 0)], jo.Circle(0.01), STEEL, elements=8, twist=90)
+
+
+@pytest.mark.parametrize("mass", ["consistent", 0.5])
+def test_consistent_inertia_of_a_mass_centre_off_the_axis_is_refused(mass):
+    section = jo.BeamSection.of(jo.Rectangle(0.02, 0.01), STEEL, centroid=(0, 0.01))
+    points = [(0, 0, 0), (1, 0, 0)]
+    with pytest.raises(jo.InputError, match="10 mm off the axis.* take 'corrected'"):
+        jo.BeamBody("b", points, section, elements=4, mass=mass)
+    for good in ("lumped", "corrected"):
+        jo.BeamBody("b", points, section, elements=4, mass=good)
+
+
+@pytest.mark.parametrize("number", [1.5, True, "2"])
+def test_nodes_have_whole_numbers(number):
+    beam = jo.BeamBody("b", [(0, 0, 0), (1, 0, 0)], jo.Circle(0.01), STEEL, elements=4)
+    with pytest.raises(jo.InputError, match="no node"):
+        beam.node(number)

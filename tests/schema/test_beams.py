@@ -27,7 +27,7 @@ bodies:
   - name: blade
     points: [[0.5, 0, 1], [0.6, 0, 1], [0.7, 0.02, 1], [0.8, 0.02, 1]]
     corners: [1]
-    mass: 0.5
+    mass: corrected
     straight: true
     twist: [0, 0.1, 0.2, 0.3]
     section:
@@ -104,7 +104,7 @@ def test_beams_equal_the_python_constructors():
         [(0.5, 0, 1), (0.6, 0, 1), (0.7, 0.02, 1), (0.8, 0.02, 1)],
         sections,
         corners=[1],
-        mass=0.5,
+        mass="corrected",
         straight=True,
         twist=[0, 0.1, 0.2, 0.3],
     )

@@ -135,6 +135,7 @@ EXUDYN_PLANE = np.array(
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*which is coarse")
 @pytest.mark.parametrize("space", [True, False], ids=["space", "plane"])
 def test_another_program_flies_alike(space):
     table = EXUDYN_SPACE if space else EXUDYN_PLANE

@@ -27,6 +27,8 @@ from jousto.mechanism.orientation import (
 )
 
 SHARES = {"lumped": 0.0, "corrected": 0.0, "consistent": 1.0}
+MOST_TWIST = 3.0  # rad of an element
+CENTRED = 1e-6  # radii of gyration that a mass centre may be off the axis
 ROTARY = 1.2  # of the inertia that a first moment needs at least
 COARSE = 1.0  # rad that an unstressed element may turn
 ELEMENT_DATA = 79
@@ -41,7 +43,9 @@ class BeamDamping:
     Parameters
     ----------
     mass : float
-        Forces ``-mass M v``, 1/s: resists all motion through the world, rigid motion too.
+        Forces ``-mass M v``, 1/s: resists all motion through the world, rigid motion too. They act
+        on the axis of the section with lumped or shared inertia; what a mass centre off the axis
+        or the corrected mass add to M is left out.
     stiffness : float
         Resultants ``s = C (e + stiffness e')``, s: resists straining alone.
 
@@ -128,8 +132,9 @@ class BeamBody:
         Nodes (from 0) at which the axis has a corner: two elements are welded there at an angle.
     mass : "lumped", "corrected", "consistent" or float
         Inertia of the elements: of their halves at the nodes (0), of linear shape functions (1) or
-        between, all of order 2 in the length of the elements; or that of their halves with the end
-        correction of Euler and Maclaurin, for which bending vibrations are of order 3.
+        between (mass centres on the axis only), all of order 2 in the length of the elements; or
+        that of their halves with the end correction of Euler and Maclaurin, for which bending
+        vibrations of straight beams with `bending` are of order 3.
     bending : bool
         Straight beams bent in a plane converge with fourth order instead of second, curved and
         twisted ones with smaller errors: the axis of an element is a screw line between its ends
@@ -238,6 +243,10 @@ class BeamBody:
         n = len(nodes) - 1
         turns = _along(problems, where, "twist", twist, n, ())
         arms = _along(problems, where, "offset", offset, n, (2,))
+        if turns is not None:
+            _check_twist(problems, where, turns)
+        if share:
+            _check_share(problems, where, sections)
         kinks = _places(problems, where, "corners", corners, range(1, n))
         named = _markers(problems, where, markers, n)
         z = _up(problems, where, up, nodes)
@@ -316,9 +325,11 @@ class BeamBody:
         axes : orientation, optional
             Its axes relative to those of the section; None for these.
         """
-        if not -self.n - 1 <= i <= self.n:
+        number: Any = i
+        whole = isinstance(number, int | np.integer) and not isinstance(number, bool)
+        if not whole or not -self.n - 1 <= i <= self.n:
             raise InputError(
-                Problem(f"beam {self.name!r}", f"no node {i}; they are 0 to {self.n}, or from -1")
+                Problem(f"beam {self.name!r}", f"no node {i!r}; they are 0 to {self.n}, or from -1")
             )
         place = int(i) % (self.n + 1)
         return self._marker(place, f"node{place + 1}", at, axes)
@@ -487,6 +498,39 @@ def _along(
     if not one:  # grows along the beam
         return readonly(np.linspace(0.0, float(found), n + 1))
     return readonly(np.tile(found, (n + 1, 1)))
+
+
+def _check_twist(problems: Problems, where: str, turns: Array) -> None:
+    """Refuse a twist that the ends of an element do not show: whole turns would be lost."""
+    steps = np.abs(np.diff(turns))
+    worst = int(np.argmax(steps))
+    if steps[worst] < MOST_TWIST:
+        return
+    degrees = "; it is in rad: were degrees meant?" if np.abs(turns).max() > 2 * np.pi else ""
+    needed = int(np.ceil(len(steps) * steps[worst]))
+    problems.add(
+        where,
+        f"twist turns element {worst} by {steps[worst]:.3g} rad, of which its ends show less than "
+        f"half a turn; take {needed} elements, for a radian each{degrees}",
+    )
+
+
+def _check_share(problems: Problems, where: str, sections: Sequence[BeamSection]) -> None:
+    """Refuse consistent inertia of sections whose mass centre is off the axis."""
+    off = [i for i, s in enumerate(sections) if float(np.hypot(*s.center)) > CENTRED * _radius(s)]
+    if off:
+        y, z = sections[off[0]].center
+        problems.add(
+            where,
+            f"mass: the mass centre of element {off[0]} is {1e3 * y:.4g} mm, {1e3 * z:.4g} mm off "
+            "the axis, and consistent inertia is that of a centre on it; take 'corrected' or "
+            "'lumped', or put the axis through the mass centre and use offset=",
+        )
+
+
+def _radius(section: BeamSection) -> float:
+    """Return the smallest radius of gyration of a section, m."""
+    return float(np.sqrt(np.linalg.eigvalsh(section.inertia)[0] / section.mass))
 
 
 def _places(
