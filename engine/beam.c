@@ -153,20 +153,31 @@ static int section(const jo_model *m, const jo_data *d, const int i)
     return JO_OK;
 }
 
+/* moments that its ends exert on the element */
+static void end_moments(const jo_model *m, const jo_data *d, const int i)
+{
+    jo_beam_work *w = &d->beam[i];
+    jo_real h[3], x[3];
+    jo_cross(w->t, w->f, w->d);
+    for (int j = 0; j < 3; j++) w->t[j] *= m->beam[i].data[0];
+    jo_cross(x, w->tau, w->t);
+    jo_beam_h(h, w, w->f + 3);
+    for (int k = 0; k < 2; k++) {
+        const double sign = k ? 1.0 : -1.0;
+        for (int j = 0; j < 3; j++) w->M[k][j] = 0.5 * w->t[j] + sign * (h[j] + 0.5 * x[j]);
+    }
+}
+
 static void internal(const jo_model *m, jo_data *d, const int i)
 {
     const jo_beam *b = &m->beam[i];
     jo_body_work *body[2] = {&d->body[b->a], &d->body[b->b]};
     jo_beam_work *w = &d->beam[i];
     const jo_real *n = w->f;
-    jo_real h[3], x[3], y[3];
-    jo_cross(w->t, n, w->d);
-    for (int j = 0; j < 3; j++) w->t[j] *= b->data[0];
-    jo_cross(x, w->tau, w->t);
-    jo_beam_h(h, w, w->f + 3);
+    jo_real y[3];
+    end_moments(m, d, i);
     for (int k = 0; k < 2; k++) {
         const double sign = k ? 1.0 : -1.0;
-        for (int j = 0; j < 3; j++) w->M[k][j] = 0.5 * w->t[j] + sign * (h[j] + 0.5 * x[j]);
         jo_set3(y, w->M[k]);
         if (w->offset) {
             jo_real t[3];
@@ -237,14 +248,26 @@ jo_real jo_beam_stored(const jo_model *m, const jo_data *d)
     return U;
 }
 
-/* y (12) = strains and resultants of one element at the present q, v */
+/* y (24) = strains and resultants in the middle of one element at the present q, v, then the resultants at its two
+   ends from its balance, each in the axes of the section there */
 void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y)
 {
     const jo_beam_work *w = &d->beam[i];
+    const jo_real *x = m->beam[i].data;
     if (section(m, d, i) != JO_OK) return;
     for (int j = 0; j < 6; j++) {
         y[j] = w->e[j];
         y[6 + j] = w->s[j];
+    }
+    end_moments(m, d, i);
+    for (int k = 0; k < 2; k++) {
+        const jo_real *B = x + (k ? JO_BEAM_BB : JO_BEAM_BA);
+        jo_real M[3], t[3], *z = y + 12 + 6 * k;
+        for (int j = 0; j < 3; j++) M[j] = (k ? 1.0 : -1.0) * w->M[k][j];
+        jo_mul3(t, w->G[k], w->f);
+        jo_mul3t(z, B, t);
+        jo_mul3(t, w->G[k], M);
+        jo_mul3t(z + 3, B, t);
     }
 }
 

@@ -278,12 +278,13 @@ static void multiplier(const jo_model *m, const jo_data *d, const jo_sensor *s, 
     for (int j = 0; j < s->count; j++) y[j] = -lam * m->line[k->line].data[1 + j];
 }
 
-/* some of the strains and resultants of a beam element */
+/* some of the strains and resultants of a beam element: count of the 24, from `other` */
 static void section(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
 {
-    jo_real all[12] = {0.0};
+    jo_real all[24] = {0.0};
+    const int first = s->other > 0 ? s->other : 0;
     jo_beam_section(m, d, s->object, all);
-    for (int i = 0; i < s->count; i++) y[i] = all[(s->other > 0 ? s->other : 0) + i];
+    for (int i = 0; i < s->count; i++) y[i] = first + i < 24 ? all[first + i] : 0.0;
 }
 
 void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)

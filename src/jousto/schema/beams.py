@@ -233,7 +233,7 @@ class SectionSensorEntry(Entry):
         ]
         | None
     ) = Field(None, description="start, middle, end or a length from the start")
-    element: Count | None = Field(None, description="Number from 0, instead of at")
+    element: Count | None = Field(None, description="Number from 0, its middle, instead of at")
     quantity: Literal["resultants", "strains"] | None = Field(
         None, description="Resultants if not given"
     )

@@ -194,6 +194,9 @@ def test_engine_measures_the_same(bending: bool) -> None:
         jo.Fixed("clamp", jo.ground["origin"], beam["start"]),
         jo.SectionSensor("forces", beam, element=3),
         jo.SectionSensor("strains", beam, element=3, quantity="strains"),
+        jo.SectionSensor("start", beam, "start"),
+        jo.SectionSensor("node", beam, float(beam.s[3])),
+        jo.SectionSensor("end", beam, "end"),
         jo.Gravity((0.0, 0.0, -99.81)),
     )
     run = jo.simulate(model, t_end=0.01, solver=jo.GeneralizedAlpha(step=1e-4))
@@ -201,3 +204,26 @@ def test_engine_measures_the_same(bending: bool) -> None:
     # positions of 1 m know strains to 1e-15 or so, and EA is 4e7 N
     assert found.resultants[:, 3] == pytest.approx(run["forces"], abs=1e-6)
     assert found.strains[:, 3] == pytest.approx(run["strains"], abs=1e-14)
+    for name, element, end in (("start", 0, 0), ("node", 3, 0), ("end", -1, 1)):
+        assert found.ends[:, element, end] == pytest.approx(run[name], abs=1e-6)
+
+
+def test_the_sensor_at_the_start_measures_the_moment_at_the_clamp():
+    """M = m g L / 2 of a short stiff cantilever under its weight, whatever its elements."""
+    beam = jo.BeamBody("b", [(0, 0, 0), (1, 0, 0)], jo.Rectangle(0.05, 0.05), STEEL, elements=4)
+    model = compiled(
+        beam,
+        jo.Fixed("clamp", jo.ground["origin"], beam["start"]),
+        jo.SectionSensor("root", beam, "start"),
+        jo.SectionSensor("tip", beam, "end"),
+        jo.SectionSensor("first", beam, element=0),
+        jo.Gravity((0.0, 0.0, -9.81)),
+    )
+    path = jo.load_path(model, "gravity", to=1.0, steps=1)
+    moment = 7850.0 * 0.05**2 * 9.81 / 2.0
+    assert abs(path["root"][-1][3:]).max() == pytest.approx(moment, rel=1e-4)
+    assert abs(path["tip"][-1][3:]).max() < 1e-6 * moment
+    # in the middle of the first quarter, whose force stands on its nodes, 1/8 m from the clamp
+    assert abs(path["first"][-1][3:]).max() == pytest.approx(
+        moment * (1.0 - 0.25 * 7 / 8), rel=1e-3
+    )

@@ -21,9 +21,11 @@ PLACES = {"start": 0.0, "middle": 0.5, "end": 1.0}
 class SectionSensor:
     """Resultants ``[N, Qy, Qz, Mx, My, Mz]`` of a beam's section (6,), N and N m, or its strains.
 
-    In the middle of an element, where they are most accurate, in section axes and about the
-    section's reference axis. What the part of the beam towards its end exerts on the part towards
-    its start: tension is positive.
+    In section axes and about the section's reference axis: what the part of the beam towards its
+    end exerts on the part towards its start; tension is positive. At the start, the end and the
+    nodes they follow from the balance of the element there, as in `section_forces`: the force is
+    that of the element, and the moment is that of its middle and the force times its lever.
+    Strains, and resultants between two nodes, are those in the middle of the element.
 
     Parameters
     ----------
@@ -32,10 +34,11 @@ class SectionSensor:
     beam : BeamBody
         The beam.
     at : "start", "middle", "end" or float, optional
-        Where, the middle if nothing is given: its first, middle or last element, or the element at
-        that distance from the start along the unstressed axis, m.
+        Where, the middle if nothing is given. Or the distance from the start along the unstressed
+        axis, m: that of a node (resultants on its side towards the end), or any in an element,
+        whose middle it means.
     element : int, optional
-        The element itself instead, from 0; -1 is the last.
+        The middle of this element instead, from 0; -1 is the last.
     quantity : "resultants" or "strains"
         Strains are ``[Gamma_x, Gamma_y, Gamma_z]`` m/m and ``[kappa_x, kappa_y, kappa_z]`` rad/m
         of the reference axis, less those of the unstressed beam.
@@ -45,6 +48,7 @@ class SectionSensor:
     beam: BeamBody
     element: int
     quantity: str
+    end: int | None  # of the element, 0 or 1; its middle if None
 
     def __init__(
         self,
@@ -69,7 +73,8 @@ class SectionSensor:
             at = "middle"
         place = _element(problems, where, beam, at, element)
         problems.raise_if_any()
-        set_fields(self, name=name, beam=beam, element=place, quantity=quantity)
+        end = None if quantity == "strains" else _end(beam, at, place)
+        set_fields(self, name=name, beam=beam, element=place, quantity=quantity, end=end)
 
     @property
     def unit(self) -> str:
@@ -83,8 +88,10 @@ class SectionSensor:
 
     @property
     def first(self) -> int:
-        """Place of the first component among strains and resultants."""
-        return 6 if self.quantity == "resultants" else 0
+        """Place of the first component among strains, resultants and those at both ends."""
+        if self.quantity == "strains":
+            return 0
+        return 6 if self.end is None else 12 + 6 * self.end
 
     @property
     def frame(self) -> str:
@@ -94,8 +101,18 @@ class SectionSensor:
     @property
     def description(self) -> str:
         """One line for results and plots."""
-        s = float(self.beam.s[self.element] + self.beam.lengths[self.element] / 2)
+        share = 0.5 if self.end is None else self.end
+        s = float(self.beam.s[self.element] + self.beam.lengths[self.element] * share)
         return f"{self.quantity} of {self.beam.name}, element {self.element}, {s:.4g} m from start"
+
+
+def _end(beam: BeamBody, at: Any, element: int) -> int | None:
+    """Return the end of the element that is meant, 0 or 1; None for its middle."""
+    if at is None or at == "middle":
+        return None
+    s = PLACES[at] * beam.length if isinstance(at, str) else float(at)
+    apart = np.abs(beam.s[element : element + 2] - s) / beam.length
+    return int(apart.argmin()) if apart.min() < 1e-9 else None
 
 
 def _element(problems: Problems, where: str, beam: BeamBody, at: Any, element: Any) -> int:
@@ -120,4 +137,7 @@ def _element(problems: Problems, where: str, beam: BeamBody, at: Any, element: A
         return 0
     if not 0.0 <= s <= beam.length * (1 + 1e-9):
         problems.add(where, f"at is {s:g} m, beam {beam.name!r} goes from 0 to {beam.length:g} m")
+    nearest = int(np.abs(beam.s - s).argmin())
+    if abs(beam.s[nearest] - s) < 1e-9 * beam.length:
+        return min(nearest, n - 1)
     return min(int(np.searchsorted(beam.s, s, side="right")) - 1, n - 1)
