@@ -107,9 +107,10 @@ def test_wrong_quantities_say_why(value, unit, sentence):
 
 
 def test_all_kinds_differ_in_dimension():
-    # but for a frequency, which is an angular velocity of full turns
+    # but for a frequency, which is an angular velocity of full turns, and a torque per length
     dimensions = {unit: str(parse_unit(unit).dimensionality) for unit in KINDS}
     assert dimensions.pop("Hz") == dimensions["rad/s"]
+    assert dimensions.pop("N m/m") == dimensions["N"]
     assert len(set(dimensions.values())) == len(dimensions)
 
 
