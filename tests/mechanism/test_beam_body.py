@@ -252,6 +252,14 @@ def test_twist_that_the_ends_of_an_element_do_not_show_is_refused():
         jo.BeamBody("b", [(0, 0, 0), (1, 0, 0)], jo.Circle(0.01), STEEL, elements=8, twist=90)
 
 
+def test_millimetres_and_degrees_are_asked_for():
+    points = [(0, 0, 0), (1, 0, 0)]
+    with pytest.warns(jo.JoustoWarning, match="20 m wide and the beam 1 m long; were millimetres"):
+        jo.BeamBody("b", points, jo.Rectangle(20, 2), STEEL, elements=8)
+    with pytest.warns(jo.JoustoWarning, match="twisted by 45 rad; were degrees meant"):
+        jo.BeamBody("b", points, jo.Circle(0.01), STEEL, elements=40, twist=45)
+
+
 @pytest.mark.parametrize("mass", ["consistent", 0.5])
 def test_consistent_inertia_of_a_mass_centre_off_the_axis_is_refused(mass):
     section = jo.BeamSection.of(jo.Rectangle(0.02, 0.01), STEEL, centroid=(0, 0.01))

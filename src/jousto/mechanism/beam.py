@@ -31,6 +31,7 @@ MOST_TWIST = 3.0  # rad of an element
 CENTRED = 1e-6  # radii of gyration that a mass centre may be off the axis
 ROTARY = 1.2  # of the inertia that a first moment needs at least
 COARSE = 1.0  # rad that an unstressed element may turn
+WIDE = 5.0  # lengths of a beam that its section may be wide
 ELEMENT_DATA = 79
 
 
@@ -290,10 +291,22 @@ class BeamBody:
 
         coarsest = float((lengths * np.linalg.norm(e0[:, 3:], axis=1)).max())
         if coarsest > COARSE:
+            twisted = float(np.abs(np.diff(turns)).max())
+            remedy = (
+                f"it is twisted by {np.ptp(turns):.4g} rad; were degrees meant? If not, more points"
+                if twisted > 0.5 * coarsest
+                else "give more points, or corners=[...] where the beam has corners"
+            )
+            text = f"its elements turn by up to {coarsest:.3g} rad each, which is coarse; {remedy}"
+            warn(where, text)
+        width = max(
+            (float(np.ptp(x.outline, axis=0).max()) for x in _outlined(sections)), default=0
+        )
+        if width > WIDE * lengths.sum():
             warn(
                 where,
-                f"its elements turn by up to {coarsest:.3g} rad each, which is coarse; give more "
-                "points, or corners=[...] where the beam has corners",
+                f"its section is {width:.4g} m wide and the beam {lengths.sum():.4g} m long; were "
+                "millimetres meant?",
             )
 
     def __repr__(self) -> str:
@@ -445,6 +458,11 @@ def _apart(problems: Problems, where: str, name: str, points: Array) -> bool:
         problems.add(where, f"{name}[{i}] and {name}[{i + 1}] are at one place; leave one out")
         return False
     return True
+
+
+def _outlined(sections: tuple[BeamSection, ...]) -> list[BeamSection]:
+    """Return the different sections whose outline is known: those of one material."""
+    return [x for x in {id(x): x for x in sections}.values() if x.elasticity is not None]
 
 
 def _sections(
