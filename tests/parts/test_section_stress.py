@@ -25,6 +25,28 @@ def test_bending_and_torsion_of_a_round_bar() -> None:
     assert abs(left.rows[5, 3]) == pytest.approx(16.0 / (np.pi * d**3), rel=1e-12)
 
 
+@pytest.mark.parametrize("section", [jo.Circle(0.02), jo.Tube(0.02, 0.001)], ids=["circle", "tube"])
+def test_a_round_section_has_points_all_around(section: jo.Section) -> None:
+    """Turning load and point together changes nothing; shear at the edge runs along it."""
+    points = [p for p in stress_points(section) if p.name != "centre"]
+    assert len(points) == len({p.name for p in points}) == 24
+    left = next(p for p in points if p.name == "left")
+    load = np.array([300.0, 50.0, -80.0, 7.0, 4.0, -3.0])
+    for p in points:
+        angle = np.arctan2(p.z, p.y)
+        assert np.hypot(p.y, p.z) == pytest.approx(0.01)
+        if p.name.startswith("deg"):
+            assert int(p.name[3:]) == pytest.approx(np.rad2deg(angle) % 360.0)
+        R = np.eye(3)
+        R[1:, 1:] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+        turned = np.concatenate([R @ load[:3], R @ load[3:]])
+        a, b = p.rows @ turned, left.rows @ load
+        assert a[0] == pytest.approx(b[0])
+        # s12 and s13 turn as the vector of shear on the section
+        assert a[[3, 5]] == pytest.approx(R[1:, 1:] @ b[[3, 5]], abs=1e-6)
+        assert a[[3, 5]] @ [p.y, p.z] == pytest.approx(0.0, abs=1e-6)
+
+
 def test_axis_off_the_centroid_and_the_shear_centre() -> None:
     """Pull along the centroid is plain tension; a force through the shear centre does not twist."""
     section, c, e = jo.Rectangle(0.02, 0.04), (0.03, -0.01), (-0.02, 0.05)

@@ -65,7 +65,8 @@ def certificate_lines(found: HotSpots) -> list[str]:
     elif found.certified:
         lines.append(
             f"certified: no other place {what} {_bound(found, found.bound)} at any stored instant "
-            f"from {found.start:g} to {found.end:g} s; the last of the list has {last}"
+            f"from {found.start:g} to {found.end:g} s, of the listed places; "
+            f"the last of the list has {last}"
         )
     else:
         lines.append(f"not certified: other places may reach {_bound(found, found.bound)}")
