@@ -36,6 +36,13 @@ def test_forces(bent: jo.Solution, tmp_path: Path) -> None:
     assert code == 2 and "one instant" in text
 
 
+def test_forces_tell_a_wrong_format_first(bent: jo.Solution, tmp_path: Path) -> None:
+    code, text = call("forces", bent.path, "-o", tmp_path / "a.txt")
+    told = " ".join(text.split())
+    assert code == 2 and "My" not in told, text
+    assert "known: .csv, .vtu, .pvd, .png, .svg, .pdf, .jpg, .jpeg, .webp, .eps" in told
+
+
 def test_beams_are_bodies_like_others(bent: jo.Solution, tmp_path: Path) -> None:
     code, text = call("stress", bent.path, "--criterion", "s11", "-o", tmp_path / "a.vtu")
     assert code == 0 and "e1.a.top_right" in text, text

@@ -50,6 +50,23 @@ def test_a_path_names_its_limits_and_writes_table_and_picture(model, tmp_path):
     assert picture.exists()
 
 
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--sensor", "apx.y", "-o", "a.png"), "no sensor 'apx'"),
+        (("--sensor", "apex.7"), "has 3 values; say which"),
+        (("-o", "a.txt"), "known: .png, .svg, .pdf, .jpg, .jpeg, .webp, .eps"),
+        (("--csv", "a.txt"), "known: .csv"),
+    ],
+)
+def test_a_path_is_not_followed_for_nothing(model, tmp_path, monkeypatch, options, told):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("jousto.simulation.load_path", lambda *_, **__: pytest.fail("it ran"))
+    code, out = jousto("path", model, "--to", 5, *options)
+    assert code == 2, out
+    assert told in " ".join(out.split())
+
+
 def test_load_steps_fail_at_the_limit_with_the_remedy(model):
     code, out = jousto("path", model, "--to", 50)
     assert code == 1

@@ -279,3 +279,11 @@ def test_the_end_must_come_after_the_start() -> None:
     run = simulate_planar(chain(1), 0.01, PlanarNewmark(1e-3))
     with pytest.raises(jo.InputError, match="there is none"):
         run.node("tip")
+
+
+@pytest.mark.parametrize("t_end", [0.0104, 0.0096, 0.01])
+def test_equal_steps_end_where_they_shall(t_end: float) -> None:
+    run = simulate_planar(chain(1), t_end, PlanarNewmark(1e-3))
+    assert run.time[-1] == pytest.approx(t_end, rel=1e-12)
+    assert np.diff(run.time) == pytest.approx(t_end / (len(run.time) - 1), rel=1e-9)
+    assert np.diff(run.time).max() <= 1e-3 * (1 + 1e-9)

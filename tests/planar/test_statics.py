@@ -180,3 +180,7 @@ def test_path_without_load_is_refused() -> None:
         arc_length(chain(2), 0.1)
     with pytest.raises(jo.InputError, match="first is 0, must be a number other than zero"):
         arc_length(chain(2), 0.0)
+    with pytest.raises(jo.InputError, match="first is 0.1 and leads away from until = -1"):
+        arc_length(chain(2), 0.1, until=-1.0)
+    with pytest.raises(jo.InputError, match="factors is empty; give one"):
+        load_steps(chain(2), [])

@@ -28,13 +28,20 @@ def forces(
 ) -> None:
     """Show the forces and moments along an exact beam: the smallest and largest, where and when.
 
-    -o writes the envelope or the instant --at as .csv, diagrams at the instants --at as .png,
-    .svg or .pdf, the swept surface with its stress as .vtu, and all instants as .pvd.
+    -o writes the envelope or the instant --at as .csv, diagrams at the instants --at as .png, .svg,
+    .pdf, .jpg, .jpeg, .webp or .eps, the swept surface with its stress as .vtu, and all instants as
+    .pvd.
     """
+    from jousto.output.style import PICTURES, target
     from jousto.recovery import section_forces
     from jousto.simulation import load
 
     moments = [float(instant(text, "--at") or 0.0) for text in at or ()]
+    suffix = ""
+    if output is not None:
+        suffix = target(output, ("csv", "vtu", "pvd", *PICTURES)).suffix.lower()
+        if suffix == ".csv" and len(moments) > 1:
+            raise InputError(Problem("--at", f"a table has one instant, not {len(moments)}"))
     run = load(result)
     names = [shape.name for shape in run.beams]
     if beam is None and len(names) != 1:
@@ -47,10 +54,7 @@ def forces(
     say(str(found_forces))
     if output is None:
         return
-    suffix = output.suffix.lower()
     if suffix == ".csv":
-        if len(moments) > 1:
-            raise InputError(Problem("--at", f"a table has one instant, not {len(moments)}"))
         path = found_forces.to_csv(output, *moments)
     elif suffix in (".vtu", ".pvd"):
         from jousto.output import write_beam

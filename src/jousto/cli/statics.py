@@ -44,6 +44,8 @@ def path(
 ) -> None:
     """Follow the equilibrium of a model while an input grows; -o draws it over a sensor."""
     from jousto.output import plot_load_path, write_load_path
+    from jousto.output.load_path import sensor_place
+    from jousto.output.style import PICTURES, target
     from jousto.schema import read_model
     from jousto.simulation import load_path
 
@@ -51,9 +53,14 @@ def path(
     name = _parameter(compiled, parameter, model)
     if to is None:
         raise InputError(Problem(model.name, f"does not say how far {name} grows; give --to VALUE"))
-    shown = ""
+    # what cannot be written is told before the path is followed
+    if table is not None:
+        target(table, ("csv",))
     if output is not None:
-        shown = sensor or _first(compiled, model)
+        target(output, PICTURES)
+    shown = sensor or ("" if output is None else _first(compiled, model))
+    if shown:
+        sensor_place({quantity.name: quantity.count for quantity in compiled.sensors}, shown)
     found = load_path(
         compiled, name, to=to, start=start, steps=steps, method="arc" if arc else "load"
     )

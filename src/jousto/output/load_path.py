@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -16,30 +17,37 @@ SIZE = (7.0, 4.6)  # inch
 AXES = "xyz"
 
 
+def sensor_place(counts: Mapping[str, int], sensor: str) -> tuple[str, int]:
+    """Return the sensor and the place of its value that ``sensor``, ``sensor.y``, ``sensor.1`` say.
+
+    Raises
+    ------
+    InputError
+        If there is no such sensor or value.
+    """
+    name, _, part = sensor.partition(".")
+    if sensor in counts:
+        name, part = sensor, ""
+    if name not in counts:
+        have = ", ".join(counts) or "none"
+        hint = suggest(name, list(counts)) or f"; there are: {have}"
+        raise InputError(Problem("load path", f"no sensor {name!r}{hint}"))
+    k = AXES.find(part) if part and part in AXES else int(part) if part.isdigit() else -1
+    if not part and counts[name] == 1:
+        k = 0
+    if not 0 <= k < counts[name]:
+        one = "1 value" if counts[name] == 1 else f"{counts[name]} values"
+        message = f"sensor {name!r} has {one}; say which, as '{name}.y' or '{name}.0'"
+        raise InputError(Problem("load path", message))
+    return name, k
+
+
 def _column(data: LoadPath, sensor: str) -> tuple[NDArray[np.float64], str]:
     """Return the values of ``sensor``, ``sensor.y`` or ``sensor.1`` and a label."""
-    name, _, part = sensor.partition(".")
-    if sensor in data.sensors:
-        name, part = sensor, ""
-    if name not in data.sensors:
-        have = ", ".join(data.sensors) or "none"
-        hint = suggest(name, list(data.sensors)) or f"; there are: {have}"
-        raise InputError(Problem("load path", f"no sensor {name!r}{hint}"))
-    values = data.sensors[name]
-    unit = data.units.get(name, "")
-    if values.ndim == 2:
-        k = AXES.find(part) if part and part in AXES else int(part) if part.isdigit() else -1
-        if not part and values.shape[1] == 1:
-            k = 0
-        if not 0 <= k < values.shape[1]:
-            raise InputError(
-                Problem(
-                    "load path",
-                    f"sensor {name!r} has {values.shape[1]} values; say which, as '{name}.y' or "
-                    f"'{name}.0'",
-                )
-            )
-        values = values[:, k]
+    counts = {n: v.shape[1] if v.ndim == 2 else 1 for n, v in data.sensors.items()}
+    name, k = sensor_place(counts, sensor)
+    values, unit = data.sensors[name], data.units.get(name, "")
+    values = values[:, k] if values.ndim == 2 else values
     return np.asarray(values), f"{sensor} ({unit})" if unit else sensor
 
 

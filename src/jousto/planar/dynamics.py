@@ -59,10 +59,10 @@ class Scheme(NamedTuple):
     gamma: float
 
 
-def scheme(method: Method) -> Scheme:
-    """Return the numbers that Newton needs of a method."""
+def scheme(method: Method, step: float | None = None) -> Scheme:
+    """Return the numbers that Newton needs of a method, with another step if one is given."""
     am, af, beta, gamma = method.weights
-    h = method.step
+    h = method.step if step is None else step
     c, m = gamma / (beta * h), (1.0 - am) / ((1.0 - af) * beta * h * h)
     return Scheme(h, c, m, am, af, beta, gamma)
 
@@ -156,6 +156,7 @@ def simulate_planar(
     t_end : float
         s.
     method : PlanarNewmark or PlanarGeneralizedAlpha
+        Its step is shortened, never lengthened, so that equal steps end at `t_end`.
     convergence : Convergence, optional
         By default to 1e-9 of the largest force.
     inertia_tangents : bool
@@ -194,6 +195,8 @@ def simulate_planar(
     if steps < 1:
         text = f"t_end is {t_end:g} s, must be after the start at {t0:g} s"
         raise InputError(Problem("simulate_planar", text))
+    if t_end - t0 < (steps - 1e-6) * rule.h:
+        rule = scheme(method, (t_end - t0) / steps)
     loads = system.at_time(t0)
     a = start_accelerations(system, q, v, loads) if start.a is None else start.a.copy()
     s = a.copy() if start.s is None else start.s.copy()

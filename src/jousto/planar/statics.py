@@ -52,12 +52,14 @@ def load_steps(
     Raises
     ------
     InputError
-        If the frame can move without force: what moves.
+        If there are no factors, or the frame can move without force: what moves.
     SimulationError
         If a step does not converge, with its factor; ``arc_length`` passes limit points.
     """
     problems = Problems()
     values = problems.array("load_steps", "factors", factors, (None,))
+    if values is not None and not len(values):
+        problems.add("load_steps", "factors is empty; give one load factor at least, as [1.0]")
     problems.raise_if_any()
     assert values is not None
     convergence = convergence or Convergence()
@@ -101,7 +103,7 @@ def arc_length(
     first : float
         Load factor of the first step, which fixes the length.
     until : float
-        Load factor at which the path ends, in the direction of `first`.
+        Load factor at which the path ends, in the direction of `first`: of the same sign.
     max_steps : int
         Most points.
     convergence : Convergence, optional
@@ -110,13 +112,17 @@ def arc_length(
     Raises
     ------
     InputError
-        If the frame can move without force, or nothing loads it.
+        If the frame can move without force, nothing loads it, or `first` leads away from `until`.
     SimulationError
         If a step does not converge even when it is a thousand times shorter.
     """
     problems = Problems()
     wanted = "a number other than zero"
-    problems.number("arc_length", "first", first, "", wanted, lambda x: x != 0.0)
+    for name, factor in (("first", first), ("until", until)):
+        problems.number("arc_length", name, factor, "", wanted, lambda x: x != 0.0)
+    if not problems.found and first * until < 0.0:
+        text = f"first is {first:g} and leads away from until = {until:g}; give both the same sign"
+        problems.add("arc_length", text)
     problems.raise_if_any()
     convergence = convergence or Convergence(max_iterations=12)
     system = frame.system
