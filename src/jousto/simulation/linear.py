@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,6 @@ from jousto.simulation.state import State, put
 Array = NDArray[np.float64]
 Eigenvalues = NDArray[np.complex128]
 RANK = 1e-10  # of the largest singular value of the scaled constraint matrix
-SYMMETRIC = 1e-8  # relative asymmetry of a stiffness that is taken as round-off
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,7 +263,9 @@ def modes(
     """Compute the natural modes of a mechanism about a state.
 
     Undamped: ``K x = omega^2 M x`` in the free coordinates with all velocities zero, where K is
-    the exact derivative of the static forces (gravity, loads and prestress included). Damped:
+    the exact derivative of the static forces (gravity, loads and prestress included); where loads
+    follow the bodies K is not symmetric and modes may come as pairs that flutter: one decays, the
+    other grows (damping below 0). Damped:
     eigenvalues of the linearised motion at the velocities of the state, gyroscopic terms included.
 
     Parameters
@@ -301,7 +302,7 @@ def modes(
         keep = values.imag >= 0.0
         eigenvalues, free = values[keep].astype(np.complex128), vectors[:f, keep]
     else:
-        t = tangent(model, State(state.q, np.zeros(model.nv), state.lam, state.time))
+        t = tangent(model, replace(state, v=np.zeros(model.nv)))  # its inputs stay
         squares, free = stiffness_modes(t)
         roots = np.sqrt(-squares.astype(np.complex128))
         eigenvalues = np.where(roots.imag < 0.0, -roots, roots)
@@ -333,17 +334,12 @@ def local(model: Model, q: Array, increments: NDArray[Any]) -> NDArray[Any]:
 
 def stiffness_modes(t: Tangent) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return omega^2 (f,) and shapes (f, f) of ``K x = omega^2 M x``, K = -M du'/dy."""
-    import scipy.linalg  # slow to import and rarely needed
+    from jousto.simulation.spectrum import small_modes  # slow to import and rarely needed
 
     M = t.N.T @ t.M @ t.N
-    K = -M @ t.Ay
-    if not K.size:
+    if not M.size:
         return np.zeros(0), np.zeros((0, 0))
-    if np.abs(K - K.T).max() <= SYMMETRIC * np.abs(K).max():
-        values, vectors = scipy.linalg.eigh(0.5 * (K + K.T), 0.5 * (M + M.T))
-        return values, vectors
-    values, vectors = scipy.linalg.eig(K, M)  # follower loads, or away from equilibrium
-    return values, vectors
+    return small_modes(-M @ t.Ay, M)
 
 
 def pictures(model: Model, q: Array, increments: NDArray[Any]) -> dict[str, NDArray[Any]]:

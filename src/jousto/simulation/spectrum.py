@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 blocks: Any = sp.bmat  # of which the type information knows too little
 DENSE = 360  # unknowns up to which all modes are computed
-SYMMETRIC = 1e-7  # relative asymmetry of a stiffness that is taken as round-off
-ROUND_OFF = 1e-11  # the same of sparse ones, where solving without symmetry costs little
+SYMMETRIC = 1e-6  # of sqrt(wi^2 wj^2): coupling of two modes by the skew part, taken as none
+FLOOR = 1e-14  # the same, of the largest omega^2
+ROUND_OFF = 1e-13  # relative asymmetry of sparse ones, where solving without symmetry costs little
 RANK = 1e-10  # of the largest pivot of the scaled constraint matrix
 SHIFT = 1e-14  # of the largest stiffness over mass
 
@@ -54,6 +55,25 @@ def null_basis(C: Any, n: int) -> Array:
     return np.asarray(Q[:, rank:])
 
 
+def small_modes(K: Array, M: Array) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return omega^2 (f,) and shapes (f, f) of ``K x = omega^2 M x``, complex if they must be.
+
+    Follower loads make K unsymmetric by parts that are tiny beside the axial stiffness of beams
+    but not beside the lowest modes. So the skew part is looked at in the modes of the symmetric
+    part: where it couples two of them, the unsymmetric problem is solved, in these modes.
+    """
+    squares, X = sl.eigh(0.5 * (K + K.T), 0.5 * (M + M.T))
+    skew = X.T @ (0.5 * (K - K.T)) @ X
+    size = np.abs(squares)
+    allowed = SYMMETRIC * np.sqrt(np.outer(size, size)) + FLOOR * size.max(initial=0.0)
+    if (np.abs(skew) <= allowed).all():
+        return squares, X
+    values, vectors = sl.eig(np.diag(squares) + skew)
+    if not np.iscomplex(values).any():
+        values, vectors = np.real(values), np.real(vectors)
+    return values, X @ vectors
+
+
 def nearest(K: Any, M: Any, C: Any, count: int, *, dense: bool | None = None) -> Spectrum:
     """Return the `count` modes of smallest ``|omega^2|``.
 
@@ -76,12 +96,7 @@ def nearest(K: Any, M: Any, C: Any, count: int, *, dense: bool | None = None) ->
         if not N.shape[1]:
             return Spectrum(np.zeros(0), np.zeros((n, 0)))
         k = N.T @ (K @ N)
-        mass = N.T @ (M @ N)
-        mass = 0.5 * (mass + mass.T)
-        if np.abs(k - k.T).max() <= SYMMETRIC * np.abs(k).max():
-            values, vectors = sl.eigh(0.5 * (k + k.T), mass)
-        else:
-            values, vectors = sl.eig(k, mass)
+        values, vectors = small_modes(k, N.T @ (M @ N))
         order = np.argsort(np.abs(values), kind="stable")[:count]
         return Spectrum(values[order], _unit(N @ vectors[:, order], M))
     return _sparse(K, M, C, count)
