@@ -88,6 +88,44 @@ def test_a_narrow_cantilever_buckles_sideways():
     assert found.loads[0] == pytest.approx(4.013 * np.sqrt(60.0 * GJ) / L**2, rel=4e-3)
 
 
+def test_a_cantilever_tips_over_under_its_weight():
+    """q L = 12.85 sqrt(EI GJ) / L^2 (Timoshenko and Gere, 6.3), bent as it is by then."""
+    beam = straight(24, jo.BeamSection.of(jo.Circle(0.02), STEEL))
+    down = jo.Gravity((0, 0, -9.81))
+    model = jo.compile(jo.Mechanism(beam, jo.Fixed("base", BASE, beam["start"]), down))
+    area, inertia = np.pi * 1e-4, np.pi * 0.02**4 / 64
+    closed = 12.85 * np.sqrt(E * inertia * E / (1 + NU) * inertia) / L**3
+    found = jo.buckling(model, "gravity", 1).loads[0]
+    assert found == pytest.approx(closed / (RHO * area * 9.81), rel=4e-3)
+
+
+@pytest.mark.parametrize("weight", [0.1, 3.0])
+def test_weight_across_a_column_leaves_the_load_of_linear_theory(weight):
+    beam = straight(16)
+    clamp = jo.Fixed("base", BASE, beam["start"])
+    press = jo.Force("press", beam["end"], (-1, 0, 0), signal=jo.Input("P"))
+    parts = [beam, clamp, press, jo.Gravity((0, -9.81 * weight, 0))]
+    found = jo.buckling(jo.compile(jo.Mechanism(*parts)), "P", 1).loads[0]
+    assert found == pytest.approx(np.pi**2 / 4 * EI / L**2, rel=6e-3)
+
+
+@pytest.mark.parametrize("bending", [False, True])
+def test_strains_for_buckling_are_those_of_the_elements(bending):
+    from jousto.mechanism.beam_shape import strains
+    from jousto.simulation.beam_strains import beam_strains
+
+    steps = np.linspace(0.0, 1.5, 6)
+    points = np.column_stack([np.sin(steps), 1 - np.cos(steps), 0.2 * steps])
+    beam = jo.BeamBody("beam", points, jo.Circle(0.02), STEEL, twist=0.7, bending=bending)
+    clamp = jo.Fixed("base", BASE, beam["start"])
+    model = jo.compile(jo.Mechanism(beam, clamp, jo.Gravity((0, 0, -9.81))))
+    pairs = np.stack([beam.nodes[:-1], beam.nodes[1:]], axis=1)
+    turns = np.stack([beam.frames[:-1], beam.frames[1:]], axis=1)
+    length = np.array([x.data[0] for x in model.beams])
+    wanted = strains(pairs, turns, length, helical=bending)
+    assert np.abs(beam_strains(model, model.q0) - wanted).max() < 1e-12
+
+
 def test_a_beam_under_pure_moment_buckles_sideways():
     """M = pi sqrt(EI GJ) / L, ends that rotate but do not twist (Timoshenko and Gere, 6.2)."""
     GJ = 40.0

@@ -26,13 +26,13 @@ def test_deep_cantilever_tips_over_sideways() -> None:
 def test_bending_before_it_tips_over() -> None:
     # a beam only a hundred times stiffer in its plane is bent when it tips over, which holds it:
     # 1/sqrt((1 - EIy/EIz)(1 - GJ/EIz)), to the first order (Michell, Philosophical Magazine 48
-    # (1899) 298-309); linear theory, which takes the tangent as linear in the load, is 12 % off
+    # (1899) 298-309); linear theory knows nothing of it
     beam = straight(1.0, 16, section(1e6, 1e6, 1e6, 1.0, 1.0, 100.0), bending=True)
     model = cantilever(beam, (0.0, -1.0, 0.0))
     found = jo.buckling(model, "load", 1, method="path", to=5.0, steps=5)
     assert found.kinds == ("bifurcation",)
     assert found.loads[0] == pytest.approx(bc.lateral() / 0.99, rel=5e-3)
-    assert jo.buckling(model, "load", 1).loads[0] == pytest.approx(0.88 * bc.lateral(), rel=0.01)
+    assert jo.buckling(model, "load", 1).loads[0] == pytest.approx(bc.lateral(), rel=3e-3)
 
 
 def test_right_angle_frame_tips_over_sideways() -> None:

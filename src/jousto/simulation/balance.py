@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import copy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -119,9 +121,7 @@ class Balance:
             if self._twin is None:
                 self._twin = Engine(self.model, complex_scalars=True)
             engine = self._twin
-            for name in ("time", "input", "turn", "locked", "held", "slip", "direction"):
-                getattr(engine, name)[:] = getattr(self.engine, name)
-            engine.happened[:] = self.engine.happened
+            self._same(engine)
         engine.q[:] = q
         engine.lam[:] = lam[: self.model.nrow]
         engine.v[:] = engine.a[:] = 0.0
@@ -138,13 +138,33 @@ class Balance:
             self._rotate(engine, speed)
         return engine
 
+    def _same(self, engine: Engine) -> None:
+        """Bring another engine to what is neither position nor load: time, inputs, events."""
+        for name in ("time", "input", "turn", "locked", "held", "slip", "direction"):
+            getattr(engine, name)[:] = getattr(self.engine, name)
+        engine.happened[:] = self.engine.happened
+
+    def variant(self, *, beams: bool = True, data: dict[int, Any] | None = None) -> Balance:
+        """Return a balance of the same state without the beams, or with other data of elements.
+
+        Data may be complex: `slope` then is the rate along them too.
+        """
+        out = copy(self)
+        if not beams:
+            out.model = replace(self.model, beams=())
+            out.engine = Engine(out.model)
+            self._same(out.engine)
+        override = {("beam", i, "data"): x for i, x in (data or {}).items()}
+        out._twin = Engine(out.model, complex_scalars=True, override=override)
+        return out
+
     def _rotate(self, engine: Engine, speed: Any) -> None:
         """Set velocities and accelerations of the steady rotation."""
         W = self._rate = speed * self.axis
         for b in self.model.bodies:
             V = np.cross(W, engine.q[b.iq : b.iq + 3] - self.point)
             engine.v[b.iv : b.iv + 3] = V
-            engine.v[b.iv + 3 : b.iv + 6] = _turn(engine.q[b.iq + 3 : b.iq + 7]).T @ W
+            engine.v[b.iv + 3 : b.iv + 6] = turned(engine.q[b.iq + 3 : b.iq + 7]).T @ W
             engine.a[b.iv : b.iv + 3] = np.cross(W, V)
 
     def spin(self, q: Array) -> Array:
@@ -302,7 +322,7 @@ def skew_any(w: Any) -> Any:
     return np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
 
 
-def _turn(e: Any) -> Any:
+def turned(e: Any) -> Any:
     """Return the rotation matrix of real or complex Euler parameters."""
     if not np.iscomplexobj(e):
         return rotation_matrix(e / np.linalg.norm(e))

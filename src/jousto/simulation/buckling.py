@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.linalg as sl
@@ -10,9 +11,11 @@ import scipy.sparse.linalg as spl
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.engine import Model
+from jousto.engine.native import IMAGINARY, displaced
 from jousto.errors import Problems
 from jousto.simulation.balance import Balance
-from jousto.simulation.continuation import factor
+from jousto.simulation.beam_strains import beam_strains
+from jousto.simulation.continuation import Point, factor
 from jousto.simulation.linear import local, pictures
 from jousto.simulation.paths import LoadPath, PathFailed, Walk, load_path
 from jousto.simulation.spectrum import DENSE
@@ -69,10 +72,12 @@ def buckling(
 ) -> Buckling:
     """Find the loads beyond a start at which the equilibrium turns unstable.
 
-    ``method="linear"``: with the tangent matrix A0 of the equilibrium at `start` and its exact
-    rate A' along the path there, ``(A0 + (s - start) A') x = 0``: right where displacements stay
-    small up to the critical load. ``method="path"``: the path is followed and the points where
-    the tangent stiffness is singular are found on it, exactly, limit points too.
+    ``method="linear"``: with the tangent matrix A0 of the equilibrium at `start` and its rate A'
+    there, ``(A0 + (s - start) A') x = 0``: right where displacements stay small up to the critical
+    load. A' is exact, but of exact beams it is that of the linear stress alone, their shape held,
+    as in classical theory: the terms of first order in bending are nothing without their second.
+    ``method="path"``: the path is followed and the points where the tangent stiffness is singular
+    are found on it, exactly, limit points too.
 
     Parameters
     ----------
@@ -149,7 +154,7 @@ def _linear(balance: Balance, start: float, count: int) -> Buckling:
     at = Walk(balance, start, start + 1.0).begin()
     lu = factor(balance, at)
     step = -lu.solve(balance.push(at.q, at.lam, at.value))
-    slope = balance.slope(at.q, at.lam, at.value, step)
+    slope = _rate(balance, at, step)
     n, nv = balance.size, balance.model.nv
     if n <= DENSE:
         values, vectors = sl.eig(-lu.solve(slope.toarray()))
@@ -171,3 +176,25 @@ def _linear(balance: Balance, start: float, count: int) -> Buckling:
         {name: np.real(x) for name, x in drawn.items()},
         ("linear",) * len(order),
     )
+
+
+def _rate(balance: Balance, at: Point, step: Array) -> Any:
+    """Return the rate of the tangent matrix along the linear solution.
+
+    Beams keep their shape and carry the linear stress, ``e0 -> e0 - s e'``: their stiffness of
+    initial displacements, EA times a rotation, would need its partner of second order.
+    """
+    model = balance.model
+    if not model.beams:
+        return balance.slope(at.q, at.lam, at.value, step)
+    nv, h = model.nv, 1j * IMAGINARY
+    rates = beam_strains(model, displaced(model, at.q, h * step[:nv])).imag
+    data = {}
+    for i, beam in enumerate(model.beams):
+        data[i] = beam.data.astype(complex)
+        data[i][61:67] -= 1j * rates[i]
+    still, alone = step.copy(), step.copy()
+    still[:nv] = 0.0
+    alone[nv:] = 0.0
+    held = balance.variant(data=data).slope(at.q, at.lam, at.value, still)
+    return held + balance.variant(beams=False).slope(at.q, at.lam, at.value, alone, 0.0)
