@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -184,6 +185,12 @@ def test_a_free_body_is_named():
     model = jo.compile(jo.Mechanism(ball, slide, force))
     with pytest.raises(jo.PathFailed, match=r"body 'ball' moves freely along \(0, 0, -?1\)"):
         jo.load_path(model, "load", to=1.0)
+
+
+def test_a_summary_says_how_much_it_leaves_out(snapped):
+    assert "more" not in repr(snapped)
+    many = replace(snapped, critical=3 * snapped.critical)
+    assert repr(many).endswith("and 2 more>")
 
 
 def test_all_that_is_wrong_is_said_at_once():

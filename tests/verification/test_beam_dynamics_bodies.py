@@ -117,6 +117,7 @@ def links_tip(clamped, times):
     return fine + (fine - coarse) / 3
 
 
+@pytest.mark.filterwarnings("ignore:.*which is coarse")
 @pytest.mark.parametrize("clamped", [True, False], ids=["cantilever", "pendulum"])
 def test_it_swings_far_as_a_chain_of_rigid_links_does(clamped):
     times = np.linspace(0, 0.8, 81)

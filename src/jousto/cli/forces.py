@@ -28,9 +28,11 @@ def forces(
 ) -> None:
     """Show the forces and moments along an exact beam: the smallest and largest, where and when.
 
-    -o writes the envelope or the instant --at as .csv, diagrams at the instants --at as .png, .svg,
-    .pdf, .jpg, .jpeg, .webp or .eps, the swept surface with its stress as .vtu, and all instants as
-    .pvd.
+    With --at at these instants alone, else over the run or from --from to --to.
+
+    -o writes the envelope or the instant --at as .csv, diagrams at the instants --at as .png,
+    .svg, .pdf, .jpg, .jpeg, .webp or .eps, the swept surface with its stress as .vtu, and all
+    instants as .pvd.
     """
     from jousto.output.style import PICTURES, target
     from jousto.recovery import section_forces
@@ -51,7 +53,8 @@ def forces(
     found_forces = section_forces(
         run, name, start=instant(start, "--from"), end=instant(end, "--to")
     )
-    say(str(found_forces))
+    # what is shown is what was asked for; an instant outside the run is refused
+    say(str(section_forces(run, name, times=sorted(moments)) if moments else found_forces))
     if output is None:
         return
     if suffix == ".csv":

@@ -153,6 +153,8 @@ class LoadPath:
 
     def __repr__(self) -> str:
         found = ", ".join(f"{p.kind} at {p.load:.5g}" for p in self.critical[:4])
+        if len(self.critical) > 4:
+            found += f" and {len(self.critical) - 4} more"
         return (
             f"<LoadPath over {self.parameter!r}: {len(self)} points, {self.load[0]:.5g} to "
             f"{self.load[-1]:.5g}{'; ' + found if found else ''}>"
