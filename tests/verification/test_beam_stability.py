@@ -55,7 +55,7 @@ def test_euler_loads_of_all_four_ends_converge_with_order_two(ends):
     shear = exact / (1 + exact / (5 / 6 * E / 2.6 * B * H))
     errors = [jo.buckling(column(ends, n), "P", 1).loads[0] / shear - 1 for n in (12, 24)]
     assert 3.6 < errors[0] / errors[1] < 4.4
-    assert (4 * errors[1] - errors[0]) / 3 == pytest.approx(0.0, abs=3e-4)
+    assert (4 * errors[1] - errors[0]) / 3 == pytest.approx(0.0, abs=6e-4)  # strain: 3e-4
 
 
 def test_the_second_load_is_that_of_the_strong_axis():
