@@ -273,7 +273,9 @@ def modes(
     model : Model
         From `compile`.
     state : State, optional
-        Where, usually from `equilibrium`; None is the initial state.
+        Where, usually from `equilibrium`; None is the initial state. Where forces are not balanced
+        the mechanism accelerates, and how its inertia changes with the position counts in K too:
+        nodes of beams whose mass is off the axis then miss by many per cent.
     damped : bool
         Whether damping and velocities count.
     count : int, optional
