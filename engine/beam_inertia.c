@@ -103,24 +103,6 @@ jo_real jo_beam_kinetic(const jo_model *m, const jo_data *d)
     return T;
 }
 
-/* M = s a~ added */
-static void add_skew(jo_real *M, jo_real s, const jo_real *a)
-{
-    M[1] -= s * a[2]; M[2] += s * a[1];
-    M[3] += s * a[2]; M[5] -= s * a[0];
-    M[6] -= s * a[1]; M[7] += s * a[0];
-}
-
-/* M += s a~ b~ */
-static void add_skew_skew(jo_real *M, jo_real s, const jo_real *a, const jo_real *b)
-{
-    const jo_real ab = jo_dot3(a, b);
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) M[3 * i + j] += s * b[i] * a[j];
-        M[4 * i] -= s * ab;
-    }
-}
-
 /* Y = u~ X */
 static void lever(jo_real *Y, const jo_real *u, const jo_real *X)
 {
@@ -147,21 +129,21 @@ static void translation(jo_block N[2][2], const jo_beam *b, const jo_weights *c,
     if (offset)
         for (int k = 0; k < 2; k++) {   /* how the acceleration and the velocity of the end change as its body turns, local */
             jo_real M[9] = {0.0};
-            add_skew(X[k], -c->a, e[k].u);
-            add_skew(Y[k], -c->v, e[k].u);
+            jo_add_skew(X[k], -c->a, e[k].u);
+            jo_add_skew(Y[k], -c->v, e[k].u);
             for (int j = 0; j < 9; j++) At[k][j] = e[k].A[3 * (j % 3) + j / 3];
             if (c->plain) continue;
-            add_skew(X[k], -c->v, e[k].wu);
-            add_skew_skew(X[k], -c->v, e[k].w, e[k].u);
-            add_skew(M, -c->q, e[k].acc);
+            jo_add_skew(X[k], -c->v, e[k].wu);
+            jo_add_skew_skew(X[k], -c->v, e[k].w, e[k].u);
+            jo_add_skew(M, -c->q, e[k].acc);
             jo_real P[9];
             jo_mul33(P, M, turn[k]);
             for (int j = 0; j < 9; j++) { X[k][j] += P[j]; M[j] = 0.0; }
-            add_skew(M, -c->q, e[k].wu);
+            jo_add_skew(M, -c->q, e[k].wu);
             jo_mul33(P, M, turn[k]);
             for (int j = 0; j < 9; j++) { Y[k][j] += P[j]; M[j] = 0.0; }
             jo_mul3(P, At[k], f[k]);
-            add_skew_skew(M, c->q, e[k].u, P);
+            jo_add_skew_skew(M, c->q, e[k].u, P);
             jo_mul33(P, M, turn[k]);
             add_block(N[k][k], 3, 3, P);
         }
@@ -199,7 +181,7 @@ static void rotation(jo_block N[2][2], const jo_beam *b, const jo_weights *c, co
                 R[r] = sign * (c->a + c->v * alpha) * J[r] + (i == j ? 0.5 * alpha * c->v * J[r] : 0.0);
                 if (!c->plain) R[r] += sign * c->v * WJ[r];
             }
-            if (i == j && !c->plain) add_skew(R, i ? c->v : -c->v, p);
+            if (i == j && !c->plain) jo_add_skew(R, i ? c->v : -c->v, p);
             jo_mul33(Q, e[i].B, R);
             for (int r = 0; r < 3; r++)
                 for (int s = 0; s < 3; s++)

@@ -7,24 +7,6 @@
  */
 #include "internal.h"
 
-/* M (3x3) = s a~ added */
-static void add_skew(jo_real *M, jo_real s, const jo_real *a)
-{
-    M[1] -= s * a[2]; M[2] += s * a[1];
-    M[3] += s * a[2]; M[5] -= s * a[0];
-    M[6] -= s * a[1]; M[7] += s * a[0];
-}
-
-/* M += s a~ b~ = s (b a^T - (a . b) E) */
-static void add_skew_skew(jo_real *M, jo_real s, const jo_real *a, const jo_real *b)
-{
-    const jo_real ab = jo_dot3(a, b);
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) M[3 * i + j] += s * b[i] * a[j];
-        M[4 * i] -= s * ab;
-    }
-}
-
 /* M = d(T x)/dtheta or, with sign -1, d(T^T x)/dtheta of T = E + f1 theta~ + f2 theta~ theta~ */
 static void operator_rate(jo_real *M, const jo_real *theta, const jo_real *x, double sign)
 {
@@ -35,9 +17,9 @@ static void operator_rate(jo_real *M, const jo_real *theta, const jo_real *x, do
     jo_cross(one, theta, x);
     jo_cross(two, theta, one);
     for (int i = 0; i < 9; i++) M[i] = 0.0;
-    add_skew(M, -sign * f[1], x);          /* f1 dtheta x x */
-    add_skew(M, -f[2], one);               /* f2 dtheta x (theta x x) */
-    add_skew_skew(M, -f[2], theta, x);     /* f2 theta x (dtheta x x) */
+    jo_add_skew(M, -sign * f[1], x);          /* f1 dtheta x x */
+    jo_add_skew(M, -f[2], one);               /* f2 dtheta x (theta x x) */
+    jo_add_skew_skew(M, -f[2], theta, x);     /* f2 theta x (dtheta x x) */
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) M[3 * i + j] += 2.0 * (sign * df1 * one[i] + df2 * two[i]) * theta[j];
 }
@@ -85,7 +67,7 @@ static void marker_motion(const jo_model *m, jo_data *d, int marker)
     /* L, and in the last rows of W the change of [v, om] with the position */
     for (int i = 0; i < 3; i++) L[i * row + i] = 1.0;
     for (int i = 0; i < 9; i++) Q[i] = 0.0;
-    add_skew(Q, -1.0, w->u);
+    jo_add_skew(Q, -1.0, w->u);
     jo_mul33(M, A, Q);
     set_turn(L, row, M);
     if (k->Phi) add_modal(L, row, A, w->Phi, np, n);
@@ -93,17 +75,17 @@ static void marker_motion(const jo_model *m, jo_data *d, int marker)
     jo_set3(x, w->v);
     jo_sub3(x, bw->V);
     for (int i = 0; i < 9; i++) Q[i] = 0.0;
-    add_skew(Q, -1.0, x);
+    jo_add_skew(Q, -1.0, x);
     jo_mul33(M, A, Q);
     set_turn(W + 6 * row, row, M);
     if (k->Phi) {
         for (int i = 0; i < 9; i++) Q[i] = 0.0;
-        add_skew(Q, 1.0, bw->w);
+        jo_add_skew(Q, 1.0, bw->w);
         jo_mul33(M, A, Q);
         add_modal(W + 6 * row, row, M, w->Phi, np, n);
     }
     for (int i = 0; i < 9; i++) Q[i] = 0.0;
-    add_skew(Q, -1.0, w->om);
+    jo_add_skew(Q, -1.0, w->om);
     jo_mul33(M, A, Q);
     set_turn(W + 9 * row, row, M);
     if (k->Psi && k->turns) {
@@ -157,8 +139,8 @@ static void marker_stress(const jo_model *m, jo_data *d, int marker)
     jo_mul3t(t, bw->A, w->load + 3);
     const jo_block N = jo_newton_find(m, d, k->body, k->body);
     const int turns = k->Psi && k->turns;
-    add_skew_skew(M, 1.0, w->u, f);
-    add_skew(M, 1.0, t);
+    jo_add_skew_skew(M, 1.0, w->u, f);
+    jo_add_skew(M, 1.0, t);
     jo_mul33(Q, M, bw->turn);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) N.at[(3 + i) * N.stride + 3 + j] -= q * Q[3 * i + j];
@@ -177,7 +159,7 @@ static void marker_stress(const jo_model *m, jo_data *d, int marker)
             for (int j = 0; j < 3; j++) Tt[3 * i + j] = w->T[3 * j + i];
         jo_mul3(y, Tt, t);
         for (int i = 0; i < 9; i++) Q[i] = 0.0;
-        add_skew(Q, 1.0, t);
+        jo_add_skew(Q, 1.0, t);
         jo_real X[9], Z[9];
         jo_mul33(X, Tt, Q);
         jo_mul33(Z, X, bw->turn);
@@ -273,11 +255,11 @@ static void inertia(const jo_model *m, jo_data *d, int body)
     for (int j = 0; j < n; j++)
         for (int i = 0; i < 3; i++) F[i] += b->I3[i * np + j] * pdd[j];
     for (int i = 0; i < 3; i++) N.at[i * (N.stride + 1)] += ca * b->mass[0];
-    add_skew(FF, -ca, w->S);
-    add_skew(FF, -cv, y);
-    add_skew_skew(FF, -cv, om, w->S);
+    jo_add_skew(FF, -ca, w->S);
+    jo_add_skew(FF, -cv, y);
+    jo_add_skew_skew(FF, -cv, om, w->S);
     for (int i = 0; i < 9; i++) M[i] = 0.0;
-    add_skew(M, -cq, F);
+    jo_add_skew(M, -cq, F);
     jo_mul33(Q, M, w->turn);
     for (int i = 0; i < 9; i++) FF[i] += Q[i];
     jo_mul33(M, A, FF);
@@ -285,20 +267,20 @@ static void inertia(const jo_model *m, jo_data *d, int body)
         for (int j = 0; j < 3; j++) N.at[i * N.stride + 3 + j] += M[3 * i + j];
     /* torque: S x acc + J w' + B p'' + w x (J w + B p') + 2 Jd w */
     jo_real T[9] = {0.0}, J[9] = {w->J[0], w->J[5], w->J[4], w->J[5], w->J[1], w->J[3], w->J[4], w->J[3], w->J[2]};
-    add_skew(T, ca, w->S);
+    jo_add_skew(T, ca, w->S);
     for (int i = 0; i < 3; i++)   /* S~ A^T in the columns of R */
         for (int j = 0; j < 3; j++)
             N.at[(3 + i) * N.stride + j] += T[3 * i] * A[3 * j] + T[3 * i + 1] * A[3 * j + 1] + T[3 * i + 2] * A[3 * j + 2];
     jo_sym3(t, w->J, om);
     jo_add3(t, Bp);
     for (int i = 0; i < 9; i++) M[i] = 0.0;
-    add_skew(M, 1.0, om);
+    jo_add_skew(M, 1.0, om);
     jo_mul33(T, M, J);
     const jo_real JJ[9] = {Jd[0], Jd[5], Jd[4], Jd[5], Jd[1], Jd[3], Jd[4], Jd[3], Jd[2]};
     for (int i = 0; i < 9; i++) T[i] = ca * J[i] + cv * (T[i] + 2.0 * JJ[i]);
-    add_skew(T, -cv, t);
+    jo_add_skew(T, -cv, t);
     for (int i = 0; i < 9; i++) M[i] = 0.0;
-    add_skew_skew(M, cq, w->S, acc);
+    jo_add_skew_skew(M, cq, w->S, acc);
     jo_mul33(Q, M, w->turn);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) N.at[(3 + i) * N.stride + 3 + j] += T[3 * i + j] + Q[3 * i + j];

@@ -147,4 +147,22 @@ static inline void jo_rotation_rate(jo_real *rate, const jo_real *theta, const j
     for (int i = 0; i < 3; i++) rate[i] = w[i] + 0.5 * c1[i] + c * c2[i];
 }
 
+/* M (3x3) += s a~ */
+static inline void jo_add_skew(jo_real *M, jo_real s, const jo_real *a)
+{
+    M[1] -= s * a[2]; M[2] += s * a[1];
+    M[3] += s * a[2]; M[5] -= s * a[0];
+    M[6] -= s * a[1]; M[7] += s * a[0];
+}
+
+/* M += s a~ b~ = s (b a^T - (a . b) E) */
+static inline void jo_add_skew_skew(jo_real *M, jo_real s, const jo_real *a, const jo_real *b)
+{
+    const jo_real ab = jo_dot3(a, b);
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) M[3 * i + j] += s * b[i] * a[j];
+        M[4 * i] -= s * ab;
+    }
+}
+
 #endif
