@@ -295,7 +295,7 @@ typedef struct jo_data jo_data;
 
 int jo_abi(void);
 int jo_model_size(void);                         /* bytes of a jo_model, to compare with the caller's */
-int jo_cpu_level(void);                          /* x86-64 level of this processor (1, 3, 4); 0 elsewhere */
+int jo_cpu_level(void);                          /* x86-64 level of this processor (1 or 3); 0 elsewhere */
 jo_data *jo_data_new(const jo_model *m);         /* 0 if there is no memory */
 void jo_data_free(jo_data *d);
 jo_real *jo_data_q(jo_data *d);                  /* (nq) */

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import numpy as np
 import pytest
 
@@ -76,19 +78,51 @@ def test_every_build_of_the_engine_gives_the_same_motion():
         jo.Gravity((0, 0, -9.81)),
     )
     model = jo.compile(mechanism)
-    level = library.real_library().jo_cpu_level()
     results = []
-    for name, needed in (("", 0), ("_v3", 3), ("_v4", 4)):
-        if level < needed or library._path("jousto_engine" + name) is None:
-            continue
+    for build in runnable_builds():
         engine = jo.Engine(model)
-        engine._library = library._open("jousto_engine" + name)
+        engine._library = library.build(build)
         solver = engine.native_solver(1, 1e-3, True)
         for _ in range(200):
             engine.step(solver)
         results.append(engine.q.copy())
     for other in results[1:]:
+        # some 200 steps of 100 roundings each beside coordinates of order 1
         np.testing.assert_allclose(other, results[0], atol=1e-12)
+
+
+def runnable_builds() -> list[str]:
+    """Builds that are here and that this processor runs; the portable one always is."""
+    found = []
+    for name in library.BUILDS:
+        with contextlib.suppress(jo.InputError):
+            library.build(name)
+            found.append(name)
+    assert "baseline" in found
+    return found
+
+
+@pytest.mark.parametrize("name", [*library.BUILDS, " baseline "])
+def test_a_build_is_chosen_by_the_environment(monkeypatch, name):
+    if name.strip() not in runnable_builds():
+        pytest.skip(f"this processor does not run {name}")
+    monkeypatch.setenv("JOUSTO_CPU", name)
+    assert library.real_library.__wrapped__() is library.build(name.strip())
+
+
+def test_without_a_wish_the_fastest_build_runs(monkeypatch):
+    monkeypatch.delenv("JOUSTO_CPU", raising=False)
+    assert library.real_library.__wrapped__() is library.build(runnable_builds()[0])
+
+
+def test_unknown_and_impossible_builds_are_told(monkeypatch):
+    monkeypatch.setenv("JOUSTO_CPU", "v9")
+    with pytest.raises(jo.InputError, match="JOUSTO_CPU: is 'v9'; known are baseline, v3"):
+        library.real_library.__wrapped__()
+    monkeypatch.setitem(library.BUILDS, "v3", 99)
+    monkeypatch.setenv("JOUSTO_CPU", "v3")
+    with pytest.raises(jo.InputError, match="this processor cannot run the build v3"):
+        library.real_library.__wrapped__()
 
 
 def test_the_header_read_by_python_is_the_one_that_was_compiled():

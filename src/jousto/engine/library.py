@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import functools
+import os
 import re
 from pathlib import Path
 from typing import Any
 
 import cffi
 
-from jousto.errors import JoustoError
+from jousto.errors import InputError, Problem
 
 _HERE = Path(__file__).parent
+
+BUILDS = {"v3": 3, "baseline": 0}
+"""Builds of the engine, the fastest first, and the x86-64 level that each of them needs."""
 
 
 @functools.cache
@@ -23,7 +27,7 @@ def header() -> str:
             text = path.read_text(encoding="utf-8")
             body = text.split("/* BEGIN */")[1].split("/* END */")[0]
             return re.sub(r"/\*.*?\*/", "", body, flags=re.DOTALL)
-    raise JoustoError("jousto.h is missing from the installation; install jousto again")
+    raise InputError(Problem("jousto.h", "is missing from the installation; install jousto again"))
 
 
 def _path(name: str) -> Path | None:
@@ -42,36 +46,68 @@ def ffi() -> Any:
     return view
 
 
+@functools.cache
 def _open(name: str) -> Any:
     path = _path(name)
     if path is None:
-        raise JoustoError(
-            f"the compiled engine {name} is missing from {_HERE / 'lib'}; "
-            "install jousto again with a C compiler at hand (pip install .)"
+        raise InputError(
+            Problem(
+                f"the compiled engine {name}",
+                f"is missing from {_HERE / 'lib'}; install jousto again with a C compiler at hand "
+                "(pip install .)",
+            )
         )
     library = ffi().dlopen(str(path))
     found = (library.jo_abi(), library.jo_model_size())
     wanted = (library.JO_ABI, ffi().sizeof("jo_model"))
     if found != wanted:
-        raise JoustoError(
-            f"{path} does not fit this version (interface and size {found}, not {wanted}); "
-            "install jousto again"
+        raise InputError(
+            Problem(
+                str(path),
+                f"does not fit this version (interface and size {found}, not {wanted}); "
+                "install jousto again",
+            )
         )
     return library
 
 
 @functools.cache
 def real_library() -> Any:
-    """Return the fastest build that this processor can run.
+    """Return the build that runs the models: the fastest that this processor has instructions for.
 
-    All builds run the same sources; they differ in instructions and therefore in round-off.
+    The environment variable ``JOUSTO_CPU`` asks for another one of `BUILDS`. All builds run the
+    same sources; they differ in instructions and therefore in round-off.
+
+    Raises
+    ------
+    InputError
+        If ``JOUSTO_CPU`` names no build, or one that is not installed or that this processor
+        cannot run.
     """
-    baseline = _open("jousto_engine")
-    level = baseline.jo_cpu_level()
-    for name, needed in (("jousto_engine_v4", 4), ("jousto_engine_v3", 3)):
-        if level >= needed and _path(name) is not None:
-            return _open(name)
-    return baseline
+    asked = os.environ.get("JOUSTO_CPU", "").strip()
+    if asked and asked not in BUILDS:
+        known = ", ".join(sorted(BUILDS))
+        raise InputError(Problem("JOUSTO_CPU", f"is {asked!r}; known are {known}"))
+    return build(asked or next(name for name in BUILDS if _runs(name)))
+
+
+def build(name: str) -> Any:
+    """Return the build of this name, one of `BUILDS`."""
+    if _level() < BUILDS[name]:
+        raise InputError(Problem("engine", f"this processor cannot run the build {name}"))
+    return _open(_file(name))
+
+
+def _runs(name: str) -> bool:
+    return name == "baseline" or (_level() >= BUILDS[name] and _path(_file(name)) is not None)
+
+
+def _level() -> int:
+    return int(_open("jousto_engine").jo_cpu_level())
+
+
+def _file(name: str) -> str:
+    return "jousto_engine" if name == "baseline" else f"jousto_engine_{name}"
 
 
 @functools.cache
