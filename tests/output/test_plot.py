@@ -140,7 +140,7 @@ def test_bad_targets_are_refused_before_drawing(tmp_path: Path) -> None:
     (tmp_path / "b.png").mkdir()
     with pytest.raises(jo.InputError, match="is a folder"):
         jo.plot(swing(), path=tmp_path / "b.png")
-    with pytest.raises(jo.InputError, match="cannot write: .*choose another place"):
+    with pytest.raises(jo.InputError, match="cannot be written: .*choose another place"):
         jo.plot(swing(), "tip", path=tmp_path / f"{'x' * 300}.png")
 
 

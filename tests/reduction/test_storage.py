@@ -186,12 +186,12 @@ def test_any_flipped_block_is_noticed(start: int, saved: Path) -> None:
 def test_folder(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="is a folder"):
         ReducedPart.load(tmp_path)
-    with pytest.raises(InputError, match="cannot write the reduced part"):
+    with pytest.raises(InputError, match="is a folder, must be a file"):
         CASES["beam"]().save(tmp_path)
 
 
 def test_path_that_does_not_exist(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="cannot write.*check that the folder exists"):
+    with pytest.raises(InputError, match="cannot be written: the folder .* does not exist; create"):
         CASES["beam"]().save(tmp_path / "nowhere" / "part.h5")
 
 
@@ -199,7 +199,7 @@ def test_path_that_does_not_exist(tmp_path: Path) -> None:
 def test_folder_without_permission(tmp_path: Path) -> None:
     tmp_path.chmod(0o500)
     try:
-        with pytest.raises(InputError, match="cannot write"):
+        with pytest.raises(InputError, match="cannot be written"):
             CASES["beam"]().save(tmp_path / "part.h5")
     finally:
         tmp_path.chmod(0o700)
@@ -228,7 +228,7 @@ def test_disk_full(limit: int, saved: Path) -> None:
         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
     )
     assert run.returncode == 0, run.stderr
-    assert "cannot write the reduced part" in run.stdout
+    assert "cannot be written: File too large" in run.stdout
     assert saved.read_bytes() == before
     assert [p.name for p in saved.parent.iterdir()] == ["part.h5"]
 

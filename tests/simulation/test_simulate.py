@@ -149,7 +149,7 @@ def test_truncated_and_outdated_results(pendulum, tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "sentence"),
-    [("missing/run.h5", "does not exist; create it first"), (".", "it is a folder")],
+    [("missing/run.h5", "does not exist; create it first"), (".", "is a folder, must be a file")],
 )
 def test_unwritable_places_are_refused_before_the_run(pendulum, tmp_path, name, sentence):
     with pytest.raises(jo.InputError) as error:
@@ -270,7 +270,7 @@ def test_no_room_for_the_results_is_said_before_the_run(tmp_path):
     _, errors = process.communicate(timeout=120)
     assert process.returncode == 1
     assert "InputError" in errors
-    assert "cannot write the results here: File too large" in errors
+    assert "cannot be written: File too large" in errors
 
 
 def test_a_disk_that_fills_up_stops_the_run_with_a_sentence(pendulum, tmp_path, monkeypatch):

@@ -9,6 +9,7 @@ import typer
 from jousto.cli.options import Debug, Model, Output, Trust, app, compile_model, end_time
 from jousto.cli.terminal import command, facts, numbers, plain, say
 from jousto.errors import InputError, Problem
+from jousto.files import written
 
 MATRICES = (".npz", ".mat")
 
@@ -110,9 +111,11 @@ def linearise(
         from scipy.io import savemat
 
         names = ("inputs", "outputs")
-        savemat(target, values | {name: values[name].astype(object) for name in names})
+        with written(target) as beside:
+            savemat(beside, values | {name: values[name].astype(object) for name in names})
     else:
-        np.savez(target, **values)
+        with written(target) as beside:
+            np.savez(beside, **values)
     rows = [
         ("states", str(len(found.A))),
         ("inputs", ", ".join(found.input_names) or "none"),

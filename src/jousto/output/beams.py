@@ -12,8 +12,9 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import InputError, Problem
+from jousto.files import written
 from jousto.output.skins import beam_skin
-from jousto.output.style import COLORS, MUTED, PICTURES, Picture, save, styled, target, writing
+from jousto.output.style import COLORS, MUTED, PICTURES, Picture, save, styled, target
 from jousto.output.view import View, choose_view
 from jousto.recovery import RESULTANTS, SectionForces, find_body, positions
 from jousto.recovery.beams import find_beam
@@ -211,11 +212,11 @@ def write_beam(
             data |= {"von Mises (Pa)": skin.mises[0], "s11 (Pa)": skin.tensors[0, :, 0].copy()}
         piece = out if single else out.with_name(f"{out.stem}_{k:0{digits}d}.vtu")
         mesh = meshio.Mesh(skin.x[0], [("triangle", skin.triangles)], point_data=data)
-        with writing(piece):
-            meshio.write(piece, mesh, file_format="vtu")
+        with written(piece) as beside:
+            meshio.write(beside, mesh, file_format="vtu")
         entries.append(f'<DataSet timestep="{t:.15g}" part="0" file={quoteattr(piece.name)}/>')
     if not single:
         head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
-        with writing(out):
-            out.write_text(head + "\n".join(entries) + "\n</Collection>\n</VTKFile>\n", "utf-8")
+        with written(out) as beside:
+            beside.write_text(head + "\n".join(entries) + "\n</Collection>\n</VTKFile>\n", "utf-8")
     return out

@@ -12,7 +12,8 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
-from jousto.output.style import COLORS, FAINT, INK, MUTED, PAPER, Picture, styled, target, writing
+from jousto.files import written
+from jousto.output.style import COLORS, FAINT, INK, MUTED, PAPER, Picture, styled, target
 from jousto.reduction import Certificate, Check, Silhouette, Table
 
 Array = NDArray[np.float64]
@@ -77,8 +78,8 @@ def write_certificate(certificate: Certificate, path: str | Path) -> Path:
         Another ending, a folder that does not exist, or a file that cannot be written.
     """
     path = target(path, ("html", "htm"), hint="; print it to PDF in a browser")
-    with writing(path):
-        path.write_text(page(certificate), encoding="utf-8")
+    with written(path) as beside:
+        beside.write_text(page(certificate), encoding="utf-8")
     return path
 
 

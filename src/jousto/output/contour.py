@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import InputError, Problem
-from jousto.output.style import target, writing
+from jousto.files import written
+from jousto.output.style import target
 from jousto.recovery import Criterion, StressField, find_body, positions
 from jousto.simulation import BodyShape, Solution
 
@@ -93,8 +94,8 @@ def write_contour(
         lines.append(f'<DataSet timestep="{t:.15g}" part="0" file={quoteattr(piece.name)}/>')
     if out.suffix == ".pvd":
         head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
-        with writing(out):
-            out.write_text(head + "\n".join(lines) + "\n</Collection>\n</VTKFile>\n", "utf-8")
+        with written(out) as beside:
+            beside.write_text(head + "\n".join(lines) + "\n</Collection>\n</VTKFile>\n", "utf-8")
     return out
 
 
@@ -119,6 +120,6 @@ def _write(path: Path, shape: BodyShape, x: Array, fields: dict[str, Array]) -> 
     if len(shape.elements) and corners in KINDS:
         cells = [(KINDS[corners], shape.elements)]
     mesh = meshio.Mesh(x, cells, point_data=fields)
-    with writing(path):
-        meshio.write(path, mesh, file_format="vtu")
+    with written(path) as beside:
+        meshio.write(beside, mesh, file_format="vtu")
     return path

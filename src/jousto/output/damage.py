@@ -13,6 +13,7 @@ from matplotlib.colors import LogNorm, Normalize, to_rgb
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, suggest
+from jousto.files import written
 from jousto.output.lines import drawn
 from jousto.output.scene import UNKNOWN
 from jousto.output.style import (
@@ -24,7 +25,6 @@ from jousto.output.style import (
     save,
     styled,
     target,
-    writing,
 )
 from jousto.output.surface import DARKEST_STRESS, STRESS_COLORS, Skin, lit
 from jousto.output.view import View, choose_view
@@ -126,8 +126,8 @@ def write_damage(run: Solution, field: DamageField, path: str | Path) -> Path:
         [(kind, shape.elements)] if kind else [("vertex", np.arange(len(shape.nodes))[:, None])]
     )
     mesh = meshio.Mesh(shape.nodes, cells, point_data=fields)
-    with writing(out):
-        meshio.write(out, mesh, file_format="vtu")
+    with written(out) as beside:
+        meshio.write(beside, mesh, file_format="vtu")
     return out
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, Problems, suggest
+from jousto.files import written
 from jousto.reduction import ReducedPart
 
 Array = NDArray[np.float64]
@@ -110,7 +111,5 @@ def write_text(path: Path, text: str) -> None:
     InputError
         If it cannot be written there.
     """
-    try:
-        path.write_text(text, encoding="ascii", errors="replace")
-    except OSError as error:
-        raise InputError(Problem(str(path), f"cannot be written: {error.strerror}")) from None
+    with written(path) as beside:
+        beside.write_text(text, encoding="ascii", errors="replace")

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from jousto.errors import InputError, Problem
-from jousto.output.style import writing
+from jousto.files import written
 
 Pixels = NDArray[np.uint8]
 
@@ -39,13 +39,14 @@ def write_film(path: Path, frames: Iterable[Pixels], count: int, fps: float) -> 
         If the file cannot be written, or there is no ffmpeg for an MP4.
     """
     suffix = path.suffix.lower()
-    with writing(path):
+    with written(path) as beside:
         if suffix == ".gif":
-            _write_gif(path, list(frames), fps)
+            _write_gif(beside, list(frames), fps)
         elif suffix == ".mp4":
-            _write_mp4(path, iter(frames), fps)
+            _write_mp4(path, beside, iter(frames), fps)
         else:
-            _write_html(path, frames, count, fps)
+            page = _page(path.stem, frames, count, fps)
+            beside.write_text(page, encoding="utf-8")
 
 
 def _write_gif(path: Path, frames: list[Pixels], fps: float) -> None:
@@ -127,12 +128,12 @@ def find_ffmpeg(path: Path) -> str:
     return found
 
 
-def _write_mp4(path: Path, frames: Iterator[Pixels], fps: float) -> None:
+def _write_mp4(path: Path, beside: Path, frames: Iterator[Pixels], fps: float) -> None:
     first = next(frames)
     height, width = (2 * (n // 2) for n in first.shape[:2])  # the codec wants even numbers
     command = [find_ffmpeg(path), "-y", "-loglevel", "error", "-f", "rawvideo"]
     command += ["-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", f"{fps:g}", "-i", "-"]
-    command += ["-an", "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", str(path)]
+    command += ["-an", "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", str(beside)]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdin is not None and process.stderr is not None
         try:
@@ -147,7 +148,7 @@ def _write_mp4(path: Path, frames: Iterator[Pixels], fps: float) -> None:
             raise InputError(Problem(str(path), f"ffmpeg failed: {said}"))
 
 
-def _write_html(path: Path, frames: Iterable[Pixels], count: int, fps: float) -> None:
+def _page(title: str, frames: Iterable[Pixels], count: int, fps: float) -> str:
     pictures: list[str] = []
     shape = (0, 0)
     for frame in frames:
@@ -155,9 +156,9 @@ def _write_html(path: Path, frames: Iterable[Pixels], count: int, fps: float) ->
         Image.fromarray(frame).save(data, format="WEBP", quality=85, method=2)
         pictures.append(base64.b64encode(data.getvalue()).decode())
         shape = frame.shape[:2]
-    page = PAGE.replace("TITLE", path.stem.replace("<", "&lt;")).replace("COUNT", str(count - 1))
+    page = PAGE.replace("TITLE", title.replace("<", "&lt;")).replace("COUNT", str(count - 1))
     page = page.replace("WIDTH", str(shape[1])).replace("FPS", f"{fps:g}")
-    path.write_text(page.replace("FRAMES", json.dumps(pictures)), encoding="utf-8")
+    return page.replace("FRAMES", json.dumps(pictures))
 
 
 PAGE = """<!doctype html>

@@ -13,6 +13,7 @@ from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem
+from jousto.files import written
 from jousto.output.lines import drawn
 from jousto.output.scene import UNKNOWN, color_bar
 from jousto.output.style import (
@@ -25,7 +26,6 @@ from jousto.output.style import (
     save,
     styled,
     target,
-    writing,
 )
 from jousto.output.surface import DARKEST_STRESS, STRESS_COLORS, Skin, face_normals, lit
 from jousto.output.view import View, choose_view
@@ -114,8 +114,8 @@ def write_hotspots(run: Solution, found: HotSpots, path: str | Path) -> Path:
         cells or [("vertex", np.arange(offset)[:, None])],
         point_data={key: np.concatenate(columns) for key, columns in fields.items()},
     )
-    with writing(out):
-        meshio.write(out, mesh, file_format="vtu")
+    with written(out) as beside:
+        meshio.write(beside, mesh, file_format="vtu")
     return out
 
 

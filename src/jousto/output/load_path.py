@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -10,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, suggest
-from jousto.output.style import COLORS, INK, MUTED, PICTURES, Picture, save, styled, target, writing
+from jousto.files import write_table
+from jousto.output.style import COLORS, INK, MUTED, PICTURES, Picture, save, styled, target
 from jousto.simulation import LoadPath
 
 SIZE = (7.0, 4.6)  # inch
@@ -129,8 +129,4 @@ def write_load_path(data: LoadPath, path: str | Path) -> Path:
         for k in range(values.shape[1]):
             heads.append(f"{name}.{AXES[k] if three else k}{unit}")
             columns.append(values[:, k])
-    with writing(out), out.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(heads)
-        writer.writerows(np.column_stack(columns).tolist())
-    return out
+    return write_table(out, heads, np.column_stack(columns).tolist())

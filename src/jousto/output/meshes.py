@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from jousto.errors import InputError, Problem, warn
-from jousto.output.style import target, writing
+from jousto.files import written
+from jousto.output.style import target
 from jousto.parts import Mesh
 from jousto.parts.readers.files import unit_factor
 
@@ -84,8 +85,12 @@ def write_mesh(mesh: Mesh, path: str | Path, *, unit: str = "m") -> Path:
     # meshio prints remarks and may leave the program
     heard = io.StringIO()
     try:
-        with writing(out), contextlib.redirect_stdout(heard), contextlib.redirect_stderr(heard):
-            content.write(out, file_format=form)
+        with (
+            written(out) as beside,
+            contextlib.redirect_stdout(heard),
+            contextlib.redirect_stderr(heard),
+        ):
+            content.write(beside, file_format=form)
     except (SystemExit, Exception) as error:
         if isinstance(error, InputError):
             raise

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from jousto.errors import InputError, Problem
+from jousto.files import written
 from jousto.output.plot import draw
 from jousto.output.series import Curve, Panel
-from jousto.output.style import PICTURES, save, styled, target, writing
+from jousto.output.style import PICTURES, save, styled, target
 from jousto.recovery import Criterion, StressField
 
 MOST = 10
@@ -78,7 +79,7 @@ def write_stress(
     """
     out = target(path, ("csv",))
     unit = field.unit
-    with writing(out), out.open("w", encoding="utf-8", newline="") as file:
+    with written(out) as beside, beside.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         if histories and time is None:
             writer.writerow(["time (s)", *(f"{x} {criterion} ({unit})" for x in field.labels)])

@@ -13,6 +13,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from jousto.errors import InputError, Problem
+from jousto.files import check_file, unwritable, written
 
 INK = "#22272E"  # text and bodies' outlines
 MUTED = "#69707A"  # second-rank text
@@ -103,7 +104,8 @@ def target(path: str | Path, formats: tuple[str, ...], *, hint: str = "") -> Pat
     Raises
     ------
     InputError
-        If the suffix is none of the formats, or the folder does not exist or is a file.
+        If the suffix is none of the formats, a folder, device or pipe stands there, or the
+        folder does not exist or is a file.
     """
     path = Path(path)
     suffix = path.suffix.lower().lstrip(".")
@@ -111,26 +113,16 @@ def target(path: str | Path, formats: tuple[str, ...], *, hint: str = "") -> Pat
         found = f"'.{suffix}' is not a format" if suffix else "there is no suffix"
         known = ", ".join(f".{f}" for f in formats)
         raise InputError(Problem(str(path), f"{found} to write here; known: {known}{hint}"))
-    with writing(path):
-        folder, missing = path.is_dir(), not path.parent.is_dir()
-    if folder:
-        raise InputError(Problem(str(path), "is a folder; give a file name"))
+    check_file(path)
+    try:
+        missing = not path.parent.is_dir()
+    except OSError as error:
+        raise unwritable(path, error) from error
     if missing:
         raise InputError(
             Problem(str(path), f"the folder {path.parent} does not exist; create it first")
         )
     return path
-
-
-@contextmanager
-def writing(path: Path) -> Iterator[None]:
-    """Turn failures of writing the file into an InputError."""
-    try:
-        yield
-    except OSError as error:
-        raise InputError(
-            Problem(str(path), f"cannot write: {error.strerror or error}; choose another place")
-        ) from error
 
 
 def save(figure: Figure, path: Path) -> None:
@@ -145,5 +137,5 @@ def save(figure: Figure, path: Path) -> None:
     metadata: dict[str, Any] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(
         suffix, {}
     )
-    with writing(path), styled():
-        figure.savefig(path, format=suffix, metadata=metadata or None)
+    with written(path) as beside, styled():
+        figure.savefig(beside, format=suffix, metadata=metadata or None)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import numpy as np
 
 from jousto.errors import Problems, suggest
-from jousto.output.style import target, writing
+from jousto.files import write_table
+from jousto.output.style import target
 from jousto.simulation import Solution
 
 
@@ -51,8 +51,4 @@ def write_csv(run: Solution, path: str | Path, *names: str) -> Path:
         unit = f" ({about['unit']})" if about["unit"] != "1" else ""
         heads += [f"{name}.{part}{unit}" if part else f"{name}{unit}" for part in parts]
         columns.append(values)
-    with writing(out), out.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(heads)
-        writer.writerows(np.concatenate(columns, axis=1).tolist())
-    return out
+    return write_table(out, heads, np.concatenate(columns, axis=1).tolist())

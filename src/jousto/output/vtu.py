@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from jousto.errors import InputError, Problem
+from jousto.files import written
 from jousto.output.exposed import Array
 from jousto.reduction import ReducedPart
 
@@ -67,10 +68,8 @@ def write_vtu(reduced: ReducedPart, path: str | Path, *, stress: bool = True) ->
     else:
         cells = [("vertex", np.arange(len(reduced.nodes))[:, None])]
     mesh = meshio.Mesh(reduced.nodes, cells, point_data=fields)
-    try:
-        meshio.write(target, mesh, file_format="vtu")
-    except OSError as error:
-        raise InputError(Problem(str(target), f"cannot be written: {error.strerror}")) from None
+    with written(target) as beside:
+        meshio.write(beside, mesh, file_format="vtu")
     return target
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, Problems, warn
+from jousto.files import write_table
 from jousto.mechanism import Event, ForceSensor, Friction, Mechanism
 from jousto.mechanism.sensors import DamageSensor
 from jousto.recovery.fields import StressField, evaluate, field_from, stress_field
@@ -136,28 +136,24 @@ class FrictionStress:
 
     def to_csv(self, path: str | Path, count: int | None = None) -> None:
         """Write the table of places and, below it, of transitions."""
-        with open(path, "w", newline="", encoding="utf-8") as file:
-            rows = csv.writer(file)
-            rows.writerow(
-                ["site", "x (m)", "y (m)", "z (m)", "due to friction (Pa)", "at (s)"]
-                + ["with friction (Pa)", "without friction (Pa)"]
-            )
-            for row in self.table(self.due.ns if count is None else count):
-                rows.writerow(
-                    [row["site"], *row["position"]]
-                    + [row[key] for key in ("due", "time", "with", "without")]
-                )
-            if not self.transitions:
-                return
-            rows.writerow([])
-            rows.writerow(
+        head = ["site", "x (m)", "y (m)", "z (m)", "due to friction (Pa)", "at (s)"]
+        head += ["with friction (Pa)", "without friction (Pa)"]
+        rows: list[list[Any]] = [
+            [row["site"], *row["position"]]
+            + [row[key] for key in ("due", "time", "with", "without")]
+            for row in self.table(self.due.ns if count is None else count)
+        ]
+        if self.transitions:
+            rows.append([])
+            rows.append(
                 ["time (s)", "friction", "joint", "change", "site", "jump (Pa)", "at (s)"]
                 + ["von Mises (Pa)"]
             )
-            for t in self.transitions:
-                rows.writerow(
-                    [t.time, t.friction, t.joint, t.change, t.site, t.jump, t.at, t.stress]
-                )
+        rows += [
+            [t.time, t.friction, t.joint, t.change, t.site, t.jump, t.at, t.stress]
+            for t in self.transitions
+        ]
+        write_table(path, head, rows)
 
     def __str__(self) -> str:
         lines = [

@@ -13,7 +13,6 @@ import hashlib
 import os
 import re
 import time
-import uuid
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -25,6 +24,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, warn
+from jousto.files import written
 
 if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
@@ -42,7 +42,7 @@ FINISHED = "part.h5"
 ENTRY = re.compile(r"(mesh-)?[0-9a-f]{40}")
 """Names of the folders that are ours: a key."""
 
-OWN = re.compile(r"part\.h5|[a-z-]+\.npz|\.(part\.h5|[a-z-]+\.npz)\.[0-9a-f]+\.part")
+OWN = re.compile(r"part\.h5|[a-z-]+\.npz|\.[0-9a-f]{32}\.(h5|npz)")
 """Names of the files in them: the part, its stages, and either while it is written."""
 
 STALE = 86400.0
@@ -194,19 +194,14 @@ class Entry:
         if self._full:
             return
         path = self._file(stage)
-        temporary = path.parent / f".{path.name}.{uuid.uuid4().hex}.part"
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            with temporary.open("wb") as file:
+            with written(path) as beside, beside.open("wb") as file:
                 np.savez(file, **arrays)  # type: ignore[arg-type]
                 file.flush()
                 os.fsync(file.fileno())
-            os.replace(temporary, path)
-        except OSError as error:
+        except (InputError, OSError) as error:
             self._give_up(error)
-        finally:
-            with contextlib.suppress(OSError):
-                temporary.unlink()
 
     def _file(self, stage: str) -> Path:
         return self.folder / f"{stage.replace(' ', '-')}.npz"
@@ -327,7 +322,7 @@ def _remove_stale(folder: Path) -> None:
     """Remove what a killed process left half written."""
     for path in _files(folder):
         with contextlib.suppress(OSError):
-            if path.suffix == ".part" and time.time() - path.stat().st_mtime > STALE:
+            if path.name.startswith(".") and time.time() - path.stat().st_mtime > STALE:
                 path.unlink()
 
 

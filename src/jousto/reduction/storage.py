@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
 import os
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem
+from jousto.files import written
 from jousto.reduction.invariants import Invariants
 from jousto.reduction.reduced import ReducedPart
 from jousto.reduction.residual_stress import ResidualStress
@@ -77,26 +77,10 @@ def save(part: ReducedPart, path: Path) -> None:
                 dataset.attrs["unit"] = UNITS[key]
         file.flush()
         image = file.id.get_file_image()
-    # in the same folder, so that the rename cannot cross a file system
-    temporary = path.parent / f".{path.name}.{unique}.part"
-    try:
-        with temporary.open("wb") as target:
-            target.write(image)
-            target.flush()
-            os.fsync(target.fileno())
-        os.replace(temporary, path)
-    except OSError as error:
-        reason = error.strerror or _short(error)
-        raise InputError(
-            Problem(
-                str(path),
-                f"cannot write the reduced part: {reason}; check that the folder exists, may be "
-                "written to and has space",
-            )
-        ) from error
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
+    with written(path) as beside, beside.open("wb") as target:
+        target.write(image)
+        target.flush()
+        os.fsync(target.fileno())
 
 
 def load(path: Path) -> ReducedPart:

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from jousto.errors import InputError, Problem
+from jousto.files import check_file
 from jousto.schema.document import is_hdf5
 
 RESULTS, REDUCED_PART = "jousto results", "jousto reduced part"
@@ -42,16 +43,14 @@ def output_path(given: Path | None, source: Path, name: str, *, kind: str = "") 
         If it is the input, a folder, in a folder that does not exist, or holds other data; if
         the input is a folder.
     """
-    if source.is_dir():
-        raise InputError(Problem(str(source), "is a folder, must be a file"))
+    check_file(source)
     if given is not None:
         path = given
     else:
         path = source.with_suffix(name) if name.startswith(".") else source.parent / name
     if path.exists() and source.exists() and path.samefile(source):
         raise InputError(Problem(str(path), "is the input, it would be overwritten; give -o FILE"))
-    if path.is_dir():
-        raise InputError(Problem(str(path), "is a folder, must be a file"))
+    check_file(path)
     if not path.parent.is_dir():
         raise InputError(Problem(str(path), f"there is no folder {str(path.parent)!r}"))
     if not os.access(path if path.exists() else path.parent, os.W_OK):

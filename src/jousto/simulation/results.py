@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import shutil
 import signal
@@ -22,6 +21,7 @@ from numpy.typing import NDArray
 from jousto import __version__
 from jousto.engine import Model
 from jousto.errors import InputError, Problem
+from jousto.files import create, unwritable
 from jousto.simulation.beams import GROUP, beam_arrays
 from jousto.simulation.events import joints_of, sources
 from jousto.simulation.image import SparseImage, reserve
@@ -92,9 +92,7 @@ class ResultsWriter:
             with uninterrupted():
                 self._file = self._lay_out(path, image)
         except OSError as error:
-            raise InputError(
-                Problem(str(path), f"cannot write the results here: {_reason(error, path)}")
-            ) from error
+            raise unwritable(path, error) from error
 
     def _image(self, rows: int, complete: bool, facts: Facts) -> tuple[SparseImage, list[Place]]:
         image = SparseImage()
@@ -105,9 +103,7 @@ class ResultsWriter:
 
     @staticmethod
     def _lay_out(path: Path, image: SparseImage) -> BinaryIO:
-        if path.is_file():
-            path.unlink()  # whoever has the old file open keeps it
-        target = open(path, "wb", buffering=0)  # stays open for the run
+        target = create(path)  # stays open for the run
         try:
             target.truncate(image.size)
             for offset, piece in image.pieces():
@@ -360,16 +356,6 @@ def _describe(
         Place(counter.id.get_offset(), 0, 0),
         *(Place(dataset.id.get_offset(), first, width) for dataset, first, width in datasets),
     ]
-
-
-def _reason(error: OSError, path: Path) -> str:
-    if path.is_dir():
-        return "it is a folder; give a file name"
-    if not path.parent.exists():
-        return f"the folder {path.parent} does not exist; create it first"
-    if error.errno in (errno.ENOSPC, errno.EDQUOT):
-        return f"{error.strerror}; free some space"
-    return f"{error.strerror or error}; choose another place"
 
 
 @contextmanager

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.engine import BeamShape
 from jousto.errors import InputError, Problem, suggest
+from jousto.files import write_table
 from jousto.recovery.beams.strains import (
     Elements,
     Poses,
@@ -231,15 +231,7 @@ class SectionForces:
             found = [self.diagram(name, time) for name in RESULTANTS]
             columns = [found[0][0], *(values for _, values in found)]
         rows = np.stack(columns, axis=1).tolist()
-        try:
-            with out.open("w", encoding="utf-8", newline="") as file:
-                writer = csv.writer(file)
-                writer.writerow(head)
-                writer.writerows(rows)
-        except OSError as error:
-            reason = error.strerror or str(error)
-            raise InputError(Problem(str(out), f"cannot be written: {reason}")) from error
-        return out
+        return write_table(out, head, rows)
 
 
 def section_forces(

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, Problems, suggest
+from jousto.files import write_table
 from jousto.parts.curves import SN
 from jousto.parts.mean_stress import MeanStress
 from jousto.recovery.fatigue.damage import (
@@ -29,7 +30,6 @@ from jousto.recovery.fatigue.rainflow import (
     Cycles,
     by_engine,
     check_residue,
-    write_table,
 )
 from jousto.recovery.fatigue.spectrum import Spectrum
 from jousto.recovery.fields import Criterion, Plane, StressField

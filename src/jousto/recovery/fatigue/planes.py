@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import InputError, Problem, Problems, warn
+from jousto.files import write_table
 from jousto.parts.strain_life import StrainLife
 from jousto.recovery.fatigue.enclosing import enclosing_ball, enclosing_circles
-from jousto.recovery.fatigue.rainflow import write_table
 from jousto.recovery.fatigue.strain_life import RESIDUES, Residue, pairs, turning_points
 
 Array = NDArray[np.float64]

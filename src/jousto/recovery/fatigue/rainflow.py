@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import InputError, Problem, Problems, suggest
+from jousto.files import write_table
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -424,22 +424,3 @@ def _pylife() -> Any:
             )
         ) from None
     return detectors
-
-
-def write_table(path: str | Path, head: Any, rows: Any) -> Path:
-    """Write a table as CSV.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-    """
-    target = Path(path)
-    try:
-        with target.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file)
-            writer.writerow(head)
-            writer.writerows(rows)
-    except OSError as error:
-        raise InputError(Problem(str(target), f"cannot be written: {error.strerror}")) from None
-    return target

@@ -13,7 +13,7 @@ import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import InputError, Problem, Problems, suggest, warn
-from jousto.recovery.fatigue.rainflow import write_table
+from jousto.files import write_table
 from jousto.recovery.fatigue.spectral import (
     METHODS,
     Method,

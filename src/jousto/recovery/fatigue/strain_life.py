@@ -247,7 +247,7 @@ class LocalCycles:
         InputError
             If the file cannot be written.
         """
-        from jousto.recovery.fatigue.rainflow import write_table
+        from jousto.files import write_table
 
         head = ("strain amplitude", "stress amplitude (Pa)", "mean (Pa)", "count", "cycles")
         columns = (self.strain, self.stress, self.mean, self.count, self.cycles)
@@ -386,7 +386,7 @@ class StrainDamage:
         InputError
             If the file cannot be written.
         """
-        from jousto.recovery.fatigue.rainflow import write_table
+        from jousto.files import write_table
 
         rows = zip(self.labels, self.damage.tolist(), self.life.tolist(), strict=True)
         residue = f"residue: {self.loops[0].residue}"

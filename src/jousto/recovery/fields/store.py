@@ -10,6 +10,7 @@ import numpy as np
 
 from jousto import __version__
 from jousto.errors import InputError, Problem
+from jousto.files import create, unwritable
 from jousto.recovery.fields.criteria import STRAIN_COMPONENTS, STRESS_COMPONENTS, Criterion
 from jousto.simulation.image import SparseImage, reserve
 
@@ -32,7 +33,7 @@ def write_field(
     image, places = _image(field, criterion)
     names = STRAIN_COMPONENTS if field.strain else STRESS_COMPONENTS
     try:
-        with open(out, "wb", buffering=0) as file:
+        with create(out) as file:
             # laid out at its full length: HDF5 never writes again, so that it is always valid
             file.truncate(image.size)
             for offset, piece in image.pieces():
@@ -51,10 +52,7 @@ def write_field(
                         _write(file, places["rows"], np.array(instants.stop, "<i8").tobytes())
             _write(file, places["rows"], np.array(field.nt, "<i8").tobytes())
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(
-            Problem(str(out), f"cannot be written: {reason}; choose another place or free space")
-        ) from error
+        raise unwritable(out, error) from error
     return out
 
 

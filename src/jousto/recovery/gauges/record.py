@@ -20,6 +20,7 @@ from jousto.errors import (
     likely_strain_unit,
     suggest,
 )
+from jousto.files import write_table
 from jousto.recovery.gauges.units import STRAIN
 
 if TYPE_CHECKING:
@@ -291,20 +292,10 @@ class Record:
 
     def to_csv(self, path: str | Path) -> Path:
         """Write time and channels with their units, as ``g1 (m/m)``; missing values are empty."""
-        import csv
-
-        out = Path(path)
         heads = ["time (s)"]
         heads += [f"{k} ({self.units[k]})" if self.units[k] else k for k in self.channels]
-        try:
-            with out.open("w", encoding="utf-8", newline="") as file:
-                writer = csv.writer(file)
-                writer.writerow(heads)
-                for row in np.column_stack([self.time, self.matrix()]).tolist():
-                    writer.writerow(["" if x != x else x for x in row])
-        except OSError as error:
-            raise InputError(Problem(str(out), f"cannot be written: {error.strerror}")) from error
-        return out
+        rows = np.column_stack([self.time, self.matrix()]).tolist()
+        return write_table(path, heads, (["" if x != x else x for x in row] for row in rows))
 
 
 def too_large(name: str, values: Array) -> str:

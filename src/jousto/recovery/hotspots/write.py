@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from jousto.errors import InputError, Problem
+from jousto.files import write_table, written
 
 if TYPE_CHECKING:
     from jousto.recovery.hotspots.spots import HotSpots
@@ -34,7 +34,7 @@ def write_spots(found: HotSpots, path: str | Path) -> Path:
         ]
         for spot in found
     ]
-    _write_rows(target, heads, rows)
+    write_table(target, heads, rows)
     return target
 
 
@@ -54,38 +54,35 @@ def write_histories(found: HotSpots, path: str | Path) -> Path:
         heads += [f"{name} {key} ({found.unit})" for key in (str(found.criterion), *names)]
         field = found.field(spot)
         columns += [found.history(spot)[:, None], field.history(spot.site)]
-    _write_rows(target, heads, np.concatenate(columns, axis=1).tolist())
+    write_table(target, heads, np.concatenate(columns, axis=1).tolist())
     return target
 
 
 def _write_hdf5(found: HotSpots, target: Path) -> Path:
     import h5py
 
-    try:
-        with h5py.File(target, "w") as file:
-            file.attrs["format"] = "jousto hot spots"
-            file.attrs["criterion"] = str(found.criterion)
-            file.attrs["extreme"] = found.extreme
-            file.attrs["separation"] = found.separation
-            file.attrs["certified"] = int(found.certified)
-            file.attrs["bound"] = found.bound
-            file.attrs["certificate"] = found.certificate()
-            for spot in found:
-                group = file.create_group(str(spot.rank))
-                field = found.field(spot)
-                for key in ("body", "site", "node", "time", "value", "position", "normal"):
-                    group.attrs[key] = getattr(spot, key)
-                group["time"] = field.time
-                group["time"].attrs["unit"] = "s"
-                group["criterion"] = found.history(spot)
-                group["tensor"] = field.history(spot.site)
-                for name in ("criterion", "tensor"):
-                    group[name].attrs["unit"] = found.unit
-                group["tensor"].attrs["frame"] = field.frame
-                names = STRAIN if field.strain else STRESS
-                group["tensor"].attrs["components"] = [name.encode() for name in names]
-    except OSError as error:
-        raise InputError(Problem(str(target), f"cannot be written: {error}")) from error
+    with written(target) as beside, h5py.File(beside, "w") as file:
+        file.attrs["format"] = "jousto hot spots"
+        file.attrs["criterion"] = str(found.criterion)
+        file.attrs["extreme"] = found.extreme
+        file.attrs["separation"] = found.separation
+        file.attrs["certified"] = int(found.certified)
+        file.attrs["bound"] = found.bound
+        file.attrs["certificate"] = found.certificate()
+        for spot in found:
+            group = file.create_group(str(spot.rank))
+            field = found.field(spot)
+            for key in ("body", "site", "node", "time", "value", "position", "normal"):
+                group.attrs[key] = getattr(spot, key)
+            group["time"] = field.time
+            group["time"].attrs["unit"] = "s"
+            group["criterion"] = found.history(spot)
+            group["tensor"] = field.history(spot.site)
+            for name in ("criterion", "tensor"):
+                group[name].attrs["unit"] = found.unit
+            group["tensor"].attrs["frame"] = field.frame
+            names = STRAIN if field.strain else STRESS
+            group["tensor"].attrs["components"] = [name.encode() for name in names]
     return target
 
 
@@ -94,14 +91,3 @@ def _target(path: str | Path, endings: tuple[str, ...]) -> Path:
     if target.suffix.lower() not in endings:
         raise InputError(Problem(str(target), f"must end with {' or '.join(endings)}"))
     return target
-
-
-def _write_rows(target: Path, heads: list[str], rows: list[list[Any]]) -> None:
-    try:
-        with target.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file)
-            writer.writerow(heads)
-            writer.writerows(rows)
-    except OSError as error:
-        message = f"cannot be written: {error.strerror}; choose another place"
-        raise InputError(Problem(str(target), message)) from error

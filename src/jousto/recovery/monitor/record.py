@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from jousto import __version__
 from jousto.errors import InputError, Problem
+from jousto.files import create, unwritable
 from jousto.simulation.image import SparseImage, reserve
 from jousto.simulation.results import uninterrupted
 
@@ -125,14 +126,9 @@ class Record:
         record = cls(path, layout)
         try:
             with uninterrupted():
-                if path.is_file():
-                    path.unlink()  # whoever has the old file open keeps it
                 record._places, record._file = _lay_out(path, layout)
         except OSError as error:
-            reason = error.strerror or str(error)
-            raise InputError(
-                Problem(str(path), f"cannot write the record here: {reason}; choose another place")
-            ) from error
+            raise unwritable(path, error) from error
         record._put(ENDED, _sentence("running or killed"))
         return record
 
@@ -309,7 +305,7 @@ def _lay_out(path: Path, layout: Layout) -> tuple[dict[str, int], BinaryIO]:
     with h5py.File(image, "w") as file:
         _describe(file, layout)
         places = _places(file, layout)
-    target = open(path, "wb", buffering=0)
+    target = create(path)
     try:
         target.truncate(image.size)
         for offset, piece in image.pieces():

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, count, suggest
+from jousto.files import written
 from jousto.recovery.monitor.health import STATES
 from jousto.recovery.monitor.record import ENDED, open_record
 
@@ -161,7 +162,8 @@ class MonitorRecord:
         table = np.stack([self.stress, self.low, self.high], axis=2) / 1e6
         rows = np.column_stack([self.time, table.reshape(len(table), -1)])
         head = ",".join(["time [s]", *names])
-        np.savetxt(path, rows, delimiter=",", header=head, comments="", fmt="%.9g")
+        with written(Path(path)) as beside:
+            np.savetxt(beside, rows, delimiter=",", header=head, comments="", fmt="%.9g")
 
     def __str__(self) -> str:
         n, summary = len(self), self._rows["summary"]

@@ -12,7 +12,7 @@ from scipy.special import ndtri
 from scipy.stats import qmc
 
 from jousto.errors import InputError, Problem, Problems, suggest
-from jousto.recovery.fatigue.rainflow import write_table
+from jousto.files import write_table
 from jousto.recovery.fields.criteria import Criterion, check_criterion, evaluate, weights
 from jousto.recovery.twin.posterior import Posterior
 from jousto.reduction import ReducedPart, StressModes

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from jousto.engine.meter import DamageMeter
 from jousto.errors import InputError, Problem
-from jousto.recovery.fatigue.rainflow import write_table
+from jousto.files import write_table
 from jousto.recovery.fields.criteria import Criterion, evaluate
 from jousto.recovery.twin.bands import _check, _pick
 from jousto.recovery.twin.observed import Observed
