@@ -115,8 +115,9 @@ def strain_life_command(
         say(f"table in {found.to_csv(csv)}", style="green")
     if output is not None:
         from jousto.output import plot_hysteresis
+        from jousto.recovery.ranking import ranking
 
-        worst = found.labels[int(found.damage.argmax())]
+        worst = found.labels[ranking(found.damage, found.labels)[0]]
         series = field.only([worst]).values(criterion)[:, 0]
         plot_hysteresis(series, curve, rule=options["rule"], path=output)
         say(f"loops of {worst} in {output}", style="green")
@@ -170,9 +171,8 @@ def hertz(
 
 def _field(result: Path, body: str | None, sites: list[str] | None, count: int) -> StressField:
     """Return the stress of the named places, or of those with the largest von Mises stress."""
-    import numpy as np
-
     from jousto.recovery.fields import stress_field
+    from jousto.recovery.ranking import ranking
     from jousto.simulation import load
 
     run = load(result)
@@ -188,7 +188,7 @@ def _field(result: Path, body: str | None, sites: list[str] | None, count: int) 
     if sites:
         return field
     top = field.envelope("von-mises").max
-    return field.take(np.argsort(-top, kind="stable")[:count])
+    return field.take(ranking(top, field.labels)[:count])
 
 
 def _residue(residue: str | None) -> Any:

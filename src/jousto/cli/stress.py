@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -83,12 +84,12 @@ def stress(
     )
     if moment is not None:
         shown = field.values(sought, times=[moment])[0]
-        order = worst_first(sought, field.strain, shown)
+        order = worst_first(sought, field.strain, field.labels, shown)
         rows = [(field.labels[i], f"{factor(field) * shown[i]:.6g}") for i in order]
         table([("site", f"{sought} ({unit(field)}) at {moment:g} s"), *rows[:SHOWN]], len(rows))
     else:
         envelope = field.envelope(sought)
-        order = worst_first(sought, field.strain, envelope.min, envelope.max)[:SHOWN]
+        order = worst_first(sought, field.strain, field.labels, envelope.min, envelope.max)[:SHOWN]
         f = factor(field)
         head = ("site", f"smallest ({unit(field)})", "at (s)", f"largest ({unit(field)})", "at (s)")
         table(
@@ -112,13 +113,16 @@ def stress(
         say(f"written to {write(run, field, sought, moment, output, bool(site))}", style="green")
 
 
-def worst_first(criterion: Criterion, strain: bool, *values: Array) -> Array:
+def worst_first(
+    criterion: Criterion, strain: bool, labels: Sequence[str], *values: Array
+) -> NDArray[np.intp]:
     """Return the order of places by the worst of their values, as hot spots are ranked."""
     from jousto.recovery.hotspots.measures import measure
+    from jousto.recovery.ranking import ranking
 
     rank = measure(criterion, strain=strain).rank
     worst = np.max([rank(value) for value in values], axis=0)
-    return np.asarray((-worst).argsort(kind="stable"))
+    return ranking(worst, labels)
 
 
 def only_body(run: Solution) -> str:

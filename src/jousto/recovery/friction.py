@@ -15,6 +15,7 @@ from jousto.mechanism import Event, ForceSensor, Friction, Mechanism
 from jousto.mechanism.sensors import DamageSensor
 from jousto.recovery.fields import StressField, evaluate, field_from, stress_field
 from jousto.recovery.fields.field import Sites
+from jousto.recovery.ranking import ranking
 from jousto.recovery.shape import find_body
 from jousto.reduction import ReducedPart
 from jousto.simulation import Solution
@@ -121,7 +122,7 @@ class FrictionStress:
         due = self.due.envelope("von-mises")
         rubbed = self.with_friction.envelope("von-mises")
         smooth = self.without_friction.envelope("von-mises")
-        order = np.argsort(-due.max, kind="stable")[:count]
+        order = ranking(due.max, due.labels)[:count]
         return [
             {
                 "site": self.due.labels[i],

@@ -221,7 +221,10 @@ def test_forces_and_static_limit() -> None:
     # stress of one component: von Mises is the same where only it acts
     plane = response.rms((1.0, 0.0, 0.0))
     assert plane == pytest.approx(response.rms("s11"))
-    assert np.all(response.rms("von-mises") >= response.rms("s11") * (1 - 1e-12))
+    # mean squares are sums over pairs of modes: their round-off is that of the largest one, also
+    # at the tip where the sum is small
+    s11 = response.rms("s11") ** 2
+    assert np.all(response.rms("von-mises") ** 2 >= s11 - 1e-13 * s11.max())
     # a free part does not fly away: its stress is finite and small
     free = jo.random_response(reduced, [1.0, 100.0], [1.0, 1.0], forces=[("end", (0.0, 1.0, 0.0))])
     assert np.isfinite(free.rms("s11")).all() and free.rms("s11").max() > 0.0

@@ -37,6 +37,7 @@ from jousto.recovery.fields.criteria import check_criterion
 from jousto.recovery.hotspots.bounds import prepare
 from jousto.recovery.hotspots.every import largest
 from jousto.recovery.hotspots.measures import measure
+from jousto.recovery.ranking import ranking
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -145,7 +146,7 @@ class DamageField:
         return float(self.damage[i]), float(self.life[i]), float(self.safety[i])
 
     def _order(self) -> NDArray[np.intp]:
-        return np.lexsort((self.safety, -self.damage))
+        return ranking(self.damage, self.labels, then=-self.safety)
 
     def table(self, count: int = SHOWN) -> list[tuple[str, ...]]:
         """Return the head and the worst places as rows of text."""

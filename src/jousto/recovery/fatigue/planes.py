@@ -21,6 +21,7 @@ from jousto.files import write_table
 from jousto.parts.strain_life import StrainLife
 from jousto.recovery.fatigue.enclosing import enclosing_ball, enclosing_circles
 from jousto.recovery.fatigue.strain_life import RESIDUES, Residue, pairs, turning_points
+from jousto.recovery.ranking import ranking
 
 Array = NDArray[np.float64]
 BLOCK_BYTES = 64 << 20
@@ -422,7 +423,7 @@ class Multiaxial:
             f"{'site':>{width}} {'value':>9} {'shear':>9} {'normal':>9}  plane",
             f"{'':>{width}} {unit:>9} {'MPa':>9} {'MPa':>9}",
         ]
-        order = np.argsort(-self.values, kind="stable")[:rows]
+        order = ranking(self.values, self.labels)[:rows]
         lines = []
         for i in order:
             p = self.planes[i]
@@ -537,7 +538,7 @@ class PlaneDamage:
             f"{self.criterion}, residue '{self.residue}', {self.curve}",
             f"{'site':>{width}} {'damage':>11} {'life':>11}  plane",
         ]
-        for i in np.argsort(-self.damage, kind="stable")[:rows]:
+        for i in ranking(self.damage, self.labels)[:rows]:
             normal = " ".join(f"{x:6.3f}" for x in self.normal[i])
             lines.append(
                 f"{self.labels[i]:>{width}} {self.damage[i]:11.4g} {self.life[i]:11.4g}  {normal}"

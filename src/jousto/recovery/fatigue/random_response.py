@@ -21,6 +21,7 @@ from jousto.recovery.fatigue.spectral import (
     damage_of_moments,
     spectral_moments,
 )
+from jousto.recovery.ranking import ranking
 from jousto.reduction import ReducedPart
 
 Array = NDArray[np.float64]
@@ -221,7 +222,7 @@ class SpectralLife:
             f"{'life':>11}",
             f"{'':>{width}} {'MPa':>9} {'1/s':>9} {'1/s':>9} {'':>7} {'1/s':>11} {'h':>11}",
         ]
-        for i in np.argsort(-self.damage, kind="stable")[:rows]:
+        for i in ranking(self.damage, self.labels)[:rows]:
             r = self.rows[i]
             lines.append(
                 f"{self.labels[i]:>{width}} {1e-6 * r.rms:9.3f} {r.crossings:9.2f} {r.peaks:9.2f} "

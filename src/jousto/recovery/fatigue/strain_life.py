@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import InputError, Problem, Problems, suggest, warn
 from jousto.parts.strain_life import FORMS, Form, StrainLife
+from jousto.recovery.ranking import ranking
 
 Array = NDArray[np.float64]
 Rule = Literal["neuber", "glinka", "elastic"]
@@ -368,7 +369,7 @@ class StrainDamage:
             f"{'site':>{width}} {'damage':>11} {'life':>11} {'strain':>10} {'mean':>9}",
             f"{'':>{width}} {'':>11} {'passes':>11} {'um/m':>10} {'MPa':>9}",
         ]
-        for i in np.argsort(-self.damage, kind="stable")[:rows]:
+        for i in ranking(self.damage, self.labels)[:rows]:
             loops = self.loops[i]
             top = int(np.argmax(loops.strain)) if len(loops.strain) else -1
             strain, mean = (loops.strain[top], loops.mean[top]) if top >= 0 else (0.0, 0.0)

@@ -25,6 +25,7 @@ from jousto.recovery.fields.kernels import kernel, world_weights
 from jousto.recovery.fields.planes import CriticalPlane, critical_plane
 from jousto.recovery.fields.store import write_field
 from jousto.recovery.instants import between, window
+from jousto.recovery.ranking import ranking
 from jousto.reduction import StressModes
 
 Array = NDArray[np.float64]
@@ -71,7 +72,7 @@ class Envelope:
     max_time: Array
 
     def __str__(self) -> str:
-        k, j = int(np.argmax(self.max)), int(np.argmin(self.min))
+        k, j = (int(ranking(x, self.labels)[0]) for x in (self.max, -self.min))
         factor, unit = (1e-6, "MPa") if self.unit == "Pa" else (1e6, "um/m")
         return (
             f"{self.criterion} over {len(self.labels)} places: "

@@ -18,6 +18,7 @@ from jousto.recovery.hotspots.measures import measure
 from jousto.recovery.hotspots.search import Proof, search
 from jousto.recovery.hotspots.words import certificate_lines, head, row
 from jousto.recovery.hotspots.write import write_histories, write_spots
+from jousto.recovery.ranking import ranking
 from jousto.simulation import Solution
 
 Array = NDArray[np.float64]
@@ -292,7 +293,8 @@ def hot_spots(
         for place, instant, ranked in zip(found.places, found.instants, found.ranked, strict=True):
             spots.append((float(ranked), _spot(part, int(place), int(instant), criterion)))
     # the worst of all bodies; the rest bounds what is left out of its body
-    order = sorted(range(len(spots)), key=lambda k: -spots[k][0])
+    names = [f"{spot.body} {spot.site}" for _, spot in spots]
+    order = ranking([ranked for ranked, _ in spots], names).tolist()
     for k in order[count:]:
         ranked, spot = spots[k]
         known = certificates[spot.body]
