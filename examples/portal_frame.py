@@ -87,7 +87,6 @@ def main(out: Path) -> int:
     with warnings.catch_warnings():
         # a pair of equal frequencies may be cut in two; its error is what is shown
         warnings.filterwarnings("ignore", message=".*have the same frequency")
-        warnings.filterwarnings("ignore", message=".*nothing will move")
         for modes in KEPT:
             found.append(jo.modes(jo.compile(frame(modes))).frequencies[:TEN])
     errors = np.array(found) / exact - 1

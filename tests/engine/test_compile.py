@@ -18,8 +18,7 @@ def rigid(name, **kwargs):
 
 def test_small_gaps_are_closed_before_the_run():
     body = rigid("rod", position=(0, 3e-8, 0))
-    with pytest.warns(jo.JoustoWarning, match="nothing will move"):
-        mechanism = jo.Mechanism(body, jo.Spherical("p", jo.ground["origin"], body["origin"]))
+    mechanism = jo.Mechanism(body, jo.Spherical("p", jo.ground["origin"], body["origin"]))
     model = jo.compile(mechanism)
     assert jo.Engine(model).residuals()[0] < 1e-15
     assert not model.q0.flags.writeable
@@ -41,13 +40,11 @@ def test_consistent_velocities_are_kept_silently():
     np.testing.assert_allclose(model.v0, [0, 0, 0, 0, 3, 2], atol=1e-14)
 
 
-@pytest.mark.filterwarnings("ignore:.*coordinates:jousto.JoustoWarning")
 def test_redundant_joints_are_named():
     body = rigid("door", angular_velocity=(1, 0, 0))
     upper = jo.Revolute("upper", jo.ground["origin"], body["origin"], axis=(1, 0, 0))
     lower = jo.Revolute("lower", jo.ground.at((1, 0, 0)), body["tip"], axis=(1, 0, 0))
-    with pytest.warns(jo.JoustoWarning, match="10 constraint rows for 6 coordinates"):
-        mechanism = jo.Mechanism(body, upper, lower)
+    mechanism = jo.Mechanism(body, upper, lower)
     with pytest.warns(jo.JoustoWarning, match=r"5 of the constraint rows of 'upper', 'lower'"):
         jo.compile(mechanism)
 

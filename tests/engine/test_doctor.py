@@ -1,5 +1,7 @@
 """doctor: mobility, bodies that cannot move, repeated and contradicting rows."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -86,3 +88,68 @@ def test_elastic_motions_are_counted_beside_the_rigid_ones():
     assert found.healthy
     assert found.rigid_mobility == 1
     assert found.mobility == 1 + part.n
+
+
+# -- mobility by rank, said once -------------------------------------------------------------------
+
+
+def said_of(*items: object) -> list[str]:
+    """All warnings of a mechanism, its compilation and its diagnosis."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        jo.compile(jo.Mechanism(*items))
+    return [str(w.message) for w in caught]
+
+
+def with_a_ball() -> tuple[list, jo.Revolute]:
+    """The parallelogram with a spherical joint: 18 rows, 18 coordinates, and one motion."""
+    crank, coupler, rocker, a, b, _, d = fourbar()
+    c = jo.Spherical("C", coupler.at((2, 0, 0)), rocker.at((1, 0, 0)))
+    return [crank, coupler, rocker, a, b, c, d], a
+
+
+def test_a_fourbar_with_a_spherical_joint_moves_and_that_is_said_once():
+    items, _ = with_a_ball()
+    (text,) = said_of(*items, jo.Gravity((0, -9.81, 0)))
+    assert "1 of the constraint rows" in text
+    assert "the motion is right" in text
+    assert "cannot move" not in text
+    assert "nothing can move" not in text
+
+
+USES = {
+    "drive": lambda s: jo.Drive("motor", s, jo.Ramp(0, 1)),
+    "motor": lambda s: jo.JointForce("motor", s, 5.0),
+    "controller": lambda s: jo.Servo("control", s, 0.0, 10.0),
+    "spring": lambda s: jo.Spring("spring", s, 10.0),
+    "sensor": lambda s: jo.CoordinateSensor("encoder", s),
+}
+
+
+@pytest.mark.parametrize("use", USES)
+def test_a_joint_whose_coordinate_is_used_is_never_to_be_replaced(use):
+    items, crank = with_a_ball()
+    (free,) = said_of(*items)
+    assert "replace the revolute joint 'A'" in free  # the first choice where nothing uses it
+    (text,) = said_of(*items, USES[use](crank.angle))
+    assert "'A' by" not in text
+    assert "leave out the joint 'A'" not in text
+    assert "replace the revolute joint 'B'" in text
+    # driven completely it moves all the same
+    assert "the motion is right" in text
+
+
+def test_the_advice_that_is_left_makes_all_rows_independent():
+    items, a = with_a_ball()
+    drive = USES["drive"](a.angle)
+    crank, coupler = items[:2]
+    items[4] = jo.Universal("B", crank.at((1, 0, 0)), coupler["origin"], Z)
+    assert said_of(*items, drive) == []
+
+
+def test_held_bodies_are_told_by_rank():
+    wheel = rigid("wheel", 1.0, (0, 0, 0))
+    (text,) = said_of(wheel, jo.Fixed("weld", ORIGIN, wheel["origin"]))
+    assert "nothing can move: its 6 constraint rows hold every motion" in text
+    hinge = jo.Revolute("hinge", ORIGIN, wheel["origin"], Z)
+    assert said_of(wheel, hinge, jo.Drive("motor", hinge.angle, jo.Ramp(0, 1))) == []

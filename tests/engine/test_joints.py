@@ -189,7 +189,6 @@ def fourbar(**options: object) -> list[object]:
     return [crank, coupler, rocker, *joints, jo.Gravity((0, -9.81, 0))]
 
 
-@pytest.mark.filterwarnings("ignore:.*constraint rows for:jousto.JoustoWarning")
 def test_a_planar_four_bar_of_revolutes_runs_and_says_what_repeats():
     with pytest.warns(jo.JoustoWarning, match="3 of the constraint rows of 'A', 'B', 'C', 'D'"):
         model = jo.compile(jo.Mechanism(*fourbar()))
@@ -202,7 +201,6 @@ def test_a_planar_four_bar_of_revolutes_runs_and_says_what_repeats():
     assert np.abs(run.q[:, 2]).max() < 1e-12  # it stays in its plane
 
 
-@pytest.mark.filterwarnings("ignore:.*constraint rows for:jousto.JoustoWarning")
 def test_the_remedy_makes_the_rows_independent_and_keeps_the_motion():
     from jousto.engine.redundancy import repeated_rows
 
@@ -224,7 +222,6 @@ def test_the_remedy_makes_the_rows_independent_and_keeps_the_motion():
     )
 
 
-@pytest.mark.filterwarnings("ignore:.*constraint rows for:jousto.JoustoWarning")
 @pytest.mark.filterwarnings("ignore:.*mobility:jousto.JoustoWarning")
 def test_two_drives_that_disagree_are_an_error():
     items = fourbar()
@@ -236,7 +233,6 @@ def test_two_drives_that_disagree_are_an_error():
         jo.compile(jo.Mechanism(*items, *drives))
 
 
-@pytest.mark.filterwarnings("ignore:.*constraint rows for:jousto.JoustoWarning")
 def test_a_flat_parallelogram_is_said_to_start_in_a_singular_position():
     def bar(name: str, x: float) -> jo.RigidBody:
         return jo.RigidBody(name, 1.0, (0.01, 0.1, 0.1), center=(0.5, 0, 0), position=(x, 0, 0))

@@ -8,7 +8,6 @@ import pytest
 import jousto as jo
 
 G = 9.81
-pytestmark = pytest.mark.filterwarnings("ignore:.*nothing will move")
 
 
 def two_rods(length: float) -> jo.Model:

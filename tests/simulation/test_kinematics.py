@@ -120,7 +120,6 @@ def test_instants_may_be_turns_apart_and_start_anywhere(signal):
     np.testing.assert_allclose(found.q[:, 14], closed_form(signal([0.9, 1.5]))[0], atol=1e-10)
 
 
-@pytest.mark.filterwarnings("ignore:.*nothing will move")
 def test_free_motions_are_counted(signal):
     with pytest.raises(jo.InputError, match="keeps 1 free motion at the initial pose.*give each a"):
         jo.kinematics(slider_crank(signal, driven=False), TIMES)
@@ -151,7 +150,6 @@ def arm(strip, signal, *items, damping=0.0):
     return jo.compile(jo.Mechanism(body, hinge, motor, *sensors, *items))
 
 
-@pytest.mark.filterwarnings("ignore:.*nothing will move")
 def test_a_spinning_rod_is_stretched_as_by_its_own_weight(strip):
     """E u'' = -rho Omega^2 (x + u): u(L) = tan(k L) / k - L, k^2 = rho Omega^2 / E; no torque."""
     speed = 20.0

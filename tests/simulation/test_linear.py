@@ -9,7 +9,6 @@ import jousto as jo
 
 G = 9.81
 STEEL = jo.Material(E=210e9, nu=0.3, rho=7850.0)
-pytestmark = pytest.mark.filterwarnings("ignore:.*nothing will move")
 
 
 def rod(name, angle, start=(0.0, 0.0, 0.0), length=1.2, mass=3.0):

@@ -11,6 +11,7 @@ import sys
 import tempfile
 import textwrap
 import time
+import warnings
 
 import h5py
 import numpy as np
@@ -496,3 +497,17 @@ def test_a_state_that_fits_is_taken_without_a_word():
     jo.simulate(model, 0.01, state=jo.equilibrium(model))
     model = driven(0.7)
     jo.simulate(model, 0.01, state=jo.State(model.q0, model.v0, np.zeros(model.nrow)))
+
+
+def test_only_a_run_says_that_nothing_will_move():
+    """A model made for its modes needs no forces."""
+    still = jo.compile(jo.Mechanism(rod := jo.RigidBody("rod", 1.0, (0.01, 0.1, 0.1)),
+        hinge := jo.Revolute("hinge", jo.ground["origin"], rod["origin"]),
+        jo.Spring("spring", hinge.angle, 10.0, free=0.0)))  # fmt: skip
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        jo.modes(still)
+        jo.simulate(still, 1e-3)
+    free = jo.compile(jo.Mechanism(rod, hinge))
+    with pytest.warns(jo.JoustoWarning, match="no initial velocity: nothing will move"):
+        jo.simulate(free, 1e-3)

@@ -123,10 +123,8 @@ def four_bar(*, repeated=False):
 def model(request):
     if not request.param:
         return jo.compile(four_bar())
-    with pytest.warns(jo.JoustoWarning, match="cannot move, or joints repeat"):
-        mechanism = four_bar(repeated=True)
-    with pytest.warns(jo.JoustoWarning, match="3 of the constraint rows"):
-        return jo.compile(mechanism)
+    with pytest.warns(jo.JoustoWarning, match="3 of the constraint rows.*the motion is right"):
+        return jo.compile(four_bar(repeated=True))
 
 
 def closed_form(times):

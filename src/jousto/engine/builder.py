@@ -119,14 +119,16 @@ class Builder:
             signal=self.signal(line.signal),
         )
 
-    def joint(self, joint: Joint) -> int:
-        """Return the index of a joint."""
+    def joint(self, joint: Joint, *, used: bool = False) -> int:
+        """Return the index of a joint; `used` if something needs a coordinate of it."""
         sides = tuple(
             self.marker(marker, turns)
             for marker, turns in zip(joint.frames, joint.turns, strict=True)
         )
         lines = tuple(self.line(line) for line in joint.lines)
-        return self._rows(joint.name, sides, joint.coincident, joint.perpendicular, lines)
+        place = self._rows(joint.name, sides, joint.coincident, joint.perpendicular, lines)
+        self.joints[place] = replace(self.joints[place], used=used)
+        return place
 
     def coupling(self, coupling: Coupler) -> int:
         """Return the index of a gear, rack, coupling or drive: one row, two or four markers."""

@@ -19,9 +19,9 @@ from jousto.engine.model import (
 )
 from jousto.engine.native import Engine, SingularJoints
 from jousto.engine.ordering import eliminate
-from jousto.engine.redundancy import check_closed, repeated_rows
+from jousto.engine.redundancy import check_closed, is_drive, repeated_rows
 from jousto.engine.start import quiet_velocities
-from jousto.errors import warn
+from jousto.errors import count, warn
 from jousto.mechanism import (
     CoordinateSensor,
     FlexibleBody,
@@ -31,6 +31,7 @@ from jousto.mechanism import (
     rotation_matrix,
     skew,
 )
+from jousto.mechanism.checks import used_joints
 from jousto.reduction import ReducedPart, StressModes
 from jousto.reduction.stress import located
 
@@ -72,8 +73,9 @@ def compile(mechanism: Mechanism) -> Model:
     index = {id(body): i for i, body in enumerate(mechanism.bodies)}
     bodies, q0, v0 = _bodies(mechanism)
     builder = Builder(index, {id(event): i for i, event in enumerate(mechanism.events)})
+    used = used_joints(mechanism)
     for joint in mechanism.joints:
-        builder.joint(joint)
+        builder.joint(joint, used=id(joint) in used)
     for coupling in mechanism.couplings:
         builder.coupling(coupling)
     for load in mechanism.forces:
@@ -276,6 +278,13 @@ def _consistent(model: Model) -> Model:
         asked = [f"'{s.name}'" for s in model.sensors if s.description.endswith(NOT_UNIQUE)]
         tail = f"; {', '.join(asked)} asked for such reactions" if asked else ""
         warn(f"mechanism {model.name!r}", found.sentence + tail)
+    elif model.permanent == model.nv and not any(is_drive(joint) for joint in model.joints):
+        warn(
+            f"mechanism {model.name!r}",
+            f"nothing can move: its {count(model.permanent, 'constraint row')} hold every motion; "
+            "free one of a joint, or add what is to move; doctor(mechanism) names the bodies held",
+        )
+    if found:
         for friction in model.frictions:
             if (joint := model.joints[friction.joint].name) in found.joints:
                 warn(

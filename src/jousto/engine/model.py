@@ -158,6 +158,8 @@ class JointModel:
         Offset of its rows among the multipliers.
     lock : int
         Place among the optional joints, -1 if the rows hold always.
+    used : bool
+        Whether a drive, a force, a sensor or an event needs a coordinate of the joint.
     """
 
     name: str
@@ -167,6 +169,7 @@ class JointModel:
     row: int
     lines: tuple[LineModel, ...] = ()
     lock: int = -1
+    used: bool = False
 
     @property
     def rows(self) -> int:

@@ -38,11 +38,14 @@ class Redundancy:
     mobility : int
         Motions that the joints leave free, modal coordinates included.
     advice : tuple of str
-        Replacements that make all rows independent without freeing a motion, if some were found.
+        Replacements that make all rows independent without freeing a motion, if some were found;
+        none of a joint whose coordinate is used.
     only_here : bool
         The rows differ in neighbouring positions: the initial one is singular.
     drives : tuple of str
         Drives among the joints.
+    driven : int
+        Rows of all drives: motions that they take from those that the joints leave free.
     """
 
     joints: tuple[str, ...]
@@ -51,6 +54,7 @@ class Redundancy:
     advice: tuple[str, ...]
     only_here: bool = False
     drives: tuple[str, ...] = ()
+    driven: int = 0
 
     @property
     def sentence(self) -> str:
@@ -62,7 +66,8 @@ class Redundancy:
                 "repeat the others there, and the motion may go on in more than one way; start "
                 "from another position or give initial velocities that choose one"
             )
-        motion = "the motion is right, but" if self.mobility else "nothing can move, and"
+        free = self.mobility + self.driven
+        motion = "the motion is right, but" if free else "nothing can move, and"
         if self.drives:
             drives = ", ".join(f"'{name}'" for name in self.drives)
             motion = (
@@ -149,6 +154,7 @@ def repeated_rows(model: Model) -> Redundancy | None:
         mobility=model.nv - (rows - count),
         advice=tuple(_advice(Y, taking)),
         drives=tuple(joint.name for joint in taking if is_drive(joint)),
+        driven=sum(joint.rows for joint in model.joints if is_drive(joint)),
         only_here=_repeated_nearby(model) < count,
     )
 
@@ -220,13 +226,14 @@ def _advice(Y: Array, joints: Sequence[JointModel]) -> list[str]:
     last_first = list(reversed(joints))
     for joint in sorted(last_first, key=lambda joint: not is_drive(joint)):
         rows = range(joint.row, joint.row + joint.rows)
-        if spare.free(rows):
+        if not joint.used and spare.free(rows):
             spare.leave_out(rows)
             gone.add(joint.name)
             advice.append(f"leave out the {place(joint)}")
     for joint in joints:
         count = len(joint.perpendicular)
-        if joint.name in gone or not joint.coincident or count not in (2, 3):
+        kept = joint.used or joint.name in gone
+        if kept or not joint.coincident or count not in (2, 3):
             continue
         first = joint.row + 3
         for freed in sorted(range(1, count + 1), reverse=True):

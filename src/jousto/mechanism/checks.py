@@ -236,6 +236,18 @@ def check_events(problems: Problems, mechanism: Mechanism) -> None:
                 )
 
 
+def used_joints(mechanism: Mechanism) -> set[int]:
+    """Return the ids of the joints whose coordinates something else uses.
+
+    Drives, couplings, springs, motors, controllers, sensors, events and friction do; without the
+    coordinate they make no sense.
+    """
+    items = (*mechanism.couplings, *mechanism.forces, *mechanism.sensors, *mechanism.frictions)
+    used = {id(s.joint) for item in items for s in coordinates_of(item)}
+    used |= {id(e.watch.joint) for e in mechanism.events if isinstance(e.watch, Coordinate)}
+    return used | {id(friction.joint) for friction in mechanism.frictions}
+
+
 def check_joints(problems: Problems, mechanism: Mechanism) -> None:
     """Note joints that connect nothing and joints that are open at the initial pose."""
     tolerance = GAP_TOLERANCE * mechanism.size
@@ -428,49 +440,8 @@ def warn_interfaces(mechanism: Mechanism) -> None:
                 )
 
 
-def warn_mobility(mechanism: Mechanism) -> None:
-    """Warn if there are as many constraint rows as coordinates."""
-    coordinates = sum(6 + len(body.modal_coordinates) for body in mechanism.bodies)
-    rows = sum(joint.rows for joint in mechanism.joints) + len(mechanism.couplings)
-    drives = sum(isinstance(item, Drive) for item in mechanism.couplings)
-    # a mechanism may be driven completely
-    if drives and rows - drives < coordinates < rows:
-        warn(
-            f"mechanism {mechanism.name!r}",
-            f"over-driven: {rows} constraint rows, {drives} of them drives, for {coordinates} "
-            "coordinates; leave out a drive, unless joints repeat each other's rows",
-        )
-    elif rows - drives >= coordinates:
-        warn(
-            f"mechanism {mechanism.name!r}",
-            f"{rows} constraint rows for {coordinates} coordinates: it cannot move, or joints "
-            "repeat each other's rows; doctor(mechanism) tells which bodies are held, free a "
-            "motion of one of their joints",
-        )
-
-
 def warn_ground_loads(mechanism: Mechanism) -> None:
     """Warn about forces and torques on the ground."""
     for load in mechanism.forces:
         if isinstance(load, LOADS) and isinstance(load.marker.body, Ground):
             warn(where(load), "acts on the ground, it has no effect")
-
-
-def warn_at_rest(mechanism: Mechanism) -> None:
-    """Warn if nothing can start to move."""
-    moving = any(
-        np.any(body.velocity)
-        or np.any(body.angular_velocity)
-        or np.any(body.modal_velocities)
-        or np.any(body.modal_coordinates)
-        for body in mechanism.bodies
-    )
-    loads = bool(mechanism.couplings) or any(
-        not (isinstance(load, LOADS) and isinstance(load.marker.body, Ground))
-        for load in mechanism.forces
-    )
-    if not (moving or loads or np.any(mechanism.gravity)):
-        warn(
-            f"mechanism {mechanism.name!r}",
-            "no gravity, no force and no initial velocity: nothing will move",
-        )

@@ -55,7 +55,7 @@ class Mechanism:
     Warns
     -----
     JoustoWarning
-        If a body is not connected to anything or nothing will move.
+        If a body is not connected to anything, or a force acts on the ground.
 
     Examples
     --------
@@ -161,9 +161,7 @@ class Mechanism:
         checks.warn_unconnected(self)
         checks.warn_interfaces(self)
         checks.warn_jumps(self)
-        checks.warn_mobility(self)
         checks.warn_ground_loads(self)
-        checks.warn_at_rest(self)
 
 
 def flattened(items: Sequence[Any]) -> Iterator[MovingBody]:

@@ -310,7 +310,7 @@ def _sets(mesh: Mesh, where: str) -> Iterator[Finding]:
 def _size(mesh: Mesh, where: str) -> Iterator[Finding]:
     low, high = mesh.bounds
     long = float(np.linalg.norm(high - low))
-    if SMALL <= long <= LARGE:
+    if not mesh.source or SMALL <= long <= LARGE:
         return
     found = f"is {long:.4g} m across"
     if long < SMALL:

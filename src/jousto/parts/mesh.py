@@ -49,6 +49,9 @@ class Mesh:
         Elements counted from 0 over all solid cells, block after block.
     surfaces : mapping of str to (nf, k) array_like of int
         Faces as node indices, corner nodes first; rows of shorter faces end with -1.
+    source : str
+        Name of the file it was read from, empty for a mesh made of arrays. Whether the unit of a
+        file can be right is judged by the size; arrays are taken as they are.
 
     Notes
     -----
@@ -76,6 +79,7 @@ class Mesh:
     node_sets: Sets = field(default_factory=dict)
     element_sets: Sets = field(default_factory=dict)
     surfaces: Sets = field(default_factory=dict)
+    source: str = ""
 
     def __post_init__(self) -> None:
         where, problems = f"mesh '{self.name}'", Problems()
@@ -319,6 +323,7 @@ class Mesh:
             sets,
             self.element_sets,
             surfaces,
+            self.source,
         )
 
     def merged(self, tolerance: float | None = None) -> Mesh:
@@ -345,6 +350,7 @@ class Mesh:
             {name: np.unique(new[old]) for name, old in self.node_sets.items()},
             self.element_sets,
             {name: new[old] for name, old in self.surfaces.items()},
+            self.source,
         )
 
 

@@ -91,7 +91,7 @@ def _mesh(arrays: Arrays) -> Mesh:
     for i in range(sum(name.startswith("cells.") for name in arrays)):
         kind, material = (str(text) for text in arrays[f"kind.{i}"])
         cells.append(Cells(kind, arrays[f"cells.{i}"], arrays[f"ids.{i}"], material))
-    sets = {
+    sets: dict[str, Any] = {
         group: {
             name.removeprefix(f"{group}."): value
             for name, value in arrays.items()

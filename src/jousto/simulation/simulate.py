@@ -143,7 +143,9 @@ def simulate(
     for sentence in cautions(model, solver, plan):
         warn(f"simulate {model.name!r}", sentence)
     engine = Engine(model)
-    if state is not None:
+    if state is None:
+        _warn_at_rest(model)
+    else:
         _start(engine, state)
         engine.steps_done = plan.before
     folder = Path(tempfile.mkdtemp(prefix="jousto-")) if path is None else None
@@ -163,6 +165,20 @@ def simulate(
         if folder and getattr(error, "solution", None) is None:
             shutil.rmtree(folder, ignore_errors=True)
         raise
+
+
+def _warn_at_rest(model: Model) -> None:
+    """Warn if nothing can start to move."""
+    pushed = any(f.kind != "load" or model.markers[f.a].body >= 0 for f in model.forces)
+    driven = any(is_drive(joint) for joint in model.joints)
+    # beams may start bent
+    bent = any(model.q0[b.iq + 7 : b.iq + 7 + b.n].any() for b in model.bodies)
+    loaded = pushed or driven or model.gravity.any()
+    if not (loaded or bent or model.beams or model.v0.any()):
+        warn(
+            f"simulate {model.name!r}",
+            "no gravity, no force, no drive and no initial velocity: nothing will move",
+        )
 
 
 def _start(engine: Engine, state: State) -> None:

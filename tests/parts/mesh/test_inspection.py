@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 
 import numpy as np
@@ -183,11 +184,14 @@ def test_empty_sets() -> None:
 def test_units_that_cannot_be(factor: float, sentence: str) -> None:
     mesh = block("tetra10", (3, 2, 1), (0.3, 0.2, 0.1))
     assert mesh.check() == ()
-    finding = only(mesh.scaled(factor), "size")
+    read = dataclasses.replace(mesh, source="block.inp")
+    finding = only(read.scaled(factor), "size")
     assert finding.severity == "warning"
     with pytest.raises(AssertionError):
         only(mesh.scaled(factor), "sliver")
     assert re.match(sentence, finding.message)
+    # arrays of Python have no unit to guess
+    assert mesh.scaled(factor).check() == ()
 
 
 def test_numbers_given_twice() -> None:

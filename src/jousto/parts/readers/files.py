@@ -7,7 +7,7 @@ import logging
 import os
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 
@@ -139,7 +139,7 @@ def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None
         return _unpacked(path, unit, name)
     found = which(path)
     raw = found.read(path)
-    mesh = raw.build(where, name or path.stem, factor)
+    mesh = replace(raw.build(where, name or path.stem, factor), source=where)
     for place, sentence in raw.left_out:
         warn(place, sentence)
     log.info("%s: %s", where, mesh)
