@@ -1,8 +1,8 @@
 # Everything a person or a machine does with the project. `make help` lists it.
 #
 # Needs Python >= 3.11, a C compiler and make. The environment lives in .venv and is made with uv
-# if there is one, else with venv and pip; it is made again only when pyproject.toml changes, the C
-# engine only when its sources change.
+# if there is one, else with venv and pip; it is renewed only when pyproject.toml or the sources of
+# the engine change. `make demo` loads what jousto needs to run, the checks their tools as well.
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
@@ -21,7 +21,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PY := $(BIN)/python
 CC ?= cc
-ENGINE := CMakeLists.txt $(wildcard engine/*.c engine/*.h)
+ENGINE := CMakeLists.txt $(wildcard engine/*.c engine/*.h engine/*.cmake)
 EXAMPLE ?= examples/flexible_pendulum.py
 
 export MPLBACKEND := Agg
@@ -35,81 +35,97 @@ help:  ## this list
 
 # ---- environment ---------------------------------------------------------------------------------
 
-# $(call install,WHAT): into the environment, with uv or, if there is none or it fails, with pip
+# .made: jousto itself, editable, with the engine built in place; the others add an extra each
+STAMPS := $(addprefix $(VENV)/.,made dev docs bench)
+$(VENV)/.made: pyproject.toml $(ENGINE)
+$(filter-out %.made,$(STAMPS)): pyproject.toml | $(VENV)/.made
+
+ifndef HOLDING
+# one installation at a time in one folder: a second `make` waits, then looks again what is left to do
+$(STAMPS):
+	@$(or $(PYTHON),python3) tools/locked.py build/install.lock $(MAKE) HOLDING=1 $@
+else
+
+# $(call install,WHAT): into the environment, with uv or, if there is none or it fails, with pip,
+# which then tells what it loads and how large that is
 define install
-	$(if $(UV),$(UV) pip install --quiet --python $(PY) $(1) ||) \
-	{ $(PY) -m pip --version >/dev/null 2>&1 || $(PY) -m ensurepip; $(PY) -m pip install --quiet $(1); }
+	$(if $(UV),$(UV) pip install --python $(PY) $(1) ||) \
+	{ $(PY) -m pip --version >/dev/null 2>&1 || $(PY) -m ensurepip; \
+	  PYTHONUNBUFFERED=1 $(PY) -m pip install --no-compile --progress-bar off $(1) \
+  | awk '/^ *(Downloading|Using cached) .* MB/ || /Building .* jousto.*started/ {print; fflush()}'; }
 endef
 
-$(VENV)/.made: pyproject.toml
+$(VENV)/.made:
 	@if ! $(PY) -c '' 2>/dev/null; then \
 	  rm -rf $(VENV); \
 	  if [ -n "$(PYTHON)" ]; then $(if $(UV),$(UV) venv --quiet --python "$$(command -v $(PYTHON))" $(VENV) ||) $(PYTHON) -m venv $(VENV); \
 	  elif [ -n "$(UV)" ]; then $(UV) venv --quiet --python '>=3.11' $(VENV); \
 	  else echo "jousto needs Python 3.11 or newer (make PYTHON=/path/to/python3)" >&2; exit 1; fi; \
 	fi
-	@echo "installing jousto and its tools into $(VENV)"
-	@$(call install,-e '.[dev]')
+	@echo "installing jousto into $(VENV): some 40 packages, 120 MB to load, and the C engine to compile"
+	@$(call install,--config-settings=build-dir=build/engine -e .)
+	@echo "  $$(du -sm $(VENV) | cut -f1) MB in $(VENV)"
 	@touch $@
 
-LIB := src/jousto/engine/lib
-$(LIB)/.built: $(VENV)/.made $(ENGINE)
-	@mkdir -p build
-	@$(BIN)/cmake -S . -B build/engine -G Ninja -DCMAKE_MAKE_PROGRAM="$$(pwd)/$(BIN)/ninja" \
-	  -DCMAKE_BUILD_TYPE=Release -DJOUSTO_INPLACE=ON >build/engine.log 2>&1 || { cat build/engine.log; exit 1; }
-	@$(BIN)/cmake --build build/engine | grep -v Building
+$(VENV)/.dev $(VENV)/.docs $(VENV)/.bench: $(VENV)/.%:
+	@echo "adding what make needs for $*"
+	@$(call install,'jousto[$*]')
+	@echo "  $$(du -sm $(VENV) | cut -f1) MB in $(VENV)"
 	@touch $@
-
-$(VENV)/.docs: $(VENV)/.made
-	@$(call install,-e '.[docs]')
-	@touch $@
-
-$(VENV)/.bench: $(VENV)/.made
-	@$(call install,-e '.[bench]')
-	@touch $@
+endif
 
 .PHONY: install engine
-install: $(LIB)/.built  ## environment in .venv with jousto (editable) and all tools
-engine: $(LIB)/.built  ## the C engine, built into src/jousto/engine/lib
+install: $(VENV)/.dev  ## environment in .venv with jousto (editable) and all tools
+engine: $(VENV)/.made  ## the C engine, built into src/jousto/engine/lib
 
 # ---- what it can do --------------------------------------------------------------------------------
 
 .PHONY: demo bench docs
-demo: $(LIB)/.built  ## the flexible pendulum against its reference; plot and animation in out/
+demo: $(VENV)/.made  ## the flexible pendulum against its reference; plot and animation in out/
 	@$(PY) $(EXAMPLE)
 
-bench: $(LIB)/.built $(VENV)/.bench  ## speed side by side with EXUDYN and Pinocchio
+bench: $(VENV)/.bench  ## speed side by side with EXUDYN and Pinocchio
 	@$(PY) benchmarks/speed.py
 	@$(PY) benchmarks/mechanisms.py
 	@$(PY) benchmarks/beams.py
 
-docs: $(LIB)/.built $(VENV)/.docs  ## documentation in build/docs, warnings are errors
+docs: $(VENV)/.docs  ## documentation in build/docs, warnings are errors
 	@$(PY) -m sphinx -W --keep-going -q -b html docs build/docs
+	@! grep -rlE '<(script|link|img)[^>]*(src|href)="https?://' --include='*.html' build/docs \
+	  || { echo "these pages need a network" >&2; exit 1; }
 	@echo "build/docs/index.html"
 
 # ---- checks ----------------------------------------------------------------------------------------
 
-.PHONY: test lint types layers sanitize unit slow format
+.PHONY: test lint types layers sanitize unit slow old-processor format
 test: lint types layers sanitize unit  ## every check except the slow verification runs
 
-lint: $(VENV)/.made
+lint: $(VENV)/.dev
 	@$(BIN)/ruff format --check .
 	@$(BIN)/ruff check .
 
-types: $(VENV)/.made
+types: $(VENV)/.dev
 	@$(BIN)/mypy
 
-layers: $(VENV)/.made
+layers: $(VENV)/.dev
 	@$(BIN)/lint-imports
 
 # tests, doctests and examples
-unit: $(LIB)/.built
+unit: $(VENV)/.dev
 	@$(PY) -m pytest -q -n auto $(PYTEST_ARGS)
 
-slow: $(LIB)/.built  ## the long verification runs
+slow: $(VENV)/.dev  ## the long verification runs
 	@$(PY) -m pytest -q -n auto -m slow $(PYTEST_ARGS) || [ $$? -eq 5 ]
 
-format: $(VENV)/.made  ## reformat and repair what can be repaired
+# the tests of numbers once more as an old processor computes: the engine without AVX2, and the kernels
+# that OpenBLAS has for one
+ROOMS := $(addprefix tests/,engine mechanism parts planar recovery reduction simulation verification test_docs.py)
+old-processor: export JOUSTO_CPU := baseline
+old-processor: export OPENBLAS_CORETYPE := Nehalem
+old-processor: $(VENV)/.dev  ## the tests of numbers as a processor without AVX computes
+	@$(PY) -m pytest -q -n auto $(PYTEST_ARGS) $(ROOMS)
+
+format: $(VENV)/.dev  ## reformat and repair what can be repaired
 	@$(BIN)/ruff check --fix .
 	@$(BIN)/ruff format .
 
@@ -149,6 +165,6 @@ wheel-check: wheel  ## install that wheel into an empty environment and run the 
 	@echo "the wheel works in an empty environment"
 
 clean:  ## remove everything that was built, and the environment
-	rm -rf $(VENV) build dist out src/jousto/engine/lib src/jousto/engine/jousto.h \
+	rm -rf $(VENV) build dist out src/jousto/engine/lib \
 	  .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
 	find src tests examples benchmarks docs -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -21,7 +21,7 @@ BUILDS = {"v3": 3, "baseline": 0}
 @functools.cache
 def header() -> str:
     """Return the declarations of jousto.h that cffi reads (between BEGIN and END)."""
-    candidates = (_HERE / "jousto.h", _HERE.parents[2] / "engine" / "jousto.h")
+    candidates = (_HERE.parents[2] / "engine" / "jousto.h", _HERE / "jousto.h")
     for path in candidates:
         if path.exists():
             text = path.read_text(encoding="utf-8")

@@ -33,7 +33,7 @@ LOOSE = 2e-14
 BLOCK = 16
 """Right-hand sides solved at a time: libraries copy them."""
 
-EXTRA = "pip install jousto[large]"
+EXTRA = "pip install pypardiso, or ngsolve on macOS"
 
 
 class Solver(Protocol):
@@ -76,7 +76,7 @@ _KNOWN: dict[str, tuple[str, Callable[..., backends.Backend], str, str, str]] = 
         backends.Pardiso,
         "PARDISO of Intel MKL by pypardiso",
         "proprietary, free of charge",
-        f"{EXTRA} (Linux and Windows, x86-64)",
+        "pip install pypardiso (Linux and Windows, x86-64)",
     ),
     "cholmod": (
         "sksparse",
@@ -90,7 +90,7 @@ _KNOWN: dict[str, tuple[str, Callable[..., backends.Backend], str, str, str]] = 
         backends.NGSolve,
         "sparse Cholesky of NGSolve",
         "LGPL",
-        f"{EXTRA} (macOS), or pip install ngsolve",
+        "pip install ngsolve (macOS, where pypardiso is not to be had, and elsewhere)",
     ),
     "superlu": (
         "scipy",

@@ -82,5 +82,5 @@ def test_archives_need_a_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setitem(sys.modules, "mapdl_archive", None)
     path = tmp_path / "part.cdb"
     path.write_text("/PREP7\nNBLOCK,6,SOLID\n")
-    with pytest.raises(InputError, match=r"pip install jousto\[ansys\]"):
+    with pytest.raises(InputError, match=r"pip install mapdl-archive"):
         jo.read_mesh(path)

@@ -227,7 +227,7 @@ def test_wrong_cad_files_are_told(cad: Path, tmp_path: Path) -> None:
 
 def test_gmsh_is_named_when_it_is_missing(cad: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "gmsh", None)
-    with pytest.raises(InputError, match=r"pip install jousto\[cad\]"):
+    with pytest.raises(InputError, match=r"pip install gmsh"):
         jo.mesh_step(cad / "plate.step", size=5e-3)
 
 

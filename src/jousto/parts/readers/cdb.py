@@ -43,7 +43,7 @@ def read_cdb(path: Path) -> RawMesh:
         import mapdl_archive
     except ImportError:
         raise InputError(
-            Problem(path.name, "Ansys archives need mapdl-archive: pip install jousto[ansys]")
+            Problem(path.name, "Ansys archives need mapdl-archive: pip install mapdl-archive")
         ) from None
     announced = _announced(path)
     try:

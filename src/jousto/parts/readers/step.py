@@ -127,7 +127,7 @@ def _gmsh(where: str) -> Any:
         if isinstance(error, OSError):  # installed, but a library of the system is missing
             message = f"Gmsh cannot be loaded: {error}; install that library of the system"
         else:
-            message = "meshing CAD files needs Gmsh: pip install jousto[cad]"
+            message = "meshing CAD files needs Gmsh: pip install gmsh"
         raise InputError(Problem(where, message)) from None
     return gmsh
 

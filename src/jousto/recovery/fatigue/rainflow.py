@@ -420,7 +420,7 @@ def _pylife() -> Any:
         raise InputError(
             Problem(
                 "rainflow",
-                "needs the package pyLife, which is not installed: pip install 'jousto[fatigue]'",
+                "needs the package pyLife, which is not installed: pip install pylife",
             )
         ) from None
     return detectors

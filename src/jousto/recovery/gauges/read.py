@@ -256,9 +256,7 @@ def _universal(path: Path) -> Raw:
     try:
         import pyuff
     except ImportError:
-        raise InputError(
-            Problem(where, "universal files need pyuff: pip install 'jousto[measured]'")
-        ) from None
+        raise InputError(Problem(where, "universal files need pyuff: pip install pyuff")) from None
     try:
         sets = pyuff.UFF(str(path)).read_sets()
     except Exception as error:

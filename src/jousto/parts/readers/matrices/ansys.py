@@ -13,7 +13,7 @@ from jousto.parts._arrays import Floats, Ints, Sparse, as_csr
 from jousto.parts.readers.matrices.nodes import Positions
 from jousto.parts.readers.matrices.text import mirrored, refuse
 
-EXTRA = "needs the package ansys-mapdl-reader: pip install jousto[ansys]"
+EXTRA = "needs the package ansys-mapdl-reader: pip install ansys-mapdl-reader"
 
 
 def read_full(path: Path) -> tuple[Sparse, Sparse, Ints, Ints]:

@@ -20,7 +20,7 @@ from jousto.parts._arrays import Floats, Ints, Sparse, as_csr
 from jousto.parts.readers.matrices.nodes import Positions
 from jousto.parts.readers.matrices.text import expanded, read_text, refuse
 
-EXTRA = "needs the package pyyeti: pip install jousto[nastran]"
+EXTRA = "needs the package pyyeti: pip install pyyeti"
 STIFFNESS = ("kaa", "kaax", "kxx", "kgg", "kjj", "k2gg", "k2jj", "k")
 MASS = ("maa", "maax", "mxx", "mgg", "mjj", "m2gg", "m2jj", "m")
 BULK = (".pch", ".asm", ".bdf", ".nas", ".dat")
