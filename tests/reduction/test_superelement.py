@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.linalg
+import scipy.sparse as sp
 from numpy.testing import assert_allclose
 
 import jousto as jo
@@ -26,11 +27,12 @@ B = np.r_[0:6, 24:30]
 I = np.setdiff1d(np.arange(30), B)
 
 
-def condensed(modes: int) -> jo.Matrices:
+def condensed(modes: int, part: Part = FRAME) -> jo.Matrices:
     """Return Craig and Bampton's matrices as another program would write them: B, then q."""
-    K, M = FRAME.K.toarray(), FRAME.M.toarray()
+    K, M = part.K.toarray(), part.M.toarray()
     phi_c = -np.linalg.solve(K[np.ix_(I, I)], K[np.ix_(I, B)])
-    _, phi_n = scipy.linalg.eigh(K[np.ix_(I, I)], M[np.ix_(I, I)])
+    # in flexibility form, where masses of rotations may be zero
+    phi_n = scipy.linalg.eigh(M[np.ix_(I, I)], K[np.ix_(I, I)])[1][:, ::-1]
     T = np.zeros((30, 12 + modes))
     T[B, :12] = np.eye(12)
     T[I, :12] = phi_c
@@ -72,6 +74,27 @@ def test_the_same_as_reducing_the_full_model(modes: int) -> None:
     assert_allclose(a.I7, FRAME_INERTIA, atol=1e-9 * J)
     assert_allclose(a.I3, b.I3 * sign, atol=1e-8 * np.abs(b.I3).max() + 1e-9)
     assert_allclose(a.I6, np.eye(reduced.n), atol=1e-9)
+
+
+def test_ends_that_turn_without_mass_stay_as_soft_as_they_are() -> None:
+    part = Part.frame(
+        FRAME.nodes,
+        [(0, 1), (1, 2), (2, 3), (3, 4)],
+        sections=Tube(0.05, 0.004),
+        materials=Material(E=210e9, nu=0.3, rho=7850.0),
+        node_sets={"foot": (0,), "tip": (4,)},
+        lumped=True,
+        rotary_inertia=False,
+    )
+    reduced = jo.reduce_superelement(condensed(0, part))
+    assert reduced.rotations is not None
+    X = np.concatenate([reduced.modes, reduced.rotations], axis=1).reshape(12, -1)
+    # the response of the free body to every balanced load on both ends
+    R = part.rigid_modes()[B]
+    F = scipy.linalg.null_space(R.T)
+    found = F.T @ X @ (X / reduced.stiffness).T @ F
+    K = sp.csr_array(condensed(0, part).K).toarray()
+    assert_allclose(found, F.T @ np.linalg.pinv(K, rcond=1e-9) @ F, rtol=1e-6, atol=1e-12)
 
 
 def inertia_about_origin() -> np.ndarray:

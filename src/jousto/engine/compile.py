@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine.beams import beam_models, beam_shapes, warn_beams
+from jousto.engine.bodies import warn_bodies
 from jousto.engine.builder import Builder
 from jousto.engine.events import event_models, watched_coordinates
 from jousto.engine.measure import NOT_UNIQUE, flag_reactions, meter_models, sensor_models
@@ -66,10 +67,12 @@ def compile(mechanism: Mechanism) -> Model:
     Warns
     -----
     JoustoWarning
-        If initial velocities contradict the joints and had to be changed, or joints repeat one
-        another, so that their reactions are not unique.
+        If initial velocities contradict the joints and had to be changed, joints repeat one
+        another, so that their reactions are not unique, or the mass of a flexible body lies so
+        nearly on a line that its modes cannot follow how bending turns it.
     """
     warn_beams(mechanism)
+    warn_bodies(mechanism)
     index = {id(body): i for i, body in enumerate(mechanism.bodies)}
     bodies, q0, v0 = _bodies(mechanism)
     builder = Builder(index, {id(event): i for i, event in enumerate(mechanism.events)})

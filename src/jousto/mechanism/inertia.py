@@ -12,7 +12,7 @@ from jousto.mechanism.orientation import Array, readonly, skew
 
 if TYPE_CHECKING:
     from jousto.mechanism.body import FlexibleBody
-    from jousto.reduction import ReducedPart
+    from jousto.reduction import Invariants, ReducedPart
 
 # ratio of the smallest to the largest eigenvalue of the rigid mass below which it is singular
 SINGULAR = 1e-14
@@ -84,6 +84,14 @@ def rigid_mass(body: FlexibleBody) -> Array:
     )
     M_rp = np.vstack([I.I3, M_wp])
     return np.asarray(M_rr - M_rp @ M_rp.T)
+
+
+def principal_inertia(invariants: Invariants) -> tuple[Array, Array]:
+    """Return the principal moments of inertia (3,), ascending, kg m2, and their axes (3, 3)."""
+    c = invariants.first_moment / invariants.mass
+    U = invariants.second_moment - invariants.mass * np.outer(c, c)
+    moments, axes = np.linalg.eigh(np.trace(U) * np.eye(3) - U)
+    return np.maximum(moments, 0.0), axes
 
 
 def check_mass(body: FlexibleBody) -> None:

@@ -76,7 +76,7 @@ def write_sid(
     this package and ``q = p``:
 
     ``mdCM = I2 + I3 q``, ``J = I7 + (I8_k + I8_k^T) q_k``, ``Ct = I3^T``,
-    ``Cr = I4^T + I5_k^T q_k``, ``Me = I6``, ``Gr_j = 2 (I8_j + I9_kj q_k)``, ``Ge_j = 2 I5_j^T``,
+    ``Cr = I4^T + I5_k^T q_k``, ``Me = E``, ``Gr_j = 2 (I8_j + I9_kj q_k)``, ``Ge_j = 2 I5_j^T``,
     ``Oe w w = -w^T (I8_j + I9_jk q_k) w``, ``Ke = diag(omega^2)``. Stiffening, where the part has
     it, goes into Oe and into the shapes of the nodes.
 
@@ -150,7 +150,7 @@ def sid_matrices(reduced: ReducedPart, ratios: Array) -> dict[str, Taylor]:
         "Ct": Taylor(inv.I3.T),
         # I5[j, a, i]: rows i, columns a, coordinate j
         "Cr": Taylor(inv.I4.T, I5.transpose(2, 1, 0)),
-        "Me": Taylor(inv.I6, symmetric=True),
+        "Me": Taylor(np.eye(reduced.n), symmetric=True),
         # blocks of three columns for each mode j; I9[k, j, a, b] with the coordinate k last
         "Gr": Taylor(
             2.0 * I8.transpose(1, 0, 2).reshape(3, 3 * n),

@@ -68,7 +68,8 @@ def clamp(reduced: ReducedPart, node: str) -> ReducedPart:
     d = (np.einsum("jab,b->ja", cross, s) - t.T).T
     I = reduced.invariants
     held = _shifted(I, d, cross)
-    mass = held.I6
+    # motions that move no mass have the modal mass 1 all the same
+    mass = held.I6 + np.eye(reduced.n) - I.I6
     stiffness, V = la.eigh(np.diag(reduced.stiffness), 0.5 * (mass + mass.T))
     modes = reduced.modes + d - np.einsum("jab,kb->kaj", cross, reduced.nodes)
     rotations = reduced.rotations

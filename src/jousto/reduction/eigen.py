@@ -31,6 +31,11 @@ MASSLESS = 1e-12
 """Modes with mu below this fraction of the largest one (a million times its frequency) move no
 mass."""
 
+STAND_IN = 1e-8
+"""The fraction that motions without mass are given where they are kept: ten thousand times the
+lowest frequency. They then follow their loads as if at rest; what that costs a mode of frequency
+f is of the order of ``(f / 1e4 f_1)^2``."""
+
 CLUSTER = 1e-8
 """Relative difference of mu below which frequencies count as equal."""
 
@@ -72,6 +77,7 @@ def spectrum(
     frequency_limit: float | None,
     where: str,
     report: Callable[[float], None] | None = None,
+    massless: bool = False,
 ) -> tuple[Array, Array]:
     """Solve ``X0^T M X0 y = mu B y`` for at least the softest modes asked for.
 
@@ -89,11 +95,14 @@ def spectrum(
         Name for errors.
     report : callable, optional
         Called with the part of the modes that is found, from 0 to 1.
+    massless : bool
+        Whether motions that move no mass come too, after the others, with mu = 0; only of small
+        problems, ``solve=None``.
 
     Returns
     -------
     mu : (m,) array
-        ``1 / omega^2``, s2, descending; only modes that move mass.
+        ``1 / omega^2``, s2, descending; only modes that move mass unless `massless`.
     X : (ndof, m) array
         Modes normalised to unit stiffness, ``X^T K X = E``.
 
@@ -129,7 +138,11 @@ def spectrum(
             )
         )
     moving = mu > MASSLESS * mu[0]
-    return polish(solved.lift(Y[:, moving]), M)
+    mu, X = polish(solved.lift(Y[:, moving]), M)
+    if not massless:
+        return mu, X
+    still = solved.lift(Y[:, ~moving])
+    return np.append(mu, np.zeros(still.shape[1])), np.concatenate([X, still], axis=1)
 
 
 def _operator(problem: Flexibility, M: sp.csr_array) -> Callable[[Array], Array]:
@@ -245,6 +258,18 @@ def canonical(
         )
     mu = np.einsum("ij,ij->j", X, M @ X)
     return mu, X
+
+
+def settled(X: Array, dofs_per_node: int, length: float) -> Array:
+    """Make motions that move no mass unique, as `canonical` makes modes: by their displacements.
+
+    They are turned until they diagonalise ``sum_a w_a (D_a X)^T (D_a X)``, rotations times the
+    size of the body; ``X^T K X = E`` stays.
+    """
+    kind = np.arange(X.shape[0]) % dofs_per_node
+    weights = DIRECTION_WEIGHTS[kind] * np.where(kind < 3, 1.0, length**2)
+    X = X @ np.linalg.eigh(X.T @ (weights[:, None] * X))[1]
+    return np.asarray(X * [_sign(x, kind, length) for x in X.T])
 
 
 def _sign(x: Array, kind: NDArray[np.int_], length: float) -> float:

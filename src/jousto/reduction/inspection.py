@@ -266,7 +266,7 @@ def rotary_inertia(full: FullModel) -> Check:
                 f"{count(bare, 'node')} of {len(diagonal)} without",
                 "",
                 "rotations of these nodes move no mass, so that modes in which only they move "
-                "have no frequency and are left out",
+                "have no frequency: those of interfaces are kept as static shapes",
                 "harmless for slender parts; otherwise use consistent mass or rotary_inertia=True",
             )
     return Check(topic, "ok", value, limit, "the body has inertia about every axis")

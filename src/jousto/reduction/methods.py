@@ -19,7 +19,8 @@ class CraigBampton:
     ``T = [E 0; Phi_C Phi_N]`` (Rantalainen 2007, eqs. 3.24-3.31), then orthonormalised and freed
     of the rigid-body modes (eqs. 3.32-3.36). One interface node of six degrees of freedom adds
     six constraint modes; the six rigid-body modes are taken away, so that
-    ``n = modes + 6 * len(interfaces) - 6``, less the modes that move no mass.
+    ``n = modes + 6 * len(interfaces) - 6``. Of these, motions that move no mass
+    stand at 10,000 times the lowest frequency, as the static shapes that they are.
 
     Residual vectors ``(K_II^-1 - Phi_N W^-2 Phi_N^T) f`` add what the fixed-interface modes leave
     out of a static response: one more mode for each load or stress component.

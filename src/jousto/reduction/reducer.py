@@ -182,7 +182,6 @@ def _modes(
 ) -> tuple[Array, Array]:
     """Return ``1 / omega^2`` and the elastic modes, mass-normalised."""
     where = f"part '{part.name}'"
-    length = length_scale(part.nodes)
     wanted: int | None
     limit: float | None
     if isinstance(method, CraigBampton):
@@ -204,8 +203,9 @@ def _modes(
                 frequency_limit=limit,
                 where=where,
                 report=lambda done: report(stage, done),
+                massless=isinstance(method, CraigBampton),
             )
-            mu, X = eigen.canonical(mu, X, M, part.dofs_per_node, length)
+            mu, X = _unique(part, mu, X, M)
         if isinstance(method, FreeFree):
             mu, X = eigen.select(mu, X, method.modes, method.frequency_limit, "free-free", where)
             loads = free_loads(part, method)
@@ -213,17 +213,35 @@ def _modes(
                 Y = with_residuals(X, loads, elastic, rigid, K)
                 n = Y.shape[1]
                 whole = eigen.Flexibility(n, lambda y: Y @ y, lambda f: Y.T @ f, np.eye(n), None)
-                mu, X = eigen.spectrum(whole, M, modes=n, frequency_limit=None, where=where)
-                mu, X = eigen.canonical(mu, X, M, part.dofs_per_node, length)
+                mu, X = eigen.spectrum(
+                    whole, M, modes=n, frequency_limit=None, where=where, massless=True
+                )
+                mu, X = _unique(part, mu, X, M)
         if not len(mu):
             message = (
                 "the method leaves no elastic mode: ask for more modes, or use a RigidBody with "
                 "the mass and inertia of the part"
             )
             raise InputError(Problem(where, message))
+        moving = mu > 0.0
+        mu = np.where(moving, mu, eigen.STAND_IN * mu[0])
         X = X / np.sqrt(mu)
-        _check_orthonormal(X, M, where)
-    return mu, X
+        _check_orthonormal(X[:, moving], M, where)
+        # what stands in for no mass comes among the others, whose order stays
+        after = np.sum(mu[moving] > eigen.STAND_IN * mu[0]) - 0.5
+        order = np.argsort(np.where(moving, np.arange(len(mu)), after), kind="stable")
+    return mu[order], X[:, order]
+
+
+def _unique(part: Part, mu: Array, X: Array, M: sp.csr_array) -> tuple[Array, Array]:
+    """Return modes whose signs and, at equal frequencies, shapes do not depend on the solver."""
+    d, length = part.dofs_per_node, length_scale(part.nodes)
+    k = int(np.sum(mu > 0.0))
+    moving, modes = eigen.canonical(mu[:k], X[:, :k], M, d, length)
+    if k == len(mu):
+        return moving, modes
+    still = eigen.settled(X[:, k:], d, length)
+    return np.append(moving, mu[k:]), np.concatenate([modes, still], axis=1)
 
 
 def _check_orthonormal(X: Array, M: sp.csr_array, where: str) -> None:

@@ -11,6 +11,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, Problems, count, warn
+from jousto.reduction.eigen import STAND_IN
 from jousto.reduction.invariants import EPS, Invariants
 from jousto.reduction.reduced import ReducedPart, package_versions
 from jousto.reduction.rigid import length_scale
@@ -236,9 +237,25 @@ def _elastic(
         raise InputError(Problem(where, "no elastic mode is left; ask for more"))
     X = scale[:, None] * scipy.linalg.solve_triangular(C.T, Y[:, :good], lower=False)
     X /= np.sqrt(mu[:good])
+    if modes is None and frequency_limit is None and good < len(mu):
+        Z = scale[:, None] * scipy.linalg.solve_triangular(C.T, Y[:, good:], lower=False)
+        X, frequencies = _with_massless(X, frequencies, Z, K)
+        good = X.shape[1]
     # the sign is free: let the largest motion be positive
     X *= np.sign(X[np.argmax(np.abs(X), axis=0), np.arange(good)])
     return X, frequencies[:good]
+
+
+def _with_massless(X: Array, frequencies: Array, Z: Array, K: Array) -> tuple[Array, Array]:
+    """Return the modes and the static shapes of what moves no mass, Z less its rigid motions."""
+    energy, turn = np.linalg.eigh(Z.T @ (K @ Z))  # 0 of rigid motions, 1 of others
+    still = Z @ turn[:, energy > 0.5]
+    still = still @ np.linalg.eigh(still.T @ still)[1]
+    fast = frequencies[0] / np.sqrt(STAND_IN)
+    w = np.append(frequencies, np.full(still.shape[1], fast))
+    X = np.concatenate([X, 2.0 * np.pi * fast * still], axis=1)
+    order = np.argsort(w, kind="stable")
+    return X[:, order], w[order]
 
 
 def _invariants(M: Array, G: Array, X: Array) -> Invariants:

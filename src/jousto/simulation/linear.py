@@ -185,6 +185,61 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
     )
 
 
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """Stiffness and mass about a state without velocities, translations in body frames.
+
+    The free motions ``dq = N y`` are orthonormal with respect to the mass, ``N^T M N = E``, and
+    ``y'' = -K y`` next to the state: neither holds a quotient by an inertia, so that their digits
+    do not suffer where one is tiny, as the spin of a slender body.
+    """
+
+    N: Array
+    K: Array
+    M: Array
+    a: Array
+    lam: Array
+
+
+def at_rest(model: Model, state: State) -> Rest:
+    """Return stiffness and mass about a state, its velocities set to zero, by complex steps.
+
+    ``K = N^T (dr/dq N + M E)`` with the residual r of the equations of motion at fixed
+    accelerations and multipliers, and ``E = -Cq^+ d(Cq a)/dq N``, what the joints add to the
+    accelerations as they turn.
+
+    Raises
+    ------
+    InputError
+        If a body or joint is singular at the state.
+    """
+    still, T = replace(state, v=np.zeros(model.nv)), turning(model, state.q)
+    engine, twin = Engine(model), Engine(model, complex_scalars=True)
+    for one in (engine, twin):
+        put(one, still, "modes")
+    a, lam = (np.array(x) for x in engine.accelerations())
+    twin.accelerations()  # what depends on the state alone
+    twin.a[:], twin.lam[:] = a, lam
+    M = T.T @ engine.newton_matrix(1.0, 0.0, 0.0)[: model.nv, : model.nv] @ T
+
+    def slopes(move: Array) -> tuple[Array, Array, Array]:
+        """Derivatives of C, r and Cq a along a motion."""
+        twin.q[:] = displaced(model, state.q, 1j * IMAGINARY * (T @ move))
+        twin.v[:] = 0.0
+        c, r = twin.constraints()[0], twin.residual()
+        twin.v[:] = a
+        turned = twin.constraints()[1]
+        return tuple(np.array(x.imag) / IMAGINARY for x in (c, T.T @ r, turned))  # type: ignore[return-value]
+
+    by_q = [_columns(rows) for rows in zip(*(slopes(e) for e in np.eye(model.nv)), strict=True)]
+    # unknowns of unit mass
+    scale = 1.0 / np.sqrt(np.diag(M))
+    root = np.linalg.cholesky(scale[:, None] * M * scale)
+    lift = scale[:, None] * np.linalg.inv(root).T
+    N, pseudo = (lift @ x for x in free_motions(by_q[0] @ lift))
+    return Rest(N, N.T @ (by_q[1] - M @ pseudo @ by_q[2]) @ N, M, T.T @ a, lam)
+
+
 def _columns(rows: Sequence[Array]) -> Array:
     return np.array(rows).T
 
@@ -299,17 +354,17 @@ def modes(
         return _modes(model, state, found, x)
     if damped:
         t = tangent(model, state)
-        f = t.N.shape[1]
+        N, f = t.N, t.N.shape[1]
         values, vectors = np.linalg.eig(np.block([[t.drift, np.eye(f)], [t.Ay, t.Au]]))
         keep = values.imag >= 0.0
         eigenvalues, free = values[keep].astype(np.complex128), vectors[:f, keep]
     else:
-        t = tangent(model, replace(state, v=np.zeros(model.nv)))  # its inputs stay
-        squares, free = stiffness_modes(t)
+        rest = at_rest(model, state)
+        N, (squares, free) = rest.N, stiffness_modes(rest)
         roots = np.sqrt(-squares.astype(np.complex128))
         eigenvalues = np.where(roots.imag < 0.0, -roots, roots)
     order = np.argsort(np.abs(eigenvalues), kind="stable")[:count]
-    return _modes(model, state, eigenvalues[order], t.N @ free[:, order])
+    return _modes(model, state, eigenvalues[order], N @ free[:, order])
 
 
 def _modes(
@@ -334,14 +389,13 @@ def local(model: Model, q: Array, increments: NDArray[Any]) -> NDArray[Any]:
     return out
 
 
-def stiffness_modes(t: Tangent) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Return omega^2 (f,) and shapes (f, f) of ``K x = omega^2 M x``, K = -M du'/dy."""
+def stiffness_modes(rest: Rest) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return omega^2 (f,) and shapes (f, f) of ``K x = omega^2 x``."""
     from jousto.simulation.spectrum import small_modes  # slow to import and rarely needed
 
-    M = t.N.T @ t.M @ t.N
-    if not M.size:
+    if not rest.K.size:
         return np.zeros(0), np.zeros((0, 0))
-    return small_modes(-M @ t.Ay, M)
+    return small_modes(rest.K, np.eye(len(rest.K)))
 
 
 def pictures(model: Model, q: Array, increments: NDArray[Any]) -> dict[str, NDArray[Any]]:

@@ -8,7 +8,7 @@ from jousto.engine import Engine, Model
 from jousto.engine.native import displaced
 from jousto.errors import SimulationError
 from jousto.simulation.large import MANY
-from jousto.simulation.linear import stiffness_modes, tangent, turning
+from jousto.simulation.linear import at_rest, stiffness_modes, turning
 from jousto.simulation.state import State
 
 ITERATIONS = 200
@@ -59,20 +59,19 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
     exact = polished = False
     body = ""
     for iteration in range(ITERATIONS):
-        t = tangent(model, State(q, rest, np.zeros(model.nrow), time))
+        t = at_rest(model, State(q, rest, np.zeros(model.nrow), time))
         if t.N.shape[1] == 0:
             return State(q, rest, t.lam, time)
         force = t.N.T @ t.M @ t.a
         squares, shapes = stiffness_modes(t)
         # reach of the forces: a stiff direction at its round-off must not keep the others waiting
-        M = t.N.T @ t.M @ t.N
         if iteration == ITERATIONS // 2:
             exact, bound = True, 1.0
         if not exact:  # shapes as if they were orthogonal: finds the way from afar
             push = np.real(shapes.T @ force)
-            push = push / np.maximum(np.abs(np.einsum("ij,ij->j", shapes, M @ shapes)), 1e-300)
+            push = push / np.maximum(np.abs(np.einsum("ij,ij->j", shapes, shapes)), 1e-300)
         else:  # under follower loads they are not, least of all those of equal frequencies
-            push = np.linalg.lstsq(shapes, np.linalg.solve(M, force), rcond=None)[0]
+            push = np.linalg.lstsq(shapes, force, rcond=None)[0]
         rates = np.abs(squares)
         amounts = push / np.maximum(rates, FREE * max(float(rates.max()), 1.0))
         step = t.N @ np.real(shapes @ amounts)

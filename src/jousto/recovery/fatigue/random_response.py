@@ -384,7 +384,7 @@ def _small_motion(reduced: ReducedPart) -> tuple[Array, Array]:
     M[3:6, 3:6] = i.I7
     M[:3, 6:], M[6:, :3] = i.I3, i.I3.T
     M[3:6, 6:], M[6:, 3:6] = i.I4, i.I4.T
-    M[6:, 6:] = i.I6
+    M[6:, 6:] = np.eye(n)
     K = np.zeros_like(M)
     K[6:, 6:] = np.diag(reduced.stiffness)
     return M, K
