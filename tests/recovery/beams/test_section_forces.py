@@ -38,6 +38,33 @@ def test_hanging_bar() -> None:
     assert forces.at_nodes[0, :, 0] == pytest.approx(weight * (2.0 - forces.s_nodes), abs=1e-6)
 
 
+@pytest.mark.parametrize("s", [(0.0, 0.1, 0.7, 0.9, 2.0), (0.0, 1.4, 2.0)])
+def test_unequal_elements(s: tuple[float, ...]) -> None:
+    """N = rho A g (L - s) of a hanging bar, Q = q (L - s) of a lying one: linear, so exact.
+
+    Half the weight of an element stands on each of its nodes: the force in the element is that of
+    its middle, and between middles that are unequally far apart the line must be the same.
+    """
+    z = -np.array(s)
+    # so light that it turns by 2e-4 only, and the forces change by the square of that; a strain has
+    # a round-off of eps
+    g, EA = 0.1, 210e9 * np.pi * 1e-4
+    weight = 7850.0 * np.pi * 1e-4 * g
+    limit = 4e-8 * 2.0 * weight + 4.0 * np.finfo(float).eps * EA
+    for points, k, sign in (
+        (np.stack([0.0 * z, 0.0 * z, z], axis=1), 0, 1.0),
+        (np.stack([-z, 0.0 * z, 0.0 * z], axis=1), 2, -1.0),
+    ):
+        beam = jo.BeamBody("bar", points, jo.Circle(0.02), STEEL)
+        clamp = jo.Fixed("clamp", jo.ground["origin"], beam["start"])
+        forces = jo.section_forces(rest(compiled(beam, clamp, jo.Gravity((0, 0, -g)))), "bar")
+        exact = sign * weight * (2.0 - forces.s_nodes)
+        assert forces.at_nodes[0, :, k] == pytest.approx(exact, abs=limit)
+        assert forces.history("N" if k == 0 else "Qz", 0.8)[0] == pytest.approx(
+            0.6 * exact[0], abs=limit
+        )
+
+
 def test_quarter_ring() -> None:
     """N = -P cos, Q = P sin, M = -P R sin of the angle from the loaded end: plain statics."""
     R, P, n = 0.5, 1.0, 8

@@ -50,32 +50,81 @@ def test_line_on_the_axis_and_at_the_surface() -> None:
     assert c.stress(-c.a, 0.0, friction=0.2)[0] == pytest.approx(2 * 0.2 * c.p0, rel=1e-6)
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-@pytest.mark.parametrize("kind", ["line", "point"])
-def test_equilibrium(kind: str, friction: float) -> None:
-    # forces on a strip below a line contact, and of a plane below: the load comes out again
-    c = line() if kind == "line" else jo.hertz_point(900.0, radii=(0.02, 0.01), material=STEEL)
-    if kind == "line":
-        # div s = 0 by central differences in the plane
-        x, z, h = 0.6 * c.a, 0.7 * c.a, 1e-4 * c.a
+@pytest.mark.parametrize("friction", [0.0, 0.3, -0.3])
+def test_equilibrium_below_a_line(friction: float) -> None:
+    # div s = 0 by central differences in the plane
+    c = line()
+    x, z, h = 0.6 * c.a, 0.7 * c.a, 1e-4 * c.a
 
-        def s(dx: float, dz: float) -> np.ndarray:
-            return c.stress(x + dx, z + dz, friction=friction)
+    def s(dx: float, dz: float) -> np.ndarray:
+        return c.stress(x + dx, z + dz, friction=friction)
 
-        dx, dz = (s(h, 0) - s(-h, 0)) / (2 * h), (s(0, h) - s(0, -h)) / (2 * h)
-        size = np.abs(dx).max()
-        assert dx[0] + dz[5] == pytest.approx(0.0, abs=1e-6 * size)
-        assert dx[5] + dz[2] == pytest.approx(0.0, abs=1e-6 * size)
-    else:
-        # symmetric in x without friction, antisymmetric part alone with it
-        z = 0.8 * c.a
-        right, left = c.stress(0.5 * c.a, z), c.stress(-0.5 * c.a, z)
-        assert right[[0, 1, 2]] == pytest.approx(left[[0, 1, 2]], rel=1e-10)
-        assert right[5] == pytest.approx(-left[5], rel=1e-10)
-        both = c.stress(0.5 * c.a, z, friction=friction) + c.stress(
-            -0.5 * c.a, z, friction=friction
-        )
-        assert both[[0, 1, 2]] == pytest.approx(2 * right[[0, 1, 2]], rel=1e-8)
+    dx, dz = (s(h, 0) - s(-h, 0)) / (2 * h), (s(0, h) - s(0, -h)) / (2 * h)
+    size = np.abs(dx).max()
+    assert dx[0] + dz[5] == pytest.approx(0.0, abs=1e-6 * size)
+    assert dx[5] + dz[2] == pytest.approx(0.0, abs=1e-6 * size)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, -0.3])
+@pytest.mark.parametrize("depth", [0.2, 0.8, 2.0])
+def test_a_line_carries_its_load(depth: float, friction: float) -> None:
+    # what presses and rubs on the surface goes through every plane below: s33 and s13 integrate to
+    # -F and -mu F, as on the surface; what lies beyond the last x is 1e-3 of that
+    c = line()
+    t = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 4001)[1:-1]
+    x = c.a * np.tan(t)
+    s = c.stress(x, depth * c.a, friction=friction)
+    width = 2.0 * c.b
+    pressed, rubbed = (np.trapezoid(s[:, k] / np.cos(t) ** 2, t) * c.a * width for k in (2, 5))
+    assert pressed == pytest.approx(-c.force, rel=2e-3)
+    assert rubbed == pytest.approx(-friction * c.force, abs=2e-3 * c.force)
+
+
+def test_symmetry_below_a_point() -> None:
+    # symmetric in x without friction; what friction adds is antisymmetric
+    c = jo.hertz_point(900.0, radii=(0.02, 0.01), material=STEEL)
+    z = 0.8 * c.a
+    right, left = c.stress(0.5 * c.a, z), c.stress(-0.5 * c.a, z)
+    assert right[[0, 1, 2]] == pytest.approx(left[[0, 1, 2]], rel=1e-10)
+    assert right[5] == pytest.approx(-left[5], rel=1e-10)
+    both = sum(c.stress(x * c.a, z, friction=0.3) for x in (-0.5, 0.5))
+    assert both[[0, 1, 2]] == pytest.approx(2 * right[[0, 1, 2]], rel=1e-8)
+
+
+@pytest.mark.parametrize("friction", [0.3, -0.3])
+def test_a_ball_that_slides(friction: float) -> None:
+    c = jo.hertz_point(500.0, radii=(0.01, 0.01), material=STEEL)
+    # Cerruti below the middle (Johnson 1985, eq. 3.76): dt = -3 z x^2 q dA / (2 pi rho^5), over the
+    # traction q0 sqrt(1 - r^2/a^2) along +x
+    u = np.array([0.1, 0.5, 1.0, 2.0])
+    exact = 1.0 - 1.5 * u * np.arctan(1 / u) + 0.5 * u * u / (1 + u * u)
+    s = c.stress(0.0, u * c.a, friction=friction)
+    assert s[:, 5] == pytest.approx(-friction * c.p0 * exact, abs=1e-6 * c.p0)
+    # Boussinesq and Cerruti: s11 + s22 + s33 = -(1 + nu) (P z + Q x) / (pi rho^3)
+    r, weight = np.polynomial.legendre.leggauss(60)
+    r, weight = 0.5 * c.a * (r + 1.0), 0.5 * c.a * weight
+    theta = 2.0 * np.pi * (np.arange(200) + 0.5) / 200
+    force = np.outer(c.p0 * np.sqrt(1 - (r / c.a) ** 2) * r * weight, np.full(200, 2 * np.pi / 200))
+    for x in (-0.7 * c.a, 0.4 * c.a):
+        z = 0.6 * c.a
+        d = x - np.outer(r, np.cos(theta))
+        rho = np.sqrt(d**2 + np.outer(r, np.sin(theta)) ** 2 + z**2)
+        trace = -1.3 / np.pi * np.sum(force * (z + friction * d) / rho**3)
+        found = c.stress(x, z, friction=friction)[:3].sum()
+        assert found == pytest.approx(trace, abs=2e-5 * c.p0)
+
+
+@pytest.mark.parametrize("friction", [0.3, -0.3])
+def test_a_long_ellipse_slides_as_a_line(friction: float) -> None:
+    # of the same pressure and half width; ahead of the contact and behind it
+    c = jo.hertz_point(100.0, radii=(0.01, 1.0), material=STEEL)
+    same = jo.HertzContact("line", 1.0, c.p0, c.a, 1.0, math.nan, c.nu)
+    x, z = np.array([-0.8, -0.3, 0.3, 0.8]) * c.a, 0.5 * c.a
+    rubbed, there = (one.stress(x, z, friction=friction) - one.stress(x, z) for one in (c, same))
+    # ends that are missing, and the pressure that falls towards them: of second order in a/b
+    ends = 3.0 * abs(friction) * c.p0 * (c.a / c.b) ** 2
+    assert np.abs(there[:, [0, 2, 5]]).max(axis=0).min() > 25.0 * ends
+    assert rubbed[:, [0, 2, 5]] == pytest.approx(there[:, [0, 2, 5]], abs=ends)
 
 
 def test_ball_on_a_flat() -> None:

@@ -116,6 +116,31 @@ def test_tovo_benasciutti_of_a_power_law() -> None:
         assert found == pytest.approx((b + (1 - b) * a2 ** (k - 1)) * narrow, rel=1e-5)
 
 
+@pytest.mark.parametrize("k", [3.0, 4.0, 6.0])
+@pytest.mark.parametrize("lowest", [1.0, 20.0, 45.0])
+def test_wirsching_and_light_of_a_box(k: float, lowest: float) -> None:
+    # lambda = A + (1 - A) (1 - eps)^B with A = 0.926 - 0.033 k, B = 1.587 k - 2.323 and the width
+    # eps = sqrt(1 - m2^2 / (m0 m4)): Wirsching and Light 1980; moments of a box in closed form
+    f, S = box(lowest, 50.0, 40e6)
+    m0, m2, m4 = ((50.0 ** (n + 1) - lowest ** (n + 1)) / (n + 1) for n in (0, 2, 4))
+    eps = math.sqrt(1 - m2**2 / (m0 * m4))
+    A, B = 0.926 - 0.033 * k, 1.587 * k - 2.323
+    factor = A + (1 - A) * (1 - eps) ** B
+    narrow = math.sqrt(m2 / m0) * (2**0.5 * 40e6 / 100e6) ** k * gamma(1 + k / 2) / 1e6
+    found = jo.spectral_damage(f, S, Basquin(k), method="wirsching-light").damage
+    assert found == pytest.approx(factor * narrow, rel=1e-6)
+
+
+def test_wirsching_and_light_as_published() -> None:
+    # broad bands: the power vanishes, 0.926 - 0.033 k is left: 0.827 for k = 3, 0.794 for k = 4
+    f = np.array([1e-3, 1.0, 1.001, 99.0, 99.001, 100.0])
+    S = np.array([1.0, 1.0, 1e-9, 1e-9, 1e-6, 1e-6]) * 1e15
+    for k, left in ((3.0, 0.827), (4.0, 0.794)):
+        narrow = jo.spectral_damage(f, S, Basquin(k), method="narrow-band").damage
+        found = jo.spectral_damage(f, S, Basquin(k), method="wirsching-light").damage
+        assert found / narrow == pytest.approx(left, abs=1e-3)
+
+
 def count(series: np.ndarray, k: float) -> float:
     x = series[turning_points(series)]
     i, j, n = pairs(x, "half")
