@@ -11,6 +11,7 @@ import typer
 from jousto.cli.options import Debug, Output, Trust, app, compile_model, end_time
 from jousto.cli.terminal import command, say
 from jousto.errors import InputError, Problem, suggest
+from jousto.names import file_name
 
 if TYPE_CHECKING:
     from jousto.simulation import Solution
@@ -102,7 +103,7 @@ def _names(source: Path, asked: list[str] | None, flexible: list[str]) -> list[s
 
 def _of(path: Path, name: str, count: int) -> Path:
     """Return the file of one body of several."""
-    return path if count == 1 else path.with_name(f"{path.stem}-{name}{path.suffix}")
+    return path if count == 1 else path.with_name(f"{path.stem}-{file_name(name)}{path.suffix}")
 
 
 def both_runs(

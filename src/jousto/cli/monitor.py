@@ -12,6 +12,7 @@ import typer
 from jousto.cli.options import Debug, Model, Output, amount, app, compile_model
 from jousto.cli.terminal import command, say
 from jousto.errors import InputError, Problem
+from jousto.names import harmless
 
 if TYPE_CHECKING:
     from jousto.recovery.monitor import Progress
@@ -194,14 +195,16 @@ class Board:
             self._peaks = top if self._peaks is None else np.fmax(self._peaks, top)
         life = monitor.life
         active = {spot for _, spot in monitor.alarms.active}
-        table = Table(title=f"{self.name}: {place.time:.3f} s", title_justify="left")
+        title = Text(harmless(f"{self.name}: {place.time:.3f} s"))
+        table = Table(title=title, title_justify="left")
         for head in ("hot spot", "MPa now", f"{100 * monitor.level:g} % band", "MPa peak"):
             table.add_column(head, justify="left" if head == "hot spot" else "right")
         if life is not None:
             for head in ("damage", "remaining life", "band"):
                 table.add_column(head, justify="right")
         for k, spot in enumerate(monitor.spots):
-            row = [spot, "", "", "" if self._peaks is None else f"{self._peaks[k] / 1e6:.4g}"]
+            peak = "" if self._peaks is None else f"{self._peaks[k] / 1e6:.4g}"
+            row: list[Any] = [Text(harmless(spot)), "", "", peak]
             if len(update.time):
                 value, low, high = (
                     x[-1, k] / 1e6 for x in (update.stress, update.low, update.high)
@@ -221,8 +224,8 @@ class Board:
         ]
         health = f"channels: {', '.join(bad) if bad else 'all ok'}"
         lost = f"lines without sense: {place.garbage}, backwards in time: {place.backwards}"
-        lines = [Text(health, style="yellow" if bad else ""), Text(lost)]
+        lines = [Text(harmless(health), style="yellow" if bad else ""), Text(lost)]
         for time, kind, text in self._events:
             at = "" if math.isnan(time) else f"{time:.3f} s  "
-            lines.append(Text(f"{at}{text}", style=STYLES.get(kind, "")))
+            lines.append(Text(harmless(f"{at}{text}"), style=STYLES.get(kind, "")))
         return Group(table, *lines)

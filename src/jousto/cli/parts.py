@@ -12,6 +12,7 @@ from jousto.cli.certificates import Html, page_path, tell_certificate
 from jousto.cli.options import Debug, Output, app
 from jousto.cli.terminal import FAILED, command, facts, say
 from jousto.errors import InputError, Problem
+from jousto.names import file_name
 
 if TYPE_CHECKING:
     from jousto.reduction import ReducedPart
@@ -72,7 +73,7 @@ def reduce_part(
         options["progress"] = True
     file = read_part_file(part, name, **options)
     reduced = file.reduced
-    target = output_path(output, part, f"{reduced.name}.h5", kind=REDUCED_PART)
+    target = output_path(output, part, f"{file_name(reduced.name)}.h5", kind=REDUCED_PART)
     reduced.save(target)
     describe_part(reduced)
     passed = bare or tell_certificate(file, page, solver=solver, progress=progress)

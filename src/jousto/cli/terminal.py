@@ -13,6 +13,7 @@ import typer
 from rich.console import Console
 
 from jousto.errors import InputError, JoustoWarning, SimulationError
+from jousto.names import harmless
 
 P = ParamSpec("P")
 
@@ -20,9 +21,12 @@ FAILED, BAD_INPUT = 1, 2
 
 
 def say(text: str, *, error: bool = False, style: str = "") -> None:
-    """Print one line as it is: not wrapped, not interpreted, coloured on a terminal only."""
+    """Print one line: not wrapped, not interpreted, coloured on a terminal only.
+
+    Names come from files, so that what a terminal obeys is spelled out.
+    """
     console = Console(stderr=error, soft_wrap=True, markup=False, highlight=False, emoji=False)
-    console.print(text, style=style)
+    console.print(harmless(text), style=style)
 
 
 @contextlib.contextmanager
@@ -107,10 +111,11 @@ def progress_bar(text: str) -> Iterator[Callable[[int, int], None] | None]:
     if not sys.stderr.isatty():
         yield None
         return
+    from rich.markup import escape
     from rich.progress import Progress
 
     with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(text, total=None)
+        task = bar.add_task(escape(harmless(text)), total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
 
 

@@ -16,7 +16,7 @@ from jousto.mechanism.beam_limits import highest_frequencies
 from jousto.mechanism.beam_section import BeamSection, as_beam_section, tension_factor
 from jousto.mechanism.beam_shape import arc_lengths, section_frames, strains, tangents
 from jousto.mechanism.body import ZERO3, RigidBody, initial_pose
-from jousto.mechanism.fields import check_name, number, set_fields
+from jousto.mechanism.fields import number, set_fields
 from jousto.mechanism.marker import Marker, marker_axes
 from jousto.mechanism.orientation import (
     Array,
@@ -25,6 +25,7 @@ from jousto.mechanism.orientation import (
     readonly,
     rotation_matrix,
 )
+from jousto.names import check_name
 
 SHARES = {"lumped": 0.0, "corrected": 0.0, "consistent": 1.0}
 MOST_TWIST = 3.0  # rad of an element

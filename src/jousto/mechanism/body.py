@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.errors import InputError, Problem, Problems, suggest
-from jousto.mechanism.fields import check_name, number, set_fields
+from jousto.mechanism.fields import number, set_fields
 from jousto.mechanism.inertia import check_inertia, check_mass, damping_diagonal
 from jousto.mechanism.marker import Marker, marker_axes
 from jousto.mechanism.orientation import Array, parse_orientation, readonly
+from jousto.names import check_name
 
 if TYPE_CHECKING:
     from jousto.reduction import ReducedPart

@@ -10,8 +10,9 @@ from typing import Any, ClassVar
 
 from jousto.errors import Problems
 from jousto.mechanism.coordinate import Angle, Coordinate, Line, check_coordinate
-from jousto.mechanism.fields import check_name, number, set_fields
+from jousto.mechanism.fields import number, set_fields
 from jousto.mechanism.signals import Signal, check_signal
+from jousto.names import check_name
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

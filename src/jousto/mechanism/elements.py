@@ -12,12 +12,13 @@ from numpy.typing import ArrayLike
 from jousto.errors import Problems
 from jousto.mechanism.body import FlexibleBody, ground
 from jousto.mechanism.coordinate import Coordinate, Distance, check_coordinate
-from jousto.mechanism.fields import check_name, number, set_fields
+from jousto.mechanism.fields import number, set_fields
 from jousto.mechanism.line_load import LineLoad
 from jousto.mechanism.marker import Marker, check_marker
 from jousto.mechanism.moving import MovingLoad
 from jousto.mechanism.orientation import Array, readonly
 from jousto.mechanism.signals import Signal, Table, check_factor, check_signal
+from jousto.names import check_name
 
 
 @dataclass(frozen=True, eq=False, init=False)

@@ -7,8 +7,9 @@ from typing import Any, ClassVar
 
 from jousto.errors import Problems, suggest
 from jousto.mechanism.coordinate import Coordinate
-from jousto.mechanism.fields import check_name, number, set_fields
+from jousto.mechanism.fields import number, set_fields
 from jousto.mechanism.sensors import SENSORS, Sensor
+from jousto.names import check_name
 
 DIRECTIONS = ("both", "rising", "falling")
 

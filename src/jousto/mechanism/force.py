@@ -8,10 +8,11 @@ from typing import TypeAlias
 from numpy.typing import ArrayLike
 
 from jousto.errors import InputError, Problems
-from jousto.mechanism.fields import check_name, set_fields
+from jousto.mechanism.fields import set_fields
 from jousto.mechanism.marker import Marker, as_marker
 from jousto.mechanism.orientation import Array
 from jousto.mechanism.signals import Signal, check_factor
+from jousto.names import check_name
 
 
 @dataclass(frozen=True, eq=False, init=False)

@@ -8,8 +8,9 @@ from typing import Any, ClassVar
 from jousto.errors import InputError, Problem, Problems
 from jousto.mechanism.coordinate import Coordinate
 from jousto.mechanism.elements import positive
-from jousto.mechanism.fields import check_name, number, set_fields
+from jousto.mechanism.fields import number, set_fields
 from jousto.mechanism.joints import Cylindrical, Joint, Prismatic, Revolute
+from jousto.names import check_name
 
 
 @dataclass(frozen=True, init=False)

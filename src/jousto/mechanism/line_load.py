@@ -10,10 +10,11 @@ from numpy.typing import ArrayLike
 
 from jousto.errors import Problems
 from jousto.mechanism.beam import BeamBody
-from jousto.mechanism.fields import check_name, set_fields
+from jousto.mechanism.fields import set_fields
 from jousto.mechanism.marker import Marker
 from jousto.mechanism.orientation import Array, readonly
 from jousto.mechanism.signals import Signal, check_factor
+from jousto.names import check_name
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

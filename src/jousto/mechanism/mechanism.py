@@ -16,12 +16,13 @@ from jousto.mechanism.checks import where as where
 from jousto.mechanism.coupling import Coupler
 from jousto.mechanism.elements import ELEMENTS, Element
 from jousto.mechanism.event import Event
-from jousto.mechanism.fields import check_name, set_fields
+from jousto.mechanism.fields import set_fields
 from jousto.mechanism.force import LOADS, Gravity, Load
 from jousto.mechanism.friction import Friction
 from jousto.mechanism.joints import Joint
 from jousto.mechanism.orientation import Array, readonly, rotation_matrix
 from jousto.mechanism.sensors import SENSORS, Sensor
+from jousto.names import check_name
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

@@ -12,9 +12,10 @@ from numpy.typing import ArrayLike
 
 from jousto.errors import InputError, Problems
 from jousto.mechanism.body import FlexibleBody, MovingBody, RigidBody
-from jousto.mechanism.fields import check_name, set_fields
+from jousto.mechanism.fields import set_fields
 from jousto.mechanism.orientation import Array, readonly
 from jousto.mechanism.signals import Signal, check_factor, check_signal
+from jousto.names import check_name
 
 NEAR = 1e-6  # of the length of a line: nodes that count as on it
 

@@ -13,6 +13,7 @@ from matplotlib.collections import LineCollection
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import Problems, warn
+from jousto.names import file_name
 from jousto.output.film import FILMS, MOST_FRAMES, Pixels, find_ffmpeg, frame_rate, write_film
 from jousto.output.scene import (
     Scene,
@@ -97,7 +98,7 @@ def animate(
     JoustoWarning
         If the film would have too many frames for its format; it is then made faster.
     """
-    out = target(f"{run.name}.gif" if path is None else path, FILMS + PICTURES)
+    out = target(f"{file_name(run.name)}.gif" if path is None else path, FILMS + PICTURES)
     suffix = out.suffix.lower().lstrip(".")
     if suffix in PICTURES:
         return still(run, out, times=stills, scale=scale, view=view, trail=trail, stress=stress)

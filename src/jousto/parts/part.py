@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from jousto.errors import InputError, Problem, Problems
+from jousto.names import check_name
 from jousto.parts._arrays import Floats, Ints, Sparse, read_only, skew, times
 from jousto.parts.area import node_normals
 from jousto.parts.beam import Theory, Timoshenko
@@ -104,6 +105,7 @@ class Part:
 
     def __post_init__(self) -> None:
         where, problems = f"part '{self.name}'", Problems()
+        check_name(problems, "part", self.name)
         nodes = problems.array(where, "nodes", self.nodes, (None, 3))
         if nodes is not None:
             object.__setattr__(self, "nodes", nodes)

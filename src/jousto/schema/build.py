@@ -11,7 +11,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from jousto import mechanism as jm
-from jousto.errors import InputError, JoustoWarning, Problem, suggest
+from jousto.errors import InputError, JoustoWarning, Problem, Problems, suggest
+from jousto.names import check_name
 from jousto.schema import model as sm
 from jousto.schema import parts as sp
 from jousto.schema.beam import build_beam
@@ -120,6 +121,14 @@ class Builder:
         return loc
 
     # -- parts ------------------------------------------------------------------------------
+
+    def part_name(self, loc: Loc, name: Any) -> bool:
+        """Return whether a part may have this name, which becomes that of a file; note if not."""
+        problems = Problems()
+        check_name(problems, "part", name)
+        for problem in problems.found:
+            self.note(loc, problem.message)
+        return not problems.found
 
     def file(self, name: str) -> Path:
         """Return a file name of the document, relative to the document's folder."""
@@ -392,7 +401,8 @@ class Builder:
         """
         parts: dict[str, Any] = {}
         for name, part in (entry.parts or {}).items():
-            reduced = self.reduced(("parts", name), name, part)
+            loc = ("parts", name)
+            reduced = self.reduced(loc, name, part) if self.part_name(loc, name) else None
             if reduced is None:
                 self.broken.add(("parts", name))
             else:

@@ -340,7 +340,9 @@ def read_part_file(
     part: Any = None
     method: Any = None
     reduced: Any = None
-    if isinstance(entry, ReducedEntry) or is_superelement(entry):
+    if not builder.part_name(loc, name):
+        pass
+    elif isinstance(entry, ReducedEntry) or is_superelement(entry):
         reduced = builder.reduced(loc, name, entry)
     else:
         part = builder.part(loc, name, entry)

@@ -21,9 +21,10 @@ from numpy.typing import ArrayLike
 
 from jousto.errors import Problems
 from jousto.mechanism.coordinate import AXES, Angle, Coordinate, Displacement, Line
-from jousto.mechanism.fields import check_name, set_fields
+from jousto.mechanism.fields import set_fields
 from jousto.mechanism.marker import Marker, check_marker
 from jousto.mechanism.orientation import Array, parse_direction, readonly, turn_onto
+from jousto.names import check_name
 
 # perpendicular pairs (axis of a, axis of b): x, y, z = 0, 1, 2
 PARALLEL = ((0, 2), (1, 2))

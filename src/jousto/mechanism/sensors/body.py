@@ -10,8 +10,9 @@ import numpy as np
 
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.mechanism.body import FlexibleBody
-from jousto.mechanism.fields import check_name, set_fields
+from jousto.mechanism.fields import set_fields
 from jousto.mechanism.orientation import Array, readonly
+from jousto.names import check_name
 
 VOIGT = ("s11", "s22", "s33", "s12", "s23", "s13")
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from jousto.errors import Problems, suggest, warn
-from jousto.mechanism.fields import check_name, number, set_fields
+from jousto.mechanism.fields import number, set_fields
 from jousto.mechanism.sensors.body import VonMisesSensor
 from jousto.mechanism.sensors.rule import MeterRule, meter_rule
+from jousto.names import check_name
 
 
 @dataclass(frozen=True, eq=False, init=False)

@@ -11,10 +11,11 @@ from numpy.typing import ArrayLike
 
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.mechanism.body import FlexibleBody
-from jousto.mechanism.fields import check_name, number, set_fields
+from jousto.mechanism.fields import number, set_fields
 from jousto.mechanism.orientation import Array, readonly
 from jousto.mechanism.sensors.temperature import Temperature, check_temperature
 from jousto.mechanism.signals import Signal
+from jousto.names import check_name
 
 if TYPE_CHECKING:
     from jousto.reduction import ReducedPart, StressModes

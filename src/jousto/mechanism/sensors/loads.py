@@ -17,7 +17,7 @@ from jousto.mechanism.elements import (
     Servo,
     Spring,
 )
-from jousto.mechanism.fields import check_name, set_fields
+from jousto.mechanism.fields import set_fields
 from jousto.mechanism.force import LOADS, Force, Load, Torque
 from jousto.mechanism.friction import Friction
 from jousto.mechanism.joints import JOINTS, Joint
@@ -25,6 +25,7 @@ from jousto.mechanism.line_load import LineLoad
 from jousto.mechanism.marker import Marker, check_marker
 from jousto.mechanism.moving import MovingLoad
 from jousto.mechanism.sensors.motion import frame_name
+from jousto.names import check_name
 
 FORCE, MOMENT = ("Fx", "Fy", "Fz"), ("Mx", "My", "Mz")
 

@@ -23,8 +23,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from jousto.errors import Problems
-from jousto.mechanism.fields import check_name, set_fields
+from jousto.mechanism.fields import set_fields
 from jousto.mechanism.marker import Marker, check_marker
+from jousto.names import check_name
 
 XYZ = ("x", "y", "z")
 

@@ -7,8 +7,9 @@ from typing import Any, ClassVar
 
 from jousto.errors import Problems, suggest
 from jousto.mechanism.coordinate import Coordinate, check_coordinate
-from jousto.mechanism.fields import check_name, set_fields
+from jousto.mechanism.fields import set_fields
 from jousto.mechanism.signals import Signal, check_factor
+from jousto.names import check_name
 
 ENERGIES = ("kinetic", "strain", "potential", "springs", "dissipated", "friction", "work")
 

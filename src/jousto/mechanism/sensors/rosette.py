@@ -10,11 +10,12 @@ from numpy.typing import ArrayLike
 
 from jousto.errors import InputError, Problem, Problems
 from jousto.mechanism.body import FlexibleBody
-from jousto.mechanism.fields import check_name, set_fields
+from jousto.mechanism.fields import set_fields
 from jousto.mechanism.orientation import Array, readonly
 from jousto.mechanism.sensors.gauge import Gauge, outward
 from jousto.mechanism.sensors.temperature import Temperature
 from jousto.mechanism.signals import Signal
+from jousto.names import check_name
 
 if TYPE_CHECKING:
     from jousto.reduction import ReducedPart

@@ -9,7 +9,8 @@ import numpy as np
 
 from jousto.errors import Problems
 from jousto.mechanism.beam import BeamBody
-from jousto.mechanism.fields import check_name, number, set_fields
+from jousto.mechanism.fields import number, set_fields
+from jousto.names import check_name
 
 RESULTANTS = ("N", "Qy", "Qz", "Mx", "My", "Mz")
 STRAINS = ("Gamma_x", "Gamma_y", "Gamma_z", "kappa_x", "kappa_y", "kappa_z")

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.errors import InputError, Problem, Problems
-from jousto.mechanism.fields import check_name, number, set_fields
+from jousto.mechanism.fields import number, set_fields
 from jousto.mechanism.orientation import Array
+from jousto.names import check_name
 
 # value, rate 1/s, acceleration 1/s2 at the times asked for
 Jet = tuple[Array, Array, Array]
