@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from jousto.errors import InputError, Problem, count
 from jousto.parts._arrays import Ints, some
+from jousto.parts.readers.apart import apart
 from jousto.parts.readers.raw import RawCells, RawMesh
 
 # solids by element type: nodes of the full brick, tetrahedron
@@ -39,34 +41,33 @@ def read_cdb(path: Path) -> RawMesh:
     InputError
         If the extra ``ansys`` is missing, the file is cut off, or midside nodes are missing.
     """
-    try:
-        import mapdl_archive
-    except ImportError:
+    if find_spec("mapdl_archive") is None:
         raise InputError(
             Problem(path.name, "Ansys archives need mapdl-archive: pip install mapdl-archive")
-        ) from None
+        )
     announced = _announced(path)
-    try:
-        archive: Any = mapdl_archive.Archive(path, parse_vtk=False)
-    except Exception as error:
-        said = f"{type(error).__name__}: {error}"[:160]
-        raise InputError(
-            Problem(path.name, f"cannot be read; is it cut off? (mapdl-archive: {said})")
-        ) from None
+    archive = apart(
+        path,
+        "jousto.parts.readers.cdb:archive",
+        "the file is likely damaged: write it again with CDWRITE, DB",
+    )
+    elements = np.split(archive["elem"], np.cumsum(archive["lengths"])[:-1])
+    if not len(archive["lengths"]):
+        elements = []
     for number, held, what in zip(
-        announced, (len(archive.nnum), len(archive.elem)), ("nodes", "elements"), strict=True
+        announced, (len(archive["nnum"]), len(elements)), ("nodes", "elements"), strict=True
     ):
         if held < number:
             raise InputError(
                 Problem(path.name, f"announces {number} {what} but holds {held}: it is cut off")
             )
     raw = RawMesh()
-    raw.node_ids.append(np.asarray(archive.nnum, dtype=np.int64))
-    raw.nodes.append(np.asarray(archive.nodes, dtype=np.float64)[:, :3])
-    types = {int(number): int(code) for number, code in np.asarray(archive.ekey)}
+    raw.node_ids.append(np.asarray(archive["nnum"], dtype=np.int64))
+    raw.nodes.append(np.asarray(archive["nodes"], dtype=np.float64)[:, :3])
+    types = {int(number): int(code) for number, code in np.asarray(archive["ekey"])}
     found: dict[tuple[str, str], list[tuple[int, Ints]]] = {}
     others, broken = Counter[int](), []
-    for row in archive.elem:
+    for row in elements:
         code = types.get(int(row[1]), 0)
         nodes = np.asarray(row[_HEAD:], dtype=np.int64)
         number, material = int(row[8]), f"mat{int(row[0])}"
@@ -98,14 +99,37 @@ def read_cdb(path: Path) -> RawMesh:
     for (kind, material), rows in found.items():
         table = np.array([nodes for _, nodes in rows])
         raw.cells.append(RawCells(kind, table, np.array([n for n, _ in rows]), material))
-    for title, members in archive.node_components.items():
+    for title, members in archive["node_components"].items():
         raw.node_sets[title.strip()] = [np.asarray(members, dtype=np.int64)]
-    for title, members in archive.element_components.items():
+    for title, members in archive["element_components"].items():
         raw.element_sets[title.strip()] = [np.asarray(members, dtype=np.int64)]
     if others:
         names = some([f"{n} of type {code}" for code, n in others.items()])
         raw.left_out.append((path.name, f"elements not read: {names}"))
     return raw
+
+
+def archive(path: Path) -> dict[str, Any]:
+    """Return what mapdl-archive finds; runs in a process of its own, since it may crash."""
+    import mapdl_archive
+
+    try:
+        found: Any = mapdl_archive.Archive(path, parse_vtk=False)
+        elements = [np.asarray(row, dtype=np.int64) for row in found.elem]
+        return {
+            "nnum": np.asarray(found.nnum),
+            "nodes": np.asarray(found.nodes),
+            "ekey": np.asarray(found.ekey),
+            "elem": np.concatenate([np.zeros(0, np.int64), *elements]),
+            "lengths": np.array([len(row) for row in elements], dtype=np.int64),
+            "node_components": {k: np.asarray(v) for k, v in found.node_components.items()},
+            "element_components": {k: np.asarray(v) for k, v in found.element_components.items()},
+        }
+    except Exception as error:
+        said = f"{type(error).__name__}: {error}"[:160]
+        raise InputError(
+            Problem(path.name, f"cannot be read; is it cut off? (mapdl-archive: {said})")
+        ) from None
 
 
 def _announced(path: Path) -> tuple[int, int]:

@@ -6,6 +6,7 @@ import contextlib
 import io
 import re
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from jousto.errors import InputError, Problem, count
 from jousto.parts._arrays import Ints
 from jousto.parts.cells import KINDS, SOLIDS, Cells, base, mirrored
 from jousto.parts.quality import volumes
+from jousto.parts.readers.apart import apart
 from jousto.parts.readers.raw import Members, RawCells, RawMesh
 
 # whole-number arrays with up to this many values become sets
@@ -107,6 +109,27 @@ def _load(path: Path, form: str) -> Any:
         raise InputError(
             Problem(path.name, f"a .{form} file needs the package meshio: pip install meshio")
         ) from None
+    if form == "med":  # HDF5 may crash on damaged files
+        found = apart(path, f"{__name__}:med_arrays", "the file is likely damaged: export it again")
+        cells = [SimpleNamespace(type=kind, data=data) for kind, data in found.pop("cells")]
+        return SimpleNamespace(**found, cells=cells)
+    return _loaded(meshio, path, form)
+
+
+def med_arrays(path: Path) -> dict[str, Any]:
+    """Return what meshio finds in a MED file; runs in a process of its own."""
+    mesh = _loaded(load_meshio(), path, "med")
+    return {
+        "points": mesh.points,
+        "cells": [[block.type, block.data] for block in mesh.cells],
+        "point_data": mesh.point_data,
+        "cell_data": mesh.cell_data,
+        "point_tags": mesh.point_tags,
+        "cell_tags": mesh.cell_tags,
+    }
+
+
+def _loaded(meshio: Any, path: Path, form: str) -> Any:
     heard = io.StringIO()
     try:
         # meshio prints its complaints and leaves the program

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import logging
 import os
-import signal
-import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from jousto.errors import InputError, Problem, Problems, count, suggest, warn
 from jousto.parts._arrays import Floats, Ints
 from jousto.parts.cells import Cells, edges
 from jousto.parts.mesh import Mesh
+from jousto.parts.readers.apart import apart
 from jousto.parts.readers.cad import cad_scale
 from jousto.parts.readers.msh import vtk_order
 
@@ -98,21 +98,29 @@ def mesh_step(
         problems.positive(where, f"size at '{face}'", length, "m")
     problems.raise_if_any()
     scale = cad_scale(path, unit)
-    gmsh = _gmsh(where)
-    with _session(gmsh, where):
-        labels = _load(gmsh, path)
-        names = _names(gmsh)
-        _sizes(gmsh, where, size, refine or {}, names, scale)
-        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", per_circle)
-        gmsh.option.setNumber("Mesh.SecondOrderLinear", 0 if curved else 1)
-        gmsh.model.mesh.generate(3)
-        gmsh.model.mesh.optimize("Netgen")
-        if order == 2:
-            gmsh.model.mesh.setOrder(2)
-        mesh = _collect(gmsh, name or path.stem, order, names, scale)
+    if find_spec("gmsh") is None:
+        raise InputError(Problem(where, "meshing CAD files needs Gmsh: pip install gmsh"))
+    found = apart(
+        path,
+        "jousto.parts.readers.step:meshed",
+        "the file is likely damaged: export it again, or try another size",
+        size=float(size),
+        order=order,
+        curved=bool(curved),
+        refine={str(face): float(length) for face, length in (refine or {}).items()},
+        per_circle=per_circle,
+        scale=scale,
+    )
+    mesh = Mesh(
+        name or path.stem,
+        found["nodes"],
+        (Cells(found["kind"], found["cells"]),),
+        element_sets=found["element_sets"],
+        surfaces=found["surfaces"],
+    )
     if order == 2 and curved:
         mesh = _eased(mesh, where)
-    mesh = _labelled(mesh, labels)
+    mesh = _labelled(mesh, found["labels"])
     log.info("%s: %s, %.4g m^3; %s", where, mesh, mesh.volume, mesh.quality())
     return mesh
 
@@ -120,47 +128,45 @@ def mesh_step(
 # ---- gmsh ----------------------------------------------------------------------------------------
 
 
+def meshed(
+    path: Path,
+    *,
+    size: float,
+    order: int,
+    curved: bool,
+    refine: dict[str, float],
+    per_circle: int,
+    scale: float,
+) -> dict[str, Any]:
+    """Return nodes (m), tetrahedra, sets, faces and products; runs in a process of its own."""
+    where = path.name
+    gmsh = _gmsh(where)
+    with _session(gmsh, where):
+        labels = _load(gmsh, path)
+        names = _names(gmsh)
+        _sizes(gmsh, where, size, refine, names, scale)
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", per_circle)
+        gmsh.option.setNumber("Mesh.SecondOrderLinear", 0 if curved else 1)
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.optimize("Netgen")
+        if order == 2:
+            gmsh.model.mesh.setOrder(2)
+        return {**_collect(gmsh, order, names, scale), "labels": labels}
+
+
 def _gmsh(where: str) -> Any:
     try:
         import gmsh
-    except (ImportError, OSError) as error:
-        if isinstance(error, OSError):  # installed, but a library of the system is missing
-            message = f"Gmsh cannot be loaded: {error}; install that library of the system"
-        else:
-            message = "meshing CAD files needs Gmsh: pip install gmsh"
+    except (ImportError, OSError) as error:  # installed, but a library of the system is missing
+        message = f"Gmsh cannot be loaded: {error}; install that library of the system"
         raise InputError(Problem(where, message)) from None
     return gmsh
 
 
-def _broken_pipes() -> Any:
-    """Return how Python takes a broken pipe, or None where it cannot be set."""
-    if hasattr(signal, "SIGPIPE") and threading.current_thread() is threading.main_thread():
-        return signal.getsignal(signal.SIGPIPE)
-    return None
-
-
 @contextmanager
 def _session(gmsh: Any, where: str) -> Iterator[None]:
-    """Run in a model of our own; leave a session that the user has open as it was."""
-    pipe = _broken_pipes()
-    running = bool(gmsh.isInitialized())
-    before, options = "", {}
-    names = (
-        "General.Terminal",
-        "General.NumThreads",
-        "Mesh.MeshSizeMin",
-        "Mesh.MeshSizeMax",
-        "Mesh.MeshSizeFromCurvature",
-        "Mesh.SecondOrderLinear",
-        "Mesh.ElementOrder",
-        "Geometry.OCCImportLabels",
-    )
-    if running:
-        before = gmsh.model.getCurrent()
-        options = {name: gmsh.option.getNumber(name) for name in names}
-    else:
-        gmsh.initialize(["gmsh"], readConfigFiles=False, interruptible=False)
-    target = gmsh.option.getString("Geometry.OCCTargetUnit")
+    """Start Gmsh, and turn its errors into one sentence."""
+    gmsh.initialize(["gmsh"], readConfigFiles=False, interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("General.NumThreads", 1)
@@ -177,24 +183,12 @@ def _session(gmsh: Any, where: str) -> Iterator[None]:
                 where, f"Gmsh cannot mesh this geometry ({said}); repair it or try another size"
             )
         ) from None
-    finally:
-        gmsh.option.setString("Geometry.OCCTargetUnit", target)
-        if running:
-            gmsh.model.remove()
-            gmsh.model.setCurrent(before)
-            for name, value in options.items():
-                gmsh.option.setNumber(name, value)
-        else:
-            gmsh.finalize()
-        if pipe is not None:  # Gmsh resets it, and the next broken pipe would end Python
-            signal.signal(signal.SIGPIPE, pipe)
 
 
 def _load(gmsh: Any, path: Path) -> dict[str, list[int]]:
     """Import the shapes; return the tags of the solids of each named product."""
     occ = gmsh.model.occ
     step = path.read_bytes().lstrip()[:12] == b"ISO-10303-21"
-    # millimetres are OpenCASCADE's own: another unit would stay with it after the session
     gmsh.option.setString("Geometry.OCCTargetUnit", "MM" if step else "")
     try:
         shapes = occ.importShapes(str(path), format="step" if step else "brep")
@@ -300,8 +294,8 @@ def _sizes(
 
 
 def _collect(
-    gmsh: Any, name: str, order: int, names: Mapping[str, tuple[int, int]], scale: float
-) -> Mesh:
+    gmsh: Any, order: int, names: Mapping[str, tuple[int, int]], scale: float
+) -> dict[str, Any]:
     """Return the tetrahedra with their faces' names, nodes numbered from 1."""
     solid, face = ("tetra", "triangle") if order == 1 else ("tetra10", "triangle6")
     code, wide = (4, 4) if order == 1 else (11, 10)
@@ -327,13 +321,13 @@ def _collect(
         _, nodes = gmsh.model.mesh.getElementsByType(2 if order == 1 else 9, tag)
         faces = index[nodes.astype(np.int64).reshape(-1, 3 if order == 1 else 6)]
         surfaces[title] = vtk_order(face, faces)
-    return Mesh(
-        name,
-        nodes_m,
-        Cells(solid, index[cells]),  # type: ignore[arg-type]
-        element_sets=elements,
-        surfaces=surfaces,
-    )
+    return {
+        "nodes": nodes_m,
+        "kind": solid,
+        "cells": index[cells],
+        "element_sets": elements,
+        "surfaces": surfaces,
+    }
 
 
 def _labelled(mesh: Mesh, labels: Mapping[str, list[int]]) -> Mesh:

@@ -7,12 +7,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from jousto.errors import InputError, Problem
 from jousto.parts._arrays import Floats, Ints, Sparse, as_csr
+from jousto.parts.readers.apart import apart
 from jousto.parts.readers.matrices.nodes import Positions
 from jousto.parts.readers.matrices.text import mirrored, refuse
 
+DAMAGED = "the file is likely damaged: copy it again or solve the model again"
 EXTRA = "needs the package ansys-mapdl-reader: pip install ansys-mapdl-reader"
 
 
@@ -26,26 +29,19 @@ def read_full(path: Path) -> tuple[Sparse, Sparse, Ints, Ints]:
     InputError
         If it is of another kind, or its mass matrix is missing or lumped.
     """
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        full = _open(path, ".full")
-        try:
-            dofs, K, M = full.load_km(sort=True)
-            held = np.asarray(full.const, dtype=np.int64).reshape(-1, 2)
-        except InputError:
-            raise
-        except Exception as error:
-            # the reader raises whatever its parsers do
-            raise refuse(path, f"is damaged: {error}") from None
-    for letter, matrix, remedy in (
-        ("stiffness", K, "solve a modal analysis (ANTYPE,MODAL) and keep its .full file"),
-        ("mass", M, "a static analysis has none: solve a modal analysis (ANTYPE,MODAL)"),
+    _check_binary(path, ".full")
+    found = apart(path, f"{__name__}:full_arrays", DAMAGED)
+    dofs, held = found["dofs"], found["held"]
+    for kind, letter, remedy in (
+        ("stiffness", "K", "solve a modal analysis (ANTYPE,MODAL) and keep its .full file"),
+        ("mass", "M", "a static analysis has none: solve a modal analysis (ANTYPE,MODAL)"),
     ):
-        if matrix is None:
-            raise refuse(path, f"holds no {letter} matrix; {remedy}")
+        if found[letter] is None:
+            raise refuse(path, f"holds no {kind} matrix; {remedy}")
+    K, M = (_matrix(found[letter]) for letter in "KM")
     map_of = np.asarray(dofs, dtype=np.int64) + np.array([0, 1])
     held = held + np.array([0, 1])
-    return mirrored(as_csr(K)), mirrored(as_csr(M)), map_of, held[np.lexsort(held.T[::-1])]
+    return mirrored(K), mirrored(M), map_of, held[np.lexsort(held.T[::-1])]
 
 
 def read_result_nodes(path: Path) -> Positions:
@@ -56,12 +52,53 @@ def read_result_nodes(path: Path) -> Positions:
     InputError
         If it is of another kind.
     """
+    _check_binary(path, ".rst")
+    found = apart(path, f"{__name__}:result_arrays", DAMAGED)
+    return Positions(found["ids"], found["xyz"])
+
+
+# ---- in a process of its own, since the reader may crash -----------------------------------------
+
+
+def full_arrays(path: Path) -> dict[str, Any]:
+    """Return the matrices of a .full file (None if one is missing), their map, and what is held."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        full = _open(path, ".full")
+        try:
+            dofs, K, M = full.load_km(sort=True)
+            held = np.asarray(full.const, dtype=np.int64).reshape(-1, 2)
+        except Exception as error:
+            # the reader raises whatever its parsers do
+            raise refuse(path, f"is damaged: {error}") from None
+    return {
+        "dofs": np.asarray(dofs, dtype=np.int64),
+        "held": held,
+        "K": _pieces(K),
+        "M": _pieces(M),
+    }
+
+
+def result_arrays(path: Path) -> dict[str, Any]:
+    """Return numbers and positions of the nodes of a .rst file."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         mesh = _open(path, ".rst").mesh
         ids: Ints = np.asarray(mesh.nnum, dtype=np.int64)
         xyz: Floats = np.asarray(mesh.nodes, dtype=np.float64)[:, :3]
-    return Positions(ids, xyz)
+    return {"ids": ids, "xyz": xyz}
+
+
+def _pieces(matrix: Any) -> list[Any] | None:
+    if matrix is None:
+        return None
+    csr = as_csr(matrix)
+    return [csr.data, csr.indices, csr.indptr, list(csr.shape)]
+
+
+def _matrix(pieces: list[Any]) -> Sparse:
+    data, indices, indptr, shape = pieces
+    return as_csr(sp.csr_matrix((data, indices, indptr), shape=tuple(shape)))
 
 
 def _check_binary(path: Path, kind: str) -> None:
@@ -89,7 +126,6 @@ def _check_binary(path: Path, kind: str) -> None:
 
 
 def _open(path: Path, kind: str) -> Any:
-    _check_binary(path, kind)
     try:
         with np.printoptions():
             from ansys.mapdl import reader
