@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -15,6 +16,7 @@ import pytest
 import jousto as jo
 from jousto.recovery.monitor import STATES, AlarmLimits, MonitorRecord, watch
 from jousto.recovery.monitor import record as records
+from jousto.recovery.monitor.watch import _layout
 from recovery.monitor.watched import (
     NAMES,
     NOISE,
@@ -322,7 +324,8 @@ def test_a_record_that_is_torn_while_it_is_written_goes_on(tmp_path):
     target = tmp_path / "r.h5"
     put = records.Record._put
     # stop after one of the writes of a block, half written, also in a checkpoint
-    for stop in (41, 53, 68):
+    # or before the first
+    for stop in (2, 5, 11, 41, 53, 68):
         count = [0]
 
         def torn(self, place, piece, at=0, stop=stop, count=count):
@@ -340,6 +343,64 @@ def test_a_record_that_is_torn_while_it_is_written_goes_on(tmp_path):
                 watch(monitor(sn=curve()), data, target)
         assert len(MonitorRecord(target).stress) % 512 == 0
         same(watch(monitor(sn=curve()), data, target, resume=True), whole)
+
+
+@pytest.mark.parametrize("resumed_from", ["nothing", "a part of a block"])
+def test_a_watch_killed_before_its_first_block_goes_on(tmp_path, resumed_from):
+    t, _, e = motion(2000)
+    data = written(tmp_path / "d.csv", lines(t, e))
+    whole = watch(monitor(sn=curve()), data, tmp_path / "w.h5")
+    target = tmp_path / "r.h5"
+    layout = _layout(monitor(sn=curve()), "")
+    record = records.Record.create(target, layout)
+    if resumed_from != "nothing":
+        record.append(
+            "samples", {c.name: np.ones((3, max(c.width, 1))) for c in layout.tables[0].columns}
+        )
+    record._file.close()  # as by a kill
+    same(watch(monitor(sn=curve()), data, target, resume=True), whole)
+    assert [path.name for path in sorted(tmp_path.iterdir())] == ["d.csv", "r.h5", "w.h5"]
+
+
+FULL = """
+import resource, signal, sys
+sys.path.insert(0, sys.argv[1])
+from recovery.monitor.watched import curve, monitor
+from jousto.recovery.monitor import record as records, watch
+import jousto as jo
+create = records.Record.create.__func__
+def limited(cls, path, layout):
+    made = create(cls, path, layout)
+    size = path.stat().st_size + 1000
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+    return made
+records.Record.create = classmethod(limited)
+try:
+    watch(monitor(sn=curve()), sys.argv[2], sys.argv[3])
+except jo.SimulationError as error:
+    print(error)
+    print(error.time)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits the size of files")
+def test_a_full_disk_is_named_with_its_file_and_the_watch_goes_on(tmp_path):
+    t, _, e = motion(6000)  # more rows than a new record has room for
+    data = written(tmp_path / "d.csv", lines(t, e))
+    target = tmp_path / "r.h5"
+    done = subprocess.run(
+        [sys.executable, "-c", FULL, str(Path(__file__).parents[2]), str(data), str(target)],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    assert done.returncode == 0, done.stderr
+    assert f"{target}: cannot be written: File too large" in done.stdout
+    assert "go on with resume; what was recorded is kept" in done.stdout
+    assert 0 < len(MonitorRecord(target)) < 6000
+    assert [path.name for path in sorted(tmp_path.iterdir())] == ["d.csv", "r.h5"]
+    whole = watch(monitor(sn=curve()), data, tmp_path / "w.h5")
+    same(watch(monitor(sn=curve()), data, target, resume=True), whole)
 
 
 def test_a_record_grows(tmp_path, monkeypatch):

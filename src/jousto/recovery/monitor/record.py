@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from jousto import __version__
 from jousto.errors import InputError, Problem
-from jousto.files import create, unwritable
+from jousto.files import check_file, create, unwritable
 from jousto.simulation.image import SparseImage, reserve
 from jousto.simulation.results import uninterrupted
 
@@ -38,6 +38,7 @@ ROOM = 1 << 12  # rows of a new table
 TEXT = 240  # bytes of a sentence
 ENDED = "ended"
 SLOTS = ("a", "b")
+NEW = ".new"  # ending of a file that is laid out beside the record
 HEAD = np.dtype([("sequence", "<i8"), ("length", "<i8"), ("checksum", "<u4"), ("unused", "<u4")])
 
 
@@ -125,18 +126,23 @@ class Record:
         """
         record = cls(path, layout)
         try:
+            check_file(path)
+            new = path.with_name(path.name + NEW)
             with uninterrupted():
-                record._places, record._file = _lay_out(path, layout)
+                record._places, record._file = _lay_out(new, layout)
+                record._put(ENDED, _sentence("running or killed"))
+                # whole at every moment, also the first
+                os.replace(new, path)
         except OSError as error:
             raise unwritable(path, error) from error
-        record._put(ENDED, _sentence("running or killed"))
         return record
 
     @classmethod
     def resume(cls, path: Path, layout: Layout) -> tuple[Record, dict[str, Array]]:
         """Return a record that goes on, and the memory of its last checkpoint.
 
-        Rows after the checkpoint are written anew.
+        Rows after the checkpoint are written anew. The memory is empty if the record was given up
+        before its first checkpoint.
 
         Raises
         ------
@@ -149,9 +155,8 @@ class Record:
                 raise InputError(Problem(str(path), f"{problem}; give another -o, or no --resume"))
             slots = [_slot(file, name) for name in SLOTS]
             good = [slot for slot in slots if slot is not None]
-            if not good:
-                raise InputError(Problem(str(path), "holds no checkpoint to go on from"))
-            sequence, memory = max(good, key=lambda slot: slot[0])
+            # none where it was killed before its first block
+            sequence, memory = max(good, key=lambda slot: slot[0], default=(0, b""))
             tables = tuple(
                 replace(table, room=len(file[f"{table.name}/{table.columns[0].name}"]))
                 for table in layout.tables
@@ -162,10 +167,11 @@ class Record:
             places = _places(file, layout)
         record = cls(path, layout)
         record._places, record._sequence = places, sequence
-        state = _unpack(memory)
+        state = _unpack(memory) if memory else {}
         record._memory = memory
         record._file = open(path, "r+b", buffering=0)
-        for name, rows in zip(record.rows, state.pop("rows"), strict=True):
+        kept = state.pop("rows", np.zeros(len(record.rows)))
+        for name, rows in zip(record.rows, kept, strict=True):
             record.rows[name] = int(rows)
             record._count(name)
         record._put("complete", np.array(0, "<i8").tobytes())
@@ -196,7 +202,8 @@ class Record:
         data = _pack({**memory, "rows": np.array(list(self.rows.values()), dtype=np.float64)})
         if len(data) > self.layout.memory:
             self._memory = data
-            self._lay_out_again(replace(self.layout, memory=2 * len(data)))
+            with self._named():
+                self._lay_out_again(replace(self.layout, memory=2 * len(data)))
         self._memory = data
         self._sequence += 1
         self._put(f"checkpoint/{SLOTS[self._sequence % 2]}", _packed_slot(self._sequence, data))
@@ -220,7 +227,16 @@ class Record:
 
     def _put(self, place: str, data: bytes, at: int = 0) -> None:
         assert self._file is not None
-        _write(self._file, self._places[place] + at, data)
+        with self._named():
+            _write(self._file, self._places[place] + at, data)
+
+    @contextmanager
+    def _named(self) -> Iterator[None]:
+        """Give errors of the disk the name of the record."""
+        try:
+            yield
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, str(self.path)) from error
 
     def _count(self, table: str) -> None:
         self._put(f"{table}/rows", np.array(self.rows[table], "<i8").tobytes())
@@ -230,12 +246,13 @@ class Record:
             replace(t, room=max(2 * t.room, least + ROOM)) if t.name == table else t
             for t in self.layout.tables
         )
-        self._lay_out_again(replace(self.layout, tables=tables))
+        with self._named():
+            self._lay_out_again(replace(self.layout, tables=tables))
 
     def _lay_out_again(self, layout: Layout) -> None:
         """Put a file of another layout with the same rows in the place of this one."""
         assert self._file is not None
-        new = self.path.with_name(self.path.name + ".new")
+        new = self.path.with_name(self.path.name + NEW)
         with uninterrupted():
             try:
                 places, target = _lay_out(new, layout)

@@ -12,7 +12,16 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.errors import LARGE_STRAIN, InputError, Problem, Problems, suggest, warn
+from jousto.errors import (
+    LARGE_STRAIN,
+    InputError,
+    Problem,
+    Problems,
+    SimulationError,
+    suggest,
+    warn,
+)
+from jousto.files import reason
 from jousto.recovery.monitor.alarms import Alarm
 from jousto.recovery.monitor.health import STATES, Change
 from jousto.recovery.monitor.monitor import Monitor, Summary, Update
@@ -94,6 +103,8 @@ def watch(
     InputError
         If the source is empty, has no header or lacks channels, a unit is not known, or the record
         cannot be written.
+    SimulationError
+        If the disk is full; what was recorded is kept.
     OSError
         If the source fails; the record is closed before.
     """
@@ -111,8 +122,9 @@ def watch(
         if resume:
             record, memory = Record.resume(path, layout)
             try:
-                _go_on(stream, memory)
-                monitor.load(memory)
+                if memory:
+                    _go_on(stream, memory)
+                    monitor.load(memory)
             except BaseException:
                 record.close("could not go on", complete=False)
                 raise
@@ -120,22 +132,36 @@ def watch(
             record = Record.create(path, layout)
         run = _Run(monitor, stream, record, pick, factors, columns or {}, unit, show)
         run.note(stream.place.time, "resumed" if resume else "start", f"watching {name}")
-        ended, complete = "stopped", False
         try:
-            run.all()
-            ended, complete = "the source ended", True
-        except KeyboardInterrupt:
-            ended = "stopped by Ctrl-C"
-        except BaseException as error:
-            ended = f"{type(error).__name__}: {error}"
-            raise
-        finally:
-            with uninterrupted():
-                try:
-                    run.finish(ended)
-                finally:
-                    record.close(ended, complete=complete)
+            _to_its_end(run)
+        except OSError as error:
+            if error.filename != str(path):
+                raise
+            raise SimulationError(
+                f"{path}: cannot be written: {reason(path, error)}, and go on with resume; what was"
+                " recorded is kept",
+                time=stream.place.time,
+            ) from error
     return MonitorRecord(path)
+
+
+def _to_its_end(run: _Run) -> None:
+    """Take all blocks of the source and close the record, whatever happens."""
+    ended, complete = "stopped", False
+    try:
+        run.all()
+        ended, complete = "the source ended", True
+    except KeyboardInterrupt:
+        ended = "stopped by Ctrl-C"
+    except BaseException as error:
+        ended = f"{type(error).__name__}: {error}"
+        raise
+    finally:
+        with uninterrupted():
+            try:
+                run.finish(ended)
+            finally:
+                run.record.close(ended, complete=complete)
 
 
 class _Run:
