@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,8 +53,21 @@ SENSORS = {
 CHUNK = 4096  # scalars that are allocated together
 
 
+@dataclass(frozen=True, eq=False)
+class _Laid:
+    """What engines of one model share: the filled jo_model and the memory that it points to."""
+
+    model: Any
+    keep: list[Any]
+
+
+_LAID: WeakKeyDictionary[Model, dict[int, _Laid]] = WeakKeyDictionary()  # by build of the engine
+
+
 class Layout:
     """The constants of one model in the engine's memory.
+
+    They are laid out once a model; its engines share them, but for gravity.
 
     Parameters
     ----------
@@ -92,9 +107,30 @@ class Layout:
         self._strict = strict
         self._keep: list[Any] = []
         self._shared: dict[int, tuple[Any, Any]] = {}
-        self._room, self._used, self._address = np.zeros(0, dtype), 0, 0
+        self._room, self._used, self._address = np.zeros(0, dtype), 0, ffi.NULL
+        self._stride = dtype.itemsize // ffi.sizeof("jo_real")
         self.raised: list[BaseException] = []
         self.model = self._native_model()
+
+    def _native_model(self) -> Any:
+        """Return the jo_model, from the constants that an engine of this model has laid out."""
+        m = self._source
+        # functions of the user report what they raise to one engine, and may refer to the model
+        own = bool(self._override) or any(force.function is not None for force in m.forces)
+        known = {} if own else _LAID.setdefault(m, {})
+        build = id(self._library)
+        laid = known.get(build)
+        if laid is None:
+            laid = _Laid(self._laid_out(), self._keep)
+            self._keep = [laid]
+            self._room = np.zeros(0, self._dtype)
+            known[build] = laid
+        else:
+            self._keep.append(laid)
+        model = self._ffi.new("jo_model *", laid.model[0])
+        model.redundant = -1 if self._strict else int(m.redundant)
+        model.gravity = self._constant(m.gravity, ("model", 0, "gravity"))
+        return model
 
     def _constant(
         self, array: Any, key: tuple[str, int, str] | None = None, shared: Any = None
@@ -127,10 +163,11 @@ class Layout:
             raw = np.zeros((count + line) * size, np.uint8)
             start = -raw.ctypes.data % 64
             self._room = raw[start : start + count * size].view(self._dtype)
-            self._used, self._address = 0, self._room.ctypes.data
+            self._used = 0
+            self._address = self._ffi.cast("jo_real *", self._room.ctypes.data)
             self._keep.append(self._room)
         self._room[self._used : self._used + flat.size] = flat
-        pointer = self._ffi.cast("jo_real *", self._address + self._used * size)
+        pointer = self._address + self._used * self._stride
         self._used += flat.size
         return pointer
 
@@ -139,7 +176,7 @@ class Layout:
         self._keep.append(array)
         return array
 
-    def _native_model(self) -> Any:
+    def _laid_out(self) -> Any:
         m = self._source
         model = self._ffi.new("jo_model *")
         pairs = self._pairs()
@@ -167,7 +204,6 @@ class Layout:
             "ninput": len(m.inputs),
             "nnode": len(newton.nodes),
             "nnewton": newton.reals,
-            "redundant": -1 if self._strict else int(m.redundant),
             "nbreak": len(m.breaks),
             "nmeter": len(m.meters),
             "nmemory": sum(meter_size(meter.rule) for meter in m.meters),
@@ -180,7 +216,6 @@ class Layout:
             setattr(model, name, size)
         model.size = m.size
         model.breaks = self._constant(m.breaks)
-        model.gravity = self._constant(m.gravity, ("model", 0, "gravity"))
         model.body = self._bodies()
         model.beam = self._beams()
         model.marker = self._markers()
