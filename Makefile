@@ -88,6 +88,7 @@ bench: $(VENV)/.bench  ## speed side by side with EXUDYN and Pinocchio
 	@$(PY) benchmarks/speed.py
 	@$(PY) benchmarks/mechanisms.py
 	@$(PY) benchmarks/beams.py
+	@$(PY) benchmarks/overhead.py
 
 docs: $(VENV)/.docs  ## documentation in build/docs, warnings are errors
 	@$(PY) -m sphinx -W --keep-going -q -b html docs build/docs

@@ -76,7 +76,7 @@ def test_the_table_tells_stick_and_slip(tmp_path):
 
 
 def test_a_long_table_is_cut_with_a_warning(monkeypatch):
-    for name in ("results", "simulate"):
+    for name in ("memory", "results", "simulate"):
         monkeypatch.setattr(importlib.import_module(f"jousto.simulation.{name}"), "EVENTS", 5)
     body = jo.RigidBody("body", 1.0, (1, 1, 1), velocity=(1, 0, 0))
     rail = jo.Prismatic("rail", jo.ground["origin"], body["origin"], (1, 0, 0))

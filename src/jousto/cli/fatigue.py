@@ -137,7 +137,7 @@ def fatigue(
         curve = named_curve(sn, known)
         names = bodies or list(run.stressed)
         if not names:
-            raise InputError(Problem(str(run.path), "no body with stress in these results"))
+            raise InputError(Problem(run.where, "no body with stress in these results"))
         places = tuple(sites) if sites else None
         checks = [FatigueCheck(n, n, curve, residue, places, options) for n in names]
     found: list[tuple[DamageField, DutyCycle, FatigueCheck]] = []
@@ -229,7 +229,7 @@ def _checks(run: Solution, known: Fatigue | None, bodies: list[str] | None) -> l
     if not checks:
         raise InputError(
             Problem(
-                str(run.path),
+                run.where,
                 "its model has no fatigue: checks:"
                 + (" of these bodies" if bodies else "")
                 + "; give a curve, such as --sn fat71 --residue half",

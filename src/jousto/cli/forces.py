@@ -48,7 +48,7 @@ def forces(
     names = [shape.name for shape in run.beams]
     if beam is None and len(names) != 1:
         found = f"name one of the beams {', '.join(names)}" if names else "this run has no beams"
-        raise InputError(Problem(str(run.path), found))
+        raise InputError(Problem(run.where, found))
     name = beam or names[0]
     found_forces = section_forces(
         run, name, start=instant(start, "--from"), end=instant(end, "--to")

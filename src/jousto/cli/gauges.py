@@ -175,9 +175,7 @@ def _list_result(run: Solution) -> list[str]:
 
     names = [name for name in run.sensors if str(run.about(name)["unit"]) in GAUGE_UNITS]
     if not names:
-        raise InputError(
-            Problem(str(run.path), "no gauge among its sensors (nothing in m/m or V/V)")
-        )
+        raise InputError(Problem(run.where, "no gauge among its sensors (nothing in m/m or V/V)"))
     rows = [("", "unit", "smallest", "at (s)", "largest", "at (s)", "")]
     for name in names:
         about, values = run.about(name), np.asarray(run[name])

@@ -53,14 +53,12 @@ def sensor_peaks(
     from jousto.recovery.instants import window
 
     time = run.time
-    within = window(time, start, end, str(run.path))
+    within = window(time, start, end, run.where)
     time = time[within]
     rows: list[tuple[str, ...]] = []
     for name in names:
         if name not in run:
-            raise InputError(
-                Problem(str(run.path), f"no sensor {name!r}{suggest(name, run.sensors)}")
-            )
+            raise InputError(Problem(run.where, f"no sensor {name!r}{suggest(name, run.sensors)}"))
         about, values = run.about(name), np.asarray(run[name])[within]
         values = values.reshape(len(values), -1)
         parts = about["components"] if values.shape[1] > 1 else ("",)

@@ -132,7 +132,7 @@ def only_body(run: Solution) -> str:
         found = (
             f"name one of the bodies {', '.join(names)}" if names else "no body knows its stress"
         )
-        raise InputError(Problem(str(run.path), found))
+        raise InputError(Problem(run.where, found))
     return names[0]
 
 

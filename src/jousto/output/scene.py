@@ -108,7 +108,7 @@ def make_scene(
     nodes = {int(k) for beam in beams for k in beam.bodies}
     shapes = tuple(shape for k, shape in enumerate(run.bodies) if k not in nodes)
     if not shapes and not beams:
-        problems.add(str(run.path), "there are no bodies to draw")
+        problems.add(run.where, "there are no bodies to draw")
     problems.raise_if_any()
     skins = [beam_skin(run, beam, times, stress=stress is not False, least=LEAST) for beam in beams]
     values, limit = _stress(run, shapes, skins, times, stress, problems)

@@ -131,12 +131,12 @@ def pick(run: Solution, name: str) -> tuple[str, list[int]]:
             return sensor, chosen
         raise InputError(
             Problem(
-                str(run.path),
+                run.where,
                 f"sensor '{sensor}' has no component '{rest}'{suggest(rest, components)}",
             )
         )
     known = [*run.sensors, *DIAGNOSTICS]
-    raise InputError(Problem(str(run.path), f"no sensor '{name}'{suggest(name, known)}"))
+    raise InputError(Problem(run.where, f"no sensor '{name}'{suggest(name, known)}"))
 
 
 def _worth_drawing(curves: list[Curve], unit: str) -> tuple[Curve, ...]:

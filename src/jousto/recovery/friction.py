@@ -236,7 +236,7 @@ def friction_stress(
     time = time[(time >= first - near) & (time <= last + near)]
     if not len(time):
         raise InputError(
-            Problem(where, f"no instant of {with_run.path.name} from {first:g} to {last:g} s")
+            Problem(where, f"no instant of {with_run.where} from {first:g} to {last:g} s")
         )
     p, p0 = coordinates_at(with_run, body, time), coordinates_at(without_run, body, time)
     modes = rubbed.modes

@@ -52,7 +52,7 @@ def find_body(run: Solution, name: str) -> BodyShape:
     if name not in bodies:
         bodies = {k: v for k, v in bodies.items() if k.rpartition(".node")[0] not in beams}
         bodies |= dict.fromkeys(beams)  # type: ignore[arg-type]
-        raise InputError(Problem(str(run.path), f"no body '{name}'{suggest(name, bodies)}"))
+        raise InputError(Problem(run.where, f"no body '{name}'{suggest(name, bodies)}"))
     return bodies[name]
 
 

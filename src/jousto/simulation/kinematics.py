@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 import time as clock
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,7 +15,8 @@ from jousto.engine.native import displaced
 from jousto.engine.redundancy import RANK, null_space, repeated_rows, unit_rows
 from jousto.errors import InputError, Problem, Problems, SimulationError
 from jousto.simulation.bending import Bending
-from jousto.simulation.results import DIAGNOSTICS, ResultsWriter
+from jousto.simulation.columns import DIAGNOSTICS
+from jousto.simulation.keep import Keeper
 from jousto.simulation.solution import Solution
 
 Array = NDArray[np.float64]
@@ -47,8 +46,8 @@ def kinematics(model: Model, times: ArrayLike, *, path: str | Path | None = None
     times : array_like
         Instants, s, increasing.
     path : path, optional
-        Results file (HDF5), overwritten; None keeps the results in a temporary file that goes
-        with the returned object.
+        Results file (HDF5), overwritten; None keeps the results with the returned object, whose
+        ``save(path)`` writes them.
 
     Returns
     -------
@@ -65,14 +64,7 @@ def kinematics(model: Model, times: ArrayLike, *, path: str | Path | None = None
     """
     instants = _instants(model, times)
     _check_driven(model)
-    folder = Path(tempfile.mkdtemp(prefix="jousto-")) if path is None else None
-    target = folder / "run.h5" if folder else Path(path or "")
-    try:
-        return _write(model, instants, target, temporary=path is None)
-    except BaseException:
-        if folder:
-            shutil.rmtree(folder, ignore_errors=True)
-        raise
+    return _write(model, instants, path)
 
 
 def inverse_dynamics(model: Model, times: ArrayLike, *, path: str | Path | None = None) -> Solution:
@@ -159,7 +151,7 @@ def _check_driven(model: Model) -> None:
         )
 
 
-def _write(model: Model, instants: Array, target: Path, *, temporary: bool) -> Solution:
+def _write(model: Model, instants: Array, path: str | Path | None) -> Solution:
     gaps = np.diff(instants)
     attributes = {
         "solver": "kinematics",
@@ -171,21 +163,22 @@ def _write(model: Model, instants: Array, target: Path, *, temporary: bool) -> S
     first = 1 + model.nq + model.nv + model.nrow
     names = [name for name, _, _ in DIAGNOSTICS]
     unknown = [first + names.index(name) for name in UNKNOWN]
-    writer = ResultsWriter(target, model, len(instants), attributes, "")
+    keeper = Keeper(path, model, len(instants), attributes)
     started = clock.perf_counter()
-    ended = "completed"
+
+    def close(ended: str) -> Solution:
+        facts = {"ended": ended, "wall_time": clock.perf_counter() - started}
+        return keeper.close(ended == "completed", facts)
+
     try:
         for row in positions(model, instants):
             row[unknown] = np.nan
-            writer.append(row[None])
+            keeper.append(row[None])
     except BaseException as error:
-        ended = f"failed: {error}"
+        close(f"failed: {error}")
+        keeper.discard()
         raise
-    finally:
-        writer.close(
-            ended == "completed", {"ended": ended, "wall_time": clock.perf_counter() - started}
-        )
-    return Solution(target, temporary=temporary)
+    return close("completed")
 
 
 def positions(model: Model, instants: Array) -> Iterator[Array]:

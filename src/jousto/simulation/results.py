@@ -23,31 +23,15 @@ from jousto.engine import Model
 from jousto.errors import InputError, Problem
 from jousto.files import create, unwritable
 from jousto.simulation.beams import GROUP, beam_arrays
+from jousto.simulation.columns import Column, columns
 from jousto.simulation.events import joints_of, sources
 from jousto.simulation.image import SparseImage, reserve
-from jousto.simulation.state import MEMORY, memory_sizes
 from jousto.simulation.stress import stress_arrays
 
 Array = NDArray[np.float64]
 Facts = dict[str, Any]  # how a run ended: ended, wall_time, real_time_factor
 FORMAT = "jousto results"
 FORMAT_VERSION = 2
-DIAGNOSTICS = (
-    ("kinetic", "J", "kinetic energy"),
-    ("strain", "J", "strain energy of the modes"),
-    ("potential", "J", "potential energy in the field of gravity"),
-    ("springs", "J", "energy stored in springs and bushings"),
-    ("dissipated", "J", "energy lost to modal damping and dampers since the start"),
-    ("friction", "J", "energy lost to friction since the start"),
-    ("work", "J", "work done by forces, torques and drives since the start"),
-    ("position_residual", "m or 1", "largest position constraint residual |C|"),
-    ("velocity_residual", "m/s or 1/s", "largest velocity constraint residual |Cq v|"),
-    ("evaluations", "1", "evaluations of the accelerations since the start"),
-    ("iterations", "1", "iterations of Newton's method since the start"),
-    ("steps", "1", "steps taken since the start"),
-    ("rejected", "1", "steps tried again with a shorter one since the start"),
-    ("step", "s", "length of the last step"),
-)
 CONTENTS = ("rows", "time", "state", "diagnostics", "sensors", "bodies", "model")
 ENDED = 240  # bytes kept for the sentence that says how a run ended
 EVENTS = 10_000  # that a file keeps
@@ -76,7 +60,7 @@ class ResultsWriter:
         self.written = 0
         self.happened = np.zeros((0, len(EVENT_COLUMNS)))
         self._rows = rows
-        self._about = (model, {**attributes, "run": uuid.uuid4().hex}, text)
+        self._about = (model, {"run": uuid.uuid4().hex, **attributes}, text)
         running: Facts = {"ended": "running or killed", "wall_time": np.nan}
         image, self._places = self._image(rows, False, running)
         needed, free = image.size, _free_bytes(path)
@@ -141,6 +125,11 @@ class ResultsWriter:
 
     def _count(self, file: BinaryIO, places: list[Place]) -> None:
         _write(file, places[0].offset, np.array(self.written, "<i8").tobytes())
+
+    def discard(self) -> None:
+        """Remove the file."""
+        self._file.close()
+        self.path.unlink(missing_ok=True)
 
     def close(self, complete: bool, facts: Facts) -> None:
         """Note how the run ended, cut the file if it ended early, and close it."""
@@ -263,57 +252,24 @@ def _describe(
         file.attrs[about] = fact
     file["model"] = text
     file["model"].attrs["version"] = __version__
-    datasets: list[tuple[h5py.Dataset, int, int]] = []
-    at = 0
-
-    def column(place: str, width: int | None, **attrs: Any) -> None:
-        nonlocal at
-        count = 1 if width is None else width
-        shape = (rows,) if width is None else (rows, width)
-        if count:
-            dataset = reserve(file, place, shape, "<f8")
-            datasets.append((dataset, at, count))
-            at += count
-        else:  # nothing of this kind in the model
-            dataset = file.create_dataset(place, shape=shape, dtype="<f8")
-        for key, value in attrs.items():
-            dataset.attrs[key] = value
-
     counter = reserve(file, "rows", (), "<i8")
     counter.attrs["description"] = "instants written so far"
-    column("time", None, unit="s")
-    column("state/q", model.nq, unit="m, 1, kg^0.5 m", description="[R e p] of every body")
-    column(
-        "state/v",
-        model.nv,
-        unit="m/s, rad/s, kg^0.5 m/s",
-        description="[R' w_local p'] of every body",
-    )
-    column(
-        "state/multipliers",
-        model.nrow,
-        unit="N or N m",
-        description="lam in M a + Cq^T lam = Q, joint after joint",
-    )
-    for name, unit, description in DIAGNOSTICS:
-        column(f"diagnostics/{name}", None, unit=unit, description=description)
     file.create_group("sensors", track_order=True)
     file.create_group("components", track_order=True)
+    datasets: list[tuple[h5py.Dataset, Column]] = []
+    for column in columns(model):
+        size = (rows,) if column.width is None else (rows, column.width)
+        if column.count:
+            dataset = reserve(file, column.place, size, "<f8")
+            datasets.append((dataset, column))
+        else:  # nothing of this kind in the model
+            dataset = file.create_dataset(column.place, shape=size, dtype="<f8")
+        for key, value in column.facts.items():
+            dataset.attrs[key] = value
     for sensor in model.sensors:
-        column(
-            f"sensors/{sensor.name}",
-            sensor.count,
-            unit=sensor.unit,
-            resolved_in=sensor.resolved_in,
-            description=sensor.description,
-        )
         # a dataset, since attributes may not exceed 64 kB
         names = np.array([c.encode() for c in sensor.components])
         file.create_dataset(f"components/{sensor.name}", data=names)
-    for name, width in memory_sizes(model).items():
-        if width:
-            unit, description = MEMORY[name]
-            column(f"state/{name}", width, unit=unit, description=description)
     if model.inputs:
         file["state/input"].attrs["names"] = np.array([name.encode() for name in model.inputs])
     bodies = file.create_group("bodies", track_order=True)
@@ -354,59 +310,5 @@ def _describe(
     file.flush()
     return [
         Place(counter.id.get_offset(), 0, 0),
-        *(Place(dataset.id.get_offset(), first, width) for dataset, first, width in datasets),
+        *(Place(data.id.get_offset(), column.first, column.count) for data, column in datasets),
     ]
-
-
-@contextmanager
-def open_results(path: Path) -> Iterator[h5py.File]:
-    """Open a results file for reading, also one whose run is going on or was killed.
-
-    Raises
-    ------
-    InputError
-        If there is no such file, it is damaged, or it is something else than results.
-    """
-    if not path.is_file():
-        raise InputError(Problem(str(path), "no such results file"))
-    try:
-        with _open(path) as file:
-            _check_kind(file, path)
-            yield file
-    except OSError as error:
-        raise InputError(
-            Problem(str(path), f"not readable as HDF5, damaged or another kind of file ({error})")
-        ) from error
-    except (KeyError, RuntimeError, ValueError, TypeError) as error:
-        raise InputError(Problem(str(path), f"damaged: {error}; run the model again")) from error
-
-
-def _open(path: Path) -> h5py.File:
-    try:
-        return h5py.File(path, "r", locking=False)
-    except OSError as error:
-        if "locking flag" not in str(error):
-            raise
-        return h5py.File(path, "r")  # the process has it open with locking
-
-
-def _check_kind(file: h5py.File, path: Path) -> None:
-    found = file.attrs.get("format", "")
-    if found != FORMAT:
-        kind = f"it is a file of {found!r}" if found else "it is some other HDF5 file"
-        raise InputError(Problem(str(path), f"not a results file; {kind}"))
-    written = int(file.attrs["format_version"])
-    if written != FORMAT_VERSION:
-        by = file["model"].attrs.get("version", "unknown")
-        raise InputError(
-            Problem(
-                str(path),
-                f"results format {written}, this version reads {FORMAT_VERSION}; written by "
-                f"jousto {by}: run the model again",
-            )
-        )
-    missing = [name for name in CONTENTS if name not in file]
-    if missing:
-        raise InputError(
-            Problem(str(path), f"damaged: {', '.join(missing)} missing; run the model again")
-        )

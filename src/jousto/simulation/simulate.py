@@ -1,10 +1,8 @@
-"""simulate: step a model through time and stream what it does into a file."""
+"""simulate: step a model through time and keep what it does."""
 
 from __future__ import annotations
 
 import errno
-import shutil
-import tempfile
 import time as clock
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -29,8 +27,9 @@ from jousto.simulation.adaptive import LONGEST, follow, too_many_steps
 from jousto.simulation.beam_checks import warn_bent
 from jousto.simulation.events import Chronicle
 from jousto.simulation.inputs import Feed, InputFailed, connect
+from jousto.simulation.keep import Keeper
 from jousto.simulation.progress import Report, reporter
-from jousto.simulation.results import EVENTS, ResultsWriter
+from jousto.simulation.results import EVENTS
 from jousto.simulation.schedule import Schedule, cautions, schedule
 from jousto.simulation.solution import Solution
 from jousto.simulation.solver import ROS2, Solver
@@ -84,8 +83,9 @@ def simulate(
 ) -> Solution:
     """Run a model to time `t_end`, from 0 or the time of a state.
 
-    The results are written in pieces while the run goes on; the memory it needs does not grow
-    with its length.
+    Results with a `path` are written in pieces while the run goes on: what was computed survives
+    if it is killed. Without one they stay in memory up to 256 MB; longer runs write them into a
+    temporary file, so that the memory does not grow with their length.
 
     Parameters
     ----------
@@ -100,8 +100,8 @@ def simulate(
         Time between stored instants, s; None stores every step, or the `output` of an adaptive
         solver.
     path : path, optional
-        Results file (HDF5), overwritten; None keeps the results in a temporary file that goes
-        with the returned object.
+        Results file (HDF5), overwritten; None keeps the results with the returned object, whose
+        ``save(path)`` writes them.
     progress : bool or function, optional
         True shows a bar; a function is called about ten times a second with (simulated time,
         wall time) in s.
@@ -148,22 +148,20 @@ def simulate(
     else:
         _start(engine, state)
         engine.steps_done = plan.before
-    folder = Path(tempfile.mkdtemp(prefix="jousto-")) if path is None else None
+    attributes = {
+        "solver": repr(solver),
+        "step": plan.step,
+        "t_end": float(t_end),
+        "gravity": model.gravity,
+        "evaluations_per_step": solver.evaluations,
+    }
+    rows = plan.steps // plan.every + 1
+    keeper = Keeper(path, model, rows, attributes, str(model_text))
     try:
-        target = folder / "run.h5" if folder else Path(path or "")
-        attributes = {
-            "solver": repr(solver),
-            "step": plan.step,
-            "t_end": float(t_end),
-            "gravity": model.gravity,
-            "evaluations_per_step": solver.evaluations,
-        }
-        rows = plan.steps // plan.every + 1
-        writer = ResultsWriter(target, model, rows, attributes, str(model_text))
-        return _run(engine, solver, plan, writer, progress, feed, temporary=path is None)
+        return _run(engine, solver, plan, keeper, progress, feed)
     except BaseException as error:
-        if folder and getattr(error, "solution", None) is None:
-            shutil.rmtree(folder, ignore_errors=True)
+        if getattr(error, "solution", None) is None:
+            keeper.discard()
         raise
 
 
@@ -200,11 +198,9 @@ def _run(
     engine: Engine,
     solver: Solver,
     plan: Schedule,
-    writer: ResultsWriter,
+    keeper: Keeper,
     progress: bool | Report | None,
     feed: Feed,
-    *,
-    temporary: bool,
 ) -> Solution:
     """Step, write, and leave a closed file with how it ended whatever happens."""
     watch = RunWatch(engine.model, projected=solver.projection)
@@ -212,10 +208,10 @@ def _run(
 
     def record(rows: NDArray[np.float64]) -> None:
         try:
-            writer.append(rows)
-            writer.note(chronicle.read())
+            keeper.append(rows)
+            keeper.note(chronicle.read())
         except OSError as error:  # the disk is full or gone
-            raise _DiskError(f"cannot write {writer.path}: {error}{_remedy(error)}") from error
+            raise _DiskError(f"cannot write {keeper.place}: {error}{_remedy(error)}") from error
         watch.see(rows)
 
     started = clock.perf_counter()
@@ -226,11 +222,10 @@ def _run(
         factor = (reached - plan.start) / wall if wall > 0 else 0.0
         facts = {"ended": ended, "wall_time": wall, "real_time_factor": factor}
         try:
-            writer.close(ended.startswith(("completed", "stopped")), facts)
+            return keeper.close(ended.startswith(("completed", "stopped")), facts)
         except OSError as error:
-            message = f"cannot write {writer.path}: {error}{_remedy(error)}"
+            message = f"cannot write {keeper.place}: {error}{_remedy(error)}"
             raise RunFailed(message, None, time=reached, body="") from error
-        return Solution(writer.path, temporary=temporary)
 
     ending: Ending | None
     try:
@@ -239,7 +234,7 @@ def _run(
     except KeyboardInterrupt:
         solution = close("interrupted")
         raise RunInterrupted(
-            f"stopped at {engine.time[0]:g} s; the results up to then are in {writer.path}",
+            f"stopped at {engine.time[0]:g} s; the results up to then are in {keeper.place}",
             solution,
         ) from None
     except (_DiskError, Contradiction, InputFailed) as error:
@@ -254,7 +249,7 @@ def _run(
         time = float(engine.time[0].real)
         sentence = f"the run stopped at {time:.6g} s: {ending.sentence}"
         raise RunFailed(sentence, solution, time=time, body=ending.body)
-    if len(writer.happened) == EVENTS:
+    if keeper.happened == EVENTS:
         warn(
             f"simulate {engine.model.name!r}",
             f"only the first {EVENTS} events are in the results; watch for fewer crossings",
@@ -415,7 +410,7 @@ def _cause(model: Model, solver: Solver, plan: Schedule, engine: Engine, status:
 
 def describe(solution: Solution) -> dict[str, Any]:
     """Return the facts about a run that are worth printing, by name."""
-    residuals = solution.residuals
+    residuals, energy = solution.residuals, solution.energy
     return {
         "instants": len(solution),
         "end of the run (s)": float(solution.time[-1]) if len(solution) else 0.0,
@@ -426,5 +421,6 @@ def describe(solution: Solution) -> dict[str, Any]:
         "real-time factor": solution.attributes.get("real_time_factor", float("nan")),
         "largest position residual": float(residuals.position.max(initial=0.0)),
         "largest velocity residual": float(residuals.velocity.max(initial=0.0)),
-        "largest energy error (J)": float(np.abs(solution.energy.error).max(initial=0.0)),
+        "largest energy error (J)": float(np.abs(energy.error).max(initial=0.0)),
+        "energy": energy.verdict.removeprefix("energy "),
     }

@@ -1,12 +1,11 @@
-"""Solution: the results of a run, read from its file when asked for."""
+"""Solution: the results of a run, in memory or in a file."""
 
 from __future__ import annotations
 
 import shutil
+import tempfile
 import weakref
 from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,157 +13,112 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine import BeamShape
-from jousto.errors import InputError, Problem, suggest
+from jousto.errors import InputError, Problem, count, suggest
 from jousto.reduction import StressModes
-from jousto.simulation.beams import GROUP, beam_knows_stress, read_beam
-from jousto.simulation.events import Happening, happenings
-from jousto.simulation.results import EVENT_COLUMNS, open_results
-from jousto.simulation.state import MEMORY, State
-from jousto.simulation.stress import knows_stress, read_stress
+from jousto.simulation import frames
+from jousto.simulation.diagnostics import Energy, Residuals, Work
+from jousto.simulation.events import Happening
+from jousto.simulation.records import BodyShape, Records
+from jousto.simulation.state import State
+from jousto.simulation.stored import FileRecords
 
 Array = NDArray[np.float64]
+LONG = 100  # characters of a name that are shown
 WORK = ("dissipated", "friction", "work")
-
-
-@dataclass(frozen=True, eq=False)
-class Energy:
-    """Energy balance of a run, each (nt,) in J."""
-
-    kinetic: Array
-    strain: Array
-    potential: Array
-    springs: Array
-    dissipated: Array
-    friction: Array
-    work: Array
-
-    @property
-    def total(self) -> Array:
-        """Kinetic, strain and potential energy and that of the springs."""
-        return self.kinetic + self.strain + self.potential + self.springs
-
-    @property
-    def error(self) -> Array:
-        """What the balance misses since the start: total + dissipated + friction - work."""
-        balance = self.total + self.dissipated + self.friction - self.work
-        return np.asarray(balance - balance[0])
-
-
-@dataclass(frozen=True, eq=False)
-class Residuals:
-    """Largest constraint residuals, each (nt,): ``|C|`` and ``|Cq v|``."""
-
-    position: Array
-    velocity: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Work:
-    """What a run cost, each (nt,).
-
-    Attributes
-    ----------
-    steps, rejected, evaluations, iterations : array
-        Steps taken, steps tried again with a shorter one, evaluations of the accelerations and
-        iterations of Newton's method, all since the start.
-    step : array
-        Length of the last step, s.
-    """
-
-    steps: Array
-    rejected: Array
-    evaluations: Array
-    iterations: Array
-    step: Array
-
-
-@dataclass(frozen=True, eq=False)
-class BodyShape:
-    """How to draw a body and where its state is.
-
-    Attributes
-    ----------
-    name, kind : str
-        Name; "rigid" or "flexible".
-    q_offset, v_offset, n : int
-        Its place in q and v, number of modes.
-    nodes : (nn, 3) array
-        Undeformed positions, body frame, m.
-    elements : (ne, m) int array
-        Nodes of each element.
-    modes : (nn, 3, n) array
-        Translation mode shapes.
-    """
-
-    name: str
-    kind: str
-    q_offset: int
-    v_offset: int
-    n: int
-    nodes: Array
-    elements: NDArray[np.int64]
-    modes: Array
 
 
 class Solution:
     """The results of a run.
 
-    Arrays are read from the file when asked for; a run that is still going on or was killed is
-    readable up to its last written piece.
+    They are kept in memory or in a file. Of a file, arrays are read when asked for; a run that is
+    still going on or was killed is readable up to its last written piece. It can be pickled: the
+    results go with it, or their path if they are in a file of the user's.
+
+    ``for name in run`` and ``run.keys()`` give the names of the sensors, ``run[name]`` their
+    values, ``dict(run)`` both; ``len(run)`` is the number of instants.
 
     Parameters
     ----------
-    path : path
-        The results file.
+    source : path or Records
+        The results file, or results in memory.
     temporary : bool
         Remove the file's folder with this object.
 
     Attributes
     ----------
-    path : Path
-        The results file.
     attributes : dict
         Facts about the run: solver, step, wall_time (s), real_time_factor, ended, complete ...
     """
 
-    def __init__(self, path: str | Path, *, temporary: bool = False) -> None:
-        self.path = Path(path)
-        with open_results(self.path) as file:
-            self.attributes: dict[str, Any] = {
-                key: _plain(value) for key, value in file.attrs.items()
-            }
-            self._sensors = tuple(file["sensors"])
-            self._length = min(int(file["rows"][()]), len(file["time"]))
-        if temporary:
-            self._remove = weakref.finalize(
-                self, shutil.rmtree, self.path.parent, ignore_errors=True
-            )
+    def __init__(self, source: str | Path | Records, *, temporary: bool = False) -> None:
+        self._path = Path(source) if isinstance(source, (str, Path)) else None
+        records = FileRecords(Path(source)) if isinstance(source, (str, Path)) else source
+        self._records: Records = records
+        self._temporary = temporary
+        self.attributes: dict[str, Any] = dict(records.attributes)
+        if temporary and self._path:
+            self._remove_with_this(self._path.parent)
+
+    def _remove_with_this(self, folder: Path) -> None:
+        self._remove = weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
+
+    @property
+    def path(self) -> Path:
+        """The results file; of results in memory a temporary one, which goes with this object."""
+        if self._path is None:
+            folder = Path(tempfile.mkdtemp(prefix="jousto-"))
+            self._remove_with_this(folder)
+            self._records.save(folder / "run.h5")
+            self._path = folder / "run.h5"
+        return self._path
+
+    @property
+    def where(self) -> str:
+        """Name of the place of these results, for messages."""
+        return self._records.where
+
+    def save(self, path: str | Path) -> Path:
+        """Write the results into a file that `load` reads, and return its path.
+
+        Parameters
+        ----------
+        path : path
+            Results file (HDF5), overwritten.
+
+        Raises
+        ------
+        InputError
+            If it cannot be written.
+        """
+        target = Path(path)
+        self._records.save(target)
+        return target
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return how to make this object in another process."""
+        if isinstance(self._records, FileRecords):
+            if not self._temporary:
+                return load, (self._records.path.resolve(),)
+            return _unpacked, (self._records.path.read_bytes(),)
+        return Solution, (self._records,)
 
     def __repr__(self) -> str:
-        end = self.time[-1] if len(self) else 0.0
-        state = "" if self.complete else ", incomplete"
-        return f"<Solution {self.name!r}: {len(self)} instants to {end:g} s{state}>"
+        end = self._records.read("time", slice(len(self) - 1, None))[0] if len(self) else 0.0
+        name = self.name if len(self.name) <= LONG else f"{self.name[: LONG - 3]}..."
+        facts = [f"{len(self)} instants to {end:g} s", count(len(self.sensors), "sensor")]
+        if not self.complete:
+            facts.append("incomplete")
+        return f"<Solution {name!r}: {', '.join(facts)}>"
 
     def __len__(self) -> int:
-        return self._length
+        return self._records.length
 
-    @contextmanager
-    def _open(self) -> Iterator[Any]:
-        with open_results(self.path) as file:
-            if file.attrs["run"] != self.attributes["run"]:
-                raise InputError(
-                    Problem(
-                        str(self.path),
-                        "was overwritten by another run; open it again, load(path), or give every "
-                        "run its own file",
-                    )
-                )
-            yield file
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.sensors)
 
-    def _read(self, name: str) -> Array:
-        with self._open() as file:
-            dataset = file[name]
-            return np.asarray(dataset[: self._length])
+    def keys(self) -> tuple[str, ...]:
+        """Return the names of the sensors."""
+        return self.sensors
 
     @property
     def name(self) -> str:
@@ -179,22 +133,22 @@ class Solution:
     @property
     def time(self) -> Array:
         """Instants (nt,), s."""
-        return self._read("time")
+        return self._records.read("time")
 
     @property
     def q(self) -> Array:
         """Positions (nt, nq): [R e p] body after body."""
-        return self._read("state/q")
+        return self._records.read("state/q")
 
     @property
     def v(self) -> Array:
         """Velocities (nt, nv): [R' w_local p'] body after body."""
-        return self._read("state/v")
+        return self._records.read("state/v")
 
     @property
     def multipliers(self) -> Array:
         """Lagrange multipliers (nt, nrow), N or N m."""
-        return self._read("state/multipliers")
+        return self._records.read("state/multipliers")
 
     @property
     def energy(self) -> Energy:
@@ -208,35 +162,24 @@ class Solution:
             "friction",
             "work",
         )
-        return Energy(**{name: self._read(f"diagnostics/{name}") for name in names})
+        return Energy(**{name: self._records.read(f"diagnostics/{name}") for name in names})
 
     @property
     def residuals(self) -> Residuals:
         """Constraint residuals."""
-        return Residuals(
-            self._read("diagnostics/position_residual"), self._read("diagnostics/velocity_residual")
-        )
+        names = ("position", "velocity")
+        return Residuals(*(self._records.read(f"diagnostics/{name}_residual") for name in names))
 
     @property
     def work(self) -> Work:
         """Steps taken and what they cost."""
         names = ("steps", "rejected", "evaluations", "iterations", "step")
-        return Work(**{name: self._read(f"diagnostics/{name}") for name in names})
+        return Work(**{name: self._records.read(f"diagnostics/{name}") for name in names})
 
     @property
     def events(self) -> tuple[Happening, ...]:
         """Events and transitions of friction that happened, in their order."""
-        with self._open() as file:
-            if "events" not in file:
-                return ()
-            table = file["events"]
-            count = int(table["rows"][()])
-            columns = [table[name][:count] for name, _, _ in EVENT_COLUMNS]
-            names = [name.decode() for name in table["names"][()]]
-            joints = [""] * len(names)
-            if "joints" in table:
-                joints = [name.decode() for name in table["joints"][()]]
-            return happenings(np.stack(columns, axis=1), names, int(table.attrs["events"]), joints)
+        return self._records.events()
 
     def state(self, time: float = -1.0) -> State:
         """Return the state at a stored instant, from which `simulate` can go on.
@@ -256,92 +199,134 @@ class Solution:
         if time >= 0 and abs(instants[k] - time) > 1e-9 * max(1.0, abs(time)):
             raise InputError(
                 Problem(
-                    str(self.path),
+                    self.where,
                     f"no instant is stored at {time:g} s, the nearest is {instants[k]:.9g} s",
                 )
             )
-        with self._open() as file:
-            memory: dict[str, Any] = {
-                name: np.asarray(file[f"state/{name}"][k])
-                for name in MEMORY
-                if f"state/{name}" in file
-            }
-            if "input" in memory:
-                names = [name.decode() for name in file["state/input"].attrs["names"]]
-                values = memory.pop("input")
-                memory["inputs"] = dict(zip(names, map(float, values), strict=True))
-            return State(
-                q=np.asarray(file["state/q"][k]),
-                v=np.asarray(file["state/v"][k]),
-                lam=np.asarray(file["state/multipliers"][k]),
-                time=float(instants[k]),
-                work=np.array([file[f"diagnostics/{name}"][k] for name in WORK]),
-                **memory,
-            )
+        here = slice(k, k + 1)
+        read = self._records.read
+        memory: dict[str, Any] = {
+            name: read(f"state/{name}", here)[0] for name in self._records.memory()
+        }
+        if "input" in memory:
+            values = memory.pop("input")
+            memory["inputs"] = dict(zip(self._records.inputs(), map(float, values), strict=True))
+        return State(
+            q=read("state/q", here)[0],
+            v=read("state/v", here)[0],
+            lam=read("state/multipliers", here)[0],
+            time=float(instants[k]),
+            work=np.array([read(f"diagnostics/{name}", here)[0] for name in WORK]),
+            **memory,
+        )
 
     @property
     def sensors(self) -> tuple[str, ...]:
         """Names of the sensors."""
-        return self._sensors
+        return self._records.sensors
 
     @property
     def model_text(self) -> str:
         """Text of the model file, empty if the model was made in Python."""
-        with self._open() as file:
-            return str(file["model"].asstr()[()])
+        return self._records.model_text()
 
     def __contains__(self, name: object) -> bool:
-        return name in self._sensors
+        return name in self.sensors
 
-    def _dataset(self, name: str) -> str:
-        if name not in self._sensors:
+    def _known(self, name: str) -> str:
+        if name not in self.sensors:
             raise InputError(
-                Problem(str(self.path), f"no sensor '{name}'{suggest(name, self._sensors)}")
+                Problem(self.where, f"no sensor '{name}'{suggest(name, self.sensors)}")
             )
-        return f"sensors/{name}"
+        return name
 
     def __getitem__(self, name: str) -> Array:
         """Return the values of a sensor, (nt, k)."""
-        return self._read(self._dataset(name))
+        return self._records.read(f"sensors/{self._known(name)}")
 
     def about(self, name: str) -> dict[str, Any]:
         """Return unit, resolved_in, description and components of a sensor."""
-        with self._open() as file:
-            place = self._dataset(name)
-            attrs = file[place].attrs
-            names = file[place.replace("sensors/", "components/", 1)][()]
-            return {
-                "unit": str(attrs["unit"]),
-                "resolved_in": str(attrs["resolved_in"]),
-                "description": str(attrs["description"]),
-                "components": tuple(c.decode() for c in names),
-            }
+        return self._records.about(self._known(name))
+
+    def to_csv(self, path: str | Path, *names: str) -> Path:
+        """Write time and sensors as a table of text, one row for each instant.
+
+        The first row names each column with its unit, as ``hinge.Fx (N)``; numbers have all their
+        digits.
+
+        Parameters
+        ----------
+        path : path
+            File, overwritten.
+        *names : str
+            Sensors; all of them if none is named.
+
+        Returns
+        -------
+        Path
+            The file written.
+
+        Raises
+        ------
+        InputError
+            For an unknown sensor, or a path that cannot be written.
+        """
+        frames.to_csv(self, Path(path), names)
+        return Path(path)
+
+    def to_pandas(self, *names: str) -> Any:
+        """Return sensors as a ``pandas.DataFrame`` with the time, s, as its index.
+
+        Needs the extra ``frames``. ``frame.attrs["units"]`` has the unit of each column.
+
+        Parameters
+        ----------
+        *names : str
+            Sensors; all of them if none is named.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A column for each component: ``frame["hinge.Fx"]``.
+
+        Raises
+        ------
+        InputError
+            For an unknown sensor, or if pandas is not installed.
+        """
+        return frames.to_pandas(self, names)
+
+    def to_xarray(self, *names: str) -> Any:
+        """Return sensors as an ``xarray.Dataset`` over time, s.
+
+        Needs the extra ``frames``. Variables know their units, frame and description.
+
+        Parameters
+        ----------
+        *names : str
+            Sensors; all of them if none is named.
+
+        Returns
+        -------
+        xarray.Dataset
+            A variable for each sensor: ``data["hinge"].sel(hinge_component="Fx")``.
+
+        Raises
+        ------
+        InputError
+            For an unknown sensor, or if xarray is not installed.
+        """
+        return frames.to_xarray(self, names)
 
     @property
     def bodies(self) -> tuple[BodyShape, ...]:
         """Bodies with what is needed to draw them."""
-        with self._open() as file:
-            return tuple(
-                BodyShape(
-                    name=name,
-                    kind=str(group.attrs["kind"]),
-                    q_offset=int(group.attrs["q_offset"]),
-                    v_offset=int(group.attrs["v_offset"]),
-                    n=int(group.attrs["modes"]),
-                    nodes=np.asarray(group["nodes"]),
-                    elements=np.asarray(group["elements"]),
-                    modes=np.asarray(group["mode_shapes"]),
-                )
-                for name, group in file["bodies"].items()
-            )
+        return self._records.bodies()
 
     @property
     def beams(self) -> tuple[BeamShape, ...]:
         """Beams: their nodes are bodies, numbered as in `bodies`."""
-        with self._open() as file:
-            if GROUP not in file:
-                return ()
-            return tuple(read_beam(name, group) for name, group in file[GROUP].items())
+        return self._records.beams()
 
     def beam_states(self, beam: str, rows: slice = slice(None)) -> tuple[Array, Array]:
         """Return ``[R e]`` (nt, n + 1, 7) and ``[R' w_local]`` (nt, n + 1, 6) of a beam's nodes.
@@ -358,29 +343,22 @@ class Solution:
         InputError
             If there is no such beam.
         """
-        with self._open() as file:
-            known = tuple(file[GROUP]) if GROUP in file else ()
-            if beam not in known:
-                tail = suggest(beam, known) if known else "; this run has no beams"
-                raise InputError(Problem(str(self.path), f"no beam '{beam}'{tail}"))
-            found = []
-            start, stop, step = rows.indices(self._length)
-            for place, width in (("q", 7), ("v", 6)):
-                at = file[GROUP][beam][f"i{place}"][()]
-                first = int(at.min())
-                block = file[f"state/{place}"][start:stop:step, first : int(at.max()) + width]
-                columns = (at - first)[:, None] + np.arange(width)
-                found.append(np.asarray(block[:, columns]))
-            return found[0], found[1]
+        known = self._records.beam_places()
+        if beam not in known:
+            tail = suggest(beam, known) if known else "; this run has no beams"
+            raise InputError(Problem(self.where, f"no beam '{beam}'{tail}"))
+        found = []
+        for place, width, at in zip(("q", "v"), (7, 6), known[beam], strict=True):
+            first = int(at.min())
+            near = slice(first, int(at.max()) + width)
+            block = self._records.read(f"state/{place}", rows, near)
+            found.append(np.asarray(block[:, (at - first)[:, None] + np.arange(width)]))
+        return found[0], found[1]
 
     @property
     def stressed(self) -> tuple[str, ...]:
         """Names of the bodies and beams whose stress is known."""
-        with self._open() as file:
-            names = [k for k, g in file["bodies"].items() if knows_stress(g)]
-            if GROUP in file:
-                names += [name for name, group in file[GROUP].items() if beam_knows_stress(group)]
-            return tuple(names)
+        return self._records.stressed()
 
     def stress_modes(self, body: str) -> StressModes | None:
         """Return the stress of each mode of a body, None if it is not known.
@@ -401,12 +379,14 @@ class Solution:
         InputError
             If there is no such body.
         """
-        with self._open() as file:
-            if body not in file["bodies"]:
-                raise InputError(
-                    Problem(str(self.path), f"no body '{body}'{suggest(body, file['bodies'])}")
-                )
-            return read_stress(file["bodies"][body])
+        self._place(body)
+        return self._records.stress_modes(body)
+
+    def _place(self, body: str) -> tuple[int, int]:
+        places = self._records.places()
+        if body not in places:
+            raise InputError(Problem(self.where, f"no body '{body}'{suggest(body, places)}"))
+        return places[body]
 
     def coordinates(self, body: str, rows: slice = slice(None)) -> Array:
         """Return the coordinates ``[R e p]`` of one body, (nt, 7 + n), at some stored instants.
@@ -425,22 +405,19 @@ class Solution:
         InputError
             If there is no such body.
         """
-        with self._open() as file:
-            group = file["bodies"].get(body)
-            if group is None:
-                raise InputError(
-                    Problem(str(self.path), f"no body '{body}'{suggest(body, file['bodies'])}")
-                )
-            first = int(group.attrs["q_offset"])
-            last = first + 7 + int(group.attrs["modes"])
-            start, stop, step = rows.indices(self._length)
-            return np.asarray(file["state/q"][start:stop:step, first:last])
+        first, modes = self._place(body)
+        return self._records.read("state/q", rows, slice(first, first + 7 + modes))
 
 
-def _plain(value: Any) -> Any:
-    if isinstance(value, bytes):
-        return value.decode(errors="replace").rstrip()
-    return value.item() if isinstance(value, np.generic) else value
+def _unpacked(content: bytes) -> Solution:
+    """Return the results of a temporary file that came from another process."""
+    folder = Path(tempfile.mkdtemp(prefix="jousto-"))
+    try:
+        (folder / "run.h5").write_bytes(content)
+        return Solution(folder / "run.h5", temporary=True)
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
 
 
 def load(path: str | Path) -> Solution:

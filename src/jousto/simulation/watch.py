@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from jousto.engine import Model
 from jousto.engine.redundancy import disagreement
 from jousto.errors import warn
+from jousto.simulation.diagnostics import FAIR
 from jousto.simulation.spin import Spin
 
 GAP_LIMIT = 1e-9  # of the size of the mechanism, with projection
 OPEN_LIMIT = 1e-4  # the same: where repeated rows contradict one another the run ends
-ENERGY_LIMIT = 0.05  # share of the exchanged energy that the balance may miss unnoticed
 
 
 class Contradiction(Exception):
@@ -82,7 +82,7 @@ class RunWatch:
             1e-12 * float(weight) * self._model.size,
             1e-18 * mass,  # a speed of 1 nm/s
         )
-        if self._missed > ENERGY_LIMIT * exchanged and self._missed > small:
+        if self._missed > FAIR * exchanged and self._missed > small:
             warn(
                 where,
                 f"the energy balance misses {self._missed:.3g} J of {exchanged:.3g} J exchanged "

@@ -350,7 +350,7 @@ def find_beam(run: Solution, name: str) -> BeamShape:
     beams = {beam.name: beam for beam in run.beams}
     if name not in beams:
         tail = suggest(name, beams) if beams else "; this run has no beams"
-        raise InputError(Problem(str(run.path), f"no beam '{name}'{tail}"))
+        raise InputError(Problem(run.where, f"no beam '{name}'{tail}"))
     return beams[name]
 
 

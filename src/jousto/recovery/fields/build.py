@@ -92,7 +92,7 @@ def stress_field(
         modes = run.stress_modes(body)
         if modes is None:
             kind = "a rigid body" if shape.kind == "rigid" else "its part knows no stress"
-            raise InputError(Problem(where, f"no stress modes in {run.path.name}: {kind}"))
+            raise InputError(Problem(where, f"no stress modes in {run.where}: {kind}"))
     else:
         modes = stress_of(reduced)
         check_part(run, body, reduced)

@@ -38,7 +38,7 @@ def accelerations(run: Solution, model: Model | None = None) -> Array:
             message = (
                 f"accelerations need three stored instants, there are {len(run)}; give the model"
             )
-            raise InputError(Problem(str(run.path), message))
+            raise InputError(Problem(run.where, message))
         return np.asarray(np.gradient(run.v, run.time, axis=0, edge_order=2))
     engine = Engine(model)
     q, v, lam, time = run.q, run.v, run.multipliers, run.time
@@ -48,7 +48,7 @@ def accelerations(run: Solution, model: Model | None = None) -> Array:
     for k in range(len(time)):
         t = float(time[k])
         state = run.state(t) if remembers else State(q=q[k], v=v[k], lam=lam[k], time=t)
-        put(engine, state, str(run.path))
+        put(engine, state, run.where)
         out[k] = engine.accelerations()[0]
     return out
 

@@ -326,9 +326,7 @@ def record_of(run: Solution, names: Sequence[str] | None = None) -> Record:
     units: dict[str, str] = {}
     for name in run.sensors if names is None else names:
         if name not in run:
-            raise InputError(
-                Problem(str(run.path), f"no sensor '{name}'{suggest(name, run.sensors)}")
-            )
+            raise InputError(Problem(run.where, f"no sensor '{name}'{suggest(name, run.sensors)}"))
         about: Any = run.about(name)
         values = np.asarray(run[name])
         values = values.reshape(len(values), -1)

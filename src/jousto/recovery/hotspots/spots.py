@@ -322,13 +322,13 @@ def _fields(
         problems = Problems()
         for name in wanted:
             if name not in names:
-                problems.add(str(source.path), f"no body '{name}'{suggest(name, names)}")
+                problems.add(source.where, f"no body '{name}'{suggest(name, names)}")
         problems.raise_if_any()
         known = wanted or list(source.stressed)
         if not known:
             raise InputError(
                 Problem(
-                    str(source.path),
+                    source.where,
                     "no body of this run knows its stress; parts of beams and of solids do, rigid "
                     "bodies and parts from matrices do not",
                 )

@@ -116,7 +116,7 @@ class Reference:
         t = run.time
         if len(t) < 3:
             raise InputError(
-                Problem(str(run.path), f"{len(t)} instants; at least 3 make an acceleration")
+                Problem(run.where, f"{len(t)} instants; at least 3 make an acceleration")
             )
         g = np.asarray(run.attributes.get("gravity", np.zeros(3)) if gravity is None else gravity)
         q, v = run.q, run.v
