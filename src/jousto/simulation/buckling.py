@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.engine import Model
 from jousto.engine.native import IMAGINARY, displaced
-from jousto.errors import Problems
+from jousto.errors import Problems, warn
 from jousto.simulation.balance import Balance
 from jousto.simulation.beam_strains import beam_strains
 from jousto.simulation.continuation import Point, factor
@@ -22,7 +22,9 @@ from jousto.simulation.spectrum import DENSE
 from jousto.simulation.state import State
 
 Array = NDArray[np.float64]
-REAL = 1e-6  # imaginary part of a load that is round-off
+# imaginary part over size of a load, below which a pair is two equal real loads: follower loads on
+# unequal elements split equal loads by their own errors (rings: up to 3e-3), and by round-off
+NEARLY = 1e-2
 REACH = 1.5  # the path goes on to so many times the highest load of the linear theory
 FAR = 1e9  # of the lowest load: infinite
 
@@ -43,6 +45,9 @@ class Buckling:
         "linear", or "limit" and "bifurcation" on the path.
     path : LoadPath or None
         The path, if it was followed.
+    left_out : (m,) complex array
+        Complex values among the loads of the linear theory, with positive imaginary part: there
+        two modes join and may flutter under loads that follow, but stiffness does not vanish.
     """
 
     parameter: str
@@ -51,6 +56,7 @@ class Buckling:
     shapes: dict[str, Array]
     kinds: tuple[str, ...]
     path: LoadPath | None = None
+    left_out: NDArray[np.complex128] = field(default_factory=lambda: np.zeros(0, dtype=complex))
 
     def __repr__(self) -> str:
         found = ", ".join(f"{x:.6g}" for x in self.loads)
@@ -78,6 +84,11 @@ def buckling(
     as in classical theory: the terms of first order in bending are nothing without their second.
     ``method="path"``: the path is followed and the points where the tangent stiffness is singular
     are found on it, exactly, limit points too.
+
+    Under loads that follow, A' is not symmetric and s may be complex. A pair whose imaginary part
+    is below a hundredth of its size counts as two loads of its real part: equal loads, as those of
+    a ring, are split so by the errors of the elements, and with a stiffness that small beside its
+    fellows' nothing is safe. Other pairs are `left_out`, with a warning.
 
     Parameters
     ----------
@@ -163,19 +174,66 @@ def _linear(balance: Balance, start: float, count: int) -> Buckling:
         seed = np.random.default_rng(7).standard_normal(n)
         wanted = min(4 * count + 8, n - 2)
         values, vectors = spl.eigs(inverse, k=wanted, which="LM", v0=inverse @ seed)
-    largest = np.abs(values).max(initial=0.0)
-    real = (np.abs(values.imag) <= REAL * np.abs(values)) & (values.real > largest / FAR)
-    loads = 1.0 / values[real].real
-    order = np.argsort(loads)[:count]
-    shapes = np.real(vectors[:nv, real][:, order])
+    loads, shapes, left_out = _sorted(values, vectors[:nv], count)
+    if len(left_out):
+        A = balance.matrix(at.q, at.lam, at.value)
+        left_out = left_out[[_known(A, slope, s) for s in left_out]]
     drawn = pictures(balance.model, at.q, local(balance.model, at.q, shapes))
+    if len(left_out):
+        pairs = ", ".join(f"{start + x.real:.4g} +- {x.imag:.3g}i" for x in left_out[:3])
+        warn(
+            "buckling",
+            f"left out of the loads of {balance.parameter!r}: {pairs}"
+            f"{' and more' if len(left_out) > 3 else ''}, complex as loads that follow make them. "
+            "The equilibrium may flutter there instead of buckling; look at modes(..., "
+            "damped=True) of states along load_path for a positive real part",
+        )
     return Buckling(
         balance.parameter,
-        start + loads[order],
+        start + loads,
         shapes,
         {name: np.real(x) for name, x in drawn.items()},
-        ("linear",) * len(order),
+        ("linear",) * len(loads),
+        left_out=start + left_out,
     )
+
+
+def _sorted(values: Any, vectors: Any, count: int) -> tuple[Array, Array, NDArray[np.complex128]]:
+    """Return real loads, their shapes, and the complex loads left out, of eigenvalues 1/load.
+
+    A nearly real pair is two loads; its shapes are an orthonormal basis of the plane of the
+    eigenvectors' real and imaginary parts.
+    """
+    finite = np.abs(values) > np.abs(values).max(initial=0.0) / FAR
+    loads = np.where(finite, 1.0 / np.where(finite, values, 1.0), np.inf)
+    ahead = finite & (loads.real > 0.0)
+    nearly = ahead & (np.abs(loads.imag) <= NEARLY * np.abs(loads))
+    chosen = np.flatnonzero(nearly)
+    chosen = chosen[np.lexsort((loads[chosen].imag, loads[chosen].real))][:count]
+    shapes = np.zeros((len(vectors), len(chosen)))
+    for k, i in enumerate(chosen):
+        x = vectors[:, i]
+        plane = sl.qr(np.column_stack([x.real, x.imag]), mode="economic")[0]
+        shapes[:, k] = x.real if loads[i].imag == 0.0 else plane[:, int(loads[i].imag > 0.0)]
+    others = loads[ahead & ~nearly & (loads.imag > 0.0)]
+    others = others[np.argsort(np.abs(others))][:count]
+    if len(chosen) == count:
+        others = others[np.abs(others) < loads[chosen[-1]].real]
+    return loads[chosen].real, shapes, others
+
+
+def _known(A: Any, slope: Any, s: complex) -> bool:
+    """Return whether round-off leaves ``(A + s A') x = 0`` its s to NEARLY.
+
+    By the condition ``|y| (|A| + |s A'|) |x| / |s y A' x|`` of s, which units leave (Higham and
+    Higham, SIAM J. Matrix Anal. Appl. 20 (1998) 493-512). Where the determinant does not depend
+    on s, solvers return infinite loads as huge ones.
+    """
+    near = spl.splu((A + s * (1.0 + 1e-9) * slope).tocsc().astype(complex))
+    seed = np.random.default_rng(7).standard_normal(A.shape[0]).astype(complex)
+    x, y = near.solve(near.solve(seed)), near.solve(near.solve(seed, "H"), "H")
+    size = abs(y) @ ((abs(A) + abs(s) * abs(slope)) @ abs(x))
+    return bool(np.finfo(float).eps * size < NEARLY * abs(s * (y.conj() @ (slope @ x))))
 
 
 def _rate(balance: Balance, at: Point, step: Array) -> Any:
