@@ -227,6 +227,18 @@ class Balance:
         nv = self.model.nv
         return newton_sparse(self.at(q, lam, value), 1.0, 0.0, 0.0)[:nv, :nv].tocsc()
 
+    def metric(self, q: Array, lam: Array, value: float) -> Array:
+        """Return masses (nv,) of all increments, with rotary inertia of the size of neighbours.
+
+        A mass on an arm of the mechanism's size over the number of bodies: spin about a thin axis
+        then counts as other motions do.
+        """
+        out = self.mass(q, lam, value).diagonal()
+        arm = self.model.size / len(self.model.bodies)
+        for b in self.model.bodies:
+            out[b.iv + 3 : b.iv + 6] += out[b.iv : b.iv + 3].max() * arm**2
+        return np.asarray(np.maximum(out, 1e-12 * out.max()))
+
     def _matrix(self, engine: Engine) -> Any:
         """``[K, Cq^T; Cq, 0]`` without the border; K with the rates of a steady rotation."""
         nv = self.model.nv

@@ -229,7 +229,7 @@ def _known(A: Any, slope: Any, s: complex) -> bool:
     Higham, SIAM J. Matrix Anal. Appl. 20 (1998) 493-512). Where the determinant does not depend
     on s, solvers return infinite loads as huge ones.
     """
-    near = spl.splu((A + s * (1.0 + 1e-9) * slope).tocsc().astype(complex))
+    near: Any = spl.splu((A + s * (1.0 + 1e-9) * slope).tocsc().astype(complex))
     seed = np.random.default_rng(7).standard_normal(A.shape[0]).astype(complex)
     x, y = near.solve(near.solve(seed)), near.solve(near.solve(seed, "H"), "H")
     size = abs(y) @ ((abs(A) + abs(s) * abs(slope)) @ abs(x))

@@ -8,6 +8,7 @@ from functools import wraps
 from typing import Any, TypeVar
 
 import numpy as np
+import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 from numpy.typing import NDArray
 
@@ -19,6 +20,8 @@ from jousto.simulation.spectrum import Spectrum, nearest
 Array = NDArray[np.float64]
 SMALL = 1e-10  # length of the last increment
 STALLED = 1e-6  # length of an increment that no longer shrinks: round-off
+NEUTRAL = 1e-13  # of the largest stiffness over its metric: no stiffness
+PUSHED = 1e-3  # length of what forces would move along neutral directions at that stiffness
 TURN = 1.0  # rad or sizes of the mechanism, largest increment of a body
 
 
@@ -79,7 +82,42 @@ def factor(balance: Balance, point: Point) -> Any:
         raise NoConvergenceError("the tangent matrix is singular") from error
 
 
-@_steady
+def least_step(balance: Balance, point: Point) -> tuple[Array, Array]:
+    """Return Newton's step without, and its part along, neutral directions, (size,) each.
+
+    Spin of a rope about its own axis, say, has no stiffness and takes no force. With
+    ``P = (K + s D)^-1`` under the constraints, D the metric of `Balance.metric` and s at the
+    round-off of K, that part of a step x is ``s P D x``: where K is regular s does nothing, and
+    where it is none everything.
+
+    Raises
+    ------
+    NoConvergenceError
+        If constraints contradict one another, so that the matrix is singular all the same.
+    """
+    nv = balance.model.nv
+    metric = balance.metric(point.q, point.lam, point.value)
+    r = balance.residual(point.q, point.lam, point.value)
+    A = balance.matrix(point.q, point.lam, point.value)
+    fall = float((np.abs(r[:nv]) / metric).max())
+    least = max(least_stiffness(A, metric), NEUTRAL * fall / balance.model.size)  # no stiffness
+    added = np.concatenate([least * metric, np.zeros(len(r) - nv)])
+    try:
+        lu = spl.splu((A + sp.diags(added)).tocsc())
+    except RuntimeError as error:
+        raise NoConvergenceError("the tangent matrix is singular") from error
+    step = whole = -lu.solve(r)
+    for _ in range(3):
+        step = step - lu.solve(added * step)
+    return step, whole - step
+
+
+def least_stiffness(A: Any, metric: Array) -> float:
+    """Return the stiffness, over the metric, that round-off of the tangent matrix leaves."""
+    nv = len(metric)
+    return max(NEUTRAL * float((abs(A[:nv, :nv].diagonal()) / metric).max()), 1e-100)
+
+
 def at_load(balance: Balance, point: Point, value: float, iterations: int = 15) -> Point:
     """Return the point of rest at a value of the parameter, from one nearby.
 
@@ -88,6 +126,18 @@ def at_load(balance: Balance, point: Point, value: float, iterations: int = 15) 
     NoConvergenceError
         If Newton's iteration fails.
     """
+    try:
+        return _at_load(balance, point, value, iterations)
+    except NoConvergenceError:
+        try:
+            return at_least(balance, point, value, iterations)
+        except NoConvergenceError:
+            pass
+        raise
+
+
+@_steady
+def _at_load(balance: Balance, point: Point, value: float, iterations: int) -> Point:
     q, lam = point.q, point.lam
     before = np.inf
     for k in range(iterations):
@@ -97,6 +147,32 @@ def at_load(balance: Balance, point: Point, value: float, iterations: int = 15) 
         q, lam = balance.moved(q, cut * step), lam + cut * step[balance.model.nv :]
         length = balance.length(step)
         if finished(length, before, cut):
+            return Point(q, lam, value, k + 1)
+        before = _checked(balance, step, length, before, k)
+    raise _failed(balance, step, iterations)
+
+
+@_steady
+def at_least(balance: Balance, point: Point, value: float, iterations: int = 15) -> Point:
+    """Return the point of rest nearby by Newton's steps without their neutral part.
+
+    Raises
+    ------
+    NoConvergenceError
+        If the iteration fails, or forces push along a neutral direction.
+    """
+    q, lam = point.q, point.lam
+    before = np.inf
+    for k in range(iterations):
+        step, free = least_step(balance, Point(q, lam, value))
+        cut = bounded(balance, step)
+        q, lam = balance.moved(q, cut * step), lam + cut * step[balance.model.nv :]
+        length = balance.length(step)
+        if finished(length, before, cut):
+            if balance.length(free) > PUSHED:
+                raise NoConvergenceError(
+                    "it is pushed where nothing holds it", mover(balance, free)
+                )
             return Point(q, lam, value, k + 1)
         before = _checked(balance, step, length, before, k)
     raise _failed(balance, step, iterations)
@@ -164,13 +240,28 @@ def tangent(balance: Balance, point: Point, weight: float, last: Rates | None) -
     return Rates(sign * step / size, sign / size)
 
 
-def spectrum(balance: Balance, point: Point, count: int) -> Spectrum:
-    """Return the modes of the tangent stiffness nearest to 0 at a point of the path."""
+def spectrum(balance: Balance, point: Point, count: int, *, held: bool = False) -> Spectrum:
+    """Return the modes of the tangent stiffness nearest to 0 at a point of the path.
+
+    Held: neutral directions have the stiffness that round-off leaves, so that they are stable.
+    """
     nv, nrow = balance.model.nv, balance.model.nrow
     A = balance.matrix(point.q, point.lam, point.value)
     M = balance.mass(point.q, point.lam, point.value)
-    C = A[nv : nv + nrow + balance.gauge, :nv]
-    return nearest(A[:nv, :nv], M, C, count)
+    C, K = A[nv : nv + nrow + balance.gauge, :nv], A[:nv, :nv]
+    if held:
+        metric = balance.metric(point.q, point.lam, point.value)
+        K = K + sp.diags(least_stiffness(A, metric) * metric)
+    return nearest(K, M, C, count)
+
+
+def neutral_modes(balance: Balance, point: Point, found: Spectrum) -> int:
+    """Return how many modes have no stiffness but round-off, ``|x K x| <= 1000 eps |x||K||x|``."""
+    nv = balance.model.nv
+    K = balance.matrix(point.q, point.lam, point.value)[:nv, :nv]
+    x = np.abs(found.shapes)
+    size = np.einsum("ij,ij->j", x, abs(K) @ x)
+    return int((np.abs(found.squares) <= 1000 * np.finfo(float).eps * size).sum())
 
 
 def free_motion(balance: Balance, point: Point) -> str:
@@ -223,10 +314,15 @@ def _checked(balance: Balance, step: Array, length: float, before: float, k: int
     return length
 
 
+def mover(balance: Balance, step: Array) -> str:
+    """Return the name of the body that an increment moves most."""
+    bodies = balance.model.bodies
+    size = [float(np.linalg.norm(step[b.iv : b.iv + 6])) for b in bodies]
+    return str(bodies[int(np.argmax(np.nan_to_num(size, nan=np.inf)))].name)
+
+
 def _failed(balance: Balance, step: Array, iterations: int) -> NoConvergenceError:
-    model = balance.model
-    size = [float(np.linalg.norm(step[b.iv : b.iv + 6])) for b in model.bodies]
-    body = model.bodies[int(np.argmax(np.nan_to_num(size, nan=np.inf)))].name
+    body = mover(balance, step)
     return NoConvergenceError(
         f"Newton's iteration did not converge in {iterations} iterations, body '{body}' moves most",
         body,

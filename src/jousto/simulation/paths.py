@@ -22,6 +22,7 @@ from jousto.simulation.continuation import (
     along,
     at_load,
     free_motion,
+    neutral_modes,
     spectrum,
     tangent,
 )
@@ -278,6 +279,7 @@ class Walk:
         self.rows: list[Array] = []
         self.critical: list[CriticalPoint] = []
         self.ended = "no equilibrium found"
+        self.neutral = 0  # motions without stiffness where the path begins
         self.anchor = 0  # the first point of the present branch
 
     def run(self) -> LoadPath:
@@ -319,7 +321,10 @@ class Walk:
 
     def _add(self, point: Point) -> bool:
         """Keep a point, look for critical ones before it; whether to go on."""
-        found = spectrum(self.balance, point, WATCHED)
+        if not self.points:
+            found = spectrum(self.balance, point, WATCHED)
+            self.neutral = neutral_modes(self.balance, point, found)
+        found = self._spectrum(point)
         self.points.append(point)
         self.spectra.append(found)
         state, sensors = self.balance.accept(point.q, point.lam, point.value)
@@ -329,6 +334,10 @@ class Walk:
             self.ended = "until"
             return False
         return True
+
+    def _spectrum(self, point: Point) -> Spectrum:
+        """Return the modes that are watched, motions without stiffness held."""
+        return spectrum(self.balance, point, WATCHED + self.neutral, held=self.neutral > 0)
 
     # -- steps of the load
 
@@ -493,7 +502,7 @@ class Walk:
             x = min(max(x, left + 1e-3 * (right - left)), right - 1e-3 * (right - left))
             try:
                 point = fraction(x)
-                value, shape = self._ascending(spectrum(self.balance, point, WATCHED), place)
+                value, shape = self._ascending(self._spectrum(point), place)
             except NoConvergenceError:  # singular there: look beside it
                 nudge = 0.03 if nudge == 0.0 else -2.0 * nudge
                 continue

@@ -6,9 +6,10 @@ import numpy as np
 
 from jousto.engine import Engine, Model
 from jousto.engine.native import displaced
-from jousto.errors import SimulationError
+from jousto.errors import InputError, SimulationError
 from jousto.simulation.large import MANY
 from jousto.simulation.linear import at_rest, stiffness_modes, turning
+from jousto.simulation.settle import settle
 from jousto.simulation.state import State
 
 ITERATIONS = 200
@@ -35,17 +36,19 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
     tolerance : float
         Largest remaining force, relative to all forces that act on the free coordinates.
 
+    Directions without stiffness, such as the spin of a rope between spherical joints, are no
+    obstacle as long as no force works in them. Mechanisms with beams, large ones, and those where
+    this fails go a slower and surer way, steps through a viscous medium.
+
     Raises
     ------
     SimulationError
-        If there is none: some free direction is pushed, named by its body.
+        If there is none, or it is not found: the message says which, and names the body.
     InputError
         If a body or joint is singular at some position on the way.
     """
     large = model.nv + model.nrow > MANY
     if large or model.beams:  # beams travel far and have many coordinates
-        from jousto.simulation.settle import settle
-
         try:
             return settle(model, state)
         except RuntimeError:  # rows that repeat one another make the sparse matrix singular
@@ -106,10 +109,15 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
         after = t.N.T @ t.M @ (turning(model, q).T @ a)
         if float(after @ force) < 0.0 and float(after @ after) > before:
             bound *= 0.5
+    if not model.beams:  # a way that is slower and surer
+        try:
+            return settle(model, state)
+        except (RuntimeError, InputError):  # friction that sticks, rows that repeat one another
+            pass
     raise SimulationError(
-        f"no static equilibrium found in {ITERATIONS} iterations: body '{body}' is pushed in a "
-        "direction in which nothing holds it; add a joint, or take the load away that pushes it, "
-        "or start nearer to the rest position",
+        f"no static equilibrium found in {ITERATIONS} iterations, body '{body}' moves most: if "
+        "something pushes it in a direction in which nothing holds it, add a joint or take the "
+        "load away; else start nearer to the rest position (state=...)",
         time=time,
         body=body,
     )
