@@ -18,15 +18,24 @@ ROUGHNESS: dict[str, tuple[float, float]] = {
     "aluminium": (0.22, 133.0),
     "cast-aluminium": (0.20, 133.0),
 }
-# Shigley's Mechanical Engineering Design, 9th ed., table 6-2: a S_u^b, S_u in MPa
-FINISHES: dict[str, tuple[float, float]] = {
-    "ground": (1.58, -0.085),
-    "machined": (4.51, -0.265),
-    "cold-drawn": (4.51, -0.265),
-    "hot-rolled": (57.7, -0.718),
-    "forged": (272.0, -0.995),
+# Shigley's Mechanical Engineering Design, table 6-2 of an edition: a S_u^b, S_u in MPa
+FINISHES: dict[int, dict[str, tuple[float, float]]] = {
+    9: {
+        "ground": (1.58, -0.085),
+        "machined": (4.51, -0.265),
+        "cold-drawn": (4.51, -0.265),
+        "hot-rolled": (57.7, -0.718),
+        "forged": (272.0, -0.995),
+    },
+    11: {
+        "ground": (1.38, -0.067),
+        "machined": (3.04, -0.217),
+        "cold-drawn": (3.04, -0.217),
+        "hot-rolled": (38.6, -0.650),
+        "forged": (54.9, -0.758),
+    },
 }
-# there, equation 6-26
+# 9th ed., equation 6-26
 LOADS = {"bending": 1.0, "axial": 0.85, "torsion": 0.59}
 
 
@@ -70,8 +79,12 @@ def roughness_factor(Rz: float, S_u: float, kind: str = "steel") -> float:
     return min(1.0, 1.0 - a * math.log10(Rz / 1e-6) * math.log10(strength))
 
 
-def finish_factor(finish: str, S_u: float) -> float:
-    """Return Marin's surface factor ``a S_u^b`` (Shigley, 9th ed., eq. 6-19), at most 1.
+def finish_factor(finish: str, S_u: float, *, edition: int = 11) -> float:
+    """Return Marin's surface factor ``a S_u^b`` (Shigley, table 6-2), at most 1.
+
+    The 11th edition (Budynas and Nisbett 2020) fits other curves to the tests than the 9th:
+    machined surfaces have 10 % less at 400 MPa and 4 % less at 1600 MPa, forged ones 17 % less
+    and 16 % more.
 
     Parameters
     ----------
@@ -79,23 +92,32 @@ def finish_factor(finish: str, S_u: float) -> float:
         "ground", "machined", "cold-drawn", "hot-rolled" or "forged".
     S_u : float
         Tensile strength, Pa.
+    edition : {11, 9}
+        Edition of the book whose table is taken.
 
     Raises
     ------
     InputError
-        If the finish is unknown or the strength impossible.
+        If the finish or the edition is unknown, or the strength impossible.
 
     Examples
     --------
-    >>> round(finish_factor("machined", 520e6), 3)  # Shigley, example 6-3
+    >>> round(finish_factor("machined", 520e6, edition=9), 3)  # Shigley, 9th ed., example 6-3
     0.86
+    >>> round(finish_factor("machined", 520e6), 3)
+    0.783
     """
+    where = "finish_factor"
     problems = Problems()
-    if finish not in FINISHES:
-        problems.add("finish_factor", f"no finish {finish!r}{suggest(finish, FINISHES)}")
-    _strength(problems, "finish_factor", S_u)
+    if edition not in FINISHES:
+        known = ", ".join(str(x) for x in sorted(FINISHES))
+        problems.add(where, f"edition is {edition!r}; tables of these are known: {known}")
+    known_finishes = FINISHES[max(FINISHES)]
+    if finish not in known_finishes:
+        problems.add(where, f"no finish {finish!r}{suggest(finish, known_finishes)}")
+    _strength(problems, where, S_u)
     problems.raise_if_any()
-    a, b = FINISHES[finish]
+    a, b = FINISHES[edition][finish]
     return float(min(1.0, a * (S_u / 1e6) ** b))
 
 
