@@ -231,7 +231,6 @@ def test_damage_is_that_of_the_curve(rng, sn):
 
 @pytest.mark.parametrize("residue", ["half", "ignore", "repeat"])
 def test_the_meter_and_the_offline_damage_are_one(rng, residue):
-    pytest.importorskip("pylife")
     x = 40e6 + 0.97 * np.cumsum(rng.normal(size=5000)) * 4e6
     sn, mean = jo.SN(100e6, 1e6, 5, "haibach"), jo.FKM(0.3)
     m = jo.DamageMeter(sn, residue=residue, mean=mean)

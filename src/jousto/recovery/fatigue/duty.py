@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.recovery.fatigue.rainflow import (
-    Counter,
     Cycles,
     check_history,
     check_residue,
@@ -227,7 +226,6 @@ def count_duty(
     repeats: Sequence[float],
     transitions: str,
     residue: str,
-    counter: Counter | None = None,
 ) -> Cycles:
     """Return the cycles of one place over a duty cycle; see `DutyCycle`.
 
@@ -237,19 +235,14 @@ def count_duty(
         Stress in each event, Pa.
     repeats : sequence of float
     transitions, residue : str
-    counter : callable, optional
-        Counts turning points; pyLife if None.
     """
     if len(histories) == 1 and transitions != "sequence":
-        cycles = rainflow(histories[0], residue=residue, counter=counter)
+        cycles = rainflow(histories[0], residue=residue)
         return cycles if repeats[0] == 1.0 else cycles.times(repeats[0])
     if transitions == "sequence":
-        return _sequence(histories, [int(n) for n in repeats], residue, counter)
+        return _sequence(histories, [int(n) for n in repeats], residue)
     within = "ignore" if transitions == "worst" else residue
-    each = [
-        rainflow(x, residue=within, counter=counter).times(n)
-        for x, n in zip(histories, repeats, strict=True)
-    ]
+    each = [rainflow(x, residue=within).times(n) for x, n in zip(histories, repeats, strict=True)]
     if transitions == "worst":
         return _worst(each, repeats)
     return _joined(
@@ -266,9 +259,7 @@ def _joined(ranges: Array, means: Array, counts: Array, residue: str) -> Cycles:
     return Cycles(ranges, means, counts, nowhere, nowhere, residue, rising=rising)
 
 
-def _sequence(
-    histories: Sequence[Array], repeats: Sequence[int], residue: str, counter: Counter | None
-) -> Cycles:
+def _sequence(histories: Sequence[Array], repeats: Sequence[int], residue: str) -> Cycles:
     """Count events that follow one another: closed cycles, then what their residues close."""
     found: list[tuple[Array, Array, float]] = []
 
@@ -279,7 +270,7 @@ def _sequence(
     open_ = np.zeros(0)
     for x, n in zip(histories, repeats, strict=True):
         values, _ = turning_points(x)
-        pairs, rest = count_turning(values, counter)
+        pairs, rest = count_turning(values)
         add(values, pairs, float(n))
         own = values[rest]
         last: tuple[Any, Any] = (None, None)

@@ -26,9 +26,7 @@ from jousto.recovery.fatigue.damage import (
 )
 from jousto.recovery.fatigue.duty import DutyCycle, check_duty, count_duty
 from jousto.recovery.fatigue.rainflow import (
-    Counter,
     Cycles,
-    by_engine,
     check_residue,
 )
 from jousto.recovery.fatigue.spectrum import Spectrum
@@ -265,7 +263,6 @@ def damage_field(
     allowable: float = 1.0,
     survival: float | None = None,
     planes: int = 200,
-    counter: Counter | None = None,
 ) -> DamageField:
     """Return damage, life and safety at every place of a body.
 
@@ -298,9 +295,6 @@ def damage_field(
         Normals tried for "critical-plane", spread over half a sphere, besides the coordinate axes
         and the principal directions at the extreme instants; the best is refined to about a
         degree. Exact where the principal axes stand still; else a search, not a proof.
-    counter : callable, optional
-        Counts turning points, see `rainflow`; the engine if None, which needs no pyLife and closes
-        the same cycles.
 
     Raises
     ------
@@ -338,7 +332,7 @@ def damage_field(
         if event.source.nt < 2:
             raise InputError(Problem(where, "a field has one instant; cycles need a history"))
     curve = sn if survival is None or survival == sn.survival else sn.at_survival(survival)
-    work = _Work(duty, reference(curve, mean), mean, criterion, rule, counter or by_engine)
+    work = _Work(duty, reference(curve, mean), mean, criterion, rule)
     wanted = duty.duration if required is None else required
     share = allowable * duty.duration / wanted
 
@@ -432,10 +426,9 @@ class _Work:
         mean: MeanStress | None,
         criterion: Criterion,
         residue: str,
-        counter: Counter | None,
     ) -> None:
         self.duty, self.curve, self.mean = duty, curve, mean
-        self.criterion, self.residue, self.counter = criterion, residue, counter
+        self.criterion, self.residue = criterion, residue
         self.repeats = [event.repeats for event in duty.events]
         self.fields: list[StressField] = [event.source for event in duty.events]
 
@@ -466,9 +459,7 @@ class _Work:
 
     def cycles(self, histories: Sequence[Array]) -> Cycles:
         """Return the cycles of one place."""
-        return count_duty(
-            histories, self.repeats, self.duty.transitions, self.residue, self.counter
-        )
+        return count_duty(histories, self.repeats, self.duty.transitions, self.residue)
 
     def count(self, histories: Sequence[Array], share: float) -> tuple[float, float, float]:
         """Return damage, safety and the largest amplitude of one place."""

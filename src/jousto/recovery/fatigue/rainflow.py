@@ -1,23 +1,19 @@
-"""Rainflow counting by pyLife, with a residue rule that must be said."""
+"""Rainflow counting by the engine, with a residue rule that must be said."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.engine.meter import count_cycles
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.files import write_table
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-Counter = Callable[[Array], tuple[Ints, Ints]]
-"""Takes turning points (nr,); returns the places of the closed cycles (nc, 2) and of the rest."""
 
 RESIDUES = ("half", "repeat", "ignore")
 """What happens to the cycles that the end of a history leaves open."""
@@ -272,9 +268,7 @@ def check_history(series: ArrayLike, where: str = "history") -> Array:
     return x
 
 
-def rainflow(
-    series: ArrayLike, *, residue: str | None = None, counter: Counter | None = None
-) -> Cycles:
+def rainflow(series: ArrayLike, *, residue: str | None = None) -> Cycles:
     """Count the cycles of a history by the rainflow method.
 
     Four-point rule: of turning points S1..S4 the inner range ``|S2 - S3|`` is a closed cycle if it
@@ -288,8 +282,6 @@ def rainflow(
         History, Pa.
     residue : str
         "half", "repeat" or "ignore"; must be given.
-    counter : callable, optional
-        Finds the closed cycles of turning points in the place of pyLife: see `Counter`.
 
     Returns
     -------
@@ -299,7 +291,7 @@ def rainflow(
     ------
     InputError
         If the rule is missing, or the history is empty, has one sample or values that are not
-        finite; if pyLife is not installed.
+        finite.
 
     Examples
     --------
@@ -309,7 +301,7 @@ def rainflow(
     rule = check_residue(residue)
     x = check_history(series)
     values, index = turning_points(x)
-    pairs, rest = count_turning(values, counter)
+    pairs, rest = count_turning(values)
     closed = np.ones(len(pairs))
     if rule == "half":
         ends = np.stack([rest[:-1], rest[1:]], axis=1)
@@ -381,46 +373,11 @@ def close(first: Array, second: Array) -> tuple[Ints, Ints]:
     return np.array(pairs, dtype=np.int64).reshape(-1, 2), np.array(stack, dtype=np.int64)
 
 
-def count_turning(values: Array, counter: Counter | None = None) -> tuple[Ints, Ints]:
+def count_turning(values: Array) -> tuple[Ints, Ints]:
     """Return the closed cycles (nc, 2) of turning points and what remains, as places in them."""
-    if len(values) < 4:
-        return np.zeros((0, 2), dtype=np.int64), np.arange(len(values), dtype=np.int64)
-    return (counter or by_pylife)(values)
-
-
-def by_pylife(values: Array) -> tuple[Ints, Ints]:
-    """Count with the four-point detector of pyLife; see `Counter`."""
-    detectors = _pylife()
-    detector = detectors.FourPointDetector(recorder=detectors.FullRecorder())
-    detector.process(values)
-    recorder = detector.recorder
-    pairs = np.stack([recorder.index_from, recorder.index_to], axis=1).astype(np.int64)
-    rest = np.asarray(detector.residual_index, dtype=np.int64)
-    # pyLife holds the last point back until it is sure of it; here it is the end
-    more, left = close(values[rest], values[:0])
-    return np.concatenate([pairs, rest[more]]) if len(more) else pairs, rest[left]
-
-
-def by_engine(values: Array) -> tuple[Ints, Ints]:
-    """Count with the engine, which is quick for many short histories; see `Counter`."""
-    from jousto.engine.meter import count_cycles
-
-    _, places, _, rest = count_cycles(values)
-    return places, rest
+    _, pairs, _, rest = count_cycles(values)
+    return pairs, rest
 
 
 def _positive(size: float) -> float:
     return size if size > 0.0 else 1.0
-
-
-def _pylife() -> Any:
-    try:
-        from pylife.stress import rainflow as detectors
-    except ImportError:
-        raise InputError(
-            Problem(
-                "rainflow",
-                "needs the package pyLife, which is not installed: pip install pylife",
-            )
-        ) from None
-    return detectors
