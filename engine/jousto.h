@@ -21,7 +21,7 @@ typedef double jo_real;
 #endif
 
 /* BEGIN */
-enum { JO_ABI = 6 };           /* raised whenever a struct or a meaning below changes */
+enum { JO_ABI = 7 };           /* raised whenever a struct or a meaning below changes */
 enum { JO_PAD = 4 };           /* modal coordinates are padded to a multiple of this */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -367,6 +367,25 @@ int jo_meter_valid(const jo_meter *r, const double *memory);   /* whether the me
  * (count), its length; count samples, which must be finite. Returns the number of closed cycles. */
 long long jo_rainflow(const double *x, long long count, double *cycles, long long *where, double *residue,
                       long long *residue_where, long long *length);
+
+/* Damage on planes (planes.c) through a place: the worst of `turns` lines of shear in each plane, or of the normal stress.
+ * Damage of a cycle of shear amplitude a and largest normal stress n in it:
+ * FINDLEY: of the S-N curve at 2 (a + k n) / (k + sqrt(1 + k^2)); STRAIN: of ln(1 / N) over ln(a (1 + k n)), a table */
+typedef enum { JO_PLANE_NORMAL = 0, JO_PLANE_FINDLEY = 1, JO_PLANE_STRAIN = 2 } jo_plane_kind;
+typedef struct {
+    int kind;               /* jo_plane_kind */
+    int residue;            /* jo_residue */
+    double k;
+    double p;               /* damage grows at least with this power of the amplitude; 0: unknown */
+    long long planes, turns, points;
+    const double *rows;     /* (planes x 3 x 6) of stresses 11 22 33 12 23 13: normal stress, shear along two directions */
+    const double *turn;     /* (turns x 2) cosine and sine of the lines */
+    const double *table;    /* STRAIN: (points) from ln(a) = first on, each by step */
+    double first, step;
+} jo_planes;
+/* s (nt x 6); scratch (6 nt + 4 + planes turns), order (planes turns); damage and place of the worst plane */
+void jo_plane_damage(const jo_planes *r, const jo_meter *curve, const double *s, long long nt, double *scratch,
+                     long long *order, double *damage, long long *plane);
 
 /* Stress fields (recover.c), without a model: p (nt x k), S in tiles of JO_LANES sites, (k x rows x JO_LANES) each, the last
  * one filled up with zeros. */

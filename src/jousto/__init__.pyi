@@ -482,6 +482,12 @@ from .recovery.fatigue.contact import (
 from .recovery.fatigue.contact import (
     shakedown_limit as shakedown_limit,
 )
+from .recovery.fatigue.counted_planes import (
+    PlaneDamage as PlaneDamage,
+)
+from .recovery.fatigue.counted_planes import (
+    plane_damage as plane_damage,
+)
 from .recovery.fatigue.planes import (
     CriticalPlane as CriticalPlane,
 )
@@ -501,16 +507,10 @@ from .recovery.fatigue.planes import (
     NormalStress as NormalStress,
 )
 from .recovery.fatigue.planes import (
-    PlaneDamage as PlaneDamage,
-)
-from .recovery.fatigue.planes import (
     critical_plane as critical_plane,
 )
 from .recovery.fatigue.planes import (
     multiaxial as multiaxial,
-)
-from .recovery.fatigue.planes import (
-    plane_damage as plane_damage,
 )
 from .recovery.fatigue.random_response import (
     RandomResponse as RandomResponse,

@@ -51,12 +51,11 @@ def multiaxial(
     debug: Debug = False,
 ) -> None:
     """Find the critical planes of the worst places; with --sn the damage of each plane."""
+    from jousto.recovery.fatigue.counted_planes import PlaneDamage, plane_damage
     from jousto.recovery.fatigue.planes import (
         DangVan,
         Multiaxial,
-        PlaneDamage,
         multiaxial,
-        plane_damage,
     )
 
     rule = _criterion(criterion)

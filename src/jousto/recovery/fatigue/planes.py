@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -20,7 +20,6 @@ from jousto.errors import InputError, Problem, Problems, warn
 from jousto.files import write_table
 from jousto.parts.strain_life import StrainLife
 from jousto.recovery.fatigue.enclosing import enclosing_ball, enclosing_circles
-from jousto.recovery.fatigue.strain_life import RESIDUES, Residue, pairs, turning_points
 from jousto.recovery.ranking import ranking
 
 Array = NDArray[np.float64]
@@ -227,8 +226,8 @@ def tangents(n: Array) -> tuple[Array, Array]:
     return u, np.cross(n, u)
 
 
-def on_planes(s: Array, n: Array) -> tuple[Array, Array]:
-    """Return normal stress (m, nt) and shear vector (m, nt, 2) of stresses (nt, 6) on planes."""
+def plane_rows(n: Array) -> Array:
+    """Return rows (m, 3, 6) of the normal stress and the shear along two tangents of planes."""
     u, v = tangents(n)
 
     def rows(a: Array) -> Array:
@@ -245,7 +244,13 @@ def on_planes(s: Array, n: Array) -> tuple[Array, Array]:
             axis=1,
         )
 
-    return rows(n) @ s.T, np.stack([rows(u) @ s.T, rows(v) @ s.T], axis=2)
+    return np.stack([rows(n), rows(u), rows(v)], axis=1)
+
+
+def on_planes(s: Array, n: Array) -> tuple[Array, Array]:
+    """Return normal stress (m, nt) and shear vector (m, nt, 2) of stresses (nt, 6) on planes."""
+    rows = plane_rows(n)
+    return rows[:, 0] @ s.T, np.stack([rows[:, 1] @ s.T, rows[:, 2] @ s.T], axis=2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -500,192 +505,3 @@ def _places(stress: Any, sites: Sequence[str] | str | None) -> tuple[tuple[str, 
         problems.add("multiaxial", "there is no place to look at")
     problems.raise_if_any()
     return tuple(str(i) for i in range(len(s))), iter(s)
-
-
-@dataclass(frozen=True, eq=False)
-class PlaneDamage:
-    """Damage on the worst plane of every place.
-
-    Attributes
-    ----------
-    labels : tuple of str
-    damage : (ns,) array
-        Miner's sum of one pass of the history.
-    normal : (ns, 3) array
-        Plane of the largest damage.
-    criterion : object
-    residue : str
-        How the residue was counted.
-    """
-
-    labels: tuple[str, ...]
-    damage: Array
-    normal: Array
-    criterion: PlaneCriterion
-    residue: str
-    curve: str = field(default="")
-
-    @property
-    def life(self) -> Array:
-        """Passes of the history to failure."""
-        with np.errstate(divide="ignore"):
-            return np.asarray(1.0 / self.damage)
-
-    def table(self, rows: int = 10) -> str:
-        """Return the most damaged places as a table."""
-        width = max(12, *(len(label) for label in self.labels))
-        lines = [
-            f"{self.criterion}, residue '{self.residue}', {self.curve}",
-            f"{'site':>{width}} {'damage':>11} {'life':>11}  plane",
-        ]
-        for i in ranking(self.damage, self.labels)[:rows]:
-            normal = " ".join(f"{x:6.3f}" for x in self.normal[i])
-            lines.append(
-                f"{self.labels[i]:>{width}} {self.damage[i]:11.4g} {self.life[i]:11.4g}  {normal}"
-            )
-        return "\n".join(lines)
-
-    def to_csv(self, path: str | Path) -> Path:
-        """Write damage, life and plane of every place.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written.
-        """
-        columns = (self.damage.tolist(), self.life.tolist(), *self.normal.T.tolist())
-        head = ("site", "damage", "life (passes)", "n1", "n2", "n3", f"residue: {self.residue}")
-        return write_table(path, head, zip(self.labels, *columns, strict=True))
-
-    def __str__(self) -> str:
-        return self.table()
-
-
-def plane_damage(
-    stress: Any,
-    criterion: PlaneCriterion,
-    curve: Any,
-    *,
-    residue: Residue,
-    mean: Any = None,
-    sites: Sequence[str] | str | None = None,
-    step: float = 10.0,
-) -> PlaneDamage:
-    """Count cycles plane by plane and return the damage of the worst plane of each place.
-
-    On every plane the shear stress is resolved in directions `step` apart and counted by rainflow;
-    each cycle takes the largest normal stress while it lasts. `NormalStress` counts the normal
-    stress of each plane. Where shear turns in its plane no line sees all of it: the amplitude may
-    be up to 13 % (``1 - sqrt(3)/2``, an equilateral triangle) below the smallest circle, which
-    `critical_plane` takes.
-
-    Parameters
-    ----------
-    stress : StressField or (ns, nt, 6) array_like
-        Pa.
-    criterion : Findley, FatemiSocie or NormalStress
-    curve : SN or StrainLife
-        S-N curve of alternating tension for `Findley` and `NormalStress`, strain-life curve for
-        `FatemiSocie`.
-    residue : {"half", "repeat", "ignore"}
-        What is counted of cycles that do not close; there is no default, see `local_cycles`.
-    mean : mean stress correction, optional
-        For `NormalStress` only.
-    sites : sequence of str, optional
-        Labels of the places; None takes all.
-    step : float
-        Degrees between planes, and between directions in a plane.
-
-    Raises
-    ------
-    InputError
-        Unknown residue, a curve that does not belong to the criterion, or a bad history.
-    """
-    problems = Problems()
-    if residue not in RESIDUES:
-        problems.add(
-            "plane damage", f"residue is {residue!r}, must be one of {', '.join(RESIDUES)}"
-        )
-    strain = isinstance(criterion, FatemiSocie)
-    if strain != isinstance(curve, StrainLife):
-        wanted = "a StrainLife" if strain else "an S-N curve"
-        problems.add(
-            "plane damage",
-            f"{type(criterion).__name__} needs {wanted}, not {type(curve).__name__}",
-        )
-    if isinstance(criterion, DangVan):
-        problems.add("plane damage", "Dang Van's criterion is a limit; it counts no damage")
-    if mean is not None and not isinstance(criterion, NormalStress):
-        problems.add(
-            "plane damage",
-            f"mean= is for NormalStress; {type(criterion).__name__} heeds the mean stress itself",
-        )
-    problems.number("plane damage", "step", step, "deg", "in [1, 45]", lambda d: 1.0 <= d <= 45.0)
-    problems.raise_if_any()
-
-    labels, histories = _places(stress, sites)
-    n = normals(math.radians(step))
-    angles = np.radians(np.arange(0.0, 180.0, step))
-    turns = np.stack([np.cos(angles), np.sin(angles)])
-    damage, worst = [], []
-    for raw in histories:
-        s = _history(raw)
-        if residue == "repeat":
-            s = np.concatenate([s, s])
-        best, where = 0.0, n[0]
-        # the worst planes first; others cannot exceed their largest amplitude in every cycle
-        top = np.concatenate([_values(s, part, criterion)[0] for part in _split(n, len(s))])
-        single = _single(top, criterion, curve)
-        for at in np.argsort(-top, kind="stable"):
-            sn, t = (x[0] for x in on_planes(s, n[at : at + 1]))
-            series = sn[None] if isinstance(criterion, NormalStress) else (t @ turns).T
-            steps = np.sign(np.diff(series, axis=1))
-            most = 1.0 + 0.5 * np.count_nonzero(np.diff(steps, axis=1), axis=1)
-            for x, many in zip(series, most, strict=True):
-                if mean is None and many * single[at] <= best:
-                    continue
-                if np.ptp(x) > 0.0:
-                    found = _count(x, sn, criterion, curve, residue, mean)
-                    if found > best:
-                        best, where = found, n[at]
-        damage.append(best)
-        worst.append(where)
-    name = getattr(curve, "name", "") or str(curve)
-    return PlaneDamage(labels, np.array(damage), np.array(worst), criterion, residue, name)
-
-
-def _single(value: Array, criterion: PlaneCriterion, curve: Any) -> Array:
-    """Damage of one cycle of each value of the criterion."""
-    if isinstance(criterion, FatemiSocie):
-        return np.asarray(1.0 / criterion.cycles(value, curve))
-    equivalent = criterion.equivalent(value)  # type: ignore[attr-defined]
-    return np.array([float(curve.damage(np.array([x]), np.ones(1))) for x in equivalent])
-
-
-def _count(
-    x: Array, sn: Array, criterion: PlaneCriterion, curve: Any, residue: str, mean: Any
-) -> float:
-    """Damage of one component on one plane."""
-    if residue == "repeat":
-        # from the largest value round to it again
-        turn = int(np.argmax(np.abs(x[: len(x) // 2])))
-        window = slice(turn, turn + len(x) // 2 + 1)
-        x, sn = x[window], sn[window]
-    index = turning_points(x)
-    i, j, count = pairs(x[index], residue)
-    if not len(i):
-        return 0.0
-    amplitude = 0.5 * np.abs(x[index[i]] - x[index[j]])
-    if isinstance(criterion, NormalStress):
-        middle = 0.5 * (x[index[i]] + x[index[j]])
-        if mean is not None:
-            amplitude = np.asarray(mean.equivalent(amplitude, middle))
-        return float(np.sum(curve.damage(amplitude, count)))
-    edges = np.stack([index[i], index[j] + 1], axis=1).ravel()
-    padded = np.append(sn, -np.inf)
-    top = np.maximum.reduceat(padded, edges)[::2]
-    value = criterion.value(amplitude, top)
-    if isinstance(criterion, FatemiSocie):
-        return float(np.sum(count / criterion.cycles(value, curve)))
-    assert isinstance(criterion, Findley)
-    return float(np.sum(curve.damage(criterion.equivalent(value), count)))
