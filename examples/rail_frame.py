@@ -105,7 +105,11 @@ def draw(run: jo.Solution, reduced: jo.ReducedPart, rows: list, path: Path) -> N
             above.plot(*ends.T, color="#9AA1AB", linewidth=2.5)
         for (name, years, site, _), color in zip(rows, COLORS, strict=False):
             text = f"{name}: " + (f"{years:.3g} years" if years < 1e3 else "no damage")
-            above.plot(*reduced.stress.positions[site] @ oblique, "o", color=color, label=text)
+            # on the axis of the member, which is what is drawn
+            node = np.argmin(np.linalg.norm(reduced.nodes - reduced.stress.positions[site], axis=1))
+            size = 11.0 - 1.6 * len(above.lines[len(reduced.elements) :])  # none hides another
+            above.plot(*reduced.nodes[node] @ oblique, "o", ms=size, color=color, label=text)
+        above.margins(0.03)
         above.set(aspect="equal", title="The worst place of each kind of weld")
         above.axis("off")
         above.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2)

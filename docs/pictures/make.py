@@ -8,6 +8,7 @@ to few colours.
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import tempfile
@@ -50,6 +51,8 @@ WIDTHS = {  # pixels
     "robot_still.png": 700,
     "robot_hose.png": 1200,
     "robot_hose_still.png": 700,
+    "rail_frame.png": 1100,
+    "arch_path.png": 900,
     "carriage.png": 1100,
     "rail_wheel.png": 800,
     "moving_load.png": 700,
@@ -102,6 +105,13 @@ def main() -> int:
             subprocess.run([sys.executable, str(script), folder, *more], check=True)
         for name in ("orders.py", "solids.py"):
             subprocess.run([sys.executable, str(HERE / name), folder], check=True)
+        # the arch of the page on statics is its own first example
+        block = re.search(
+            r"```python\n(.*?)```", (HERE.parent / "statics.md").read_text("utf-8"), re.S
+        )
+        assert block is not None
+        subprocess.run([sys.executable, "-c", block[1]], cwd=folder, check=True)
+        (Path(folder) / "arch.png").rename(Path(folder) / "arch_path.png")
         for name, width in WIDTHS.items():
             shrink(Path(folder) / name, HERE / name, width)
     sizes = {path.name: path.stat().st_size for path in HERE.iterdir() if path.name in WIDTHS}

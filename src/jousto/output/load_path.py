@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, suggest
@@ -13,8 +14,9 @@ from jousto.files import write_table
 from jousto.output.style import COLORS, INK, MUTED, PICTURES, Picture, save, styled, target
 from jousto.simulation import LoadPath
 
-SIZE = (7.0, 4.6)  # inch
+SIZE = (7.6, 4.6)  # inch
 AXES = "xyz"
+CLOSE = 0.06  # distance of two critical points, by the size of the picture, that share a text
 
 
 def sensor_place(counts: Mapping[str, int], sensor: str) -> tuple[str, int]:
@@ -78,27 +80,47 @@ def plot_load_path(data: LoadPath, sensor: str, *, path: str | Path | None = Non
             both = bool(stable[k] and stable[k + 1])
             ax.plot(values[k : k + 2], data.load[k : k + 2], "-" if both else "--", color=COLORS[0])
         ax.plot(values, data.load, ".", color=COLORS[0], markersize=4)
-        for found in data.critical:
-            k = found.after
-            a, b = data.load[k], data.load[k + 1]
-            near = values[k : k + 2]
-            share = float(np.clip((found.load - a) / (b - a), 0.0, 1.0)) if b != a else 0.5
-            x = near[0] + share * (near[1] - near[0])
-            limit = found.kind == "limit"
-            ax.plot(x, found.load, "o" if limit else "D", color=COLORS[1], markersize=6)
-            ax.annotate(
-                f"{found.kind} {found.load:.5g}",
-                (x, found.load),
-                xytext=(6, 6),
-                textcoords="offset points",
-                color=INK,
-            )
+        _mark_critical(ax, data, values)
         ax.axhline(0.0, color=MUTED, linewidth=0.6)
+        ax.margins(x=0.03)
         ax.set_xlabel(label)
         ax.set_ylabel(data.parameter)
     if out is not None:
         save(figure, out)
     return figure
+
+
+def _mark_critical(ax: Axes, data: LoadPath, values: NDArray[np.float64]) -> None:
+    """Mark limit and bifurcation points by numbers, whose loads stand beside the picture."""
+    spans = np.ptp(values) or 1.0, np.ptp(data.load) or 1.0
+    groups: list[tuple[float, float, list[str]]] = []
+    for number, found in enumerate(data.critical, 1):
+        k = found.after
+        a, b = data.load[k], data.load[k + 1]
+        near = values[k : k + 2]
+        share = float(np.clip((found.load - a) / (b - a), 0.0, 1.0)) if b != a else 0.5
+        x = float(near[0] + share * (near[1] - near[0]))
+        marker = "o" if found.kind == "limit" else "D"
+        label = f"{number} {found.kind} {found.load:.5g}"
+        ax.plot(x, found.load, marker, color=COLORS[1], markersize=6, label=label, linestyle="none")
+        for left, up, numbers in groups:  # points that nearly coincide share one text
+            if np.hypot((x - left) / spans[0], (found.load - up) / spans[1]) < CLOSE:
+                numbers.append(str(number))
+                break
+        else:
+            groups.append((x, found.load, [str(number)]))
+    for x, y, numbers in groups:
+        ax.annotate(
+            ", ".join(numbers),
+            (x, y),
+            xytext=(0, 6),
+            textcoords="offset points",
+            color=INK,
+            ha="center",
+            va="bottom",
+        )
+    if groups:
+        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handletextpad=0.2)
 
 
 def write_load_path(data: LoadPath, path: str | Path) -> Path:

@@ -58,7 +58,13 @@ def plot_monitor(record: MonitorRecord, *, path: str | Path | None = None) -> Pi
             loc="left",
         )
         if len(record.spots) <= 8:
-            top.legend(loc="upper right", ncols=min(4, len(record.spots)))
+            # above the axes: within them it would cover peaks
+            top.legend(
+                loc="lower right",
+                bbox_to_anchor=(1.0, 1.0),
+                borderaxespad=0.0,
+                ncols=min(4, len(record.spots)),
+            )
         if counted:
             t = record.summary("time")
             D, a, b = (record.summary(n) for n in ("damage", "damage_low", "damage_high"))

@@ -245,7 +245,6 @@ def new_picture(
     """Return a figure with everything in it that does not move."""
     size = scene.box[1] - scene.box[0]
     left, right, bottom, top = (0.62, 0.2, 0.55, 0.5) if scene.flat else (0.15, 0.15, 0.15, 0.5)
-    edge = right
     right += LEGEND if scene.limit else 0.0
     inner = width - left - right
     height = inner * size[1] / size[0]
@@ -262,7 +261,7 @@ def new_picture(
     _origin(ax, scene)
     figure.text(left / width, 1 - 0.3 / total, title, fontsize=10.5, fontweight="bold", va="center")
     if note:
-        x = 1 - edge / width
+        x = 1 - right / width  # beside the colours of stress, never below them
         figure.text(x, 0.14 / total, note, color=MUTED, fontsize=8.5, ha="right", va="center")
     if scene.limit:
         color_bar(
