@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -83,7 +85,7 @@ def test_a_spinning_ring_against_calculix():
     load = SPEED**2 * bricks.mass(grid, STEEL, bricks.calculix) @ position
     d = at_rest(part, dofs(clamp), load)
     np.testing.assert_allclose(d.reshape(-1, 3), theirs.u, rtol=0, atol=5e-7 * np.abs(d).max())
-    s = part.stress.evaluate(d)
+    s = replace(part.stress, faces=False).evaluate(d)
     np.testing.assert_allclose(s, theirs.stress, rtol=0, atol=2e-5 * np.abs(s).max())
 
 

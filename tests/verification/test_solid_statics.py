@@ -84,7 +84,8 @@ def test_order_at_the_surface(kind: str) -> None:
 @pytest.mark.parametrize(
     ("kind", "counts", "tip", "stress"),
     [
-        ("hexahedron20", (10, 1, 2), 5e-4, 1e-5),
+        # beam theory itself is 1e-5 off at half length: half way from the ends
+        ("hexahedron20", (10, 1, 2), 5e-4, 2e-5),
         ("wedge15", (10, 1, 2), 5e-4, 3e-3),
         ("tetra10", (20, 1, 2), 5e-4, 0.012),
     ],

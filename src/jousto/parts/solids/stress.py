@@ -14,6 +14,7 @@ from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, read_only, times
 from jousto.parts.material import Material
 from jousto.parts.orthotropic import elasticity
 from jousto.parts.solids.elements import CORNERS, gradients, places, shape_functions, table
+from jousto.parts.solids.faces import FaceStress, face_stress
 from jousto.parts.solids.model import VOIGT, SolidGroup, SolidModel
 
 BLOCK_BYTES = 96 << 20
@@ -30,8 +31,10 @@ class SolidStress:
 
     Strains are taken at the points of each element where they are most accurate (Barlow, *Int. J.
     Num. Meth. Eng.* 10 (1976) 243-251), continued to its nodes by the shape functions of the
-    element of the same corners, and averaged over the elements of one material around a node. Nodes
-    where materials meet are one site for each of them.
+    element of the same corners, and averaged over the elements of one material around a node. On
+    outer faces of quadratic elements the strain in the plane of the face is that of the face, and
+    only the traction across it is continued, see `face_stress`. Nodes where materials meet are one
+    site for each of them.
 
     Attributes
     ----------
@@ -43,12 +46,16 @@ class SolidStress:
     quantity : str
         ``"stress"`` in Pa: ``[s11 s22 s33 s12 s23 s13]``, or ``"strain"``:
         ``[e11 e22 e33 g12 g23 g13]`` with engineering shear strains g. Part axes.
+    faces : bool
+        Whether the outer faces tell the strain in their planes. False continues all of it from
+        inside, as most finite element programs do: ``replace(part.stress, faces=False)``.
     """
 
     model: SolidModel
     node: Ints
     material: Ints
     quantity: str = "stress"
+    faces: bool = True
 
     @classmethod
     def everywhere(cls, model: SolidModel, quantity: str = "stress") -> SolidStress:
@@ -115,11 +122,19 @@ class SolidStress:
                 at += size
             mean = times(weights, strains.reshape(points, -1)).reshape(len(self), 6, -1)
             out[:, :, i : i + step] = mean
-        if self.quantity == "stress":
-            for m, material in enumerate(self.model.materials):
-                mine = slice(None) if len(self.model.materials) == 1 else self.material == m
-                out[mine] = np.einsum("ij,sjk->sik", elasticity(material), out[mine])
+        self._apply([elasticity(material) for material in self.model.materials], out)
+        if self.faces:
+            self._outer.correct(out, X)
+        if self.quantity == "strain":
+            C = [elasticity(material) for material in self.model.materials]
+            self._apply([np.linalg.inv(law) for law in C], out)
         return out[:, :, 0] if x.ndim == 1 else out
+
+    def _apply(self, laws: Sequence[Floats], out: Floats) -> None:
+        """Multiply (ns, 6, n) with the matrix of the material of each site."""
+        for m, law in enumerate(laws):
+            mine = slice(None) if len(laws) == 1 else self.material == m
+            out[mine] = np.einsum("ij,sjk->sik", law, out[mine])
 
     @cached_property
     def _index(self) -> dict[str, int]:
@@ -146,7 +161,7 @@ class SolidStress:
             If a site does not exist.
         """
         i = np.array([self.index(site) for site in sites], dtype=np.int64)
-        return SolidStress(self.model, self.node[i], self.material[i], self.quantity)
+        return replace(self, node=self.node[i], material=self.material[i])
 
     def rows(self, sites: Sequence[str]) -> Sparse:
         """Return the operator (6 m, ndof) from nodal displacements to the stress at a few sites.
@@ -164,6 +179,11 @@ class SolidStress:
             if len(chosen)
         ]
         used = np.unique(np.concatenate([group.nodes[chosen].ravel() for group, chosen in groups]))
+        # outer faces at the sites belong to these elements
+        faces = [
+            (face, np.any(few._site[m[:, None], face] >= 0, axis=1))
+            for face, m in zip(self.model.faces, self.model.face_materials, strict=True)
+        ]
         around = replace(
             self.model,
             nodes=self.model.nodes[used],
@@ -176,8 +196,12 @@ class SolidStress:
                 )
                 for group, chosen in groups
             ),
+            faces=tuple(np.searchsorted(used, face[mask]) for face, mask in faces),
+            face_materials=tuple(
+                m[mask] for m, (_, mask) in zip(self.model.face_materials, faces, strict=True)
+            ),
         )
-        local = SolidStress(around, np.searchsorted(used, few.node), few.material, self.quantity)
+        local = replace(few, model=around, node=np.searchsorted(used, few.node))
         n, m = 3 * len(used), 6 * len(few)
         columns = (3 * used[:, None] + np.arange(3)).ravel()
         # some columns at a time: those of many sites would not fit, and are nearly empty
@@ -194,13 +218,24 @@ class SolidStress:
     def at(self, nodes: Sequence[int] | Ints) -> SolidStress:
         """Return the operator of the sites of some nodes (indices of the part), in node order."""
         i = np.flatnonzero(np.isin(self.node, np.asarray(nodes)))
-        return SolidStress(self.model, self.node[i], self.material[i], self.quantity)
+        return replace(self, node=self.node[i], material=self.material[i])
+
+    @cached_property
+    def _site(self) -> Ints:
+        """Number of the site of each node in each material (n materials, nn), -1 if it has none."""
+        site = np.full((len(self.model.materials), len(self.model.nodes)), -1, dtype=np.int64)
+        site[self.material, self.node] = np.arange(len(self))
+        return site
+
+    @cached_property
+    def _outer(self) -> FaceStress:
+        """Stress of the sites on outer faces."""
+        return face_stress(self.model, self._site, len(self))
 
     @cached_property
     def _averages(self) -> tuple[Sparse, tuple[Ints, ...]]:
         """Weights (ns, points) of the strains at the points; and the elements that have them."""
-        site = np.full((len(self.model.materials), len(self.model.nodes)), -1, dtype=np.int64)
-        site[self.material, self.node] = np.arange(len(self))
+        site = self._site
         chosen, rows, columns, values, at = [], [], [], [], 0
         for group in self.model.groups:
             mine = site[group.material][group.nodes]
@@ -260,10 +295,15 @@ def point_strains(
         m = len(nodes)
         D = np.matmul(G.reshape(m, 3 * nq, k), U[nodes]).reshape(m * nq, 3, 3, n)
         block = out[start * nq : (start + m) * nq]
-        for i in range(3):
-            block[:, i] = D[:, i, i]
-        for i, j in ((0, 1), (1, 2), (0, 2)):
-            np.add(D[:, i, j], D[:, j, i], out=block[:, VOIGT[i, j]])
+        strains_of(D, block)
+
+
+def strains_of(D: Floats, out: Floats) -> None:
+    """Write strains (m, 6, n) of displacement gradients (m, 3, 3, n), ``D_ij = du_j / dx_i``."""
+    for i in range(3):
+        out[:, i] = D[:, i, i]
+    for i, j in ((0, 1), (1, 2), (0, 2)):
+        np.add(D[:, i, j], D[:, j, i], out=out[:, VOIGT[i, j]])
 
 
 def labels(model: SolidModel, node: Ints, material: Ints) -> tuple[str, ...]:

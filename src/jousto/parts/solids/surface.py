@@ -8,19 +8,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from jousto.errors import Problems
-from jousto.parts._arrays import Floats, Ints, node_dofs, scatter
-from jousto.parts.area import face_node_tangents
+from jousto.parts._arrays import Ints, node_dofs, scatter
 from jousto.parts.loads import pick_nodes
 from jousto.parts.material import Material
 from jousto.parts.orthotropic import elasticity
-from jousto.parts.solids.model import VOIGT, SolidModel
+from jousto.parts.solids.faces import face_operators
+from jousto.parts.solids.model import SolidModel
 from jousto.parts.solids.stress import compliances, labels
 from jousto.parts.stress import StressOperator
 
 if TYPE_CHECKING:
     from jousto.parts.part import Part
-
-PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
 def surface_stress(part: Part, on: Any) -> StressOperator:
@@ -80,20 +78,13 @@ def skin_stress(
     blocks, rows, columns = [], [], []
     for face, m in zip(faces, materials, strict=True):
         k = face.shape[1]
-        B, normal = face_node_tangents(model.nodes, face)  # (f, k nodes, 3, k), (f, k nodes, 3)
         for index in np.unique(m):
             mine = m == index
-            Q = _free_stiffness(elasticity(model.materials[index]), normal[mine])
-            # strain rows from nodal displacements: (f, q, 6, k, 3)
-            b = B[mine]
-            L = np.zeros((*b.shape[:2], 6, k, 3))
-            for c, (i, j) in enumerate(PAIRS):
-                L[:, :, c, :, j] += b[:, :, i]
-                if i != j:
-                    L[:, :, c, :, i] += b[:, :, j]
+            operator, _ = face_operators(
+                elasticity(model.materials[index]), model.nodes, face[mine]
+            )
             site = np.searchsorted(both, face[mine] * n_mat + index)
             np.add.at(count, site.ravel(), 1.0)
-            operator = np.matmul(Q, L.reshape(*b.shape[:2], 6, 3 * k))
             blocks.append(operator.reshape(-1, 6, 3 * k))
             rows.append(node_dofs(site.reshape(-1, 1), 6))
             columns.append(np.repeat(node_dofs(face[mine], 3), k, axis=0))
@@ -113,15 +104,3 @@ def skin_stress(
         None if np.any(np.isnan(known)) else known,
         compliances(model, material),
     )
-
-
-def _free_stiffness(C: Floats, n: Floats) -> Floats:
-    """Return matrices (..., 6, 6) from tangential strain to stress with ``s n = 0``."""
-    # t = T s and C : (a n) = C T^T a with T (3, 6) made of the normal
-    T = np.zeros((*n.shape[:-1], 3, 6))
-    for i in range(3):
-        for j in range(3):
-            T[..., i, VOIGT[i, j]] += n[..., j]
-    CT = C @ np.swapaxes(T, -1, -2)
-    A = T @ CT
-    return np.asarray(C - CT @ np.linalg.solve(A, T @ C))

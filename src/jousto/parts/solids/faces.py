@@ -1,0 +1,125 @@
+"""Stress at the nodes of outer faces: the strain of the face itself and the traction across it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, node_dofs, scatter, times
+from jousto.parts.area import face_node_tangents
+from jousto.parts.orthotropic import elasticity
+from jousto.parts.solids.model import VOIGT, SolidModel
+
+PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+QUADRATIC = (6, 8)
+"""Numbers of nodes of faces that know their strain better than their element."""
+
+
+@dataclass(frozen=True, eq=False)
+class FaceStress:
+    """Stress at sites on outer faces: ``s = D d + R s_inside``.
+
+    Attributes
+    ----------
+    at : (m,) ndarray of int
+        The sites.
+    D : (6 m, ndof) sparse array
+        From displacements: stress of the strain in the face's plane without traction, Pa/m.
+    R : (m, 6, 6) ndarray
+        From stress: what keeps the traction ``t = s n`` and strains nothing in the plane.
+    """
+
+    at: Ints
+    D: Sparse
+    R: Floats
+
+    def correct(self, s: Floats, d: Floats) -> None:
+        """Replace stress (ns, 6, n) at the sites, given displacements (ndof, n)."""
+        tangential = times(self.D, d).reshape(len(self.at), 6, d.shape[1])
+        s[self.at] = tangential + self.R @ s[self.at]
+
+
+def face_stress(model: SolidModel, site: Ints, ns: int) -> FaceStress:
+    """Return the stress at the sites that lie on quadratic outer faces.
+
+    The strain in the plane of a face is that of the face at its own nodes, where it is more
+    accurate than what is continued from inside the element; the traction across the face is
+    that of the stress continued from inside, whatever acts there. The mean over the faces of
+    one material around a node is its stress. A linear field stays what it is.
+
+    Parameters
+    ----------
+    model : SolidModel
+    site : (n materials, nn) ndarray of int
+        Number of the site of each node in each material, -1 where there is none.
+    ns : int
+        Number of sites.
+    """
+    count, R = np.zeros(ns), np.zeros((ns, 6, 6))
+    blocks: list[tuple[Floats, Ints, Ints]] = []
+    for faces, behind in zip(model.faces, model.face_materials, strict=True):
+        k = faces.shape[1]
+        if k not in QUADRATIC:
+            continue
+        for m in np.unique(behind):
+            mine = faces[behind == m]
+            mine = mine[np.any(site[m][mine] >= 0, axis=1)]
+            if not len(mine):
+                continue
+            D, across = face_operators(elasticity(model.materials[m]), model.nodes, mine)
+            number = site[m][mine].ravel()
+            kept = number >= 0
+            np.add.at(count, number[kept], 1.0)
+            np.add.at(R, number[kept], across.reshape(-1, 6, 6)[kept])
+            columns = np.repeat(node_dofs(mine, 3), k, axis=0)
+            blocks.append((D.reshape(-1, 6, 3 * k)[kept], number[kept], columns[kept]))
+    at = np.flatnonzero(count)
+    place = np.cumsum(count > 0) - 1
+    shape = (6 * len(at), 3 * len(model.nodes))
+    total: Sparse = sp.csr_array(shape)
+    for block, number, columns in blocks:
+        mean = block / count[number][:, None, None]
+        total = total + scatter(mean, node_dofs(place[number][:, None], 6), columns, shape)
+    return FaceStress(at, as_csr(total), R[at] / count[at][:, None, None])
+
+
+def face_operators(C: Floats, nodes: Floats, faces: Ints) -> tuple[Floats, Floats]:
+    """Return the stress at the nodes of faces from their displacements and from the traction.
+
+    With ``T s = s n``, ``A = T C T^T`` and the strain e of the face's plane,
+    ``s = (C - C T^T A^-1 T C) e + C T^T A^-1 t`` has that strain in the plane, and ``s n = t``.
+
+    Parameters
+    ----------
+    C : (6, 6) ndarray
+        Elasticity in Pa.
+    nodes : (nn, 3) ndarray
+        Positions in m.
+    faces : (nf, k) ndarray
+        Outer faces of one kind.
+
+    Returns
+    -------
+    D : (nf, k, 6, 3 k) ndarray
+        From the displacements of the face's nodes, t = 0, in Pa/m.
+    R : (nf, k, 6, 6) ndarray
+        From a stress whose traction t is, e = 0.
+    """
+    k = faces.shape[1]
+    B, n = face_node_tangents(nodes, faces)  # (f, k nodes, 3, k), (f, k nodes, 3)
+    T = np.zeros((*n.shape[:-1], 3, 6))
+    for i in range(3):
+        for j in range(3):
+            T[..., i, VOIGT[i, j]] += n[..., j]
+    CT = C @ np.swapaxes(T, -1, -2)
+    R = CT @ np.linalg.solve(T @ CT, T)
+    # strain rows from nodal displacements: (f, q, 6, k, 3)
+    L = np.zeros((*B.shape[:2], 6, k, 3))
+    for c, (i, j) in enumerate(PAIRS):
+        L[:, :, c, :, j] += B[:, :, i]
+        if i != j:
+            L[:, :, c, :, i] += B[:, :, j]
+    D = np.matmul(C - R @ C, L.reshape(*B.shape[:2], 6, 3 * k))
+    return D, R
