@@ -333,6 +333,9 @@ from .parts import (
     Mesh as Mesh,
 )
 from .parts import (
+    MeshError as MeshError,
+)
+from .parts import (
     Nearest as Nearest,
 )
 from .parts import (
@@ -385,6 +388,9 @@ from .parts import (
 )
 from .parts import (
     materials as materials,
+)
+from .parts import (
+    mesh_error as mesh_error,
 )
 from .parts import (
     mesh_step as mesh_step,

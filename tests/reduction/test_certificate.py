@@ -529,3 +529,18 @@ def test_a_mesh_of_another_density() -> None:
     mesh = block("hexahedron20", (6, 1, 2), (0.3, 0.03, 0.04))
     check = certify(Part.solid(mesh, light))["units"]
     expect(check, "fail", "are 2 kg/m3", "check the density")
+
+
+def test_a_mesh_that_is_too_coarse() -> None:
+    """The estimated error of stress under interface loads: where it is and what to do."""
+    fine = solid(block("hexahedron20", (12, 2, 2), (0.3, 0.03, 0.04)))
+    check = certify(fine, reduce(fine, CraigBampton(modes=2)))["mesh error"]
+    assert check.status == "ok" and "most of it in element" in check.sentence
+    for kind, status in (("hexahedron20", "warn"), ("hexahedron", "fail")):
+        coarse = solid(block(kind, (3, 1, 1), (0.3, 0.03, 0.04)))
+        check = certify(coarse, reduce(coarse, CraigBampton(modes=2)))["mesh error"]
+        expect(check, status, "estimated error in the mean", "quadratic elements")
+        assert "energy norm" in check.limit
+    # without interfaces the lowest mode tells; matrices and beams have no mesh
+    assert certify(fine)["mesh error"].sentence.startswith("stress under free mode")
+    assert "mesh error" not in [c.topic for c in certify(rod()).checks]

@@ -42,6 +42,7 @@ from jousto.parts.section import (
 )
 from jousto.parts.section_stress import StressPoint
 from jousto.parts.solids import SolidStress
+from jousto.parts.solids.error import MeshError, mesh_error
 from jousto.parts.strength import (
     finish_factor,
     load_factor,
@@ -90,6 +91,7 @@ __all__ = [
     "Material",
     "Member",
     "Mesh",
+    "MeshError",
     "Nearest",
     "Orthotropic",
     "Part",
@@ -114,6 +116,7 @@ __all__ = [
     "Weight",
     "material",
     "materials",
+    "mesh_error",
     "mesh_step",
     "polar_moment",
     "read_mesh",

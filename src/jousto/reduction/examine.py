@@ -17,6 +17,7 @@ from jousto.reduction import (
     interface_modes,
     vibration,
 )
+from jousto.reduction.accuracy import mesh_accuracy
 from jousto.reduction.certificate import Certificate, Check, Silhouette, Table, number, vector
 from jousto.reduction.inspection import FullModel, fault_of
 from jousto.reduction.meshes import mesh_checks, mesh_facts
@@ -73,6 +74,7 @@ def _examine(part: Part, reduced: ReducedPart | None, run: Run) -> Certificate:
     checks += about_mesh
     tables += worst
     checks.append(inspection.content(full))
+    modes = None
     if reduced is not None:
         modes = interface_modes.modes_of(full, reduced)
         checks.append(_same_part(part, reduced))
@@ -90,6 +92,11 @@ def _examine(part: Part, reduced: ReducedPart | None, run: Run) -> Certificate:
         if static is not None:
             checks += static[0]
             tables.append(static[1])
+    with run.stage("mesh error"):
+        accuracy = mesh_accuracy(full, modes)
+    if accuracy is not None:
+        checks.append(accuracy[0])
+        tables.append(accuracy[1])
     facts = _facts(part, full, reduced)
     return Certificate(part.name, facts, tuple(checks), tuple(tables), _shape(part, reduced))
 

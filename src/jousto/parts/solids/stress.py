@@ -127,7 +127,7 @@ class SolidStress:
             self._outer.correct(out, X)
         if self.quantity == "strain":
             C = [elasticity(material) for material in self.model.materials]
-            self._apply([np.linalg.inv(law) for law in C], out)
+            self._apply([np.asarray(np.linalg.inv(law)) for law in C], out)
         return out[:, :, 0] if x.ndim == 1 else out
 
     def _apply(self, laws: Sequence[Floats], out: Floats) -> None:

@@ -1,0 +1,143 @@
+"""Discretisation error of solids, estimated from the stress that elements leave at odds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from jousto.errors import InputError, Problem
+from jousto.parts._arrays import Floats, Ints
+from jousto.parts.orthotropic import elasticity
+from jousto.parts.solids.elements import gradients, table
+from jousto.parts.solids.model import SolidGroup, SolidModel
+from jousto.parts.solids.stress import SolidStress, strains_of
+
+if TYPE_CHECKING:
+    from jousto.parts.part import Part
+
+BLOCK_BYTES = 32 << 20
+"""Memory of the stress at the points of a block of elements."""
+
+
+@dataclass(frozen=True, eq=False)
+class MeshError:
+    """Estimated error of a mesh in the energy norm, for each of n displacement fields.
+
+    Attributes
+    ----------
+    ids : (ne,) ndarray of int
+        Numbers of the elements in their file.
+    centres : (ne, 3) ndarray
+        Means of their corners and mid nodes in m, part frame.
+    squares : (ne, n) ndarray
+        Square of the error in each element, ``int (s* - s) C^-1 (s* - s) dV``, J.
+    energy : (n,) ndarray
+        ``int s C^-1 s dV``, twice the strain energy, J.
+    """
+
+    ids: Ints
+    centres: Floats
+    squares: Floats
+    energy: Floats
+
+    @property
+    def eta(self) -> Floats:
+        """Relative error in the energy norm, ``|e| / sqrt(|u|^2 + |e|^2)``, (n,)."""
+        e2 = self.squares.sum(axis=0)
+        total = self.energy + e2
+        share = np.divide(e2, total, out=np.zeros_like(e2), where=total > 0.0)
+        return np.asarray(np.sqrt(share))
+
+    def worst(self, field: int = 0) -> int:
+        """Return the index of the element with the largest share in the error of a field."""
+        return int(np.argmax(self.squares[:, field]))
+
+    def __repr__(self) -> str:
+        eta = self.eta
+        k = int(np.argmax(eta))
+        return (
+            f"<MeshError {100.0 * eta[k]:.2g} % of the energy norm at worst, most in element "
+            f"{self.ids[self.worst(k)]}>"
+        )
+
+
+def mesh_error(part: Part, d: Floats) -> MeshError:
+    """Return the estimated discretisation error of displacements of a part of solids.
+
+    The stress ``s*`` at the nodes, see `SolidStress`, interpolated by the shape functions, stands
+    for the exact one: ``|e|^2 = int (s* - s) C^-1 (s* - s) dV`` (O. C. Zienkiewicz and J. Z. Zhu,
+    *Int. J. Num. Meth. Eng.* 24 (1987) 337-357).
+
+    Parameters
+    ----------
+    part : Part
+        Of solids.
+    d : (ndof, n) or (ndof,) array_like
+        Nodal displacements in m, such as modes or static answers.
+
+    Raises
+    ------
+    InputError
+        If the part is not made of solids, or d has another length.
+
+    Examples
+    --------
+    ``jo.mesh_error(part, reduced.modes.reshape(-1, reduced.n)).eta``
+    """
+    where = f"part '{part.name}'"
+    model = part.solids
+    if model is None:
+        raise InputError(Problem(where, "has no mesh error: only parts of solids have one"))
+    x = np.asarray(d, dtype=np.float64)
+    if x.ndim not in (1, 2) or len(x) != 3 * len(model.nodes):
+        message = f"displacements have shape {x.shape}, must be ({3 * len(model.nodes)}, n)"
+        raise InputError(Problem(where, message))
+    X = x.reshape(len(x), -1)
+    stress = SolidStress.everywhere(model)
+    s = stress.evaluate(X)
+    site = np.full((len(model.materials), len(model.nodes)), -1, dtype=np.int64)
+    site[stress.material, stress.node] = np.arange(len(stress))
+    squares, energy = [], np.zeros(X.shape[1])
+    for group in model.groups:
+        own, work = _group_error(model, group, site[group.material], s, X)
+        squares.append(own)
+        energy += work
+    return MeshError(
+        np.concatenate([group.ids for group in model.groups]),
+        np.concatenate([model.nodes[group.nodes].mean(axis=1) for group in model.groups]),
+        np.concatenate(squares),
+        energy,
+    )
+
+
+def _group_error(
+    model: SolidModel, group: SolidGroup, site: Ints, s: Floats, X: Floats
+) -> tuple[Floats, Floats]:
+    """Return the squared error (ne, n) of the elements of a group and their energy (n,)."""
+    t = table(group.kind, "stiffness")
+    nq, n, k = len(t.weights), X.shape[1], group.nodes.shape[1]
+    C = elasticity(model.materials[group.material])
+    soft = np.linalg.inv(C)
+    U = X.reshape(len(model.nodes), 3 * n)
+    squares, energy = np.empty((len(group), n)), np.zeros(n)
+    step = max(1, BLOCK_BYTES // (8 * n * (24 * nq + 6 * k)))
+    for start in range(0, len(group), step):
+        nodes = group.nodes[start : start + step]
+        m = len(nodes)
+        G, detJ = gradients(t.dN, model.nodes[nodes])
+        D = np.matmul(G.reshape(m, 3 * nq, k), U[nodes]).reshape(m * nq, 3, 3, n)
+        flat = np.empty((m * nq, 6, n))
+        strains_of(D, flat)
+        e = flat.reshape(m, nq, 6, n)
+        own = np.einsum("ij,mqjn->mqin", C, e)
+        # s* from the nodes
+        given = np.matmul(t.N, s[site[nodes]].reshape(m, k, 6 * n)).reshape(m, nq, 6, n)
+        away = given - own
+        w = t.weights * detJ
+        squares[start : start + m] = np.einsum(
+            "mq,mqin,ij,mqjn->mn", w, away, soft, away, optimize=True
+        )
+        energy += np.einsum("mq,mqin,mqin->n", w, own, e, optimize=True)
+    return squares, energy
