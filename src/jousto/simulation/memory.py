@@ -141,9 +141,9 @@ class MemoryRecords:
             for body, shape in zip(self.model.bodies, self.model.shapes, strict=True)
         )
 
-    def places(self) -> dict[str, tuple[int, int]]:
-        """Return where each body has its positions in q, and its number of modes."""
-        return {body.name: (body.iq, body.n) for body in self.model.bodies}
+    def places(self) -> dict[str, tuple[int, int, int]]:
+        """Return where each body has its state in q and v, and its number of modes."""
+        return {body.name: (body.iq, body.iv, body.n) for body in self.model.bodies}
 
     def beams(self) -> tuple[BeamShape, ...]:
         """Return the beams."""

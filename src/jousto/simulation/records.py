@@ -85,8 +85,8 @@ class Records(Protocol):
     def bodies(self) -> tuple[BodyShape, ...]:
         """Return the bodies with what is needed to draw them."""
 
-    def places(self) -> dict[str, tuple[int, int]]:
-        """Return where each body has its positions in q, and its number of modes."""
+    def places(self) -> dict[str, tuple[int, int, int]]:
+        """Return where each body has its state in q and v, and its number of modes."""
 
     def beams(self) -> tuple[BeamShape, ...]:
         """Return the beams."""

@@ -382,7 +382,7 @@ class Solution:
         self._place(body)
         return self._records.stress_modes(body)
 
-    def _place(self, body: str) -> tuple[int, int]:
+    def _place(self, body: str) -> tuple[int, int, int]:
         places = self._records.places()
         if body not in places:
             raise InputError(Problem(self.where, f"no body '{body}'{suggest(body, places)}"))
@@ -405,8 +405,13 @@ class Solution:
         InputError
             If there is no such body.
         """
-        first, modes = self._place(body)
+        first, _, modes = self._place(body)
         return self._records.read("state/q", rows, slice(first, first + 7 + modes))
+
+    def rates(self, body: str, rows: slice = slice(None)) -> Array:
+        """Return the velocities ``[R' w_local p']`` of one body, (nt, 6 + n), see `coordinates`."""
+        _, first, modes = self._place(body)
+        return self._records.read("state/v", rows, slice(first, first + 6 + modes))
 
 
 def _unpacked(content: bytes) -> Solution:

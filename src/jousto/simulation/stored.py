@@ -39,7 +39,7 @@ class FileRecords:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._places: dict[str, tuple[int, int]] | None = None
+        self._places: dict[str, tuple[int, int, int]] | None = None
         with open_results(path) as file:
             self.attributes: dict[str, Any] = {
                 key: _plain(value) for key, value in file.attrs.items()
@@ -131,12 +131,16 @@ class FileRecords:
                 for name, group in file["bodies"].items()
             )
 
-    def places(self) -> dict[str, tuple[int, int]]:
-        """Return where each body has its positions in q, and its number of modes."""
+    def places(self) -> dict[str, tuple[int, int, int]]:
+        """Return where each body has its state in q and v, and its number of modes."""
         if self._places is None:
             with self._open() as file:
                 self._places = {
-                    name: (int(group.attrs["q_offset"]), int(group.attrs["modes"]))
+                    name: (
+                        int(group.attrs["q_offset"]),
+                        int(group.attrs["v_offset"]),
+                        int(group.attrs["modes"]),
+                    )
                     for name, group in file["bodies"].items()
                 }
         return self._places

@@ -100,7 +100,9 @@ def stress_field(
     time = run.time
     rows = window(time, start, end, where)
     q, time = run.coordinates(body, rows), time[rows]
-    e, p = q[:, 3:7], q[:, 7:]
+    e, p, v = q[:, 3:7], q[:, 7:], None
+    if residual is False and times is None:
+        v = run.rates(body, rows)[:, 6:]
     if residual is not False:
         if modes.residual is None:
             message = "no residual stress: reduce the part with residual_stress=True"
@@ -120,7 +122,7 @@ def stress_field(
         e = (1.0 - share) * e[before] + share * e[after]
         time = wanted
     A = rotation_matrices(e) if frame == "world" else None
-    return field_from(modes, p, time, A=A, frame=frame, strain=strain, name=body)
+    return field_from(modes, p, time, A=A, frame=frame, strain=strain, name=body, v=v)
 
 
 def field_from(
@@ -133,6 +135,7 @@ def field_from(
     strain: bool = False,
     name: str = "body",
     columns: NDArray[np.intp] | None = None,
+    v: ArrayLike | None = None,
 ) -> StressField:
     """Return the stress field of coordinates that come from elsewhere, such as gauges.
 
@@ -154,6 +157,8 @@ def field_from(
         Name of the body.
     columns : (ns,) int array, optional
         First of the coordinates that each place depends on, if these are as few as `modes` has.
+    v : (nt, n) array_like, optional
+        Rates of the coordinates, 1/s: `hot_spots` bounds by them what is between the instants.
 
     Raises
     ------
@@ -179,6 +184,7 @@ def field_from(
         strain,
         rotations,
         columns,
+        None if v is None else np.asarray(v, dtype=np.float64),
     )
 
 

@@ -107,6 +107,8 @@ class StressField:
     columns : (ns,) int array or None
         Of a beam, whose places depend on the six resultants of their section alone: the first of
         these in p. None: every place depends on all of p.
+    v : (nt, n) array or None
+        Rates of the coordinates, 1/s, where they are known.
     """
 
     name: str
@@ -117,6 +119,7 @@ class StressField:
     strain: bool = False
     A: Array | None = None
     columns: Ints | None = None
+    v: Array | None = None
 
     def __post_init__(self) -> None:
         problems = Problems()
@@ -131,6 +134,9 @@ class StressField:
         if time is not None and np.any(np.diff(time) <= 0.0):
             k = int(np.argmax(np.diff(time) <= 0.0))
             problems.add(where, f"time does not grow after {time[k]:g} s, instant {k}")
+        if self.v is not None:
+            v = problems.array(where, "v", self.v, (nt, None if p is None else p.shape[1]))
+            object.__setattr__(self, "v", v)
         if self.A is not None:
             A = problems.array(where, "A", self.A, (nt, 3, 3))
             object.__setattr__(self, "A", A)
@@ -238,7 +244,8 @@ class StressField:
         """
         rows = window(self.time, start, end, f"stress of '{self.name}'")
         A = None if self.A is None else self.A[rows]
-        return replace(self, p=self.p[rows], time=self.time[rows], A=A)
+        v = None if self.v is None else self.v[rows]
+        return replace(self, p=self.p[rows], time=self.time[rows], A=A, v=v)
 
     def _rows(self, times: ArrayLike | slice | None) -> tuple[Array, Array | None]:
         """Return p and A at some instants."""

@@ -44,6 +44,9 @@ class Measure:
         F as a function of ``G s``, a rounding error of SLACK ``|G s|`` included.
     tight : bool
         Whether F is the ranked criterion itself, so that it also bounds from below.
+    smooth : bool
+        Whether the ranked criterion, too, changes by no more than ``|G (s - s')|``: not those with
+        a sign that jumps.
     """
 
     extreme: str
@@ -52,6 +55,7 @@ class Measure:
     rank: Scale
     majorant: Scale
     tight: bool
+    smooth: bool = True
 
 
 def root(A: Array) -> Array:
@@ -135,7 +139,7 @@ def measure(criterion: Criterion, extreme: str | None = None, *, strain: bool = 
     if criterion in ("von-mises", "signed-von-mises"):
         # the signed one is never larger than the plain one, whichever extreme is sought
         tight = positive or chosen == "magnitude"
-        return Measure(chosen, mises_rows(strain), value, rank, length, tight)
+        return Measure(chosen, mises_rows(strain), value, rank, length, tight, tight)
     if criterion == "max-shear":
         # of strains the difference of the principal values, not half of it
         rows = (2.0 if strain else 1.0) * tensor_rows(strain)
@@ -146,7 +150,8 @@ def measure(criterion: Criterion, extreme: str | None = None, *, strain: bool = 
         ("principal-3", "smallest"),
         ("signed-principal", "magnitude"),
     )
-    return Measure(chosen, tensor_rows(strain), value, rank, bounds[chosen], tight)
+    smooth = criterion != "signed-principal" or chosen == "magnitude"
+    return Measure(chosen, tensor_rows(strain), value, rank, bounds[chosen], tight, smooth)
 
 
 def tensor_rows(strain: bool) -> Array:

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.recovery.fields import Criterion, StressField, evaluate, stress_field
 from jousto.recovery.fields.criteria import tensor, turned, weights
+from jousto.recovery.hotspots.between import Between, between, largest_between
 from jousto.recovery.hotspots.every import every
-from jousto.recovery.hotspots.measures import measure
+from jousto.recovery.hotspots.measures import Measure, measure
 from jousto.recovery.hotspots.search import Proof, search
 from jousto.recovery.hotspots.words import certificate_lines, head, row
 from jousto.recovery.hotspots.write import write_histories, write_spots
@@ -48,6 +49,9 @@ class HotSpot:
         Stress (strain) then, ``[11 22 33 12 23 13]`` in the axes of the field.
     normal : (3,) array
         Normal of the critical plane then: that of the largest normal stress by magnitude.
+    between : float
+        What the criterion may reach there between stored instants, with its sign, Pa or m/m; nan
+        if that is not known.
     """
 
     rank: int
@@ -59,6 +63,7 @@ class HotSpot:
     value: float
     tensor: Array
     normal: Array
+    between: float = np.nan
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +83,9 @@ class HotSpots:
     fields : tuple of StressField
         What was searched, over the whole run.
     certificates : mapping of str to Proof
-        Of each body.
+        Of each body: what is proved of the stored instants.
+    gaps : mapping of str to Between or None
+        Of each body: what may be between them; None where that is not known.
     """
 
     spots: tuple[HotSpot, ...]
@@ -89,6 +96,7 @@ class HotSpots:
     end: float
     fields: tuple[StressField, ...]
     certificates: dict[str, Proof]
+    gaps: dict[str, Between | None]
 
     def __len__(self) -> int:
         return len(self.spots)
@@ -121,6 +129,16 @@ class HotSpots:
         Ranked as the hot spots are: of the smallest values it is minus the value.
         """
         return max((c.bound for c in self.certificates.values()), default=-np.inf)
+
+    @property
+    def bound_between(self) -> float:
+        """No listed place exceeds this between stored instants, nan if that is not known.
+
+        Ranked as `bound` is. It holds for motion that is smooth from one stored instant to the
+        next, see `between`.
+        """
+        known = [gap.bound for gap in self.gaps.values() if gap is not None]
+        return max(known) if known and len(known) == len(self.gaps) else np.nan
 
     @property
     def certified(self) -> bool:
@@ -232,7 +250,10 @@ def hot_spots(
     end: float | None = None,
     extreme: str | None = None,
 ) -> HotSpots:
-    """Return the places where a criterion is largest over a run, proved.
+    """Return the places where a criterion is largest at the stored instants of a run, proved.
+
+    What may stand between two stored instants is bounded by the stored velocities, see
+    `HotSpots.bound_between`.
 
     The stress is ``s(t) = S p(t)``, and a criterion changes by at most ``|G S (p - p')|``. So the
     whitened path bounds it at a place over the run, ``sqrt(lmax(Q)) max |z|`` with ``Q = L^T S^T V
@@ -279,6 +300,7 @@ def hot_spots(
     sought = measure(criterion, extreme, strain=fields[0].strain)
     spots: list[tuple[float, HotSpot]] = []
     certificates: dict[str, Proof] = {}
+    gaps: dict[str, Between | None] = {}
     spans = []
     for field in fields:
         part = field.during(start, end)
@@ -290,6 +312,7 @@ def hot_spots(
         else:
             found = every(part, criterion, sought, count=count, separation=separation)
         certificates[field.name] = found.certificate
+        gaps[field.name] = between(part, sought)
         for place, instant, ranked in zip(found.places, found.instants, found.ranked, strict=True):
             spots.append((float(ranked), _spot(part, int(place), int(instant), criterion)))
     # the worst of all bodies; the rest bounds what is left out of its body
@@ -299,7 +322,8 @@ def hot_spots(
         ranked, spot = spots[k]
         known = certificates[spot.body]
         certificates[spot.body] = replace(known, bound=max(known.bound, ranked + known.margin))
-    chosen = tuple(replace(spots[k][1], rank=r) for r, k in enumerate(order[:count], 1))
+    listed = (replace(spots[k][1], rank=r) for r, k in enumerate(order[:count], 1))
+    chosen = tuple(_bounded(spot, fields, sought, start, end) for spot in listed)
     return HotSpots(
         chosen,
         criterion,
@@ -309,7 +333,21 @@ def hot_spots(
         max(last for _, last in spans),
         fields,
         certificates,
+        gaps,
     )
+
+
+def _bounded(
+    spot: HotSpot,
+    fields: tuple[StressField, ...],
+    sought: Measure,
+    start: float | None,
+    end: float | None,
+) -> HotSpot:
+    """Return a hot spot with what it may reach between the instants."""
+    own = next(field for field in fields if field.name == spot.body)
+    part = own.only(spot.site).during(start, end)
+    return replace(spot, between=largest_between(part, 0, sought))
 
 
 def _fields(

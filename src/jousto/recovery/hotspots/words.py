@@ -19,7 +19,8 @@ def head(found: HotSpots, several: bool) -> list[str]:
     """Return the head of the table."""
     unit = "MPa" if found.unit == "Pa" else "um/m"
     body = ["body"] if several else []
-    names = [f"{found.criterion} ({unit})", "at (s)", "x (mm)", "y (mm)", "z (mm)", "plane normal"]
+    names = [f"{found.criterion} ({unit})", "between", "at (s)"]
+    names += ["x (mm)", "y (mm)", "z (mm)", "plane normal"]
     return ["", *body, "site", *names]
 
 
@@ -30,7 +31,8 @@ def row(found: HotSpots, spot: HotSpot, several: bool) -> list[str]:
     place = [f"{1e3 * x:.5g}" for x in spot.position]
     normal = " ".join(f"{x:.3f}" for x in np.round(spot.normal, 3) + 0.0)
     value = f"{factor * spot.value:.6g}"
-    return [str(spot.rank), *body, spot.site, value, f"{spot.time:.6g}", *place, normal]
+    gap = f"{factor * spot.between:.4g}" if np.isfinite(spot.between) else "-"
+    return [str(spot.rank), *body, spot.site, value, gap, f"{spot.time:.6g}", *place, normal]
 
 
 def certificate_lines(found: HotSpots) -> list[str]:
@@ -70,7 +72,23 @@ def certificate_lines(found: HotSpots) -> list[str]:
         )
     else:
         lines.append(f"not certified: other places may reach {_bound(found, found.bound)}")
-    return lines
+    return [*lines, _between(found)]
+
+
+def _between(found: HotSpots) -> str:
+    """Return what may be between the stored instants."""
+    bound = found.bound_between
+    if not np.isfinite(bound):
+        return (
+            "between the stored instants nothing is known of it (no velocities): store instants "
+            "close enough (output_step)"
+        )
+    first = found._ranked(found.spots[0].value)
+    more = f", {100.0 * (bound / first - 1.0):.2g} % above the first" if first > 0.0 else ""
+    text = f"between the stored instants no place exceeds {_bound(found, bound)}{more}"
+    if all(gap is None or gap.resolved for gap in found.gaps.values()):
+        return f"{text}, by the stored velocities, if the motion is smooth there"
+    return f"{text}: the instants are too far apart for the vibrations, store more (output_step)"
 
 
 def _bound(found: HotSpots, ranked: float) -> str:

@@ -24,13 +24,14 @@ def write_spots(found: HotSpots, path: str | Path) -> Path:
     names = STRAIN if found.fields[0].strain else STRESS
     heads = ["rank", "body", "site", "node", f"{found.criterion} ({unit})", "time (s)"]
     heads += [f"{axis} (m)" for axis in "xyz"] + [f"{name} ({unit})" for name in names]
-    heads += [f"normal {axis}" for axis in "123"]
+    heads += [*(f"normal {axis}" for axis in "123"), f"between ({unit})"]
     rows: list[list[Any]] = [
         [
             *(spot.rank, spot.body, spot.site, spot.node, spot.value, spot.time),
             *spot.position.tolist(),
             *spot.tensor.tolist(),
             *spot.normal.tolist(),
+            "" if np.isnan(spot.between) else spot.between,
         ]
         for spot in found
     ]

@@ -1,0 +1,142 @@
+"""What a criterion may reach between stored instants, by the stored velocities."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.recovery.fields import StressField
+from jousto.recovery.hotspots.measures import Measure
+from jousto.recovery.hotspots.search import search
+
+Array = NDArray[np.float64]
+
+PARTS = 8
+"""Pieces of the cubic between two stored instants."""
+
+INSTANTS = 1 << 12
+"""Stored instants whose cubics are searched at once."""
+
+SAFETY = 2.0
+"""By which the fourth derivative, known from differences, is multiplied."""
+
+RESOLVED = 0.1
+"""Share of the largest value up to which the allowance says that the instants are close enough."""
+
+
+@dataclass(frozen=True)
+class Between:
+    """What a criterion may reach between the stored instants of a body.
+
+    Attributes
+    ----------
+    curve : float
+        Largest ranked value of all places on the cubics through stored coordinates and velocities.
+    allowance : float
+        What the motion may add to it: curvature between the samples of the cubics, and the fourth
+        derivative that the cubics leave out, known from differences of their third ones.
+    """
+
+    curve: float
+    allowance: float
+
+    @property
+    def bound(self) -> float:
+        """No listed place exceeds this between stored instants."""
+        return self.curve + self.allowance
+
+    @property
+    def resolved(self) -> bool:
+        """Whether the allowance is small: the instants are close enough for the motion."""
+        return self.allowance <= RESOLVED * abs(self.curve)
+
+
+@dataclass(frozen=True, eq=False)
+class Cubics:
+    """Cubic motion between stored instants, ``p = H(p_a, v_a, p_b, v_b)``.
+
+    Attributes
+    ----------
+    path : (m PARTS + 1, n) array
+        Coordinates at the samples.
+    stray : (n,) array
+        By how much each coordinate may leave the chord between two samples.
+    """
+
+    path: Array
+    stray: Array
+
+
+def cubics(p: Array, v: Array, time: Array) -> Cubics:
+    """Return the cubics between instants, and what bounds the motion near them.
+
+    The cubic of Hermite errs by at most ``h^4 / 384 max |p''''|`` (C. de Boor, *A Practical Guide
+    to Splines*, ch. IV). The fourth derivative is the change of the cubics' third one from an
+    interval to the next over the distance of their middles, doubled for safety. Between samples
+    that are h / PARTS apart a cubic leaves its chord by at most an eighth of the square of that
+    times its largest second derivative, which stands at an end.
+
+    Parameters
+    ----------
+    p, v : (nt, n) array
+        Coordinates and their rates.
+    time : (nt,) array
+        s.
+    """
+    h = np.diff(time)[:, None]
+    rise, a, b = np.diff(p, axis=0), h * v[:-1], h * v[1:]
+    x = (np.arange(PARTS) / PARTS)[:, None, None]
+    inner = p[:-1] + x * (a + x * (3.0 * rise - 2.0 * a - b + x * (a + b - 2.0 * rise)))
+    path = np.concatenate([np.moveaxis(inner, 0, 1).reshape(-1, p.shape[1]), p[-1:]])
+    second = np.maximum(
+        np.abs(6.0 * rise - 4.0 * a - 2.0 * b), np.abs(-6.0 * rise + 2.0 * a + 4.0 * b)
+    )
+    third = 6.0 * (a + b - 2.0 * rise) / h**3
+    fourth = np.zeros_like(third)
+    if len(third) > 1:
+        jump = np.abs(np.diff(third, axis=0)) / (0.5 * (h[1:] + h[:-1]))
+        fourth[:-1] = jump
+        fourth[1:] = np.maximum(fourth[1:], jump)
+    stray = second / (8.0 * PARTS**2) + SAFETY * h**4 / 384.0 * fourth
+    return Cubics(path, stray.max(axis=0, initial=0.0))
+
+
+def between(field: StressField, measure: Measure) -> Between | None:
+    """Return what a criterion may reach between the instants of a field at any of its places.
+
+    None where it is not known: without velocities, with one instant, or for a criterion that jumps.
+    """
+    if field.v is None or field.nt < 2 or not measure.smooth:
+        return None
+    columns = reach(field.S, measure)
+    curve, allowance = -np.inf, 0.0
+    for first in range(0, field.nt - 1, INSTANTS):
+        # one more interval on each side for the fourth derivative
+        rows = slice(max(first - 1, 0), min(first + INSTANTS + 2, field.nt))
+        found = cubics(field.p[rows], field.v[rows], field.time[rows])
+        best = search(field.S, found.path, field.positions, measure, count=1)
+        curve = max(curve, float(best.ranked[0]))
+        allowance = max(allowance, float((columns @ found.stray).max(initial=0.0)))
+    return Between(curve, allowance)
+
+
+def largest_between(field: StressField, place: int, measure: Measure) -> float:
+    """Return what a criterion may reach at a place between instants, signed; nan if not known."""
+    if field.v is None or field.nt < 2 or not measure.smooth:
+        return float("nan")
+    S = field.S[place]
+    found = cubics(field.p, field.v, field.time)
+    values = measure.value(found.path @ S.T)
+    ranked = measure.rank(values)
+    k = int(np.argmax(ranked))
+    top = float(ranked[k]) + float((reach(S[None], measure) @ found.stray)[0])
+    # back from the rank: the sign that the largest has
+    down = measure.extreme == "smallest" or (measure.extreme == "magnitude" and values[k] < 0.0)
+    return -top if down else top
+
+
+def reach(S: Array, measure: Measure) -> Array:
+    """Return by how much a criterion may change per unit of each coordinate, (ns, n)."""
+    return np.asarray(np.sqrt(((measure.rows @ S) ** 2).sum(axis=1)))
