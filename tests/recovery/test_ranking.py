@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import jousto as jo
+from jousto.recovery.fields import field_from
 from jousto.recovery.ranking import ranking
+from jousto.reduction import StressModes
 
 LABELS = ("e10.a.left", "e2.b.top", "e2.a.top", "e1.b.left")
 
@@ -34,6 +36,38 @@ def test_what_is_equal_to_round_off_is_ranked_by_the_second_value() -> None:
 def test_what_is_no_number_is_last() -> None:
     assert ranking([np.nan, np.inf, 2.0, np.inf], LABELS).tolist() == [3, 1, 2, 0]
     assert ranking([-np.inf, 2.0, -np.inf, np.inf], LABELS).tolist() == [3, 1, 2, 0]
+
+
+@pytest.mark.parametrize("criterion", ["von-mises", "s11"])
+def test_hot_spots_of_symmetric_places(criterion: str, rng: np.random.Generator) -> None:
+    """Eight places alike but for round-off, one of them smaller: told in the order of labels."""
+    labels = [f"e{k}.a.top" for k in (11, 2, 1, 9, 10, 3, 8, 5)]
+    p = rng.standard_normal((60, 3))
+    one = rng.standard_normal((1, 6, 3))
+    for _ in range(4):
+        S = 1e6 * one * (1.0 + 2e-15 * rng.standard_normal((8, 6, 3)))
+        S[2] *= 0.5
+        modes = StressModes(tuple(labels), np.zeros((8, 3)), np.tile(np.eye(3), (8, 1, 1)), S)
+        found = jo.hot_spots(field_from(modes, p, np.arange(60.0)), count=4, criterion=criterion)
+        assert [spot.site for spot in found] == [f"e{k}.a.top" for k in (2, 3, 5, 8)]
+        assert found.certified
+
+
+def test_planes_that_are_equally_bad(rng: np.random.Generator) -> None:
+    """Tension and torsion in phase: two planes, as one sees with the principal axis as mirror."""
+    t = np.linspace(0.0, 2.0 * np.pi, 361)
+    k = 0.3
+    # both lie half of atan(1/k) beside the principal axis
+    principal, aside = 0.5 * np.arctan2(2 * 5e7, 1e8), 0.5 * np.arctan2(1.0, k)
+    angles = [principal - aside, principal + aside]
+    nearest = max(angles, key=lambda a: abs(np.cos(a)))
+    for _ in range(6):
+        s = np.zeros((361, 6))
+        s[:, 0], s[:, 3] = 1e8 * np.sin(t), 5e7 * np.sin(t)
+        # the last bits decide which of them a search finds larger
+        s *= 1.0 + 1e-15 * rng.standard_normal((361, 6))
+        n = jo.critical_plane(s, jo.Findley(k)).normal
+        assert abs(n @ [np.cos(nearest), np.sin(nearest), 0]) == pytest.approx(1, abs=1e-6)
 
 
 def test_tables_of_damage_follow_the_rule() -> None:

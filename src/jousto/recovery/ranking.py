@@ -62,6 +62,13 @@ def ranking(
     return np.array(ranked, dtype=np.intp)
 
 
+def first(places: Sequence[int] | NDArray[np.intp], labels: Sequence[str] | None) -> int:
+    """Return which of some equal places comes first: by its label, or by its index if None."""
+    if labels is None or len(places) == 1:
+        return int(min(places))
+    return int(min(places, key=lambda i: (_natural(labels[i]), i)))
+
+
 def _natural(label: str) -> list[tuple[int, int, str]]:
     """Return a key by which numbers within labels are compared as numbers."""
     pieces = re.findall(r"\d+|\D+", label)

@@ -25,6 +25,7 @@ from jousto.recovery.ranking import ranking
 Array = NDArray[np.float64]
 BLOCK_BYTES = 64 << 20
 COARSE = math.radians(9.0)
+PLANE_TIE = 1e-7  # of a value on the finest net, which lies up to 0.01 degrees beside the largest
 VOIGT = ((0, 3, 5), (3, 1, 4), (5, 4, 2))
 
 
@@ -283,7 +284,8 @@ def critical_plane(stress: ArrayLike, criterion: PlaneCriterion | DangVan) -> Cr
 
     Planes are tried every 9 degrees over the half-sphere, the three best then refined to 0.01
     degrees. The shear amplitude of a plane is the radius of the smallest circle around its shear
-    path, found exactly.
+    path, found exactly. Of planes that are equally bad to 1e-7, as loads in phase have in pairs, it
+    is the one whose normal is nearest to the first axis, then to the second.
 
     Parameters
     ----------
@@ -310,8 +312,7 @@ def critical_plane(stress: ArrayLike, criterion: PlaneCriterion | DangVan) -> Cr
         return _dang_van(s, criterion)
     n = normals()
     values = np.concatenate([_values(s, part, criterion)[0] for part in _split(n, len(s))])
-    best = n[int(np.argmax(values))]
-    top = -math.inf
+    refined: list[tuple[float, Array]] = []
     for start in n[np.argsort(-values, kind="stable")[:3]]:
         # a net around the best normal that gets finer
         centre, reach = start, COARSE
@@ -323,8 +324,11 @@ def critical_plane(stress: ArrayLike, criterion: PlaneCriterion | DangVan) -> Cr
             found = _values(s, net, criterion)[0]
             centre = net[int(np.argmax(found))]
             reach *= 0.5
-            if found.max() > top:
-                top, best = float(found.max()), centre
+        refined.append((float(found.max()), centre))
+    top = max(value for value, _ in refined)
+    equal = [normal for value, normal in refined if value >= top - PLANE_TIE * abs(top)]
+    # 1e-3: further than the finest net lets two normals of one plane differ
+    best = max(equal, key=lambda normal: tuple(np.abs(normal).round(3)))
     value, shear, normal, index = (x[0] for x in _values(s, best[None], criterion))
     # of both normals of the plane the one that looks to positive axes
     if best[np.argmax(np.abs(best))] < 0.0:

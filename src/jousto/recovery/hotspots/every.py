@@ -9,6 +9,7 @@ from jousto.recovery.fields import Criterion, StressField
 from jousto.recovery.hotspots.measures import Measure
 from jousto.recovery.hotspots.search import Found, Proof
 from jousto.recovery.hotspots.windows import SAFETY, UNIT
+from jousto.recovery.ranking import TIE, first
 
 Array = NDArray[np.float64]
 
@@ -46,7 +47,8 @@ def every(
     alive = np.ones(field.ns, dtype=bool)
     spots: list[int] = []
     while len(spots) < count and alive.any():
-        top = int(np.argmax(np.where(alive, values, -np.inf)))
+        most = float(values[alive].max())
+        top = first(np.flatnonzero(alive & (values >= most - TIE * abs(most))), field.labels)
         spots.append(top)
         if separation > 0.0:
             away = np.linalg.norm(field.positions - field.positions[top], axis=1)

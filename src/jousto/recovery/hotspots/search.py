@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from jousto.errors import JoustoError
 from jousto.recovery.hotspots.bounds import prepare
 from jousto.recovery.hotspots.measures import Measure
+from jousto.recovery.ranking import TIE, first
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -75,6 +77,7 @@ def search(
     *,
     count: int = 10,
     separation: float = 0.0,
+    labels: Sequence[str] | None = None,
 ) -> Found:
     """Return the places where a criterion is largest over a run, each apart from those before.
 
@@ -97,6 +100,9 @@ def search(
         How many.
     separation : float
         Straight distance, m.
+    labels : sequence of str, optional
+        Of the places: which comes first of those that are equal but for round-off (`ranking`);
+        their order if None.
 
     Raises
     ------
@@ -115,12 +121,17 @@ def search(
     batch = FIRST
     while len(spots) < count and alive.any():
         top = int(np.argmax(np.where(alive, upper, -np.inf)))
-        if exact[top]:
+        equal = np.flatnonzero(alive & (upper >= upper[top] - TIE * abs(upper[top])))
+        open_ = equal[~exact[equal]]
+        if not len(open_):
+            top = first(equal, labels)
             spots.append(top)
             near = np.linalg.norm(positions - positions[top], axis=1) <= separation
             alive &= ~near if separation > 0.0 else True
             alive[top] = False
             continue
+        # what may be as large as a place known exactly must be known, too
+        top = int(open_[np.argmax(upper[open_])])
         # a value that the last hot spot will probably have; only the effort depends on it
         hope = _hope(lower, alive, positions, count - len(spots), separation)
         waiting = np.flatnonzero(alive & ~exact & (upper > min(hope, upper[top])))

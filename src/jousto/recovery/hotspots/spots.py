@@ -19,7 +19,7 @@ from jousto.recovery.hotspots.measures import Measure, measure
 from jousto.recovery.hotspots.search import Proof, search
 from jousto.recovery.hotspots.words import certificate_lines, head, row
 from jousto.recovery.hotspots.write import write_histories, write_spots
-from jousto.recovery.ranking import ranking
+from jousto.recovery.ranking import TIE, ranking
 from jousto.simulation import Solution
 
 Array = NDArray[np.float64]
@@ -142,10 +142,10 @@ class HotSpots:
 
     @property
     def certified(self) -> bool:
-        """Whether nothing left out exceeds the last hot spot by more than a rounding error."""
+        """Whether nothing left out exceeds the last hot spot by more than round-off, 1e-9."""
         ranked = [self._ranked(spot.value) for spot in self.spots]
         margin = max((c.margin for c in self.certificates.values()), default=0.0)
-        return not ranked or self.bound <= min(ranked) + margin
+        return not ranked or self.bound <= min(ranked) + margin + TIE * abs(min(ranked))
 
     @property
     def early(self) -> float | None:
@@ -273,7 +273,8 @@ def hot_spots(
         See `evaluate`.
     separation : float
         Straight distance that they keep within a body, m. The worst place is the first one, the
-        worst of those further away than this the second, and so on.
+        worst of those further away than this the second, and so on. Of places that are equal but
+        for round-off (1e-9) the one whose label comes first is taken.
     start, end : float, optional
         First and last instant, s; all stored ones.
     extreme : "largest", "smallest" or "magnitude", optional
@@ -307,7 +308,13 @@ def hot_spots(
         spans.append((float(part.time[0]), float(part.time[-1])))
         if part.columns is None:
             found = search(
-                part.S, part.p, part.positions, sought, count=count, separation=separation
+                part.S,
+                part.p,
+                part.positions,
+                sought,
+                count=count,
+                separation=separation,
+                labels=part.labels,
             )
         else:
             found = every(part, criterion, sought, count=count, separation=separation)
