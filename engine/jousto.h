@@ -43,7 +43,8 @@ typedef enum { JO_OK = 0, JO_NOT_FINITE = 1, JO_SINGULAR_BODY = 2, JO_SINGULAR_J
 } jo_status;
 typedef enum { JO_RK4 = 1, JO_ROS2 = 2, JO_ALPHA = 3, JO_DOPRI = 4 } jo_method;
 typedef enum { JO_CONSTANT = 0, JO_HARMONIC = 1, JO_TABLE = 2, JO_STEP = 3,
-               JO_PIECES = 4, JO_SUM = 5, JO_PRODUCT = 6, JO_INPUT = 7, JO_SWITCHED = 8 } jo_signal_type;
+               JO_PIECES = 4, JO_SUM = 5, JO_PRODUCT = 6, JO_INPUT = 7, JO_SWITCHED = 8,
+               JO_SPEED = 9 } jo_signal_type;
 typedef enum { JO_AXES = 1,        /* (axis_a of a) . (axis_b of b) */
                JO_ALONG = 2,       /* (axis_a of a) . (r_b - r_a), m */
                JO_DISTANCE = 3,    /* |r_b - r_a|, m */

@@ -22,6 +22,7 @@ jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_
     jo_signal_work y = {0.0, 0.0, 0.0};
     switch (s->type) {
     case JO_CONSTANT: y.value = x[0]; break;
+    case JO_SPEED: y.value = x[0] + x[1] * time; y.rate = x[1]; break;
     case JO_HARMONIC: {
         const jo_real sine = jo_sin(x[2] * time + x[3]), cosine = jo_cos(x[2] * time + x[3]);
         y.value = x[0] + x[1] * sine;

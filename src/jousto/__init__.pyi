@@ -53,6 +53,9 @@ from .mechanism import (
     ConstantOrientation as ConstantOrientation,
 )
 from .mechanism import (
+    ConstantSpeed as ConstantSpeed,
+)
+from .mechanism import (
     CoordinateSensor as CoordinateSensor,
 )
 from .mechanism import (
@@ -105,6 +108,9 @@ from .mechanism import (
 )
 from .mechanism import (
     Harmonic as Harmonic,
+)
+from .mechanism import (
+    Initial as Initial,
 )
 from .mechanism import (
     Input as Input,

@@ -100,7 +100,7 @@ def test_every_joint_load_sensor_and_signal_is_exported_and_in_its_tuple():
     others = {jm.Ground, jm.RigidBody, jm.FlexibleBody, jm.Marker, jm.Mechanism, jm.Rotate, Gravity}
     # what they have in common, and what they refer to
     others |= {jm.Joint, jm.Coupler, jm.Signal, jm.Line, jm.Event, jm.Friction}
-    others |= {jm.Regularised, jm.StickSlip, jm.Temperature}
+    others |= {jm.Regularised, jm.StickSlip, jm.Temperature, jm.Initial}
     others |= {jm.BeamBody, jm.BeamDamping, jm.BeamNode, jm.BeamSection}
     others |= {jm.Coordinate, jm.Angle, jm.Displacement, jm.Distance}
     assert kinds == set(tuples) | others

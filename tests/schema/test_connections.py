@@ -213,3 +213,51 @@ def test_a_mistake_of_a_friction_has_its_line_field_and_remedy(old, new, line, s
     with pytest.raises(InputError) as error:
         parse_model(text.replace(old, new, 1), name="m.yaml")
     assert str(error.value).startswith(f"m.yaml:{line}: {sentence}")
+
+
+STARTING = """
+name: wheels
+bodies:
+  - {name: c, mass: 1, inertia: [1, 1, 1]}
+  - {name: s, mass: 1, inertia: [1, 1, 1]}
+joints:
+  - {type: revolute, name: hinge, a: ground.origin, b: c.origin}
+  - {type: prismatic, name: slide, a: ground.origin, b: s.origin, axis: [1, 0, 0]}
+initial:
+  - {coordinate: hinge.angle, value: 30 deg, rate: 50 rpm}
+  - {coordinate: slide.displacement, rate: 200 mm/s}
+"""
+
+
+def test_the_start_of_coordinates_and_a_constant_speed() -> None:
+    found = parse_model(STARTING).mechanism.initials
+    assert [(s.coordinate.name, s.value, s.rate) for s in found] == [
+        ("hinge.angle", pytest.approx(np.pi / 6), pytest.approx(50 * 2 * np.pi / 60)),
+        ("slide.displacement", None, pytest.approx(0.2)),
+    ]
+    drive = """
+couplings:
+  - {type: drive, name: d, coordinate: hinge.angle, signal: {type: constant-speed, speed: 60 rpm,
+     offset: 90 deg}}
+"""
+    (driven,) = parse_model(STARTING[: STARTING.index("initial")] + drive).mechanism.couplings
+    assert driven.signal.speed == pytest.approx(2 * np.pi)
+    assert driven.signal.offset == pytest.approx(np.pi / 2)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ("50 rpm", "50 mm/s", "10: initial.0.rate: expects an angular velocity (rad/s)"),
+        ("30 deg", "270 deg", "10: initial.0.value: value is 270 deg, must be within half a turn"),
+        ("hinge.angle, v", "hnge.angle, v", "10: initial.0.coordinate: no joint 'hnge'; did you"),
+        ("slide.displacement", "hinge.angle", "given twice, leave one out"),
+        (", rate: 200 mm/s", "", "11: initial.1: gives neither a value nor a rate"),
+    ],
+)
+def test_mistakes_of_the_start(old: str, new: str, sentence: str) -> None:
+    assert old in STARTING
+    text = STARTING.replace(old, new).replace("hinge.angle, rate: 200 mm/s", "hinge.angle, rate: 1")
+    with pytest.raises(InputError) as error:
+        parse_model(text)
+    assert sentence in str(error.value)

@@ -34,7 +34,16 @@ from jousto.mechanism.friction import Friction, Regularised, StickSlip
 from jousto.mechanism.joints import Joint
 from jousto.mechanism.line_load import LineLoad
 from jousto.mechanism.moving import MovingLoad
-from jousto.mechanism.signals import Constant, Input, Product, Ramp, SCurve, Sum, Switched
+from jousto.mechanism.signals import (
+    Constant,
+    ConstantSpeed,
+    Input,
+    Product,
+    Ramp,
+    SCurve,
+    Sum,
+    Switched,
+)
 
 
 class Builder:
@@ -331,6 +340,8 @@ def _signal(signal: Any) -> SignalModel:
         return SignalModel("step", np.array([signal.time, signal.before, signal.after]))
     if isinstance(signal, Constant):
         return SignalModel("constant", np.array([signal.value]))
+    if isinstance(signal, ConstantSpeed):
+        return SignalModel("speed", np.array([signal.offset, signal.speed]))
     if isinstance(signal, Ramp):
         slope = (signal.after - signal.before) / (signal.end - signal.start)
         times = np.array([signal.start, signal.end])

@@ -12,6 +12,7 @@ from jousto.engine.beams import beam_models, beam_shapes, warn_beams
 from jousto.engine.bodies import warn_bodies
 from jousto.engine.builder import Builder
 from jousto.engine.events import event_models, watched_coordinates
+from jousto.engine.initial import started
 from jousto.engine.measure import NOT_UNIQUE, flag_reactions, meter_models, sensor_models
 from jousto.engine.model import (
     BodyModel,
@@ -47,7 +48,8 @@ def compile(mechanism: Mechanism) -> Model:
     Small gaps at joints are closed by projection in the mass metric. Initial velocities that do
     not fit the joints and drives are changed by rigid motions as far as these can, by those of
     least kinetic energy, and by elastic rates only where they must: a machine whose drives move
-    from the start starts as the rigid mechanism moves, without a blow to its modes.
+    from the start starts as the rigid mechanism moves, without a blow to its modes. Values and
+    rates of coordinates (`Initial`) are met likewise.
 
     Parameters
     ----------
@@ -62,7 +64,8 @@ def compile(mechanism: Mechanism) -> Model:
     Raises
     ------
     InputError
-        If a body's mass matrix is singular or joints, couplings and drives contradict each other.
+        If a body's mass matrix is singular, joints, couplings and drives contradict each other, or
+        a start cannot be met.
 
     Warns
     -----
@@ -88,6 +91,8 @@ def compile(mechanism: Mechanism) -> Model:
     for sensor in gauges:  # angles are counted at every step
         if isinstance(sensor, CoordinateSensor | RateSensor):
             builder.declared(sensor.coordinate)
+    for initial in mechanism.initials:
+        builder.declared(initial.coordinate)
     places = {id(joint): i for i, joint in enumerate(mechanism.joints)}
     for friction in mechanism.frictions:  # after all rows that always hold
         builder.friction(friction, places[id(friction.joint)])
@@ -122,6 +127,8 @@ def compile(mechanism: Mechanism) -> Model:
         beams=beam_models(mechanism, index),
         beam_shapes=beam_shapes(mechanism, index),
     )
+    if mechanism.initials:
+        model = started(model, mechanism.initials, builder)
     return _consistent(model)
 
 

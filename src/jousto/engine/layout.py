@@ -24,6 +24,7 @@ SIGNALS = {
     "product": 6,
     "input": 7,
     "switched": 8,
+    "speed": 9,
 }
 COORDINATES = {"axes": 1, "along": 2, "distance": 3, "angle": 4}
 FORCES = {"load": 1, "along": 2, "bushing": 3, "modal load": 4, "user": 5, "moving load": 6}

@@ -45,9 +45,7 @@ def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None
     """
     if np.any(given):
         return None
-    modal = np.zeros(model.nv, dtype=bool)
-    for body in model.bodies:
-        modal[body.iv + 6 : body.iv + 6 + body.n] = True
+    modal = modal_velocities(model)
     nearest = np.array(engine.v)
     scale = max(float(np.abs(nearest).max(initial=0.0)), float(np.abs(given).max(initial=0.0)))
     changed = float(np.abs((nearest - given)[modal]).max(initial=0.0))
@@ -65,6 +63,32 @@ def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None
     engine.v[:] = given
     asked = -np.array(engine.constraints()[1][: len(Cq)])
     engine.v[:] = nearest
+    dv = least_motion(model, engine, Cq, asked)
+    if dv is None:
+        return None
+    v = given + dv
+    engine.v[:] = v
+    fits = engine.residuals()[1] <= FITS * max(1.0, model.size) * max(1.0, scale)
+    engine.v[:] = nearest
+    return v if fits else None
+
+
+def least_motion(model: Model, engine: Engine, Cq: Array, asked: Array) -> Array | None:
+    """Return dv (nv,) with ``Cq dv = asked`` as nearly as possible, elastic rates the least.
+
+    Of all such dv those with the least ``|dp'|``, and of these the one of least ``dv^T M dv``.
+    Increments of the position follow likewise. None where a body has no mass.
+
+    Parameters
+    ----------
+    model : Model
+    engine : Engine
+        At the position of Cq.
+    Cq : (rows, nv) array
+        For [R' (world), w_local, p'] of every body.
+    asked : (rows,) array
+    """
+    modal = modal_velocities(model)
     try:
         L, coupling = _masses(model, engine, modal)
     except np.linalg.LinAlgError:  # a body without mass
@@ -90,13 +114,18 @@ def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None
     shift = sl.solve_triangular(L, coupling @ dp, lower=True)
     wanted = asked - elastic @ dp + weighted @ shift
     x = Vt[:rank].T @ ((U[:, :rank].T @ wanted) / s[:rank])
-    v = given.copy()
-    v[modal] += dp
-    v[~modal] += sl.solve_triangular(L, x - shift, lower=True, trans="T")
-    engine.v[:] = v
-    fits = engine.residuals()[1] <= FITS * max(1.0, model.size) * max(1.0, scale)
-    engine.v[:] = nearest
-    return v if fits else None
+    dv = np.zeros(model.nv)
+    dv[modal] = dp
+    dv[~modal] = sl.solve_triangular(L, x - shift, lower=True, trans="T")
+    return dv
+
+
+def modal_velocities(model: Model) -> NDArray[np.bool_]:
+    """Return which velocities (nv,) are modal."""
+    modal = np.zeros(model.nv, dtype=bool)
+    for body in model.bodies:
+        modal[body.iv + 6 : body.iv + 6 + body.n] = True
+    return modal
 
 
 def _masses(model: Model, engine: Engine, modal: NDArray[np.bool_]) -> tuple[Array, Array]:

@@ -17,6 +17,7 @@ from jousto.mechanism.elements import (
 from jousto.mechanism.event import Event
 from jousto.mechanism.force import Force, Gravity, Load, Torque
 from jousto.mechanism.friction import Friction, Regularised, StickSlip
+from jousto.mechanism.initial import Initial
 from jousto.mechanism.joints import (
     JOINTS,
     ConstantOrientation,
@@ -77,6 +78,7 @@ from jousto.mechanism.sensors import (
 from jousto.mechanism.signals import (
     SIGNALS,
     Constant,
+    ConstantSpeed,
     Harmonic,
     Input,
     Product,
@@ -108,6 +110,7 @@ __all__ = [
     "Bushing",
     "Constant",
     "ConstantOrientation",
+    "ConstantSpeed",
     "Coordinate",
     "CoordinateSensor",
     "DamageSensor",
@@ -134,6 +137,7 @@ __all__ = [
     "Gravity",
     "Ground",
     "Harmonic",
+    "Initial",
     "Input",
     "Joint",
     "JointForce",

@@ -16,6 +16,7 @@ from jousto.mechanism.elements import ELEMENTS, Bushing, ModalLoad, UserForce
 from jousto.mechanism.event import Event
 from jousto.mechanism.force import LOADS, Gravity, Torque
 from jousto.mechanism.friction import Friction, StickSlip
+from jousto.mechanism.initial import Initial
 from jousto.mechanism.joints import Joint
 from jousto.mechanism.line_load import LineLoad
 from jousto.mechanism.marker import Marker
@@ -43,7 +44,7 @@ GAP_TOLERANCE = 1e-6
 
 # all that may be given to a mechanism
 ITEMS = (
-    *(RigidBody, FlexibleBody, BeamBody, Joint, Coupler, Gravity, Friction, Event),
+    *(RigidBody, FlexibleBody, BeamBody, Joint, Coupler, Gravity, Friction, Event, Initial),
     *(*LOADS, *ELEMENTS, *SENSORS),
 )
 
@@ -54,7 +55,7 @@ def kind_of(item: Any) -> str:
         return "beam"
     if isinstance(item, RigidBody | FlexibleBody):
         return "body"
-    if isinstance(item, (Joint, Coupler, Friction, Event, *ELEMENTS)):
+    if isinstance(item, (Joint, Coupler, Friction, Event, Initial, *ELEMENTS)):
         kind: str = item.kind  # type: ignore[attr-defined]
         return kind
     if isinstance(item, LOADS):
@@ -168,7 +169,7 @@ def check_members(problems: Problems, mechanism: Mechanism) -> None:
         if isinstance(event.watch, Coordinate):
             missing(event, event.watch.name, event.watch.a.body)
             missing(event, event.watch.name, event.watch.b.body)
-    for item in (*items, *mechanism.frictions):
+    for item in (*items, *mechanism.frictions, *mechanism.initials):
         for argument, marker in markers_of(item):
             missing(item, argument, marker.body)
         if isinstance(
@@ -243,7 +244,8 @@ def used_joints(mechanism: Mechanism) -> set[int]:
     coordinate they make no sense.
     """
     items = (*mechanism.couplings, *mechanism.forces, *mechanism.sensors, *mechanism.frictions)
-    used = {id(s.joint) for item in items for s in coordinates_of(item)}
+    users = (*items, *mechanism.initials)
+    used = {id(s.joint) for item in users for s in coordinates_of(item)}
     used |= {id(e.watch.joint) for e in mechanism.events if isinstance(e.watch, Coordinate)}
     return used | {id(friction.joint) for friction in mechanism.frictions}
 
@@ -281,9 +283,32 @@ def check_drives(problems: Problems, mechanism: Mechanism) -> None:
                 )
 
 
+def check_initials(problems: Problems, mechanism: Mechanism) -> None:
+    """Note starts that are given twice or by a drive, and those of exact beams."""
+    drives = [item for item in mechanism.couplings if isinstance(item, Drive)]
+    for i, initial in enumerate(mechanism.initials):
+        s = initial.coordinate
+        if any(s.same_as(other.coordinate) for other in mechanism.initials[:i]):
+            problems.add(where(initial), "given twice, leave one out")
+        for drive in drives:
+            if s.same_as(drive.coordinate):
+                problems.add(
+                    where(initial),
+                    f"drive {drive.name!r} gives value and rate of {s.name}; leave this out, or "
+                    "the drive",
+                )
+        if mechanism.beams:
+            problems.add(
+                where(initial),
+                "the nodes of exact beams would not follow as one; give the bodies their pose, "
+                "velocity and angular_velocity instead",
+            )
+
+
 def check_distances(problems: Problems, mechanism: Mechanism) -> None:
     """Note distances between points that coincide: they have no direction."""
-    for item in (*mechanism.couplings, *mechanism.forces, *mechanism.sensors):
+    users = (*mechanism.couplings, *mechanism.forces, *mechanism.sensors, *mechanism.initials)
+    for item in users:
         for s in coordinates_of(item):
             if isinstance(s, Distance) and s.initial <= 1e-12 * mechanism.size:
                 problems.add(
@@ -388,7 +413,7 @@ def turning(item: Any) -> Iterator[tuple[str, Marker]]:
 def check_rotations(problems: Problems, mechanism: Mechanism) -> None:
     """Note items that need the rotation of a node whose part has translations only."""
     items = (*mechanism.joints, *mechanism.couplings, *mechanism.forces, *mechanism.sensors)
-    for item in (*items, *mechanism.frictions):
+    for item in (*items, *mechanism.frictions, *mechanism.initials):
         for argument, marker in turning(item):
             body = marker.body
             if not isinstance(body, FlexibleBody) or marker.node is None:

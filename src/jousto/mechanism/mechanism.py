@@ -19,6 +19,7 @@ from jousto.mechanism.event import Event
 from jousto.mechanism.fields import set_fields
 from jousto.mechanism.force import LOADS, Gravity, Load
 from jousto.mechanism.friction import Friction
+from jousto.mechanism.initial import Initial
 from jousto.mechanism.joints import Joint
 from jousto.mechanism.orientation import Array, readonly, rotation_matrix
 from jousto.mechanism.sensors import SENSORS, Sensor
@@ -31,7 +32,7 @@ class Mechanism:
 
     Parameters
     ----------
-    *items : RigidBody, FlexibleBody, BeamBody, joint, Gravity, Force, Torque, Event or sensor
+    *items : RigidBody, FlexibleBody, BeamBody, joint, Gravity, force, Initial, Event or sensor
         In any order; bodies, joints, forces and sensors keep the order in which they are given.
     name : str
         Name for plots and messages.
@@ -43,6 +44,8 @@ class Mechanism:
         drives, forces all force elements. In bodies stand the nodes of beams in the beam's place.
     beams : tuple of BeamBody
         The beams, in the given order.
+    initials : tuple of Initial
+        Values and rates of coordinates at the start.
     gravity : (3,) array
         Acceleration of free fall, world frame, m/s2; zero without a `Gravity`.
     size : float
@@ -77,6 +80,7 @@ class Mechanism:
     frictions: tuple[Friction, ...]
     events: tuple[Event, ...]
     sensors: tuple[Sensor, ...]
+    initials: tuple[Initial, ...]
     gravity: Array
 
     def __init__(self, *items: Any, name: str = "mechanism") -> None:
@@ -89,6 +93,7 @@ class Mechanism:
             "frictions": tuple(x for x in items if isinstance(x, Friction)),
             "events": tuple(x for x in items if isinstance(x, Event)),
             "sensors": tuple(x for x in items if isinstance(x, SENSORS)),
+            "initials": tuple(x for x in items if isinstance(x, Initial)),
         }
         gravity = [x.acceleration for x in items if isinstance(x, Gravity)]
         set_fields(
@@ -156,6 +161,7 @@ class Mechanism:
         checks.check_joints(problems, self)
         checks.check_rotations(problems, self)
         checks.check_drives(problems, self)
+        checks.check_initials(problems, self)
         checks.check_distances(problems, self)
         checks.check_frictions(problems, self)
         problems.raise_if_any()

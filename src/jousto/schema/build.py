@@ -17,7 +17,7 @@ from jousto.schema import model as sm
 from jousto.schema import parts as sp
 from jousto.schema.beam import build_beam
 from jousto.schema.beams import BeamBodyEntry
-from jousto.schema.connect import build_coupler, build_friction, build_joint
+from jousto.schema.connect import build_coupler, build_friction, build_initial, build_joint
 from jousto.schema.document import Document, Loc
 from jousto.schema.elements import build_load
 from jousto.schema.entries import Entry, MarkerEntry, RotateEntry
@@ -81,6 +81,7 @@ class Builder:
         """Return ``make(*args, **kwargs)``; None with the problems noted if it fails."""
         own = {str(loc[-1]).lower() if loc else "", make.__name__.lower(), make.__qualname__}
         name = kwargs.get("name", args[0] if args else None)
+        name = getattr(name, "name", name)
         result, errors = None, None
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
@@ -454,6 +455,7 @@ class Builder:
         self.late_events = {e.name for e in entry.events or () if watches_late(e, late)}
         couplings = listed("couplings", lambda at, e: build_coupler(self, at, e, by_name, free))
         loads = listed("forces", lambda at, e: build_load(self, at, e, by_name, free))
+        initial = listed("initial", lambda at, e: build_initial(self, at, e, by_name, free))
         frictions = listed("frictions", lambda at, e: build_friction(self, at, e, free))
         known |= {"couplings": named(couplings), "forces": named(loads)}
         known["frictions"] = named(frictions)
@@ -469,7 +471,7 @@ class Builder:
         sensors.sort()
         known["sensors"] = named(sensors)
         events = sorted(events + watched(False))
-        items = [*bodies, *joints, *couplings, *loads, *frictions, *sensors, *events]
+        items = [*bodies, *joints, *couplings, *loads, *frictions, *initial, *sensors, *events]
         if not bodies and (self.found or self.broken):
             return None
         gravity = [] if entry.gravity is None else [jm.Gravity(entry.gravity)]

@@ -32,6 +32,7 @@ COUPLINGS = {"gear": jm.Gear, "rack": jm.Rack, "coupling": jm.Coupling, "drive":
 COORDINATES = {"angle": jm.Angle, "displacement": jm.Displacement, "distance": jm.Distance}
 SIGNALS = {
     "constant": jm.Constant,
+    "constant-speed": jm.ConstantSpeed,
     "harmonic": jm.Harmonic,
     "table": jm.Table,
     "step": jm.Step,
@@ -132,10 +133,33 @@ def build_signal(builder: Builder, loc: Loc, entry: Any, unit: str) -> Any:
     for key in AMOUNTS:
         if key in values:
             values[key] = build_amount(builder, (*loc, key), values[key], unit)
+    if "speed" in values:
+        values["speed"] = build_amount(builder, (*loc, "speed"), values["speed"], per_second(unit))
     if None in values.values():
         return None
     make = SIGNALS[entry.type]  # type: ignore[attr-defined]
     return builder.make(loc, make, **values)
+
+
+def per_second(unit: str) -> str:
+    """Return the SI unit of a rate; "1" where the file has no name for it."""
+    return {"m": "m/s", "rad": "rad/s", "1": "1/s"}.get(unit, "1")
+
+
+def build_initial(
+    builder: Builder, loc: Loc, entry: Any, bodies: dict[str, Any], joints: dict[str, Any]
+) -> Any:
+    """Return the value and rate that a coordinate starts with, None if anything is wrong."""
+    values = entry.given()
+    s = build_coordinate(builder, (*loc, "coordinate"), values.pop("coordinate"), bodies, joints)
+    if s is None:
+        return None
+    for key, unit in (("value", s.unit), ("rate", per_second(s.unit))):
+        if key in values:
+            values[key] = build_amount(builder, (*loc, key), values[key], unit)
+            if values[key] is None:
+                return None
+    return builder.make(loc, jm.Initial, s, **values)
 
 
 def build_coupler(

@@ -106,6 +106,7 @@ SINGULAR = {
     "factors": "signal",
     "forces": "force",
     "frictions": "friction",
+    "initial": "initial",
     "sensors": "sensor",
     "events": "event",
     "sections": "section",

@@ -9,6 +9,7 @@ from pydantic import Field, Tag
 from jousto.schema.beams import BeamBodyEntry, LineLoadEntry
 from jousto.schema.connections import (
     BushingEntry,
+    CoordinateEntry,
     CoordinateForm,
     CouplerEntry,
     FrictionEntry,
@@ -175,6 +176,22 @@ class EventEntry(Entry):
     component: Component | None = Field(None, description="Of a sensor with several")
 
 
+# -- start ----------------------------------------------------------------------------------
+
+
+class InitialEntry(Entry):
+    """`Initial`: value and rate of a coordinate at time 0."""
+
+    coordinate: CoordinateEntry = Field(description="Such as crank.angle")
+    value: Amount | None = Field(None, description="That of the given pose if not given")
+    rate: Amount | None = Field(None, description="Such as 5.24 rad/s, 50 rpm or 0.2 m/s")
+
+    @property
+    def name(self) -> str:
+        """What the coordinate is called."""
+        return str(self.coordinate)
+
+
 # -- simulation and the whole file ----------------------------------------------------------
 
 
@@ -231,6 +248,7 @@ class ModelEntry(Entry):
     couplings: tuple[CouplerEntry, ...] | None = None
     forces: tuple[LoadEntry, ...] | None = None
     frictions: tuple[FrictionEntry, ...] | None = None
+    initial: tuple[InitialEntry, ...] | None = None
     gravity: Acceleration3 | None = None
     sensors: tuple[SensorEntry, ...] | None = None
     events: tuple[EventEntry, ...] | None = None

@@ -23,7 +23,7 @@ from jousto.schema.parts import ReducedEntry
 from jousto.schema.solids import PartEntry
 
 PART_TYPES = ("beam", "members", "frame", "solid", "matrices", "reduced")
-LISTS = ("bodies", "joints", "couplings", "forces", "frictions", "sensors", "events")
+LISTS = ("bodies", "joints", "couplings", "forces", "frictions", "initial", "sensors", "events")
 
 
 @dataclass(frozen=True, eq=False)

@@ -70,6 +70,14 @@ class ConstantEntry(Entry):
     value: Amount
 
 
+class ConstantSpeedEntry(Entry):
+    """`ConstantSpeed`: offset + speed t, from the start."""
+
+    type: Literal["constant-speed"]
+    speed: Amount = Field(description="Per second: rad/s or rpm of an angle, m/s of a length")
+    offset: Amount | None = None
+
+
 class HarmonicEntry(Entry):
     """`Harmonic`: offset + amplitude sin(2 pi frequency t + phase)."""
 
@@ -165,6 +173,7 @@ class SwitchedEntry(Entry):
 
 SignalEntry: TypeAlias = Annotated[
     Annotated[ConstantEntry, Tag("constant")]
+    | Annotated[ConstantSpeedEntry, Tag("constant-speed")]
     | Annotated[HarmonicEntry, Tag("harmonic")]
     | Annotated[TableEntry, Tag("table")]
     | Annotated[StepEntry, Tag("step")]

@@ -2,6 +2,7 @@
 
 from jousto.mechanism.signals.base import (
     Constant,
+    ConstantSpeed,
     Input,
     Product,
     Signal,
@@ -19,6 +20,7 @@ SIGNALS: tuple[type[Signal], ...] = (
     Table,
     Step,
     Constant,
+    ConstantSpeed,
     Ramp,
     SCurve,
     Input,
@@ -30,6 +32,7 @@ SIGNALS: tuple[type[Signal], ...] = (
 __all__ = [
     "SIGNALS",
     "Constant",
+    "ConstantSpeed",
     "Harmonic",
     "Input",
     "Product",

@@ -115,6 +115,44 @@ class Constant(Signal):
 
 
 @dataclass(frozen=True, init=False)
+class ConstantSpeed(Signal):
+    """A straight line without end, ``offset + speed t``: a drive at constant speed from the start.
+
+    The velocities of the mechanism fit it from t = 0 on, and closed loops follow: no ramp is
+    needed.
+
+    Parameters
+    ----------
+    speed : float
+        Rate of what follows the signal: rad/s for an angle, m/s for a displacement.
+    offset : float
+        Value at t = 0.
+
+    Examples
+    --------
+    >>> ConstantSpeed(5.0, offset=1.0)([-1.0, 0.0, 2.0])
+    array([-4.,  1., 11.])
+    """
+
+    speed: float
+    offset: float
+
+    def __init__(self, speed: float, offset: float = 0.0) -> None:
+        problems = Problems()
+        values = {
+            "speed": number(problems, "ConstantSpeed", "speed", speed),
+            "offset": number(problems, "ConstantSpeed", "offset", offset),
+        }
+        problems.raise_if_any()
+        set_fields(self, **values)
+
+    def jet(self, t: Array) -> Jet:
+        """Return value, rate and acceleration."""
+        zero = np.zeros(t.shape)
+        return self.offset + self.speed * t, zero + self.speed, zero
+
+
+@dataclass(frozen=True, init=False)
 class Sum(Signal):
     """The sum of signals and numbers: ``a + b``.
 
