@@ -790,6 +790,9 @@ from .simulation import (
     modes as modes,
 )
 from .simulation import (
+    settled as settled,
+)
+from .simulation import (
     simulate as simulate,
 )
 from .simulation import (

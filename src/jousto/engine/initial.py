@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine.builder import Builder
-from jousto.engine.model import JointModel, LineModel, Model
+from jousto.engine.model import JointModel, LineModel, Model, SignalModel
 from jousto.engine.native import Engine, displaced
 from jousto.engine.ordering import eliminate
 from jousto.engine.redundancy import SHARE, constraint_matrix, dependent_rows, is_drive
@@ -92,7 +92,7 @@ def _with_rows(model: Model, initials: Sequence[Initial], builder: Builder) -> M
     )
 
 
-def _without_events(model: Model) -> tuple[object, ...]:
+def _without_events(model: Model) -> tuple[SignalModel, ...]:
     """Return the signals as they are before any event."""
     return tuple(
         model.signals[signal.children[0]] if signal.kind == "switched" else signal

@@ -232,8 +232,10 @@ class SimulationEntry(Entry):
     t_end: Duration
     solver: SolverEntry | None = None
     output_step: Duration | None = Field(None, description="Distance of the recorded times")
-    start: Literal["initial", "rest"] | None = Field(
-        None, description="From the initial pose, or from the position of rest at time 0"
+    start: Literal["initial", "rest", "settled"] | None = Field(
+        None,
+        description="From the initial pose, from the position of rest at time 0, or with elastic "
+        "bodies bent as the motion bends them",
     )
 
 

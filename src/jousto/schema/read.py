@@ -39,7 +39,8 @@ class Simulation:
     output_step : float or None
         Distance of the recorded times, s; None for the default of `simulate`.
     start : str
-        ``"initial"``, or ``"rest"`` to start from the `equilibrium` near the initial pose.
+        ``"initial"``, ``"rest"`` to start from the `equilibrium` near the initial pose, or
+        ``"settled"`` from `settled`, without vibration.
     """
 
     t_end: float
@@ -57,6 +58,10 @@ class Simulation:
             from jousto.simulation import equilibrium
 
             values["state"] = equilibrium(model)
+        if model is not None and self.start == "settled":
+            from jousto.simulation import settled
+
+            values["state"] = settled(model)
         return {key: value for key, value in values.items() if value is not None}
 
 

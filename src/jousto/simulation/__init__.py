@@ -11,6 +11,7 @@ from jousto.simulation.linear import LinearModel, MechanismModes, linearise, mod
 from jousto.simulation.paths import ArcLength, CriticalPoint, LoadPath, PathFailed, load_path
 from jousto.simulation.records import BodyShape
 from jousto.simulation.rotation import steady_rotation
+from jousto.simulation.settled import settled
 from jousto.simulation.simulate import RunFailed, RunInterrupted, describe, simulate
 from jousto.simulation.simulator import Simulator
 from jousto.simulation.solution import Solution, load
@@ -55,6 +56,7 @@ __all__ = [
     "load",
     "load_path",
     "modes",
+    "settled",
     "simulate",
     "steady_rotation",
 ]
