@@ -256,6 +256,20 @@ def test_a_full_memory_is_never_below_the_exact_count(loads, depth):
         assert small.largest_forced[0] == 0.0
 
 
+@pytest.mark.parametrize(("depth", "most"), [(8, 0.12), (16, 0.047), (32, 0.021), (64, 0.01)])
+def test_a_decay_is_overstated_as_little_as_the_page_says(depth, most):
+    for n in (100, 500, 2000):
+        u = np.arange(n) / n
+        for envelope in (1.0 - u, 0.01**u, 0.1**u):
+            exact, small = meter(depth=2 * n), meter(depth=depth)
+            for one in (exact, small):
+                one.push(200e6 * envelope * (-1.0) ** np.arange(n))
+            for residue in ("half", "repeat"):
+                over = small.damage(residue)[0] / exact.damage(residue)[0] - 1.0
+                # round-off of two sums of 2000 damages
+                assert -1e-12 <= over <= most
+
+
 def test_growing_vibrations_need_no_memory_and_shrinking_ones_are_told():
     n = 2000
     envelope = np.linspace(0.01, 1.0, n) * 200e6
