@@ -388,6 +388,18 @@ typedef struct {
 void jo_plane_damage(const jo_planes *r, const jo_meter *curve, const double *s, long long nt, double *scratch,
                      long long *order, double *damage, long long *plane);
 
+/* States of measured channels (health.c); a value is not there or is, with its `cells` saying why, if not */
+typedef enum { JO_OK_VALUE = 0, JO_DROPOUT = 1, JO_NAN = 2, JO_SATURATED = 3, JO_STUCK = 4, JO_SPIKE = 5, JO_BACK = 6 } jo_value;
+typedef struct {
+    int empty, infinite;    /* numbers in `cells` of nothing there, and of an infinite value */
+    double range, stuck, spike, back;   /* magnitude; samples; usual steps, 0: not; samples */
+    double follow, warm, persist;       /* share of a step in the usual one; samples */
+} jo_health;
+/* x, cells, states (count x n); memory (8 x n): last value, last good one, usual step and samples in it, samples of the same
+ * value and of those in which others changed, samples at a new level, good samples in a row; before (n) */
+void jo_health_check(const jo_health *r, double *memory, const unsigned char *before, const double *x,
+                     const unsigned char *cells, unsigned char *states, long long count, long long n);
+
 /* Stress fields (recover.c), without a model: p (nt x k), S in tiles of JO_LANES sites, (k x rows x JO_LANES) each, the last
  * one filled up with zeros. */
 enum { JO_LANES = 8 };

@@ -133,6 +133,7 @@ class DamageMeter:
         self._library, self._ffi = library.real_library(), library.ffi()
         self._rule = native_rule(self._ffi, rule)
         self._memory = np.zeros((self.n, meter_size(rule)))
+        self._start = self._pointer(self._memory)
         self._scratch = np.zeros(self._library.JO_METER + 2 * rule.depth + 2)
 
     def __repr__(self) -> str:
@@ -186,7 +187,7 @@ class DamageMeter:
         """
         x = self._columns(block)
         self._library.jo_meter_block(
-            self._rule, self._pointer(self._memory), self._pointer(x), len(x), self.n
+            self._rule, self._start, self._ffi.from_buffer("double[]", x), len(x), self.n
         )
 
     def trace(self, samples: ArrayLike) -> Array:

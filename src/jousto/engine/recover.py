@@ -147,8 +147,12 @@ def principal_values(tensors: Array) -> Array:
     s = np.ascontiguousarray(tensors, dtype=np.float64)
     values = np.empty((*s.shape[:-1], 3))
     if s.size:
+        ffi = library.ffi()
         library.real_library().jo_principal(
-            _pointer("double *", s), s.size // 6, _pointer("double *", values), library.ffi().NULL
+            ffi.from_buffer("double[]", s),
+            s.size // 6,
+            ffi.from_buffer("double[]", values),
+            ffi.NULL,
         )
     return values
 

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 import jousto as jo
+from jousto.engine.health import FOLLOW, PERSIST, WARM
 from jousto.recovery.monitor import STATES, ChannelRules, Health
-from jousto.recovery.monitor.stream import EMPTY, NOT_A_NUMBER
+from jousto.recovery.monitor.stream import EMPTY, INFINITE, NOT_A_NUMBER
 
 RULES = ChannelRules(range=1e-3, stuck=20, spike=40.0, back=5)
 N = 400
+OK, DROPOUT, NAN, SATURATED, STUCK, SPIKE, BACK = range(len(STATES))
 
 
 def signal(n=N, nc=3):
@@ -120,3 +122,97 @@ def test_a_range_that_no_gauge_has_is_told():
     """Beyond it the twins refuse values as no strains, which would end a watch."""
     with pytest.raises(jo.InputError, match="must be at most 0.01"):
         ChannelRules(range=0.05)
+
+
+class Plain:
+    """The rules of a channel in plain NumPy, all channels of a sample at once."""
+
+    def __init__(self, n, rules):
+        self.rules, self.state = rules, np.zeros(n, dtype=np.uint8)
+        self._last, self._good = np.full(n, np.nan), np.full(n, np.nan)
+        for name in ("_usual", "_seen", "_same", "_moves", "_level", "_well"):
+            setattr(self, name, np.zeros(n))
+
+    def sample(self, x, cells):
+        rules = self.rules
+        there = np.isfinite(x)
+        state = np.zeros(len(x), dtype=np.uint8)
+        state[~there] = NAN
+        state[cells == EMPTY] = DROPOUT
+        wide = (cells == INFINITE) | (there & (np.abs(x) >= rules.range))
+        state[wide] = SATURATED
+
+        # stuck: the same to the last digit while the others move on
+        same = there & (x == self._last)
+        moved = there & ~same & np.isfinite(self._last)
+        others = moved.sum() > 0
+        self._same = np.where(same, self._same + 1.0, 0.0)
+        self._moves = np.where(same, self._moves + (1.0 if others else 0.0), 0.0)
+        if rules.stuck:
+            state[(state == OK) & (self._moves >= rules.stuck)] = STUCK
+
+        # spike: a jump far beyond the usual steps, until a few samples stay there
+        step = np.abs(x - self._good)
+        if rules.spike:
+            known = (self._seen >= WARM) & np.isfinite(step)
+            limit = rules.spike * np.maximum(self._usual, 1e-12)
+            jump = known & (state == OK) & (step > limit)
+            near = np.isfinite(self._last) & (np.abs(x - self._last) <= limit)
+            self._level = np.where(jump, np.where(near, self._level + 1.0, 1.0), 0.0)
+            state[jump & (self._level < PERSIST)] = SPIKE
+        good = state == OK
+        usual = good & np.isfinite(step)
+        rate = np.maximum(FOLLOW, 1.0 / (1.0 + self._seen))
+        # a believed jump must not make the next one look usual
+        capped = np.where(self._seen >= WARM, np.minimum(step, 4.0 * self._usual + 1e-12), step)
+        self._usual = np.where(usual, self._usual + rate * (capped - self._usual), self._usual)
+        self._seen = np.where(usual, self._seen + 1.0, self._seen)
+        self._good = np.where(good, x, self._good)
+        self._last = np.where(there, x, np.nan)
+
+        # what failed must be well for some samples before it is believed again
+        self._well = np.where(good, self._well + 1.0, 0.0)
+        failed = self.state != OK
+        brief = self.state == SPIKE  # one wild value says nothing of the next
+        state[good & failed & ~brief & (self._well <= rules.back)] = BACK
+        return state
+
+
+def test_the_engine_follows_the_rules_as_they_stand():
+    rng = np.random.default_rng(8)
+    for rules in (
+        RULES,
+        ChannelRules(range=1e-3, stuck=0, spike=0.0, back=0),
+        ChannelRules(range=5e-4, stuck=3, spike=8.0, back=2),
+    ):
+        _, e = signal(1500, 4)
+        e += np.cumsum(rng.normal(size=e.shape), axis=0) * 2e-6
+        cells = np.zeros(e.shape, dtype=np.uint8)
+        for k in rng.integers(100, 1450, 60):  # faults of every kind and length
+            c, long, kind = rng.integers(4), int(rng.integers(1, 40)), rng.integers(6)
+            rows = slice(k, k + long)
+            if kind == 0:
+                e[rows, c] = np.nan
+                cells[rows, c] = rng.choice([EMPTY, NOT_A_NUMBER])
+            elif kind == 1:
+                e[k, c], cells[k, c] = np.inf, INFINITE
+            elif kind == 2:
+                e[rows, c] = e[k, c]
+            elif kind == 3:
+                e[k, c] += rng.normal() * 3e-3
+            elif kind == 4:
+                e[k:, c] += rng.normal() * 3e-4
+            else:
+                e[rows, c] += 2e-3
+        plain, health = Plain(4, rules), Health(["a", "b", "c", "d"], rules)
+        found, changes = health.check(0.01 * np.arange(len(e)), e, cells)
+        told = 0
+        for k, (x, cell) in enumerate(zip(e, cells, strict=True)):
+            before = plain.state
+            plain.state = plain.sample(x, cell)
+            assert plain.state.tolist() == found[k].tolist(), k
+            told += int(np.count_nonzero(plain.state != before))
+        assert told == len(changes) > 50
+        again = Health(["a", "b", "c", "d"], rules)
+        again.load(health.save())
+        np.testing.assert_array_equal(again.save(), health.save())

@@ -143,11 +143,11 @@ class Alarms:
         if limit is None or not len(time):
             return []
         found: list[Alarm] = []
-        with np.errstate(invalid="ignore"):
-            high, held = size >= limit, size >= self.limits.release * limit
+        high = size >= limit
         # places where nothing can begin or end are left out
         if not (high.any() or self._on["stress"].any()):
             return []
+        held = size >= self.limits.release * limit
         for c in np.flatnonzero(high.any(axis=0) | self._on["stress"]):
             on, last = bool(self._on["stress"][c]), self._above[c]
             for k, t in enumerate(time):

@@ -90,14 +90,14 @@ class LifeMeter:
         self.meters["low"].push(self._centre + inner)
         self._sum += stress[seen].sum(axis=0)
         self._number += float(seen.sum())
-        before = np.concatenate([[self._time], time[:-1]])
-        step = time - before
+        step = np.empty(len(time))
+        step[0] = time[0] - self._time
+        np.subtract(time[1:], time[:-1], out=step[1:])
         usual = self._step
-        good = seen & np.isfinite(step)
         if np.isnan(usual) and np.isfinite(step).any():
             usual = float(step[np.isfinite(step)][0])
-        if np.isfinite(usual):
-            good &= step <= PAUSE * usual
+        # nan before the first sample is no step
+        good = seen & (step <= (PAUSE * usual if np.isfinite(usual) else np.inf))
         self.watched += float(step[good].sum())
         self._time, self._step = float(time[-1]), float(usual)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -15,6 +16,7 @@ from jousto.recovery.monitor.estimate import Estimator, estimator_of
 from jousto.recovery.monitor.health import OK, Change, ChannelRules, Health
 from jousto.recovery.monitor.life import Life, LifeMeter
 from jousto.recovery.twin import Observer, Reconstruction, stress_band
+from jousto.recovery.twin.bands import SpotBand
 from jousto.recovery.twin.posterior import Posterior
 from jousto.reduction import ReducedPart, StressModes
 
@@ -156,6 +158,7 @@ class Monitor:
             known.modes[[place[s] for s in spots]],
         )
         stress_band(_nothing(self.modes), self.modes, criterion, level=level)
+        self._band = SpotBand(self.modes, criterion, float(level))
         self.channels = self.estimator.names
         self.spots = spots
         self.criterion = criterion
@@ -209,26 +212,25 @@ class Monitor:
                 "Monitor.push",
                 f"{e.shape[1]} channels, must be {len(self.channels)}: {', '.join(self.channels)}",
             )
-        before = np.concatenate([[self._time], t[:-1]])
-        if np.any(t <= before) or not np.all(np.isfinite(t)):
+        if t[0] <= self._time or not np.isfinite(t).all() or (t[1:] <= t[:-1]).any():
             problems.add("Monitor.push", "time must increase from sample to sample")
         problems.raise_if_any()
         states, changes = self.health.check(t, e, cells)
         p = self.estimator.estimate(t, np.where(states == OK, e, np.nan))
         stress, low, high = (np.full((len(t), len(self.spots)), np.nan) for _ in range(3))
         told = np.isfinite(p.p).all(axis=1)
-        if told.any():
-            used, which = np.unique(p.which[told], return_inverse=True)
-            known = Posterior(t[told], p.p[told], p.covariances[used], which.reshape(-1))
-            band = stress_band(known, self.modes, self.criterion, level=self.level)
-            stress[told], low[told], high[told] = band.value, band.low, band.high
+        for m, P in enumerate(p.covariances):
+            rows = told & (p.which == m)
+            if rows.any():
+                stress[rows], low[rows], high[rows] = self._band(p.p[rows], P)
         alarms = self.alarms.stress(t, np.abs(stress))
         alarms += self.alarms.channels(t, (states == OK).sum(axis=1))
         summaries: list[Summary] = []
         for part in self._intervals(t):
-            if self._number(t[part.start]) != self._interval:
+            number = self._number(float(t[part.start]))
+            if number != self._interval:
                 summaries += self._end(alarms)
-                self._interval = self._number(t[part.start])
+                self._interval = number
             self._count(t[part], stress[part], low[part], high[part])
         alarms.sort(key=lambda alarm: alarm.time)
         return Update(t, states, stress, low, high, tuple(changes), tuple(alarms), tuple(summaries))
@@ -245,13 +247,15 @@ class Monitor:
         return None if self.meter is None else self.meter.life()
 
     def _number(self, t: float) -> float:
-        return float(np.floor((t - self._origin) / self.every + 1e-9))
+        return float(math.floor((t - self._origin) / self.every + 1e-9))
 
     def _intervals(self, t: Array) -> list[slice]:
         if not len(t):
             return []
         if np.isnan(self._origin):
             self._origin, self._interval = float(t[0]), 0.0
+        if self._number(float(t[-1])) == self._interval:
+            return [slice(0, len(t))]
         number = np.floor((t - self._origin) / self.every + 1e-9)
         cuts = [0, *(np.flatnonzero(np.diff(number)) + 1).tolist(), len(t)]
         return [slice(a, b) for a, b in zip(cuts[:-1], cuts[1:], strict=True)]

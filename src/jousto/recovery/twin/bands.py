@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,8 @@ from jousto.reduction import ReducedPart, StressModes
 
 Array = NDArray[np.float64]
 BLOCK_BYTES = 64 << 20
+KEPT = 256
+"""Covariances whose roots a `SpotBand` remembers."""
 DRAWS = 128
 """Points with which the distribution of a criterion is sampled."""
 BENT = 0.05
@@ -194,30 +197,83 @@ def _blocks(
                 yield instants, places, (value, value - spread, value + spread)
             else:
                 s = np.einsum("tj,scj->tsc", p, S[places], optimize=True)
-                yield instants, places, _criterion_band(s, cov, which, criterion, level)
+                yield instants, places, _criterion_band(s, _root(cov)[which], criterion, level)
+
+
+class SpotBand:
+    """Stress of a few sites with its band, sample by sample: what does not change is kept.
+
+    Parameters
+    ----------
+    modes : StressModes
+        Of the sites.
+    criterion, level
+        As of `stress_band`.
+    """
+
+    def __init__(self, modes: StressModes, criterion: Criterion, level: float) -> None:
+        self.n = modes.modes.shape[2]
+        self.S, self.criterion, self.level = modes.modes, criterion, level
+        self._weights = weights(criterion)
+        self._flat = np.ascontiguousarray(self.S.reshape(-1, self.n).T)
+        if self._weights is not None:
+            self._flat = np.ascontiguousarray(np.einsum("c,scj->js", self._weights, self.S))
+        self._kept: dict[bytes, Array] = {}
+
+    def __call__(self, p: Array, P: Array) -> tuple[Array, Array, Array]:
+        """Return value, low and high (k, ns), Pa, of p (k, n) with covariance P (n, n)."""
+        spread = self._spread(P)
+        value = p @ self._flat
+        if self._weights is not None:
+            return value, value - spread, value + spread
+        s = value.reshape(len(p), -1, 6)
+        return _criterion_band(s, spread[None], self.criterion, self.level)
+
+    def _spread(self, P: Array) -> Array:
+        """Return half the width of a linear band (ns,), or roots of the covariance (ns, 6, 6)."""
+        key = P.tobytes()
+        if key not in self._kept:
+            if len(self._kept) >= KEPT:
+                self._kept.clear()
+            if self._weights is not None:
+                z = float(ndtri(0.5 + 0.5 * self.level))
+                variance = np.einsum("js,jk,ks->s", self._flat, P, self._flat)
+                self._kept[key] = z * np.sqrt(np.maximum(variance, 0.0))
+            else:
+                self._kept[key] = _root(self.S @ P @ np.swapaxes(self.S, 1, 2))
+        return self._kept[key]
+
+
+def _root(cov: Array) -> Array:
+    """Return roots (..., 6, 6) of covariances: their columns are independent deviations."""
+    values, vectors = np.linalg.eigh(cov)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :])
 
 
 def _criterion_band(
-    s: Array, cov: Array, which: NDArray[np.intp], criterion: Criterion, level: float
+    s: Array, root: Array, criterion: Criterion, level: float
 ) -> tuple[Array, Array, Array]:
-    """Return value, low and high (nt, ns) of stresses with covariances (m, ns, 6, 6)."""
+    """Return value, low and high (nt, ns) of stresses with roots of covariance (nt, ns, 6, 6)."""
 
     def f(x: Array) -> Array:
         return evaluate(x, criterion)
 
     z = float(ndtri(0.5 + 0.5 * level))
-    value = f(s)
-    # roots of the covariance; differences along them are gradient and curvature
-    values, vectors = np.linalg.eigh(cov)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :]
-    root = root[which]
-    up = f(s[..., None, :] + np.swapaxes(root, -1, -2))
-    down = f(s[..., None, :] - np.swapaxes(root, -1, -2))
+    # differences along the roots are gradient and curvature
+    steps = np.swapaxes(root, -1, -2)
+    middle = s[..., None, :]
+    all_ = f(np.concatenate([middle, middle + steps, middle - steps], axis=-2))
+    value, up, down = all_[..., 0], all_[..., 1:7], all_[..., 7:]
     deviation = np.sqrt(np.sum((0.5 * (up - down)) ** 2, axis=-1))
-    bias = 0.5 * np.sum(up + down - 2.0 * value[..., None], axis=-1)
+    bias = 0.5 * (np.sum(up + down, axis=-1) - 12.0 * value)
     low, high = value - z * deviation, value + z * deviation
-    size = np.sqrt(np.einsum("tscj,tscj->ts", root, root))
-    bent = np.argwhere(np.abs(bias) > BENT * size)
+    value = value.copy()
+    size = np.sqrt(np.sum(root * root, axis=(-2, -1)))
+    far = np.abs(bias) > BENT * size
+    if not far.any():
+        return value, _floored(low, criterion), high
+    bent = np.argwhere(far)
+    root = np.broadcast_to(root, (*s.shape, 6))
     points = _points()
     step = max(1, BLOCK_BYTES // (8 * 6 * len(points)))
     for first in range(0, len(bent), step):
@@ -226,11 +282,14 @@ def _criterion_band(
         drawn.sort(axis=1)
         ends = np.quantile(drawn, [0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level], axis=1)
         low[t, k], value[t, k], high[t, k] = ends
-    if criterion in ("von-mises", "max-shear"):
-        np.maximum(low, 0.0, out=low)
-    return value, low, high
+    return value, _floored(low, criterion), high
 
 
+def _floored(low: Array, criterion: Criterion) -> Array:
+    return np.maximum(low, 0.0) if criterion in ("von-mises", "max-shear") else low
+
+
+@cache
 def _points() -> Array:
     """Return normally distributed points (DRAWS, 6), the same ones always."""
     u = qmc.Sobol(6, scramble=True, rng=1).random(DRAWS)

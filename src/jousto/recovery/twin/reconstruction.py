@@ -238,7 +238,7 @@ class Reconstruction:
         blind = 0
         for m, mask in enumerate(masks):
             rows = np.flatnonzero(which == m)
-            gain = self._gain(mask)
+            gain = self.gain(mask)
             if gain is None:
                 P[m] = np.inf
                 blind += len(rows)
@@ -308,8 +308,11 @@ class Reconstruction:
             warnings.simplefilter("ignore")
             return replace(self, noise=R, discrepancy=discrepancy)
 
-    def _gain(self, mask: NDArray[np.bool_]) -> tuple[Array, Array] | None:
-        """Return gain (n, k) and covariance (n, n) with the gauges of the mask."""
+    def gain(self, mask: NDArray[np.bool_]) -> tuple[Array, Array] | None:
+        """Return gain (n, k) and covariance (n, n) with the k gauges of a mask (ng,).
+
+        None if they cannot tell the modes apart and there is no prior.
+        """
         B, R = self.B[mask], self.noise[np.ix_(mask, mask)]
         if self.prior is not None:
             # the form that needs no inverse of a prior that may be singular
