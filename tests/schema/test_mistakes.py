@@ -283,3 +283,15 @@ def test_a_force_on_the_ground_is_a_warning_with_its_line():
     assert [str(item.message) for item in caught] == [
         "m.yaml:18: forces.0: acts on the ground, it has no effect"
     ]
+
+
+def test_thousands_of_mistakes_are_told_once_each() -> None:
+    n = 3000
+    bodies = "".join(f"  - {{name: b{i}, mass: 1, inertia: [1, 1, 1]}}\n" for i in range(20))
+    joints = "".join(
+        f"  - {{type: spherical, name: j{i}, a: ground.origin, b: c{i}.origin}}\n" for i in range(n)
+    )
+    told = problems(f"bodies:\n{bodies}joints:\n{joints}")
+    assert len(told) == n and all(f"no body 'c{i}'" in told[i] for i in range(n))
+    # likely names are looked for while a person may still read them
+    assert "known: b0" in told[0] and told[-1].endswith(f"no body 'c{n - 1}'")

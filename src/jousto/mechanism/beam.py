@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,6 +27,7 @@ from jousto.mechanism.orientation import (
     rotation_matrix,
 )
 from jousto.names import check_name
+from jousto.parts.members import check_elements
 
 SHARES = {"lumped": 0.0, "corrected": 0.0, "consistent": 1.0}
 MOST_TWIST = 3.0  # rad of an element
@@ -34,6 +36,7 @@ ROTARY = 1.2  # of the inertia that a first moment needs at least
 COARSE = 1.0  # rad that an unstressed element may turn
 WIDE = 5.0  # lengths of a beam that its section may be wide
 ELEMENT_DATA = 79
+SLOW = 1.0  # s of stiffness damping: 1 Hz is far beyond critical
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,12 @@ class BeamDamping:
                 "BeamDamping", name, value, unit, "zero or positive", lambda x: x >= 0.0
             )
         problems.raise_if_any()
+        if self.stiffness > SLOW:
+            warn(
+                "BeamDamping",
+                f"stiffness is {self.stiffness:g} s: a vibration of 1 Hz has the damping ratio "
+                f"{math.pi * self.stiffness:.3g}, and nothing vibrates any more; it is in s",
+            )
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -423,11 +432,7 @@ class BeamBody:
 def _nodes(problems: Problems, where: str, points: ArrayLike, elements: Any) -> Array | None:
     """Return the nodes (n + 1, 3), or note why there are none."""
     given = problems.array(where, "points", points, (None, 3))
-    whole = elements is None or (
-        isinstance(elements, int | np.integer) and not isinstance(elements, bool) and elements >= 1
-    )
-    if not whole:
-        problems.add(where, f"elements is {elements!r}, must be a whole number from 1")
+    whole = elements is None or check_elements(problems, where, elements)
     if given is None:
         return None
     if len(given) < 2:

@@ -8,6 +8,9 @@ from dataclasses import dataclass, field
 
 from jousto.errors import JoustoWarning, Problems
 
+# Pa, a thousand times diamond: stiffer ones leave no digits for the rest of a model
+STIFFEST = 1e15
+
 
 @dataclass(frozen=True)
 class Material:
@@ -56,6 +59,12 @@ class Material:
         where = f"material '{self.name}'" if self.name else "material"
         problems = Problems()
         problems.positive(where, "Young's modulus E", self.E, "Pa")
+        if not problems.found and self.E > STIFFEST:
+            problems.add(
+                where,
+                f"Young's modulus E is {self.E:g} Pa, must be below {STIFFEST:g} Pa: nothing is as"
+                " stiff, and too few digits are left for the rest of the model",
+            )
         if not -1.0 < self.nu <= 0.5:
             problems.add(where, f"Poisson's ratio nu is {self.nu:g}, must be in (-1, 0.5]")
         if not (math.isfinite(self.rho) and self.rho >= 0.0):

@@ -14,8 +14,24 @@ from jousto.parts.beam import default_orientation
 from jousto.parts.material import Material
 from jousto.parts.section import Section
 
+# of one member or beam: a hundred times more than make sense
+MOST_ELEMENTS = 100_000
 # positions closer than this part of the frame's size are one node
 MERGE = 1e-8
+
+
+def check_elements(problems: Problems, where: str, value: Any) -> bool:
+    """Return whether a number of elements is a whole one that can be computed; note if not."""
+    try:
+        good = not isinstance(value, bool) and value == int(value) and value >= 1
+    except (TypeError, ValueError, OverflowError):
+        good = False
+    if not good:
+        problems.add(where, f"elements is {value!r}, must be a whole number from 1")
+    elif value > MOST_ELEMENTS:
+        problems.add(where, f"elements is {value}, must be at most {MOST_ELEMENTS}")
+        return False
+    return good
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,8 +90,7 @@ class Member:
             if not isinstance(value, kind):
                 name = kind.__name__
                 problems.add(where, f"{name.lower()} is {value!r}, must be a {name}")
-        if self.elements != int(self.elements) or self.elements < 1:
-            problems.add(where, f"elements is {self.elements}, must be a whole number from 1")
+        check_elements(problems, where, self.elements)
         if not problems.found and self.length == 0.0:
             problems.add(where, f"has zero length, from {self.start} to {self.end} m with offsets")
         if not problems.found and self.orientation is not None:

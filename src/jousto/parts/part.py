@@ -21,7 +21,7 @@ from jousto.parts.loads import Load, load_vector
 from jousto.parts.mass import MassPoints, PointMass
 from jousto.parts.material import Material
 from jousto.parts.matrices import check_matrices, points_from_blocks, rigid_modes
-from jousto.parts.members import Member, join_members
+from jousto.parts.members import Member, check_elements, join_members
 from jousto.parts.mesh import Mesh
 from jousto.parts.orthotropic import Orthotropic
 from jousto.parts.second_order import SecondOrder
@@ -183,8 +183,7 @@ class Part:
         """
         where, problems = f"part '{name}'", Problems()
         problems.positive(where, "length", length, "m")
-        if elements != int(elements) or elements < 1:
-            problems.add(where, f"elements is {elements}, must be a whole number from 1")
+        check_elements(problems, where, elements)
         problems.raise_if_any()
         n = int(elements)
         nodes = np.zeros((n + 1, 3))

@@ -13,6 +13,10 @@ from jousto.errors import InputError, Problem, Problems, warn
 Array = NDArray[np.float64]
 
 
+# per cent are never more; what is held so firmly does not move
+MOST = 100.0
+
+
 @dataclass(frozen=True)
 class Rayleigh:
     """Damping proportional to mass and stiffness, ``D = alpha M + beta K``.
@@ -123,6 +127,9 @@ def modal_damping(spec: Damping, frequencies: Sequence[float] | Array) -> Array:
         if len(bad):
             value = zeta.flat[bad[0]]
             raise InputError(Problem("damping", f"the ratio {value:g} must be 0 or positive"))
+        if zeta.max(initial=0.0) > MOST:
+            message = f"the ratio {zeta.max():g} must be at most {MOST:g}"
+            raise InputError(Problem("damping", f"{message}: 1 is critical, 2 % is 0.02"))
         if zeta.max(initial=0.0) > 1.0:
             warn("damping", f"the ratio {zeta.max():g} is above 1 (is it in per cent?)")
         D = np.broadcast_to(2.0 * zeta * omega, f.shape).copy()

@@ -29,6 +29,7 @@ from jousto.schema.solid import build_solid
 from jousto.schema.solids import SolidEntry
 
 T = TypeVar("T")
+MOST_HINTS = 100  # problems of a file that come with likely names
 
 
 class Builder:
@@ -64,7 +65,8 @@ class Builder:
         self.broken = set(broken)
         self.rigid = rigid
         self.found: list[tuple[Loc, Problem]] = []
-        self.warnings: list[str] = []
+        self.noted: set[Problem] = set()
+        self.warnings: dict[str, None] = {}  # in their order
         self.events: dict[str, Any] = {}
         self.curves: dict[str, Any] = {}
         self.late_events: set[str] = set()
@@ -74,7 +76,8 @@ class Builder:
     def note(self, loc: Loc, message: str) -> None:
         """Note a problem at a place of the document."""
         problem = Problem(self.document.where(loc), message)
-        if all(problem != other for _, other in self.found):
+        if problem not in self.noted:
+            self.noted.add(problem)
             self.found.append((loc, problem))
 
     def make(self, loc: Loc, make: Callable[..., T], /, *args: Any, **kwargs: Any) -> T | None:
@@ -111,8 +114,7 @@ class Builder:
         place = self.refine(loc, message)
         message = message.removeprefix(f"{place[-1]}: " if place else "")
         text = f"{self.document.where(place)}: {message if colon else where}"
-        if text not in self.warnings:
-            self.warnings.append(text)
+        self.warnings[text] = None
 
     def refine(self, loc: Loc, message: str) -> Loc:
         """Return the path of the field that a message of a constructor begins with."""
@@ -334,11 +336,11 @@ class Builder:
         """Note a reference to nothing, unless it is to an entry that failed itself."""
         sections = (section,) if isinstance(section, str) else section
         if not {(s, n) for s in sections for n in (name, None)} & self.broken:
-            known = [
-                *known,
-                *(str(n) for s, n in sorted(self.broken, key=str) if s in sections and n),
-            ]
-            self.note(loc, f"no {kind} {name!r}{suggest(name, known)}")
+            hint = ""
+            if len(self.found) < MOST_HINTS:  # looking for likely names takes its time
+                broken = (str(n) for s, n in sorted(self.broken, key=str) if s in sections and n)
+                hint = suggest(name, [*known, *broken])
+            self.note(loc, f"no {kind} {name!r}{hint}")
 
     def marker(self, loc: Loc, entry: Any, bodies: dict[str, Any]) -> Any:
         """Return the marker of an entry, None if anything is wrong with it."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from jousto.errors import InputError, Problem, Problems
+from jousto.files import check_file
 
 Loc: TypeAlias = tuple[int | str, ...]
 
@@ -73,14 +74,13 @@ def read_document(path: str | Path) -> Document:
         twice, content that is not a mapping, is nested too deeply or has too many entries.
     """
     path = Path(path)
+    check_file(path)
     if path.is_file() and path.suffix.lower() in (*CAD, *MESHES):
         raise InputError(Problem(path.name, _geometry(path)))
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise InputError(Problem(str(path), "no such file")) from None
-    except IsADirectoryError:
-        raise InputError(Problem(str(path), "is a folder, must be a file")) from None
     except UnicodeDecodeError:
         hint = " (it looks like HDF5)" if is_hdf5(path) else ""
         raise InputError(Problem(str(path), f"is not a text file{hint}")) from None

@@ -248,7 +248,7 @@ class _Degrees:
 
         def check(value: Any) -> float:
             text = f"{value}" if isinstance(value, str) else ""
-            plain = re.fullmatch(r"\s*([-+.\deE]+)\s*(?:deg|°)?\s*", text)
+            plain = re.fullmatch(r"([-+.\deE]+)\s*(?:deg|°)?", text.strip())
             try:
                 if plain or not text:
                     return quantity(plain.group(1) if plain else value, "1")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import warnings
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -168,7 +169,7 @@ def build_model(
     return ModelFile(mechanism, simulation, document.text, fatigue, monitor)
 
 
-def finish(document: Document, found: list[tuple[Loc, Problem]], messages: list[str]) -> None:
+def finish(document: Document, found: list[tuple[Loc, Problem]], messages: Iterable[str]) -> None:
     """Issue the warnings, then raise the problems in the order of the file."""
     for message in messages:
         warnings.warn(JoustoWarning(message), stacklevel=4)

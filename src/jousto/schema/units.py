@@ -92,9 +92,7 @@ COMMON = ("mm", "cm", "m", "g", "kg", "t", "ms", "s", "min", "h", "day", "year",
           "bar", "psi", "ksi", "in", "ft", "lb", "lbf", "J", "percent", "g0", "kg/m3", "g/cm3",
           "m/s", "m/s2", "rad/s", "deg/s", "kg m2", "mm4")  # fmt: skip
 
-NUMBER = re.compile(
-    r"\s*([-+]?(?:\d[\d_]*\.?[\d_]*|\.\d[\d_]*)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$", re.S
-)
+NUMBER = re.compile(r"\s*([-+]?(?:\d[\d_]*\.?[\d_]*|\.\d[\d_]*)(?:[eE][-+]?\d+)?)\s*(.*)", re.S)
 TOO_LARGE = "is too large, must be below 1e308"
 SUPERSCRIPTS = str.maketrans("⁻¹²³⁴", "-1234")
 
@@ -168,7 +166,7 @@ def quantity(value: Any, unit: str) -> float:
     kind = KINDS[unit]
     example = "" if unit == "1" else f" such as 3 or '3 {unit}'"
     if isinstance(value, str):
-        match = NUMBER.match(value)
+        match = NUMBER.match(value.strip())
         if match is None and value.strip().lower().lstrip("+-.") in ("nan", "inf", "infinity"):
             raise UnitError(f"is {value}, must be finite")
         if match is None:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.errors import InputError, Problem, Problems, suggest
+from jousto.files import check_file
 from jousto.mechanism.fields import number, set_fields
 from jousto.mechanism.orientation import Array
 from jousto.mechanism.signals.base import Jet, Signal
@@ -306,6 +307,7 @@ def read_columns(
     path: Path, columns: tuple[str | int, ...], delimiter: str | None
 ) -> list[list[float]]:
     """Return columns of numbers of a text file; see `Table.from_csv`."""
+    check_file(path)
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:

@@ -224,13 +224,14 @@ def _cards(path: Path, depth: int) -> Iterator[_Card]:
             continue
         if re.match(r"\s*ENDDATA", line, re.IGNORECASE):
             break
-        include = re.match(r"\s*INCLUDE\s+'?([^']+?)'?\s*$", line, re.IGNORECASE)
+        include = re.match(r"\s*INCLUDE\s+(\S.*)", line, re.IGNORECASE)
         if include:
-            inner = path.parent / include[1]
+            title = include[1].strip("'").strip()
+            inner = path.parent / title
             if not inner.is_file():
                 where = f"{path.name}:{i + 1}"
                 raise InputError(
-                    Problem(where, f"the included file '{include[1]}' is not there; keep it beside")
+                    Problem(where, f"the included file '{title}' is not there; keep it beside")
                 )
             if card is not None:
                 yield card

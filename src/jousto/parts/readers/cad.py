@@ -56,7 +56,7 @@ def step_unit(data: bytes) -> float:
     text = re.sub(rb"\s+", b"", data)
     # inches and feet are conversions of millimetres or metres
     found = re.search(
-        rb"LENGTH_UNIT\(\)[^;]*?CONVERSION_BASED_UNIT\('(\w+)'|"
+        rb"LENGTH_UNIT\(\)[^;]{0,400}?CONVERSION_BASED_UNIT\('(\w+)'|"
         rb"CONVERSION_BASED_UNIT\('(\w+)',#\d+\)LENGTH_UNIT",
         text,
     )

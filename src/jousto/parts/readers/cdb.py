@@ -103,6 +103,8 @@ def read_cdb(path: Path) -> RawMesh:
         raw.node_sets[title.strip()] = [np.asarray(members, dtype=np.int64)]
     for title, members in archive["element_components"].items():
         raw.element_sets[title.strip()] = [np.asarray(members, dtype=np.int64)]
+    for code, n in others.items():
+        raw.unread[f"{code}"] += n
     if others:
         names = some([f"{n} of type {code}" for code, n in others.items()])
         raw.left_out.append((path.name, f"elements not read: {names}"))
@@ -136,7 +138,7 @@ def _announced(path: Path) -> tuple[int, int]:
     """Return how many nodes and elements the archive announces (0: it does not say)."""
     data, out = path.read_bytes(), []
     for name in (b"NBLOCK", b"EBLOCK"):
-        line = re.search(rb"^\s*%s\b[^\r\n]*[\r\n]" % name, data, re.MULTILINE | re.IGNORECASE)
+        line = re.search(rb"^[ \t]*%s\b[^\r\n]*[\r\n]" % name, data, re.MULTILINE | re.IGNORECASE)
         if line is None:
             raise InputError(
                 Problem(

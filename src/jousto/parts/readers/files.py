@@ -12,6 +12,7 @@ from importlib import import_module
 from pathlib import Path
 
 from jousto.errors import InputError, Problem, suggest, warn
+from jousto.files import check_file
 from jousto.parts.mesh import Mesh
 from jousto.parts.readers.raw import RawMesh
 
@@ -62,13 +63,13 @@ FORMATS = (
         "an Ansys archive",
         (".cdb",),
         "cdb.read_cdb",
-        (rb"^\s*/(COM|PREP7|TITLE)\b", rb"^\s*(NBLOCK|EBLOCK|\*USE_RDB)\b"),
+        (rb"^[ \t]*/(COM|PREP7|TITLE)\b", rb"^[ \t]*(NBLOCK|EBLOCK|\*USE_RDB)\b"),
     ),
     Format(
         "an Abaqus or CalculiX input file",
         (".inp",),
         "inp.read_inp",
-        (rb"^\s*\*\s*(HEADING|NODE|PART|INCLUDE|ELEMENT|NSET)\b",),
+        (rb"^[ \t]*\*[ \t]*(HEADING|NODE|PART|INCLUDE|ELEMENT|NSET)\b",),
     ),
     Format(
         "a Nastran bulk data file",
@@ -77,6 +78,9 @@ FORMATS = (
         (rb"^(BEGIN\s+BULK|GRID[ *,]|SOL\s+\w+|CEND|CORD|CTETRA|CHEXA|MAT1|PSOLID)",),
     ),
 )
+# text of meshes is packed to a fifth or tenth of its size
+MOST_PACKED = 100
+LARGEST_UNPACKED = 1 << 26  # bytes that are unpacked at any ratio
 _MESHED = (
     "a %s file: name it STEM.%s and mesh it, jousto mesh STEM.%s --size '8 mm' or"
     " jo.mesh_step(path, size=...)"
@@ -148,8 +152,7 @@ def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None
 
 def exists(path: Path) -> None:
     """Raise if there is no such file, with the nearest name in its folder."""
-    if path.is_dir():
-        raise InputError(Problem(path.name, "is a folder, a file is needed"))
+    check_file(path)
     if not path.is_file():
         near = [file.name for file in path.parent.glob("*")] if path.parent.is_dir() else []
         hint = suggest(path.name, near) if near else f"; there is no folder '{path.parent}'"
@@ -200,14 +203,23 @@ def unit_factor(where: str, unit: str) -> float:
 
 def _unpacked(path: Path, unit: str, name: str | None) -> Mesh:
     """Read a file compressed by gzip through an unpacked copy."""
-    import shutil
     import tempfile
 
     with tempfile.TemporaryDirectory() as folder:
         inner = Path(folder) / path.stem
         try:
+            most = LARGEST_UNPACKED + MOST_PACKED * path.stat().st_size
             with gzip.open(path, "rb") as packed, open(inner, "wb") as copy:
-                shutil.copyfileobj(packed, copy)
+                while piece := packed.read(1 << 20):
+                    copy.write(piece)
+                    if copy.tell() > most:
+                        raise InputError(
+                            Problem(
+                                path.name,
+                                f"unpacks to more than {MOST_PACKED} times its size, as no mesh "
+                                "does; unpack it yourself if that is right",
+                            )
+                        )
         except (OSError, EOFError) as error:
             raise InputError(Problem(path.name, f"cannot be unpacked: {error}")) from None
         return read_mesh(inner, unit=unit, name=name or Path(path.stem).stem)

@@ -35,6 +35,7 @@ _LINES = {"B31": "line", "B21": "line", "T3D2": "line", "T2D2": "line", "R3D2": 
     "T2D3": "line3",
 }
 _SIDE = re.compile(r"S(\d)$|(SPOS|SNEG|SP|SN)$", re.IGNORECASE)
+_FROM_FILES = ("INCLUDE", "NODE", "ELEMENT", "NSET", "ELSET")
 _GENERATORS = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY")
 
 
@@ -167,7 +168,8 @@ def _blocks(path: Path, depth: int) -> Iterator[_Block]:
 def _opened(block: _Block, depth: int) -> Iterator[_Block]:
     """Yield the block itself or what the file holds that it points to."""
     target = block.parameters.get("INPUT")
-    if target is None:
+    # of other keywords it is a results file or such, as for *SUBMODEL
+    if target is None or block.keyword not in _FROM_FILES:
         yield block
         return
     path = block.path.parent / target.strip('"')
@@ -232,7 +234,7 @@ def _nodes(block: _Block) -> tuple[Ints, Floats]:
     for i, row in enumerate(rows):  # coordinates may be blank or left out at the end
         try:
             values = [_real(word) for word in row[1:4]]
-            if not values:
+            if not any(word.strip() for word in row[1:4]):
                 raise ValueError
         except ValueError:
             found = ",".join(row)[:40]
@@ -318,9 +320,11 @@ def _elements(block: _Block, raw: RawMesh, names: _Names) -> None:
     if kind is None:
         found = f"{count(len(block.lines), 'element')} of type {etype or '(none)'}"
         raw.left_out.append((block.where, f"{found} not read; see Part.solid for point masses"))
+        raw.unread[etype or "(none)"] += len(block.lines)
         return
-    values = _whole(block, _tokens(block))
     wide = KINDS[kind] + 1
+    _check_lines(block, etype, wide)
+    values = _whole(block, _tokens(block))
     if len(values) % wide:
         raise InputError(
             Problem(
@@ -336,6 +340,22 @@ def _elements(block: _Block, raw: RawMesh, names: _Names) -> None:
     raw.cells.append(RawCells(kind, nodes, ids))
     if title := block.parameters.get("ELSET"):
         raw.element_sets.setdefault(names(title), []).append(ids)
+
+
+def _check_lines(block: _Block, etype: str, wide: int) -> None:
+    """Refuse an element with more numbers than it has nodes; the next would take what is left."""
+    held = 0
+    for line in block.lines:
+        words = len(line.replace(",", " ").split())
+        held = words if held >= wide else held + words
+        if held > wide:
+            raise InputError(
+                Problem(
+                    block.where,
+                    f"'{line.strip()[:40]}' has too many numbers for a {etype}: number and"
+                    f" {wide - 1} nodes; is the type right?",
+                )
+            )
 
 
 def _set(block: _Block, raw: RawMesh, names: _Names) -> None:

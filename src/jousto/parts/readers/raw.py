@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -46,6 +47,8 @@ class RawMesh:
     materials: dict[str, str] = field(default_factory=dict)
     # what was left out: place and sentence
     left_out: list[tuple[str, str]] = field(default_factory=list)
+    # elements of kinds that are not read, by the name of their type
+    unread: Counter[str] = field(default_factory=Counter)
 
     def numbers(self, nodes: bool) -> Ints:
         """Return the numbers of all nodes, or of all elements."""
@@ -73,6 +76,15 @@ class RawMesh:
             else:
                 blocks.append(Cells(block.kind, found, block.ids, block.material))
         problems.raise_if_any()
+        if not blocks and self.unread:
+            types = some([f"{name} ({number})" for name, number in self.unread.most_common()])
+            raise InputError(
+                Problem(
+                    where,
+                    f"holds elements of type {types} only, which are not read; read are "
+                    f"{' '.join(SOLIDS)}, besides shells, beams and trusses for their names",
+                )
+            )
         if not blocks:
             raise InputError(Problem(where, "holds no elements; is the file complete?"))
 
@@ -195,6 +207,10 @@ class RawMesh:
                         parts.append(block.nodes[at[here]])
                         continue
                     if block.kind not in SOLIDS:
+                        if here.any():
+                            named = some([str(i) for i in members[here]])
+                            sentence = f"faces of element {named} not read: a {block.kind} has none"
+                            self.left_out.append((f"{where}: surface '{title}'", sentence))
                         continue
                     known = faces(block.kind)
                     wrong = here & ((sides < 0) | (sides >= len(known)))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, Problems, suggest, warn
+from jousto.files import check_file
 from jousto.recovery.gauges.order import ordered
 from jousto.recovery.gauges.record import GAP, Record, record_of, too_large
 from jousto.recovery.gauges.table import read_table
@@ -74,8 +75,7 @@ def read_record(
     if not file.exists():
         near = suggest(file.name, [p.name for p in file.parent.glob("*") if p.is_file()])
         raise InputError(Problem(where, f"there is no such file{near if 'mean' in near else ''}"))
-    if file.is_dir():
-        raise InputError(Problem(where, "is a folder, not a record"))
+    check_file(file)
     with file.open("rb") as opened:
         head = opened.read(8)
     if not head:

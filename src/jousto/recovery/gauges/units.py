@@ -89,8 +89,8 @@ def split_label(text: str) -> tuple[str, str | None]:
     >>> split_label("Gauge 1 (µm/m)"), split_label("tip.x")
     (('Gauge 1', 'µm/m'), ('tip.x', None))
     """
-    found = re.fullmatch(r"(.*?)\s*[\[({]\s*([^\[\](){}]*)\s*[\])}]\s*", text.strip())
-    if found and found[1]:
+    found = re.fullmatch(r"(.*)[\[({]([^\[\](){}]*)[\])}]", text.strip())
+    if found and found[1].strip():
         return found[1].strip(), found[2].strip()
     return text.strip(), None
 

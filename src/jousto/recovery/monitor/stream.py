@@ -568,8 +568,12 @@ def _told(line: tuple[int, bytes]) -> bool:
 
 
 def _name_and_unit(cell: str) -> tuple[str, str]:
-    found = re.fullmatch(r"(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]", cell)
-    return (found[1], found[2]) if found else (cell, "")
+    if not cell.endswith(("]", ")")):
+        return cell, ""
+    # the first bracket that opens after the last one that closes before
+    start = max(cell.rfind("]", 0, -1), cell.rfind(")", 0, -1)) + 1
+    at = min((i for i in (cell.find("[", start), cell.find("(", start)) if i >= 0), default=-1)
+    return (cell[:at].rstrip(), cell[at + 1 : -1].strip()) if at >= 0 else (cell, "")
 
 
 def _text(raw: bytes) -> str:

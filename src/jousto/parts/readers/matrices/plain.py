@@ -13,6 +13,8 @@ from jousto.parts._arrays import Floats, Sparse, as_csr
 from jousto.parts.readers.matrices.text import from_triplets, read_text, refuse
 
 HARWELL_BOEING = (".hb", ".rb", ".rsa", ".rua")
+MOST_EMPTY = 100_000
+"""Rows that a matrix may have without any entry."""
 SUFFIXES = (".mtx", ".npz", ".npy", *HARWELL_BOEING)
 
 
@@ -35,6 +37,7 @@ def read_plain(path: Path) -> Sparse:
         if suffix == ".mtx":
             import scipy.io
 
+            _check_header(path)
             matrix = scipy.io.mmread(path, spmatrix=False)
         elif suffix == ".npz":
             matrix = sp.load_npz(path)
@@ -55,6 +58,30 @@ def read_plain(path: Path) -> Sparse:
         if type(error).__module__.startswith("jousto"):
             raise
         raise refuse(path, f"is no {kind} file, or it is damaged: {error}") from None
+
+
+def _check_header(path: Path) -> None:
+    """Refuse a Matrix Market file that says it is larger than what it holds."""
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        kind = file.readline(1024).lower()
+        line = file.readline(1 << 16)
+        while line.startswith(b"%") or (line and not line.strip()):
+            line = file.readline(1 << 16)
+    numbers = [int(word) for word in line.split() if word.isdigit()]
+    sparse = b"array" not in kind
+    if len(numbers) < 2 or (sparse and len(numbers) < 3):
+        return  # the reader says what is wrong
+    rows, columns = numbers[:2]
+    entries = numbers[2] if sparse else rows * columns // (1 if b"general" in kind else 2)
+    # an entry is "1 1 1" and a line end at least, or "1" in a full matrix
+    if entries * (6 if sparse else 2) > size + 2:
+        raise refuse(path, f"announces {entries} entries, but has {size} bytes; is it cut off?")
+    # each direction of a stiffness or mass matrix has an entry
+    if sparse and max(rows, columns) > MOST_EMPTY + 100 * entries:
+        raise refuse(
+            path, f"announces {rows} x {columns} with {entries} entries; is its header damaged?"
+        )
 
 
 def is_pair(path: Path) -> bool:

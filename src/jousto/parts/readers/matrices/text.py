@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from jousto.errors import InputError, Problem
+from jousto.files import check_file
 from jousto.parts._arrays import Floats, Ints, Sparse, as_csr
 
 
@@ -25,6 +26,7 @@ def read_text(path: Path) -> str:
     InputError
         If there is no such file, it is empty, or it is no text.
     """
+    check_file(path)
     if not path.is_file():
         raise InputError(Problem("", f"no such file {str(path)!r}"))
     data = path.read_bytes()
