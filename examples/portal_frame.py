@@ -51,9 +51,9 @@ def frame(modes: int) -> jo.Mechanism:
         return jo.reduce(part, jo.CraigBampton(("start", "end"), modes=min(modes, every)))
 
     up, across = reduced(HEIGHT, 4), reduced(WIDTH, 6)
-    left = jo.FlexibleBody("left", up, orientation=jo.Rotate((0, 1, 0), -90.0))
+    left = jo.FlexibleBody("left", up, orientation=jo.Rotate((0, 1, 0), degrees=-90.0))
     beam = jo.FlexibleBody("beam", across, position=(0, 0, HEIGHT))
-    turned = jo.Rotate((0, 1, 0), 90.0)
+    turned = jo.Rotate((0, 1, 0), degrees=90.0)
     right = jo.FlexibleBody("right", up, position=(WIDTH, 0, HEIGHT), orientation=turned)
     joints = [
         jo.Fixed("left foot", jo.ground["origin"], left["start"]),

@@ -44,7 +44,7 @@ def squeezer() -> jo.Mechanism:
     bodies: dict[str, jo.RigidBody] = {}
     joints = []
     for bar, (heading, mass, inertia, centre, points) in BARS.items():
-        turn = jo.Rotate(Z, np.degrees(heading))
+        turn = jo.Rotate(Z, degrees=np.degrees(heading))
         held = HELD[bar]
         at = bodies[held]["end"] if held in bodies else jo.ground.at((*GROUND[held], 0.0))
         bodies[bar] = jo.RigidBody(

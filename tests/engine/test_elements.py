@@ -92,7 +92,7 @@ def test_a_bushing_is_three_springs_along_axes_and_one_about_them():
 
     def pair():
         one = body("one", velocity=(0.1, 0.2, 0.3), angular_velocity=(0, 0, 0.7))
-        two = body("two", (0.6, 0.3, 0.2), orientation=jo.Rotate((0, 0, 1), 20.0))
+        two = body("two", (0.6, 0.3, 0.2), orientation=jo.Rotate((0, 0, 1), degrees=20.0))
         return one, two, one.at((0.2, 0.1, 0.0)), two.at((-0.3, 0.0, 0.1))
 
     one, two, a, b = pair()
@@ -110,7 +110,7 @@ def test_a_bushing_is_three_springs_along_axes_and_one_about_them():
 
 
 def test_the_preload_of_a_bushing_acts_on_b_in_the_axes_of_a():
-    one = body("one", orientation=jo.Rotate((0, 0, 1), 90.0))
+    one = body("one", orientation=jo.Rotate((0, 0, 1), degrees=90.0))
     two = body("two")
     preload = (4.0, 0.0, 0.0, 0.0, 0.0, 2.0)
     _, a = start(one, two, Bushing("b", one["origin"], two["origin"], 0.0, preload=preload))
@@ -168,7 +168,7 @@ def test_a_modal_load_is_the_nodal_forces_that_follow():
 
 
 def test_a_user_force_acts_at_its_marker_in_the_reference():
-    one = body("one", orientation=jo.Rotate((0, 0, 1), 90.0))
+    one = body("one", orientation=jo.Rotate((0, 0, 1), degrees=90.0))
     two = body("two", (0.5, 0, 0))
     wind = UserForce("wind", two["origin"], lambda t, x: [4.0, 0, 0, 0, 0, 0], one["origin"])
     _, a = start(one, two, wind)

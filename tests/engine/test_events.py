@@ -98,7 +98,7 @@ def pendulum(*events, start=1.0):
         1.0,
         (1e-6,) * 3,
         center=(0, -1, 0),
-        orientation=jo.Rotate((0, 0, 1), np.degrees(start)),
+        orientation=jo.Rotate((0, 0, 1), degrees=np.degrees(start)),
     )
     hinge = jo.Revolute("hinge", jo.ground["origin"], rod["origin"], (0, 0, 1))
     made = [make(hinge) for make in events]
@@ -132,7 +132,7 @@ def test_an_event_that_never_happens_changes_nothing():
 
 def test_a_watched_reaction_stops_the_run_where_it_reaches_its_limit():
     rod = jo.RigidBody(
-        "rod", 1.0, (0.1,) * 3, center=(0, -1, 0), orientation=jo.Rotate((0, 0, 1), 90.0)
+        "rod", 1.0, (0.1,) * 3, center=(0, -1, 0), orientation=jo.Rotate((0, 0, 1), degrees=90.0)
     )
     hinge = jo.Revolute("hinge", jo.ground["origin"], rod["origin"], (0, 0, 1))
     reaction = jo.ReactionSensor("reaction", hinge)

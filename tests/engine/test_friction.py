@@ -39,7 +39,7 @@ def machine(kind, *, flexible=True, law=None, spin=True, friction=True, extra=()
     own = w + (3.0 * axis if kind != "prismatic" else 0.0) * spin
     v = np.cross(w, end) + (0.6 * axis if kind != "revolute" else 0.0) * spin
     pose = {"position": end, "velocity": v, "angular_velocity": own}
-    pose["orientation"] = jo.Rotate((0.3, 1.0, 0.2), 50.0)
+    pose["orientation"] = jo.Rotate((0.3, 1.0, 0.2), degrees=50.0)
     if flexible:
         b = jo.FlexibleBody("arm", rod(), **pose)
     else:

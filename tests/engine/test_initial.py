@@ -20,7 +20,7 @@ def bar(name: str, first: np.ndarray, last: np.ndarray, flexible: bool) -> jo.Fl
     along = last - first
     length = float(np.hypot(*along))
     angle = float(np.degrees(np.arctan2(along[1], along[0])))
-    pose = {"position": (*first, 0.0), "orientation": jo.Rotate(Z, angle)}
+    pose = {"position": (*first, 0.0), "orientation": jo.Rotate(Z, degrees=angle)}
     if flexible:
         part = jo.Part.beam(length, jo.Rectangle(0.02, 0.004), 4, jo.Material(210e9, 0.3, 7850.0))
         reduced = jo.reduce(part, jo.CraigBampton(("start", "end"), modes=2))

@@ -169,7 +169,7 @@ def fourbar(**options: object) -> list[object]:
         (0.02, 0.6, 0.6),
         center=(1.0, 0, 0),
         position=(*B, 0.0),
-        orientation=jo.Rotate((0, 0, 1), angle),
+        orientation=jo.Rotate((0, 0, 1), degrees=angle),
     )
     rocker = jo.RigidBody(
         "rocker",
@@ -177,7 +177,7 @@ def fourbar(**options: object) -> list[object]:
         (0.02, 0.3, 0.3),
         center=(0.75, 0, 0),
         position=(*D, 0.0),
-        orientation=jo.Rotate((0, 0, 1), back),
+        orientation=jo.Rotate((0, 0, 1), degrees=back),
     )
     z = (0, 0, 1)
     joints = [

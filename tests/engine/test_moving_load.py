@@ -103,7 +103,7 @@ def test_beyond_the_ends_there_is_no_force(s: float):
 
 def test_it_turns_with_the_body_if_it_follows():
     body = bridge()
-    turned = jo.FlexibleBody("beam", body.reduced, orientation=jo.Rotate((0, 1, 0), 30.0))
+    turned = jo.FlexibleBody("beam", body.reduced, orientation=jo.Rotate((0, 1, 0), degrees=30.0))
     load = jo.MovingLoad("load", turned, ("start", "end"), (0, 0, 1.0), 1.0, follow=True)
     pivot = jo.Spherical("pivot", jo.ground["origin"], turned["start"])
     model = jo.compile(jo.Mechanism(turned, pivot, load, jo.ForceSensor("force", load)))

@@ -52,9 +52,10 @@ def moving(reduced):
     arm = jo.FlexibleBody("arm", reduced, angular_velocity=(0.5, -1.0, 2.0), damping=0.01)
     hand = jo.FlexibleBody(
         "hand", reduced, position=(1.0, 0, 0), velocity=(0.0, 2.0, 1.0),
-        angular_velocity=(1.0, 0.5, 3.0), orientation=jo.Rotate((1, 2, 3), 20.0),
+        angular_velocity=(1.0, 0.5, 3.0), orientation=jo.Rotate((1, 2, 3), degrees=20.0),
     )  # fmt: skip
-    tip, seat = hand["end"].turned(jo.Rotate((1, 1, 0), 30)), arm["node3"].turned(jo.Rotate(Z, 50))
+    tip = hand["end"].turned(jo.Rotate((1, 1, 0), degrees=30))
+    seat = arm["node3"].turned(jo.Rotate(Z, degrees=50))
     pairs = (
         ("position", jo.PositionSensor), ("velocity", jo.VelocitySensor),
         ("acceleration", jo.AccelerationSensor), ("turn", jo.OrientationSensor),
@@ -180,7 +181,7 @@ def test_a_turning_arm_feels_the_centripetal_acceleration_in_its_own_axes():
     spin, radius, turn = 3.0, 0.8, 35.0
     arm = jo.RigidBody(
         "arm", 2.0, (0.3, 0.3, 0.3), center=(0.4, 0, 0), markers={"tip": (radius, 0, 0)},
-        orientation=jo.Rotate(Z, turn), angular_velocity=(0, 0, spin),
+        orientation=jo.Rotate(Z, degrees=turn), angular_velocity=(0, 0, spin),
     )  # fmt: skip
     hinge = jo.Revolute("hinge", jo.ground["origin"], arm["origin"], Z)
     found = start(
@@ -221,7 +222,7 @@ def test_coriolis_and_euler_terms_of_an_observer_on_a_turntable():
 
 def test_forces_on_a_free_body_add_up_to_its_mass_times_acceleration():
     """m a = sum F and J w' = sum M + sum r x F about the centre of mass, w = 0."""
-    body = ball(orientation=jo.Rotate((1, 2, 3), 40.0))
+    body = ball(orientation=jo.Rotate((1, 2, 3), degrees=40.0))
     ground, tip, origin = jo.ground.at((0.1, 0.2, 0.9)), body["tip"], body["origin"]
 
     def thrust(t, x):
@@ -255,7 +256,7 @@ def test_forces_on_a_free_body_add_up_to_its_mass_times_acceleration():
 
 
 def test_a_force_that_follows_keeps_its_components_in_the_axes_it_follows():
-    body = ball(orientation=jo.Rotate((1, 2, 3), 40.0))
+    body = ball(orientation=jo.Rotate((1, 2, 3), degrees=40.0))
     push = jo.Force("push", body["tip"], (5.0, 1.0, -2.0), follow=True)
     twist = jo.Torque("twist", body["tip"], (1.0, 2.0, 3.0), follow=True)
     axes = {"resolved_in": body["tip"]}
@@ -320,7 +321,7 @@ def test_friction_of_a_cylindrical_joint_has_two_parts():
 
 def test_modal_load_gives_its_resultant():
     part = rod()
-    body = jo.FlexibleBody("body", part, orientation=jo.Rotate(Z, 90.0))
+    body = jo.FlexibleBody("body", part, orientation=jo.Rotate(Z, degrees=90.0))
     pattern = np.zeros((len(part.nodes), 3))
     pattern[2], pattern[-1] = (0.0, 4.0, 0.0), (1.0, 2.0, 3.0)
     load = jo.ModalLoad("load", body, pattern, jo.Constant(0.5))
@@ -342,10 +343,11 @@ def test_pendulum_reaction_in_joint_axes(degrees):
     mass, c, J, g, spin = 2.0, 0.9, 0.3, 9.81, 1.7
     th = np.deg2rad(degrees)
     bar = jo.RigidBody(
-        "bar", mass, (0.2, 0.2, J), center=(c, 0, 0), orientation=jo.Rotate(Z, degrees - 90.0),
+        "bar", mass, (0.2, 0.2, J), center=(c, 0, 0),
+        orientation=jo.Rotate(Z, degrees=degrees - 90.0),
         angular_velocity=(0, 0, spin),
     )  # fmt: skip
-    seat = jo.ground["origin"].turned(jo.Rotate(Z, 20.0))
+    seat = jo.ground["origin"].turned(jo.Rotate(Z, degrees=20.0))
     hinge = jo.Revolute("hinge", seat, bar["origin"], Z)
     found = start(
         bar, hinge, jo.Gravity((0, -g, 0)), jo.ReactionSensor("world", hinge),

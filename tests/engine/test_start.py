@@ -29,7 +29,7 @@ def four_bar(flexible: bool, speed: float = SPEED) -> jo.Mechanism:
     bodies = {}
     for name, (first, last) in places.items():
         angle = float(np.degrees(np.arctan2(*(last - first)[::-1])))
-        at = {"position": (*first, 0.0), "orientation": jo.Rotate((0, 0, 1), angle)}
+        at = {"position": (*first, 0.0), "orientation": jo.Rotate((0, 0, 1), degrees=angle)}
         length = LENGTHS[name]
         if flexible:
             part = jo.Part.beam(length, jo.Rectangle(0.025, 0.004), 6, STEEL)

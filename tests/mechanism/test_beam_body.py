@@ -107,7 +107,7 @@ def test_initial_velocities_are_those_of_a_rigid_motion():
         STEEL,
         elements=2,
         position=(0, 0, 5),
-        orientation=jo.Rotate((0, 0, 1), 90),
+        orientation=jo.Rotate((0, 0, 1), degrees=90),
         velocity=(1, 0, 0),
         angular_velocity=(0, 0, 2),
     )

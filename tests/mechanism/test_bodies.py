@@ -26,7 +26,7 @@ def messages(make) -> list[str]:
 
 def test_ground_has_an_origin_and_points_anywhere():
     assert ground["origin"].r.tolist() == [0, 0, 0]
-    marker = ground.at((1, 2, 3), Rotate((0, 0, 1), 90), name="post")
+    marker = ground.at((1, 2, 3), Rotate((0, 0, 1), degrees=90), name="post")
     assert marker.label == "ground.post"
     np.testing.assert_allclose(marker.A @ [1, 0, 0], [0, 1, 0], atol=1e-15)
     assert messages(lambda: ground["orgin"]) == [
@@ -38,13 +38,13 @@ def test_ground_has_an_origin_and_points_anywhere():
 def test_rigid_body_markers_are_where_the_pose_puts_them():
     body = RigidBody(
         "b", 2, (1, 1, 1), center=(0, 0, 1), markers={"tip": (1, 0, 0)},
-        position=(10, 0, 0), orientation=Rotate((0, 0, 1), 90),
+        position=(10, 0, 0), orientation=Rotate((0, 0, 1), degrees=90),
     )  # fmt: skip
     np.testing.assert_allclose(body["tip"].r, [10, 1, 0], atol=1e-15)
     np.testing.assert_allclose(body["center"].r, [10, 0, 1], atol=1e-15)
     np.testing.assert_allclose(body["origin"].r, [10, 0, 0], atol=1e-15)
     np.testing.assert_allclose(body.at((0, 2, 0)).r, [8, 0, 0], atol=1e-14)
-    turned = body["tip"].turned(Rotate((0, 0, 1), 90))
+    turned = body["tip"].turned(Rotate((0, 0, 1), degrees=90))
     np.testing.assert_allclose(turned.A @ [1, 0, 0], [-1, 0, 0], atol=1e-15)
 
 

@@ -31,7 +31,10 @@ def test_rows_of_joints(cls):
 def test_universal_angles_are_those_of_the_cross():
     """b = turn by s about z, then by t about the turned x axis: angles s and t."""
     s, t = 0.3, 0.7
-    turned = Rotate((0, 0, 1), np.degrees(s)).matrix @ Rotate((1, 0, 0), np.degrees(t)).matrix
+    turned = (
+        Rotate((0, 0, 1), degrees=np.degrees(s)).matrix
+        @ Rotate((1, 0, 0), degrees=np.degrees(t)).matrix
+    )
     # h_b is the z axis of b, h_a at t = 0 its y axis
     axes = turned @ np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]], dtype=float)
     b = body(orientation=axes)

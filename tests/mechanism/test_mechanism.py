@@ -81,7 +81,7 @@ AXIS = np.array([1.0, 2.0, -2.0])
 )
 def test_both_frames_of_a_joint_agree_at_the_initial_pose(rod, make, expected):
     arm, other = random_bodies(rod)
-    joint = make(arm["end"].turned(Rotate((0, 1, 0), 30)), other["tip"])
+    joint = make(arm["end"].turned(Rotate((0, 1, 0), degrees=30)), other["tip"])
     a, b = joint.frames
     np.testing.assert_allclose(a.A, b.A, atol=1e-14)
     z = joint.a.A[:, 2] if expected is None else expected

@@ -69,7 +69,7 @@ def test_all_forms_mean_the_same():
         reference,
         reference.as_matrix(),
         reference.as_quat(scalar_first=True),
-        Rotate((3, 0, 4), 40),
+        Rotate((3, 0, 4), degrees=40),
         reference.as_matrix().tolist(),
     ]
     for form in forms:
@@ -98,9 +98,9 @@ def test_wrong_orientations_say_why(orientation, sentence):
 
 def test_rotate_needs_an_axis_and_a_finite_angle():
     with pytest.raises(InputError) as error:
-        Rotate((0, 0, 0), np.inf)
+        Rotate((0, 0, 0), degrees=np.inf)
     assert [p.message for p in error.value.problems] == [
-        "angle_deg is inf, must be finite",
+        "degrees is inf, must be finite",
         "axis is (0, 0, 0), must have a direction",
     ]
 
@@ -108,12 +108,24 @@ def test_rotate_needs_an_axis_and_a_finite_angle():
 def test_the_length_of_an_axis_does_not_matter_however_extreme():
     for size in (1e-149, 1e-3, 1e300):
         axis = size * np.array([2.0, -1.0, 2.0])
-        e = Rotate(axis, 180).euler_parameters
+        e = Rotate(axis, degrees=180).euler_parameters
         np.testing.assert_allclose(e, [0, 2 / 3, -1 / 3, 2 / 3], atol=1e-15)
         np.testing.assert_allclose(turn_onto(np.eye(3), axis)[:, 2], e[1:], atol=1e-15)
 
 
 def test_an_axis_too_short_for_a_direction():
     with pytest.raises(InputError) as error:
-        Rotate((1e-300, 0, 0), 90)
+        Rotate((1e-300, 0, 0), degrees=90)
     assert error.value.problems[0].message == "axis is (1e-300, 0, 0), must have a direction"
+
+
+def test_the_angle_of_a_turn_has_a_name():
+    one, other = Rotate((0, 0, 2), degrees=30), Rotate((0, 0, 2), radians=np.pi / 6)
+    np.testing.assert_allclose(one.matrix, other.matrix, atol=1e-15)
+    assert (one.radians, other.degrees) == (pytest.approx(np.pi / 6), pytest.approx(30.0))
+    with pytest.raises(InputError, match="30 needs the name of its unit: degrees=30 or radians=30"):
+        Rotate((0, 0, 1), 30)
+    with pytest.raises(InputError, match="degrees=... or radians=..., one of the two"):
+        Rotate((0, 0, 1))
+    with pytest.raises(InputError, match="one of the two"):
+        Rotate((0, 0, 1), degrees=30, radians=0.5)

@@ -14,7 +14,7 @@ from jousto.recovery import positions, rotation_matrices
 def run() -> jo.Solution:
     part = jo.Part.beam(1.0, jo.Circle(0.02), 4, jo.Material(2.5e9, 0.4, 1140.0))
     rod = jo.reduce(part, jo.CraigBampton(("start", "end"), modes=4)).keep(range(4))
-    arm = jo.FlexibleBody("arm", rod, orientation=jo.Rotate((1, 2, 3), 40.0))
+    arm = jo.FlexibleBody("arm", rod, orientation=jo.Rotate((1, 2, 3), degrees=40.0))
     ball = jo.RigidBody("ball", 0.2, (1e-3, 1e-3, 2e-3), position=arm["end"].r)
     model = jo.compile(
         jo.Mechanism(

@@ -94,7 +94,8 @@ def everything() -> jm.Mechanism:
     flat = flat.keep(flat.in_plane("xy"))
     crank = jm.RigidBody(
         "crank", 0.5, (1e-3, 2e-3, 2e-3), center=(0.1, 0, 0),
-        markers={"pin": (0.2, 0, 0), "eye": (0, 0, 0)}, orientation=jm.Rotate((0, 0, 1), 30),
+        markers={"pin": (0.2, 0, 0), "eye": (0, 0, 0)},
+        orientation=jm.Rotate((0, 0, 1), degrees=30),
         angular_velocity=(0, 0, 2 * np.pi), outline=[[0, 0, 0], [0.2, 0, 0]],
     )  # fmt: skip
     block = jm.RigidBody(
@@ -111,7 +112,7 @@ def everything() -> jm.Mechanism:
     )  # fmt: skip
     tail = jm.FlexibleBody("tail", flat, damping=0.01, position=(30, 0, 0))
     hinge = jm.Revolute("hinge", jm.ground["origin"], crank["eye"], axis=(0, 0, 1))
-    turned = jm.ground.at((5, 0, 0)).turned(jm.Rotate((1, 0, 0), 90))
+    turned = jm.ground.at((5, 0, 0)).turned(jm.Rotate((1, 0, 0), degrees=90))
     return jm.Mechanism(
         crank, block, arm, wing, tail, hinge,
         jm.Revolute("bare", turned, block["origin"]),
@@ -271,7 +272,7 @@ def test_degrees_of_an_angle_are_those_written(text, degrees):
         f"orientation: {{axis: [0, 0, 1], angle_deg: {text}}}}}]\n"
         "joints: [{type: spherical, name: j, a: ground.origin, b: a.origin}]"
     )
-    expected = jm.Rotate((0, 0, 1), degrees).euler_parameters
+    expected = jm.Rotate((0, 0, 1), degrees=degrees).euler_parameters
     np.testing.assert_array_equal(model.mechanism.bodies[0].orientation, expected)
 
 

@@ -74,7 +74,7 @@ def test_sensors_equal_the_python_constructors():
     arm, slider = model.bodies
     hinge, slide = model.joints
     end, seat = arm["end"], slider["origin"]
-    turned = jm.ground["origin"].turned(jm.Rotate((0, 0, 1), 30))
+    turned = jm.ground["origin"].turned(jm.Rotate((0, 0, 1), degrees=30))
     distance = jm.Distance(end, jm.ground["origin"])
     stress, angle = (s for s in model.sensors if s.name in ("s12", "s17"))
     top = jm.Gauge("s15", arm, "e1.a.top", (1, 1, 0))

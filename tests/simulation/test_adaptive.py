@@ -35,7 +35,7 @@ def rigid_pendulum(angle=2.5):
         1.0,
         (0.1, 0.1, 0.1),
         center=(0.0, -1.0, 0.0),
-        orientation=jo.Rotate((0, 0, 1), np.degrees(angle)),
+        orientation=jo.Rotate((0, 0, 1), degrees=np.degrees(angle)),
     )
     hinge = jo.Revolute("hinge", jo.ground["origin"], bob["origin"], axis=(0, 0, 1))
     return jo.Mechanism(

@@ -14,7 +14,7 @@ STEEL = jo.Material(E=210e9, nu=0.3, rho=7850.0)
 def rod(name, angle, start=(0.0, 0.0, 0.0), length=1.2, mass=3.0):
     """A slender rod that points down at angle 0; its frame is in its centre, x along it."""
     inertia = np.diag([1e-3, mass * length**2 / 12, mass * length**2 / 12])
-    turn = jo.Rotate((0, 0, 1), angle - 90.0)
+    turn = jo.Rotate((0, 0, 1), degrees=angle - 90.0)
     along = np.array([np.sin(np.radians(angle)), -np.cos(np.radians(angle)), 0.0])
     return jo.RigidBody(
         name,
@@ -130,7 +130,7 @@ def test_a_conical_pendulum_nods_with_its_closed_form():
         mass,
         (1e-6, mass * length**2 / 12, mass * length**2 / 12),
         position=0.5 * length * along,
-        orientation=jo.Rotate((0, 0, 1), 40.0 - 90.0),
+        orientation=jo.Rotate((0, 0, 1), degrees=40.0 - 90.0),
         velocity=(0, 0, -0.5 * length * np.sin(theta) * spin),
         angular_velocity=(0, spin, 0),
         markers={"start": (-length / 2, 0, 0)},

@@ -72,7 +72,7 @@ def four_bars(n: int) -> jo.Mechanism:
             I,
             markers={"low": (-0.5, 0, 0), "high": (0.5, 0, 0)},
             position=(k, 0.5, 0),
-            orientation=jo.Rotate((0, 0, 1), 90.0),
+            orientation=jo.Rotate((0, 0, 1), degrees=90.0),
             velocity=(0.5, 0, 0),
             angular_velocity=(0, 0, -1.0),
         )

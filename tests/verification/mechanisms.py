@@ -71,7 +71,7 @@ def chain(
             rod(material),
             damping=damping,
             position=x,
-            orientation=jo.Rotate((0.2 * i, 1.0, 0.5), 20.0 * i),
+            orientation=jo.Rotate((0.2 * i, 1.0, 0.5), degrees=20.0 * i),
             velocity=v,
             angular_velocity=w,
         )
@@ -87,7 +87,7 @@ def chain(
     forces: list[Any] = []
     if loads:
         wave = jo.Harmonic(frequency=2.0, amplitude=1.0, offset=0.3)
-        middle = bodies[1]["node4"].turned(jo.Rotate((1, 2, 3), 40.0))
+        middle = bodies[1]["node4"].turned(jo.Rotate((1, 2, 3), degrees=40.0))
         forces = [
             jo.Force("push", bodies[2]["node3"], (30.0, -20.0, 25.0), follow=True, signal=wave),
             jo.Torque("twist", middle, (6.0, 9.0, -5.0), follow=True),

@@ -181,7 +181,7 @@ def mechanism(*, repeated: bool) -> jo.Mechanism:
             INERTIA_3D[i],
             markers={k: (*np.subtract(x, CENTRES[i]), 0.0) for k, x in named[bar].items()},
             position=(*centres[i], 0.0),
-            orientation=jo.Rotate(Z, np.degrees(angles[i])),
+            orientation=jo.Rotate(Z, degrees=np.degrees(angles[i])),
         )
         for i, bar in enumerate(BARS)
     }

@@ -34,13 +34,17 @@ def column(height: float, elements: int) -> jo.Part:
 def cantilever(pieces: int, modes: int) -> jo.Mechanism:
     """A beam of 2 m along x, clamped at the ground, cut into equal pieces."""
     reduced = piece(2.0 / pieces, 8 // pieces, modes)
-    return chain_of([(reduced, jo.Rotate((0, 0, 1), 0.0))] * pieces, last=None)
+    return chain_of([(reduced, jo.Rotate((0, 0, 1), degrees=0.0))] * pieces, last=None)
 
 
 def portal(pieces: int, modes: int) -> jo.Mechanism:
     """Two columns of 1 m and a beam of 1.5 m, both feet clamped."""
     up, across = piece(1.0, 4, modes), piece(1.5, 6, modes)
-    turns = [jo.Rotate((0, 1, 0), -90.0), jo.Rotate((0, 0, 1), 0.0), jo.Rotate((0, 1, 0), 90.0)]
+    turns = [
+        jo.Rotate((0, 1, 0), degrees=-90.0),
+        jo.Rotate((0, 0, 1), degrees=0.0),
+        jo.Rotate((0, 1, 0), degrees=90.0),
+    ]
     parts = list(zip([up, across, up], turns, strict=True))
     assert pieces == len(parts)
     return chain_of(parts, last=jo.ground.at((1.5, 0.0, 0.0)))

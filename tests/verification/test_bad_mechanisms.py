@@ -164,8 +164,8 @@ def test_a_drive_beyond_what_the_lengths_allow():
 
 
 def loop(reach, kind, tilt=0.0, **options):
-    a = bar("a", orientation=jo.Rotate(Z, tilt))
-    b = bar("b", position=a["end"].r, orientation=jo.Rotate(Z, -tilt))
+    a = bar("a", orientation=jo.Rotate(Z, degrees=tilt))
+    b = bar("b", position=a["end"].r, orientation=jo.Rotate(Z, degrees=-tilt))
     ends = ((O, a["origin"]), (a["end"], b["origin"]), (b["end"], jo.ground.at((reach, 0, 0))))
     joints = [kind(name, *pair, **options) for name, pair in zip("ABC", ends, strict=True)]
     return jo.Mechanism(a, b, *joints, GRAVITY, name="machine")
@@ -213,8 +213,8 @@ def test_mobility_zero():
 
 
 def test_a_triangle_of_bars_stands_still_and_says_so():
-    a = bar("a", orientation=jo.Rotate(Z, 60.0))
-    b = bar("b", position=(1, 0, 0), orientation=jo.Rotate(Z, 120.0))
+    a = bar("a", orientation=jo.Rotate(Z, degrees=60.0))
+    b = bar("b", position=(1, 0, 0), orientation=jo.Rotate(Z, degrees=120.0))
     joints = (
         jo.Revolute("A", O, a["origin"], Z),
         jo.Revolute("B", jo.ground.at((1, 0, 0)), b["origin"], Z),

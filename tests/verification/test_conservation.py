@@ -21,7 +21,7 @@ def spinning(**state):
         "free",
         rod(),
         position=(0.3, -0.2, 0.5),
-        orientation=jo.Rotate((1, 2, 3), 50.0),
+        orientation=jo.Rotate((1, 2, 3), degrees=50.0),
         velocity=(0.5, -1.0, 2.0),
         angular_velocity=(3.0, -4.0, 5.0),
         modal_velocities=0.3 * np.cos(np.arange(8)),
@@ -78,7 +78,7 @@ def test_a_body_dropped_at_rest_falls_along_the_parabola_undeformed(method):
     # gravity is a frame acceleration: exact, no deformation; both methods integrate t^2 exactly
     g = np.array([1.0, -9.81, 2.0])
     body = jo.FlexibleBody(
-        "free", rod(), position=(0.1, 0.2, 0.3), orientation=jo.Rotate((1, 1, 0), 30)
+        "free", rod(), position=(0.1, 0.2, 0.3), orientation=jo.Rotate((1, 1, 0), degrees=30)
     )
     model = jo.compile(jo.Mechanism(body, jo.Gravity(g)))
     run = march(model, method(step=1e-3), 1.0, 0.1)
@@ -151,7 +151,7 @@ def test_heavy_top_in_steady_precession(method, step, tolerance):
         mass,
         (0.1, 0.1, C),
         center=(0.0, 0.0, arm),
-        orientation=jo.Rotate((0, 1, 0), np.degrees(theta)),
+        orientation=jo.Rotate((0, 1, 0), degrees=np.degrees(theta)),
         angular_velocity=spin,
     )
     model = jo.compile(

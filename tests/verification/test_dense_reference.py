@@ -33,7 +33,7 @@ def star():
     bodies = [hub]
     kinds = (jo.Revolute, jo.Spherical, jo.Fixed)
     for i, kind in enumerate(kinds):
-        turn = jo.Rotate((0, 1, 0.1), 120.0 * i + 10.0)
+        turn = jo.Rotate((0, 1, 0.1), degrees=120.0 * i + 10.0)
         rim = turn.matrix @ [0.3, 0.0, 0.0]
         arm = jo.FlexibleBody(
             f"arm {i}", rod(), position=rim, orientation=turn, modal_coordinates=0.02 * DEFORMED
@@ -47,7 +47,7 @@ def star():
         joints.append(kinds[i - 1](f"wrist {i}", stone["origin"], arm["end"]))
         bodies += [arm, stone]
     wave = jo.Harmonic(frequency=0.7, amplitude=2.0, phase=0.4, offset=0.5)
-    elbow = bodies[1]["node4"].turned(jo.Rotate((1, 2, 3), 50.0))
+    elbow = bodies[1]["node4"].turned(jo.Rotate((1, 2, 3), degrees=50.0))
     return jo.Mechanism(
         *bodies,
         *joints,
@@ -224,7 +224,7 @@ def test_kinematic_sensors_follow_from_the_pose_by_complex_steps(seed):
     rng = np.random.default_rng(20 + seed)
     bar = jo.FlexibleBody("bar", rod())
     stone = jo.RigidBody("stone", 2.0, (0.1, 0.2, 0.25), position=(1.0, 0.0, 0.0))
-    turned = [bar["node4"].turned(jo.Rotate((1, 2, 3), 70.0)), stone.at((0.1, 0.2, 0.3))]
+    turned = [bar["node4"].turned(jo.Rotate((1, 2, 3), degrees=70.0)), stone.at((0.1, 0.2, 0.3))]
     sensors = [
         kind(f"{kind.__name__} {i}", marker)
         for i, marker in enumerate(turned)

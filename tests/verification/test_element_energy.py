@@ -57,7 +57,7 @@ ALL = {**ELEMENTS, **OUTSIDE}
 def pair(name):
     """A flexible and a rigid body in space, with a slide where the element needs one."""
     beam = jo.FlexibleBody("beam", rod(), angular_velocity=(1.0, 2.0, -1.5), velocity=(0.3, 0, 0))
-    a = beam["end"].turned(jo.Rotate((1, 2, 0), 25.0))
+    a = beam["end"].turned(jo.Rotate((1, 2, 0), degrees=25.0))
     slides = name in ("preloaded", "joint force", "servo")
     # on a slide it goes with the beam
     where = a.r if slides else a.r + np.array([0.5, 0.2, -0.3])
@@ -69,7 +69,7 @@ def pair(name):
         (0.08, 0.05, 0.06),
         markers={"eye": (0.0, 0.0, 0.0) if slides else (0.1, 0.05, 0.0)},
         position=where,
-        orientation=jo.Rotate((0, 1, 1), 20.0),
+        orientation=jo.Rotate((0, 1, 1), degrees=20.0),
         velocity=v,
         angular_velocity=w,
     )

@@ -100,7 +100,7 @@ def four_bar(*, repeated=False):
             center=(*CENTRE[k], 0.0),
             markers={"start": (0, 0, 0), "end": (lengths[k], 0, 0)},
             position=(*first[k], 0.0),
-            orientation=jo.Rotate(z, np.degrees(angle[k])),
+            orientation=jo.Rotate(z, degrees=np.degrees(angle[k])),
             velocity=(*v0[k], 0.0),
             angular_velocity=(0.0, 0.0, w[k]),
         )

@@ -137,7 +137,7 @@ def swinging(law: jo.Regularised | jo.StickSlip) -> jo.Model:
     lower = jo.FlexibleBody(
         *("lower", rod()),
         position=at,
-        orientation=jo.Rotate((0, 0, 1), -70.0),
+        orientation=jo.Rotate((0, 0, 1), degrees=-70.0),
         velocity=np.cross(w, at),
         angular_velocity=w,
     )

@@ -23,7 +23,7 @@ MILLION = 1_000_000
 
 
 def pendulum(material):
-    arm = jo.FlexibleBody("arm", rod(material), orientation=jo.Rotate((1, 1, 0), 30.0))
+    arm = jo.FlexibleBody("arm", rod(material), orientation=jo.Rotate((1, 1, 0), degrees=30.0))
     pivot = jo.Spherical("pivot", jo.ground["origin"], arm["start"])
     return jo.Mechanism(arm, pivot, jo.Gravity((0, -9.81, 0)), jo.PositionSensor("tip", arm["end"]))
 

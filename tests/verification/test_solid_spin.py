@@ -40,7 +40,7 @@ def test_a_free_solid_keeps_its_momenta_and_energy(kind):
         "free",
         reduced,
         position=(0.3, -0.2, 0.5),
-        orientation=jo.Rotate((1, 2, 3), 50.0),
+        orientation=jo.Rotate((1, 2, 3), degrees=50.0),
         velocity=(0.5, -1.0, 2.0),
         angular_velocity=(60.0, -80.0, 200.0),
         modal_velocities=2.0 * np.cos(np.arange(N)),

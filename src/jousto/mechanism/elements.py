@@ -276,9 +276,38 @@ class UserForce:
     marker : Marker
         Where it acts, frame b of the function.
     function : callable, LowLevelCallable, numba cfunc or ctypes function
-        Python callable or compiled callback as ``jo_callback`` in jousto.h.
+        Called as ``y = function(t, x)`` several times in a step, t in s. x is an array (18,), how
+        `marker` stands and moves against `reference`, everything resolved in the axes of
+        `reference`:
+
+        ========== ============================================================ =====
+        ``x[0:3]`` position of the marker, r_b - r_a                            m
+        ``x[3:12]`` its orientation, ``x[3:12].reshape(3, 3)``: columns are its axes
+        ``x[12:15]`` its velocity as seen from the turning reference            m/s
+        ``x[15:18]`` its angular velocity against the reference                 rad/s
+        ========== ============================================================ =====
+
+        It returns six numbers y: the force ``y[0:3]``, N, and torque ``y[3:6]``, N m, on the body
+        of `marker`, at the marker and resolved in the axes of `reference`. The body of the
+        reference gets the opposite of both. Values that are not finite and exceptions stop the
+        run with their message. It must not remember earlier calls: solvers try steps and repeat
+        them. Compiled functions run at the speed of C and have the signature
+        ``int f(double t, const double *x, double *y, void *user)`` (``jo_callback`` in jousto.h):
+        they write y and return 0, or another number for an error.
     reference : Marker
-        Frame a that motion and force are resolved in; the world by default.
+        Frame a; the world by default, then positions and forces are in world axes.
+
+    Examples
+    --------
+    Air that brakes a ball, ``F = -c |v| v``, c in kg/m:
+
+    >>> import numpy as np
+    >>> from jousto.mechanism import RigidBody
+    >>> ball = RigidBody("ball", 0.43, (1e-3, 1e-3, 1e-3), velocity=(20, 0, 0))
+    >>> def air(t, x):
+    ...     v = x[12:15]
+    ...     return [*(-0.008 * np.linalg.norm(v) * v), 0.0, 0.0, 0.0]
+    >>> drag = UserForce("drag", ball["origin"], air)
     """
 
     kind: ClassVar[str] = "user force"

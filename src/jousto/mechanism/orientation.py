@@ -7,7 +7,7 @@ Euler parameters e are scalar first with unit norm: ``e0 = cos(phi/2)``,
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Never
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -137,42 +137,72 @@ def turn_onto(A: ArrayLike, axis: ArrayLike) -> Array:
     return np.asarray(exp_rotation(cross / sine * np.arctan2(sine, cosine)) @ A)
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@dataclass(frozen=True, eq=False, init=False, repr=False)
 class Rotate:
-    """A turn about an axis.
+    """A turn about an axis; the unit of the angle is its name.
 
     Parameters
     ----------
     axis : (3,) array_like
         Direction of the axis, any length above zero.
-    angle_deg : float
-        Angle in degrees, right-handed about the axis.
+    degrees, radians : float
+        Angle, right-handed about the axis; one of the two.
 
     Raises
     ------
     InputError
-        If the axis is zero or anything is not a finite number.
+        If the axis is zero, anything is not a finite number, or the angle has no name.
 
     Examples
     --------
-    >>> Rotate((0, 0, 1), 90).matrix.round(12) @ [1, 0, 0]
+    >>> Rotate((0, 0, 1), degrees=90).matrix.round(12) @ [1, 0, 0]
     array([0., 1., 0.])
+    >>> Rotate((0, 0, 1), radians=0.5)
+    Rotate((0, 0, 1), radians=0.5)
     """
 
     axis: Array
-    angle_deg: float
+    radians: float
 
-    def __init__(self, axis: ArrayLike, angle_deg: float) -> None:
+    def __init__(
+        self,
+        axis: ArrayLike,
+        *unnamed: Never,
+        degrees: float | None = None,
+        radians: float | None = None,
+    ) -> None:
         problems = Problems()
-        angle = number(problems, "Rotate", "angle_deg", angle_deg)
+        if unnamed:
+            problems.add(
+                "Rotate",
+                f"the angle {unnamed[0]!r} needs the name of its unit: degrees={unnamed[0]!r} or "
+                f"radians={unnamed[0]!r}",
+            )
+        elif (degrees is None) == (radians is None):
+            problems.add("Rotate", "give the angle as degrees=... or radians=..., one of the two")
+        angle = None
+        if degrees is not None:
+            given = number(problems, "Rotate", "degrees", degrees)
+            angle = None if given is None else float(np.radians(given))
+        elif radians is not None:
+            angle = number(problems, "Rotate", "radians", radians)
         direction = parse_direction(problems, "Rotate", "axis", axis)
         problems.raise_if_any()
-        set_fields(self, axis=direction, angle_deg=angle)
+        set_fields(self, axis=direction, radians=angle)
+
+    def __repr__(self) -> str:
+        axis = ", ".join(f"{x:g}" for x in self.axis)
+        return f"Rotate(({axis}), radians={self.radians:g})"
+
+    @property
+    def degrees(self) -> float:
+        """Angle, degrees."""
+        return float(np.degrees(self.radians))
 
     @property
     def euler_parameters(self) -> Array:
         """Euler parameters (4,), scalar first."""
-        half = np.radians(self.angle_deg) / 2
+        half = self.radians / 2
         return np.concatenate([[np.cos(half)], unit_vector(self.axis) * np.sin(half)])
 
     @property
@@ -213,7 +243,7 @@ def parse_orientation(problems: Problems, where: str, name: str, value: Any) -> 
         problems.add(
             where,
             f"{name} {found}; must be four Euler parameters (scalar first), a (3, 3) rotation "
-            "matrix, a scipy Rotation or Rotate(axis, angle_deg)",
+            "matrix, a scipy Rotation or Rotate(axis, degrees=...)",
         )
         return None
     if not np.all(np.isfinite(array)):

@@ -327,7 +327,7 @@ class Builder:
         for key in ("orientation", "axes"):
             if isinstance(values.get(key), RotateEntry):
                 entry = values[key]
-                values[key] = self.make((*loc, key), jm.Rotate, entry.axis, entry.angle_deg)
+                values[key] = self.make((*loc, key), jm.Rotate, entry.axis, degrees=entry.angle_deg)
         return values
 
     def unknown(

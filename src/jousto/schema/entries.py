@@ -265,7 +265,7 @@ class _Degrees:
 
 
 class RotateEntry(Entry):
-    """A turn about an axis, `Rotate(axis, angle_deg)`."""
+    """A turn about an axis, `Rotate(axis, degrees=angle_deg)`."""
 
     axis: Direction = Field(description="Direction of the axis")
     angle_deg: Annotated[float, _Degrees()]

@@ -13,7 +13,7 @@ from jousto.recovery import criteria, evaluate, positions, stress
 from jousto.reduction import StressModes
 
 L, B, H = 1.0, 0.03, 0.045  # m
-TILT = jo.Rotate((1, 2, 3), 40.0)
+TILT = jo.Rotate((1, 2, 3), degrees=40.0)
 
 
 @pytest.fixture(scope="module")
