@@ -251,9 +251,10 @@ def test_a_full_memory_is_never_below_the_exact_count(loads, depth):
     small.push(x)
     for residue in ("half", "ignore", "repeat"):
         assert small.damage(residue)[0] >= exact.damage(residue)[0] * (1 - 1e-12)
-    if small.forced[0] == 0:
-        assert small.damage()[0] == pytest.approx(exact.damage()[0], rel=1e-12)
-        assert small.largest_forced[0] == 0.0
+    # where the memory was enough the count is exact, else it says so
+    same = small.damage()[0] == pytest.approx(exact.damage()[0], rel=1e-12)
+    assert same or small.forced[0] > 0
+    assert (small.largest_forced[0] > 0.0) == (small.forced[0] > 0)
 
 
 @pytest.mark.parametrize(("depth", "most"), [(8, 0.12), (16, 0.047), (32, 0.021), (64, 0.01)])

@@ -56,7 +56,8 @@ def test_inertia_of_three_numbers_is_a_diagonal_and_tensors_are_kept():
 
 def test_a_plate_may_reach_the_triangle_inequality():
     # a plane body has J3 = J1 + J2 exactly
-    RigidBody("plate", 1, (0.1, 0.2, 0.1 + 0.2))
+    plate = RigidBody("plate", 1, (0.1, 0.2, 0.1 + 0.2))
+    np.testing.assert_array_equal(plate.inertia, np.diag([0.1, 0.2, 0.1 + 0.2]))
 
 
 def test_arrays_of_a_body_cannot_be_changed_and_are_copies():

@@ -87,7 +87,8 @@ def test_pictures_and_films(bent: jo.Solution, tmp_path: Path) -> None:
 def test_files_for_paraview(bent: jo.Solution, tmp_path: Path) -> None:
     jo.write_beam(bent, "beam", tmp_path / "beam.vtu", times=[0.0])
     mesh = meshio.read(tmp_path / "beam.vtu")
-    assert mesh.point_data["von Mises (Pa)"].max() == pytest.approx(3.0e6, rel=0.6)
+    # as in the skin: both bending moments at a corner of the clamp
+    assert mesh.point_data["von Mises (Pa)"].max() == pytest.approx(3.0e6, rel=1e-4)
     assert np.linalg.norm(mesh.point_data["section y"], axis=1) == pytest.approx(1.0)
     jo.write_beam(bent, "beam", tmp_path / "film.pvd", times=[0.0, 1e-9])
     assert (tmp_path / "film_1.vtu").exists()

@@ -69,6 +69,7 @@ def test_a_finer_accuracy_takes_more_modes() -> None:
 def test_the_table_shows_what_reduce_gives() -> None:
     part = rod()
     advice = advise(part, ENDS, frequency_limit=500.0)
+    checked = 0
     for row in advice.table.rows[1:]:
         k = int(row[0].split()[0])
         reduced = reduce(part, CraigBampton(ENDS, modes=k))
@@ -77,6 +78,8 @@ def test_the_table_shows_what_reduce_gives() -> None:
             error = frequency_error(part, k, 500.0, ENDS)
             if error < 0.05:
                 assert float(row[3].split()[0]) == pytest.approx(100.0 * error, rel=0.05)
+                checked += 1
+    assert checked >= 2
 
 
 def middle_force(part: Part) -> np.ndarray:

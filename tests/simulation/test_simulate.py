@@ -491,12 +491,17 @@ def test_a_state_at_rest_does_not_fit_a_drive_that_moves():
         jo.simulate(model, 0.01, state=jo.equilibrium(model))
 
 
-@pytest.mark.filterwarnings("error")
 def test_a_state_that_fits_is_taken_without_a_word():
-    model = driven(0.0)
-    jo.simulate(model, 0.01, state=jo.equilibrium(model))
-    model = driven(0.7)
-    jo.simulate(model, 0.01, state=jo.State(model.q0, model.v0, np.zeros(model.nrow)))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        model = driven(0.0)
+        rest = jo.equilibrium(model)
+        still = jo.simulate(model, 0.01, state=rest)
+        model = driven(0.7)
+        moving = jo.simulate(model, 0.01, state=jo.State(model.q0, model.v0, np.zeros(model.nrow)))
+    assert [str(w.message) for w in caught] == []
+    np.testing.assert_array_equal(still.q[0], rest.q)
+    np.testing.assert_array_equal(moving.v[0], model.v0)
 
 
 def test_only_a_run_says_that_nothing_will_move():

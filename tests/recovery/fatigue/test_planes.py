@@ -56,10 +56,9 @@ def test_circles_hold_all_and_cannot_be_smaller(seed: int, count: int) -> None:
     for p, c, r, d in zip(points, centre, radius, away, strict=True):
         # the points on the circle lie around its centre: no half-plane holds all of them
         rim = p[d > r - 1e-6 * max(r, 1e-12)] - c
-        if r > 0:
-            angle = np.sort(np.arctan2(rim[:, 1], rim[:, 0]))
-            gaps = np.diff(np.append(angle, angle[0] + 2 * np.pi))
-            assert gaps.max() <= np.pi + 1e-3
+        angle = np.sort(np.arctan2(rim[:, 1], rim[:, 0]))
+        gaps = np.diff(np.append(angle, angle[0] + 2 * np.pi))
+        assert gaps.max() <= np.pi + 1e-3 or (r == 0.0 and np.all(p == p[0]))
     ball = enclosing_ball(points[0])
     assert ball[1] == pytest.approx(radius[0], rel=1e-6, abs=1e-9)
 
@@ -106,11 +105,15 @@ def test_findley_out_of_phase(phase: float) -> None:
     # samples every degree miss the peak of a sine by 4e-5
     assert found.value == pytest.approx(want, rel=1e-4)
     assert abs(found.normal[2]) < 0.02
-    if phase == 90.0:
-        # tau = sigma/2 out of phase: the shear amplitude is sigma/2 on all of these planes, and the
-        # critical one is the cross-section, f = sigma (1/2 + k)
-        assert want == pytest.approx(sigma * (0.5 + k), rel=1e-9)
-        assert abs(found.normal[0]) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_findley_a_quarter_of_a_turn_out_of_phase() -> None:
+    # tau = sigma/2: the shear amplitude is sigma/2 on all planes along the shaft's radius, and the
+    # critical one is the cross-section, f = sigma (1/2 + k); samples as above
+    sigma, k = 100e6, 0.3
+    found = jo.critical_plane(tension_torsion(sigma, 50e6, 0.5 * math.pi), jo.Findley(k))
+    assert found.value == pytest.approx(sigma * (0.5 + k), rel=1e-4)
+    assert abs(found.normal[0]) == pytest.approx(1.0, abs=1e-3)
 
 
 def test_mean_stress_opens_the_plane() -> None:

@@ -71,9 +71,9 @@ def test_the_surface_of_a_line_counts(friction: float) -> None:
     )
     assert found.depth[0] == 0.0
     assert found.utilisation.max() >= 0.99 * direct.max() / 210e6
-    if friction >= 0.3:
-        assert found.worst == 0.0
-        assert found.utilisation[0] == pytest.approx(direct[0] / 210e6, rel=1e-3)
+    # without friction 0.8 a below it is worse
+    assert (found.worst == 0.0) == (direct.argmax() == 0) == (friction >= 0.2)
+    assert found.utilisation[0] == pytest.approx(direct[0] / 210e6, rel=1e-3, abs=1e-6)
     near = jo.rolling_life(CONTACT, [10e3], criterion, curve, friction=friction, depths=z[:3])
     assert near.utilisation == pytest.approx(direct[:3] / 210e6, rel=0.03)
 

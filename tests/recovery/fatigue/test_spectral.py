@@ -97,8 +97,14 @@ def test_densities_are_densities(method) -> None:
     nu0, nup = math.sqrt(m[2] / m[0]), math.sqrt(m[3] / m[2])
     assert p.min() >= 0.0
     assert rate == pytest.approx(nu0 if method == "narrow-band" else nup)
-    if method != "tovo-benasciutti":
-        assert np.trapezoid(p, a) == pytest.approx(1.0, abs=1e-6)
+    # Tovo and Benasciutti: b times that of the crossings, alpha2 of the peaks, and (1 - b) times
+    # that of the ranges
+    share = 1.0
+    if method == "tovo-benasciutti":
+        a1, a2 = m[1] / math.sqrt(m[0] * m[2]), m[2] / math.sqrt(m[0] * m[3])
+        b = (a1 - a2) * (1.112 * (1 + a1 * a2 - a1 - a2) * math.exp(2.11 * a2) + a1 - a2)
+        share = 1.0 - b / (a2 - 1) ** 2 * (1.0 - a2)
+    assert np.trapezoid(p, a) == pytest.approx(share, abs=1e-6)
 
 
 def test_tovo_benasciutti_of_a_power_law() -> None:
