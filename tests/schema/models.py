@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from types import MappingProxyType
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -156,7 +156,7 @@ def same(a, b, path="") -> None:
         for field in dataclasses.fields(a):
             if field.name not in ("items", "provenance"):
                 same(getattr(a, field.name), getattr(b, field.name), f"{path}.{field.name}")
-    elif isinstance(a, dict | MappingProxyType):
+    elif isinstance(a, Mapping):
         assert list(a) == list(b), path
         for key in a:
             same(a[key], b[key], f"{path}[{key}]")

@@ -6,13 +6,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.errors import InputError, Problem, Problems, suggest, warn
+from jousto.frozen import Frozen
 from jousto.mechanism.beam_limits import highest_frequencies
 from jousto.mechanism.beam_section import BeamSection, as_beam_section, tension_factor
 from jousto.mechanism.beam_shape import arc_lengths, section_frames, strains, tangents
@@ -102,7 +102,7 @@ class BeamNode(RigidBody):
             name=f"{beam}.node{place + 1}",
             beam=beam,
             place=place,
-            markers=MappingProxyType({}),
+            markers=Frozen({}),
             **fields,
         )
 
@@ -295,7 +295,7 @@ class BeamBody:
             corrected=isinstance(mass, str) and mass == "corrected",
             bending=bool(bending),
             damping=damping or BeamDamping(),
-            markers=MappingProxyType(named),
+            markers=Frozen(named),
             **pose,
         )
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.errors import InputError, Problem, Problems, suggest
+from jousto.frozen import Frozen
 from jousto.mechanism.fields import number, set_fields
 from jousto.mechanism.inertia import check_inertia, check_mass, damping_diagonal
 from jousto.mechanism.marker import Marker, marker_axes
@@ -184,7 +184,7 @@ class RigidBody:
             name=name,
             mass=kilograms,
             inertia=tensor,
-            markers=MappingProxyType(points),
+            markers=Frozen(points),
             **values,
         )
 

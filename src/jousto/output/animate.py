@@ -29,6 +29,7 @@ from jousto.output.scene import (
 )
 from jousto.output.style import INK, MUTED, PAPER, PICTURES, blend, save, styled, target
 from jousto.output.surface import Skin, plain
+from jousto.output.symbols import SymbolPen, size_of
 from jousto.output.view import View
 from jousto.simulation import Solution
 
@@ -237,6 +238,8 @@ def _overlay(ax: Axes, scene: Scene) -> None:
                 markeredgewidth=1.4,
                 zorder=3.1,
             )
+        symbols = SymbolPen(ax, scene.symbols, size_of(scene.box), share)
+        symbols.show(i)
 
 
 def _add_skin(ax: Axes, corners: Array, shades: Array, order: float) -> None:
@@ -273,6 +276,7 @@ def _frames(
         ax.add_collection(artist)
     fallen = Skin()
     ax.add_artist(fallen)
+    symbols = SymbolPen(ax, scene.symbols, size_of(scene.box))
     for i, t in enumerate(scene.times):
         canvas.restore_region(background)
         if not scene.flat:
@@ -293,6 +297,8 @@ def _frames(
                 pens[k].fill(*skin)
             else:
                 pens[k].draw(*bodies[k])
+        symbols.show(i)
+        symbols.draw()
         clock.set_text(f"{t:.{digits}f} s")
         figure.draw_artist(clock)
         yield np.array(canvas.buffer_rgba(), dtype=np.uint8)[:, :, :3].copy()

@@ -17,6 +17,14 @@ from jousto.output.lines import Outline, drawn
 from jousto.output.skins import BeamSkin, beam_skin
 from jousto.output.style import COLORS, MUTED, Picture
 from jousto.output.surface import DARKEST, DARKEST_STRESS, STRESS_COLORS, lit, make_surface
+from jousto.output.symbols import (
+    NO_SYMBOLS,
+    Symbols,
+    draw_grounds,
+    joined_points,
+    make_symbols,
+    size_of,
+)
 from jousto.output.view import View, choose_view
 from jousto.recovery import positions, surface_stress
 from jousto.simulation import BodyShape, Solution
@@ -57,6 +65,8 @@ class Scene:
         Von Mises stress at the drawn nodes of each body, Pa; None where it is not shown.
     limit : float
         Stress of the highest colour, Pa; 0 if no stress is shown.
+    symbols : Symbols
+        Joints, springs, actuators and supports.
     """
 
     times: Array
@@ -71,6 +81,7 @@ class Scene:
     grid: tuple[Array, ...]
     stress: tuple[Array | None, ...] = ()
     limit: float = 0.0
+    symbols: Symbols = NO_SYMBOLS
 
     @property
     def flat(self) -> bool:
@@ -125,7 +136,10 @@ def make_scene(
     trail_times = run.time[within]
     every = max(1, len(trail_times) // 4000)
     paths = [run[name][within][::every] for name in names]
-    ends = [f(x.reshape(-1, 3), axis=0) for x in (*world, *paths) for f in (np.min, np.max)]
+    joined = run.connections
+    points = joined_points(run, joined, times, scale)
+    clouds = [x.reshape(-1, 3) for x in (*world, *paths, points) if x.size]
+    ends = [f(x, axis=0) for x in clouds for f in (np.min, np.max)]
     low, high = np.min(ends, axis=0), np.max(ends, axis=0)
     # the world origin belongs to the picture unless it is far away
     size = max(float(np.max(high - low)), 1e-9)
@@ -134,6 +148,7 @@ def make_scene(
     chosen = choose_view(view, np.stack([low, high]), run.attributes.get("gravity"))
     bodies = tuple((lines, chosen.project(x)) for lines, x in zip(outlines, world, strict=True))
     trails = tuple(chosen.project(path) for path in paths)
+    symbols = make_symbols(joined, points, chosen)
     corners = np.stack([low, high])
     level, step, grid = (0.0, 0.0, ()) if chosen.plane else _floor(chosen, corners)
     return Scene(
@@ -142,7 +157,7 @@ def make_scene(
         trails=trails,
         trail_times=trail_times[::every],
         view=chosen,
-        box=_box(bodies, trails, grid, _has_origin(corners)),
+        box=_box(bodies, symbols, trails, grid, _has_origin(corners)),
         corners=corners,
         level=level,
         step=step,
@@ -152,6 +167,7 @@ def make_scene(
             for v, lines in zip(values, outlines, strict=True)
         ),
         limit=limit,
+        symbols=symbols,
     )
 
 
@@ -197,12 +213,14 @@ def _unit(run: Solution, name: str) -> str:
 
 def _box(
     bodies: tuple[tuple[Outline, Array], ...],
+    symbols: Symbols,
     trails: tuple[Array, ...],
     grid: tuple[Array, ...],
     origin: bool,
 ) -> Array:
     """Return the corners of the picture, neither a slit nor a tower, around all that is in it."""
     clouds = [x.reshape(-1, 3)[:, :2] for _, x in bodies] + [x[:, :2] for x in trails] + list(grid)
+    clouds += [symbols.ends.reshape(-1, 3)[:, :2]] if symbols.kinds else []
     if origin:
         clouds.append(np.zeros((1, 2)))
     low = np.min([c.min(axis=0) for c in clouds], axis=0)
@@ -259,6 +277,7 @@ def new_picture(
         ax.axis("off")
         _draw_floor(ax, scene)
     _origin(ax, scene)
+    draw_grounds(ax, scene.symbols, size_of(scene.box))
     figure.text(left / width, 1 - 0.3 / total, title, fontsize=10.5, fontweight="bold", va="center")
     if note:
         x = 1 - right / width  # beside the colours of stress, never below them

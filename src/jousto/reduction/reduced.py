@@ -6,13 +6,13 @@ import importlib.metadata
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import InputError, Problem, Problems, suggest
+from jousto.frozen import Frozen
 from jousto.reduction.invariants import Invariants
 from jousto.reduction.rigid import length_scale
 from jousto.reduction.stiffening import Stiffening
@@ -145,14 +145,14 @@ class ReducedPart:
         elements.setflags(write=False)
         object.__setattr__(self, "nodes", nodes)
         object.__setattr__(self, "elements", elements)
-        object.__setattr__(self, "node_sets", MappingProxyType(sets))
+        object.__setattr__(self, "node_sets", Frozen(sets))
         object.__setattr__(self, "modes", modes)
         object.__setattr__(self, "rotations", rotations)
         object.__setattr__(self, "rotation_nodes", turning)
         object.__setattr__(self, "faces", faces)
         object.__setattr__(self, "frequencies", f)
         object.__setattr__(self, "interfaces", tuple(self.interfaces))
-        object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
+        object.__setattr__(self, "provenance", Frozen(dict(self.provenance)))
 
     def __repr__(self) -> str:
         known = ", ".join(f"{f:.5g}" for f in self.frequencies[:4])

@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import Problems
+from jousto.frozen import Frozen
 
 if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
@@ -96,7 +96,7 @@ class StressModes:
         object.__setattr__(self, "labels", labels)
         object.__setattr__(self, "compliance", compliance)
         object.__setattr__(self, "nodes", nodes)
-        object.__setattr__(self, "sets", MappingProxyType(sets))
+        object.__setattr__(self, "sets", Frozen(sets))
         object.__setattr__(self, "elasticity", elasticity)
         object.__setattr__(self, "positions", positions)
         object.__setattr__(self, "axes", axes)

@@ -3,6 +3,7 @@
 from jousto.simulation.adaptive import DormandPrince
 from jousto.simulation.buckling import Buckling, buckling
 from jousto.simulation.campbell import Campbell, campbell
+from jousto.simulation.connections import Connection
 from jousto.simulation.diagnostics import Energy, Residuals, Work
 from jousto.simulation.events import Happening
 from jousto.simulation.implicit import GeneralizedAlpha, Newmark
@@ -26,6 +27,7 @@ __all__ = [
     "ArcLength",
     "Baumgarte",
     "BodyShape",
+    "Connection",
     "Buckling",
     "Campbell",
     "CriticalPoint",

@@ -15,6 +15,7 @@ from jousto.engine import BeamShape, Model
 from jousto.files import unwritable
 from jousto.reduction import StressModes
 from jousto.simulation.columns import Column, columns
+from jousto.simulation.connections import Connection, connections
 from jousto.simulation.events import Happening, happenings, joints_of, sources
 from jousto.simulation.records import ALL, BodyShape
 from jousto.simulation.results import (
@@ -59,7 +60,8 @@ class MemoryRecords:
 
     def __getstate__(self) -> dict[str, Any]:
         """Return what another process needs: results do not need what pushes (functions)."""
-        model = replace(self.model, forces=(), markers=(), active=0, beams=())
+        forces = tuple(replace(force, function=None) for force in self.model.forces)
+        model = replace(self.model, forces=forces, beams=())
         return {name: getattr(self, name) for name in self.__dataclass_fields__} | {"model": model}
 
     @property
@@ -148,6 +150,10 @@ class MemoryRecords:
     def beams(self) -> tuple[BeamShape, ...]:
         """Return the beams."""
         return self.model.beam_shapes
+
+    def connections(self) -> tuple[Connection, ...]:
+        """Return what joins two points, for pictures."""
+        return connections(self.model)
 
     def beam_places(self) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
         """Return where the nodes of each beam have their state in q and v."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from jousto.engine import BeamShape
 from jousto.reduction import StressModes
+from jousto.simulation.connections import Connection
 from jousto.simulation.events import Happening
 
 Array = NDArray[np.float64]
@@ -90,6 +91,9 @@ class Records(Protocol):
 
     def beams(self) -> tuple[BeamShape, ...]:
         """Return the beams."""
+
+    def connections(self) -> tuple[Connection, ...]:
+        """Return what joins two points, for pictures."""
 
     def beam_places(self) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
         """Return where the nodes of each beam have their state in q and v."""

@@ -24,6 +24,8 @@ from jousto.errors import InputError, Problem
 from jousto.files import create, unwritable
 from jousto.simulation.beams import GROUP, beam_arrays
 from jousto.simulation.columns import Column, columns
+from jousto.simulation.connections import GROUP as CONNECTIONS
+from jousto.simulation.connections import connection_arrays, connections
 from jousto.simulation.events import joints_of, sources
 from jousto.simulation.image import SparseImage, reserve
 from jousto.simulation.stress import stress_arrays
@@ -302,6 +304,11 @@ def _describe(
             # where the states of the nodes are
             group["iq"] = np.array([model.bodies[k].iq for k in beam.bodies])
             group["iv"] = np.array([model.bodies[k].iv for k in beam.bodies])
+    connected = connections(model)
+    if connected:
+        group = file.create_group(CONNECTIONS)
+        for name, array in connection_arrays(connected).items():
+            group.create_dataset(name, data=array)
     joints = file.create_group("joints", track_order=True)
     for joint in model.joints:
         group = joints.create_group(joint.name)

@@ -16,6 +16,7 @@ from jousto.engine import BeamShape
 from jousto.errors import InputError, Problem, count, suggest
 from jousto.reduction import StressModes
 from jousto.simulation import frames
+from jousto.simulation.connections import Connection
 from jousto.simulation.diagnostics import Energy, Residuals, Work
 from jousto.simulation.events import Happening
 from jousto.simulation.records import BodyShape, Records
@@ -322,6 +323,11 @@ class Solution:
     def bodies(self) -> tuple[BodyShape, ...]:
         """Bodies with what is needed to draw them."""
         return self._records.bodies()
+
+    @property
+    def connections(self) -> tuple[Connection, ...]:
+        """What joins two points, joints, springs and actuators, for pictures."""
+        return self._records.connections()
 
     @property
     def beams(self) -> tuple[BeamShape, ...]:

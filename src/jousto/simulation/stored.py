@@ -16,6 +16,8 @@ from jousto.errors import InputError, Problem
 from jousto.files import written
 from jousto.reduction import StressModes
 from jousto.simulation.beams import GROUP, beam_knows_stress, read_beam
+from jousto.simulation.connections import GROUP as CONNECTIONS
+from jousto.simulation.connections import Connection, read_connections
 from jousto.simulation.events import Happening, happenings
 from jousto.simulation.reading import open_results
 from jousto.simulation.records import ALL, BodyShape
@@ -151,6 +153,11 @@ class FileRecords:
             if GROUP not in file:
                 return ()
             return tuple(read_beam(name, group) for name, group in file[GROUP].items())
+
+    def connections(self) -> tuple[Connection, ...]:
+        """Return what joins two points, for pictures."""
+        with self._open() as file:
+            return read_connections(file[CONNECTIONS]) if CONNECTIONS in file else ()
 
     def beam_places(self) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
         """Return where the nodes of each beam have their state in q and v."""

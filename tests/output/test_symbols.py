@@ -1,0 +1,122 @@
+"""What joins the bodies is in the picture, where the engine says it is."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+import jousto as jo
+from jousto.output.scene import make_scene
+from jousto.output.style import Picture
+from jousto.output.symbols import SymbolPen, coil, ground_lines, joined_points, size_of
+from jousto.output.view import View
+
+G = jo.ground
+STEEL = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)
+
+
+def machine():
+    """A swinging flexible arm, a cart, and one of each kind of connection."""
+    part = jo.Part.beam(length=1.0, section=jo.Rectangle(0.01, 0.02), elements=6, material=STEEL)
+    reduced = jo.reduce(part, jo.CraigBampton(interfaces=("start", "node3", "end"), modes=3))
+    arm = jo.FlexibleBody("arm", reduced)
+    cart = jo.RigidBody(
+        "cart", 2.0, (0.02, 0.02, 0.02), markers={"hook": (0.1, -0.2, 0.05)}, position=(0, -1, 0)
+    )
+    ball = jo.RigidBody("ball", 1.0, (0.01, 0.01, 0.01), position=(0, -2, 0))
+    return jo.Mechanism(
+        arm, cart, ball,
+        jo.Revolute("pivot", G["origin"], arm["start"], axis=(0, 0, 1)),
+        jo.Prismatic("rail", G.at((0, -1, 0)), cart["origin"], axis=(1, 0, 0)),
+        jo.Rod("rod", G.at((0, -1.5, 0)), ball["origin"]),
+        jo.Spring.between("spring", cart["hook"], arm["end"], 50.0),
+        jo.Spring.between("damper", G.at((-1, -2, 0)), ball["origin"], damping=1.0),
+        jo.JointForce("pump", jo.Distance(cart["hook"], arm["node3"]), jo.Constant(2.0)),
+        jo.Bushing("rubber", G.at((0, -2, 0)), ball["origin"], 10.0),
+        jo.Gravity((0, -9.81, 0)),
+        jo.PositionSensor("hook", cart["hook"]),
+        jo.PositionSensor("tip", arm["end"]),
+        jo.PositionSensor("third", arm["node3"]),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def run():
+    return jo.simulate(jo.compile(machine()), 0.2, solver=jo.RK4(1e-4), output_step=0.02)
+
+
+def test_every_connection_has_its_kind(run):
+    assert {one.name: one.kind for one in run.connections} == {
+        "pivot": "hinge", "rail": "slide", "rod": "rod", "spring": "spring", "damper": "damper",
+        "pump": "actuator", "rubber": "bushing",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("kept", ["memory", "file", "pickle"])
+def test_their_ends_are_where_sensors_are(run, tmp_path, kept):
+    """The engine's own positions of the markers; interpolation between instants takes no part."""
+    if kept == "file":
+        run.save(tmp_path / "r.h5")
+        run = jo.load(tmp_path / "r.h5")
+    elif kept == "pickle":
+        run = pickle.loads(pickle.dumps(run))
+    found = run.connections
+    ends = joined_points(run, found, run.time, 1.0)
+    at = {one.name: ends[:, k] for k, one in enumerate(found)}
+    for name, a, b in (("spring", "hook", "tip"), ("pump", "hook", "third")):
+        # some hundred roundings beside 1 m
+        np.testing.assert_allclose(at[name][:, 0], run[a], atol=1e-13)
+        np.testing.assert_allclose(at[name][:, 1], run[b], atol=1e-13)
+    assert np.ptp(at["spring"][:, 1], axis=0).max() > 0.1
+    np.testing.assert_allclose(at["pivot"], 0.0, atol=1e-10)
+    np.testing.assert_allclose(np.linalg.norm(at["rod"][:, 1] - at["rod"][:, 0], axis=1), 0.5)
+
+
+def test_supports_stand_at_the_points_of_ground(run):
+    scene = make_scene(run, run.time, scale=1.0, view="xy", trail=None)
+    points = {tuple(point) for point in np.round(scene.symbols.grounds, 9).tolist()}
+    assert points == {(0.0, 0.0), (0.0, -1.0), (0.0, -1.5), (-1.0, -2.0), (0.0, -2.0)}
+    triangle, base, *_ = ground_lines(np.array([0.3, 0.2]), 0.1)
+    assert triangle[0].tolist() == [0.3, 0.2]
+    assert base[:, 1].max() < 0.2
+
+
+@pytest.mark.parametrize("end", [(1.0, 0.0), (0.3, -0.4), (0.0, 0.0)])
+def test_a_spring_is_drawn_between_its_ends(end):
+    line = coil(np.zeros(2), np.array(end), 0.01)
+    assert line[0].tolist() == [0.0, 0.0]
+    assert line[-1].tolist() == list(end)
+    assert np.isfinite(line).all()
+    length = np.hypot(*end)
+    if length:
+        off = np.abs(line @ np.array([-end[1], end[0]])) / length
+        assert off.max() == pytest.approx(0.01, rel=1e-12)
+
+
+def test_a_cylinder_keeps_its_length_while_its_rod_moves(run):
+    scene = make_scene(run, run.time, scale=1.0, view="xy", trail=None)
+    pen = SymbolPen(Picture().add_subplot(), scene.symbols, size_of(scene.box))
+    place = [kind for kind in scene.symbols.kinds if kind in ("damper", "actuator")].index(
+        "actuator"
+    )
+    found = []
+    for i in range(len(run.time)):
+        pen.show(i)
+        barrel = pen.thick.get_segments()[place]
+        found.append(np.linalg.norm(barrel[1] - barrel[0]))
+        np.testing.assert_array_equal(barrel[0], run["hook"][i, :2])
+    lengths = np.linalg.norm((run["third"] - run["hook"])[:, :2], axis=1)
+    assert np.ptp(lengths) > 0.01
+    np.testing.assert_allclose(found, 0.6 * lengths.min(), rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["m.png", "m.gif"])
+def test_they_change_the_picture(run, tmp_path, monkeypatch, name):
+    view = View((1, 1, 1))
+    with_them = jo.animate(run, tmp_path / name, view=view, stills=2, fps=5, speed=0.2).read_bytes()
+    monkeypatch.setattr("jousto.output.scene.draw_grounds", lambda *_: None)
+    monkeypatch.setattr(SymbolPen, "show", lambda *_: None)
+    without = jo.animate(run, tmp_path / name, view=view, stills=2, fps=5, speed=0.2).read_bytes()
+    assert with_them != without
