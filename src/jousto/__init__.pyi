@@ -402,6 +402,9 @@ from .parts import (
     mesh_step as mesh_step,
 )
 from .parts import (
+    place_errors as place_errors,
+)
+from .parts import (
     read_mesh as read_mesh,
 )
 from .parts.readers.matrices import (
@@ -433,6 +436,9 @@ from .recovery import (
     Envelope as Envelope,
 )
 from .recovery import (
+    ErrorBudget as ErrorBudget,
+)
+from .recovery import (
     FrictionStress as FrictionStress,
 )
 from .recovery import GaugeComparison as GaugeComparison
@@ -455,6 +461,9 @@ from .recovery import (
     StressField as StressField,
 )
 from .recovery import compare_gauges as compare_gauges
+from .recovery import (
+    error_budget as error_budget,
+)
 from .recovery import (
     field_from as field_from,
 )

@@ -31,6 +31,10 @@ def test_ranks_the_places_of_a_run(tmp_path: Path) -> None:
     assert float(row[5]) == pytest.approx(1e3 * jo.stress_field(run, "arm").positions[place, 0])
     assert "certified: no other place exceeds" in text
     assert "between the stored instants no place exceeds" in text
+    assert "error budget of 'arm'" in text and "not known: modes, step, mesh" in text
+    # the same run again is no finer: nothing changes
+    code, text = call("hotspots", run.path, "-n", "1", "--finer-step", run.path)
+    assert code == 0 and "step 0 %" in text and "not known: modes, mesh" in text
     # a window of time
     code, text = call("hotspots", run.path, "arm", "--to", "100 ms", "-n", "1")
     early = values[run.time <= 0.1 + 1e-9]

@@ -14,6 +14,8 @@ from jousto.errors import InputError, Problem
 if TYPE_CHECKING:
     from jousto.recovery import Plane
 
+REMARK = "at stored instants, of these modes, step and mesh; jousto hotspots gives the error budget"
+
 
 @app.command()
 @command
@@ -50,17 +52,30 @@ def hotspots(
         Path | None,
         typer.Option("--histories", metavar="FILE.csv|.h5", help="Write their full histories."),
     ] = None,
+    step: Annotated[
+        Path | None,
+        typer.Option("--finer-step", metavar="FILE.h5", help="Same run, half the step."),
+    ] = None,
+    modes: Annotated[
+        Path | None,
+        typer.Option("--more-modes", metavar="FILE.h5", help="Same run, more modes."),
+    ] = None,
+    mesh: Annotated[
+        Path | None,
+        typer.Option("--finer-mesh", metavar="FILE.h5", help="Same run, finer mesh."),
+    ] = None,
     output: Output = None,
     vtu: Annotated[
         Path | None, typer.Option("--vtu", metavar="FILE.vtu", help="Write them for ParaView.")
     ] = None,
     debug: Debug = False,
 ) -> None:
-    """Rank the places with the largest stress and prove that no other place is worse.
+    """Rank the places with the largest stress at stored instants and prove that no other is worse.
 
-    -o draws the largest stress on the surface with the hot spots and their histories.
+    -o draws the largest stress on the surface with the hot spots and their histories. The error
+    budget of the first says what its stress may be wrong by; finer runs tell more of it.
     """
-    from jousto.recovery import hot_spots, stress_field
+    from jousto.recovery import error_budget, hot_spots, stress_field
     from jousto.simulation import load
 
     apart = 0.0 if separation is None else amount(separation, "m", "--separation")
@@ -83,6 +98,9 @@ def hotspots(
         extreme=extreme,
     )
     say(str(found))
+    if found.spots:
+        finer = [None if path is None else load(path) for path in (step, modes, mesh)]
+        say(str(error_budget(found, step=finer[0], modes=finer[1], mesh=finer[2])))
     advice = found.advice()
     if advice:
         say(f"warning: {advice}", error=True, style="yellow")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from jousto.cli.hotspots import REMARK
 from jousto.cli.options import Debug, From, Result, To, app, instant
 from jousto.cli.terminal import command, say
 from jousto.errors import InputError, Problem, suggest
@@ -42,6 +43,8 @@ def peaks(
             *(c.rjust(w) for c, w in zip(row[1:5], widths[1:5], strict=True)),
         ]
         say(("  " + "  ".join(cells) + "  " + row[5]).rstrip())
+    if not names and run.stressed:
+        say(f"  errors of stress: {REMARK}")
 
 
 def sensor_peaks(

@@ -10,7 +10,7 @@ import numpy as np
 import typer
 from numpy.typing import NDArray
 
-from jousto.cli.hotspots import plane_or_name
+from jousto.cli.hotspots import REMARK, plane_or_name
 from jousto.cli.options import Debug, From, Output, Result, To, app, instant
 from jousto.cli.terminal import command, say
 from jousto.errors import InputError, Problem
@@ -109,6 +109,7 @@ def stress(
             field.ns,
         )
         say(f"{sought}, {field.frame} axes, {field.time[0]:g} to {field.time[-1]:g} s")
+        say(f"errors: {REMARK}")
     if output is not None:
         say(f"written to {write(run, field, sought, moment, output, bool(site))}", style="green")
 

@@ -42,7 +42,7 @@ from jousto.parts.section import (
 )
 from jousto.parts.section_stress import StressPoint
 from jousto.parts.solids import SolidStress
-from jousto.parts.solids.error import MeshError, mesh_error
+from jousto.parts.solids.error import MeshError, mesh_error, place_errors
 from jousto.parts.strength import (
     finish_factor,
     load_factor,
@@ -118,6 +118,7 @@ __all__ = [
     "materials",
     "mesh_error",
     "mesh_step",
+    "place_errors",
     "polar_moment",
     "read_mesh",
 ]

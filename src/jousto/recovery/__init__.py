@@ -1,6 +1,7 @@
 """RECOVER: fields over a body from the few coordinates that a run stores."""
 
 from jousto.recovery.beams import RESULTANTS, SectionForces, section_forces
+from jousto.recovery.budget import ErrorBudget, error_budget
 from jousto.recovery.fields import (
     Criterion,
     Envelope,
@@ -49,6 +50,7 @@ __all__ = [
     "rosette_state",
     "Criterion",
     "Envelope",
+    "ErrorBudget",
     "HotSpot",
     "HotSpots",
     "FrictionStress",
@@ -57,6 +59,7 @@ __all__ = [
     "StressField",
     "Transition",
     "criteria",
+    "error_budget",
     "evaluate",
     "field_from",
     "find_body",

@@ -12,7 +12,7 @@ from jousto.parts._arrays import Floats, Ints
 from jousto.parts.orthotropic import elasticity
 from jousto.parts.solids.elements import gradients, table
 from jousto.parts.solids.model import SolidGroup, SolidModel
-from jousto.parts.solids.stress import SolidStress, strains_of
+from jousto.parts.solids.stress import SolidStress, continuation, point_strains, strains_of
 
 if TYPE_CHECKING:
     from jousto.parts.part import Part
@@ -86,19 +86,9 @@ def mesh_error(part: Part, d: Floats) -> MeshError:
     --------
     ``jo.mesh_error(part, reduced.modes.reshape(-1, reduced.n)).eta``
     """
-    where = f"part '{part.name}'"
-    model = part.solids
-    if model is None:
-        raise InputError(Problem(where, "has no mesh error: only parts of solids have one"))
-    x = np.asarray(d, dtype=np.float64)
-    if x.ndim not in (1, 2) or len(x) != 3 * len(model.nodes):
-        message = f"displacements have shape {x.shape}, must be ({3 * len(model.nodes)}, n)"
-        raise InputError(Problem(where, message))
-    X = x.reshape(len(x), -1)
+    model, X = _checked(part, d)
     stress = SolidStress.everywhere(model)
-    s = stress.evaluate(X)
-    site = np.full((len(model.materials), len(model.nodes)), -1, dtype=np.int64)
-    site[stress.material, stress.node] = np.arange(len(stress))
+    s, site = stress.evaluate(X), stress.numbers
     squares, energy = [], np.zeros(X.shape[1])
     for group in model.groups:
         own, work = _group_error(model, group, site[group.material], s, X)
@@ -110,6 +100,19 @@ def mesh_error(part: Part, d: Floats) -> MeshError:
         np.concatenate(squares),
         energy,
     )
+
+
+def _checked(part: Part, d: Floats) -> tuple[SolidModel, Floats]:
+    """Return the elements of a part and displacements (ndof, n)."""
+    where = f"part '{part.name}'"
+    model = part.solids
+    if model is None:
+        raise InputError(Problem(where, "has no mesh error: only parts of solids have one"))
+    x = np.asarray(d, dtype=np.float64)
+    if x.ndim not in (1, 2) or len(x) != 3 * len(model.nodes):
+        message = f"displacements have shape {x.shape}, must be ({3 * len(model.nodes)}, n)"
+        raise InputError(Problem(where, message))
+    return model, x.reshape(len(x), -1)
 
 
 def _group_error(
@@ -141,3 +144,48 @@ def _group_error(
         )
         energy += np.einsum("mq,mqin,mqin->n", w, own, e, optimize=True)
     return squares, energy
+
+
+def place_errors(part: Part, d: Floats) -> Floats:
+    """Return the estimated error of the stress at every node of a part of solids, (ns, n) in Pa.
+
+    By how much the elements around a node disagree: the root mean square of the von Mises stress
+    of ``s_e - s*``, with the stress s_e that each of them alone continues to the node and the
+    stress s* of the node, see `SolidStress`. Sites as those of ``part.stress``.
+
+    Parameters
+    ----------
+    part : Part
+        Of solids.
+    d : (ndof, n) or (ndof,) array_like
+        Nodal displacements in m.
+
+    Raises
+    ------
+    InputError
+        As `mesh_error`.
+    """
+    model, X = _checked(part, d)
+    stress = SolidStress.everywhere(model)
+    s = stress.evaluate(X)
+    site = stress.numbers
+    squares, count = np.zeros((len(stress), X.shape[1])), np.zeros(len(stress))
+    V = np.diag([1.5, 1.5, 1.5, 3.0, 3.0, 3.0])
+    V[:3, :3] -= 0.5
+    for group in model.groups:
+        nq, n = len(table(group.kind, "stress").weights), X.shape[1]
+        C = elasticity(model.materials[group.material])
+        step = max(1, BLOCK_BYTES // (8 * 6 * n * (nq + 3 * group.nodes.shape[1])))
+        for start in range(0, len(group), step):
+            chosen = np.arange(start, min(start + step, len(group)))
+            strains = np.empty((len(chosen) * nq, 6, n))
+            point_strains(model, group, chosen, X, strains)
+            strains = np.matmul(
+                continuation(group.kind), strains.reshape(len(chosen), nq, 6 * n)
+            ).reshape(len(chosen), -1, 6, n)
+            at = site[group.material][group.nodes[chosen]]
+            away = np.einsum("ij,mkjn->mkin", C, strains) - s[at]
+            own = np.einsum("mkin,ij,mkjn->mkn", away, V, away, optimize=True)
+            np.add.at(squares, at, np.maximum(own, 0.0))
+            np.add.at(count, at, 1.0)
+    return np.asarray(np.sqrt(squares / count[:, None]))

@@ -181,7 +181,7 @@ class SolidStress:
         used = np.unique(np.concatenate([group.nodes[chosen].ravel() for group, chosen in groups]))
         # outer faces at the sites belong to these elements
         faces = [
-            (face, np.any(few._site[m[:, None], face] >= 0, axis=1))
+            (face, np.any(few.numbers[m[:, None], face] >= 0, axis=1))
             for face, m in zip(self.model.faces, self.model.face_materials, strict=True)
         ]
         around = replace(
@@ -221,7 +221,7 @@ class SolidStress:
         return replace(self, node=self.node[i], material=self.material[i])
 
     @cached_property
-    def _site(self) -> Ints:
+    def numbers(self) -> Ints:
         """Number of the site of each node in each material (n materials, nn), -1 if it has none."""
         site = np.full((len(self.model.materials), len(self.model.nodes)), -1, dtype=np.int64)
         site[self.material, self.node] = np.arange(len(self))
@@ -230,12 +230,12 @@ class SolidStress:
     @cached_property
     def _outer(self) -> FaceStress:
         """Stress of the sites on outer faces."""
-        return face_stress(self.model, self._site, len(self))
+        return face_stress(self.model, self.numbers, len(self))
 
     @cached_property
     def _averages(self) -> tuple[Sparse, tuple[Ints, ...]]:
         """Weights (ns, points) of the strains at the points; and the elements that have them."""
-        site = self._site
+        site = self.numbers
         chosen, rows, columns, values, at = [], [], [], [], 0
         for group in self.model.groups:
             mine = site[group.material][group.nodes]
