@@ -356,3 +356,24 @@ def test_invariants_of_strain() -> None:
     assert found[0].value == pytest.approx(1.5e-3 * 1.3, rel=1e-12)
     assert "um/m" in str(found)
     assert evaluate(found[0].tensor, "principal-1", True) == pytest.approx(0.3 * 1.5e-3)
+
+
+def test_points_of_one_section_are_one_spot() -> None:
+    """Without a separation beams list sections, not the neighbours of the worst point."""
+    labels = tuple(f"e{e}.a.{k}" for e in (1, 2, 3) for k in ("top", "side", "bottom"))
+    high = np.tile([[0.0, 0.0, 0.1], [0.0, 0.1, 0.0], [0.0, 0.0, -0.1]], (3, 1))
+    x = np.repeat(np.arange(3.0), 3)[:, None] * [1.0, 0.0, 0.0] + high
+    S = np.zeros((9, 6, 1))
+    S[:, 0, 0] = [9e6, 8e6, -7e6, 3e6, 2e6, 1e6, 6e6, 5e6, 4e6]
+    axes = np.tile(np.eye(3), (9, 1, 1))
+    nodes = np.repeat([0, 1, 2], 3)
+    modes = StressModes(labels, x, axes, S, nodes=nodes)
+    field = field_from(modes, [[0.0], [1.0]], [0.0, 1.0])
+    found = hot_spots(field, count=3)
+    assert [spot.site for spot in found] == ["e1.a.top", "e3.a.top", "e2.a.top"]
+    assert found.separation == pytest.approx(0.2, rel=0.2)
+    every = hot_spots(field, count=3, separation=0.0)
+    assert [spot.site for spot in every] == ["e1.a.top", "e1.a.side", "e1.a.bottom"]
+    # of solids each node is a place of its own
+    solid = field_from(replace(modes, nodes=np.arange(9)), [[0.0], [1.0]], [0.0, 1.0])
+    assert [spot.site for spot in hot_spots(solid, count=2)] == ["e1.a.top", "e1.a.side"]

@@ -36,7 +36,11 @@ def hotspots(
     ] = "von-mises",
     separation: Annotated[
         str | None,
-        typer.Option("--separation", metavar="LENGTH", help="How far they keep apart, '20 mm'."),
+        typer.Option(
+            "--separation",
+            metavar="LENGTH",
+            help="How far they keep apart, '20 mm'; beams: their section.",
+        ),
     ] = None,
     extreme: Annotated[
         str | None,
@@ -78,7 +82,7 @@ def hotspots(
     from jousto.recovery import error_budget, hot_spots, stress_field
     from jousto.simulation import load
 
-    apart = 0.0 if separation is None else amount(separation, "m", "--separation")
+    apart = None if separation is None else amount(separation, "m", "--separation")
     first, last = instant(start, "--from"), instant(end, "--to")
     sought = plane_or_name(criterion)
     check_targets({csv: ("csv",), histories: ("csv", "h5"), vtu: ("vtu",), output: ()})

@@ -146,7 +146,7 @@ class IBeam:
 
     @property
     def points(self) -> tuple[SectionPoint, ...]:
-        """Flange tips and middles outside, web at its ends and at mid-height (left face)."""
+        """Flange tips and middles outside, both faces of the web at its ends and at mid-height."""
         h, b, tw, tf = self.height, self.width, self.web, self.flange
         flow = b * tf * 0.5 * (h - tf)
         v_end = flow / (self.Iy * tw)
@@ -158,6 +158,8 @@ class IBeam:
         top = ((0.0, 0.0, -t_flange), (0.0, 0.0, 0.0))
         bottom = ((0.0, 0.0, t_flange), (0.0, 0.0, 0.0))
         web_end = ((0.0, 0.0, 0.0), (0.0, v_end, t_web))
+        other_end = ((0.0, 0.0, 0.0), (0.0, v_end, -t_web))
+        other = ((0.0, 0.0, 0.0), (0.0, v_mid, -t_web))
         return (
             SectionPoint("top", 0.0, 0.5 * h, ((v_flange, 0.0, -t_flange), (0.0, 0.0, 0.0))),
             SectionPoint("bottom", 0.0, -0.5 * h, ((v_flange, 0.0, t_flange), (0.0, 0.0, 0.0))),
@@ -168,6 +170,9 @@ class IBeam:
             SectionPoint("web", 0.5 * tw, 0.0, ((0.0, 0.0, 0.0), (0.0, v_mid, t_web))),
             SectionPoint("web_top", 0.5 * tw, 0.5 * h - tf, web_end),
             SectionPoint("web_bottom", 0.5 * tw, tf - 0.5 * h, web_end),
+            SectionPoint("web_right", -0.5 * tw, 0.0, other),
+            SectionPoint("web_top_right", -0.5 * tw, 0.5 * h - tf, other_end),
+            SectionPoint("web_bottom_right", -0.5 * tw, tf - 0.5 * h, other_end),
         )
 
 

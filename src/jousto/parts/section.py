@@ -23,6 +23,10 @@ Shear = tuple[tuple[float, float, float], tuple[float, float, float]]
 NO_SHEAR: Shear = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
+ROUND = 24
+"""Points around a round section."""
+
+
 @dataclass(frozen=True)
 class SectionPoint:
     """A point of a section where stress is recovered.
@@ -290,17 +294,11 @@ class Tube:
 
     @property
     def points(self) -> tuple[SectionPoint, ...]:
-        """The four outermost points."""
+        """24 points around: top, bottom, left, right, ``deg15`` ... by their angle from left."""
         ro, ri = self._radii
         # first moment of the half section over the cut's width 2 wall
         v = (ro**2 + ro * ri + ri**2) / (3.0 * self.Iy)
-        t = ro / self.J
-        return (
-            SectionPoint("top", 0.0, ro, ((v, 0.0, -t), (0.0, 0.0, 0.0))),
-            SectionPoint("bottom", 0.0, -ro, ((v, 0.0, t), (0.0, 0.0, 0.0))),
-            SectionPoint("left", ro, 0.0, ((0.0, 0.0, 0.0), (0.0, v, t))),
-            SectionPoint("right", -ro, 0.0, ((0.0, 0.0, 0.0), (0.0, v, -t))),
-        )
+        return _around(ro, v, ro / self.J)
 
 
 @dataclass(frozen=True)
@@ -362,10 +360,13 @@ class Circle:
 
     @property
     def points(self) -> tuple[SectionPoint, ...]:
-        """The four outermost points and the centre."""
+        """24 points around, as of `Tube`, and the centre."""
         v = 4.0 / (3.0 * self.A)
-        outer = Tube(self.diameter, 0.5 * self.diameter).points
-        return (*outer, SectionPoint("centre", 0.0, 0.0, ((v, 0.0, 0.0), (0.0, v, 0.0))))
+        radius = 0.5 * self.diameter
+        return (
+            *_around(radius, v, radius / self.J),
+            SectionPoint("centre", 0.0, 0.0, ((v, 0.0, 0.0), (0.0, v, 0.0))),
+        )
 
 
 @dataclass(frozen=True)
@@ -424,3 +425,23 @@ class GeneralSection:
         for name in sorted({n for n in names if names.count(n) > 1}):
             problems.add(where, f"two points are named '{name}'")
         problems.raise_if_any()
+
+
+def _around(radius: float, v: float, t: float) -> tuple[SectionPoint, ...]:
+    """Return the points around a round section; at worst bending stands 7.5 degrees from one.
+
+    Shear runs along the edge: ``V v cos(a)`` at the angle a from the plane of bending's neutral
+    line, by Jourawski, and ``T t`` of torsion.
+    """
+    four = {0: "left", 90: "top", 180: "right", 270: "bottom"}
+    found = {}
+    for k in range(ROUND):
+        degrees = 360 * k // ROUND
+        c, s = math.cos(2.0 * math.pi * k / ROUND), math.sin(2.0 * math.pi * k / ROUND)
+        if degrees in four:
+            c, s = float(round(c)), float(round(s))
+        shear = ((v * s * s, -v * s * c, -t * s), (-v * s * c, v * c * c, t * c))
+        name = four.get(degrees, f"deg{degrees}")
+        found[name] = SectionPoint(name, radius * c, radius * s, shear)
+    first = ("top", "bottom", "left", "right")
+    return (*(found.pop(name) for name in first), *found.values())

@@ -10,11 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.errors import Problems
 from jousto.parts.profiles import Box, IBeam
-from jousto.parts.section import Circle, Rectangle, Section, SectionPoint, Tube
+from jousto.parts.section import ROUND, Circle, Rectangle, Section, Tube
 
 Array = NDArray[np.float64]
-
-ROUND = 24  # points and corners of the outline around a round section
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,34 +98,12 @@ def stress_points(
     shift[3, 1:3] = zs, -ys
     shift[4, 0], shift[5, 0] = -zc, yc
     found = []
-    for point in _places(section):
+    for point in section.points:
         rows = np.zeros((6, 6))
         rows[0, [0, 4, 5]] = 1.0 / section.A, point.z / section.Iy, -point.y / section.Iz
         rows[np.ix_((3, 5), (1, 2, 3))] = point.shear
         found.append(StressPoint(point.name, point.y + yc, point.z + zc, rows @ shift))
     return tuple(found)
-
-
-def _places(section: Section) -> tuple[SectionPoint, ...]:
-    """Return the points of a section, of round ones those all around.
-
-    Shear runs along the edge: ``V v cos(a)`` at the angle a from the plane of bending's neutral
-    line. By Jourawski it is so at the edge of the solid circle and in the thin tube.
-    """
-    if not isinstance(section, Circle | Tube):
-        return section.points
-    given = section.points
-    left = next(point for point in given if point.name == "left")
-    radius, v, t = left.y, left.shear[1][1], left.shear[1][2]
-    found = []
-    for k in range(ROUND):
-        if 4 * k % ROUND == 0:
-            continue  # top, bottom, left and right are among those of the section
-        angle = 2.0 * np.pi * k / ROUND
-        c, s = float(np.cos(angle)), float(np.sin(angle))
-        shear = ((v * s * s, -v * s * c, -t * s), (-v * s * c, v * c * c, t * c))
-        found.append(SectionPoint(f"deg{360 * k // ROUND}", radius * c, radius * s, shear))
-    return (*given[:4], *found, *given[4:])
 
 
 def section_outline(section: Any, centroid: tuple[float, float] = (0.0, 0.0)) -> Array:

@@ -67,6 +67,7 @@ def every(
         knots=0,
         full=field.ns * field.nt,
         margin=float(margin.max(initial=0.0)),
+        separation=float(separation),
     )
     return Found(chosen, instants[chosen].astype(np.intp), values[chosen], proof)
 

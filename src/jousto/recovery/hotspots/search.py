@@ -44,6 +44,8 @@ class Proof:
         How often the criterion was worked out at knots of windows and in full.
     margin : float
         Largest allowance for rounding in a bound.
+    separation : float
+        No two hot spots are nearer, m.
     """
 
     places: int
@@ -57,6 +59,7 @@ class Proof:
     knots: int
     full: int
     margin: float
+    separation: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,6 +169,7 @@ def search(
         knots=work.effort.knots,
         full=work.effort.full,
         margin=float(work.margin.max(initial=0.0)),
+        separation=float(separation),
     )
     return Found(chosen, when[chosen], lower[chosen], certificate)
 

@@ -77,7 +77,7 @@ class HotSpots:
     extreme : str
         "largest", "smallest" or "magnitude": by what they are ranked.
     separation : float
-        No two of one body are nearer, m.
+        No two of one body are nearer, m; the largest of the bodies.
     start, end : float
         First and last instant that was searched, s.
     fields : tuple of StressField
@@ -245,7 +245,7 @@ def hot_spots(
     bodies: Sequence[str] | str | None = None,
     count: int = 10,
     criterion: Criterion = "von-mises",
-    separation: float = 0.0,
+    separation: float | None = None,
     start: float | None = None,
     end: float | None = None,
     extreme: str | None = None,
@@ -305,6 +305,7 @@ def hot_spots(
     spans = []
     for field in fields:
         part = field.during(start, end)
+        apart = section_size(field) if separation is None else float(separation)
         spans.append((float(part.time[0]), float(part.time[-1])))
         if part.columns is None:
             found = search(
@@ -313,11 +314,11 @@ def hot_spots(
                 part.positions,
                 sought,
                 count=count,
-                separation=separation,
+                separation=apart,
                 labels=part.labels,
             )
         else:
-            found = every(part, criterion, sought, count=count, separation=separation)
+            found = every(part, criterion, sought, count=count, separation=apart)
         certificates[field.name] = found.certificate
         gaps[field.name] = between(part, sought)
         for place, instant, ranked in zip(found.places, found.instants, found.ranked, strict=True):
@@ -335,7 +336,7 @@ def hot_spots(
         chosen,
         criterion,
         sought.extreme,
-        float(separation),
+        max(proof.separation for proof in certificates.values()),
         min(first for first, _ in spans),
         max(last for _, last in spans),
         fields,
@@ -355,6 +356,19 @@ def _bounded(
     own = next(field for field in fields if field.name == spot.body)
     part = own.only(spot.site).during(start, end)
     return replace(spot, between=largest_between(part, 0, sought))
+
+
+def section_size(field: StressField) -> float:
+    """Return the largest distance between places of one node, m: 0 for those of solids."""
+    nodes = field.modes.nodes
+    if nodes is None or not len(nodes):
+        return 0.0
+    _, group, count = np.unique(nodes, return_inverse=True, return_counts=True)
+    middle = np.stack([np.bincount(group, weights=x) / count for x in field.positions.T], axis=1)
+    known = (nodes >= 0) & (count[group] > 1)
+    away = np.linalg.norm(field.positions - middle[group], axis=1)
+    # those of two beams at an angle stand on circles about their node, too
+    return float(2.0 * (1.0 + 1e-6) * away[known].max(initial=0.0))
 
 
 def _fields(
@@ -392,13 +406,13 @@ def _fields(
 
 
 def _check(
-    fields: tuple[StressField, ...], count: int, criterion: Criterion, separation: float
+    fields: tuple[StressField, ...], count: int, criterion: Criterion, separation: float | None
 ) -> None:
     problems = Problems()
     number: Any = count
     if isinstance(number, bool) or not isinstance(number, int | np.integer) or number < 1:
         problems.add("hot_spots", f"count is {count!r}, must be a whole number of at least 1")
-    apart: Any = separation
+    apart: Any = 0.0 if separation is None else separation
     if not isinstance(apart, int | float | np.number) or not 0.0 <= apart < np.inf:
         problems.add("hot_spots", f"separation is {separation!r}, must be a length >= 0 in m")
     names = [field.name for field in fields]

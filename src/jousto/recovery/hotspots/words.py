@@ -52,7 +52,7 @@ def certificate_lines(found: HotSpots) -> list[str]:
             lines.append(f"  the largest bound of a pruned place is {_bound(found, c.best_pruned)}")
         if c.neighbours:
             lines.append(
-                f"  {c.neighbours} places are within {1e3 * found.separation:.4g} mm of a hot spot"
+                f"  {c.neighbours} places are within {1e3 * c.separation:.4g} mm of a hot spot"
             )
     if not found.spots:
         return lines
