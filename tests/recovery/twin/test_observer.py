@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -217,6 +219,57 @@ def test_tuning_finds_the_noise_and_passes_the_test(record: Shaken) -> None:
     np.testing.assert_allclose(np.sqrt(np.diag(right.noise)), 1e-6, rtol=0.1)
     after = innovation_test(right.run(record.time, record.e))
     assert after.size == pytest.approx(1.0, abs=0.1)
+
+
+def innovations(n: int, size: float, correlation: float, seed: int = 0) -> Any:
+    """What `innovation_test` reads of a record: scores of two channels, AR(1) of a given size."""
+    rng = np.random.default_rng(seed)
+    z = rng.normal(size=(n, 2))
+    for k in range(1, n):
+        z[k] = correlation * z[k - 1] + np.sqrt(1 - correlation**2) * z[k]
+    z *= size
+    one = SimpleNamespace(mask=np.array([True, True]), predicted=np.zeros((1, 1)))
+    channels = SimpleNamespace(H=np.zeros((2, 1)), R=np.eye(2))
+    observer = SimpleNamespace(names=("a", "b"), channels=channels)
+    return type(
+        "Fake",
+        (),
+        {
+            "observer": observer, "scores": z, "innovations": z, "gains": (one,) * n,
+            "__len__": lambda self: n,
+        },
+    )()  # fmt: skip
+
+
+def test_long_records_do_not_fail_good_twins() -> None:
+    # 3 % too large and 5 % correlated: chance does not explain it in 40 000 samples, bands hold
+    good = innovation_test(innovations(40_000, 1.03, 0.05))
+    assert good.significant == (True, True) and good.relevant == (False, False)
+    assert good.passed and "close enough" in str(good)
+    assert good.ratio == pytest.approx(1.03, abs=0.01)
+    # a tolerance that is meant to be strict still fails it
+    assert not innovation_test(innovations(40_000, 1.03, 0.05), tolerance=0.01).passed
+    # really wrong in size, or in colour
+    for size, correlation in ((1.4, 0.0), (0.7, 0.0), (1.0, 0.35)):
+        bad = innovation_test(innovations(4000, size, correlation))
+        assert not bad.passed and "not as the noise says" in str(bad)
+    # short records of right twins pass whatever chance does
+    few = [innovation_test(innovations(40, 1.0, 0.0, seed)).passed for seed in range(200)]
+    assert np.mean(few) > 0.9
+    with pytest.raises(jo.InputError, match="tolerance"):
+        innovation_test(innovations(100, 1.0, 0.0), tolerance=0.0)
+
+
+def test_a_correlation_at_the_limit_makes_means_so_much_wider() -> None:
+    found = innovation_test(innovations(100, 1.0, 0.0), tolerance=0.25)
+    r = found.largest_correlation
+    # means of 400 innovations of AR(1), twice 2000 of them
+    rng = np.random.default_rng(2)
+    z = rng.normal(size=(400, 4000))
+    for k in range(1, 400):
+        z[k] = r * z[k - 1] + np.sqrt(1 - r * r) * z[k]
+    # three standard errors of a standard deviation of 4000 means
+    assert z.mean(axis=0).std() * 20.0 == pytest.approx(1.25, abs=3 * 1.25 / np.sqrt(8000))
 
 
 def test_a_dead_gauge_widens_the_band(record: Shaken) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize
 from scipy.stats import chi2
 
-from jousto.errors import InputError, Problem
+from jousto.errors import InputError, Problem, Problems
 from jousto.recovery.twin.kalman import Gain, first_gain, next_gain
 from jousto.recovery.twin.observed import Observed
 from jousto.recovery.twin.observer import Observer
@@ -18,6 +18,8 @@ from jousto.recovery.twin.signals import LARGEST
 from jousto.recovery.twin.smoother import smooth
 
 Array = NDArray[np.float64]
+TOLERANCE = 0.25
+"""Share by which bands may be wrong before an innovation test fails."""
 FARTHEST = 8.0
 """Logarithm of the largest factor by which a standard deviation is changed."""
 
@@ -39,6 +41,8 @@ class InnovationTest:
         Largest magnitude of `whiteness` that chance explains (95 %).
     channels : dict of str to float
         Root mean square of each channel's own innovations over what is expected.
+    tolerance : float
+        Share by which bands may be too narrow or too wide.
     """
 
     size: float
@@ -47,27 +51,68 @@ class InnovationTest:
     whiteness: float
     limit: float
     channels: dict[str, float]
+    tolerance: float = TOLERANCE
+
+    @property
+    def ratio(self) -> float:
+        """Effect of the size: innovations are so many times as large as the bands say."""
+        return float(np.sqrt(self.size))
+
+    @property
+    def largest_correlation(self) -> float:
+        """Correlation r that makes the band of a mean too narrow by the tolerance.
+
+        Innovations that follow one another with correlations r, r^2, .. have means with
+        ``sqrt((1 + r) / (1 - r))`` times the deviation of independent ones.
+        """
+        square = (1.0 + self.tolerance) ** 2
+        return (square - 1.0) / (square + 1.0)
+
+    @property
+    def significant(self) -> tuple[bool, bool]:
+        """Whether chance does not explain size and whiteness; in a long record it never does."""
+        return not self.low <= self.size <= self.high, abs(self.whiteness) > self.limit
+
+    @property
+    def relevant(self) -> tuple[bool, bool]:
+        """Whether size and whiteness are off by more than the tolerance of the bands."""
+        wide = 1.0 + self.tolerance
+        return not 1.0 / wide <= self.ratio <= wide, abs(self.whiteness) > self.largest_correlation
 
     @property
     def passed(self) -> bool:
-        """Whether size and whiteness are both as expected."""
-        return self.low <= self.size <= self.high and abs(self.whiteness) <= self.limit
+        """Whether neither size nor whiteness is off both beyond chance and beyond the tolerance."""
+        return not any(a and b for a, b in zip(self.significant, self.relevant, strict=True))
+
+    @property
+    def verdict(self) -> str:
+        """What it means for the bands."""
+        if not self.passed:
+            return "not as the noise says"
+        near = any(self.significant)
+        return "close enough to what the noise says" if near else "as the noise says"
 
     def __str__(self) -> str:
         lines = [
-            f"innovations: mean square {self.size:.3f} (95 %: {self.low:.3f} to {self.high:.3f}), "
-            f"correlation {self.whiteness:+.3f} (95 %: +-{self.limit:.3f}): "
-            + ("as the noise says" if self.passed else "not as the noise says")
+            f"innovations: {self.ratio:.3f} times as large as expected (allowed "
+            f"{1.0 / (1.0 + self.tolerance):.2f} to {1.0 + self.tolerance:.2f}; mean square "
+            f"{self.size:.3f}, by chance {self.low:.3f} to {self.high:.3f}), correlation "
+            f"{self.whiteness:+.3f} (allowed +-{self.largest_correlation:.2f}, by chance "
+            f"+-{self.limit:.3f}): {self.verdict}"
         ]
         lines += [f"  {name}: {ratio:.2f} of expected" for name, ratio in self.channels.items()]
         return "\n".join(lines)
 
 
-def innovation_test(observed: Observed, *, skip: int = 20) -> InnovationTest:
+def innovation_test(
+    observed: Observed, *, skip: int = 20, tolerance: float = TOLERANCE
+) -> InnovationTest:
     """Return whether the innovations are independent and have the size that they must have.
 
     Mehra, IEEE Trans. Automatic Control 15 (1970) 175: with the right noise they are white, and
-    their mean square over their own covariance is chi-squared.
+    their mean square over their own covariance is chi-squared. No model is exact, and a record that
+    is long enough shows it; so the verdict asks besides whether it matters, whether the bands are
+    wrong by more than the tolerance.
 
     Parameters
     ----------
@@ -75,12 +120,18 @@ def innovation_test(observed: Observed, *, skip: int = 20) -> InnovationTest:
         From `Observer.run`.
     skip : int
         Samples at the start that are left out.
+    tolerance : float
+        Share by which bands may be too narrow or too wide: 0.25 lets a band of 95 % hold 88 to
+        98.6 %.
 
     Raises
     ------
     InputError
-        If fewer than ten samples are left.
+        If fewer than ten samples are left, or the tolerance is not positive.
     """
+    problems = Problems()
+    problems.positive("innovation_test", "tolerance", tolerance, "")
+    problems.raise_if_any()
     if len(observed) < skip + 10:
         raise InputError(
             Problem("innovation_test", f"{len(observed)} samples, needs {skip + 10} or more")
@@ -109,6 +160,7 @@ def innovation_test(observed: Observed, *, skip: int = 20) -> InnovationTest:
         whiteness=float((z[1:] * z[:-1] * pairs).sum() / max((z**2).sum(), 1e-300)),
         limit=float(1.96 / np.sqrt(max(int(pairs.sum()), 1))),
         channels=ratios,
+        tolerance=float(tolerance),
     )
 
 
