@@ -636,6 +636,9 @@ from .recovery.twin import (
     damage_band as damage_band,
 )
 from .recovery.twin import (
+    gauge_errors as gauge_errors,
+)
+from .recovery.twin import (
     identify_fourier as identify_fourier,
 )
 from .recovery.twin import (

@@ -20,6 +20,7 @@ from jousto.recovery.twin.reconstruction import Estimate, Reconstruction
 from jousto.recovery.twin.reference import InertialForce, Reference
 from jousto.recovery.twin.smoother import Histories, draw, smooth
 from jousto.recovery.twin.system import Accelerometer, UnknownLoad
+from jousto.recovery.twin.tolerance import gauge_errors
 from jousto.recovery.twin.tuning import InnovationTest, innovation_test, tune
 
 __all__ = [
@@ -44,6 +45,7 @@ __all__ = [
     "draw",
     "equivalent_load",
     "external",
+    "gauge_errors",
     "identify_fourier",
     "identify_loads",
     "identify_payload",

@@ -95,6 +95,7 @@ def stress_band(
     *,
     sites: Sequence[str] | str | None = None,
     level: float = 0.95,
+    scale: float = 0.0,
 ) -> Band:
     """Return the stress of sites over time with its band.
 
@@ -118,14 +119,19 @@ def stress_band(
         Labels; None for all sites. For a whole surface over a long time use `stress_blocks`.
     level : float
         Share of the band.
+    scale : float
+        Standard deviation of the error in proportion that all stress shares: of Young's modulus
+        and the common gauge factor, ``sqrt(s_E^2 + s_k^2)``, such as 0.03. Strain alone cannot show
+        either. Errors of single gauges belong to `Reconstruction` (``errors=gauge_errors(..)``).
 
     Raises
     ------
     InputError
-        No such criterion or site, modes of another part, or a level outside (0, 1).
+        No such criterion or site, modes of another part, a level outside (0, 1), or a scale outside
+        [0, 1).
     """
     labels, S, missed = _pick(estimate, modes, sites)
-    _check(criterion, level)
+    _check(criterion, level, scale)
     size = 8 * len(estimate) * len(labels) * 3
     if size > 64 * BLOCK_BYTES:
         raise InputError(
@@ -136,7 +142,7 @@ def stress_band(
             )
         )
     value, low, high = (np.empty((len(estimate), len(labels))) for _ in range(3))
-    for instants, places, block in _blocks(estimate, S, missed, criterion, level):
+    for instants, places, block in _blocks(estimate, S, missed, criterion, level, scale):
         value[instants, places], low[instants, places], high[instants, places] = block
     return Band(labels, estimate.time, value, low, high, level, str(criterion))
 
@@ -148,12 +154,13 @@ def stress_blocks(
     *,
     sites: Sequence[str] | str | None = None,
     level: float = 0.95,
+    scale: float = 0.0,
 ) -> Iterator[tuple[slice, slice, tuple[Array, Array, Array]]]:
     """Yield value, low and high of blocks of instants and sites, for whole surfaces.
 
     Parameters
     ----------
-    estimate, modes, criterion, sites, level
+    estimate, modes, criterion, sites, level, scale
         As for `stress_band`.
 
     Yields
@@ -164,12 +171,12 @@ def stress_blocks(
         Value, low and high end of the band, Pa.
     """
     _, S, missed = _pick(estimate, modes, sites)
-    _check(criterion, level)
-    return _blocks(estimate, S, missed, criterion, level)
+    _check(criterion, level, scale)
+    return _blocks(estimate, S, missed, criterion, level, scale)
 
 
 def _blocks(
-    estimate: Posterior, S: Array, missed: Array, criterion: Criterion, level: float
+    estimate: Posterior, S: Array, missed: Array, criterion: Criterion, level: float, scale: float
 ) -> Iterator[tuple[slice, slice, tuple[Array, Array, Array]]]:
     z = float(ndtri(0.5 + 0.5 * level))
     linear = weights(criterion)
@@ -187,17 +194,26 @@ def _blocks(
             half = np.einsum("sci,mij->mscj", S[places], estimate.covariances, optimize=True)
             cov = np.einsum("mscj,sdj->mscd", half, S[places], optimize=True)
             cov[..., np.arange(6), np.arange(6)] += missed[places] ** 2
-        long = max(1, BLOCK_BYTES // (8 * 6 * 24 * max(places.stop - first, 1)))
+        long = max(1, BLOCK_BYTES // (8 * 6 * 48 * max(places.stop - first, 1)))
         for start in range(0, nt, long):
             instants = slice(start, min(start + long, nt))
             p, which = estimate.p[instants], estimate.which[instants]
             if linear is not None:
                 value = p @ row.T
-                spread = z * deviation[which]
+                variance = deviation[which] ** 2 + (scale * value) ** 2
+                own = estimate.systematic(row, instants)
+                if own is not None:
+                    variance = variance + np.sum(own**2, axis=-1)
+                spread = z * np.sqrt(variance)
                 yield instants, places, (value, value - spread, value + spread)
             else:
                 s = np.einsum("tj,scj->tsc", p, S[places], optimize=True)
-                yield instants, places, _criterion_band(s, _root(cov)[which], criterion, level)
+                root = _root(cov)[which]
+                own = estimate.systematic(S[places], instants)
+                more = [] if own is None else [own]
+                more += [scale * s[..., None]] if scale else []
+                root = np.concatenate([root, *more], axis=-1) if more else root
+                yield instants, places, _criterion_band(s, root, criterion, level)
 
 
 class SpotBand:
@@ -253,7 +269,7 @@ def _root(cov: Array) -> Array:
 def _criterion_band(
     s: Array, root: Array, criterion: Criterion, level: float
 ) -> tuple[Array, Array, Array]:
-    """Return value, low and high (nt, ns) of stresses with roots of covariance (nt, ns, 6, 6)."""
+    """Return value, low and high (nt, ns) of stresses with roots of covariance (nt, ns, 6, k)."""
 
     def f(x: Array) -> Array:
         return evaluate(x, criterion)
@@ -263,9 +279,10 @@ def _criterion_band(
     steps = np.swapaxes(root, -1, -2)
     middle = s[..., None, :]
     all_ = f(np.concatenate([middle, middle + steps, middle - steps], axis=-2))
-    value, up, down = all_[..., 0], all_[..., 1:7], all_[..., 7:]
+    k = root.shape[-1]
+    value, up, down = all_[..., 0], all_[..., 1 : 1 + k], all_[..., 1 + k :]
     deviation = np.sqrt(np.sum((0.5 * (up - down)) ** 2, axis=-1))
-    bias = 0.5 * (np.sum(up + down, axis=-1) - 12.0 * value)
+    bias = 0.5 * (np.sum(up + down, axis=-1) - 2.0 * k * value)
     low, high = value - z * deviation, value + z * deviation
     value = value.copy()
     size = np.sqrt(np.sum(root * root, axis=(-2, -1)))
@@ -273,9 +290,9 @@ def _criterion_band(
     if not far.any():
         return value, _floored(low, criterion), high
     bent = np.argwhere(far)
-    root = np.broadcast_to(root, (*s.shape, 6))
-    points = _points()
-    step = max(1, BLOCK_BYTES // (8 * 6 * len(points)))
+    root = np.broadcast_to(root, (*s.shape, k))
+    points = _points(k)
+    step = max(1, BLOCK_BYTES // (8 * k * len(points)))
     for first in range(0, len(bent), step):
         t, k = bent[first : first + step].T
         drawn = f(s[t, k][:, None] + points @ np.swapaxes(root[t, k], -1, -2))
@@ -290,17 +307,19 @@ def _floored(low: Array, criterion: Criterion) -> Array:
 
 
 @cache
-def _points() -> Array:
-    """Return normally distributed points (DRAWS, 6), the same ones always."""
-    u = qmc.Sobol(6, scramble=True, rng=1).random(DRAWS)
+def _points(k: int) -> Array:
+    """Return normally distributed points (DRAWS, k), the same ones always."""
+    u = qmc.Sobol(k, scramble=True, rng=1).random(DRAWS)
     return np.asarray(ndtri(np.clip(u, 1e-9, 1.0 - 1e-9)))
 
 
-def _check(criterion: Criterion, level: float) -> None:
+def _check(criterion: Criterion, level: float, scale: float = 0.0) -> None:
     problems = Problems()
     check_criterion(criterion, where="stress_band")
     if not 0.0 < level < 1.0:
         problems.add("stress_band", f"level is {level!r}, must be between 0 and 1, such as 0.95")
+    if not 0.0 <= scale < 1.0:
+        problems.add("stress_band", f"scale is {scale!r}, must be a share such as 0.03 for 3 %")
     problems.raise_if_any()
 
 

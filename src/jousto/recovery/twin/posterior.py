@@ -31,6 +31,23 @@ class Posterior:
     covariances: Array
     which: NDArray[np.intp]
 
+    def systematic(self, S: Array, instants: slice) -> Array | None:
+        """Return deviations by errors that stay, of what is linear in p by rows S (..., n).
+
+        Parameters
+        ----------
+        S : (..., n) array
+            Rows, such as those of the stress at sites.
+        instants : slice
+            Which of the instants.
+
+        Returns
+        -------
+        (nt, ..., k) array or None
+            One column for each independent error of standard deviation 1; None if there is none.
+        """
+        return None
+
     @property
     def missed(self) -> float:
         """Standard deviation of the strain that the model misses anywhere, m/m."""

@@ -45,6 +45,10 @@ class Estimate(Posterior):
         Names of the gauges.
     discrepancy : float
         What the model misses, m/m, from `Reconstruction.calibrated`.
+    gains : (m, n, ng) array, optional
+        Modal coordinates per strain of each gauge, for each of the covariances.
+    errors : (k, ng, n) array, optional
+        As of `Reconstruction`.
     """
 
     residual: Array
@@ -53,11 +57,26 @@ class Estimate(Posterior):
     condition: float
     names: tuple[str, ...]
     discrepancy: float = 0.0
+    gains: Array | None = None
+    errors: Array | None = None
 
     @property
     def missed(self) -> float:
         """Standard deviation of the strain that the model misses anywhere, m/m."""
         return self.discrepancy
+
+    def systematic(self, S: Array, instants: slice) -> Array | None:
+        """Return deviations by the errors of the gauges; see `Posterior.systematic`.
+
+        An error ``v_g`` of gauge g moves p by ``K_g v_g``.
+        """
+        if self.errors is None or self.gains is None:
+            return None
+        # errors of one gauge (factor, place, angle) are independent: one deviation of their size
+        size = np.sqrt(np.sum((self.p[instants] @ np.swapaxes(self.errors, 1, 2)) ** 2, axis=0))
+        rows = np.tensordot(self.gains, S, axes=([1], [S.ndim - 1]))  # (m, ng, ...)
+        rows = np.moveaxis(rows, 1, -1)[self.which[instants]]
+        return np.asarray(rows * size.reshape(len(size), *(1,) * (S.ndim - 1), -1))
 
     @property
     def score(self) -> Array:
@@ -124,6 +143,9 @@ class Reconstruction:
     discrepancy : float
         Standard deviation of the strain that the modes miss anywhere, m/m; part of the band of
         the stress.
+    errors : (k, ng, n) array_like, optional
+        Standard deviation of errors of each gauge that stay through a record, per unit modal
+        coordinate, from `gauge_errors`; part of the band of the stress.
 
     Raises
     ------
@@ -152,6 +174,7 @@ class Reconstruction:
     prior: Any = None
     names: tuple[str, ...] = ()
     discrepancy: float = 0.0
+    errors: Any = None
 
     def __post_init__(self) -> None:
         problems = Problems()
@@ -169,6 +192,9 @@ class Reconstruction:
         G = None
         if self.prior is not None:
             G = read_noise(problems, where, "prior", self.prior, n, "kg^0.5 m", np.inf)
+        if self.errors is not None:
+            errors = problems.array(where, "errors", self.errors, (None, ng, n))
+            object.__setattr__(self, "errors", errors)
         problems.raise_if_any()
         assert R is not None
         object.__setattr__(self, "B", B)
@@ -235,6 +261,7 @@ class Reconstruction:
         p = np.full((len(strain), self.n), np.nan)
         leave, expected = np.full_like(strain, np.nan), np.full_like(strain, np.nan)
         P = np.empty((len(masks), self.n, self.n))
+        gains = np.zeros((len(masks), self.n, len(self.B)))
         blind = 0
         for m, mask in enumerate(masks):
             rows = np.flatnonzero(which == m)
@@ -244,6 +271,7 @@ class Reconstruction:
                 blind += len(rows)
                 continue
             K, P[m] = gain
+            gains[m][:, mask] = K
             known = strain[np.ix_(rows, mask)]
             p[rows] = known @ K.T
             leave[np.ix_(rows, mask)], expected[np.ix_(rows, mask)] = self._left_out(
@@ -257,7 +285,18 @@ class Reconstruction:
             )
         residual = strain - p @ self.B.T
         found = Estimate(
-            t, p, P, which, residual, leave, expected, self.condition, self.names, self.discrepancy
+            t,
+            p,
+            P,
+            which,
+            residual,
+            leave,
+            expected,
+            self.condition,
+            self.names,
+            self.discrepancy,
+            gains if self.errors is not None else None,
+            self.errors,
         )
         score = found.score[np.isfinite(found.score)]
         if len(score) and np.median(score) > FAR_OFF:
