@@ -14,9 +14,10 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.recovery.monitor import STATES, AlarmLimits, MonitorRecord, watch
+from jousto.recovery.monitor import STATES, AlarmLimits, Monitor, MonitorRecord, watch
 from jousto.recovery.monitor import record as records
 from jousto.recovery.monitor.watch import _layout
+from jousto.recovery.twin import Reconstruction
 from recovery.monitor.watched import (
     NAMES,
     NOISE,
@@ -514,3 +515,10 @@ def test_no_samples_tell_nothing():
     update = one.push([], np.zeros((0, 5)))
     assert update.stress.shape == (0, len(SPOTS))
     assert update.states.shape == (0, 5)
+
+
+def test_a_monitor_says_that_errors_of_gauges_are_not_in_its_bands():
+    reduced, B = cantilever()
+    twin = Reconstruction(B, names=NAMES, errors=0.01 * B[None])
+    with pytest.warns(jo.JoustoWarning, match="not the errors= of the gauges"):
+        Monitor(twin, reduced, SPOTS)

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.errors import InputError, Problem
+from jousto.errors import InputError, Problem, warn
 from jousto.recovery.twin import Observer, Reconstruction
 from jousto.recovery.twin.posterior import Posterior
 
@@ -36,6 +36,12 @@ class Static:
     """A `Reconstruction`: every sample stands alone, nothing is remembered."""
 
     def __init__(self, twin: Reconstruction) -> None:
+        if twin.errors is not None:
+            warn(
+                "Monitor",
+                "the bands of a monitor hold the noise, not the errors= of the gauges; read the "
+                "record again with stress_band to have them",
+            )
         self.twin = twin
         self.names = twin.names
         self._gains: dict[bytes, tuple[Array, Array] | None] = {}
