@@ -44,8 +44,8 @@ class Problem:
         return f"{self.where}: {self.message}" if self.where else self.message
 
 
-class InputError(JoustoError):
-    """The input cannot be used; all problems found are reported together.
+class InputError(JoustoError, ValueError):
+    """The input cannot be used; all problems found are reported together. A `ValueError`, too.
 
     Attributes
     ----------
@@ -56,6 +56,10 @@ class InputError(JoustoError):
     def __init__(self, problems: Sequence[Problem] | Problem) -> None:
         self.problems = (problems,) if isinstance(problems, Problem) else tuple(problems)
         super().__init__("\n".join(str(problem) for problem in self.problems))
+
+
+class MissingFileError(InputError, FileNotFoundError):
+    """A file that is asked for is not there. A `FileNotFoundError`, too."""
 
 
 class SimulationError(JoustoError):

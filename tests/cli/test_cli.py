@@ -15,6 +15,7 @@ import h5py
 import pytest
 from typer.testing import CliRunner
 
+import jousto as jo
 from jousto.cli import app, commands
 
 MODEL = """\
@@ -69,6 +70,28 @@ def replace(path: Path, old: str, new: str) -> Path:
     assert old in text
     path.write_text(text.replace(old, new))
     return path
+
+
+# -- what is logged -------------------------------------------------------------------------
+
+
+def test_verbose_says_what_is_chosen_and_quiet_is_quiet(model: Path) -> None:
+    found = jousto("-v", "run", "-q", model)
+    assert found.code == 0
+    assert re.search(r"^jousto.engine.compile: pendulum: \d+ velocities, 3 constr", found.err, re.M)
+    assert "jousto.simulation.simulate: pendulum: ROS2(" in found.err
+    assert "jousto." not in jousto("run", "-q", model).err
+
+
+def test_errors_of_input_are_those_of_python_too(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="mass is -1 kg"):
+        jo.RigidBody("ball", -1.0, (1, 1, 1))
+    missing = tmp_path / "gone.yaml"
+    for read in (jo.read_model, jo.read_mesh, jo.read_record, jo.ReducedPart.load, jo.load):
+        with pytest.raises(FileNotFoundError, match="gone.yaml"):
+            read(missing)
+        with pytest.raises(jo.InputError):
+            read(missing)
 
 
 # -- check ----------------------------------------------------------------------------------

@@ -22,7 +22,7 @@ from jousto.cli.options import (
     end_time,
 )
 from jousto.cli.parts import describe_part
-from jousto.cli.terminal import command, facts, plain, progress_bar, say
+from jousto.cli.terminal import command, facts, log_to_screen, plain, progress_bar, say
 from jousto.errors import InputError, JoustoWarning, Problem, count
 
 if TYPE_CHECKING:
@@ -46,8 +46,15 @@ def _root(
     version: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
     ] = False,
+    verbose: Annotated[
+        int,
+        typer.Option(
+            "--verbose", "-v", count=True, help="Say what is done and chosen; twice for details."
+        ),
+    ] = 0,
 ) -> None:
     """Simulate mechanisms with flexible bodies."""
+    log_to_screen(verbose)
 
 
 @app.command()

@@ -11,7 +11,7 @@ import typer
 from jousto.cli.certificates import Html, page_path, tell_certificate
 from jousto.cli.options import Debug, Output, app
 from jousto.cli.terminal import FAILED, command, facts, say
-from jousto.errors import InputError, Problem
+from jousto.errors import InputError, MissingFileError, Problem
 from jousto.names import file_name
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def export(
 
     kind, suffix = hdf5_format(file), output.suffix.lower()
     if not file.is_file():
-        raise InputError(Problem(str(file), "no such file"))
+        raise MissingFileError(Problem(str(file), "no such file"))
     known = {REDUCED_PART: (".vtu", ".fem", ".sid"), RESULTS: (".csv",)}.get(kind)
     if known is None:
         raise InputError(Problem(str(file), "is neither a reduced part nor results of jousto"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import logging
 import sys
 import warnings
 from collections.abc import Callable, Iterator
@@ -128,3 +129,17 @@ def numbers(values: Any) -> str:
     """Return values for people, round-off as zero."""
     size = max((abs(value) for value in values), default=0.0)
     return " ".join(f"{0.0 if abs(x) <= 1e-9 * max(size, 1e-3) else x:.6g}" for x in values)
+
+
+def log_to_screen(verbose: int) -> None:
+    """Show what the library logs on stderr: choices and progress (1), details too (2)."""
+    log = logging.getLogger("jousto")
+    log.handlers = [handler for handler in log.handlers if handler.name != "screen"]
+    if not verbose:
+        log.setLevel(logging.NOTSET)
+        return
+    handler = logging.StreamHandler(sys.stderr)
+    handler.name = "screen"
+    handler.setFormatter(logging.Formatter("%(name)s: %(message)s"))
+    log.addHandler(handler)
+    log.setLevel(logging.INFO if verbose == 1 else logging.DEBUG)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable
 from dataclasses import replace
 
@@ -36,6 +37,8 @@ from jousto.mechanism import (
 from jousto.mechanism.checks import used_joints
 from jousto.reduction import ReducedPart, StressModes
 from jousto.reduction.stress import located
+
+log = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 
@@ -129,7 +132,12 @@ def compile(mechanism: Mechanism) -> Model:
     )
     if mechanism.initials:
         model = started(model, mechanism.initials, builder)
-    return _consistent(model)
+    made = _consistent(model)
+    log.info(
+        "%s: %d velocities, %d constraint rows%s",
+        *(made.name, made.nv, made.nrow, ", some repeated" if made.redundant else ""),
+    )
+    return made
 
 
 def _bodies(mechanism: Mechanism) -> tuple[tuple[BodyModel, ...], Array, Array]:

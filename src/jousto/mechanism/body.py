@@ -15,6 +15,14 @@ from jousto.mechanism.fields import number, set_fields
 from jousto.mechanism.inertia import check_inertia, check_mass, damping_diagonal
 from jousto.mechanism.marker import Marker, marker_axes
 from jousto.mechanism.orientation import Array, parse_orientation, readonly
+from jousto.mechanism.shapes import (
+    body_arguments,
+    box,
+    closed_surface,
+    cylinder,
+    read_surface,
+    sphere,
+)
 from jousto.names import check_name
 
 if TYPE_CHECKING:
@@ -118,6 +126,10 @@ class RigidBody:
     InputError
         With everything that is wrong: mass or inertia that no body can have, shapes, NaN.
 
+    See Also
+    --------
+    RigidBody.box, RigidBody.cylinder, RigidBody.sphere, RigidBody.from_mesh : From a shape.
+
     Examples
     --------
     >>> rod = RigidBody("rod", 2.0, (0.01, 0.7, 0.7), markers={"tip": (1, 0, 0)})
@@ -187,6 +199,158 @@ class RigidBody:
             markers=Frozen(points),
             **values,
         )
+
+    @classmethod
+    def box(
+        cls,
+        name: str,
+        size: ArrayLike,
+        *,
+        mass: float | None = None,
+        density: float | None = None,
+        at: ArrayLike = ZERO3,
+        **options: Any,
+    ) -> RigidBody:
+        """Return a homogeneous box with its mass, inertia and shape.
+
+        Parameters
+        ----------
+        name : str
+            Name, unique among the bodies.
+        size : (3,) array_like
+            Lengths along the axes of the body frame, m.
+        mass, density : float, optional
+            kg or kg/m3, one of the two.
+        at : (3,) array_like
+            Where its middle is in the body frame, m.
+        **options
+            markers, position, orientation, velocity and angular_velocity of the body.
+
+        Examples
+        --------
+        >>> RigidBody.box("crate", (1.0, 0.5, 0.2), density=700)
+        <RigidBody 'crate', 70 kg>
+        """
+        made = body_arguments(name, lambda where, p: box(where, size, p), mass, density, at)
+        return cls(name, **made, **options)
+
+    @classmethod
+    def cylinder(
+        cls,
+        name: str,
+        radius: float,
+        length: float,
+        *,
+        axis: ArrayLike = (0.0, 0.0, 1.0),
+        mass: float | None = None,
+        density: float | None = None,
+        at: ArrayLike = ZERO3,
+        **options: Any,
+    ) -> RigidBody:
+        """Return a homogeneous cylinder with its mass, inertia and shape.
+
+        Parameters
+        ----------
+        name : str
+            Name, unique among the bodies.
+        radius, length : float
+            m.
+        axis : (3,) array_like
+            Direction of its axis in the body frame.
+        mass, density : float, optional
+            kg or kg/m3, one of the two.
+        at : (3,) array_like
+            Where its middle is in the body frame, m.
+        **options
+            markers, position, orientation, velocity and angular_velocity of the body.
+
+        Examples
+        --------
+        >>> RigidBody.cylinder("wheel", radius=0.3, length=0.1, mass=12)
+        <RigidBody 'wheel', 12 kg>
+        """
+        made = body_arguments(
+            name, lambda where, p: cylinder(where, radius, length, axis, p), mass, density, at
+        )
+        return cls(name, **made, **options)
+
+    @classmethod
+    def sphere(
+        cls,
+        name: str,
+        radius: float,
+        *,
+        mass: float | None = None,
+        density: float | None = None,
+        at: ArrayLike = ZERO3,
+        **options: Any,
+    ) -> RigidBody:
+        """Return a homogeneous sphere with its mass, inertia and shape.
+
+        Parameters
+        ----------
+        name : str
+            Name, unique among the bodies.
+        radius : float
+            m.
+        mass, density : float, optional
+            kg or kg/m3, one of the two.
+        at : (3,) array_like
+            Where its middle is in the body frame, m.
+        **options
+            markers, position, orientation, velocity and angular_velocity of the body.
+
+        Examples
+        --------
+        >>> RigidBody.sphere("ball", radius=0.11, mass=0.43)
+        <RigidBody 'ball', 0.43 kg>
+        """
+        made = body_arguments(name, lambda where, p: sphere(where, radius, p), mass, density, at)
+        return cls(name, **made, **options)
+
+    @classmethod
+    def from_mesh(
+        cls,
+        name: str,
+        surface: Any,
+        *,
+        unit: str = "m",
+        mass: float | None = None,
+        density: float | None = None,
+        at: ArrayLike = ZERO3,
+        **options: Any,
+    ) -> RigidBody:
+        """Return a homogeneous body of any shape, from its closed surface.
+
+        Mass, centre and inertia are exact for the triangles, by the divergence theorem.
+
+        Parameters
+        ----------
+        name : str
+            Name, unique among the bodies.
+        surface : path, Mesh or (nt, 3, 3) array_like
+            A file with triangles (STL, OBJ, PLY and what else meshio reads), a `Mesh` of solids,
+            or the corners of triangles.
+        unit : {"m", "mm", "cm", "in", "ft"}
+            Unit of a file or an array.
+        mass, density : float, optional
+            kg or kg/m3, one of the two.
+        at : (3,) array_like
+            Where the origin of the surface is in the body frame, m.
+        **options
+            markers, position, orientation, velocity and angular_velocity of the body.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, or the surface is open or turned inside out in parts.
+        """
+        made = body_arguments(
+            name,
+            lambda where, p: closed_surface(where, read_surface(where, surface, unit)),
+            *(mass, density, at),
+        )
+        return cls(name, **made, **options)
 
     def __repr__(self) -> str:
         return f"<RigidBody {self.name!r}, {self.mass:g} kg>"

@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.errors import InputError, Problem
+from jousto.errors import InputError, MissingFileError, Problem
 from jousto.files import written
 from jousto.reduction.invariants import Invariants
 from jousto.reduction.reduced import ReducedPart
@@ -89,13 +89,15 @@ def load(path: Path) -> ReducedPart:
     if path.is_dir():
         raise InputError(Problem(where, "is a folder, not a reduced part"))
     if not path.exists():
-        raise InputError(Problem(where, f"there is no such file; {AGAIN}"))
+        raise MissingFileError(Problem(where, f"there is no such file; {AGAIN}"))
     try:
         with h5py.File(path, "r") as file:
             _check_version(file, where)
             header = bytes(np.asarray(file["header"])).decode()
             arrays = _read(file)
             checksum = str(file.attrs["checksum"])
+    except InputError:
+        raise
     except PermissionError as error:
         raise InputError(Problem(where, f"cannot be read: {error.strerror}")) from error
     except OSError as error:

@@ -309,6 +309,8 @@ class Builder:
         values = self.orientations(loc, entry.given("part"))
         if isinstance(entry, sm.RigidBodyEntry):
             return self.make(loc, jm.RigidBody, **values)
+        if isinstance(entry, sm.ShapedEntry):
+            return self.shaped(loc, entry, values)
         if isinstance(entry.damping, sm.RayleighEntry):
             from jousto.reduction import Rayleigh
 
@@ -321,6 +323,18 @@ class Builder:
         if self.rigid:
             return self.make(loc, rigid_body, reduced=reduced, **values)
         return self.make(loc, jm.FlexibleBody, reduced=reduced, **values)
+
+    def shaped(self, loc: Loc, entry: sm.ShapedEntry, values: dict[str, Any]) -> Any:
+        """Return the rigid body of a shape, None if anything is wrong with it."""
+        makers: dict[type, Callable[..., Any]] = {
+            sm.BoxBodyEntry: jm.RigidBody.box,
+            sm.CylinderBodyEntry: jm.RigidBody.cylinder,
+            sm.SphereBodyEntry: jm.RigidBody.sphere,
+            sm.MeshBodyEntry: jm.RigidBody.from_mesh,
+        }
+        if isinstance(entry, sm.MeshBodyEntry):
+            values["surface"] = self.file(values.pop("file"))
+        return self.make(loc, makers[type(entry)], **values)
 
     def orientations(self, loc: Loc, values: dict[str, Any]) -> dict[str, Any]:
         """Replace turns about an axis by `Rotate` objects."""

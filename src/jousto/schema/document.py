@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from jousto.errors import InputError, Problem, Problems
+from jousto.errors import InputError, MissingFileError, Problem, Problems
 from jousto.files import check_file
 
 Loc: TypeAlias = tuple[int | str, ...]
@@ -80,7 +80,7 @@ def read_document(path: str | Path) -> Document:
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise InputError(Problem(str(path), "no such file")) from None
+        raise MissingFileError(Problem(str(path), "no such file")) from None
     except UnicodeDecodeError:
         hint = " (it looks like HDF5)" if is_hdf5(path) else ""
         raise InputError(Problem(str(path), f"is not a text file{hint}")) from None

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from jousto import mechanism as jm
-from jousto.errors import InputError, Problem, suggest
+from jousto.errors import InputError, MissingFileError, Problem, suggest
 from jousto.schema.connect import build_amount, build_coordinate, build_signal, with_markers
 from jousto.schema.document import Loc
 from jousto.schema.files import read_points
@@ -173,7 +173,7 @@ def load_function(builder: Builder, place: str, name: str) -> Any:
         if place.endswith(".py"):
             path = builder.file(place)
             if not path.is_file():
-                raise InputError(Problem("", f"no such file {str(path)!r}"))
+                raise MissingFileError(Problem("", f"no such file {str(path)!r}"))
             spec = importlib.util.spec_from_file_location(f"jousto_user_{path.stem}", path)
             assert spec is not None
             assert spec.loader is not None

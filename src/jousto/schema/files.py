@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.errors import InputError, Problem
+from jousto.errors import InputError, MissingFileError, Problem
 
 
 def read_matrix(path: Path) -> Any:
@@ -47,7 +47,7 @@ def _read(path: Path, readers: dict[str, Any]) -> Any:
             Problem("", f"{path.name!r} cannot be read, must end with {', '.join(readers)}")
         )
     if not path.is_file():
-        raise InputError(Problem("", f"no such file {str(path)!r}"))
+        raise MissingFileError(Problem("", f"no such file {str(path)!r}"))
     try:
         return reader(path)
     except InputError:

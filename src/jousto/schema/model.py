@@ -26,6 +26,8 @@ from jousto.schema.entries import (
     AngularVelocity3,
     Component,
     Count,
+    Density,
+    Direction,
     Duration,
     Entry,
     Flag,
@@ -77,6 +79,46 @@ class RigidBodyEntry(Posed):
     outline: tuple[Position, ...] | None = Field(None, description="Polyline to draw the body")
 
 
+class ShapedEntry(Posed):
+    """A rigid body that is given by its shape."""
+
+    mass: Mass | None = None
+    density: Density | None = Field(None, description="Instead of the mass")
+    at: Position | None = Field(None, description="Of the shape's middle in the body frame")
+    markers: dict[Text, Position] | None = Field(None, description="Named points, body frame")
+
+
+class BoxBodyEntry(ShapedEntry):
+    """`RigidBody.box`."""
+
+    type: Literal["box"]
+    size: Position = Field(description="Lengths along x, y, z")
+
+
+class CylinderBodyEntry(ShapedEntry):
+    """`RigidBody.cylinder`."""
+
+    type: Literal["cylinder"]
+    radius: Length
+    length: Length
+    axis: Direction | None = Field(None, description="In the body frame; z if not given")
+
+
+class SphereBodyEntry(ShapedEntry):
+    """`RigidBody.sphere`."""
+
+    type: Literal["sphere"]
+    radius: Length
+
+
+class MeshBodyEntry(ShapedEntry):
+    """`RigidBody.from_mesh`."""
+
+    type: Literal["surface"]
+    file: Text = Field(description="Closed surface of triangles such as STL")
+    unit: Literal["m", "mm", "cm", "in", "ft"] | None = Field(None, description="Of the file")
+
+
 class RayleighEntry(Entry):
     """`Rayleigh`: damping proportional to mass and stiffness."""
 
@@ -116,6 +158,10 @@ def _kind_of_body(data: dict[str, Any]) -> str | None:
 
 BodyEntry: TypeAlias = Annotated[
     Annotated[RigidBodyEntry, Tag("rigid")]
+    | Annotated[BoxBodyEntry, Tag("box")]
+    | Annotated[CylinderBodyEntry, Tag("cylinder")]
+    | Annotated[SphereBodyEntry, Tag("sphere")]
+    | Annotated[MeshBodyEntry, Tag("surface")]
     | Annotated[FlexibleBodyEntry, Tag("flexible")]
     | Annotated[BeamBodyEntry, Tag("beam")],
     tagged(_kind_of_body),

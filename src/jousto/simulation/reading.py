@@ -8,7 +8,7 @@ from pathlib import Path
 
 import h5py
 
-from jousto.errors import InputError, Problem
+from jousto.errors import InputError, MissingFileError, Problem
 from jousto.simulation.results import CONTENTS, FORMAT, FORMAT_VERSION
 
 
@@ -22,11 +22,13 @@ def open_results(path: Path) -> Iterator[h5py.File]:
         If there is no such file, it is damaged, or it is something else than results.
     """
     if not path.is_file():
-        raise InputError(Problem(str(path), "no such results file"))
+        raise MissingFileError(Problem(str(path), "no such results file"))
     try:
         with _open(path) as file:
             _check_kind(file, path)
             yield file
+    except InputError:
+        raise
     except OSError as error:
         raise InputError(
             Problem(str(path), f"not readable as HDF5, damaged or another kind of file ({error})")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import logging
 import time as clock
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -36,6 +37,8 @@ from jousto.simulation.solver import ROS2, Solver
 from jousto.simulation.stability import stability_warning
 from jousto.simulation.state import State, put
 from jousto.simulation.watch import Contradiction, RunWatch
+
+log = logging.getLogger(__name__)
 
 Record = Callable[[NDArray[np.float64]], None]
 
@@ -142,6 +145,7 @@ def simulate(
     model, feed = connect(model, inputs, plan.steps, plan.every)
     for sentence in cautions(model, solver, plan):
         warn(f"simulate {model.name!r}", sentence)
+    log.info("%s: %r in %d steps to %g s", model.name, solver, plan.steps, t_end)
     engine = Engine(model)
     if state is None:
         _warn_at_rest(model)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 
-from jousto.errors import InputError, Problem, suggest, warn
+from jousto.errors import InputError, MissingFileError, Problem, suggest, warn
 from jousto.files import check_file
 from jousto.parts.mesh import Mesh
 from jousto.parts.readers.raw import RawMesh
@@ -156,7 +156,7 @@ def exists(path: Path) -> None:
     if not path.is_file():
         near = [file.name for file in path.parent.glob("*")] if path.parent.is_dir() else []
         hint = suggest(path.name, near) if near else f"; there is no folder '{path.parent}'"
-        raise InputError(Problem(path.name, f"no such file{hint}"))
+        raise MissingFileError(Problem(path.name, f"no such file{hint}"))
 
 
 def which(path: Path) -> Format:

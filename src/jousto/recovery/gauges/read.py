@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.errors import InputError, Problem, Problems, suggest, warn
+from jousto.errors import InputError, MissingFileError, Problem, Problems, suggest, warn
 from jousto.files import check_file
 from jousto.recovery.gauges.order import ordered
 from jousto.recovery.gauges.record import GAP, Record, record_of, too_large
@@ -74,7 +74,9 @@ def read_record(
     where = str(file)
     if not file.exists():
         near = suggest(file.name, [p.name for p in file.parent.glob("*") if p.is_file()])
-        raise InputError(Problem(where, f"there is no such file{near if 'mean' in near else ''}"))
+        raise MissingFileError(
+            Problem(where, f"there is no such file{near if 'mean' in near else ''}")
+        )
     check_file(file)
     with file.open("rb") as opened:
         head = opened.read(8)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.errors import InputError, Problem
+from jousto.errors import MissingFileError, Problem
 from jousto.parts._arrays import Floats, Ints, Sparse, as_csr
 from jousto.parts.readers.apart import apart
 from jousto.parts.readers.matrices.nodes import Positions
@@ -109,7 +109,7 @@ def _check_binary(path: Path, kind: str) -> None:
     has the place where the file ends in its items 23 and 24.
     """
     if not path.is_file():
-        raise InputError(Problem("", f"no such file {str(path)!r}"))
+        raise MissingFileError(Problem("", f"no such file {str(path)!r}"))
     number = {".full": 4, ".rst": 12}[kind]
     words = np.fromfile(path, dtype="<i4", count=205)
     if len(words) < 4 or words[0] != 100 or words[1] != -(2**31):

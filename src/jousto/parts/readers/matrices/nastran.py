@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.errors import InputError, Problem
+from jousto.errors import InputError, MissingFileError, Problem
 from jousto.parts._arrays import Floats, Ints, Sparse, as_csr
 from jousto.parts.readers.matrices.nodes import Positions
 from jousto.parts.readers.matrices.text import expanded, read_text, refuse
@@ -46,7 +46,7 @@ def read_op4(path: Path) -> tuple[Sparse, Sparse]:
         If the file is of another kind, cut off, or does not hold one of each.
     """
     if not path.is_file():
-        raise InputError(Problem("", f"no such file {str(path)!r}"))
+        raise MissingFileError(Problem("", f"no such file {str(path)!r}"))
     nastran = _nastran(path)
     try:
         with warnings.catch_warnings():

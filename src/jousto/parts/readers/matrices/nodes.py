@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from jousto.errors import InputError, Problem, Problems
+from jousto.errors import InputError, MissingFileError, Problem, Problems
 from jousto.parts._arrays import Floats, Ints
 from jousto.parts.readers.matrices.text import refuse
 
@@ -93,7 +93,7 @@ def from_mesh(mesh: Any) -> Positions:
 
 def _table(path: Path) -> Any:
     if not path.is_file():
-        raise InputError(Problem("", f"no such file {str(path)!r}"))
+        raise MissingFileError(Problem("", f"no such file {str(path)!r}"))
     try:
         if path.suffix.lower() == ".npy":
             return np.load(path, allow_pickle=False)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from jousto.errors import InputError, MissingFileError, Problem
 from jousto.parts._arrays import Floats, Sparse, as_csr
 from jousto.parts.readers.matrices.text import from_triplets, read_text, refuse
 
@@ -27,7 +28,7 @@ def read_plain(path: Path) -> Sparse:
         If there is no such file, or its content is not what its ending says.
     """
     if not path.is_file():
-        raise refuse(path, f"no such file {str(path)!r}")
+        raise MissingFileError(Problem(path.name, f"no such file {str(path)!r}"))
     suffix = path.suffix.lower()
     if suffix in HARWELL_BOEING:
         return read_harwell_boeing(path)
@@ -48,6 +49,8 @@ def read_plain(path: Path) -> Sparse:
         if matrix.ndim != 2:
             raise refuse(path, f"has shape {matrix.shape}, a matrix has rows and columns")
         return as_csr(matrix)
+    except InputError:
+        raise
     except OSError as error:
         raise refuse(path, f"cannot be read as a {kind} file: {error}") from None
     except (ValueError, KeyError, TypeError, EOFError, NotImplementedError) as error:

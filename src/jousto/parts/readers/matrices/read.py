@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from jousto.errors import InputError, Problem, suggest, warn
+from jousto.errors import InputError, MissingFileError, Problem, suggest, warn
 from jousto.parts._arrays import Floats, Ints, Sparse, as_csr
 from jousto.parts.readers.matrices import abaqus, ansys, calculix, nastran, plain
 from jousto.parts.readers.matrices.matrices import Matrices
@@ -168,7 +168,7 @@ def _reader(path: Path, format: str | None) -> Callable[[Path, Path | None, str 
             raise InputError(Problem("", f"format is {format!r}{suggest(format, readers)}"))
         return readers[format]
     if not path.is_file():
-        raise InputError(Problem("", f"no such file {str(path)!r}"))
+        raise MissingFileError(Problem("", f"no such file {str(path)!r}"))
     suffix = path.suffix.lower()
     if suffix == ".mtx" and abaqus.is_matrix_market(path):
         return _plain
@@ -240,7 +240,7 @@ def _dmig(path: Path, mass: Path | None, unit: str | None) -> Raw:
 
 def _abaqus(path: Path, mass: Path | None, unit: str | None) -> Raw:
     if not path.is_file():
-        raise InputError(Problem("", f"no such file {str(path)!r}"))
+        raise MissingFileError(Problem("", f"no such file {str(path)!r}"))
     if abaqus.is_substructure(path):
         K, M, dofs = abaqus.read_substructure(path)
         if mass is not None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.errors import InputError, Problem
+from jousto.errors import InputError, MissingFileError, Problem
 from jousto.files import check_file
 from jousto.parts._arrays import Floats, Ints, Sparse, as_csr
 
@@ -28,7 +28,7 @@ def read_text(path: Path) -> str:
     """
     check_file(path)
     if not path.is_file():
-        raise InputError(Problem("", f"no such file {str(path)!r}"))
+        raise MissingFileError(Problem("", f"no such file {str(path)!r}"))
     data = path.read_bytes()
     if not data.strip():
         raise refuse(path, "is empty: the program that writes it may have stopped early")
