@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
+from decimal import Decimal
 
 import pytest
 
+from jousto.schema import units
 from jousto.schema.units import KINDS, UnitError, parse_unit, quantity
 
 
@@ -117,6 +119,13 @@ def test_all_kinds_differ_in_dimension():
 def test_the_units_library_is_imported_for_units_only():
     code = (
         "import sys; from jousto.schema.units import quantity; quantity('1e3', 'm');"
-        "assert 'pint' not in sys.modules; quantity('1 mm', 'm'); assert 'pint' in sys.modules"
+        "assert quantity('120 mm', 'm') == 0.12; assert quantity('210 GPa', 'Pa') == 2.1e11;"
+        "assert 'pint' not in sys.modules; quantity('1 in', 'm'); assert 'pint' in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize(("text", "unit"), sorted(units.USUAL))
+def test_usual_units_are_those_of_the_library(text: str, unit: str) -> None:
+    factor = units.registry().convert(Decimal(1), units.parse_unit(text), units.parse_unit(unit))
+    assert factor == units.USUAL[text, unit]

@@ -213,7 +213,8 @@ def validate(
             rest[key] = {k: v for k, v in rest[key].items() if k != place}
         elif key in lists and place is not None:
             item = data[key][place]
-            broken.append((key, item.get("name") if isinstance(item, dict) else None))
+            name = item.get("name") if isinstance(item, dict) else None
+            broken.append((key, name if isinstance(name, str) else None))
             index[key] = [i for i in index[key] if i != place]
         else:
             # whatever the section should have defined

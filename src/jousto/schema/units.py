@@ -11,6 +11,7 @@ from __future__ import annotations
 import functools
 import math
 import re
+from collections.abc import Callable
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
@@ -93,6 +94,16 @@ COMMON = ("mm", "cm", "m", "g", "kg", "t", "ms", "s", "min", "h", "day", "year",
           "m/s", "m/s2", "rad/s", "deg/s", "kg m2", "mm4")  # fmt: skip
 
 NUMBER = re.compile(r"\s*([-+]?(?:\d[\d_]*\.?[\d_]*|\.\d[\d_]*)(?:[eE][-+]?\d+)?)\s*(.*)", re.S)
+# units of most files need no parser, whose import and vocabulary take their time
+USUAL = {
+    (text, unit): Decimal(factor)
+    for text, unit, factor in (
+        *(("m", "m", "1"), ("cm", "m", "0.01"), ("mm", "m", "0.001")),
+        *(("s", "s", "1"), ("ms", "s", "0.001"), ("kg", "kg", "1")),
+        *(("Pa", "Pa", "1"), ("MPa", "Pa", "1e6"), ("GPa", "Pa", "1e9")),
+        *(("N", "N", "1"), ("kN", "N", "1e3"), ("N m", "N m", "1"), ("kg/m3", "kg/m3", "1")),
+    )
+}
 TOO_LARGE = "is too large, must be below 1e308"
 SUPERSCRIPTS = str.maketrans("⁻¹²³⁴", "-1234")
 
@@ -187,6 +198,9 @@ def quantity(value: Any, unit: str) -> float:
 
 
 def _convert(text: str, number: str, unit_text: str, unit: str) -> float:
+    usual = USUAL.get((unit_text, unit))
+    if usual is not None:
+        return _checked(number, lambda x: x * usual)
     source, target = parse_unit(unit_text), parse_unit(unit)
     if source.dimensionality != target.dimensionality:
         found = next(
@@ -197,13 +211,18 @@ def _convert(text: str, number: str, unit_text: str, unit: str) -> float:
             found = "no unit at all"
         got = f"got {text}" + (f" ({found})" if found else "")
         raise UnitError(f"expects {KINDS[unit]}{'' if unit == '1' else f' ({unit})'}, {got}")
+    return _checked(number, lambda x: registry().convert(x, source, target))
+
+
+def _checked(number: str, convert: Callable[[Decimal], Any]) -> float:
+    """Return a converted number as a finite float."""
     try:
-        value = float(registry().convert(Decimal(number.replace("_", "")), source, target))
+        found = float(convert(Decimal(number.replace("_", ""))))
     except ArithmeticError:
         raise UnitError(TOO_LARGE) from None
-    if not math.isfinite(value):
-        raise UnitError(f"is {value}, must be finite")
-    return value
+    if not math.isfinite(found):
+        raise UnitError(f"is {found}, must be finite")
+    return found
 
 
 def describe(value: Any) -> str:
