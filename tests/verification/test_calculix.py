@@ -92,7 +92,6 @@ def test_wood_at_an_angle(kind):
     assert abs(part.K - K).max() < 5e-12 * abs(K).max()
 
 
-@calculix.needed
 @pytest.mark.parametrize("kind", KINDS)
 def test_ten_free_frequencies(kind):
     grid = beam(kind)
@@ -109,7 +108,6 @@ def test_a_held_reduced_part_has_the_clamped_frequencies():
     np.testing.assert_allclose(held(part, clamp, 6), full, rtol=1e-9)
 
 
-@calculix.needed
 @pytest.mark.parametrize("kind", KINDS)
 def test_ten_clamped_frequencies(kind):
     grid = beam(kind)
@@ -120,7 +118,6 @@ def test_ten_clamped_frequencies(kind):
     np.testing.assert_allclose(ours, theirs, rtol=DIGITS)
 
 
-@calculix.needed
 @pytest.mark.parametrize(
     ("kind", "first", "tenth"),
     [("tetra10", 5e-5, 3e-3), ("wedge15", 6e-4, 6e-3), ("hexahedron20", DIGITS, DIGITS)],
@@ -197,14 +194,12 @@ def pulled(kind):
     return grid, theirs, d.reshape(-1, 3), replace(part.stress, faces=False).evaluate(d)
 
 
-@calculix.needed
 @pytest.mark.parametrize("kind", SAME_STIFFNESS)
 def test_displacements_under_a_tip_load(kind):
     _, theirs, u, _ = pulled(kind)
     np.testing.assert_allclose(u, theirs.u, rtol=0, atol=DIGITS * np.abs(u).max())
 
 
-@calculix.needed
 @pytest.mark.parametrize("kind", ["tetra", "tetra10", "hexahedron"])
 def test_nodal_stresses_under_a_tip_load(kind):
     # the same points, continued to the nodes and averaged in the same way; six digits printed
@@ -212,7 +207,6 @@ def test_nodal_stresses_under_a_tip_load(kind):
     np.testing.assert_allclose(s, theirs.stress, rtol=0, atol=4e-5 * np.abs(s).max())
 
 
-@calculix.needed
 @pytest.mark.parametrize(("kind", "limit"), [("tetra10", 6e-3), ("hexahedron20", 6e-3)])
 def test_nodal_stresses_against_beam_theory(kind, limit):
     # CalculiX continues the stress of C3D20 from 27 points, jousto from the eight best ones

@@ -37,7 +37,6 @@ def frequencies(speed):
     return rates[rates > 0.1 * UNIT] / (2.0 * np.pi)
 
 
-@calculix.needed
 @pytest.mark.parametrize(("speed", "limit"), [(3.0, 2e-5), (6.0, 1e-4), (12.0, 4e-4)])
 def test_frequencies_of_a_spinning_blade(speed, limit):
     # both see the stretch of the spinning blade, in different measures of strain: the difference

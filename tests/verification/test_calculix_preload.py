@@ -19,8 +19,6 @@ LENGTH, WIDTH, HEIGHT = 1.0, 0.02, 0.03
 COUNTS = {"hexahedron20": (10, 1, 1), "tetra10": (12, 1, 1)}
 EULER = np.pi**2 * STEEL.E * HEIGHT * WIDTH**3 / 12.0 / (4.0 * LENGTH**2)  # N
 
-pytestmark = calculix.needed
-
 
 def column(kind):
     """A slender column clamped at its foot, with a force of Euler along it at its head."""

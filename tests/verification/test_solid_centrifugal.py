@@ -74,7 +74,6 @@ def test_stress_of_a_spinning_ring_converges():
     assert np.log2(coarse[1] / fine[1]) > 1.2, (coarse, fine)
 
 
-@calculix.needed
 def test_a_spinning_ring_against_calculix():
     grid = ring("tetra10", RADII, WIDTH, (2, 16, 1))
     part = solid(grid, STEEL)
