@@ -150,6 +150,7 @@ def test_a_joint_force_is_an_actuator_with_an_input():
     assert engine.sensors()[0] == -0.5
 
 
+@pytest.mark.filterwarnings("ignore:.*static work")
 def test_a_modal_load_is_the_nodal_forces_that_follow():
     """Undeformed, the projected pattern and forces at the nodes give the same accelerations."""
     rng = np.random.default_rng(3)

@@ -144,6 +144,7 @@ def rotation(e):
     return np.eye(3) + 2 * w * S + 2 * S @ S
 
 
+@pytest.mark.filterwarnings("ignore:.*static work")
 def test_accelerations_are_the_differences_of_velocities_of_a_run():
     # central differences over two steps of a rough motion: error h^2/6 a'' only
     base = chain("fixed", loads=True)
@@ -319,6 +320,7 @@ def test_friction_of_a_cylindrical_joint_has_two_parts():
     assert about[1] == pytest.approx(-0.8 * 2.0 * 0.1, rel=1e-12)
 
 
+@pytest.mark.filterwarnings("ignore:.*static work")
 def test_modal_load_gives_its_resultant():
     part = rod()
     body = jo.FlexibleBody("body", part, orientation=jo.Rotate(Z, degrees=90.0))

@@ -22,6 +22,7 @@ from jousto.engine.model import (
 )
 from jousto.engine.native import Engine, SingularJoints
 from jousto.engine.ordering import eliminate
+from jousto.engine.reach import warn_loads
 from jousto.engine.redundancy import check_closed, is_drive, repeated_rows
 from jousto.engine.start import quiet_velocities
 from jousto.errors import count, warn
@@ -79,6 +80,7 @@ def compile(mechanism: Mechanism) -> Model:
     """
     warn_beams(mechanism)
     warn_bodies(mechanism)
+    warn_loads(mechanism)
     index = {id(body): i for i, body in enumerate(mechanism.bodies)}
     bodies, q0, v0 = _bodies(mechanism)
     builder = Builder(index, {id(event): i for i, event in enumerate(mechanism.events)})

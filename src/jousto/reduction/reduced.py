@@ -63,6 +63,9 @@ class ReducedPart:
     faces : tuple of (nf, k) int array
         Outer faces of a solid by kind, k = 3, 4, 6 or 8 nodes, corners first, then the middles of
         the sides, normals outwards: where strain gauges stick. Empty for beams.
+    source : Part or None
+        The part that was reduced, if it is not large (30,000 degrees of freedom): `compile` asks
+        it what loads do that the modes leave out. Not saved.
 
     Raises
     ------
@@ -84,6 +87,7 @@ class ReducedPart:
     stiffening: Stiffening | None = None
     rotation_nodes: NDArray[np.intp] | None = None
     faces: tuple[NDArray[np.intp], ...] = ()
+    source: Part | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         where = f"reduced part '{self.name}'"

@@ -49,6 +49,9 @@ Array = NDArray[np.float64]
 ORTHONORMALITY = 1e-10
 """Largest deviation of the modal mass matrix from the identity."""
 
+REMEMBERED = 30_000
+"""Degrees of freedom up to which a reduced part remembers the part that it was made of."""
+
 STRESS_BLOCK = 8
 """Modes whose stress is computed at a time."""
 
@@ -128,7 +131,7 @@ def reduce(
         options = (stiffening, solver, *(() if loads is None else ("residual stress", loads)))
         entry = None if chosen is None else _entry(chosen, part, method, options)
         if entry is not None and (finished := entry.finished()) is not None:
-            return finished
+            return remembered(finished, part)
         estimate = memory_estimate(part, method, stiffening=stiffening, solver=solver)
         logging.getLogger(__name__).info("%s: %s", where, estimate)
         check_memory(estimate, where)
@@ -136,7 +139,12 @@ def reduce(
         reduced = _reduced(part, method, stiffening, loads, run)
         if entry is not None:
             entry.finish(reduced)
-    return reduced
+    return remembered(reduced, part)
+
+
+def remembered(reduced: ReducedPart, part: Part) -> ReducedPart:
+    """Return the reduced part with the part it was made of, unless that is large."""
+    return replace(reduced, source=part if part.K.shape[0] <= REMEMBERED else None)
 
 
 def _entry(

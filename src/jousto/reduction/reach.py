@@ -1,0 +1,100 @@
+"""Which loads the modes of a reduced part can represent: static work, reduced against full."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from jousto.reduction.examine import full_model
+from jousto.reduction.families import held_response
+from jousto.reduction.inspection import FullModel
+from jousto.reduction.interface_loads import elastic_response
+from jousto.reduction.interface_modes import Modes, modes_of
+
+if TYPE_CHECKING:
+    from jousto.reduction.reduced import ReducedPart
+
+Array = NDArray[np.float64]
+
+ON_INTERFACE = 1e-4
+"""Work with the interfaces held over that of the free body below which they carry the load."""
+
+
+class Reach:
+    """The full model behind a reduced part, factorised once for any number of loads.
+
+    Parameters
+    ----------
+    reduced : ReducedPart
+        With its `source`.
+    """
+
+    def __init__(self, reduced: ReducedPart) -> None:
+        assert reduced.source is not None
+        self._reduced = reduced
+        self.part = reduced.source
+        full, faults = full_model(self.part, modes=0)
+        self._full: FullModel | None = None if faults else full
+
+    def nodal(self, pattern: Array) -> Array:
+        """Return nodal forces (nodes, 3) of the reduced part as loads (ndof,) on the full one."""
+        nn, d = len(self.part.nodes), self.part.dofs_per_node
+        F = np.zeros((nn, d))
+        F[:, :3] = pattern[:nn]
+        loads = F.ravel()
+        for tie, force in zip(self.part.ties, pattern[nn:], strict=False):
+            loads[tie.dofs] += tie.averaging[:3].T @ force
+        return loads
+
+    def unit(self, node: int, first: int) -> Array:
+        """Return unit forces (first = 0) or moments (3) on a node, (ndof, 3)."""
+        nn, d = len(self.part.nodes), self.part.dofs_per_node
+        F = np.zeros((nn * d, 3))
+        if node >= nn:
+            tie = self.part.ties[node - nn]
+            F[tie.dofs] = tie.averaging[first : first + 3].T
+        elif first < d:
+            F[node * d + first + np.arange(3), np.arange(3)] = 1.0
+        return F
+
+    def weight(self, g: Array) -> Array:
+        """Return the loads (ndof,) of an acceleration of the frame, part axes, m/s2."""
+        return np.asarray(self.part.M @ (self.part.rigid_modes()[:, :3] @ g))
+
+    def work(self, F: Array) -> tuple[Array, Array] | None:
+        """Return the static work ``f^T u`` of loads (ndof, m) in the full part and in the modes.
+
+        With the interfaces held; ``u`` of the modes is the best they can do, so that their work
+        is at most that of the full part. Without interfaces the body is free and accelerates.
+        Loads that interfaces carry work nothing. None if the full part cannot be solved.
+        """
+        full = self._full
+        if full is None or full.rigid is None:
+            return None
+        relieved = F - full.rigid.MR @ (full.rigid.R.T @ F)
+        free = np.einsum("ij,ij->j", relieved, elastic_response(full, relieved))
+        modes = modes_of(full, self._reduced)
+        if not modes.names:
+            return free, ((modes.X.T @ F) ** 2 / self._reduced.stiffness[:, None]).sum(axis=0)
+        whole = np.einsum("ij,ij->j", F, held_response(full, modes, F))
+        whole = np.where(whole > ON_INTERFACE * free, whole, 0.0)
+        return whole, np.where(whole > 0.0, self._held(full, modes, F), 0.0)
+
+    def _held(self, full: FullModel, modes: Modes, F: Array) -> Array:
+        """Work of the loads in what the modes can do while the interfaces rest."""
+        assert full.rigid is not None
+        Y = np.concatenate([full.rigid.R, modes.X], axis=1)
+        C = modes.moved(Y)
+        size = np.maximum(np.sqrt(np.einsum("ij,ij->j", C, C)), np.finfo(float).tiny)
+        Z = scipy.linalg.null_space(C / size, rcond=1e-10) / size[:, None]
+        if not Z.shape[1]:
+            return np.zeros(F.shape[1])
+        omega2 = np.concatenate([np.zeros(6), self._reduced.stiffness])
+        K = Z.T @ (omega2[:, None] * Z)
+        scale = 1.0 / np.sqrt(np.maximum(np.diag(K), np.finfo(float).tiny))
+        g = scale[:, None] * (Z.T @ (Y.T @ F))
+        y = np.linalg.lstsq(scale[:, None] * K * scale, g, rcond=1e-12)[0]
+        return np.asarray(np.einsum("ij,ij->j", g, y))
