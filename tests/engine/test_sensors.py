@@ -338,6 +338,21 @@ def test_modal_load_gives_its_resultant():
 # -- reactions --------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("slid", [0.0, 0.7])
+def test_the_moment_of_a_slide_is_about_its_marker_b(slid):
+    """100 N at 0.3 m beyond marker b bends the slide by 30 N m there, wherever b has slid to; about
+    marker a, on the ground, it is 100 (0.3 + slid) N m. Statics of a held slide."""
+    block = jo.RigidBody("block", mass=2.0, inertia=(1, 1, 1), position=(slid, 0, 0))
+    slide = jo.Prismatic("slide", jo.ground["origin"], block["origin"], axis=(1, 0, 0))
+    weight = jo.Force("weight", block.at((0.3, 0, 0)), (0, 0, -100.0))
+    sensor = jo.ReactionSensor("r", slide)
+    found = start(block, slide, weight, sensor)["r"]
+    np.testing.assert_allclose(found, [0, 0, 100.0, 0, -30.0, 0], atol=1e-11)
+    about_a = found[3:] + np.cross([slid, 0, 0], found[:3])
+    np.testing.assert_allclose(about_a, [0, -100.0 * (0.3 + slid), 0], atol=1e-11)
+    assert sensor.description == "reaction of slide on block, moment about block.origin"
+
+
 @pytest.mark.parametrize("degrees", [0.0, 25.0, -70.0])
 def test_pendulum_reaction_in_joint_axes(degrees):
     """Angle th from straight down: Newton's law along and across the arm gives

@@ -34,7 +34,8 @@ FORCE, MOMENT = ("Fx", "Fy", "Fz"), ("Mx", "My", "Mz")
 class ReactionSensor:
     """What a joint, a coupling or a drive does to the body of its marker b.
 
-    Of a joint force and moment (6,) at the joint. Of a coupling or drive the force or torque along
+    Of a joint the force and the moment (6,) about the origin of marker b, also where b slides away
+    from a: about a it is ``M + (r_b - r_a) x F``. Of a coupling or drive the force or torque along
     each of its coordinates, N or N m: the torque that a motor needs, or the forces of both sides of
     a gear or rack. Where joints repeat one another the reactions are not unique; the results say
     so.
@@ -114,7 +115,8 @@ class ReactionSensor:
     def description(self) -> str:
         """One line for results and plots."""
         if isinstance(self.joint, Joint):
-            return f"reaction of {self.joint.name} on {self.joint.b.body.name}"
+            b = self.joint.b
+            return f"reaction of {self.joint.name} on {b.body.name}, moment about {b.label}"
         names = " and ".join(s.name for s in self.joint.coordinates)
         return f"reaction of {self.joint.name} along {names}"
 
