@@ -270,6 +270,7 @@ def test_pressed_to_its_load_it_no_longer_vibrates():
     assert squares / squares[0] == pytest.approx(1 - path.load / critical, abs=1e-3)
 
 
+@pytest.mark.filterwarnings("ignore:.*these are the modes at rest")
 @pytest.mark.parametrize("damped", [False, True])
 def test_sparse_modes_are_the_dense_ones(monkeypatch, damped):
     model, unit = blade(8)

@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 
 from jousto.engine import Engine, Model
 from jousto.engine.native import IMAGINARY, displaced
-from jousto.errors import InputError, Problem, Problems
+from jousto.errors import InputError, Problem, Problems, warn
 from jousto.mechanism import rotation_matrix, skew
 from jousto.simulation.state import State, put
 
 Array = NDArray[np.float64]
 Eigenvalues = NDArray[np.complex128]
+NOTICED = 1e-3  # of the lowest frequency, rad/s: spin that changes a mode by as much
+NOISE = 1e-6  # of the highest frequency: no oscillation
 RANK = 1e-10  # of the largest singular value of the scaled constraint matrix
 
 
@@ -332,7 +334,8 @@ def modes(
         the mechanism accelerates, and how its inertia changes with the position counts in K too:
         nodes of beams whose mass is off the axis then miss by many per cent.
     damped : bool
-        Whether damping and velocities count.
+        Whether damping and velocities count. Without it a state that turns is taken as at rest,
+        and a warning says so.
     count : int, optional
         Most modes, the slowest first; None is all, 20 of mechanisms with more than 600 velocities
         and rows of constraints, which are found by sparse matrices.
@@ -351,6 +354,8 @@ def modes(
     state = State(model.q0, model.v0, np.zeros(model.nrow)) if state is None else state
     if model.nv + model.nrow > MANY:
         found, x = large_modes(model, state, damped, count or USUAL)
+        if not damped:
+            _warn_turning(model, state, found)
         return _modes(model, state, found, x)
     if damped:
         t = tangent(model, state)
@@ -364,7 +369,25 @@ def modes(
         roots = np.sqrt(-squares.astype(np.complex128))
         eigenvalues = np.where(roots.imag < 0.0, -roots, roots)
     order = np.argsort(np.abs(eigenvalues), kind="stable")[:count]
+    if not damped:
+        _warn_turning(model, state, eigenvalues)
     return _modes(model, state, eigenvalues[order], N @ free[:, order])
+
+
+def _warn_turning(model: Model, state: State, eigenvalues: Eigenvalues) -> None:
+    """Warn of turning bodies whose gyroscopic and centrifugal terms modes at rest leave out."""
+    spins = [np.linalg.norm(state.v[b.iv + 3 : b.iv + 6]) for b in model.bodies]
+    fastest = int(np.argmax(spins)) if spins else 0
+    rates = np.abs(eigenvalues.imag)
+    lowest = rates[rates > NOISE * rates.max(initial=0.0)].min(initial=np.inf)
+    if spins and NOTICED * lowest < spins[fastest] and np.isfinite(lowest):
+        warn(
+            f"modes of {model.name!r}",
+            f"body '{model.bodies[fastest].name}' turns with {spins[fastest]:.3g} rad/s, but these "
+            "are the modes at rest in this position: gyroscopic and centrifugal terms are left "
+            "out; damped=True counts them, and damping; set the velocities of the state to zero if "
+            "rest is what you mean",
+        )
 
 
 def _modes(
