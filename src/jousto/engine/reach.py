@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from jousto.errors import warn
 from jousto.mechanism import FlexibleBody, Marker, Mechanism, ModalLoad, Torque, rotation_matrix
 from jousto.reduction.reach import Reach
+from jousto.reduction.rigid import length_scale
 
 Array = NDArray[np.float64]
 LEFT = 0.05  # share of the static work that modes may leave out
+SAG = 1e-5  # of the length of a body: mean sag under its weight that modes may leave out
 REMEDY = (
     "give its reduction more modes, residuals=[the load] (inertia_relief=True for weight), or an "
     "interface where the load acts"
@@ -23,13 +25,15 @@ def warn_loads(mechanism: Mechanism) -> None:
     """Warn of loads whose static work the modes of a body leave out.
 
     Asked of what acts between the interfaces: load patterns, forces and torques at nodes that are
-    no interface, and the weight of bodies with interfaces. Parts from files and very large ones do
-    not know their full model.
+    no interface, and the weight of bodies with interfaces where it makes them sag. Parts from
+    files and very large ones do not know their full model.
     """
     known: dict[int, Reach] = {}
     told: set[tuple[int, str]] = set()
 
-    def look(body: FlexibleBody, where: str, place: str, pattern: Array) -> None:
+    def look(
+        body: FlexibleBody, where: str, place: str, pattern: Array, least: float = 0.0
+    ) -> None:
         reduced = body.reduced
         if reduced.source is None or (id(reduced), place) in told:
             return
@@ -39,7 +43,7 @@ def warn_loads(mechanism: Mechanism) -> None:
         if work is None:
             return
         whole, held = float(work[0].sum()), float(work[1].sum())
-        if whole - held > LEFT * whole:
+        if whole - held > max(LEFT * whole, least):
             warn(
                 where,
                 f"the {reduced.n} modes of body '{body.name}' leave out "
@@ -55,7 +59,9 @@ def warn_loads(mechanism: Mechanism) -> None:
     for body in mechanism.bodies:
         if isinstance(body, FlexibleBody) and body.reduced.interfaces:
             g = rotation_matrix(body.orientation).T @ mechanism.gravity
-            look(body, f"body '{body.name}'", "its weight", g)
+            weight = body.reduced.invariants.mass * float(np.linalg.norm(g))
+            least = SAG * length_scale(body.reduced.nodes) * weight
+            look(body, f"body '{body.name}'", "its weight", g, least)
 
 
 def _loads(force: object) -> Iterator[tuple[FlexibleBody, str, Array]]:

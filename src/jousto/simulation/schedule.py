@@ -12,7 +12,12 @@ from jousto.engine import Model
 from jousto.errors import InputError, Problem, Problems
 from jousto.simulation.beam_checks import beam_steps_warning
 from jousto.simulation.solver import SOLVERS, Solver
-from jousto.simulation.stability import friction_warning, many_steps, stability_warning
+from jousto.simulation.stability import (
+    damper_warning,
+    friction_warning,
+    many_steps,
+    stability_warning,
+)
 
 logger = logging.getLogger(__name__)
 
@@ -117,9 +122,8 @@ def cautions(model: Model, solver: Solver, plan: Schedule) -> list[str]:
         duration = plan.step * plan.steps
         sentences = (many_steps(model, duration), beam_steps_warning(model, duration))
         return [sentence for sentence in sentences if sentence]
-    sentence = friction_warning(model, solver, plan.step)
-    if sentence:
-        found.append(sentence)
+    both = (friction_warning(model, solver, plan.step), damper_warning(model, solver, plan.step))
+    found += [sentence for sentence in both if sentence]
     for force in model.forces:
         if force.signal < 0:
             continue

@@ -163,28 +163,76 @@ def friction_warning(model: Model, solver: Solver, step: float) -> str:
     smooth = tuple(friction for friction in model.frictions if not friction.sticks)
     if not smooth or 2 * model.nv > DENSE:
         return ""
+    rates = _braking(replace(model, frictions=smooth), replace(model, frictions=()))
+    limit = _longest(solver, step, rates)
+    if limit == step:
+        return ""
+    names = ", ".join(f"'{friction.name}'" for friction in smooth)
+    fastest = float(np.abs(rates).max())
+    return (
+        f"regularised friction {names} stops the slip at a rate of {fastest:.3g} 1/s, for which "
+        f"{type(solver).__name__} needs a step below {limit:.2g} s (it is {step:.3g} s), or the "
+        "joint chatters; take a smaller step, a larger velocity of the law, or law=StickSlip()"
+    )
+
+
+def damper_warning(model: Model, solver: Solver, step: float) -> str:
+    """Return a sentence if the step is too large for the steepest part of a damper table.
+
+    There the table is a damper of that coefficient, with the rates of ``da/dv`` at the initial
+    position; a method that cannot follow them jumps from one side to the other.
+    """
+    places = [i for i, force in enumerate(model.forces) if force.damper >= 0]
+    if not places or 2 * model.nv > DENSE:
+        return ""
+    with_, without = list(model.forces), list(model.forces)
+    for i in places:
+        bare = replace(model.forces[i], damper=-1)
+        data = bare.data.copy()
+        data[1] += _steepest(model, model.forces[i].damper)
+        without[i], with_[i] = bare, replace(bare, data=data)
+    quiet = replace(model, forces=tuple(without), frictions=())
+    rates = _braking(replace(quiet, forces=tuple(with_)), quiet)
+    limit = _longest(solver, step, rates)
+    if limit == step:
+        return ""
+    names = ", ".join(f"'{model.forces[i].name}'" for i in places)
+    return (
+        f"damper_table of {names} brakes at a rate of up to {float(np.abs(rates).max()):.3g} 1/s "
+        f"where it is steepest, for which {type(solver).__name__} needs a step below {limit:.2g} s "
+        f"(it is {step:.3g} s), or the force chatters; take a smaller step, a less steep table, or "
+        "Friction with law=StickSlip() where the table stands for dry friction"
+    )
+
+
+def _steepest(model: Model, signal: int) -> float:
+    """Return the steepest fall of a table, in N s/m or N m s."""
+    table = model.signals[signal]
+    if table.kind != "table":
+        return 0.0
+    times, values = table.data[: table.count], table.data[table.count : 2 * table.count]
+    return max(0.0, -float((np.diff(values) / np.diff(times)).min(initial=0.0)))
+
+
+def _braking(one: Model, other: Model) -> Eigenvalues:
+    """Return the rates by which two models differ in ``da/dv`` at the initial position, at rest."""
     slopes = []
-    for frictions in (smooth, ()):
-        engine = Engine(replace(model, frictions=frictions), complex_scalars=True)
+    for model in (one, other):
+        engine = Engine(model, complex_scalars=True)
         columns = []
         for j in range(model.nv):
             engine.v[:] = 0.0
             engine.v[j] = 1j * IMAGINARY
             columns.append(engine.accelerations()[0].imag / IMAGINARY)
         slopes.append(np.stack(columns, axis=1))
-    rates = np.linalg.eigvals(slopes[0] - slopes[1]).astype(np.complex128)
-    if not (solver.explicit_growth(step * rates) > 1.0 + 1e-9).any():
-        return ""
-    names = ", ".join(f"'{friction.name}'" for friction in smooth)
-    fastest = float(np.abs(rates).max())
-    limit = step
-    while (solver.explicit_growth(limit * rates) > 1.0 + 1e-9).any():
-        limit *= 0.9
-    return (
-        f"regularised friction {names} stops the slip at a rate of {fastest:.3g} 1/s, for which "
-        f"{type(solver).__name__} needs a step below {limit:.2g} s (it is {step:.3g} s), or the "
-        "joint chatters; take a smaller step, a larger velocity of the law, or law=StickSlip()"
-    )
+    return np.asarray(np.linalg.eigvals(slopes[0] - slopes[1]), dtype=np.complex128)
+
+
+def _longest(solver: Solver, step: float, rates: Eigenvalues) -> float:
+    """Return a step, at most `step`, in which no motion with these rates grows."""
+    while (solver.explicit_growth(step * rates) > 1.0 + 1e-9).any():
+        step *= 0.9
+    return step
 
 
 def many_steps(model: Model, duration: float) -> str:
