@@ -7,6 +7,7 @@ import numpy as np
 from jousto.engine import Engine, Model
 from jousto.engine.native import displaced
 from jousto.errors import InputError, SimulationError
+from jousto.simulation.bent import warn_far
 from jousto.simulation.large import MANY
 from jousto.simulation.linear import at_rest, stiffness_modes, turning
 from jousto.simulation.settle import settle
@@ -46,7 +47,18 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
         If there is none, or it is not found: the message says which, and names the body.
     InputError
         If a body or joint is singular at some position on the way.
+
+    Warns
+    -----
+    JoustoWarning
+        A body with modes bends by more than they, which are linear, can follow.
     """
+    found = _rest(model, state, tolerance)
+    warn_far(model, found.q, f"equilibrium of {model.name!r}")
+    return found
+
+
+def _rest(model: Model, state: State | None, tolerance: float) -> State:
     large = model.nv + model.nrow > MANY
     if large or model.beams:  # beams travel far and have many coordinates
         try:
