@@ -154,7 +154,7 @@ def same(a, b, path="") -> None:
         np.testing.assert_array_equal(a, b, err_msg=path)
     elif dataclasses.is_dataclass(a):
         for field in dataclasses.fields(a):
-            if field.name not in ("items", "provenance"):
+            if field.name not in ("items", "provenance", "source"):
                 same(getattr(a, field.name), getattr(b, field.name), f"{path}.{field.name}")
     elif isinstance(a, Mapping):
         assert list(a) == list(b), path

@@ -129,13 +129,14 @@ def bricard_close(q: Array) -> Array:
 BRICARD = Minimal(bricard_place, np.ones(5), BRICARD_INERTIA, Y_DOWN, bricard_close)
 
 
-def bricard() -> jo.Mechanism:
+def bricard(inertia: Array | None = None) -> jo.Mechanism:
     """Five bodies and six revolute joints: 30 rows for 30 velocities, and yet it moves."""
+    moments = BRICARD_INERTIA if inertia is None else inertia
     bars = [
         jo.RigidBody(
             f"bar {k + 1}",
             1.0,
-            BRICARD_INERTIA[k],
+            moments[k],
             markers={"start": -EDGES[k] / 2, "end": EDGES[k] / 2},
             position=CORNERS[k] + EDGES[k] / 2,
         )

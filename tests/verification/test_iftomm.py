@@ -130,6 +130,37 @@ def test_a04_with_repeated_rows_converges_at_the_order_of_the_method(bricard, me
     assert balance[1] < balance[0] / 2 ** (method.order - 0.5)
 
 
+def thin(ratio):
+    """Moments of inertia of rods with a share of them about their own axes."""
+    return np.where(np.abs(iftomm.EDGES[:5]) > 0.5, ratio, 1.0) / 12.0
+
+
+def test_bars_with_a_millionth_of_their_inertia_about_their_axes_move_as_they_should():
+    moments, times = thin(1e-6), np.linspace(0.0, 1.0, 11)
+    with pytest.warns(jo.JoustoWarning, match="repeat the others; the motion is right") as said:
+        model = jo.compile(iftomm.bricard(moments))
+    assert not any("loses digits" in str(w.message) for w in said)
+    run = jo.simulate(model, 1.0, solver=jo.RK4(step=1e-3), output_step=0.1)
+    # five angles of the open chain, without a reaction
+    from verification.minimal import Minimal
+
+    chain = Minimal(iftomm.bricard_place, np.ones(5), moments, iftomm.Y_DOWN, iftomm.bricard_close)
+    q, _ = chain.run(np.zeros(5), np.zeros(5), times)
+    exact = iftomm.bricard_frames(q)[0][:, 3]
+    np.testing.assert_allclose(run["P3"], exact, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("ratio", [1e-8, 1e-12])
+def test_inertias_that_differ_too_much_are_named_and_not_the_geometry(ratio):
+    with pytest.warns(jo.JoustoWarning, match="loses digits.*'bar 1' has 1e-.*a millionth"):
+        model = jo.compile(iftomm.bricard(thin(ratio)))
+    if ratio > 1e-10:
+        return
+    with pytest.raises(jo.SimulationError, match="inertias differ too much") as said:
+        jo.simulate(model, 1.0, solver=jo.RK4(step=1e-3), output_step=0.1)
+    assert "change a length" not in str(said.value)
+
+
 @pytest.mark.slow
 def test_a04_keeps_its_energy_for_10_s(bricard):
     run = march(bricard, jo.RK4(step=1e-3), 10.0, 0.5)

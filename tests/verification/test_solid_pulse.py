@@ -121,6 +121,7 @@ def errors(found, count=None):
     return np.array([*far, np.abs(stress - s).max() / np.abs(s).max()])
 
 
+@pytest.mark.filterwarnings("ignore:.*static work")
 @pytest.mark.parametrize("modes", [2, 6])
 def test_the_engine_sums_clamped_modes(modes):
     # with the clamp as its only interface the reduced part holds the clamped modes themselves
@@ -137,6 +138,7 @@ def convergence(residuals, counts=COUNTS):
     )
 
 
+@pytest.mark.filterwarnings("ignore:.*static work")
 def test_the_pulse_response_converges_with_modes_and_residual_vectors():
     without, better = convergence(()), convergence(patterns())
     # columns: hit node, middle node, stress

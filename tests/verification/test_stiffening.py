@@ -50,6 +50,7 @@ def spinning_chain(stiffening: bool) -> jo.Model:
     )
 
 
+@pytest.mark.filterwarnings("ignore:.*static work")
 def test_energy_order_of_a_fast_chain() -> None:
     """The energy error of RK4 falls with the fifth order, to 1e-9 of the kinetic energy."""
     model = spinning_chain(True)
@@ -62,6 +63,7 @@ def test_energy_order_of_a_fast_chain() -> None:
     assert np.linalg.norm(gap) > 1e-4  # m: stiffening is there
 
 
+@pytest.mark.filterwarnings("ignore:.*static work")
 def test_inertia_of_a_bent_beam() -> None:
     """J(p) gains ``tr(N) E - N`` with ``N = int u0 chi(p, p)^T dm``; S and B stay as they are."""
     with_, without = spinning_chain(True), spinning_chain(False)

@@ -10,13 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.engine.dependency import dependencies, joint_fronts
-from jousto.engine.model import JointModel, Model
+from jousto.engine.model import BodyModel, JointModel, Model
 from jousto.engine.native import Engine, displaced
 from jousto.errors import Problems
 from jousto.mechanism import rotation_matrix
 
 Array = NDArray[np.float64]
 RANK = 1e-9  # singular values of unit rows in the mass metric below this are zero
+WEAK = 2e-4
+"""The same, of rows that are independent, below which solving with repeated rows loses digits: the
+diagonal is raised by 1e-9, and three steps leave ``(1e-9 / (1e-9 + s^2))^3`` of a multiplier."""
 SHARE = 1e-6  # share of a row in a dependency that counts
 NEARBY = 1e-2  # m or rad, how far the neighbouring position is
 LISTED = 24  # names in a sentence
@@ -46,6 +49,9 @@ class Redundancy:
         Drives among the joints.
     driven : int
         Rows of all drives: motions that they take from those that the joints leave free.
+    weak : str
+        The body whose inertias differ so much that the other rows are hardly told from repeated
+        ones, with the remedy; empty if none does.
     """
 
     joints: tuple[str, ...]
@@ -55,6 +61,7 @@ class Redundancy:
     only_here: bool = False
     drives: tuple[str, ...] = ()
     driven: int = 0
+    weak: str = ""
 
     @property
     def sentence(self) -> str:
@@ -80,6 +87,8 @@ class Redundancy:
             f"{self.count} of the constraint rows of {names} repeat the others; {motion} the "
             "reactions of these joints are not unique (given: those of least norm)"
         )
+        if self.weak:
+            text += f"; {self.weak}"
         if self.advice:
             text += f"; to make them unique, {_some(self.advice, ' and ')}"
         return text
@@ -156,7 +165,33 @@ def repeated_rows(model: Model) -> Redundancy | None:
         drives=tuple(joint.name for joint in taking if is_drive(joint)),
         driven=sum(joint.rows for joint in model.joints if is_drive(joint)),
         only_here=_repeated_nearby(model) < count,
+        weak=_weak(model),
     )
+
+
+def _weak(model: Model) -> str:
+    """Return which inertias make independent rows look like repeated ones, and what to do."""
+    if model.permanent > DENSE:
+        return ""
+    s = np.linalg.svd(unit_rows(model, Engine(model)), compute_uv=False)
+    if s[s > RANK].min(initial=1.0) > WEAK:
+        return ""
+    ratios = [_inertia_ratio(body) for body in model.bodies]
+    least = int(np.argmin(ratios))
+    return (
+        f"their solution loses digits, because inertias differ too much: body "
+        f"'{model.bodies[least].name}' has {ratios[least]:.1g} of its largest moment of inertia "
+        "about its own axis; give slender bodies a millionth of it there, which changes the motion "
+        "by as little"
+    )
+
+
+def _inertia_ratio(body: BodyModel) -> float:
+    c = body.S0 / body.mass[0]
+    xx, yy, zz, yz, xz, xy = body.J0
+    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    moments = np.linalg.eigvalsh(J - body.mass[0] * (c @ c * np.eye(3) - np.outer(c, c)))
+    return float(max(moments[0], 0.0) / max(moments[-1], np.finfo(float).tiny))
 
 
 def _repeated_nearby(model: Model) -> int:
@@ -308,7 +343,9 @@ def disagreement(model: Model, q: Array, time: float) -> str:
     others = [f"'{n}'" for n in (found.joints if found else ()) if n != worst.name]
     if others and found and worst.name in found.joints:
         text += f": it contradicts {', '.join(others)}; "
-        if found.drives:
+        if found.weak:
+            text += found.weak
+        elif found.drives:
             text += "drive each motion once, and leave a free motion for every drive"
         else:
             text += "change a length or an axis of the loop, or free a motion of one of them"

@@ -68,7 +68,8 @@ class Reach:
         """Return the static work ``f^T u`` of loads (ndof, m) in the full part and in the modes.
 
         With the interfaces held; ``u`` of the modes is the best they can do, so that their work
-        is at most that of the full part. Without interfaces the body is free and accelerates.
+        is at most that of the full part. Without interfaces, or where modes were left out that
+        they need, the body is free and accelerates.
         Loads that interfaces carry work nothing. None if the full part cannot be solved.
         """
         full = self._full
@@ -77,7 +78,8 @@ class Reach:
         relieved = F - full.rigid.MR @ (full.rigid.R.T @ F)
         free = np.einsum("ij,ij->j", relieved, elastic_response(full, relieved))
         modes = modes_of(full, self._reduced)
-        if not modes.names:
+        # of a selection of modes, which cannot hold its interfaces, the body is free as well
+        if len(modes.names) > 6 + self._reduced.n or not modes.names:
             return free, ((modes.X.T @ F) ** 2 / self._reduced.stiffness[:, None]).sum(axis=0)
         whole = np.einsum("ij,ij->j", F, held_response(full, modes, F))
         whole = np.where(whole > ON_INTERFACE * free, whole, 0.0)
