@@ -56,12 +56,12 @@ def warn_loads(mechanism: Mechanism) -> None:
             look(body, f"{type(force).__name__} '{force.name}'", place, pattern)
     if not mechanism.gravity.any():
         return
-    for body in mechanism.bodies:
-        if isinstance(body, FlexibleBody) and body.reduced.interfaces:
-            g = rotation_matrix(body.orientation).T @ mechanism.gravity
-            weight = body.reduced.invariants.mass * float(np.linalg.norm(g))
-            least = SAG * length_scale(body.reduced.nodes) * weight
-            look(body, f"body '{body.name}'", "its weight", g, least)
+    for moving in mechanism.bodies:
+        if isinstance(moving, FlexibleBody) and moving.reduced.interfaces:
+            g = rotation_matrix(moving.orientation).T @ mechanism.gravity
+            weight = moving.reduced.invariants.mass * float(np.linalg.norm(g))
+            least = SAG * length_scale(moving.reduced.nodes) * weight
+            look(moving, f"body '{moving.name}'", "its weight", g, least)
 
 
 def _loads(force: object) -> Iterator[tuple[FlexibleBody, str, Array]]:
