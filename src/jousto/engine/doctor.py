@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.described import described
 from jousto.engine.compile import compile
 from jousto.engine.model import Model
 from jousto.engine.native import Engine
@@ -26,6 +27,7 @@ from jousto.mechanism import Mechanism, rotation_matrix, skew
 LARGE = 2000  # velocity coordinates above which the moving bodies are not told apart
 
 
+@described
 @dataclass(frozen=True)
 class Diagnosis:
     """What `doctor` finds; print it.

@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from jousto.described import described
 from jousto.engine import library
 from jousto.engine.failures import (
     AT_BODY,
@@ -60,6 +61,7 @@ class SingularJoints(InputError):
     """Constraint rows that repeat one another."""
 
 
+@described
 class Engine:
     """The compiled engine with the constants of one model and one state.
 

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jousto.described import described
 from jousto.errors import Problems
 from jousto.mechanism.body import FlexibleBody, ground
 from jousto.mechanism.coordinate import Coordinate, Distance, check_coordinate
@@ -21,6 +22,7 @@ from jousto.mechanism.signals import Signal, Table, check_factor, check_signal
 from jousto.names import check_name
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class Spring:
     """A spring and damper along a coordinate.
@@ -94,6 +96,7 @@ class Spring:
         return self.coordinate.initial if self.free is None else self.free
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class Bushing:
     """A linear support: ``[F, T] = -K [d, theta] - D [d', theta'] + preload`` on b.
@@ -141,6 +144,7 @@ class Bushing:
         set_fields(self, name=name, a=a, b=b, stiffness=K, damping=D, preload=P)
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class JointForce:
     """A force or torque along a coordinate: ``f = signal(t)``; with `Input` an actuator.
@@ -169,6 +173,7 @@ class JointForce:
         set_fields(self, name=name, coordinate=coordinate, signal=value)
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class Servo:
     """A controlled force: ``f = clamp(kp (ref - s) + kd (ref' - s'), +-limit)``.
@@ -219,6 +224,7 @@ class Servo:
         set_fields(self, name=name, coordinate=coordinate, **values)
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class ModalLoad:
     """A pattern of nodal forces that follows a flexible body, such as a pressure.
@@ -265,6 +271,7 @@ class ModalLoad:
         return np.concatenate([self.pattern.sum(axis=0), moment, modal])
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class UserForce:
     """A force and torque at a marker by a function of the user.

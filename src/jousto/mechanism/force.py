@@ -7,6 +7,7 @@ from typing import TypeAlias
 
 from numpy.typing import ArrayLike
 
+from jousto.described import described
 from jousto.errors import InputError, Problems
 from jousto.mechanism.fields import set_fields
 from jousto.mechanism.marker import Marker, as_marker
@@ -15,6 +16,7 @@ from jousto.mechanism.signals import Signal, check_factor
 from jousto.names import check_name
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class Gravity:
     """The acceleration of free fall, the same for all bodies.

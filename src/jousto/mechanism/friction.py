@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems
 from jousto.mechanism.coordinate import Coordinate
 from jousto.mechanism.elements import positive
@@ -49,6 +50,7 @@ class StickSlip:
     """
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class Friction:
     """Coulomb friction of a joint, pressed by the joint's own reaction (Altarriba 2010, S37-S40).

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jousto.described import described
 from jousto.errors import InputError, Problems
 from jousto.mechanism.body import FlexibleBody, MovingBody, RigidBody
 from jousto.mechanism.fields import set_fields
@@ -20,6 +21,7 @@ from jousto.names import check_name
 NEAR = 1e-6  # of the length of a line: nodes that count as on it
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class MovingLoad:
     """A force whose point of attack travels along a body, such as a wheel on a rail.

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems
 from jousto.parts._arrays import Ints
 from jousto.parts.sets import read_integers
@@ -33,6 +34,7 @@ SURFACES = ("triangle", "triangle6", "quad", "quad8")
 LINES = ("line", "line3", "vertex")
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Cells:
     """Elements of one kind and one material.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
+from jousto.described import described
 from jousto.parts._arrays import Floats, Ints
 from jousto.parts.cylinders import Cylinder, cylinder_through
 from jousto.parts.surface import face_normals
@@ -23,6 +24,7 @@ NEAR = 0.02
 CLOSED = 0.75
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Hole:
     """A cylindrical hole.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from jousto.described import described
 from jousto.errors import Problems, suggest
 from jousto.parts._arrays import Floats, Ints, times
 from jousto.parts.area import area_matrix, face_points
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from jousto.parts.part import Part
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Pressure:
     """A pressure on a surface of a solid, against its outward normal.
@@ -35,6 +37,7 @@ class Pressure:
     pressure: float
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Traction:
     """An even force per area on a surface of a solid.
@@ -51,6 +54,7 @@ class Traction:
     traction: Any
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class SurfaceLoad:
     """A force and a moment spread over a surface of a solid.
@@ -73,6 +77,7 @@ class SurfaceLoad:
     moment: Any = (0.0, 0.0, 0.0)
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class NodalForce:
     """A force, and a moment where nodes can turn, shared equally by nodes.
@@ -92,6 +97,7 @@ class NodalForce:
     moment: Any = (0.0, 0.0, 0.0)
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Weight:
     """The weight of the part's mass in a field such as gravity.
@@ -105,6 +111,7 @@ class Weight:
     acceleration: Any
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Spin:
     """The centrifugal force of a steady rotation, ``-rho w x (w x (x - c))``.

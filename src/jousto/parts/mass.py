@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from jousto.described import described
 from jousto.errors import Problems
 from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, node_dofs, read_only, scatter, skew
 
 
+@described
 @dataclass(frozen=True)
 class PointMass:
     """A rigid mass fixed to a node.

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from jousto.described import described
 from jousto.errors import Problems
 from jousto.parts._arrays import Floats, Ints, some
 from jousto.parts.beam import default_orientation
@@ -34,6 +35,7 @@ def check_elements(problems: Problems, where: str, value: Any) -> bool:
     return good
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Member:
     """A straight member between two nodes, divided into equal beam elements.

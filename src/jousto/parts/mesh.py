@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, count, suggest
 from jousto.parts._arrays import Floats, Ints, some
 from jousto.parts.cells import KINDS, SOLIDS, Cells, read_cells
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 Sets = Mapping[str, Ints]
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """Nodes, elements and named sets of a part made of solids; all arrays are read-only.

@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from jousto.described import described
 from jousto.errors import Problems
 from jousto.parts._arrays import Floats
 from jousto.parts.material import Material
 
 
+@described
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Orthotropic:
     """Linear elastic material with three planes of symmetry: composites, wood, printed parts.

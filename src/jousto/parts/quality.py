@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 
+from jousto.described import described
 from jousto.errors import count
 from jousto.parts._arrays import Floats, Ints
 from jousto.parts.cells import SOLIDS, Cells, base, edges
@@ -21,6 +22,7 @@ _CHUNK = 4096
 _IDEAL = {"tetra": np.sqrt(2.0), "hexahedron": 1.0, "wedge": 2.0 / np.sqrt(3.0)}
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Quality:
     """How far the elements of a mesh are from ideal ones; all arrays run over all solid cells.

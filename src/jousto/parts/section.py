@@ -17,6 +17,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from jousto.described import described
 from jousto.errors import Problems
 
 Shear = tuple[tuple[float, float, float], tuple[float, float, float]]
@@ -27,6 +28,7 @@ ROUND = 24
 """Points around a round section."""
 
 
+@described
 @dataclass(frozen=True)
 class SectionPoint:
     """A point of a section where stress is recovered.
@@ -369,6 +371,7 @@ class Circle:
         )
 
 
+@described
 @dataclass(frozen=True)
 class GeneralSection:
     """Section given by its constants, about its principal axes.

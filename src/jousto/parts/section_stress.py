@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.described import described
 from jousto.errors import Problems
 from jousto.parts.profiles import Box, IBeam
 from jousto.parts.section import ROUND, Circle, Rectangle, Section, Tube
@@ -15,6 +16,7 @@ from jousto.parts.section import ROUND, Circle, Rectangle, Section, Tube
 Array = NDArray[np.float64]
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class StressPoint:
     """A point of a beam's section whose stress follows from the six resultants.

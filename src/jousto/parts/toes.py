@@ -10,6 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.parts._arrays import Floats, Ints, Sparse, as_csr
 from jousto.parts.solids import SolidStress
@@ -76,6 +77,7 @@ def _reading(where: str, reading: str) -> tuple[tuple[float, ...], tuple[float, 
     return READINGS[reading]
 
 
+@described
 @dataclass(frozen=True)
 class WeldToe:
     """A place on the toe of a weld, where its structural hot-spot stress is wanted.

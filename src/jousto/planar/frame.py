@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.described import described
 from jousto.errors import Problems, suggest, warn
 from jousto.planar.items import (
     FunctionLink,
@@ -29,6 +30,7 @@ from jousto.planar.system import System, assemble
 WHERE = "PlanarFrame"
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class PlanarFrame:
     """Geometrically exact beams in a plane (Reissner), with any master-slave coupling.

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, warn
 from jousto.files import write_table
 from jousto.mechanism import Event, ForceSensor, Friction, Mechanism
@@ -70,6 +71,7 @@ class Transition:
         )
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class FrictionStress:
     """Stress of a body with friction, without, and their difference.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, count
 from jousto.reduction import factor
 from jousto.reduction.certificate import Table, number
@@ -37,6 +38,7 @@ LEAST = 3
 """Fixed-interface modes proposed at least where no frequency is given."""
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Advice:
     """Which modes to take, and why; ``print`` shows all of it.

@@ -23,6 +23,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, warn
 from jousto.files import written
 
@@ -53,6 +54,7 @@ class NotHashable(Exception):
     """The input holds something whose content is unknown, such as a function."""
 
 
+@described
 @dataclass(frozen=True)
 class ReductionCache:
     """A folder of finished and interrupted reductions.

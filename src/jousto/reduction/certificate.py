@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, count
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ MOST_ROWS = 14
 """Rows of a table that are printed."""
 
 
+@described
 @dataclass(frozen=True)
 class Check:
     """One thing that was checked.

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.described import described
 from jousto.engine import Model
 from jousto.errors import InputError, Problem
 from jousto.simulation.large import MANY
@@ -18,6 +19,7 @@ from jousto.simulation.state import State
 Array = NDArray[np.float64]
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Campbell:
     """Eigenvalues over a parameter; also the data of a root locus.

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.described import described
 from jousto.engine import Engine, Model
 from jousto.engine.failures import EVENT
 from jousto.errors import InputError, Problem, Problems, SimulationError, suggest
@@ -15,6 +16,7 @@ from jousto.simulation.solver import ROS2, SOLVERS, Solver
 from jousto.simulation.state import State, put, take
 
 
+@described
 class Simulator:
     """A model that is stepped from outside: set inputs, step, read sensors.
 

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.mechanism.body import FlexibleBody
 from jousto.mechanism.fields import set_fields
@@ -17,6 +18,7 @@ from jousto.names import check_name
 VOIGT = ("s11", "s22", "s33", "s12", "s23", "s13")
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class ModalSensor:
     """Modal coordinates and velocities of a flexible body, (2n,): p then p'."""
@@ -109,6 +111,7 @@ class SiteSensor:
         return f"{self.quantity} of {self.body.name}"
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class StressSensor(SiteSensor):
     """Stress at section points of a flexible body, (6 ns,) Pa.
@@ -118,6 +121,7 @@ class StressSensor(SiteSensor):
     """
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class VonMisesSensor(SiteSensor):
     """Equivalent stress at sites of a flexible body, (ns,) Pa.
@@ -129,6 +133,7 @@ class VonMisesSensor(SiteSensor):
     values: ClassVar[tuple[str, ...]] = ("mises",)
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class PrincipalStressSensor(SiteSensor):
     """Principal stresses at sites of a flexible body, (3 ns,) Pa, the largest first."""

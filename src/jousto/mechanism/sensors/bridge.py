@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems
 from jousto.mechanism.body import FlexibleBody
 from jousto.mechanism.fields import number, set_fields
@@ -78,6 +79,7 @@ def quarter_bridge_strain(output: ArrayLike, gauge_factor: float = 2.0) -> Array
     return np.asarray(4.0 * v / (gauge_factor * (1.0 - 2.0 * v)))[()]
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class Bridge:
     """A Wheatstone bridge of one to four gauges on a body, (1,) V/V.

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from jousto.described import described
 from jousto.errors import Problems, suggest, warn
 from jousto.mechanism.fields import number, set_fields
 from jousto.mechanism.sensors.body import VonMisesSensor
@@ -13,6 +14,7 @@ from jousto.mechanism.sensors.rule import MeterRule, meter_rule
 from jousto.names import check_name
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class DamageSensor:
     """Fatigue damage of values of another sensor, (2 k,): Miner's sum and closed cycles of each.

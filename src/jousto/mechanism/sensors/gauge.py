@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.mechanism.body import FlexibleBody
 from jousto.mechanism.fields import number, set_fields
@@ -33,6 +34,7 @@ LEAVES = 1e-6
 TRACE = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class Gauge:
     """A virtual strain gauge on a flexible body, (1,) m/m.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from jousto.described import described
 from jousto.errors import Problems
 from jousto.mechanism.coordinate import Coordinate
 from jousto.mechanism.coupling import Coupler
@@ -30,6 +31,7 @@ from jousto.names import check_name
 FORCE, MOMENT = ("Fx", "Fy", "Fz"), ("Mx", "My", "Mz")
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class ReactionSensor:
     """What a joint, a coupling or a drive does to the body of its marker b.
@@ -121,6 +123,7 @@ class ReactionSensor:
         return f"reaction of {self.joint.name} along {names}"
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class ForceSensor:
     """What a force element exerts on the body of its marker, or of marker b.

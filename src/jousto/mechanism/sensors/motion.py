@@ -22,6 +22,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from jousto.described import described
 from jousto.errors import Problems
 from jousto.mechanism.fields import set_fields
 from jousto.mechanism.marker import Marker, check_marker
@@ -106,6 +107,7 @@ class MotionSensor:
         return f"{self.quantity} of {self.marker.label}{seen}"
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class PositionSensor(MotionSensor):
     """Position of a marker, (3,) m: from the world's origin, or from another marker."""
@@ -114,6 +116,7 @@ class PositionSensor(MotionSensor):
     unit: ClassVar[str] = "m"
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class VelocitySensor(MotionSensor):
     """Velocity of a marker, (3,) m/s: in the world, or as seen from another marker.
@@ -125,6 +128,7 @@ class VelocitySensor(MotionSensor):
     unit: ClassVar[str] = "m/s"
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class AccelerationSensor(MotionSensor):
     """Acceleration of a marker, (3,) m/s2: in the world, or as seen from another marker.
@@ -139,6 +143,7 @@ class AccelerationSensor(MotionSensor):
     unit: ClassVar[str] = "m/s2"
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class OrientationSensor(MotionSensor):
     """Euler parameters (4,) of a marker's axes, scalar first and not negative.
@@ -158,6 +163,7 @@ class OrientationSensor(MotionSensor):
         return f"{super().description} (Euler parameters, scalar first)"
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class AngularVelocitySensor(MotionSensor):
     """Angular velocity of a marker, (3,) rad/s: in the world, or as seen from another marker."""
@@ -167,6 +173,7 @@ class AngularVelocitySensor(MotionSensor):
     turns: ClassVar[bool] = True
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class AngularAccelerationSensor(MotionSensor):
     """Angular acceleration of a marker, (3,) rad/s2: in the world, or seen from another marker.

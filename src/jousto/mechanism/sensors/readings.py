@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from jousto.described import described
 from jousto.errors import Problems, suggest
 from jousto.mechanism.coordinate import Coordinate, check_coordinate
 from jousto.mechanism.fields import set_fields
@@ -14,6 +15,7 @@ from jousto.names import check_name
 ENERGIES = ("kinetic", "strain", "potential", "springs", "dissipated", "friction", "work")
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class CoordinateSensor:
     """Value of a coordinate, m or rad; angles run on without jumps."""
@@ -37,6 +39,7 @@ class CoordinateSensor:
         return f"coordinate {self.coordinate.name}"
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class RateSensor:
     """Rate of a coordinate, m/s or rad/s."""
@@ -84,6 +87,7 @@ class EnergySensor:
         return f"energy: {self.energy}"
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class SignalSensor:
     """Value of a signal, also of an input."""

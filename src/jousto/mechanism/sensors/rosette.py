@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems
 from jousto.mechanism.body import FlexibleBody
 from jousto.mechanism.fields import set_fields
@@ -26,6 +27,7 @@ ANGLES = {"45": (0.0, 45.0, 90.0), "60": (0.0, 60.0, 120.0), "90": (0.0, 90.0)}
 KINDS = {**{kind: kind for kind in ANGLES}, "rectangular": "45", "delta": "60", "tee": "90"}
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class Rosette:
     """A virtual rosette on a flexible body, (3,) or (2,) m/m: stacked grids a, b, c.

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from jousto.described import described
 from jousto.errors import Problems
 from jousto.mechanism.beam import BeamBody
 from jousto.mechanism.fields import number, set_fields
@@ -18,6 +19,7 @@ QUANTITIES = {"resultants": RESULTANTS, "strains": STRAINS}
 PLACES = {"start": 0.0, "middle": 0.5, "end": 1.0}
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class SectionSensor:
     """Resultants ``[N, Qy, Qz, Mx, My, Mz]`` of a beam's section (6,), N and N m, or its strains.

@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from jousto.described import described
 from jousto.errors import Problems
 from jousto.mechanism.fields import number, set_fields
 from jousto.mechanism.signals import Signal
 from jousto.mechanism.signals.base import check_signal
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class Temperature:
     """Apparent strain of a gauge whose temperature changes.

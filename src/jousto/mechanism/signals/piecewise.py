@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.files import check_file
 from jousto.mechanism.fields import number, set_fields
@@ -97,6 +98,7 @@ class Ramp(Signal):
         return () if self.before == self.after else (self.start, self.end)
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class Table(Signal):
     """Interpolation between points, held constant before the first and after the last.
@@ -199,6 +201,7 @@ class Table(Signal):
         return tuple(float(x) for x in self.times[np.abs(right - left) > 1e-9 * scale])
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class SCurve(Signal):
     """Smooth moves between points, at rest at each of them: the usual motion of a machine axis.

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, JoustoWarning, Problem, Problems
 from jousto.parts.material import Material
 
@@ -381,6 +382,7 @@ def _superpose(
     return out
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class RollingContact:
     """Stress history of the material below a rolling contact.

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.described import described
 from jousto.engine.planes import FINDLEY, NORMAL, STRAIN, PlaneCounter, StrainCurve
 from jousto.errors import Problems
 from jousto.files import write_table
@@ -37,6 +38,7 @@ AT_ONCE = 64
 """Places whose histories are held at the same time."""
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class PlaneDamage:
     """Damage on the worst plane of every place.

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, warn
 from jousto.parts.curves import SN, miner
 from jousto.parts.mean_stress import MeanStress, PartCompression, WeldRatio
@@ -263,6 +264,7 @@ def survival_of(
     return float(ndtr(low))
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Assessment:
     """What a history does to a place.

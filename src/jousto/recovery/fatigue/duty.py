@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.recovery.fatigue.rainflow import (
     Cycles,
@@ -34,6 +35,7 @@ _EXPLAIN = (
 )
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class DutyEvent:
     """One thing that happens so many times.
@@ -81,6 +83,7 @@ class DutyEvent:
         return 1.0
 
 
+@described
 @dataclass(frozen=True, eq=False, init=False)
 class DutyCycle:
     """Events with their repeats, and what happens between them.

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.files import write_table
 from jousto.parts.curves import SN
@@ -47,6 +48,7 @@ MEMORY = 64 << 20
 SHOWN = 10  # places in a table
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class DamageField:
     """Damage, life and safety at every place of a body.

@@ -16,6 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, warn
 from jousto.files import write_table
 from jousto.parts.strain_life import StrainLife
@@ -254,6 +255,7 @@ def on_planes(s: Array, n: Array) -> tuple[Array, Array]:
     return rows[:, 0] @ s.T, np.stack([rows[:, 1] @ s.T, rows[:, 2] @ s.T], axis=2)
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class CriticalPlane:
     """The worst plane through a place.
@@ -381,6 +383,7 @@ def _dang_van(s: Array, criterion: DangVan) -> CriticalPlane:
     )
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Multiaxial:
     """A multiaxial criterion at several places, the worst first in its table.

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.described import described
 from jousto.engine.meter import count_cycles
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.files import write_table
@@ -43,6 +44,7 @@ def check_residue(residue: str | None, where: str = "rainflow") -> str:
     return residue
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class RainflowMatrix:
     """Cycles sorted into classes.
@@ -73,6 +75,7 @@ class RainflowMatrix:
         )
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Cycles:
     """Cycles counted in a history.

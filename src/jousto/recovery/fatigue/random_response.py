@@ -12,6 +12,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, suggest, warn
 from jousto.files import write_table
 from jousto.recovery.fatigue.spectral import (
@@ -32,6 +33,7 @@ V[:3, :3] -= 0.5 * (np.ones((3, 3)) - np.eye(3))
 RIGID = 1e-6  # of the highest natural frequency
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class RandomResponse:
     """Spectral density of the modal coordinates of a part, and what follows from it.
@@ -186,6 +188,7 @@ class RandomResponse:
         return np.arange(nt) / rate, np.fft.irfft(spectrum, nt, axis=0)
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class SpectralLife:
     """Random fatigue at several places.

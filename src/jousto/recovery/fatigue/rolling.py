@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.described import described
 from jousto.errors import Problems, warn
 from jousto.recovery.fatigue.contact import SHALLOW, HertzContact, rolling_contact
 from jousto.recovery.fatigue.planes import DangVan, Findley, critical_plane
@@ -19,6 +20,7 @@ LINE_DEPTHS = np.concatenate([[0.0, 0.0025, 0.005, 0.01, 0.02, 0.04, 0.06], BELO
 POINT_DEPTHS = np.concatenate([[SHALLOW], BELOW])
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class RollingLife:
     """Damage below a rolling contact.

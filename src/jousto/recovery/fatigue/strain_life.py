@@ -16,6 +16,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, suggest, warn
 from jousto.parts.strain_life import FORMS, Form, StrainLife
 from jousto.recovery.ranking import ranking
@@ -97,6 +98,7 @@ def turning_points(series: ArrayLike) -> NDArray[np.intp]:
     return np.asarray(kept[np.unique(np.concatenate([ends, turns]))], dtype=np.intp)
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class LocalPath:
     """Local stress and strain at the turning points of an elastic history.
@@ -179,6 +181,7 @@ def _checked(series: ArrayLike, rule: str) -> Array:
     return x
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class LocalCycles:
     """Closed hysteresis loops at a notch, and the damage each of them does.
@@ -332,6 +335,7 @@ def local_cycles(
     )
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class StrainDamage:
     """Strain life at several places of a body.

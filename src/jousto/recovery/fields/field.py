@@ -12,6 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.described import described
 from jousto.engine.recover import LANES, Recovery
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.recovery.fields.criteria import (
@@ -52,6 +53,7 @@ KEPT_KERNELS = 2
 """Criteria whose modes a field keeps in the engine's order."""
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Envelope:
     """Smallest and largest value at every place, and when.

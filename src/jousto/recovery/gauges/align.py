@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, warn
 from jousto.recovery.gauges.record import Record, record_of
 
@@ -23,6 +24,7 @@ MOST = 1 << 22
 """Samples of the longer record on the even grid of the search."""
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Alignment:
     """How a record fits another one.

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, suggest, warn
 from jousto.mechanism.sensors.bridge import quarter_bridge_strain
 from jousto.recovery.gauges.align import Alignment
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class GaugePair:
     """A measured channel and the virtual gauge it belongs to, over the instants of the record.
@@ -52,6 +54,7 @@ class GaugePair:
     rms: float
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class GaugeComparison:
     """Measured channels beside the gauges of a run.

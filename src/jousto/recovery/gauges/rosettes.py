@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.described import described
 from jousto.errors import LARGE_STRAIN, Problems, strain_remedy, warn
 from jousto.mechanism.sensors.gauge import NU_CALIBRATION
 from jousto.mechanism.sensors.rosette import ANGLES, KINDS
@@ -17,6 +18,7 @@ LARGE_STRESS = 1.5e9
 """Pa; von Mises stress beyond which strains were likely given in another unit."""
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class RosetteState:
     """Plane strain and stress of the surface under a rosette, x along grid a.

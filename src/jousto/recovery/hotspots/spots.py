@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.recovery.fields import Criterion, StressField, evaluate, stress_field
 from jousto.recovery.fields.criteria import tensor, turned, weights
@@ -27,6 +28,7 @@ Array = NDArray[np.float64]
 EARLY = 0.05  # share of the time in which a largest value may belong to the start
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class HotSpot:
     """One place and the instant at which its criterion is largest.
@@ -66,6 +68,7 @@ class HotSpot:
     between: float = np.nan
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class HotSpots:
     """The worst places of a run, the worst first, and what proves it.

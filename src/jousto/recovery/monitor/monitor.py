@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems
 from jousto.recovery.monitor.alarms import Alarm, AlarmLimits, Alarms
 from jousto.recovery.monitor.estimate import Estimator, estimator_of
@@ -76,6 +77,7 @@ class Update:
     summaries: tuple[Summary, ...]
 
 
+@described
 class Monitor:
     """Watches the stress of a part by its gauges.
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems
 from jousto.mechanism import FlexibleBody, Gauge
 from jousto.recovery.monitor.alarms import AlarmLimits
@@ -27,6 +28,7 @@ LOOSE = 0.02
 """Share of their variance that is not bound to other modes as in the reference run."""
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class MonitorSettings:
     """The monitoring of a part by its gauges.

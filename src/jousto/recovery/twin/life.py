@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.described import described
 from jousto.engine.meter import DamageMeter
 from jousto.errors import InputError, Problem
 from jousto.files import write_table
@@ -22,6 +23,7 @@ from jousto.reduction import ReducedPart, StressModes
 Array = NDArray[np.float64]
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class DamageBand:
     """Damage and life of sites over a record, with their bands.

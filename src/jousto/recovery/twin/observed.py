@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.described import described
 from jousto.recovery.twin.kalman import Gain
 from jousto.recovery.twin.posterior import Posterior
 from jousto.recovery.twin.system import System
@@ -86,6 +87,7 @@ class Step:
         return np.asarray(self.gain.P[self.system.places, self.system.places])
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Observed(Posterior):
     """Modal coordinates, loads and innovations over a record.

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, count, warn
 from jousto.recovery.twin.kalman import Channels, Gain, first_gain, next_gain
 from jousto.recovery.twin.observed import Observed, Step
@@ -53,6 +54,7 @@ class Balance:
         problems.raise_if_any()
 
 
+@described
 class Observer:
     """Follows modal coordinates and unknown loads of a flexible body in real time.
 

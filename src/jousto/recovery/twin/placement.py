@@ -10,6 +10,7 @@ import numpy as np
 import scipy.linalg as la
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, count
 from jousto.recovery.twin.reconstruction import NOISE
 from jousto.recovery.twin.signals import LARGEST, read_noise
@@ -20,6 +21,7 @@ Array = NDArray[np.float64]
 SWEEPS = 50
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Placement:
     """Gauges chosen from candidates.

@@ -11,6 +11,7 @@ import numpy as np
 import scipy.linalg as la
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, count, warn
 from jousto.recovery.twin.posterior import Posterior
 from jousto.recovery.twin.signals import LARGEST, read_noise, read_strain, read_time
@@ -26,6 +27,7 @@ PARALLEL = 1e-9
 """How near to 1 the cosine of the rows of two gauges is if they say the same."""
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Estimate(Posterior):
     """Modal coordinates from gauges, with what tells whether to trust them.
@@ -117,6 +119,7 @@ class Estimate(Posterior):
         return "\n".join(lines)
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Reconstruction:
     """Modal coordinates from strains, ``p = (B^T Rn^-1 B + G^-1)^-1 B^T Rn^-1 e``.

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import UnivariateSpline
 
+from jousto.described import described
 from jousto.engine import compile
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.mechanism import Drive, Gravity, Mechanism, Table
@@ -25,6 +26,7 @@ acceleration, rad/s2, all resolved in the body frame."""
 STILL: Motion = (np.zeros(3), np.zeros(3), np.zeros(3))
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Reference:
     """Motion of the frame of a body over time, resolved in its own axes.

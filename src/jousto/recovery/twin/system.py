@@ -11,6 +11,7 @@ import numpy as np
 import scipy.linalg as la
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.described import described
 from jousto.errors import InputError, Problem, Problems, suggest
 from jousto.recovery.twin.reference import InertialForce, Motion, cross
 from jousto.reduction import ReducedPart
@@ -22,6 +23,7 @@ FADED = 4.0
 """Logarithm of the decay within one step beyond which the step is made of two halves."""
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class UnknownLoad:
     """A load that nobody measures: it wanders at random and the gauges must tell it.
@@ -365,6 +367,7 @@ class System:
         return np.asarray(force(motion, p, dp) + self.columns @ self.mean)
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Accelerometer:
     """An accelerometer on a node: feels its acceleration less gravity along a direction.
