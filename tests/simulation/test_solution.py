@@ -242,7 +242,7 @@ def test_xarray():
 def test_the_extra_is_named_where_it_is_missing(package, monkeypatch):
     run = swing(1.0)
     monkeypatch.setitem(sys.modules, package, None)  # importing it fails
-    with pytest.raises(jo.InputError, match=rf"needs the package {package}.*jousto\[frames\]"):
+    with pytest.raises(jo.InputError, match=f"pip install {package} .*the extra frames"):
         getattr(run, f"to_{package}")()
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +15,6 @@ if TYPE_CHECKING:
     from jousto.simulation.solution import Solution
 
 Array = NDArray[np.float64]
-EXTRA = "pip install 'jousto[frames]'"
 
 
 def component_units(about: dict[str, Any]) -> tuple[str, ...]:
@@ -81,7 +79,10 @@ def to_csv(run: Solution, path: Path, names: tuple[str, ...]) -> None:
 
 def to_pandas(run: Solution, names: tuple[str, ...]) -> Any:
     """Return a DataFrame, see `Solution.to_pandas`."""
-    pandas = _imported("pandas", "to_pandas")
+    try:
+        import pandas
+    except ImportError as error:
+        raise _missing("to_pandas", "pandas") from error
     heads, units, values = table(run, names)
     index = pandas.Index(run.time, name="time")
     frame = pandas.DataFrame(values, index=index, columns=heads)
@@ -91,7 +92,10 @@ def to_pandas(run: Solution, names: tuple[str, ...]) -> Any:
 
 def to_xarray(run: Solution, names: tuple[str, ...]) -> Any:
     """Return a Dataset, see `Solution.to_xarray`."""
-    xarray = _imported("xarray", "to_xarray")
+    try:
+        import xarray
+    except ImportError as error:
+        raise _missing("to_xarray", "xarray") from error
     variables: dict[str, Any] = {}
     coordinates: dict[str, Any] = {"time": ("time", run.time, {"units": "s"})}
     for name in chosen(run, names):
@@ -113,10 +117,11 @@ def to_xarray(run: Solution, names: tuple[str, ...]) -> Any:
     return xarray.Dataset(variables, coordinates, about_run)
 
 
-def _imported(package: str, function: str) -> Any:
-    try:
-        return importlib.import_module(package)
-    except ImportError as error:
-        raise InputError(
-            Problem(function, f"needs the package {package}, which is not installed: {EXTRA}")
-        ) from error
+def _missing(function: str, package: str) -> InputError:
+    return InputError(
+        Problem(
+            function,
+            f"needs the package {package}, which is not installed: pip install {package} "
+            "(it is part of the extra frames)",
+        )
+    )
