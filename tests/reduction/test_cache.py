@@ -367,3 +367,33 @@ def test_what_is_no_cache_is_refused() -> None:
     wrong: Any = [1]
     with pytest.raises(InputError, match=r"^cache: is \[1\], must be True, False, a folder or"):
         reduce(block((3, 1, 1)), METHOD, cache=wrong)
+
+
+def test_damaged_arrays_are_made_anew_or_told(tmp_path: Path) -> None:
+    """Stages of a reduction and matrices in .npz files, with bits that tipped."""
+    from jousto.parts.readers.matrices.plain import is_pair, read_pair
+
+    rng = np.random.default_rng(2)
+    arrays = {"M": rng.normal(size=(8, 8)), "K": rng.normal(size=(8, 8))}
+    entry = ReductionCache(tmp_path).entry("0" * 40)
+    entry.write("modes", arrays)
+    (path,) = (tmp_path / ("0" * 40)).glob("*.npz")
+    whole = path.read_bytes()
+    pair = tmp_path / "pair.npz"
+    for k in range(150):
+        damaged = bytearray(whole)
+        if k % 5:
+            damaged[rng.integers(len(whole))] ^= 1 << rng.integers(8)
+        else:
+            del damaged[rng.integers(len(whole)) :]
+        path.write_bytes(damaged)
+        pair.write_bytes(damaged)
+        found = entry.read("modes")
+        if found is not None and found.keys() == arrays.keys():
+            for name, array in arrays.items():
+                assert np.array_equal(found[name], array)
+        is_pair(pair)
+        try:
+            read_pair(pair)
+        except InputError as error:
+            assert "pair.npz" in str(error)

@@ -240,3 +240,40 @@ def test_threads_save_side_by_side(tmp_path: Path) -> None:
         list(pool.map(part.save, paths))
     assert len({path.read_bytes() for path in paths}) == 1
     assert len(list(tmp_path.iterdir())) == 4
+
+
+@pytest.mark.parametrize("kind", ["link", "external storage"])
+def test_no_foreign_file_is_read(kind: str, saved: Path, tmp_path: Path) -> None:
+    secret = tmp_path / "secret.h5"
+    with h5py.File(saved, "r+") as file, h5py.File(secret, "w") as other:
+        modes = file["modes"][()]
+        other["modes"] = modes
+        del file["modes"]
+        if kind == "link":
+            file["modes"] = h5py.ExternalLink(secret, "/modes")
+        else:
+            raw = tmp_path / "raw"
+            raw.write_bytes(modes.tobytes())
+            file.create_dataset("modes", modes.shape, "f8", external=[(str(raw), 0, modes.nbytes)])
+    with pytest.raises(InputError, match="another"):
+        ReducedPart.load(saved)
+
+
+def test_flipped_bits_are_refused_or_do_not_matter(saved: Path) -> None:
+    whole, right = saved.read_bytes(), ReducedPart.load(saved)
+    rng = np.random.default_rng(1)
+    used = np.flatnonzero(np.frombuffer(whole, np.uint8))
+    refused = 0
+    for at in rng.choice(used, 60):
+        damaged = bytearray(whole)
+        damaged[at] ^= 1 << rng.integers(8)
+        saved.write_bytes(damaged)
+        try:
+            found = ReducedPart.load(saved)
+        except InputError as error:
+            assert str(saved) in str(error)
+            refused += 1
+        else:
+            assert np.array_equal(found.modes, right.modes)
+            assert np.array_equal(found.frequencies, right.frequencies)
+    assert refused > 30

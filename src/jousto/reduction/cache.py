@@ -13,7 +13,6 @@ import hashlib
 import os
 import re
 import time
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +24,7 @@ from numpy.typing import NDArray
 
 from jousto.described import described
 from jousto.errors import InputError, Problem, warn
-from jousto.files import written
+from jousto.files import DAMAGED_NPZ, written
 
 if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
@@ -186,7 +185,7 @@ class Entry:
                 return {name: np.asarray(file[name]) for name in file.files}
         except FileNotFoundError:
             return None
-        except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile):
+        except DAMAGED_NPZ:
             with contextlib.suppress(OSError):
                 path.unlink()
             return None

@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import uuid
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +16,13 @@ from numpy.typing import NDArray
 
 from jousto.errors import InputError, MissingFileError, Problem
 from jousto.files import written
+from jousto.hdf5 import DAMAGE, Group
 from jousto.reduction.invariants import Invariants
 from jousto.reduction.reduced import ReducedPart
 from jousto.reduction.residual_stress import ResidualStress
 from jousto.reduction.stiffening import Stiffening
 from jousto.reduction.stress import StressModes
+from jousto.seal import Seal, sealed
 
 FORMAT = "jousto reduced part"
 VERSION = 3
@@ -79,6 +82,13 @@ def save(part: ReducedPart, path: Path) -> None:
         image = file.id.get_file_image()
     with written(path) as beside, beside.open("wb") as target:
         target.write(image)
+
+        def write(at: int, data: bytes) -> None:
+            target.seek(at)
+            target.write(data)
+
+        seal = Seal(len(image), [], 0)
+        seal.finish([(0, len(image), zlib.crc32(image))], write, closed=True)
         target.flush()
         os.fsync(target.fileno())
 
@@ -91,7 +101,9 @@ def load(path: Path) -> ReducedPart:
     if not path.exists():
         raise MissingFileError(Problem(where, f"there is no such file; {AGAIN}"))
     try:
-        with h5py.File(path, "r") as file:
+        sealed(path)  # HDF5 may crash over damage
+        with h5py.File(path, "r") as opened:
+            file = Group(opened)
             _check_version(file, where)
             header = bytes(np.asarray(file["header"])).decode()
             arrays = _read(file)
@@ -103,7 +115,7 @@ def load(path: Path) -> ReducedPart:
     except OSError as error:
         kind = "damaged or cut short" if _looks_like_hdf5(path) else "not an HDF5 file"
         raise InputError(Problem(where, f"is {kind} ({_short(error)}); {AGAIN}")) from error
-    except (KeyError, RuntimeError, ValueError, TypeError) as error:
+    except DAMAGE as error:
         raise InputError(
             Problem(where, f"is incomplete or damaged ({_short(error)}); {AGAIN}")
         ) from error
@@ -115,7 +127,7 @@ def load(path: Path) -> ReducedPart:
         ) from error
     except KeyError as error:
         raise InputError(Problem(where, f"{error.args[0]} is missing; {AGAIN}")) from error
-    except (ValueError, TypeError, AttributeError) as error:
+    except DAMAGE as error:
         raise InputError(Problem(where, f"is damaged ({_short(error)}); {AGAIN}")) from error
     if checksum != _checksum(header, arrays):
         raise InputError(
@@ -214,13 +226,13 @@ def _part(header: str, arrays: Arrays) -> ReducedPart:
     )
 
 
-def _check_version(file: h5py.File, where: str) -> None:
+def _check_version(file: Group, where: str) -> None:
     found = file.attrs.get("format")
     if found != FORMAT:
         shown = f"its format is {found!r}" if found is not None else "it names no format"
         raise InputError(Problem(where, f"is not a reduced part: {shown}; {AGAIN}"))
     version = file.attrs.get("version")
-    if version not in range(1, VERSION + 1):
+    if not isinstance(version, (int, np.integer)) or not 1 <= version <= VERSION:
         raise InputError(
             Problem(
                 where,
@@ -230,14 +242,13 @@ def _check_version(file: h5py.File, where: str) -> None:
         )
 
 
-def _read(file: h5py.File) -> Arrays:
+def _read(group: Group, place: str = "") -> Arrays:
     arrays: Arrays = {}
-
-    def visit(name: str, item: h5py.Group | h5py.Dataset) -> None:
-        if isinstance(item, h5py.Dataset) and name != "header":
-            arrays[name] = np.asarray(item[()])
-
-    file.visititems(visit)
+    for name, item in group.items():
+        if isinstance(item, Group):
+            arrays |= _read(item, f"{place}{name}/")
+        elif (place, name) != ("", "header"):
+            arrays[place + name] = np.asarray(item[()])
     return arrays
 
 

@@ -8,6 +8,7 @@ import signal
 import sys
 import threading
 import uuid
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -22,6 +23,7 @@ from jousto import __version__
 from jousto.engine import Model
 from jousto.errors import InputError, Problem
 from jousto.files import create, unwritable
+from jousto.seal import Seal
 from jousto.simulation.beams import GROUP, beam_arrays
 from jousto.simulation.columns import Column, columns
 from jousto.simulation.connections import GROUP as CONNECTIONS
@@ -80,11 +82,27 @@ class ResultsWriter:
         except OSError as error:
             raise unwritable(path, error) from error
 
+        self._seal = Seal(image.size, _columns(self._places), rows)
+        self._sealed(self._file, self._seal, image, closed=False)
+
+    def _sealed(self, file: BinaryIO, seal: Seal, image: SparseImage, *, closed: bool) -> None:
+        """Write the checksums: of the layout, of a closed file also of its counts and events."""
+        pieces = [(at, len(piece), zlib.crc32(piece)) for at, piece in image.pieces()]
+        if closed:
+            counts = [(self._counter, np.array(self.written, "<i8"))]
+            if self._event_places:
+                happened = [np.array(len(self.happened), "<i8"), *self.happened.T.astype("<f8")]
+                offsets = [place.offset for place in self._event_places]
+                counts += zip(offsets, happened, strict=True)
+            pieces += [(at, x.nbytes, zlib.crc32(x.tobytes())) for at, x in counts]
+        seal.finish(pieces, lambda at, data: _write(file, at, data), closed=closed)
+
     def _image(self, rows: int, complete: bool, facts: Facts) -> tuple[SparseImage, list[Place]]:
         image = SparseImage()
         with h5py.File(image, "w") as file:
             places = _describe(file, rows, complete, facts, *self._about)
             self._event_places = _describe_events(file, self._about[0])
+        self._counter = places[0].offset
         return image, places
 
     @staticmethod
@@ -104,10 +122,13 @@ class ResultsWriter:
         """Add rows (k, row_size) of the engine."""
         if not len(rows):
             return
+        blocks = []
         for place in self._places[1:]:
-            block = rows[:, place.first : place.first + place.width]
+            block = rows[:, place.first : place.first + place.width].astype("<f8").tobytes()
             offset = place.offset + 8 * place.width * self.written
-            _write(self._file, offset, block.astype("<f8").tobytes())
+            _write(self._file, offset, block)
+            blocks.append(block)
+        self._seal.add(blocks, len(rows), lambda at, data: _write(self._file, at, data))
         self.written += len(rows)
         self._count(self._file, self._places)
 
@@ -141,10 +162,12 @@ class ResultsWriter:
             # the same layout with other values: only they change
             image, _ = self._image(self._rows, complete, facts)
             try:
+                self._file.truncate(self._seal.open_end)  # the old checksums end here
                 for offset, piece in image.pieces():
                     _write(self._file, offset, piece)
                 self._count(self._file, self._places)
                 self._note_all(self._file)
+                self._sealed(self._file, self._seal, image, closed=True)
             except OSError:
                 if complete:
                     raise
@@ -165,6 +188,8 @@ class ResultsWriter:
                         left -= len(piece)
                 self._count(target, places)
                 self._note_all(target)
+                seal = self._seal.moved(image.size, _columns(places), self.written)
+                self._sealed(target, seal, image, closed=True)
             self._file.close()
             os.replace(short, self.path)
         except OSError:
@@ -204,6 +229,11 @@ class Place:
     offset: int
     first: int
     width: int
+
+
+def _columns(places: list[Place]) -> list[tuple[int, int]]:
+    """Return where the columns are and the bytes of a row of each."""
+    return [(place.offset, 8 * place.width) for place in places[1:]]
 
 
 def _write(file: BinaryIO, offset: int, data: bytes) -> None:

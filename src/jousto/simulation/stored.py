@@ -19,7 +19,7 @@ from jousto.simulation.beams import GROUP, beam_knows_stress, read_beam
 from jousto.simulation.connections import GROUP as CONNECTIONS
 from jousto.simulation.connections import Connection, read_connections
 from jousto.simulation.events import Happening, happenings
-from jousto.simulation.reading import open_results
+from jousto.simulation.reading import examine, open_results
 from jousto.simulation.records import ALL, BodyShape
 from jousto.simulation.results import EVENT_COLUMNS
 from jousto.simulation.state import MEMORY
@@ -42,6 +42,7 @@ class FileRecords:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._places: dict[str, tuple[int, int, int]] | None = None
+        self._seal = examine(path)
         with open_results(path) as file:
             self.attributes: dict[str, Any] = {
                 key: _plain(value) for key, value in file.attrs.items()
@@ -72,6 +73,10 @@ class FileRecords:
         start, stop, step = rows.indices(self.length)
         with self._open() as file:
             dataset = file[place]
+            if self._seal is not None and stop != start:
+                first, last = (start, stop) if step > 0 else (stop + 1, start + 1)
+                offset = dataset.id.get_offset()
+                self._seal.check(offset, place, first, last, self.length)
             if dataset.ndim == 1:
                 return np.asarray(dataset[start:stop:step])
             return np.asarray(dataset[start:stop:step, columns])

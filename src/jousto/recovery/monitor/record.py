@@ -27,6 +27,8 @@ from numpy.typing import NDArray
 from jousto import __version__
 from jousto.errors import InputError, Problem
 from jousto.files import check_file, create, unwritable
+from jousto.hdf5 import DAMAGE, Group, damage, opened, said
+from jousto.seal import Seal, sealed
 from jousto.simulation.image import SparseImage, reserve
 from jousto.simulation.results import uninterrupted
 
@@ -39,6 +41,7 @@ TEXT = 240  # bytes of a sentence
 ENDED = "ended"
 SLOTS = ("a", "b")
 NEW = ".new"  # ending of a file that is laid out beside the record
+AGAIN = "restore a copy of the file, or watch again with another -o"
 HEAD = np.dtype([("sequence", "<i8"), ("length", "<i8"), ("checksum", "<u4"), ("unused", "<u4")])
 
 
@@ -288,7 +291,7 @@ class Record:
 
 
 @contextmanager
-def open_record(path: Path) -> Iterator[h5py.File]:
+def open_record(path: Path) -> Iterator[Group]:
     """Open a record for reading, also one that is written now or whose writer was killed.
 
     Raises
@@ -298,23 +301,28 @@ def open_record(path: Path) -> Iterator[h5py.File]:
     """
     if not path.is_file():
         raise InputError(Problem(str(path), "no such record of a monitoring run"))
+    with damage(path, AGAIN):
+        sealed(path)
     try:
-        file = h5py.File(path, "r", locking=False)
-    except OSError as error:
+        file = opened(path)
+    except DAMAGE as error:
         raise InputError(
-            Problem(str(path), f"not readable as HDF5, damaged or another kind of file ({error})")
+            Problem(
+                str(path), f"not readable as HDF5, damaged or another kind of file ({said(error)})"
+            )
         ) from error
-    with file:
-        found = file.attrs.get("format", "")
-        if found != FORMAT:
+    with file, damage(path, AGAIN):
+        group = Group(file)
+        found = group.attrs.get("format", "")
+        if not isinstance(found, str) or found != FORMAT:
             kind = f"it is a file of {found!r}" if found else "it is some other HDF5 file"
             raise InputError(Problem(str(path), f"not the record of a monitoring run; {kind}"))
-        version = int(file.attrs["format_version"])
+        version = int(group.attrs["format_version"])
         if version != FORMAT_VERSION:
             raise InputError(
                 Problem(str(path), f"record format {version}, this version reads {FORMAT_VERSION}")
             )
-        yield file
+        yield group
 
 
 def _lay_out(path: Path, layout: Layout) -> tuple[dict[str, int], BinaryIO]:
@@ -327,6 +335,9 @@ def _lay_out(path: Path, layout: Layout) -> tuple[dict[str, int], BinaryIO]:
         target.truncate(image.size)
         for offset, piece in image.pieces():
             _write(target, offset, piece)
+        pieces = [(at, len(piece), zlib.crc32(piece)) for at, piece in image.pieces()]
+        seal = Seal(image.size, [], 0)
+        seal.finish(pieces, lambda at, data: _write(target, at, data), closed=False)
     except BaseException:
         target.close()
         path.unlink(missing_ok=True)
@@ -359,14 +370,14 @@ def _describe(file: h5py.File, layout: Layout) -> None:
     file.flush()
 
 
-def _places(file: h5py.File, layout: Layout) -> dict[str, int]:
+def _places(file: h5py.File | Group, layout: Layout) -> dict[str, int]:
     names = ["complete", ENDED, *(f"checkpoint/{name}" for name in SLOTS)]
     for table in layout.tables:
         names += [f"{table.name}/rows", *(f"{table.name}/{c.name}" for c in table.columns)]
     return {name: int(file[name].id.get_offset()) for name in names}
 
 
-def _differs(file: h5py.File, layout: Layout) -> str:
+def _differs(file: Group, layout: Layout) -> str:
     """Return in what a file is not of this layout, empty if it is."""
     for name, value in layout.fixed.items():
         if name not in file:
@@ -383,7 +394,7 @@ def _differs(file: h5py.File, layout: Layout) -> str:
     return ""
 
 
-def _slot(file: h5py.File, name: str) -> tuple[int, bytes] | None:
+def _slot(file: Group, name: str) -> tuple[int, bytes] | None:
     raw = file[f"checkpoint/{name}"][()].tobytes()
     head = np.frombuffer(raw[: HEAD.itemsize], dtype=HEAD)[0]
     length = int(head["length"])

@@ -11,10 +11,30 @@ from numpy.typing import NDArray
 
 from jousto.errors import InputError, Problem, count, suggest
 from jousto.files import written
+from jousto.hdf5 import Group, check_dataset
 from jousto.recovery.monitor.health import STATES
 from jousto.recovery.monitor.record import ENDED, open_record
 
 Array = NDArray[np.float64]
+# columns of each table: values of a row (None: any number, 0 a single one) and kind of numbers
+TABLES: dict[str, dict[str, tuple[str | int | None, str]]] = {
+    "samples": {
+        "time": (0, "f"),
+        "strain": ("channels", "f"),
+        "states": ("channels", "u"),
+        "stress": ("spots", "f"),
+        "low": ("spots", "f"),
+        "high": ("spots", "f"),
+    },
+    "summary": {
+        **dict.fromkeys(("time", "watched"), (0, "f")),
+        **dict.fromkeys(("samples", "blind", "garbage", "backwards"), (0, "i")),
+        **dict.fromkeys(("peak", "damage", "damage_low", "damage_high"), ("spots", "f")),
+        **dict.fromkeys(("remaining", "remaining_low", "remaining_high"), ("spots", "f")),
+    },
+    "events": {"time": (0, "f"), "kind": (0, "u"), "text": (None, "u")},
+}
+WITHOUT_CURVE = ("time", "samples", "blind", "garbage", "backwards", "peak")
 
 
 @dataclass(frozen=True)
@@ -74,7 +94,8 @@ class MonitorRecord:
             self.spots = tuple(name.decode() for name in file["spots"][()])
             self.complete = bool(file["complete"][()])
             self.ended = bytes(file[ENDED][()]).decode(errors="replace").strip()
-            self._rows = {t: int(file[f"{t}/rows"][()]) for t in ("samples", "summary", "events")}
+            self._rows = {t: int(file.array(f"{t}/rows", (), "iu")) for t in TABLES}
+            _check(file, self._rows, len(self.channels), len(self.spots))
 
     def __len__(self) -> int:
         return self._rows["samples"]
@@ -85,7 +106,7 @@ class MonitorRecord:
     def _read(self, table: str, name: str) -> NDArray[Any]:
         with open_record(self.path) as file:
             if f"{table}/{name}" not in file:
-                known = sorted(file[table])
+                known = sorted(file.group(table))
                 raise InputError(
                     Problem(str(self.path), f"{table} has no '{name}'{suggest(name, known)}")
                 )
@@ -239,3 +260,29 @@ def duration(seconds: float) -> str:
         if seconds >= size:
             return f"{seconds / size:.3g} {unit}"
     return f"{seconds:.3g} s"
+
+
+def _check(file: Group, rows: dict[str, int], channels: int, spots: int) -> None:
+    """Raise an error that names the first field of a record that is not as it should be."""
+    from jousto.recovery.monitor.watch import KINDS
+
+    for name in ("criterion", "level"):
+        wanted = str if name == "criterion" else float
+        if not isinstance(file.attrs.get(name), wanted):
+            raise ValueError(f"attribute {name} is missing or of another kind")
+    check_dataset(file["model"], (), "OS")
+    sizes = {"channels": channels, "spots": spots}
+    for table, columns in TABLES.items():
+        found = file.group(table)
+        for name, (width, kinds) in columns.items():
+            if table == "summary" and name not in WITHOUT_CURVE and "watched" not in found:
+                continue  # no damage was counted
+            number = sizes[width] if isinstance(width, str) else width
+            check_dataset(found[name], (None, number) if width != 0 else (None,), kinds)
+            if not 0 <= rows[table] <= len(found[name]):
+                raise ValueError(
+                    f"{table}/rows is {rows[table]}, {table}/{name} has {len(found[name])}"
+                )
+    kind = file["events/kind"][: rows["events"]]
+    if kind.size and kind.max() >= len(KINDS):
+        raise ValueError("events/kind names kinds of events that there are not")

@@ -10,6 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from jousto.errors import InputError, MissingFileError, Problem
+from jousto.files import DAMAGED_NPZ
 from jousto.parts._arrays import Floats, Sparse, as_csr
 from jousto.parts.readers.matrices.text import from_triplets, read_text, refuse
 
@@ -92,19 +93,19 @@ def is_pair(path: Path) -> bool:
     if path.suffix.lower() != ".npz" or not path.is_file():
         return False
     try:
-        with np.load(path, allow_pickle=False) as data:
+        with path.open("rb") as raw, np.load(raw, allow_pickle=False) as data:
             return {"M", "K"} <= set(data.files)
-    except (OSError, ValueError, EOFError):
+    except DAMAGED_NPZ:
         return False
 
 
 def read_pair(path: Path) -> dict[str, Floats]:
     """Return all arrays of a .npz file that holds M and K."""
     try:
-        with np.load(path, allow_pickle=False) as data:
+        with path.open("rb") as raw, np.load(raw, allow_pickle=False) as data:
             return {name: np.asarray(data[name]) for name in data.files}
-    except (OSError, ValueError, EOFError) as error:
-        raise refuse(path, f"cannot be read: {error}") from None
+    except DAMAGED_NPZ as error:
+        raise refuse(path, f"cannot be read, it is damaged: {error}; write it again") from None
 
 
 def read_harwell_boeing(path: Path) -> Sparse:
