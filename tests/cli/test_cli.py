@@ -16,6 +16,7 @@ import pytest
 from typer.testing import CliRunner
 
 import jousto as jo
+from cli.test_meshes import call
 from jousto.cli import app, commands
 
 MODEL = """\
@@ -39,6 +40,7 @@ sensors:
   - {type: reaction, name: force, joint: pivot}
 simulation: {t_end: 0.2 s, solver: {type: ROS2, step: 1e-3}, output_step: 0.01}
 """
+EXAMPLE = Path(__file__).parents[2] / "examples" / "flexible_pendulum.yaml"
 
 
 class Result:
@@ -512,3 +514,40 @@ def test_ctrl_c_leaves_a_readable_file(model):
     with h5py.File(target) as file:
         assert file.attrs["complete"] == 0
         assert file["time"][-1] > 0
+
+
+@pytest.mark.parametrize("command", ["check", "info"])
+def test_letters_that_a_terminal_does_not_know_are_spelled_out(command, tmp_path):
+    text = EXAMPLE.read_text(encoding="utf-8").replace("name: tip", "name: Höhe √")
+    model = tmp_path / "m.yaml"
+    model.write_text(text, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-m", "jousto", command, model],
+        capture_output=True,
+        env={
+            **os.environ,
+            "PYTHONIOENCODING": "ascii",
+            "PYTHONPATH": os.pathsep.join(sys.path),
+        },
+    )
+    assert done.returncode == 0, done.stderr
+    assert rb"H\xf6he \u221a" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ("name: flexible pendulum", "name: [1, 2]", "name: expects text, got a list of 2"),
+        ("[0, 1], [1, 2]", "[0, 1e30], [1, 2]", "whole number below 2^53, got 1e+30"),
+        ("[0, 1], [1, 2]", f"[0, {10**30}], [1, 2]", "whole number below 2^53, got 1e+30"),
+    ],
+)
+def test_what_is_no_text_and_no_index_gets_a_sentence(old, new, sentence, tmp_path):
+    model = tmp_path / "m.yaml"
+    text = EXAMPLE.read_text(encoding="utf-8")
+    assert old in text
+    model.write_text(text.replace(old, new, 1), encoding="utf-8")
+    code, text = call("check", model)
+    assert code == 2
+    assert sentence in text
+    assert "internal error" not in text

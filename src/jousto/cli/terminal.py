@@ -8,6 +8,7 @@ import logging
 import sys
 import warnings
 from collections.abc import Callable, Iterator
+from io import TextIOWrapper
 from typing import Any, ParamSpec, TextIO
 
 import typer
@@ -54,12 +55,20 @@ def shown_warnings() -> Iterator[None]:
         yield
 
 
+def _spell_out() -> None:
+    """Let letters that the terminal or file does not know be written as their codes."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper) and stream.errors == "strict":
+            stream.reconfigure(errors="backslashreplace")
+
+
 def command(function: Callable[P, None]) -> Callable[P, None]:
     """Turn the errors of a command into lines on stderr and exit codes."""
 
     @functools.wraps(function)
     def guarded(*args: P.args, **kwargs: P.kwargs) -> None:
         debug = bool(kwargs.get("debug"))
+        _spell_out()
         try:
             with shown_warnings():
                 function(*args, **kwargs)

@@ -124,6 +124,9 @@ Torque3: TypeAlias = Annotated[tuple[TorqueNm, TorqueNm, TorqueNm], Vector(3)]
 Direction: TypeAlias = Annotated[tuple[Number, Number, Number], Vector(3)]
 
 
+LARGEST = 2**53  # whole numbers up to here are exact as numbers of any kind
+
+
 class _Integer:
     """Annotation of a whole number; true and false are none."""
 
@@ -134,6 +137,8 @@ class _Integer:
             whole = isinstance(value, int) or (isinstance(value, float) and value.is_integer())
             if isinstance(value, bool) or not whole:
                 raise fail(f"expects a whole number, got {describe(value)}")
+            if abs(value) >= LARGEST:
+                raise fail(f"expects a whole number below 2^53, got {value:.3g}")
             return int(value)
 
         return core_schema.no_info_plain_validator_function(check)
