@@ -16,6 +16,8 @@ from jousto.mechanism.orientation import Array, readonly
 from jousto.mechanism.signals import Signal, check_factor
 from jousto.names import check_name
 
+EVEN = 1e-12  # of a couple: those of two neighbours cancel
+
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class LineLoad:
@@ -23,7 +25,10 @@ class LineLoad:
 
     They act on the section axis between its nodes with linear shape functions: on an element of
     unstressed length L, which ends with q_a and q_b, ``L (2 q_a + q_b)/6`` acts at end a and
-    ``L (q_a + 2 q_b)/6`` at end b. Gravity needs no load, it acts on the beam's mass by itself.
+    ``L (q_a + 2 q_b)/6`` at end b. On beams with `bending` the element bends between its ends, and
+    ``L (3 q_a + q_b)/8``, ``L (q_a + 3 q_b)/8`` act a sixth of L inside them: the moments
+    ``q L^2/12`` of the cubic, which turn with the beam. Gravity needs no load, it acts on the mass
+    by itself; such moments of weight come with ``mass="corrected"``.
 
     Parameters
     ----------
@@ -110,23 +115,59 @@ class LineLoad:
         In the world frame, or in the marker's axes if the load follows.
         """
         beam = self.beam
-        F, T = (self._at_nodes(q) for q in (self.force, self.torque))
+        T = self._at_nodes(self._at_ends(self.torque, 3.0))
         arms = np.concatenate([np.zeros((beam.n + 1, 1)), beam.offsets], axis=1)
+        if not beam.bending:
+            F = self._at_nodes(self._at_ends(self.force, 3.0))
+            acting = [(i, arms[i], F[i], T[i]) for i in range(beam.n + 1)]
+        else:
+            acting = self._inside(arms, T)
         return tuple(
-            (beam.node(i, at=arms[i]), F[i], T[i])
-            for i in range(beam.n + 1)
-            if np.any(F[i]) or np.any(T[i])
+            (beam.node(i, at=at), force, torque)
+            for i, at, force, torque in acting
+            if np.any(force) or np.any(torque)
         )
 
-    def _at_nodes(self, q: Array) -> Array:
-        """Return what linear shape functions make of a load per length (n + 1, 3)."""
+    def _inside(self, arms: Array, T: Array) -> list[tuple[int, Array, Array, Array]]:
+        """Return node, place, force and torque of loads a sixth of the elements from their ends.
+
+        Those of two neighbours whose moments cancel are one load at the node.
+        """
+        beam, zero = self.beam, np.zeros(3)
+        nodes = np.stack([beam.frames[:-1], beam.frames[1:]], axis=1)
+        along = np.einsum("neji,nej->nei", nodes, beam.ends[..., 0])  # axes of nodes
+        along *= beam.lengths[:, None, None] / 6 * np.array([1.0, -1.0])[:, None]
+        F = self._at_ends(self.force, 4.0)
+        out = [(0, arms[0] + along[0, 0], F[0, 0], T[0])]
+        for i in range(1, beam.n):
+            before, after = F[i - 1, 1], F[i, 0]
+            couples = np.outer(along[i - 1, 1], before) + np.outer(along[i, 0], after)
+            size = np.abs(np.outer(along[i, 0], after)).max()
+            if np.abs(couples).max() <= EVEN * size:
+                out.append((i, arms[i], before + after, T[i]))
+                continue
+            out.append((i, arms[i] + along[i - 1, 1], before, T[i]))
+            out.append((i, arms[i] + along[i, 0], after, zero))
+        return [*out, (beam.n, arms[-1] + along[-1, 1], F[-1, 1], T[-1])]
+
+    def _at_ends(self, q: Array, parts: float) -> Array:
+        """Return loads (n, 2, 3) at the elements' ends of one per length (n + 1, 3).
+
+        The nearer end's value counts ``parts - 1`` times the other: 3 for forces at the ends, 4
+        for such a sixth inside. In axes of the nodes if the load follows.
+        """
         beam = self.beam
-        L = beam.lengths[:, None] / 6
-        ends = np.stack([L * (2 * q[:-1] + q[1:]), L * (q[:-1] + 2 * q[1:])], axis=1)
+        L = beam.lengths[:, None] / (2 * parts)
+        near = parts - 1.0
+        ends = np.stack([L * (near * q[:-1] + q[1:]), L * (q[:-1] + near * q[1:])], axis=1)
         if self.follow:  # at corners the sections of the elements are not that of the node
             nodes = np.stack([beam.frames[:-1], beam.frames[1:]], axis=1)
             ends = np.einsum("neji,nejk,nek->nei", nodes, beam.ends, ends)
-        out = np.zeros((beam.n + 1, 3))
+        return np.asarray(ends)
+
+    def _at_nodes(self, ends: Array) -> Array:
+        """Return the sums (n + 1, 3) at the nodes."""
+        out = np.zeros((self.beam.n + 1, 3))
         out[:-1] += ends[:, 0]
         out[1:] += ends[:, 1]
         return out
