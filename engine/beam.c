@@ -99,6 +99,7 @@ static int strain(const jo_model *m, const jo_data *d, const int i)
         w->e[3 + j] = angle * w->tau[j] - x[JO_BEAM_E0 + 3 + j];
     }
     if (w->helical) jo_beam_helix(m, d, i);
+    if (w->fibrous) jo_beam_fibre(m, d, i);
     return JO_OK;
 }
 
@@ -129,6 +130,7 @@ static void strain_rate(const jo_model *m, const jo_data *d, const int i)
         w->rate[3 + j] /= b->data[0];
     }
     if (w->helical) jo_beam_helix_rate(m, d, i);
+    if (w->fibrous) jo_beam_fibre_rate(d, i);
 }
 
 /* strains, and resultants s = C (e + beta e') */
@@ -149,6 +151,7 @@ static int section(const jo_model *m, const jo_data *d, const int i)
         w->s[j] = C[0] * e[0] + C[1] * e[1] + C[2] * e[2] + C[3] * e[3] + C[4] * e[4] + C[5] * e[5];
         w->f[j] = w->s[j];
     }
+    if (w->fibrous) jo_beam_fibre_force(d, i);
     if (w->helical) jo_beam_helix_force(m, d, i);
     return JO_OK;
 }
@@ -284,6 +287,7 @@ void jo_beam_setup(const jo_model *m, jo_data *d)
         for (int j = 0; j < 3; j++) w->offset |= x[JO_BEAM_UA + j] != 0.0 || x[JO_BEAM_UB + j] != 0.0;
         w->damped = x[JO_BEAM_BETA] != 0.0;
         w->helical = x[JO_BEAM_HELICAL] != 0.0;
+        w->fibrous = x[JO_BEAM_POLAR] != 0.0;
     }
 }
 

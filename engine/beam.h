@@ -9,7 +9,8 @@
 #include "internal.h"
 
 enum { JO_BEAM_UA = 1, JO_BEAM_BA = 4, JO_BEAM_UB = 13, JO_BEAM_BB = 16, JO_BEAM_C = 25, JO_BEAM_E0 = 61, JO_BEAM_BETA = 67,
-       JO_BEAM_ALPHA = 68, JO_BEAM_SHARE = 69, JO_BEAM_MASS = 70, JO_BEAM_J = 71, JO_BEAM_LIMIT = 77, JO_BEAM_HELICAL = 78 };
+       JO_BEAM_ALPHA = 68, JO_BEAM_SHARE = 69, JO_BEAM_MASS = 70, JO_BEAM_J = 71, JO_BEAM_LIMIT = 77, JO_BEAM_HELICAL = 78,
+       JO_BEAM_POLAR = 79 };
 
 /* y = H x */
 static inline void jo_beam_h(jo_real *y, const jo_beam_work *w, const jo_real *x)

@@ -113,11 +113,11 @@ void jo_beam_helix_force(const jo_model *m, const jo_data *d, const int i)
     bending(A, w->d, psi, k);
     unbent(w->f, w->s, psi, k[0]);
     jo_mul3t(x, A, w->s);
-    for (int j = 0; j < 3; j++) w->f[3 + j] = w->s[3 + j] + h * x[j];
+    for (int j = 0; j < 3; j++) w->f[3 + j] += h * x[j];
 }
 
-/* C = J^T C J, and X (6 x 6): what J changes by itself */
-void jo_beam_helix_tangent(const jo_model *m, const jo_data *d, const int i, jo_real *C, jo_real *X)
+/* E = J^T C J of a stiffness C, and X (6 x 6) = J^T X J with what J changes by itself; X reads its fourth column alone */
+void jo_beam_helix_tangent(const jo_model *m, const jo_data *d, const int i, const jo_real *C, jo_real *E, jo_real *X)
 {
     const jo_beam_work *w = &d->beam[i];
     const jo_real *x = m->beam[i].data, h = 0.5 * x[0];
@@ -135,15 +135,20 @@ void jo_beam_helix_tangent(const jo_model *m, const jo_data *d, const int i, jo_
     for (int r = 0; r < 6; r++)
         for (int c = 0; c < 6; c++) {
             jo_real y = 0.0;
-            for (int j = 0; j < 6; j++) y += x[JO_BEAM_C + 6 * r + j] * J[6 * j + c];
+            for (int j = 0; j < 6; j++) y += C[6 * r + j] * J[6 * j + c];
             CJ[6 * r + c] = y;
         }
+    jo_real twist[6];
+    for (int r = 0; r < 6; r++) {
+        twist[r] = 0.0;
+        for (int j = 0; j < 6; j++) twist[r] += J[6 * j + r] * X[6 * j + 3];
+    }
     for (int r = 0; r < 6; r++)
         for (int c = 0; c < 6; c++) {
             jo_real y = 0.0;
             for (int j = 0; j < 6; j++) y += J[6 * j + r] * CJ[6 * j + c];
-            C[6 * r + c] = y;
-            X[6 * r + c] = 0.0;
+            E[6 * r + c] = y;
+            X[6 * r + c] = c == 3 ? twist[r] : 0.0;
         }
     curving(X, w->s, w->d, psi, k, h);
     if (!w->damped) return;

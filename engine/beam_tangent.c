@@ -275,13 +275,17 @@ static void elastic(const jo_model *m, jo_data *d, const int i)
     const jo_beam_work *w = &d->beam[i];
     const jo_weights *c = &d->weights;
     const jo_real L = b->data[0], beta = b->data[JO_BEAM_BETA], *C = b->data + JO_BEAM_C;
-    jo_real effective[36], changing[36], right[3][3 * BLOCK];
+    jo_real fibrous[36], effective[36], changing[36] = {0.0}, right[3][3 * BLOCK];
     jo_real B[6 * ROW], S[6 * ROW], K[9 * ROW], V[9 * ROW], X[9 * ROW], Y[9 * ROW];
     spins p;
     spins_of(&p, w);
     strain_operator(B, w, &p, L);
+    if (w->fibrous) {
+        jo_beam_fibre_tangent(m, d, i, fibrous, changing);
+        C = fibrous;
+    }
     if (w->helical) {
-        jo_beam_helix_tangent(m, d, i, effective, changing);
+        jo_beam_helix_tangent(m, d, i, C, effective, changing);
         C = effective;
     }
     zero(S, 6);
@@ -293,7 +297,7 @@ static void elastic(const jo_model *m, jo_data *d, const int i)
         rate_operator(E, B, w, &p, L);
         add_product(S, beta, C, E);
     }
-    if (w->helical) add_product(S, 1.0, changing, B);
+    if (w->helical || w->fibrous) add_product(S, 1.0, changing, B);
     moments(K, w, &p, L, S, B);
     if (d->keeping) {   /* both are kept for [r_b - r_a, turn of a, turn of b] of the bodies, without weights */
         for (int v = 0; v < (w->damped ? 2 : 1); v++) {

@@ -36,7 +36,7 @@ enum { JO_BEAM_KEPT = 216 };   /* reals of the stiffness and damping of a beam e
 /* A beam element; vectors resolved in the frame of its middle unless said otherwise. */
 typedef struct {
     jo_real B[2][4];        /* quaternions of the end frames on their bodies */
-    int turned, offset, damped, helical;   /* B, u, beta are not trivial; the axis is a screw line */
+    int turned, offset, damped, helical, fibrous;   /* B, u, beta are not trivial; a screw line; twist stretches fibres */
     jo_real Q[9];           /* orientation of the middle frame */
     jo_real G[2][9];        /* A^T Q of the bodies */
     jo_real U[2][3];        /* levers u */
@@ -45,6 +45,7 @@ typedef struct {
     jo_real d[3], e[6], rate[6], s[6];   /* Gamma + e1; strains, their rates, resultants */
     jo_real om[2][3], om_m[3], dv[3];    /* angular velocities of the ends and the middle, relative velocity of the ends */
     jo_real raw[6], f[6];   /* helical: rates of d and kappa; conjugate to d and kappa, else the resultants */
+    jo_real lean;           /* fibrous: Ip/A kappa_x, how twist stretches the fibres */
     jo_real t[3], M[2][3];  /* L n x d; moments on the ends */
     jo_real last[3];        /* tau of the last accepted state */
 } jo_beam_work;
@@ -342,7 +343,12 @@ void jo_beam_newton_inertia(const jo_model *m, jo_data *d, int i);
 void jo_beam_helix(const jo_model *m, const jo_data *d, int i);
 void jo_beam_helix_rate(const jo_model *m, const jo_data *d, int i);
 void jo_beam_helix_force(const jo_model *m, const jo_data *d, int i);
-void jo_beam_helix_tangent(const jo_model *m, const jo_data *d, int i, jo_real *C, jo_real *X);
+void jo_beam_helix_tangent(const jo_model *m, const jo_data *d, int i, const jo_real *C, jo_real *effective, jo_real *X);
+/* beam_fibre.c */
+void jo_beam_fibre(const jo_model *m, const jo_data *d, int i);
+void jo_beam_fibre_rate(const jo_data *d, int i);
+void jo_beam_fibre_force(const jo_data *d, int i);
+void jo_beam_fibre_tangent(const jo_model *m, const jo_data *d, int i, jo_real *C, jo_real *X);
 
 /* beam_tangent.c */
 void jo_newton_beams(const jo_model *m, jo_data *d);

@@ -90,12 +90,13 @@ typedef struct {
     const jo_real *chi;     /* (6 n x np) second-order translation and rotation chi_jk, symmetric; 0 without stiffening */
 } jo_marker;
 
-/* A geometrically exact beam element between two bodies without modes, see beam.c. Data (79):
+/* A geometrically exact beam element between two bodies without modes, see beam.c. Data (80):
  * 0 length; 1 u_a (3), 4 B_a (9), 13 u_b (3), 16 B_b (9): ends and their frames (x along the beam) on the bodies, row-major;
  * 25 C (36) section stiffness on [Gamma, kappa], row-major; 61 strains (6) of the unstressed shape; 67 damping beta of the
  * stiffness, s; 68 damping alpha of the mass, 1/s; 69 share of the consistent mass beyond the bodies' lumped one; 70 mass,
  * 71 rotary inertia (6) of the whole element in the frames of its ends; 77 tension times this is compared with 1; 0: never;
- * 78: 1 if the axis is a screw line between the ends (beam_helix.c), 0 if it is their chord */
+ * 78: 1 if the axis is a screw line between the ends (beam_helix.c), 0 if it is their chord;
+ * 79: Ip/A about the shear centre, m2: twist stretches the fibres (beam_fibre.c); 0: not */
 typedef struct {
     int a, b;               /* bodies */
     const jo_real *data;

@@ -22,6 +22,10 @@ KINDS = [
     {"beta": 0.07, "share": 1.0, "alpha": 0.9},
     {"helical": 1},
     {"helical": 1, "beta": 0.07},
+    {"polar": 0.7},
+    {"polar": 0.7, "beta": 0.07},
+    {"polar": 0.7, "helical": 1},
+    {"polar": 0.7, "helical": 1, "beta": 0.07, "share": 1.0},
 ]
 
 
@@ -49,12 +53,13 @@ def element(
     m=0.0,
     J=None,
     helical=0,
+    polar=0.0,
 ):
     """Return the element between bodies a and b, and its data as in jousto.h."""
     u = np.zeros((2, 3)) if u is None else u
     B = np.array([np.eye(3)] * 2) if B is None else B
-    data = np.zeros(79)
-    data[78] = helical
+    data = np.zeros(80)
+    data[78:80] = helical, polar
     data[0] = L
     data[1:4], data[13:16] = u
     data[4:13], data[16:25] = B[0].ravel(), B[1].ravel()
@@ -146,7 +151,9 @@ def strains(model, beam, q):
     if x[78]:  # arc over chord, across the rotation vector
         d = (d - n * (n @ d)) * (angle / 2) / np.sin(angle / 2) + n * (n @ d)
     gamma = d - np.array([1.0, 0, 0])
-    return np.concatenate([gamma, phi / x[0]]) - x[61:67]
+    e = np.concatenate([gamma, phi / x[0]]) - x[61:67]
+    e[0] = e[0] + x[79] / 2 * ((phi[0] / x[0]) ** 2 - x[64] ** 2)  # of leaning fibres
+    return e
 
 
 def energy(model, q):
@@ -168,9 +175,10 @@ def assert_tangent(engine, tolerance=1e-12):
 
 @pytest.mark.parametrize("turn", [1e-9, 1e-3, 0.2, 0.7, 1.2])
 @pytest.mark.parametrize("helical", [0, 1])
-def test_forces_are_the_gradient_of_the_strain_energy(turn, helical):
+@pytest.mark.parametrize("polar", [0.0, 0.7])
+def test_forces_are_the_gradient_of_the_strain_energy(turn, helical, polar):
     rng = np.random.default_rng(int(1e6 * turn) + 1)
-    model = beams(rng, helical=helical)
+    model = beams(rng, helical=helical, polar=polar)
     engine = bent(model, rng, turn)
     engine.v[:] = engine.a[:] = 0.0
     without = jo.Engine(replace(model, beams=()))

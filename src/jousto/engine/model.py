@@ -76,7 +76,7 @@ class BeamModel:
         Name of the beam that it is part of.
     a, b : int
         Bodies of its ends.
-    data : array (79,)
+    data : array (80,)
         Length, ends, section stiffness, unstressed strains, damping and inertia as in jousto.h.
     """
 

@@ -35,7 +35,7 @@ CENTRED = 1e-6  # radii of gyration that a mass centre may be off the axis
 ROTARY = 1.2  # of the inertia that a first moment needs at least
 COARSE = 1.0  # rad that an unstressed element may turn
 WIDE = 5.0  # lengths of a beam that its section may be wide
-ELEMENT_DATA = 79
+ELEMENT_DATA = 80
 SLOW = 1.0  # s of stiffness damping: 1 Hz is far beyond critical
 
 
@@ -422,7 +422,7 @@ class BeamBody:
 
     @cached_property
     def elements(self) -> Array:
-        """Data (n, 79) of the elements for the engine, see ``jo_beam`` in jousto.h."""
+        """Data (n, 80) of the elements for the engine, see ``jo_beam`` in jousto.h."""
         return readonly(_element_data(self))
 
 
@@ -655,7 +655,7 @@ def _element_data(beam: BeamBody) -> Array:
         C, factor = made[key]
         J = L * section.inertia
         data[i, 25:61], data[i, 77] = C.ravel(), factor
-        data[i, 70] = L * section.mass
+        data[i, 70], data[i, 79] = L * section.mass, section.polar
         data[i, 71:77] = J[0, 0], J[1, 1], J[2, 2], J[1, 2], J[0, 2], J[0, 1]
     data[:, 0] = beam.lengths
     data[:, 1:4], data[:, 4:13] = u[:, 0], B[:, 0].reshape(-1, 9)

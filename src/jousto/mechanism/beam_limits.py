@@ -16,7 +16,7 @@ def highest_frequencies(data: Array) -> Array:
 
     Parameters
     ----------
-    data : (n, 79) array
+    data : (n, 80) array
         Elements as in ``jo_beam`` of jousto.h.
     """
     kinds, which = np.unique(

@@ -53,6 +53,10 @@ class BeamSection:
         rectangle of the same rotary inertia.
     elasticity : (float, float), optional
         Young's modulus, Pa, and Poisson's ratio, for strain gauges; None if there are none.
+    polar : float
+        ``(Iy + Iz)/A`` about the shear centre, m2: a twist kappa stretches the fibres by
+        ``polar kappa^2 / 2`` on the mean, so that tension N stiffens them against twist, GJ becomes
+        ``GJ + N polar`` (Wagner 1929, Biot 1939). 0: it does not.
 
     Raises
     ------
@@ -74,6 +78,7 @@ class BeamSection:
     points: tuple[StressPoint, ...]
     outline: Array
     elasticity: tuple[float, float] | None
+    polar: float
 
     def __init__(
         self,
@@ -85,6 +90,7 @@ class BeamSection:
         points: Any = (),
         outline: ArrayLike | None = None,
         elasticity: tuple[float, float] | None = None,
+        polar: float = 0.0,
     ) -> None:
         problems, where = Problems(), "BeamSection"
         C = _stiffness(problems, where, stiffness)
@@ -93,10 +99,14 @@ class BeamSection:
             problems.add(where, f"mass is {density:g} kg/m, must be a positive number")
         J = check_inertia(problems, where, inertia)
         c = problems.array(where, "center", center, (2,))
+        fibres = number(problems, where, "polar", polar)
+        if fibres is not None and fibres < 0.0:
+            problems.add(where, f"polar is {fibres:g} m2, must be zero or positive")
         named = problems.several(where, "points", points, StressPoint)
         edge = None if outline is None else problems.array(where, "outline", outline, (None, 2))
         problems.raise_if_any()
         assert C is not None and density is not None and J is not None and c is not None
+        assert fibres is not None
         if edge is None:
             y, z = np.sqrt(3.0 * np.diag(J)[[2, 1]] / density)
             edge = readonly(c + np.array([[-y, -z], [y, -z], [y, z], [-y, z]]))
@@ -109,6 +119,7 @@ class BeamSection:
             points=named,
             outline=edge,
             elasticity=elasticity,
+            polar=fibres,
         )
         _warn_units(where, C, density)
 
@@ -123,6 +134,7 @@ class BeamSection:
         *,
         centroid: ArrayLike = (0.0, 0.0),
         shear_center: ArrayLike | None = None,
+        fibres: bool = True,
     ) -> BeamSection:
         """Return the section of one material, with centroid and shear centre where they are.
 
@@ -140,6 +152,8 @@ class BeamSection:
             Centroid (y, z) from the reference axis, m; the mass is there too.
         shear_center : (2,) array_like, optional
             Shear centre (y, z) from the reference axis, m; None for the centroid.
+        fibres : bool
+            Whether twist stretches the fibres, ``polar = (Iy + Iz)/A + |s - c|^2``.
 
         Raises
         ------
@@ -190,6 +204,7 @@ class BeamSection:
             points=stress_points(section, (c[0], c[1]), (s[0], s[1])),
             outline=section_outline(section, (c[0], c[1])),
             elasticity=(E, material.nu),
+            polar=float((Iy + Iz) / A + (c - s) @ (c - s)) if fibres else 0.0,
         )
 
     def with_bending(self, length: float) -> Array:

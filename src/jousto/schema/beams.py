@@ -9,6 +9,7 @@ from pydantic import Discriminator, Field, Tag
 from jousto.schema.entries import (
     Angle,
     AngularVelocity3,
+    Area,
     Count,
     Direction,
     Entry,
@@ -92,6 +93,9 @@ class BeamSectionEntry(Entry):
     elasticity: Annotated[tuple[Pressure, Number], Vector(2)] | None = Field(
         None, description="Young's modulus and Poisson's ratio, for gauges"
     )
+    polar: Area | None = Field(
+        None, description="(Iy + Iz)/A about the shear centre, by which tension resists twist"
+    )
 
 
 class OffsetSectionEntry(Entry):
@@ -102,6 +106,7 @@ class OffsetSectionEntry(Entry):
     material: MaterialForm
     centroid: Place2 | None = Field(None, description="Centroid (y, z) from the axis")
     shear_center: Place2 | None = Field(None, description="Shear centre (y, z), the centroid's")
+    fibres: Flag | None = Field(None, description="Whether twist stretches the fibres (true)")
 
 
 AnySection: TypeAlias = Annotated[

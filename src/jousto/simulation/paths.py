@@ -32,7 +32,9 @@ from jousto.simulation.state import State
 
 Array = NDArray[np.float64]
 WATCHED = 6  # lowest modes that are looked at on the way
-SLANT = 1e-5  # of the load along the critical mode, above which the point is a limit point
+# of the load along the critical mode, above which the point is a limit point; at a bifurcation the
+# place along the mode is known to the root of the least increment, 1e-5, alone
+SLANT = 1e-3
 SHORTEST = 1e-4  # of the first step
 
 

@@ -18,6 +18,7 @@ from jousto.recovery.beams.strains import (
 )
 
 RNG = np.random.default_rng(5)
+POLAR = 0.3  # Ip/A of elements that are not plain, m2
 
 
 def skew(v):
@@ -45,6 +46,7 @@ def beam_of(n: int, *, L=None, helical: float = 0.0, offsets: bool = True) -> El
         e0=0.1 * RNG.standard_normal((n, 6)),
         beta=np.full(n, 0.03),
         helical=np.full((n, 1), helical),
+        polar=np.full(n, POLAR * offsets),
     )
 
 
@@ -72,6 +74,7 @@ def energy(L, C, e0, ra, Qa, rb, Qb, helical):
         mean = sum(0.5 * wi * expm(0.5 * xi * skew(phi)) for xi, wi in zip(x, w, strict=True))
         d = np.linalg.solve(mean, d)
     e = np.concatenate([d - [1, 0, 0], phi / L]) - e0
+    e[0] += 0.5 * POLAR * ((phi[0] / L) ** 2 - e0[3] ** 2)
     return 0.5 * L * e @ C @ e
 
 

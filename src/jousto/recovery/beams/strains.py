@@ -40,6 +40,8 @@ class Elements:
         Damping in proportion to the stiffness, s.
     helical : (ne, 1) array
         1 where the axis of an element is taken as a helix, 0 where as a chord.
+    polar : (ne,) array
+        Ip/A about the shear centre, by which twist stretches the fibres, m2.
     """
 
     L: Array
@@ -51,6 +53,7 @@ class Elements:
     e0: Array
     beta: Array
     helical: Array
+    polar: Array
 
 
 def elements(beam: BeamShape) -> Elements:
@@ -66,6 +69,7 @@ def elements(beam: BeamShape) -> Elements:
         e0=d[:, 61:67],
         beta=d[:, 67],
         helical=d[:, 78:79] if d.shape[1] > 78 else np.zeros((n, 1)),
+        polar=d[:, 79] if d.shape[1] > 79 else np.zeros(n),
     )
 
 
@@ -112,12 +116,15 @@ class Strains:
         From end a to end b, in the axes of the section at the middle, m.
     helix : Helix
         From the chord to the arc.
+    lean : (..., ne, 1) array
+        ``Ip/A kappa_x``: how twist stretches the fibres, m.
     """
 
     e: Array
     phi: Array
     r: Array
     helix: Helix
+    lean: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +186,7 @@ def strains(beam: Elements, at: Poses) -> Strains:
     """Return ``Gamma = Qm^T (rb - ra) / L - e1``, ``kappa = phi / L``, less those of rest.
 
     With ``phi = log(Qa^T Qb)`` and the axes ``Qm = Qa exp(phi / 2)`` of the middle; of a helical
-    element the chord ``rb - ra`` becomes its arc.
+    element the chord ``rb - ra`` becomes its arc. Leaning fibres add ``Ip/A kappa_x^2 / 2``.
     """
     phi = logarithm(np.swapaxes(at.Qa, -1, -2) @ at.Qb)
     # Qm^T = exp(-phi / 2) Qa^T
@@ -187,7 +194,10 @@ def strains(beam: Elements, at: Poses) -> Strains:
     L = beam.L[:, None]
     bow = helix(beam, phi)
     gamma = bow.arc(r) / L - np.array([1.0, 0.0, 0.0])
-    return Strains(np.concatenate([gamma, phi / L], axis=-1) - beam.e0, phi, r, bow)
+    e = np.concatenate([gamma, phi / L], axis=-1) - beam.e0
+    kappa, rest = phi[..., 0] / beam.L, beam.e0[:, 3]
+    e[..., 0] += 0.5 * beam.polar * (kappa - rest) * (kappa + rest)
+    return Strains(e, phi, r, bow, (beam.polar * kappa)[..., None])
 
 
 def rates(beam: Elements, found: Strains, Qa: Array, slip: Array, spin: Array) -> Array:
@@ -215,6 +225,7 @@ def rates(beam: Elements, found: Strains, Qa: Array, slip: Array, spin: Array) -
     more = 0.5 * wm - _lag(phi) * np.cross(phi, wm)
     v = rotated(half, _apply(back, slip)) + np.cross(found.r, more)
     v = found.helix.arc(v) + found.helix.turned(found.r, k)
+    v[..., :1] += found.lean * k[..., :1]
     return np.asarray(np.concatenate([v, k], axis=-1) / beam.L[:, None])
 
 
@@ -236,7 +247,8 @@ def end_resultants(found: Strains, s: Array) -> Array:
     s : (..., ne, 6) array
         Resultants at the middle.
     """
-    phi, n, m = found.phi, s[..., :3], s[..., 3:]
+    phi, n, m = found.phi, s[..., :3], np.array(s[..., 3:])
+    m[..., :1] += found.lean * n[..., :1]
     m = m + found.helix.pulled(found.r, n)
     n = found.helix.arc(n)
     angle = np.linalg.norm(phi, axis=-1, keepdims=True)
