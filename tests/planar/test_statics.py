@@ -145,6 +145,17 @@ def test_arc_length_passes_the_limit_points_of_a_truss() -> None:
         load_steps(frame, [0.99 * top, 1.02 * top], convergence=Convergence(max_iterations=5))
 
 
+def test_steps_of_the_load_that_fail_are_halved() -> None:
+    """A slender cantilever far bent in one step, which Newton's method does not take.
+
+    Round-off of the normal force, eps EA = 2e-8 times some ten of the load, bends it so much.
+    """
+    frame = chain(8, section=SLENDER, loads=[PlanarLoad(8, force=(0.0, 1.0))])
+    once, slowly = load_steps(frame, [10.0]), load_steps(frame, np.linspace(0.5, 10.0, 20))
+    assert once.factors == pytest.approx([10.0])
+    assert once.displacements[-1] == pytest.approx(slowly.displacements[-1], abs=2e-6)
+
+
 def test_euler_load_is_where_the_lowest_frequency_vanishes() -> None:
     """Pinned column: pi^2 EI / L^2, GA and EA corrections of 1e-7 left out; order 2."""
     found = []

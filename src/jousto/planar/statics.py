@@ -17,6 +17,7 @@ from jousto.planar.results import PlanarPath, PlanarState
 from jousto.planar.system import Point, System
 
 Array = NDArray[Any]
+SHORTEST = 1e-3  # of a step of the load, after halving
 
 
 class _Equilibrium(NamedTuple):
@@ -39,7 +40,7 @@ def load_steps(
     frame : PlanarFrame
         Signals of the loads are not used.
     factors : sequence of float
-        Load factors; smaller steps if it does not converge.
+        Load factors at which equilibria are returned; steps that fail are halved in between.
     convergence : Convergence, optional
         By default to 1e-9 of the largest force.
     start : PlanarState, optional
@@ -69,15 +70,18 @@ def load_steps(
         _check_supports(system)
     found = []
     last = 0.0
+    known = start is None  # the load of a start is not
     for factor in values:
-        out = _newton(system, q, float(factor), convergence)
+        out = _reach(system, q, (last if known else float(factor), float(factor)), convergence)
         if not out.history or not _good(system, out, convergence):
             tail = ", ".join(f"{x:.2g}" for x in out.history[-3:])
             text = (
-                f"load_steps: factor {factor:g} after {last:g} does not converge (residuals ... "
-                f"{tail} N); take smaller steps, or arc_length if the load has a limit there"
+                f"load_steps: factor {factor:g} after {last:g} does not converge, nor do steps "
+                f"from {out.factor:g} on (residuals ... {tail} N); take arc_length if the load has "
+                "a limit there"
             )
             raise SimulationError(text, time=float(factor))
+        known = True
         q, last = out.point.q.copy(), float(factor)
         found.append(out)
     return _path(frame, found)
@@ -199,6 +203,27 @@ def _newton(system: System, q0: Array, factor: float, convergence: Convergence) 
         q = q.copy()
         q[system.free] -= dq
     return _Equilibrium(factor, p, tuple(history))
+
+
+def _reach(
+    system: System, q: Array, span: tuple[float, float], convergence: Convergence
+) -> _Equilibrium:
+    """Return the equilibrium at the end of a step of the load, of halved steps where it fails."""
+    last, factor = span
+    aim, step = factor, factor - last
+    shortest = SHORTEST * abs(step)
+    while True:
+        out = _newton(system, q, aim, convergence)
+        if out.history and _good(system, out, convergence):
+            if aim == factor:
+                return out
+            q, last, step = out.point.q, aim, 2.0 * step
+        else:
+            step *= 0.5
+            if abs(step) <= shortest:
+                return out
+        near = abs(step) >= (1.0 - 1e-9) * abs(factor - last)
+        aim = factor if near else last + step
 
 
 def _good(system: System, out: _Equilibrium, convergence: Convergence) -> bool:
