@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from jousto.engine import Engine, Model
 from jousto.engine.native import IMAGINARY, displaced
+from jousto.mechanism.beam_limits import element_matrices
 from jousto.simulation.solver import Solver
 
 Array = NDArray[np.float64]
@@ -49,18 +50,8 @@ def beam_eigenvalues(model: Model, i: int) -> Eigenvalues:
     is above the highest of them (Irons and Treharne 1971); bodies at the nodes only lower them.
     """
     data = np.asarray(model.beams[i].data, dtype=np.float64)
-    L, C = data[0], data[25:61].reshape(6, 6)
     beta, alpha, share, mass = data[67:71]
-    xx, yy, zz, yz, xz, xy = data[71:77]
-    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    # strains of [u_a, f_a, u_b, f_b], section axes: (u_b - u_a)/L + e1 x f_mean, (f_b - f_a)/L
-    cross = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-    E, O = np.eye(3), np.zeros((3, 3))
-    B = np.block([[-E / L, 0.5 * cross, E / L, 0.5 * cross], [O, -E / L, O, E / L]])
-    K = L * B.T @ C @ B
-    one = np.block([[mass * E, O], [O, J]])
-    c = np.array([[0.5 - share / 6, share / 6], [share / 6, 0.5 - share / 6]])
-    M = np.kron(c, one)
+    K, M = element_matrices(data[0], data[25:61].reshape(6, 6), share, mass, data[71:77])
     if np.linalg.eigvalsh(M)[0] <= 0.0:
         return np.zeros(0, dtype=np.complex128)
     A, D = np.linalg.solve(M, K), beta * np.linalg.solve(M, K) + alpha * np.eye(12)
