@@ -22,6 +22,9 @@ Array = NDArray[np.float64]
 ON_INTERFACE = 1e-4
 """Work with the interfaces held over that of the free body below which they carry the load."""
 
+AT_REST = 1e-14
+"""Motion of the interfaces in a mode, over that in the one that moves them most: none."""
+
 
 class Reach:
     """The full model behind a reduced part, factorised once for any number of loads.
@@ -90,7 +93,9 @@ class Reach:
         assert full.rigid is not None
         Y = np.concatenate([full.rigid.R, modes.X], axis=1)
         C = modes.moved(Y)
-        size = np.maximum(np.sqrt(np.einsum("ij,ij->j", C, C)), np.finfo(float).tiny)
+        size = np.sqrt(np.einsum("ij,ij->j", C, C))
+        # modes in which the interfaces rest, up to round-off, are free already
+        size = np.where(size > AT_REST * size.max(initial=0.0), size, 1.0)
         Z = scipy.linalg.null_space(C / size, rcond=1e-10) / size[:, None]
         if not Z.shape[1]:
             return np.zeros(F.shape[1])
