@@ -118,7 +118,7 @@ def main(out: Path) -> int:
     for bar, value, off in zip(PUBLISHED, angles(best)[-1], miss, strict=True):
         print(f"{NAMES[bar]:18} {value:.9f} rad, off by {off:.1e}")
     draw(best.time, angles(best), errors, out / "squeezer.png")
-    good = miss.max() < 1e-8 and len(said) == 2
+    good = miss.max() < 1e-8 and len(said) == 1
     print("the published angles are met" if good else "THE SQUEEZER IS WRONG")
     return 0 if good else 1
 
