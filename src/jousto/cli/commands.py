@@ -70,11 +70,14 @@ def check(model: Model, trust: Trust = False, debug: Debug = False) -> None:
     facts(doctor(compiled).lines())
     settings = file.simulation
     if settings is not None:
-        from jousto.simulation import ROS2
+        from jousto.simulation.choice import choose
         from jousto.simulation.schedule import schedule
         from jousto.simulation.stability import stability_warning
 
-        solver = settings.solver or ROS2()
+        solver = settings.solver
+        if solver is None:
+            solver, reason = choose(compiled, settings.t_end, settings.output_step)
+            facts([("solver", f"{solver}, since {reason}")])
         steps = schedule(compiled, settings.t_end, solver, settings.output_step)
         sentence = stability_warning(compiled, solver, steps.step)
         if sentence:

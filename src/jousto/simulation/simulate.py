@@ -26,6 +26,7 @@ from jousto.engine.redundancy import is_drive
 from jousto.errors import SimulationError, warn
 from jousto.simulation.adaptive import LONGEST, follow, too_many_steps
 from jousto.simulation.beam_checks import warn_bent
+from jousto.simulation.choice import choose
 from jousto.simulation.events import Chronicle
 from jousto.simulation.inputs import Feed, InputFailed, connect
 from jousto.simulation.keep import Keeper
@@ -33,7 +34,7 @@ from jousto.simulation.progress import Report, reporter
 from jousto.simulation.results import EVENTS
 from jousto.simulation.schedule import Schedule, cautions, schedule
 from jousto.simulation.solution import Solution
-from jousto.simulation.solver import ROS2, Solver
+from jousto.simulation.solver import Solver
 from jousto.simulation.stability import stability_warning
 from jousto.simulation.state import State, put
 from jousto.simulation.watch import Contradiction, RunWatch
@@ -97,8 +98,10 @@ def simulate(
     t_end : float
         End of the run, s.
     solver : RK4, ROS2, GeneralizedAlpha, Newmark or DormandPrince, optional
-        Method and step; None is ``ROS2(step=1e-3)``. A fixed step is shortened, never lengthened,
-        so that outputs and the end fall on steps.
+        Method and step. None chooses: ``ROS2(step=1e-3)``, with a shorter step for steep friction
+        and dampers; ``GeneralizedAlpha(step=1e-3, tangent="modified")`` for exact beams and what
+        is too stiff. ``run.attributes["solver"]`` and ``["chosen"]`` say which and why. A fixed
+        step is shortened, never lengthened, so that outputs and the end fall on steps.
     output_step : float, optional
         Time between stored instants, s; None stores every step, or the `output` of an adaptive
         solver.
@@ -140,8 +143,11 @@ def simulate(
         Before the run if the step is too large for the highest mode or the velocities of the state
         do not fit the joints and drives, after it if the energy balance misses more than 5 %.
     """
-    solver = ROS2() if solver is None else solver
-    plan = schedule(model, t_end, solver, output_step, 0.0 if state is None else state.time)
+    start, reason = 0.0 if state is None else state.time, ""
+    if solver is None:
+        solver, reason = choose(model, t_end, output_step, start)
+        log.info("%s: %r, since %s", model.name, solver, reason)
+    plan = schedule(model, t_end, solver, output_step, start)
     model, feed = connect(model, inputs, plan.steps, plan.every)
     for sentence in cautions(model, solver, plan):
         warn(f"simulate {model.name!r}", sentence)
@@ -154,6 +160,7 @@ def simulate(
         engine.steps_done = plan.before
     attributes = {
         "solver": repr(solver),
+        "chosen": reason,
         "step": plan.step,
         "t_end": float(t_end),
         "gravity": model.gravity,
@@ -415,11 +422,12 @@ def _cause(model: Model, solver: Solver, plan: Schedule, engine: Engine, status:
 def describe(solution: Solution) -> dict[str, Any]:
     """Return the facts about a run that are worth printing, by name."""
     residuals, energy = solution.residuals, solution.energy
+    chosen = solution.attributes.get("chosen", "")
     return {
         "instants": len(solution),
         "end of the run (s)": float(solution.time[-1]) if len(solution) else 0.0,
         "ended": solution.attributes.get("ended", "still running or killed"),
-        "solver": solution.attributes["solver"],
+        "solver": solution.attributes["solver"] + (f", since {chosen}" if chosen else ""),
         "steps": int(solution.work.steps[-1]) if len(solution) else 0,
         "wall time (s)": solution.attributes.get("wall_time", float("nan")),
         "real-time factor": solution.attributes.get("real_time_factor", float("nan")),

@@ -1,0 +1,73 @@
+"""The method of a run that names none."""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+import pytest
+
+import jousto as jo
+from jousto.simulation.simulate import describe
+
+STEEL = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)
+G = (0, -9.81, 0)
+
+
+def pendulum():
+    rod = jo.RigidBody("rod", 1.0, (0.01, 0.1, 0.1), center=(0.5, 0, 0))
+    pivot = jo.Revolute("pivot", jo.ground["origin"], rod["origin"], axis=(0, 0, 1))
+    return jo.Mechanism(rod, pivot, jo.Gravity(G), jo.PositionSensor("c", rod["center"]))
+
+
+def strip():
+    body = jo.BeamBody("strip", [[0, 0, 0], [1, 0, 0]], jo.Rectangle(0.01, 0.01), STEEL, elements=3)
+    pivot = jo.Revolute("pivot", jo.ground["origin"], body["start"], axis=(0, 0, 1))
+    return jo.Mechanism(body, pivot, jo.Gravity(G), jo.PositionSensor("c", body["end"]))
+
+
+def rubbing(slip: float):
+    block = jo.RigidBody("block", 1.0, (0.01, 0.01, 0.01), velocity=(1, 0, 0))
+    rail = jo.Prismatic("rail", jo.ground["origin"], block["origin"], axis=(1, 0, 0))
+    friction = jo.Friction("rub", rail, 0.3, law=jo.Regularised(slip))
+    return jo.Mechanism(
+        block, rail, friction, jo.Gravity(G), jo.PositionSensor("c", block["center"])
+    )
+
+
+@pytest.mark.parametrize(
+    "make,method,why",
+    [
+        (pendulum, jo.ROS2, "nothing in it asks"),
+        (strip, jo.GeneralizedAlpha, "exact beams"),
+        (lambda: rubbing(0.5), jo.ROS2, "nothing in it asks"),
+        (lambda: rubbing(1e-3), jo.ROS2, "friction or dampers are steep"),
+    ],
+)
+def test_the_model_decides(make, method, why, caplog):
+    model = jo.compile(make())
+    with caplog.at_level(logging.INFO, "jousto"):
+        run = jo.simulate(model, 0.01)
+    assert run.attributes["solver"].startswith(method.__name__)
+    assert why in run.attributes["chosen"]
+    assert any(why in record.message for record in caplog.records)
+    # the same as if it had been named
+    other = jo.simulate(model, 0.01, solver=eval(run.attributes["solver"], vars(jo)))
+    np.testing.assert_array_equal(run["c"], other["c"])
+    assert other.attributes["chosen"] == ""
+
+
+def test_the_choice_stands_in_the_file(tmp_path):
+    jo.simulate(jo.compile(strip()), 0.01, path=tmp_path / "r.h5")
+    found = jo.load(tmp_path / "r.h5")
+    assert "exact beams" in found.attributes["chosen"]
+    assert "GeneralizedAlpha" in describe(found)["solver"]
+    assert "exact beams" in describe(found)["solver"]
+
+
+def test_steep_friction_comes_to_rest_where_it_must():
+    """A block of 1 m/s slows down at mu g and stops after v^2 / (2 mu g)."""
+    run = jo.simulate(jo.compile(rubbing(1e-3)), 0.5, output_step=0.01)
+    a = 0.3 * 9.81
+    # the law is linear below its slip of 1e-3 m/s, where it takes longer to stop
+    assert run["c"][-1, 0] == pytest.approx(1.0 / (2.0 * a), rel=2e-2)
