@@ -16,8 +16,10 @@
 
 #ifdef JO_COMPLEX
 enum { JO_AFTER = 1 };    /* iterations after the last one: derivatives, in the imaginary part, converge one behind */
+enum { JO_KEEP = 0 };     /* and only with the exact matrix so fast */
 #else
 enum { JO_AFTER = 0 };
+enum { JO_KEEP = 1 };
 #endif
 
 /* of accelerations, in the metric of the masses: m R''^2 + J w'^2 + p''^2 */
@@ -181,7 +183,7 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s)
         int status = jo_residual(m, d, d->acc);
         if (status != JO_OK) return status;
         d->counts[0]++;
-        const int renewed = !s->modified || !d->factored;
+        const int renewed = !JO_KEEP || !s->modified || !d->factored;
         if (renewed) status = factors(m, d);
         if (status == JO_NOT_FINITE) return JO_NO_CONVERGENCE;
         if (status != JO_OK) return status;

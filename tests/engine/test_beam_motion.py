@@ -56,7 +56,10 @@ def native(engine, method, step, rho=1.0, **options):
         return engine.native_solver(method, step, False)
     given = {"tolerance": 1e-10, "iterations": 20}
     return engine.native_solver(
-        method, step, True, **{**jo.GeneralizedAlpha(step, rho=rho).options, **given, **options}
+        method,
+        step,
+        True,
+        **{**jo.GeneralizedAlpha(step, rho=rho, tangent="exact").options, **given, **options},
     )
 
 

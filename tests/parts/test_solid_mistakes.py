@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -27,8 +28,10 @@ def test_a_sound_mesh_is_not_commented_on():
 
 def test_a_file_in_millimetres_read_as_metres():
     grid = block("hexahedron20", SIZE, (4, 2, 2))
+    large = mesh(1e3 * grid.nodes, ("hexahedron20", grid.cells[0].nodes))
     with pytest.warns(jo.JoustoWarning, match="416.7 m across: is the file in mm"):
-        jo.Part.solid(mesh(1e3 * grid.nodes, ("hexahedron20", grid.cells[0].nodes)), STEEL)
+        jo.Part.solid(replace(large, source="block.msh"), STEEL)
+    jo.Part.solid(large, STEEL)  # made of arrays, its unit is known
 
 
 def test_two_pieces_are_a_doubt_that_a_rigid_interface_removes():

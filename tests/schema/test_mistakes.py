@@ -62,7 +62,7 @@ SINGLE = [
     ("craig-bampton", "craig", 11,
      "parts.rod.reduce.type: no reduction type 'craig'; known: craig-bampton, free-free"),
     ("[start]", "[strat]", 11,
-     "parts.rod.reduce: part 'rod': no node set 'strat'; did you mean 'start'?"),
+     "parts.rod.reduce: no node set 'strat'; did you mean 'start'?"),
     ("[start]", "start", 11, "parts.rod.reduce.interfaces: expects a list, got 'start'"),
     ("modes: 4", "modes: -4", 11, "parts.rod.reduce.modes: modes is -4"),
     ("part: rod", "part: rdo", 13, "bodies.0.part: no part 'rdo'; did you mean 'rod'?"),

@@ -30,7 +30,7 @@ def choose(
     def step(solver: Solver) -> float:
         return schedule(model, t_end, solver, output_step, start).step
 
-    plain, implicit = ROS2(), GeneralizedAlpha(tangent="modified")
+    plain, implicit = ROS2(), GeneralizedAlpha()
     usual = step(plain)
     if model.beams:
         return implicit, "it has exact beams"

@@ -37,9 +37,10 @@ class GeneralizedAlpha:
         `max_iterations` iterations, so that the work of a step is bounded.
     max_iterations : int
         Most iterations of a step.
-    tangent : "exact" or "modified"
-        Factorise the exact matrix at every iteration, or keep the factors, over many steps, as
-        long as the iteration converges fast.
+    tangent : "modified" or "exact"
+        Keep the factors, over many steps, as long as the iteration converges fast (a step where
+        it does not converge is tried again with the exact matrix), or factorise the exact matrix
+        at every iteration, as derivatives by complex numbers always do.
     projection : bool
         Index 2 with closed positions, or index 3.
     inertia_tangents : bool
@@ -63,7 +64,7 @@ class GeneralizedAlpha:
     rho: float = 0.8
     tolerance: float | None = 1e-10
     max_iterations: int = 10
-    tangent: Literal["exact", "modified"] = "exact"
+    tangent: Literal["exact", "modified"] = "modified"
     projection: bool = True
     inertia_tangents: bool = True
 
@@ -127,7 +128,7 @@ class Newmark:
     gamma: float = 0.5
     tolerance: float | None = 1e-10
     max_iterations: int = 10
-    tangent: Literal["exact", "modified"] = "exact"
+    tangent: Literal["exact", "modified"] = "modified"
     projection: bool = True
     inertia_tangents: bool = True
 
