@@ -102,7 +102,7 @@ def distance(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
 
 METHODS = {
     "ROS2": lambda h: jo.ROS2(step=h),
-    "alpha": lambda h: jo.GeneralizedAlpha(step=h),
+    "alpha": lambda h: jo.GeneralizedAlpha(step=h, tangent="exact"),
     "alpha, kept": lambda h: jo.GeneralizedAlpha(step=h, tangent="modified"),
 }
 

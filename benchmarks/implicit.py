@@ -26,7 +26,7 @@ from cases import Case, beam, mechanism
 H = 1e-3
 SOLVERS = (
     jo.ROS2(step=H),
-    jo.GeneralizedAlpha(step=H),
+    jo.GeneralizedAlpha(step=H, tangent="exact"),
     jo.GeneralizedAlpha(step=H, tangent="modified"),
 )
 CASES = (

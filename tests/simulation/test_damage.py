@@ -294,7 +294,7 @@ def test_commands_say_a_sentence(original, tmp_path):
         ("forces",),
     )
     path = tmp_path / "run.h5"
-    chosen = [edit for k, edit in enumerate(edits(original, rng)) if k % 12 == 0]
+    chosen = [edit for k, edit in enumerate(edits(original, rng)) if k % 9 == 0]
     refused = 0
     for k, (word, change) in enumerate(chosen):
         shutil.copy(original, path)

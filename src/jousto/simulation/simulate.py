@@ -422,7 +422,7 @@ def _cause(model: Model, solver: Solver, plan: Schedule, engine: Engine, status:
 def describe(solution: Solution) -> dict[str, Any]:
     """Return the facts about a run that are worth printing, by name."""
     residuals, energy = solution.residuals, solution.energy
-    chosen = solution.attributes.get("chosen", "")
+    chosen = str(solution.attributes.get("chosen", ""))
     return {
         "instants": len(solution),
         "end of the run (s)": float(solution.time[-1]) if len(solution) else 0.0,
