@@ -12,7 +12,7 @@
 #define CHECK(x) \
     do { if (!(x)) { fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #x); exit(1); } } while (0)
 
-static double data[79];
+static double data[80];
 
 static void fill(double beta, double alpha, double share, double helical)
 {

@@ -17,8 +17,22 @@ from numpy.typing import NDArray
 T = TypeVar("T")
 
 
+def again(kind: type[BaseException], args: tuple[Any, ...], facts: dict[str, Any]) -> Any:
+    """Return an error made anew in another process, with all that it knows."""
+    solid: Any = kind  # the exception of Python that decides how instances are laid out
+    while solid.__module__ != "builtins":
+        solid = solid.__base__
+    error = solid.__new__(kind, *args)
+    error.args = args
+    error.__dict__.update(facts)
+    return error
+
+
 class JoustoError(Exception):
-    """Base class of everything jousto raises on purpose."""
+    """Base class of everything jousto raises on purpose; travels between processes."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return again, (type(self), self.args, self.__dict__)
 
 
 class JoustoWarning(UserWarning):

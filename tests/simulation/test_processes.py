@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 import jousto as jo
+from jousto.errors import MissingFileError, Problem
 from jousto.frozen import Frozen
+from jousto.simulation.simulate import RunInterrupted
 
 
 def arm(angle: float = 0.0) -> jo.Mechanism:
@@ -52,3 +54,23 @@ def test_a_frozen_mapping_stays_as_it_is():
     assert list(found) == ["b", "a"]
     with pytest.raises(TypeError):
         found["c"] = 3
+
+
+def test_errors_keep_what_they_know_in_another_process():
+    """A pool passes errors by pickling; one bad run must not end the others."""
+    run = simulated(arm())
+    found = [
+        jo.InputError([Problem("a", "one"), Problem("b", "two")]),
+        MissingFileError(Problem("x.yaml", "no such file")),
+        jo.SimulationError("diverged", time=0.25, body="arm"),
+        jo.RunFailed("diverged", run, time=0.25, body="arm"),
+        RunInterrupted("stopped", run),
+    ]
+    for error in found:
+        back = pickle.loads(pickle.dumps(error))
+        assert type(back) is type(error)
+        assert str(back) == str(error)
+        for name in ("problems", "time", "body"):
+            assert getattr(back, name, None) == getattr(error, name, None)
+        if hasattr(error, "solution"):
+            np.testing.assert_array_equal(back.solution["tip"], run["tip"])

@@ -98,7 +98,9 @@ def _geometry(path: Path) -> str:
     if path.suffix.lower() in CAD:
         what, mesh, look = "a CAD file", f"{{cad: {path.name}, size: 8 mm}}", " --size '8 mm'"
     else:
-        what, mesh, look = "a mesh", f"{{file: {path.name}, unit: mm}}", ""
+        # VTK files say metres, as jousto writes them; decks leave the unit to who reads them
+        unit = "" if path.suffix.lower() in (".vtu", ".vtk") else ", unit: mm"
+        what, mesh, look = "a mesh", f"{{file: {path.name}{unit}}}", ""
     return (
         f"is {what}, not a model or part file: jousto mesh {path.name}{look} shows what is in it. "
         f"A part file {path.stem}.yaml of it has the lines\n"

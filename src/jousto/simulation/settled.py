@@ -20,6 +20,7 @@ ITERATIONS = 60
 FRESH = 8  # iterations with one set of slopes
 CLOSE = 1e-12  # of the size of the mechanism, rad, or the modal coordinates: converged
 FAR = 1e3  # the same: lost
+SLOW = 0.1  # of the bending: largest change by the inertia of its own rates
 RIGID = 1e-9  # singular values of modal rates below this: a motion without bending
 SHORT = 5e-3  # rad that the fastest body turns between the instants of a difference
 
@@ -53,7 +54,8 @@ def settled(model: Model, state: State | None = None) -> State:
     InputError
         If the mechanism has exact beams or is too large.
     SimulationError
-        If the bodies are too soft for such a motion without vibration.
+        If the bodies are too soft for such a motion without vibration, or something that nothing
+        drives moves about as fast as they vibrate.
 
     Examples
     --------
@@ -140,6 +142,26 @@ class _Slow:
         engine.q[:], engine.a[:], engine.lam[:], engine.time[0] = here, a, lam, time
         rates = (-3.0 * one + 4.0 * two - three) / (2.0 * h)
         self._bend(engine, v0, rates, (one - 2.0 * two + three) / h**2)
+        self._check_slow(one, self._p(engine.q), time)
+
+    def _check_slow(self, still: Array, settled: Array, time: float) -> None:
+        """Refuse a bending that the inertia of its own change corrects by much.
+
+        Of a slow motion the correction is of the order ``(W / w)^2``, in the norm of the elastic
+        energy; where it is large, so is what it leaves out.
+        """
+        K = np.concatenate([b.K for b in self._model.bodies])
+        energy, other = (float(K @ p**2) for p in (still, settled - still))
+        share = np.sqrt(other / energy) if energy > 0.0 else 0.0
+        if share > SLOW and np.abs(still).max() > CLOSE * max(self._model.size, 1.0):
+            raise SimulationError(
+                "the elastic bodies would have to bend about as fast as they vibrate (the inertia "
+                f"of their bending changes it by {100.0 * share:.3g} %): something that nothing "
+                "drives, such as a hanging chain, swings too fast from this pose. Start from "
+                "equilibrium(model) if the machine begins at rest, with slower drives or "
+                "velocities, or from the initial state",
+                time=time,
+            )
 
     def _p(self, q: Array) -> Array:
         """Return the modal coordinates (m,)."""
