@@ -313,10 +313,12 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
     for (int i = 0; i < m->nv; i++) d->v0[i] = d->v[i];
     d->time[0] = t0 + h;
     predict(m, d, s);
+    const long long passed = d->counts[4];
     int status = newton(m, d, s);
     if (status != JO_OK && s->modified) {   /* kept factors were too old: once more with those of every iteration */
         jo_solver exact = *s;
         exact.modified = d->factored = 0;
+        d->counts[4] = passed;   /* singular positions of a path that is not taken */
         predict(m, d, s);
         status = newton(m, d, &exact);
     }

@@ -172,7 +172,8 @@ class Entry:
             self._give_up(error)
             return
         for path in _files(self.folder):
-            if path.suffix == ".npz":
+            # what begins with a dot is being written by another thread or process
+            if path.suffix == ".npz" and not path.name.startswith("."):
                 with contextlib.suppress(OSError):
                     path.unlink()
         self.cache.prune(self.folder)
