@@ -287,12 +287,12 @@ class UserForce:
         `marker` stands and moves against `reference`, everything resolved in the axes of
         `reference`:
 
-        ========== ============================================================ =====
-        ``x[0:3]`` position of the marker, r_b - r_a                            m
-        ``x[3:12]`` its orientation, ``x[3:12].reshape(3, 3)``: columns are its axes
-        ``x[12:15]`` its velocity as seen from the turning reference            m/s
-        ``x[15:18]`` its angular velocity against the reference                 rad/s
-        ========== ============================================================ =====
+        ============ ============================================================ =====
+        ``x[0:3]``   position of the marker, r_b - r_a                            m
+        ``x[3:12]``  its orientation, ``x[3:12].reshape(3, 3)``: columns are axes
+        ``x[12:15]`` its velocity as seen from the turning reference              m/s
+        ``x[15:18]`` its angular velocity against the reference                   rad/s
+        ============ ============================================================ =====
 
         It returns six numbers y: the force ``y[0:3]``, N, and torque ``y[3:6]``, N m, on the body
         of `marker`, at the marker and resolved in the axes of `reference`. The body of the
