@@ -120,7 +120,9 @@ def test_the_clamped_part_has_the_same_frequencies() -> None:
 def test_no_interface_motion_is_lost() -> None:
     reduced = reduce(line(), CraigBampton(("start", "end"), modes=4))
     assert reduced.n == 4 + 12 - 6
-    assert np.all(np.diff(reduced.frequencies) >= 0.0)
+    # in order; equal ones of the two planes may differ by rounding
+    f = reduced.frequencies
+    assert np.all(np.diff(f) >= -1e-10 * f[1:])
     # what moves no mass answers at once: four decades above the first mode
     still = np.diag(reduced.invariants.I6) < 0.5
     assert still.any()
