@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 T = TypeVar("T")
 
 
-def again(kind: type[BaseException], args: tuple[Any, ...], facts: dict[str, Any]) -> Any:
+def _again(kind: type[BaseException], args: tuple[Any, ...], facts: dict[str, Any]) -> Any:
     """Return an error made anew in another process, with all that it knows."""
     solid: Any = kind  # the exception of Python that decides how instances are laid out
     while solid.__module__ != "builtins":
@@ -32,7 +32,7 @@ class JoustoError(Exception):
     """Base class of everything jousto raises on purpose; travels between processes."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return again, (type(self), self.args, self.__dict__)
+        return _again, (type(self), self.args, self.__dict__)
 
 
 class JoustoWarning(UserWarning):

@@ -59,6 +59,41 @@ def damage(path: Path, remedy: str) -> Iterator[None]:
         raise InputError(Problem(str(path), f"damaged: {said(error)}; {remedy}")) from error
 
 
+@contextmanager
+def open_format(path: Path, mark: str, what: str, remedy: str) -> Iterator[Group]:
+    """Open a file of one of our formats; damage met in the block is told with a remedy.
+
+    Parameters
+    ----------
+    path : Path
+    mark : str
+        What its attribute ``format`` says.
+    what : str
+        What it should be, for messages: ``"a results file"``.
+    remedy : str
+        What to do about damage.
+
+    Raises
+    ------
+    InputError
+        If it cannot be opened, is damaged, or something else.
+    """
+    try:
+        file = opened(path)
+    except DAMAGE as error:
+        raise InputError(
+            Problem(
+                str(path), f"not readable as HDF5, damaged or another kind of file ({said(error)})"
+            )
+        ) from error
+    with file, damage(path, remedy):
+        found = file.attrs.get("format", "")
+        if not isinstance(found, str) or found != mark:
+            kind = f"it is a file of {found!r}" if found else "it is some other HDF5 file"
+            raise InputError(Problem(str(path), f"not {what}; {kind}"))
+        yield Group(file)
+
+
 class Group:
     """A group of which only what lies in the same file can be reached.
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from jousto.errors import InputError, MissingFileError, Problem
 from jousto.files import check_file
-from jousto.hdf5 import DAMAGE, Group, damage, opened, said
+from jousto.hdf5 import Group, damage, open_format
 from jousto.seal import Sealed, sealed
 from jousto.simulation.results import CONTENTS, FORMAT, FORMAT_VERSION
 from jousto.simulation.validate import check_results
@@ -30,18 +30,9 @@ def open_results(path: Path) -> Iterator[Group]:
     check_file(path)
     if not path.is_file():
         raise MissingFileError(Problem(str(path), "no such results file"))
-    try:
-        file = opened(path)
-    except DAMAGE as error:
-        raise InputError(
-            Problem(
-                str(path), f"not readable as HDF5, damaged or another kind of file ({said(error)})"
-            )
-        ) from error
-    with file, damage(path, AGAIN):
-        group = Group(file)
-        _check_kind(group, path)
-        yield group
+    with open_format(path, FORMAT, "a results file", AGAIN) as file:
+        _check_version(file, path)
+        yield file
 
 
 def examine(path: Path) -> Sealed | None:
@@ -68,11 +59,7 @@ def examine(path: Path) -> Sealed | None:
     return None
 
 
-def _check_kind(file: Group, path: Path) -> None:
-    found = file.attrs.get("format", "")
-    if not isinstance(found, str) or found != FORMAT:
-        kind = f"it is a file of {found!r}" if found else "it is some other HDF5 file"
-        raise InputError(Problem(str(path), f"not a results file; {kind}"))
+def _check_version(file: Group, path: Path) -> None:
     written = int(file.attrs["format_version"])
     if written != FORMAT_VERSION:
         by = file["model"].attrs.get("version", "unknown")

@@ -23,7 +23,7 @@ from jousto.engine.failures import (
     STEP_TOO_SMALL,
 )
 from jousto.engine.redundancy import is_drive
-from jousto.errors import SimulationError, again, warn
+from jousto.errors import JoustoError, SimulationError, warn
 from jousto.simulation.adaptive import LONGEST, follow, too_many_steps
 from jousto.simulation.beam_checks import warn_bent
 from jousto.simulation.choice import choose
@@ -55,8 +55,7 @@ class RunInterrupted(KeyboardInterrupt):
         super().__init__(message)
         self.solution = solution
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return again, (type(self), self.args, self.__dict__)
+    __reduce__ = JoustoError.__reduce__
 
 
 class RunFailed(SimulationError):

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from jousto import __version__
 from jousto.errors import InputError, Problem
 from jousto.files import check_file, create, unwritable
-from jousto.hdf5 import DAMAGE, Group, damage, opened, said
+from jousto.hdf5 import Group, damage, open_format
 from jousto.seal import Seal, sealed
 from jousto.simulation.image import SparseImage, reserve
 from jousto.simulation.results import uninterrupted
@@ -303,20 +303,7 @@ def open_record(path: Path) -> Iterator[Group]:
         raise InputError(Problem(str(path), "no such record of a monitoring run"))
     with damage(path, AGAIN):
         sealed(path)
-    try:
-        file = opened(path)
-    except DAMAGE as error:
-        raise InputError(
-            Problem(
-                str(path), f"not readable as HDF5, damaged or another kind of file ({said(error)})"
-            )
-        ) from error
-    with file, damage(path, AGAIN):
-        group = Group(file)
-        found = group.attrs.get("format", "")
-        if not isinstance(found, str) or found != FORMAT:
-            kind = f"it is a file of {found!r}" if found else "it is some other HDF5 file"
-            raise InputError(Problem(str(path), f"not the record of a monitoring run; {kind}"))
+    with open_format(path, FORMAT, "the record of a monitoring run", AGAIN) as group:
         version = int(group.attrs["format_version"])
         if version != FORMAT_VERSION:
             raise InputError(

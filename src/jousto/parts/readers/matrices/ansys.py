@@ -133,7 +133,7 @@ def _open(path: Path, kind: str) -> Any:
         raise refuse(path, EXTRA) from None
     try:
         return reader.read_binary(str(path))
-    except NotImplementedError as error:
+    except NotImplementedError as error:  # what the reader raises for kinds it does not know
         raise refuse(path, f"cannot be used: {error}") from None
     except Exception:
         raise refuse(path, f"is no Ansys {kind} file, or it is damaged") from None

@@ -54,6 +54,7 @@ def read_plain(path: Path) -> Sparse:
         raise
     except OSError as error:
         raise refuse(path, f"cannot be read as a {kind} file: {error}") from None
+    # scipy raises NotImplementedError for a sparse format that it does not know
     except (ValueError, KeyError, TypeError, EOFError, NotImplementedError) as error:
         reason = str(error).strip().splitlines()
         message = f"cannot be read as a {kind} file: {reason[0] if reason else 'it is damaged'}"
