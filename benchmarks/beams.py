@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 import exudyn_beams as peer
 import jousto as jo
-from jousto.engine.native import BALANCE
+from jousto.model.native.native import BALANCE
 
 H = 1e-3  # s
 INSTANTS = 10

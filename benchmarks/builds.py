@@ -18,8 +18,8 @@ import numpy as np
 
 import jousto as jo
 from cases import PENDULUMS, Case, beam, mechanism
-from jousto.engine import library
-from jousto.reduction import StressModes
+from jousto.model.native import library
+from jousto.reduction.fields.stress import StressModes
 from machines import RIGID_CHAINS, four_bar, rigid_chain, slider_crank
 
 ROUNDS = 10

@@ -17,7 +17,7 @@ import cffi
 import numpy as np
 
 import jousto as jo
-from jousto.engine import library
+from jousto.model.native import library
 
 ENGINE = Path(__file__).parent.parent / "engine"
 

@@ -16,9 +16,9 @@ import time
 import numpy as np
 from scipy.signal import lfilter
 
-from jousto.recovery.fields import field_from
-from jousto.recovery.hotspots import hot_spots
-from jousto.reduction import StressModes
+from jousto.recovery.fields.build import field_from
+from jousto.recovery.hotspots.spots import hot_spots
+from jousto.reduction.fields.stress import StressModes
 
 MODES = 20
 SLICE = 100  # places of the brute force

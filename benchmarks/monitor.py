@@ -10,8 +10,9 @@ import time
 import numpy as np
 
 import jousto as jo
-from jousto.recovery.monitor import AlarmLimits, Monitor
-from jousto.recovery.twin import Reconstruction
+from jousto.measurement.monitor.alarms import AlarmLimits
+from jousto.measurement.monitor.monitor import Monitor
+from jousto.measurement.twin.reconstruction import Reconstruction
 
 SPOTS = ("e1.a.top", "e2.a.bottom", "e3.a.top", "e5.a.bottom")
 
@@ -44,10 +45,13 @@ def main(n: int = 20_000) -> None:
                 sn=jo.SN(S_D=50e6, N_D=1e6, k=5, T_S=1.3),
                 limits=AlarmLimits(stress=200e6, channels=5),
             )
-            start = time.process_time()
-            for i in range(0, total, block):
+            warm = max(block, 200)  # gains, roots and the engine's code are there from then on
+            for i in range(0, warm, block):
                 monitor.push(t[i : i + block], e[i : i + block])
-            spent = 1e6 * (time.process_time() - start) / total
+            start = time.process_time()
+            for i in range(warm, total, block):
+                monitor.push(t[i : i + block], e[i : i + block])
+            spent = 1e6 * (time.process_time() - start) / (total - warm)
             print(f"{criterion:<17} blocks of {block:<5} {spent:8.1f} us per sample")
 
 

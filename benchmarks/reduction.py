@@ -164,7 +164,7 @@ def beam(cells: tuple[int, int, int] = (40, 4, 4)) -> tuple[Any, Any, Any, float
     import skfem
 
     import jousto as jo
-    from jousto.reduction.factor import factorise
+    from jousto.reduction.sparse.factor import factorise
 
     grid = skfem.MeshTet.init_tensor(*(np.linspace(0.0, 1.0, n + 1) for n in cells))
     corners, tets = grid.p.T * [1.0, 0.1, 0.1], grid.t.T

@@ -12,9 +12,9 @@ import argparse
 import numpy as np
 
 import jousto as jo
-from jousto.engine.meter import count_cycles
-from jousto.recovery.fatigue.rainflow import turning_points
-from jousto.recovery.fatigue.spectral import METHODS, damage_of_moments, spectral_moments
+from jousto.fatigue.cycles.rainflow import turning_points
+from jousto.fatigue.random.spectral import METHODS, damage_of_moments, spectral_moments
+from jousto.model.native.meter import count_cycles
 
 SLOPES = (3, 5, 7, 10)
 SAMPLES = 12

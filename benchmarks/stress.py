@@ -18,8 +18,8 @@ from collections.abc import Callable
 import numpy as np
 
 import jousto as jo
-from jousto.recovery import von_mises
-from jousto.reduction import StressModes
+from jousto.recovery.fields.criteria import von_mises
+from jousto.reduction.fields.stress import StressModes
 
 
 def least(work: Callable[[], object], seconds: float = 1.0, most: int = 60) -> float:

@@ -21,10 +21,10 @@ static inline void jo_beam_h(jo_real *y, const jo_beam_work *w, const jo_real *x
     y[0] = x[0] - w->mu * t[0]; y[1] = x[1] - w->mu * t[1]; y[2] = x[2] - w->mu * t[2];
 }
 
-/* whether it has inertia or damping of its own */
+/* whether it has inertia of its own, and damping of that */
 static inline int jo_beam_inertial(const jo_beam *b)
 {
-    return b->data[JO_BEAM_SHARE] != 0.0 || b->data[JO_BEAM_ALPHA] != 0.0;
+    return b->data[JO_BEAM_SHARE] != 0.0;
 }
 
 #endif

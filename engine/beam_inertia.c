@@ -1,9 +1,9 @@
-/* beam_inertia.c - the consistent part of a beam element's inertia and its mass-proportional damping.
+/* beam_inertia.c - the consistent part of a beam element's inertia and of its mass-proportional damping.
  *
  * The bodies carry half of the element each. To that a `share` of the difference between the consistent and the lumped
  * mass is added: with c = share m / 6 a force c (x_b'' - x_a'') on end a and its opposite on b, and with the angular
  * velocities W of the ends in their own frames the momentum p = share/6 J (W_b - W_a) about end a, -p about b, whose
- * torques are p' + W_a x p and -p' - W_b x p. Damping is alpha times the momenta of the lumped and the consistent part.
+ * torques are p' + W_a x p and -p' - W_b x p. Damping is alpha times these momenta; the bodies damp their own.
  * The ends move as points off the origins of the bodies: how their accelerations change with positions and velocities are
  * the tangents K_acc and C_acc of Makinen, Marjamaki and Pajunen (eq. 13) in space.
  */
@@ -46,7 +46,7 @@ static void motion(const jo_model *m, const jo_data *d, const jo_beam *b, const 
 static jo_real momenta(const jo_beam *b, const end_motion *e, jo_real f[2][3], jo_real T[2][3], jo_real *p)
 {
     const jo_real *J = b->data + JO_BEAM_J, alpha = b->data[JO_BEAM_ALPHA], share = b->data[JO_BEAM_SHARE] / 6.0;
-    const jo_real mass = b->data[JO_BEAM_MASS], c = share * mass;
+    const jo_real c = share * b->data[JO_BEAM_MASS];
     jo_real x[3], pd[3], power = 0.0;
     for (int j = 0; j < 3; j++) x[j] = share * (e[1].W[j] - e[0].W[j]);
     jo_sym3(p, J, x);
@@ -54,11 +54,9 @@ static jo_real momenta(const jo_beam *b, const end_motion *e, jo_real f[2][3], j
     jo_sym3(pd, J, x);
     for (int k = 0; k < 2; k++) {
         const double sign = k ? -1.0 : 1.0;
-        jo_real JW[3];
         jo_cross(x, e[k].W, p);
-        jo_sym3(JW, J, e[k].W);
         for (int j = 0; j < 3; j++) {
-            const jo_real P = (0.5 * mass - c) * e[k].v[j] + c * e[1 - k].v[j], H = 0.5 * JW[j] + sign * p[j];
+            const jo_real P = sign * c * (e[1].v[j] - e[0].v[j]), H = sign * p[j];
             f[k][j] = sign * c * (e[1].a[j] - e[0].a[j]) + alpha * P;
             T[k][j] = sign * (pd[j] + x[j]) + alpha * H;
             power += alpha * (P * e[k].v[j] + H * e[k].W[j]);
@@ -124,7 +122,7 @@ static void add_block(jo_block N, int row, int column, const jo_real *M)
 static void translation(jo_block N[2][2], const jo_beam *b, const jo_weights *c, const end_motion *e, jo_real f[2][3],
                         const jo_real *const *turn, int offset)
 {
-    const jo_real mass = b->data[JO_BEAM_MASS], part = b->data[JO_BEAM_SHARE] * mass / 6.0, alpha = b->data[JO_BEAM_ALPHA];
+    const jo_real part = b->data[JO_BEAM_SHARE] * b->data[JO_BEAM_MASS] / 6.0, alpha = b->data[JO_BEAM_ALPHA];
     jo_real X[2][9] = {{0.0}}, Y[2][9] = {{0.0}}, At[2][9];
     if (offset)
         for (int k = 0; k < 2; k++) {   /* how the acceleration and the velocity of the end change as its body turns, local */
@@ -149,7 +147,7 @@ static void translation(jo_block N[2][2], const jo_beam *b, const jo_weights *c,
         }
     for (int i = 0; i < 2; i++)
         for (int j = 0; j < 2; j++) {
-            const jo_real ca = i == j ? -part : part, cv = alpha * (i == j ? 0.5 * mass - part : part);
+            const jo_real ca = i == j ? -part : part, cv = alpha * ca;
             const jo_real diagonal = c->a * ca + c->v * cv;
             for (int r = 0; r < 3; r++) N[i][j].at[r * (N[i][j].stride + 1)] += diagonal;
             if (!offset) continue;
@@ -178,7 +176,7 @@ static void rotation(jo_block N[2][2], const jo_beam *b, const jo_weights *c, co
             const jo_real sign = i == j ? -share : share;
             jo_real R[9], Q[9];
             for (int r = 0; r < 9; r++) {
-                R[r] = sign * (c->a + c->v * alpha) * J[r] + (i == j ? 0.5 * alpha * c->v * J[r] : 0.0);
+                R[r] = sign * (c->a + c->v * alpha) * J[r];
                 if (!c->plain) R[r] += sign * c->v * WJ[r];
             }
             if (i == j && !c->plain) jo_add_skew(R, i ? c->v : -c->v, p);

@@ -224,7 +224,9 @@ static void inertia(const jo_model *m, jo_data *d, int body)
     const jo_body *b = &m->body[body];
     jo_body_work *w = &d->body[body];
     const jo_weights *c = &d->weights;
-    const jo_real ca = c->a, cv = c->plain ? 0.0 : c->v, cq = c->plain ? 0.0 : c->q;
+    /* damping of the momenta: alpha M and how M v turns; ROS2, which keeps the stiffness, leaves it explicit */
+    const double alpha = d->keeping ? 0.0 : b->alpha;
+    const jo_real ca = c->a + alpha * c->v, cv = c->plain ? 0.0 : c->v, cq = c->plain ? 0.0 : c->q;
     const jo_real *a = d->a + b->iv, *wd = a + 3, *pdd = a + 6, *om = w->w, *A = w->A;
     const int n = b->n, np = b->np;
     const jo_block N = jo_newton_find(m, d, body, body);
@@ -232,6 +234,7 @@ static void inertia(const jo_model *m, jo_data *d, int body)
     jo_set3(t, a);
     jo_sub3(t, m->gravity);
     jo_mul3t(acc, A, t);
+    jo_axpy3(acc, alpha, w->V);
     const jo_real ww[6] = {om[0] * om[0], om[1] * om[1], om[2] * om[2], 2 * om[1] * om[2], 2 * om[0] * om[2], 2 * om[0] * om[1]};
     if (n) {
         const jo_block P = {N.at + 6 * N.stride + 6, N.stride};
@@ -252,6 +255,7 @@ static void inertia(const jo_model *m, jo_data *d, int body)
     jo_cross(F, om, y);
     jo_cross(t, wd, w->S);
     jo_add3(F, t);
+    jo_axpy3(F, alpha, x);
     for (int j = 0; j < n; j++)
         for (int i = 0; i < 3; i++) F[i] += b->I3[i * np + j] * pdd[j];
     for (int i = 0; i < 3; i++) N.at[i * (N.stride + 1)] += ca * b->mass[0];

@@ -176,6 +176,20 @@ static inline jo_real modal_force(const jo_body *b, const jo_real *om, const jo_
     return jo_sum(loss);
 }
 
+/* -alpha times the momenta m V + w x S and J w + S x V, and the power lost to it */
+static jo_real damp(const jo_body *b, jo_body_work *w, const jo_real *wS, const jo_real *Jw)
+{
+    jo_real power = 0.0, SV[3];
+    jo_cross(SV, w->S, w->V);
+    for (int j = 0; j < 3; j++) {
+        const jo_real p = b->mass[0] * w->V[j] + wS[j], h = Jw[j] + SV[j];
+        w->fr[j] -= b->alpha * p;
+        w->fr[3 + j] -= b->alpha * h;
+        power += b->alpha * (p * w->V[j] + h * w->w[j]);
+    }
+    return power;
+}
+
 /* S, J, B, D at p, and the velocity-dependent and elastic forces */
 void jo_body_inertia(const jo_body *b, jo_body_work *w, jo_real *power)
 {
@@ -185,8 +199,9 @@ void jo_body_inertia(const jo_body *b, jo_body_work *w, jo_real *power)
     if (!b->n) {
         jo_cross(t, om, w->S);
         jo_cross(w->fr, t, om);
-        jo_sym3(t, w->J, om);
-        jo_cross(w->fr + 3, t, om);
+        jo_sym3(Jd, w->J, om);
+        jo_cross(w->fr + 3, Jd, om);
+        if (b->alpha != 0.0) *power += damp(b, w, t, Jd);
         return;
     }
     jo_set3(w->S, b->S0);
@@ -316,18 +331,21 @@ void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh)
     }
 }
 
-/* z = L^-1 (f_r - M_rp weight f_p): L^-T z would be the rigid acceleration without joints */
-void jo_body_free(const jo_body *b, jo_body_work *w, int set)
+/* z = L^-1 (f_r - M_rp weight f_p) */
+void jo_body_reduce(const jo_body *b, const jo_body_work *w, int set, const jo_real *fr, const jo_real *fp, jo_real *z)
 {
     const int np = b->np;
     jo_real t[6] = {0};
     if (b->n) {
-        dot_rows(3, np, w->set[set].I3w, w->fp, t);
-        dot_rows(3, np, w->Bw, w->fp, t + 3);
+        dot_rows(3, np, w->set[set].I3w, fp, t);
+        dot_rows(3, np, w->Bw, fp, t + 3);
     }
-    for (int i = 0; i < 6; i++) w->z[i] = w->fr[i] - t[i];
-    jo_body_forward(w->L, w->z);
+    for (int i = 0; i < 6; i++) z[i] = fr[i] - t[i];
+    jo_body_forward(w->L, z);
 }
+
+/* L^-T z would be the rigid acceleration without joints */
+void jo_body_free(const jo_body *b, jo_body_work *w, int set) { jo_body_reduce(b, w, set, w->fr, w->fp, w->z); }
 
 static inline void modal(const int np, const jo_real *restrict I3, const jo_real *restrict B, const jo_real *y,
                          const jo_real *restrict weight, const jo_real *restrict fp, jo_real *restrict yp)

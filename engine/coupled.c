@@ -170,6 +170,30 @@ int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_solver *s)
     return JO_OK;
 }
 
+/* joint[].x = the change of the multipliers due to the changes of force in y and yp of the bodies */
+void jo_coupled_respond(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const jo_body_work *w = &d->body[i];
+        jo_real *x = part_of(m, d, i);
+        for (int j = 0; j < 6 + b->n; j++) x[j] = 0.0;
+        if (!w->pushed) continue;
+        jo_mul3(x, w->A, w->y);
+        jo_set3(x + 3, w->y + 3);
+        for (int j = 0; j < b->n; j++) x[6 + j] = w->yp[j];
+    }
+    for (int i = 0; i < m->njoint; i++) {
+        jo_real *x = part_of(m, d, m->nbody + i);
+        for (int r = 0; r < m->joint[i].nrow; r++) x[r] = 0.0;
+    }
+    solve(m, d);
+    for (int i = 0; i < m->njoint; i++) {
+        const jo_real *x = part_of(m, d, m->nbody + i);
+        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = x[r];
+    }
+}
+
 /* increment = the change of least norm in the metric of M^ by which the rows change by -x of the joints */
 void jo_coupled_correction(const jo_model *m, jo_data *d, jo_real *increment)
 {

@@ -84,8 +84,12 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched, jo_sen
     d->lag = reals(a, m->nv);
     d->sum = reals(a, m->nv);
     d->pivot = take(a, (size_t)(m->nv + m->nrow) * sizeof(int));
-    jo_real **mixing[4] = {&d->mixing.g, &d->mixing.r, &d->mixing.before, &d->mixing.change};
-    for (int i = 0; i < 4; i++) *mixing[i] = reals(a, 2 * m->nfriction);
+    d->mixing.slider = take(a, (size_t)m->nfriction * sizeof(jo_slider));
+    d->mixing.coordinate = take(a, 2 * (size_t)m->nfriction * sizeof(int));
+    d->mixing.lam = reals(a, m->nfriction ? m->nrow : 0);
+    d->mixing.reach = reals(a, m->nfriction ? JO_REACH * m->nrow : 0);
+    jo_real **mixing[5] = {&d->mixing.f, &d->mixing.g, &d->mixing.r, &d->mixing.before, &d->mixing.change};
+    for (int i = 0; i < 5; i++) *mixing[i] = reals(a, 2 * m->nfriction);
     for (int i = 0; i < JO_PAIRS; i++) {
         d->mixing.dF[i] = reals(a, 2 * m->nfriction);
         d->mixing.dR[i] = reals(a, 2 * m->nfriction);

@@ -13,7 +13,7 @@ static double larger(double a, double b) { return a > b ? a : b; }
 /* what a value is by itself */
 static int plain(const jo_health *r, double x, int cell)
 {
-    if (cell == r->infinite || (isfinite(x) && fabs(x) >= r->range)) return JO_SATURATED;
+    if (cell == r->infinite || isinf(x) || (isfinite(x) && fabs(x) >= r->range)) return JO_SATURATED;
     if (cell == r->empty) return JO_DROPOUT;
     return isfinite(x) ? JO_OK_VALUE : JO_NAN;
 }
@@ -51,12 +51,12 @@ static int channel(const jo_health *r, double *m, long long n, double x, int sta
 void jo_health_check(const jo_health *r, double *memory, const unsigned char *before, const double *x,
                      const unsigned char *cells, unsigned char *states, long long count, long long n)
 {
-    for (long long t = 0; t < count; t++, x += n, cells += n, states += n) {
+    for (long long t = 0; t < count; t++, x += n, states += n) {
         int moved = 0;
         for (long long c = 0; c < n; c++)
             moved |= isfinite(x[c]) && isfinite(memory[LAST * n + c]) && x[c] != memory[LAST * n + c];
         for (long long c = 0; c < n; c++)
-            states[c] = (unsigned char)channel(r, memory + c, n, x[c], plain(r, x[c], cells[c]), before[c], moved);
+            states[c] = (unsigned char)channel(r, memory + c, n, x[c], plain(r, x[c], cells ? cells[t * n + c] : 0), before[c], moved);
         before = states;
     }
 }

@@ -26,6 +26,7 @@ typedef struct {
     jo_real *fp, *yp;       /* (np) force on the modal coordinates, their acceleration */
     jo_real *extra;         /* (np) additional modal force of an implicit stage */
     int status;             /* rigid: of the factor, which is constant */
+    int pushed;             /* y and yp hold a change of force, see friction_solve.c */
     jo_real *Dd, *H;        /* (6 x np) ED p', (3 x np) EB p'' for Newton's matrix */
     jo_real turn[9];        /* change of orientation (local) by a change of the increment of a step */
     jo_body_set set[2];
@@ -112,10 +113,24 @@ typedef struct {
     double scale[6];        /* diagonal of S before elimination */
 } jo_joint_work;
 
+/* A friction that slides, with `count` forces from `first` on in the iteration. */
+enum { JO_REACH = 8 };      /* that many forces at most have their effect on the reactions worked out beforehand */
+typedef struct {
+    int friction, first, count;
+    jo_real press[2], collar[2];   /* its forces for a unit of what presses and of the moment of a collar */
+    jo_real start[6], y[6]; /* reaction of its joint in the axes of side 0, without friction and with it */
+    jo_real reach[JO_REACH][6];   /* what a unit of each force adds to it */
+} jo_slider;
+
 /* the iteration between friction forces f and their residual r, (2 nfriction) each */
 enum { JO_PAIRS = 4 };      /* changes of f and r that it remembers */
 typedef struct {
-    jo_real *g, *r, *before, *change;
+    jo_slider *slider;      /* (nfriction) */
+    int *coordinate;        /* (2 nfriction) of each force */
+    int sliders, n;         /* how many slide, with how many forces */
+    jo_real *lam;           /* (nrow) multipliers without friction */
+    jo_real *reach;         /* (JO_REACH x nrow) what a unit of each force adds to them */
+    jo_real *f, *g, *r, *before, *change;
     jo_real *dF[JO_PAIRS], *dR[JO_PAIRS], *Q[JO_PAIRS];
     int pairs, newest;
 } jo_mixing;
@@ -137,11 +152,11 @@ typedef struct {
 } jo_weights;
 
 /* The block Cholesky of S as it is carried out: what the model's lists mean in memory. `kind` says which numbers of rows
- * and columns occur, see schur.c. */
-typedef struct { jo_real *S; const jo_side_work *k, *l; int kind, first, flexible; } jo_pair_plan;
-typedef struct { jo_real *S, *x; double *scale; int n, first, count, update, updates, lock; } jo_column_plan;
-typedef struct { jo_real *X, *x; int ld, rows, kind; } jo_below_plan;
-typedef struct { jo_real *T; const jo_real *X, *Y; int ld, ny, kind; } jo_update_plan;
+ * and columns occur, see schur.c. `lock` is that of an optional joint, else 0: where it is switched off its blocks are 0. */
+typedef struct { jo_real *S; const jo_side_work *k, *l; int kind, first, flexible; const int *lock_k, *lock_l; } jo_pair_plan;
+typedef struct { jo_real *S, *x; double *scale; int n, first, count, update, updates; const int *lock; } jo_column_plan;
+typedef struct { jo_real *X, *x; int ld, rows, kind; const int *lock; } jo_below_plan;
+typedef struct { jo_real *T; const jo_real *X, *Y; int ld, ny, kind; const int *lock_x, *lock_y; } jo_update_plan;
 
 /* Error control of the adaptive method, and its last step for the dense output. */
 typedef struct {
@@ -259,6 +274,7 @@ void jo_body_twist(const jo_body *b, jo_body_work *w, const jo_real *v);
 void jo_body_inertia(const jo_body *b, jo_body_work *w, jo_real *power);
 int jo_body_factor(const jo_body *b, jo_body_work *w, int set);
 void jo_body_free(const jo_body *b, jo_body_work *w, int set);
+void jo_body_reduce(const jo_body *b, const jo_body_work *w, int set, const jo_real *fr, const jo_real *fp, jo_real *z);
 void jo_body_forward(const jo_real *L, jo_real *x);
 void jo_body_backward(const jo_real *L, jo_real *x);
 void jo_body_modal(const jo_body *b, jo_body_work *w, int set);
@@ -309,6 +325,7 @@ void jo_joint_solve(const jo_model *m, jo_data *d);
 
 /* sensor.c */
 void jo_reaction(const jo_model *m, const jo_data *d, int joint, jo_real *y);   /* force and moment on side 1, world */
+void jo_reaction_of(const jo_model *m, const jo_data *d, int joint, const jo_real *lam, jo_real *y);   /* of its multipliers lam */
 void jo_marker_acceleration(const jo_model *m, const jo_data *d, int marker, jo_real *y);
 void jo_quaternion(jo_real *e, const jo_real *A);   /* scalar first and not negative */
 
@@ -316,6 +333,7 @@ void jo_quaternion(jo_real *e, const jo_real *A);   /* scalar first and not nega
 int jo_apply_forces(const jo_model *m, jo_data *d);
 jo_real jo_stored(const jo_model *m, jo_data *d);   /* in springs, where markers and coordinates stand */
 void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f);
+void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f);   /* into y and yp of the bodies */
 void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T);
 const jo_real *jo_moving_piece(const jo_real *x, jo_real s, jo_real *power);
 void jo_moving_shape(jo_real *y, const jo_real *c, const jo_real *power);
@@ -354,8 +372,10 @@ void jo_beam_fibre_tangent(const jo_model *m, const jo_data *d, int i, jo_real *
 void jo_newton_beams(const jo_model *m, jo_data *d);
 void jo_beam_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real *z);   /* (nv) d->lag += K x + D z, z may be 0 */
 
-/* friction.c */
+/* friction_solve.c */
 int jo_friction_solve(const jo_model *m, jo_data *d, const jo_solver *s);
+
+/* friction.c */
 void jo_friction_push(const jo_model *m, jo_data *d);
 jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i);
 int jo_friction_switch(const jo_model *m, jo_data *d, int i);
@@ -410,6 +430,7 @@ void jo_react(const jo_model *m, jo_data *d);                       /* -Cq^T lam
 /* coupled.c */
 int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_solver *s);   /* a and joint[].x */
 void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_solver *s);
+void jo_coupled_respond(const jo_model *m, jo_data *d);   /* joint[].x by the changes of force in y and yp */
 void jo_coupled_correction(const jo_model *m, jo_data *d, jo_real *increment);
 
 /* implicit.c */

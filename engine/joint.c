@@ -197,13 +197,7 @@ void jo_joint_rows(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
         jo_joint_work *w = &d->joint[i];
-        if (jo_absent(d, k)) {
-            for (int side = 0; side < k->nside; side++) {
-                clear(w->side[side].C, JO_ROWS_C);
-                clear(w->side[side].V, JO_BLOCK);
-            }
-            continue;
-        }
+        if (jo_absent(d, k)) continue;
         for (int r = 0; r < k->nperp; r++) {
             jo_real x[3], y[3];
             axis(x, d->marker[k->side[0]].A, k->perp_a[r]);
@@ -361,6 +355,7 @@ void jo_joint_apply(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
         const jo_joint_work *w = &d->joint[i];
+        if (jo_absent(d, k)) continue;
         for (int side = 0; side < k->nside; side++) {
             const jo_side_work *here = &w->side[side];
             if (!here->body) continue;

@@ -77,6 +77,7 @@ typedef struct {
     const jo_real *EB;      /* (3 np x n) int phi_k x phi_j dm, antisymmetric */
     const jo_real *K;       /* (np)      modal stiffness omega^2, rad^2/s^2 */
     const jo_real *D;       /* (np)      modal damping 2 zeta omega, 1/s */
+    double alpha;           /*           damping of the momenta, 1/s: forces -alpha M v; bodies without modes only */
 } jo_body;
 
 /* A frame on a body: at a node with translation and rotation mode shapes, or rigid. */
@@ -93,8 +94,8 @@ typedef struct {
 /* A geometrically exact beam element between two bodies without modes, see beam.c. Data (80):
  * 0 length; 1 u_a (3), 4 B_a (9), 13 u_b (3), 16 B_b (9): ends and their frames (x along the beam) on the bodies, row-major;
  * 25 C (36) section stiffness on [Gamma, kappa], row-major; 61 strains (6) of the unstressed shape; 67 damping beta of the
- * stiffness, s; 68 damping alpha of the mass, 1/s; 69 share of the consistent mass beyond the bodies' lumped one; 70 mass,
- * 71 rotary inertia (6) of the whole element in the frames of its ends; 77 tension times this is compared with 1; 0: never;
+ * stiffness, s; 68 damping alpha of the consistent mass, 1/s (the bodies damp their own); 69 share of the consistent mass
+ * beyond the bodies' lumped one; 70 mass, 71 rotary inertia (6) of the whole element in the frames of its ends; 77 tension times this is compared with 1; 0: never;
  * 78: 1 if the axis is a screw line between the ends (beam_helix.c), 0 if it is their chord;
  * 79: Ip/A about the shear centre, m2: twist stretches the fibres (beam_fibre.c); 0: not */
 typedef struct {
@@ -385,7 +386,8 @@ typedef struct {
     const double *table;    /* STRAIN: (points) from ln(a) = first on, each by step */
     double first, step;
 } jo_planes;
-/* s (nt x 6); scratch (6 nt + 4 + planes turns), order (planes turns); damage and place of the worst plane */
+/* s (nt x 6); scratch (6 nt + 4 + planes turns), order (planes turns); damage and place of the worst plane, the first of those that
+ * are equal to 1e-9 */
 void jo_plane_damage(const jo_planes *r, const jo_meter *curve, const double *s, long long nt, double *scratch,
                      long long *order, double *damage, long long *plane);
 
@@ -396,7 +398,7 @@ typedef struct {
     double range, stuck, spike, back;   /* magnitude; samples; usual steps, 0: not; samples */
     double follow, warm, persist;       /* share of a step in the usual one; samples */
 } jo_health;
-/* x, cells, states (count x n); memory (8 x n): last value, last good one, usual step and samples in it, samples of the same
+/* x, states (count x n), cells too or NULL; memory (8 x n): last value, last good one, usual step and samples in it, samples of the same
  * value and of those in which others changed, samples at a new level, good samples in a row; before (n) */
 void jo_health_check(const jo_health *r, double *memory, const unsigned char *before, const double *x,
                      const unsigned char *cells, unsigned char *states, long long count, long long n);

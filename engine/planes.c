@@ -10,6 +10,8 @@
 #include <math.h>
 
 enum { CELLS = 24 };   /* of the range of a line, between levels */
+/* planes whose damage differs by a smaller share are equal: round-off of sums, amplified by the slope of the curve */
+#define TIE 1e-9
 
 /* damage of one cycle of an amplitude and the largest normal stress in it */
 static double one(const jo_planes *r, const jo_meter *curve, double amplitude, double top)
@@ -169,7 +171,7 @@ void jo_plane_damage(const jo_planes *r, const jo_meter *curve, const double *s,
     double *sn = scratch, *u = sn + nt, *v = u + nt, *x = v + nt, *z = x + nt, *seg = z + nt + 2, *bound = seg + nt + 2;
     const int normal = r->kind == JO_PLANE_NORMAL;
     const long long turns = normal ? 1 : r->turns;
-    long long have = -1;
+    long long have = -1, q = 0;
     double low, high, least, top;
     *damage = 0.0;
     *plane = 0;
@@ -191,10 +193,11 @@ void jo_plane_damage(const jo_planes *r, const jo_meter *curve, const double *s,
         }
     }
     sorted(bound, order, r->planes * turns);
-    for (long long q = 0; q < r->planes * turns; q++) {
+    for (; q < r->planes * turns; q++) {
         const long long i = order[q] / turns, j = order[q] % turns;
         const double *row = r->rows + 18 * i;
-        if (bound[order[q]] < 0.0 || bound[order[q]] * at_most(nt) <= *damage) break;
+        const double most = bound[order[q]] * at_most(nt), equal = *damage * (1.0 - TIE);
+        if (!(most > 0.0) || most < equal) break;
         if (have != i) {
             project(row, s, nt, sn);
             if (!normal) {
@@ -208,12 +211,20 @@ void jo_plane_damage(const jo_planes *r, const jo_meter *curve, const double *s,
         if (*damage > 0.0 && r->p >= 1.0) {
             extremes(sn, nt, &least, &top);
             extremes(series, nt, &low, &high);
-            if (crossed(r, curve, series, nt, low, high, top) <= *damage) continue;
+            if (crossed(r, curve, series, nt, low, high, top) < equal) {
+                bound[order[q]] = -1.0;
+                continue;
+            }
         }
-        const double found = counted(r, curve, series, sn, nt, beginning(r, series, nt), z, seg);
-        if (found > *damage) {
-            *damage = found;
-            *plane = i;
+        bound[order[q]] = counted(r, curve, series, sn, nt, beginning(r, series, nt), z, seg);
+        if (bound[order[q]] > *damage) *damage = bound[order[q]];
+    }
+    /* what was not counted is less; of planes that are equal but for round-off the first one */
+    for (; q < r->planes * turns; q++) bound[order[q]] = -1.0;
+    for (q = 0; q < r->planes * turns; q++) {
+        if (bound[q] > 0.0 && bound[q] >= *damage * (1.0 - TIE)) {
+            *plane = q / turns;
+            break;
         }
     }
 }

@@ -46,6 +46,13 @@ static int kind_of(int ld, int n)
     default: call(ld, n); break;      \
     }
 
+static const int *lock_of(const jo_model *m, const jo_data *d, int joint)
+{
+    return m->joint[joint].lock < 0 ? 0 : d->locked + m->joint[joint].lock;
+}
+
+static inline int off(const int *lock) { return lock && !*lock; }
+
 /* where everything lies, and what comes first into each block */
 void jo_joint_plan(const jo_model *m, jo_data *d)
 {
@@ -68,6 +75,8 @@ void jo_joint_plan(const jo_model *m, jo_data *d)
         w->flexible = w->k->L != 0;
         w->kind = kind_of(jo_padded(m->joint[p->joint_k].nrow), m->joint[p->joint_l].nrow);
         w->first = JO_RE(w->S[0]) != 0.0;
+        w->lock_k = lock_of(m, d, p->joint_k);
+        w->lock_l = lock_of(m, d, p->joint_l);
         w->S[0] = 0.0;
     }
     for (int c = 0; c < m->ncolumn; c++) {
@@ -83,7 +92,7 @@ void jo_joint_plan(const jo_model *m, jo_data *d)
         w->count = col->count;
         w->update = m->update_first[c];
         w->updates = m->update_first[c + 1] - w->update;
-        w->lock = k->lock;
+        w->lock = lock_of(m, d, col->joint);
         if (JO_RE(w->S[0]) != 0.0) d->fills[d->nfill++] = w->S;   /* both sides on ground */
         for (int i = col->first; i < col->first + col->count; i++) {
             const int row = m->below[i].joint;
@@ -93,6 +102,7 @@ void jo_joint_plan(const jo_model *m, jo_data *d)
             x->rows = m->joint[row].nrow;
             x->ld = jo_padded(x->rows);
             x->kind = kind_of(x->ld, k->nrow);
+            x->lock = lock_of(m, d, row);
             if (JO_RE(x->X[0]) != 0.0) d->fills[d->nfill++] = x->X;
         }
         for (int u = w->update; u < w->update + w->updates; u++) {
@@ -104,6 +114,10 @@ void jo_joint_plan(const jo_model *m, jo_data *d)
             x->ld = jo_padded(up->left_rows);
             x->ny = up->right_rows;
             x->kind = up->right_rows == k->nrow ? kind_of(x->ld, k->nrow) : 5;
+            for (int i = col->first; i < col->first + col->count; i++) {
+                if (m->below[i].block == up->left) x->lock_x = d->belows[i].lock;
+                if (m->below[i].block == up->right) x->lock_y = d->belows[i].lock;
+            }
         }
     }
 }
@@ -242,6 +256,10 @@ static void assemble(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->npair; i++) {
         const jo_pair_plan *p = &d->pairs[i];
+        if (off(p->lock_k) || off(p->lock_l)) {
+            for (int j = 0; j < JO_BLOCK && p->first; j++) p->S[j] = 0.0;
+            continue;
+        }
         const jo_joint *k = &m->joint[m->pair[i].joint_k], *l = &m->joint[m->pair[i].joint_l];
 #define FIRST(ld, n) add_product(p->S, ld, p->k->V, p->l->V, n, 1)
 #define CALL(ld, n) add_product(p->S, ld, p->k->V, p->l->V, n, 0)
@@ -274,14 +292,14 @@ static int factor(const jo_model *m, jo_data *d)
     for (int c = 0; c < m->ncolumn; c++) {
         jo_column_plan *w = &d->columns[c];
         const int n = w->n, step = jo_padded(n) + 1;
-        if (w->lock >= 0 && !d->locked[w->lock])
-            for (int r = 0; r < n; r++) w->S[step * r] = 1.0;
+        if (off(w->lock)) continue;
         for (int r = 0; r < n; r++) w->scale[r] = JO_RE(w->S[step * r]);
     }
     if (d->regular) regularise(m, d);
     for (int c = 0; c < m->ncolumn; c++) {
         const jo_column_plan *w = &d->columns[c];
         int regular;
+        if (off(w->lock)) continue;
 #define CALL(n) regular = factor_diagonal(w->S, n, w->scale)
         JO_BY_ROWS(w->n, CALL)
 #undef CALL
@@ -294,12 +312,14 @@ static int factor(const jo_model *m, jo_data *d)
         }
         for (int i = w->first; i < w->first + w->count; i++) {
             const jo_below_plan *x = &d->belows[i];
+            if (off(x->lock)) continue;
 #define CALL(ld, n) divide(x->X, ld, w->S, n)
             JO_BY_KIND(x->kind, x->ld, w->n, CALL)
 #undef CALL
         }
         for (int i = w->update; i < w->update + w->updates; i++) {
             const jo_update_plan *u = &d->updates[i];
+            if (off(u->lock_x) || off(u->lock_y)) continue;
             if (u->kind == 5) {
                 subtract_product(u->T, u->X, u->ld, u->Y, u->ny, w->S, w->n);
             } else {
@@ -310,6 +330,7 @@ static int factor(const jo_model *m, jo_data *d)
         }
         for (int i = w->first; i < w->first + w->count; i++) {
             const jo_below_plan *x = &d->belows[i];
+            if (off(x->lock)) continue;
 #define CALL(ld, n) finish(x->X, ld, w->S, n)
             JO_BY_KIND(x->kind, x->ld, w->n, CALL)
 #undef CALL
@@ -374,8 +395,10 @@ static void solve_factored(const jo_model *m, jo_data *d)
 {
     for (int c = 0; c < m->ncolumn; c++) {
         const jo_column_plan *w = &d->columns[c];
+        if (off(w->lock)) continue;
         for (int i = w->first; i < w->first + w->count; i++) {
             const jo_below_plan *x = &d->belows[i];
+            if (off(x->lock)) continue;
 #define CALL(ld, n) subtract_left(x->x, x->X, w->x, ld, n)
             JO_BY_KIND(x->kind, x->ld, w->n, CALL)
 #undef CALL
@@ -386,8 +409,10 @@ static void solve_factored(const jo_model *m, jo_data *d)
     }
     for (int c = m->ncolumn - 1; c >= 0; c--) {
         const jo_column_plan *w = &d->columns[c];
+        if (off(w->lock)) continue;
         for (int i = w->first; i < w->first + w->count; i++) {
             const jo_below_plan *x = &d->belows[i];
+            if (off(x->lock)) continue;
             if (x->rows == w->n) {
 #define CALL(n) subtract_right(w->x, x->X, x->x, n, n)
                 JO_BY_ROWS(w->n, CALL)

@@ -22,8 +22,13 @@ void jo_quaternion(jo_real *e, const jo_real *A)
 /* force and moment with which the joint acts on marker b, world */
 void jo_reaction(const jo_model *m, const jo_data *d, int joint, jo_real *y)
 {
+    jo_reaction_of(m, d, joint, d->lam + m->joint[joint].row, y);
+}
+
+void jo_reaction_of(const jo_model *m, const jo_data *d, int joint, const jo_real *lam, jo_real *y)
+{
     const jo_joint *k = &m->joint[joint];
-    const jo_real *lam = d->lam + k->row, *Aa = d->marker[k->side[0]].A, *Ab = d->marker[k->side[1]].A;
+    const jo_real *Aa = d->marker[k->side[0]].A, *Ab = d->marker[k->side[1]].A;
     for (int i = 0; i < 6; i++) y[i] = 0.0;
     if (k->coincident) {
         for (int i = 0; i < 3; i++) y[i] = -lam[i];

@@ -19,7 +19,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipeinc, ellipkinc
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
+from jousto.output.style import COLORS, STYLE
 
 THIN = jo.BeamSection((1e8, 1e8, 1e8, 1.0, 1.0, 1.0), 1.0, (2e-2, 1e-2, 1e-2))  # E I = 1
 BEND = jo.BeamSection(

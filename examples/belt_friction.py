@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
+from jousto.output.style import COLORS, STYLE
 
 MODEL = Path(__file__).with_name("belt_friction.yaml")
 M, K, V, STATIC, KINETIC, G = 1.0, 100.0, 0.1, 0.4, 0.2, 9.81  # SI, as in the file

@@ -13,8 +13,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
-from jousto.recovery import peak, stress
+from jousto.output.style import COLORS, STYLE
+from jousto.recovery.stress import peak, stress
 
 LENGTH, WIDTH, HEIGHT = 1.2, 0.04, 0.06  # m
 FORCE = 1500.0  # N, downwards

@@ -16,7 +16,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
+from jousto.output.style import COLORS, STYLE
 
 MODEL = Path(__file__).with_name("crane.yaml")
 G, STOP = 9.81, 6.0  # m/s2, s

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
+from jousto.output.style import COLORS, STYLE
 
 Array = NDArray[np.float64]
 TROLLEY, LOAD, ROPE = 1000.0, 400.0, 3.0  # kg, kg, m

@@ -16,8 +16,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
-from jousto.recovery.twin import Band, damage_band, smooth, stress_band, tune
+from jousto.measurement.twin import Band, damage_band, smooth, stress_band, tune
+from jousto.output.style import COLORS, STYLE
 
 MODEL = Path(__file__).with_name("crane.yaml")
 FINER = {
@@ -129,7 +129,8 @@ def main(out: Path) -> int:
     live = stress_band(observed, part, "s11", sites=sites)
     late = stress_band(smooth(observed), part, "s11", sites=sites)
     sn = jo.SN(S_D=60e6, N_D=2e6, k=5, rule="elementary")
-    band = damage_band(observed, part, sn, residue="half", sites=sites, criterion="s11", draws=30)
+    settings = {"residue": "half", "sites": sites, "criterion": "s11", "draws": 30}
+    band = damage_band(observed, part, sn, **settings)
     meter = jo.DamageMeter(sn, residue="half", n=len(HOT))
     meter.push(true)
     exact = meter.damage()

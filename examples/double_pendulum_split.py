@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
+from jousto.output.style import COLORS, STYLE
 
 LENGTH, ELEMENTS = 2.0, 16
 STEEL = jo.Material(E=210e9, nu=0.3, rho=7850, name="steel")

@@ -16,7 +16,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
+from jousto.output.style import COLORS, STYLE
 
 DATA = Path(__file__).parent / "data"
 ADAMS = np.genfromtxt(DATA / "pendulum_adams.csv", delimiter=",", names=True, skip_header=1)

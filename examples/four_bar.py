@@ -16,7 +16,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
+from jousto.output.style import COLORS, STYLE
 
 MODEL = Path(__file__).with_name("four_bar.yaml")
 FRAME, CRANK, COUPLER, FOLLOWER = 0.25, 0.1, 0.28, 0.27  # m, as in the file

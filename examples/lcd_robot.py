@@ -18,7 +18,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
+from jousto.output.style import COLORS, STYLE
 
 ALU = jo.Material(E=70e9, nu=0.33, rho=2700, name="aluminium")
 CARBON = jo.Material(E=110e9, nu=0.3, rho=1600, name="carbon fibre")

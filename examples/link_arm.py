@@ -18,8 +18,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
-from jousto.recovery import peak
+from jousto.output.style import COLORS, STYLE
+from jousto.recovery.stress import peak
 
 MESH = Path(__file__).parent / "data" / "link_arm.vtu"
 LENGTH, LOAD, G = 1.2, 2500.0, 9.81  # m, kg, m/s2

@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
+from jousto.output.style import COLORS, STYLE
 
 MODEL = Path(__file__).with_name("moving_load.yaml")
 LENGTH, FORCE = 4.0, 2000.0  # m, N: as in the file

@@ -16,7 +16,7 @@ import numpy as np
 import scipy.linalg
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
+from jousto.output.style import COLORS, STYLE
 
 STEEL = jo.Material(E=210e9, nu=0.3, rho=7850.0)
 SECTION = jo.Rectangle(0.06, 0.04)

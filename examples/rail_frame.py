@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse.linalg import spsolve
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
+from jousto.output.style import COLORS, STYLE
 
 STEEL = jo.material("S355")
 BAYS, BAY, TRACK, HEIGHT = 3, 2.0, 0.8, 1.2  # m

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
+from jousto.output.style import COLORS, STYLE
 
 Array = NDArray[np.float64]
 STEEL = jo.Material(E=210e9, nu=0.3, rho=7850.0, name="steel")

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
+from jousto.output.style import COLORS, STYLE
 
 CHORD, LENGTH = 0.75, 1.0  # m, between the fittings and of the hose
 SMALLEST = 0.13  # m, radius to which it may be bent

@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
+from jousto.output.style import COLORS, STYLE
 
 LENGTH, MASS = 20.0, 20.0 * 7850 * (0.4 * 0.4 - 0.38 * 0.38)  # m, kg: a box of 0.4 m, wall 1 cm
 TOWER = 5e5  # kg m2: slewing platform and counterweight about the axis

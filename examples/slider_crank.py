@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
+from jousto.output.style import COLORS, STYLE
 
 MODEL = Path(__file__).with_name("slider_crank.yaml")
 CRANK, ROD, MASS = 0.2, 0.5, 2.0  # m, m, kg: as in the file

@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
+from jousto.output.style import COLORS, STYLE
 
 AXES = ((0, 1, 0), (0, 1, 1), (1, -1, 1))  # of the hinges, world frame, at the start
 SPIN = (0.0, -3.0, 0.0)  # rad/s, of all links at the start

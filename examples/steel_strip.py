@@ -16,8 +16,8 @@ import numpy as np
 from scipy.integrate import solve_bvp
 
 import jousto as jo
-from jousto.output import COLORS, STYLE
-from jousto.schema import parse_model
+from jousto.output.style import COLORS, STYLE
+from jousto.schema.file.read import parse_model
 
 MODEL = Path(__file__).with_name("steel_strip.yaml")
 LENGTH, WIDTH, HEIGHT = 1.0, 0.02, 0.0005  # m, as in the file

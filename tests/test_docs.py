@@ -27,7 +27,7 @@ import pytest
 from typer.testing import CliRunner
 
 import jousto as jo
-from jousto.cli import app
+from jousto.cli.group import app
 
 ROOT = Path(__file__).parent.parent
 PAGES = ["README.md", *(f"docs/{path.name}" for path in sorted((ROOT / "docs").glob("*.md")))]
@@ -121,10 +121,27 @@ def test_code_of_the_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.Mo
 
 @pytest.mark.parametrize("page", PAGES)
 def test_links_and_pictures_of_the_page_exist(page: str) -> None:
+    folder = (ROOT / page).parent
+    assert [target for target in targets(page) if not folder.joinpath(target).exists()] == []
+
+
+def targets(page: str) -> list[str]:
+    """Files that a page links to or shows."""
     text = (ROOT / page).read_text(encoding="utf-8")
-    for target in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text):
-        if not re.match(r"[a-z]+:", target):
-            assert (ROOT / page).parent.joinpath(target).exists(), f"{page}: {target}"
+    found = re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text)
+    return [target for target in found if not re.match(r"[a-z]+:", target)]
+
+
+def test_links_and_commands_are_seen() -> None:
+    assert sum(len(targets(page)) for page in PAGES) > len(PAGES)
+    kinds = {language for page in PAGES for language, *_ in blocks(page)}
+    assert {"python", "console", "yaml", "text"} <= kinds
+    with pytest.raises(AssertionError, match="here: jousto info missing.h5"):
+        run_console("$ jousto info missing.h5\n\n", "here")
+    with pytest.raises(AssertionError, match="exit code 2, not shown"):
+        run_console("$ jousto info missing.h5\n...\n$ jousto --help\n...\n", "here")
+    with pytest.raises(AssertionError, match="exit code 0"):
+        run_console("$ jousto --help\n...\n$ echo $?\n1\n", "here")
 
 
 def test_these_tests_see_a_wrong_output() -> None:

@@ -55,7 +55,7 @@ def test_model_file(path: Path) -> None:
     settings = file.simulation.given()
     run = jo.simulate(jo.compile(file.mechanism), 10 * file.simulation.output_step, **settings)
     assert run.complete
-    assert len(run) == 11
+    assert run.nt == 11
 
 
 def test_the_model_file_of_the_pendulum_is_that_of_the_script(

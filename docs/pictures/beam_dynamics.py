@@ -14,14 +14,16 @@ import numpy as np
 ROOT = Path(__file__).parent.parent.parent
 sys.path[:0] = [str(ROOT / "tests")]
 
-import jousto as jo  # noqa: E402
-from jousto.output import COLORS, STYLE  # noqa: E402
-from verification import test_beam_dynamics_buckling as buckling  # noqa: E402
-from verification import test_beam_dynamics_elbow as elbow  # noqa: E402
-from verification import test_beam_dynamics_flight as flight  # noqa: E402
-from verification import test_beam_dynamics_shaft as shaft  # noqa: E402
-from verification.beams_dynamic import whirls  # noqa: E402
-from verification.test_beam_dynamics_frequencies import STIFF, L  # noqa: E402
+import jousto as jo
+from jousto.output.style import COLORS, STYLE
+from verification import (
+    test_beam_dynamics_buckling as buckling,
+    test_beam_dynamics_elbow as elbow,
+    test_beam_dynamics_flight as flight,
+    test_beam_dynamics_shaft as shaft,
+)
+from verification.beams_dynamic import whirls
+from verification.test_beam_dynamics_frequencies import STIFF, L
 
 DOTS = {"linestyle": "none", "marker": "o", "markersize": 4, "markerfacecolor": "white"}
 

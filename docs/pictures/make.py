@@ -40,6 +40,8 @@ WIDTHS = {  # pixels
     "work_precision.png": 700,
     "orders.png": 1200,
     "solids.png": 1200,
+    "statics.png": 1200,
+    "beam_dynamics.png": 1000,
     "four_bar_still.png": 500,
     "portal_frame.png": 800,
     "squeezer.png": 1100,
@@ -103,7 +105,7 @@ def main() -> int:
         for script in sorted(EXAMPLES.glob("*.py")):
             more = ["--long"] if script.name == "offset_boom.py" else []
             subprocess.run([sys.executable, str(script), folder, *more], check=True)
-        for name in ("orders.py", "solids.py"):
+        for name in ("orders.py", "solids.py", "statics.py", "beam_dynamics.py"):
             subprocess.run([sys.executable, str(HERE / name), folder], check=True)
         # the arch of the page on statics is its own first example
         block = re.search(

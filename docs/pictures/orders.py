@@ -16,8 +16,8 @@ ROOT = Path(__file__).parent.parent.parent
 sys.path[:0] = [str(ROOT / "tests")]
 warnings.simplefilter("ignore")
 
-from jousto.output import COLORS, STYLE  # noqa: E402
-from verification.test_orders import METHODS, MODELS, T_END, errors  # noqa: E402
+from jousto.output.style import COLORS, STYLE
+from verification.test_orders import METHODS, MODELS, T_END, errors
 
 
 def main(folder: Path) -> None:

@@ -16,10 +16,12 @@ ROOT = Path(__file__).parent.parent.parent
 sys.path[:0] = [str(ROOT / "tests")]
 warnings.simplefilter("ignore")
 
-from jousto.output import COLORS, STYLE  # noqa: E402
-from verification import test_solid_centrifugal as ring  # noqa: E402
-from verification import test_solid_pulse as pulse  # noqa: E402
-from verification import test_solid_theory as theory  # noqa: E402
+from jousto.output.style import COLORS, STYLE
+from verification import (
+    test_solid_centrifugal as ring,
+    test_solid_pulse as pulse,
+    test_solid_theory as theory,
+)
 
 KINDS = {"tetra10": "tet10", "wedge15": "wedge15", "hexahedron20": "hex20"}
 LINEAR = {"tetra": "tet4", "hexahedron": "hex8"}

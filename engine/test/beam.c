@@ -106,7 +106,8 @@ static double drift(const jo_model *m, double step)
 int main(int argc, char **argv)
 {
     static const double mass[2] = {1.5, 2.0}, S0[3] = {0.1, 0.0, -0.05}, J0[6] = {0.3, 0.4, 0.5, 0.02, 0.0, 0.01}, zero[3] = {0};
-    jo_body body[2] = {{0, 0, 0, 0, mass, S0, J0, 0, 0, 0, 0, 0, 0, 0}, {0, 0, 7, 6, mass + 1, S0, J0, 0, 0, 0, 0, 0, 0, 0}};
+    jo_body body[2] = {{0, 0, 0, 0, mass, S0, J0, 0, 0, 0, 0, 0, 0, 0, 0.0},
+                       {0, 0, 7, 6, mass + 1, S0, J0, 0, 0, 0, 0, 0, 0, 0, 0.0}};
     jo_beam beam[1] = {{0, 1, data}};
     jo_node node[2] = {{0, 6, 6, 0, 0, 0, 1}, {1, 6, 6, 6, 144, 1, 0}};
     jo_branch branch[1] = {{1, 6, 48, 96}};
@@ -125,6 +126,7 @@ int main(int argc, char **argv)
     const double kinds[5][4] = {{0, 0, 0, 0}, {0.05, 0, 0, 0}, {0, 0.3, 1, 0}, {0, 0, 0, 1}, {0.05, 0.3, 0.5, 1}};
     for (int k = 0; k < 5; k++) {
         fill(kinds[k][0], kinds[k][1], kinds[k][2], kinds[k][3]);
+        body[0].alpha = body[1].alpha = kinds[k][1];
         jo_data *d = jo_data_new(&m);
         CHECK(d);
         place(&m, d);
@@ -139,6 +141,7 @@ int main(int argc, char **argv)
         jo_data_free(d);
     }
     fill(0.0, 0.0, 0.0, 0.0);
+    body[0].alpha = body[1].alpha = 0.0;
     const double coarse = drift(&m, 1e-2), fine = drift(&m, 5e-3);
     printf("RK4 energy error %.2e -> %.2e J\n", coarse, fine);
     CHECK(fine < coarse / 12.0 && fine < 1e-4);

@@ -178,9 +178,9 @@ int main(void)
             turn[c * NP + j] = 0.1 * random_number();
         }
     jo_body body[BODIES] = {
-        {N, NP, 0, 0, mass, S0, J0, I3, B0, D0, ED, EB, K, D},
-        {0, 0, 7 + N, 6 + N, rigid_mass, rigid_S, rigid_J, none, none, none, none, none, none, none},
-        {N, NP, 14 + N, 12 + N, mass, S0, J0, I3, B0, D0, ED, EB, K, D},
+        {N, NP, 0, 0, mass, S0, J0, I3, B0, D0, ED, EB, K, D, 0.0},
+        {0, 0, 7 + N, 6 + N, rigid_mass, rigid_S, rigid_J, none, none, none, none, none, none, none, 0.0},
+        {N, NP, 14 + N, 12 + N, mass, S0, J0, I3, B0, D0, ED, EB, K, D, 0.0},
     };
     jo_marker marker[] = {
         {-1, 0, origin, E, 0, 0, 0},  {0, 1, origin, E, near, turn, 0}, {0, 1, end, E, far, turn, 0}, {1, 1, origin, E, 0, 0, 0},

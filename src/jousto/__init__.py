@@ -7,13 +7,20 @@ The public names stand in ``__init__.pyi``; each is loaded when it is first used
 the package is quick.
 """
 
-from importlib.metadata import PackageNotFoundError, version
+from typing import Any
 
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
-try:
-    __version__ = version("jousto")
-except PackageNotFoundError:  # a source tree that is not installed
-    __version__ = "unknown"
+
+def __getattr__(name: str) -> Any:
+    """Load a public name, or look up the version."""
+    if name != "__version__":
+        return _load(name)
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("jousto")
+    except PackageNotFoundError:  # a source tree that is not installed
+        return "unknown"

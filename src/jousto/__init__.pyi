@@ -1,941 +1,400 @@
 # the public names; __init__.py loads them from here when they are first used
 from . import planar as planar
-from .engine import DamageMeter as DamageMeter
-from .engine import Diagnosis as Diagnosis
-from .engine import Engine as Engine
-from .engine import Model as Model
-from .engine import compile as compile
-from .engine import doctor as doctor
-from .errors import (
+from .base.errors import (
     InputError as InputError,
-)
-from .errors import (
     JoustoError as JoustoError,
-)
-from .errors import (
     JoustoWarning as JoustoWarning,
-)
-from .errors import (
     Problem as Problem,
-)
-from .errors import (
     SimulationError as SimulationError,
 )
-from .mechanism import (
-    AccelerationSensor as AccelerationSensor,
-)
-from .mechanism import (
-    Angle as Angle,
-)
-from .mechanism import (
-    AngularAccelerationSensor as AngularAccelerationSensor,
-)
-from .mechanism import (
-    AngularVelocitySensor as AngularVelocitySensor,
-)
-from .mechanism import (
-    BeamBody as BeamBody,
-)
-from .mechanism import (
-    BeamDamping as BeamDamping,
-)
-from .mechanism import (
-    BeamSection as BeamSection,
-)
-from .mechanism import Bridge as Bridge
-from .mechanism import (
-    Bushing as Bushing,
-)
-from .mechanism import (
-    Constant as Constant,
-)
-from .mechanism import (
-    ConstantOrientation as ConstantOrientation,
-)
-from .mechanism import (
-    ConstantSpeed as ConstantSpeed,
-)
-from .mechanism import (
-    CoordinateSensor as CoordinateSensor,
-)
-from .mechanism import (
-    Coupling as Coupling,
-)
-from .mechanism import (
-    Cylindrical as Cylindrical,
-)
-from .mechanism import (
-    DamageSensor as DamageSensor,
-)
-from .mechanism import (
-    Displacement as Displacement,
-)
-from .mechanism import (
-    Distance as Distance,
-)
-from .mechanism import (
-    Drive as Drive,
-)
-from .mechanism import (
-    EnergySensor as EnergySensor,
-)
-from .mechanism import (
-    Event as Event,
-)
-from .mechanism import (
-    Fixed as Fixed,
-)
-from .mechanism import (
-    FlexibleBody as FlexibleBody,
-)
-from .mechanism import (
-    Force as Force,
-)
-from .mechanism import (
-    ForceSensor as ForceSensor,
-)
-from .mechanism import (
-    Friction as Friction,
-)
-from .mechanism import (
-    Gauge as Gauge,
-)
-from .mechanism import (
-    Gear as Gear,
-)
-from .mechanism import (
-    Gravity as Gravity,
-)
-from .mechanism import (
-    Harmonic as Harmonic,
-)
-from .mechanism import (
-    Initial as Initial,
-)
-from .mechanism import (
-    Input as Input,
-)
-from .mechanism import (
-    JointForce as JointForce,
-)
-from .mechanism import (
-    LineLoad as LineLoad,
-)
-from .mechanism import (
-    Mechanism as Mechanism,
-)
-from .mechanism import (
-    ModalLoad as ModalLoad,
-)
-from .mechanism import (
-    ModalSensor as ModalSensor,
-)
-from .mechanism import (
-    MovingLoad as MovingLoad,
-)
-from .mechanism import (
-    OrientationSensor as OrientationSensor,
-)
-from .mechanism import (
-    Planar as Planar,
-)
-from .mechanism import (
-    PointOnLine as PointOnLine,
-)
-from .mechanism import (
-    PointOnPlane as PointOnPlane,
-)
-from .mechanism import (
-    PositionSensor as PositionSensor,
-)
-from .mechanism import (
-    PrincipalStressSensor as PrincipalStressSensor,
-)
-from .mechanism import (
-    Prismatic as Prismatic,
-)
-from .mechanism import (
-    Product as Product,
-)
-from .mechanism import (
-    Rack as Rack,
-)
-from .mechanism import (
-    Ramp as Ramp,
-)
-from .mechanism import (
-    RateSensor as RateSensor,
-)
-from .mechanism import (
-    ReactionSensor as ReactionSensor,
-)
-from .mechanism import (
-    Regularised as Regularised,
-)
-from .mechanism import (
-    Revolute as Revolute,
-)
-from .mechanism import (
-    RigidBody as RigidBody,
-)
-from .mechanism import (
-    Rod as Rod,
-)
-from .mechanism import Rosette as Rosette
-from .mechanism import (
-    Rotate as Rotate,
-)
-from .mechanism import (
-    Screw as Screw,
-)
-from .mechanism import (
-    SCurve as SCurve,
-)
-from .mechanism import (
-    SectionSensor as SectionSensor,
-)
-from .mechanism import (
-    Servo as Servo,
-)
-from .mechanism import (
-    SignalSensor as SignalSensor,
-)
-from .mechanism import (
-    Spherical as Spherical,
-)
-from .mechanism import (
-    Spring as Spring,
-)
-from .mechanism import (
-    Step as Step,
-)
-from .mechanism import (
-    StickSlip as StickSlip,
-)
-from .mechanism import (
-    StressSensor as StressSensor,
-)
-from .mechanism import (
-    Sum as Sum,
-)
-from .mechanism import (
-    Switched as Switched,
-)
-from .mechanism import (
-    Table as Table,
-)
-from .mechanism import Temperature as Temperature
-from .mechanism import (
-    Torque as Torque,
-)
-from .mechanism import (
-    Universal as Universal,
-)
-from .mechanism import (
-    UserForce as UserForce,
-)
-from .mechanism import (
-    VelocitySensor as VelocitySensor,
-)
-from .mechanism import (
-    VonMisesSensor as VonMisesSensor,
-)
-from .mechanism import bridge_output as bridge_output
-from .mechanism import (
-    gauge_rows as gauge_rows,
-)
-from .mechanism import (
-    ground as ground,
-)
-from .mechanism import quarter_bridge_strain as quarter_bridge_strain
-from .output import animate as animate
-from .output import plot as plot
-from .output import (
-    plot_band as plot_band,
-)
-from .output import (
-    plot_beam as plot_beam,
-)
-from .output import plot_campbell as plot_campbell
-from .output import plot_friction_stress as plot_friction_stress
-from .output import plot_gauges as plot_gauges
-from .output import plot_hotspots as plot_hotspots
-from .output import (
-    plot_hysteresis as plot_hysteresis,
-)
-from .output import plot_load_path as plot_load_path
-from .output import plot_monitor as plot_monitor
-from .output import plot_planar as plot_planar
-from .output import plot_root_locus as plot_root_locus
-from .output import (
-    plot_section_forces as plot_section_forces,
-)
-from .output import (
-    plot_spectrum as plot_spectrum,
-)
-from .output import plot_stress as plot_stress
-from .output import still as still
-from .output import (
-    write_beam as write_beam,
-)
-from .output import write_certificate as write_certificate
-from .output import (
-    write_contour as write_contour,
-)
-from .output import (
-    write_fem as write_fem,
-)
-from .output import write_hotspots as write_hotspots
-from .output import (
-    write_sid as write_sid,
-)
-from .output import write_stress as write_stress
-from .output import (
-    write_vtu as write_vtu,
-)
-from .parts import (
-    Box as Box,
-)
-from .parts import (
-    Cells as Cells,
-)
-from .parts import (
-    Circle as Circle,
-)
-from .parts import (
-    EulerBernoulli as EulerBernoulli,
-)
-from .parts import (
-    Finding as Finding,
-)
-from .parts import (
-    GeneralSection as GeneralSection,
-)
-from .parts import (
-    Hole as Hole,
-)
-from .parts import (
-    IBeam as IBeam,
-)
-from .parts import (
-    InBox as InBox,
-)
-from .parts import (
-    InCylinder as InCylinder,
-)
-from .parts import (
-    InSphere as InSphere,
-)
-from .parts import (
-    Interface as Interface,
-)
-from .parts import (
-    Material as Material,
-)
-from .parts import (
-    Member as Member,
-)
-from .parts import (
-    Mesh as Mesh,
-)
-from .parts import (
-    MeshError as MeshError,
-)
-from .parts import (
-    Nearest as Nearest,
-)
-from .parts import (
-    NodalForce as NodalForce,
-)
-from .parts import (
-    Orthotropic as Orthotropic,
-)
-from .parts import (
-    Part as Part,
-)
-from .parts import (
-    PointMass as PointMass,
-)
-from .parts import (
-    Pressure as Pressure,
-)
-from .parts import (
-    Quality as Quality,
-)
-from .parts import (
-    Rectangle as Rectangle,
-)
-from .parts import (
-    SectionPoint as SectionPoint,
-)
-from .parts import (
-    Spin as Spin,
-)
-from .parts import (
-    StressPoint as StressPoint,
-)
-from .parts import (
-    SurfaceLoad as SurfaceLoad,
-)
-from .parts import (
-    Timoshenko as Timoshenko,
-)
-from .parts import (
-    Traction as Traction,
-)
-from .parts import (
-    Tube as Tube,
-)
-from .parts import (
-    Weight as Weight,
-)
-from .parts import (
-    material as material,
-)
-from .parts import (
-    materials as materials,
-)
-from .parts import (
-    mesh_error as mesh_error,
-)
-from .parts import (
-    mesh_step as mesh_step,
-)
-from .parts import (
-    place_errors as place_errors,
-)
-from .parts import (
-    read_mesh as read_mesh,
-)
-from .parts.readers.matrices import (
-    Matrices as Matrices,
-)
-from .parts.readers.matrices import (
-    read_matrices as read_matrices,
-)
-from .parts.strain_life import (
-    StrainLife as StrainLife,
-)
-from .parts.strain_life import (
-    strain_life as strain_life,
-)
-from .parts.strain_life import (
-    strain_lives as strain_lives,
-)
-from .parts.toes import (
-    WeldToe as WeldToe,
-)
-from .parts.toes import (
-    hot_spot_stress as hot_spot_stress,
-)
-from .parts.toes import (
-    weld_stress as weld_stress,
-)
-from .recovery import Alignment as Alignment
-from .recovery import (
-    Envelope as Envelope,
-)
-from .recovery import (
-    ErrorBudget as ErrorBudget,
-)
-from .recovery import (
-    FrictionStress as FrictionStress,
-)
-from .recovery import GaugeComparison as GaugeComparison
-from .recovery import GaugePair as GaugePair
-from .recovery import (
-    HotSpot as HotSpot,
-)
-from .recovery import (
-    HotSpots as HotSpots,
-)
-from .recovery import (
-    Plane as Plane,
-)
-from .recovery import Record as Record
-from .recovery import RosetteState as RosetteState
-from .recovery import (
-    SectionForces as SectionForces,
-)
-from .recovery import (
-    StressField as StressField,
-)
-from .recovery import compare_gauges as compare_gauges
-from .recovery import (
-    error_budget as error_budget,
-)
-from .recovery import (
-    field_from as field_from,
-)
-from .recovery import (
-    friction_stress as friction_stress,
-)
-from .recovery import (
-    hot_spots as hot_spots,
-)
-from .recovery import read_record as read_record
-from .recovery import record_of as record_of
-from .recovery import rosette_state as rosette_state
-from .recovery import (
-    section_forces as section_forces,
-)
-from .recovery import (
-    stress_field as stress_field,
-)
-from .recovery import (
-    without_friction as without_friction,
-)
-from .recovery.fatigue.contact import (
+from .base.rotations import Rotate as Rotate
+from .fatigue.contact.contact import (
     HertzContact as HertzContact,
-)
-from .recovery.fatigue.contact import (
     RollingContact as RollingContact,
-)
-from .recovery.fatigue.contact import (
     hertz_line as hertz_line,
-)
-from .recovery.fatigue.contact import (
     hertz_point as hertz_point,
-)
-from .recovery.fatigue.contact import (
     rolling_contact as rolling_contact,
-)
-from .recovery.fatigue.contact import (
     shakedown_limit as shakedown_limit,
 )
-from .recovery.fatigue.counted_planes import (
-    PlaneDamage as PlaneDamage,
-)
-from .recovery.fatigue.counted_planes import (
-    plane_damage as plane_damage,
-)
-from .recovery.fatigue.planes import (
-    CriticalPlane as CriticalPlane,
-)
-from .recovery.fatigue.planes import (
-    DangVan as DangVan,
-)
-from .recovery.fatigue.planes import (
-    FatemiSocie as FatemiSocie,
-)
-from .recovery.fatigue.planes import (
-    Findley as Findley,
-)
-from .recovery.fatigue.planes import (
-    Multiaxial as Multiaxial,
-)
-from .recovery.fatigue.planes import (
-    NormalStress as NormalStress,
-)
-from .recovery.fatigue.planes import (
-    critical_plane as critical_plane,
-)
-from .recovery.fatigue.planes import (
-    multiaxial as multiaxial,
-)
-from .recovery.fatigue.random_response import (
-    RandomResponse as RandomResponse,
-)
-from .recovery.fatigue.random_response import (
-    SpectralLife as SpectralLife,
-)
-from .recovery.fatigue.random_response import (
-    random_response as random_response,
-)
-from .recovery.fatigue.rolling import (
-    RollingLife as RollingLife,
-)
-from .recovery.fatigue.rolling import (
-    rolling_life as rolling_life,
-)
-from .recovery.fatigue.spectral import (
-    SpectralDamage as SpectralDamage,
-)
-from .recovery.fatigue.spectral import (
-    spectral_damage as spectral_damage,
-)
-from .recovery.fatigue.spectral import (
-    spectral_moments as spectral_moments,
-)
-from .recovery.fatigue.spectral import (
-    synthesise as synthesise,
-)
-from .recovery.fatigue.strain_life import (
-    LocalCycles as LocalCycles,
-)
-from .recovery.fatigue.strain_life import (
-    LocalPath as LocalPath,
-)
-from .recovery.fatigue.strain_life import (
-    StrainDamage as StrainDamage,
-)
-from .recovery.fatigue.strain_life import (
-    glinka as glinka,
-)
-from .recovery.fatigue.strain_life import (
-    local_cycles as local_cycles,
-)
-from .recovery.fatigue.strain_life import (
-    local_path as local_path,
-)
-from .recovery.fatigue.strain_life import (
-    neuber as neuber,
-)
-from .recovery.fatigue.strain_life import (
-    strain_damage as strain_damage,
-)
-from .recovery.monitor import (
-    AlarmLimits as AlarmLimits,
-)
-from .recovery.monitor import (
-    ChannelRules as ChannelRules,
-)
-from .recovery.monitor import (
-    Monitor as Monitor,
-)
-from .recovery.monitor import (
-    MonitorRecord as MonitorRecord,
-)
-from .recovery.monitor import (
-    MonitorSettings as MonitorSettings,
-)
-from .recovery.monitor import (
-    watch as watch,
-)
-from .recovery.twin import (
-    Accelerometer as Accelerometer,
-)
-from .recovery.twin import (
-    Balance as Balance,
-)
-from .recovery.twin import (
-    DamageBand as DamageBand,
-)
-from .recovery.twin import (
-    Estimate as Estimate,
-)
-from .recovery.twin import (
-    Observed as Observed,
-)
-from .recovery.twin import (
-    Observer as Observer,
-)
-from .recovery.twin import (
-    Placement as Placement,
-)
-from .recovery.twin import (
-    Reconstruction as Reconstruction,
-)
-from .recovery.twin import (
-    Reference as Reference,
-)
-from .recovery.twin import (
-    UnknownLoad as UnknownLoad,
-)
-from .recovery.twin import (
-    damage_band as damage_band,
-)
-from .recovery.twin import (
-    gauge_errors as gauge_errors,
-)
-from .recovery.twin import (
-    identify_fourier as identify_fourier,
-)
-from .recovery.twin import (
-    identify_loads as identify_loads,
-)
-from .recovery.twin import (
-    identify_payload as identify_payload,
-)
-from .recovery.twin import (
-    innovation_test as innovation_test,
-)
-from .recovery.twin import (
-    place_gauges as place_gauges,
-)
-from .recovery.twin import (
-    stress_band as stress_band,
-)
-from .reduction import (
-    Advice as Advice,
-)
-from .reduction import (
-    Certificate as Certificate,
-)
-from .reduction import (
-    Check as Check,
-)
-from .reduction import (
-    CraigBampton as CraigBampton,
-)
-from .reduction import (
-    FreeFree as FreeFree,
-)
-from .reduction import (
-    InertiaRelief as InertiaRelief,
-)
-from .reduction import (
-    MemoryEstimate as MemoryEstimate,
-)
-from .reduction import (
-    Rayleigh as Rayleigh,
-)
-from .reduction import (
-    ReducedPart as ReducedPart,
-)
-from .reduction import (
-    ReductionCache as ReductionCache,
-)
-from .reduction import (
-    SolverInfo as SolverInfo,
-)
-from .reduction import (
-    advise as advise,
-)
-from .reduction import (
-    certify as certify,
-)
-from .reduction import (
-    clamp as clamp,
-)
-from .reduction import (
-    inertia_relief as inertia_relief,
-)
-from .reduction import (
-    memory_estimate as memory_estimate,
-)
-from .reduction import (
-    reduce as reduce,
-)
-from .reduction import (
-    reduce_superelement as reduce_superelement,
-)
-from .reduction import (
-    solvers as solvers,
-)
-from .schema import read_model as read_model
-from .simulation import (
-    RK4 as RK4,
-)
-from .simulation import (
-    ROS2 as ROS2,
-)
-from .simulation import (
-    ArcLength as ArcLength,
-)
-from .simulation import (
-    Baumgarte as Baumgarte,
-)
-from .simulation import (
-    Buckling as Buckling,
-)
-from .simulation import (
-    Campbell as Campbell,
-)
-from .simulation import (
-    CriticalPoint as CriticalPoint,
-)
-from .simulation import (
-    DormandPrince as DormandPrince,
-)
-from .simulation import (
-    GeneralizedAlpha as GeneralizedAlpha,
-)
-from .simulation import (
-    Happening as Happening,
-)
-from .simulation import (
-    LinearModel as LinearModel,
-)
-from .simulation import (
-    LoadPath as LoadPath,
-)
-from .simulation import (
-    MechanismModes as MechanismModes,
-)
-from .simulation import (
-    Newmark as Newmark,
-)
-from .simulation import (
-    PathFailed as PathFailed,
-)
-from .simulation import (
-    RunFailed as RunFailed,
-)
-from .simulation import (
-    RunInterrupted as RunInterrupted,
-)
-from .simulation import (
-    Simulator as Simulator,
-)
-from .simulation import (
-    Solution as Solution,
-)
-from .simulation import (
-    State as State,
-)
-from .simulation import (
-    buckling as buckling,
-)
-from .simulation import (
-    campbell as campbell,
-)
-from .simulation import (
-    equilibrium as equilibrium,
-)
-from .simulation import (
-    inverse_dynamics as inverse_dynamics,
-)
-from .simulation import (
-    kinematics as kinematics,
-)
-from .simulation import (
-    linearise as linearise,
-)
-from .simulation import (
-    load as load,
-)
-from .simulation import (
-    load_path as load_path,
-)
-from .simulation import (
-    modes as modes,
-)
-from .simulation import (
-    settled as settled,
-)
-from .simulation import (
-    simulate as simulate,
-)
-from .simulation import (
-    steady_rotation as steady_rotation,
-)
-
-__version__: str
-from .output import (
-    draw as draw,
-)
-from .output import (
-    plot_cycles as plot_cycles,
-)
-from .output import (
-    plot_damage as plot_damage,
-)
-from .output import (
-    plot_sn as plot_sn,
-)
-from .output import (
-    write_csv as write_csv,
-)
-from .output import (
-    write_damage as write_damage,
-)
-from .output import (
-    write_load_path as write_load_path,
-)
-from .output import (
-    write_mesh as write_mesh,
-)
-from .parts import (
-    FKM as FKM,
-)
-from .parts import (
-    SN as SN,
-)
-from .parts import (
-    SWT as SWT,
-)
-from .parts import (
-    Gerber as Gerber,
-)
-from .parts import (
-    Goodman as Goodman,
-)
-from .parts import (
-    MeanStress as MeanStress,
-)
-from .parts import (
-    Morrow as Morrow,
-)
-from .parts import (
-    PartCompression as PartCompression,
-)
-from .parts import (
-    Soderberg as Soderberg,
-)
-from .parts import (
-    Walker as Walker,
-)
-from .parts import (
-    WeldRatio as WeldRatio,
-)
-from .parts import (
-    estimate_sn as estimate_sn,
-)
-from .parts import (
-    fat_class as fat_class,
-)
-from .parts import (
-    finish_factor as finish_factor,
-)
-from .parts import (
-    load_factor as load_factor,
-)
-from .parts import (
-    reliability_factor as reliability_factor,
-)
-from .parts import (
-    roughness_factor as roughness_factor,
-)
-from .parts import (
-    size_factor as size_factor,
-)
-from .parts import (
-    sn_curve as sn_curve,
-)
-from .parts import (
-    sn_curves as sn_curves,
-)
-from .parts import (
-    thickness_factor as thickness_factor,
-)
-from .planar import PlanarFrame as PlanarFrame
-from .recovery.fatigue import (
-    Assessment as Assessment,
-)
-from .recovery.fatigue import (
+from .fatigue.contact.rolling import RollingLife as RollingLife, rolling_life as rolling_life
+from .fatigue.cycles.duty import DutyCycle as DutyCycle, DutyEvent as DutyEvent
+from .fatigue.cycles.rainflow import (
     Cycles as Cycles,
-)
-from .recovery.fatigue import (
-    DamageField as DamageField,
-)
-from .recovery.fatigue import (
-    DutyCycle as DutyCycle,
-)
-from .recovery.fatigue import (
-    DutyEvent as DutyEvent,
-)
-from .recovery.fatigue import (
     RainflowMatrix as RainflowMatrix,
-)
-from .recovery.fatigue import (
-    assess as assess,
-)
-from .recovery.fatigue import (
-    damage as damage,
-)
-from .recovery.fatigue import (
-    damage_field as damage_field,
-)
-from .recovery.fatigue import (
-    life as life,
-)
-from .recovery.fatigue import (
     rainflow as rainflow,
 )
-from .recovery.fatigue import (
-    site_cycles as site_cycles,
+from .fatigue.local.strain_life import (
+    LocalCycles as LocalCycles,
+    LocalPath as LocalPath,
+    StrainDamage as StrainDamage,
+    glinka as glinka,
+    local_cycles as local_cycles,
+    local_path as local_path,
+    neuber as neuber,
+    strain_damage as strain_damage,
 )
-from .recovery.fatigue import (
+from .fatigue.miner.damage import (
+    Assessment as Assessment,
+    assess as assess,
+    damage as damage,
+    life as life,
     stress_safety as stress_safety,
 )
+from .fatigue.miner.damage_field import (
+    DamageField as DamageField,
+    damage_field as damage_field,
+    site_cycles as site_cycles,
+)
+from .fatigue.multiaxial.counted_planes import (
+    PlaneDamage as PlaneDamage,
+    plane_damage as plane_damage,
+)
+from .fatigue.multiaxial.planes import (
+    CriticalPlane as CriticalPlane,
+    DangVan as DangVan,
+    FatemiSocie as FatemiSocie,
+    Findley as Findley,
+    Multiaxial as Multiaxial,
+    NormalStress as NormalStress,
+    critical_plane as critical_plane,
+    multiaxial as multiaxial,
+)
+from .fatigue.random.random_response import (
+    RandomResponse as RandomResponse,
+    SpectralLife as SpectralLife,
+    random_response as random_response,
+)
+from .fatigue.random.spectral import (
+    SpectralDamage as SpectralDamage,
+    spectral_damage as spectral_damage,
+    spectral_moments as spectral_moments,
+    synthesise as synthesise,
+)
+from .fatigue.welds.toes import (
+    WeldToe as WeldToe,
+    hot_spot_stress as hot_spot_stress,
+    weld_stress as weld_stress,
+)
+from .materials.library import material as material, materials as materials
+from .materials.material import Material as Material
+from .materials.orthotropic import Orthotropic as Orthotropic
+from .materials.strength.factors import (
+    finish_factor as finish_factor,
+    load_factor as load_factor,
+    reliability_factor as reliability_factor,
+    roughness_factor as roughness_factor,
+    size_factor as size_factor,
+)
+from .materials.strength.mean_stress import (
+    FKM as FKM,
+    SWT as SWT,
+    Gerber as Gerber,
+    Goodman as Goodman,
+    MeanStress as MeanStress,
+    Morrow as Morrow,
+    PartCompression as PartCompression,
+    Soderberg as Soderberg,
+    Walker as Walker,
+    WeldRatio as WeldRatio,
+)
+from .materials.strength.sn import SN as SN
+from .materials.strength.sn_library import (
+    estimate_sn as estimate_sn,
+    sn_curve as sn_curve,
+    sn_curves as sn_curves,
+)
+from .materials.strength.strain_life import (
+    StrainLife as StrainLife,
+    strain_life as strain_life,
+    strain_lives as strain_lives,
+)
+from .materials.strength.welds import fat_class as fat_class, thickness_factor as thickness_factor
+from .measurement.gauges.align import Alignment as Alignment
+from .measurement.gauges.compare import (
+    GaugeComparison as GaugeComparison,
+    GaugePair as GaugePair,
+    compare_gauges as compare_gauges,
+)
+from .measurement.gauges.read import read_record as read_record
+from .measurement.gauges.record import Record as Record, record_of as record_of
+from .measurement.gauges.rosettes import (
+    RosetteState as RosetteState,
+    rosette_state as rosette_state,
+)
+from .measurement.monitor.alarms import AlarmLimits as AlarmLimits
+from .measurement.monitor.health import ChannelRules as ChannelRules
+from .measurement.monitor.monitor import Monitor as Monitor
+from .measurement.monitor.recorded import MonitorRecord as MonitorRecord
+from .measurement.monitor.setup import MonitorSettings as MonitorSettings
+from .measurement.monitor.watch import watch as watch
+from .measurement.twin.bands import stress_band as stress_band
+from .measurement.twin.life import DamageBand as DamageBand, damage_band as damage_band
+from .measurement.twin.loads import (
+    identify_fourier as identify_fourier,
+    identify_loads as identify_loads,
+    identify_payload as identify_payload,
+)
+from .measurement.twin.observed import Observed as Observed
+from .measurement.twin.observer import Balance as Balance, Observer as Observer
+from .measurement.twin.placement import Placement as Placement, place_gauges as place_gauges
+from .measurement.twin.reconstruction import Estimate as Estimate, Reconstruction as Reconstruction
+from .measurement.twin.reference import Reference as Reference
+from .measurement.twin.system import Accelerometer as Accelerometer, UnknownLoad as UnknownLoad
+from .measurement.twin.tolerance import gauge_errors as gauge_errors
+from .measurement.twin.tuning import innovation_test as innovation_test
+from .mechanism.beams.body import BeamBody as BeamBody, BeamDamping as BeamDamping
+from .mechanism.beams.stiffness import BeamSection as BeamSection
+from .mechanism.bodies.body import (
+    FlexibleBody as FlexibleBody,
+    RigidBody as RigidBody,
+    ground as ground,
+)
+from .mechanism.forces.friction import (
+    Friction as Friction,
+    Regularised as Regularised,
+    StickSlip as StickSlip,
+)
+from .mechanism.forces.line_load import LineLoad as LineLoad
+from .mechanism.forces.loads import Force as Force, Gravity as Gravity, Torque as Torque
+from .mechanism.forces.moving import MovingLoad as MovingLoad
+from .mechanism.forces.springs import (
+    Bushing as Bushing,
+    JointForce as JointForce,
+    ModalLoad as ModalLoad,
+    Servo as Servo,
+    Spring as Spring,
+    UserForce as UserForce,
+)
+from .mechanism.initial import Initial as Initial
+from .mechanism.joints.coordinate import (
+    Angle as Angle,
+    Displacement as Displacement,
+    Distance as Distance,
+)
+from .mechanism.joints.coupling import (
+    Coupling as Coupling,
+    Drive as Drive,
+    Gear as Gear,
+    Rack as Rack,
+)
+from .mechanism.joints.hinges import (
+    Cylindrical as Cylindrical,
+    Revolute as Revolute,
+    Screw as Screw,
+    Universal as Universal,
+)
+from .mechanism.joints.points import (
+    PointOnLine as PointOnLine,
+    PointOnPlane as PointOnPlane,
+    Rod as Rod,
+    Spherical as Spherical,
+)
+from .mechanism.joints.slides import (
+    ConstantOrientation as ConstantOrientation,
+    Fixed as Fixed,
+    Planar as Planar,
+    Prismatic as Prismatic,
+)
+from .mechanism.mechanism import Mechanism as Mechanism
+from .mechanism.sensors.body import (
+    ModalSensor as ModalSensor,
+    PrincipalStressSensor as PrincipalStressSensor,
+    StressSensor as StressSensor,
+    VonMisesSensor as VonMisesSensor,
+)
+from .mechanism.sensors.bridge import (
+    Bridge as Bridge,
+    bridge_output as bridge_output,
+    quarter_bridge_strain as quarter_bridge_strain,
+)
+from .mechanism.sensors.damage import DamageSensor as DamageSensor
+from .mechanism.sensors.gauge import Gauge as Gauge, gauge_rows as gauge_rows
+from .mechanism.sensors.loads import ForceSensor as ForceSensor, ReactionSensor as ReactionSensor
+from .mechanism.sensors.motion import (
+    AccelerationSensor as AccelerationSensor,
+    AngularAccelerationSensor as AngularAccelerationSensor,
+    AngularVelocitySensor as AngularVelocitySensor,
+    OrientationSensor as OrientationSensor,
+    PositionSensor as PositionSensor,
+    VelocitySensor as VelocitySensor,
+)
+from .mechanism.sensors.readings import (
+    CoordinateSensor as CoordinateSensor,
+    EnergySensor as EnergySensor,
+    RateSensor as RateSensor,
+    SignalSensor as SignalSensor,
+)
+from .mechanism.sensors.rosette import Rosette as Rosette
+from .mechanism.sensors.section import SectionSensor as SectionSensor
+from .mechanism.sensors.temperature import Temperature as Temperature
+from .mechanism.signals.base import (
+    Constant as Constant,
+    ConstantSpeed as ConstantSpeed,
+    Input as Input,
+    Product as Product,
+    Sum as Sum,
+)
+from .mechanism.signals.event import Event as Event
+from .mechanism.signals.harmonic import Harmonic as Harmonic
+from .mechanism.signals.piecewise import (
+    Ramp as Ramp,
+    SCurve as SCurve,
+    Step as Step,
+    Table as Table,
+)
+from .mechanism.signals.switched import Switched as Switched
+from .mesh.cells import Cells as Cells
+from .mesh.holes import Hole as Hole
+from .mesh.inspection import Finding as Finding
+from .mesh.mesh import Mesh as Mesh
+from .mesh.picks import (
+    InBox as InBox,
+    InCylinder as InCylinder,
+    InSphere as InSphere,
+    Nearest as Nearest,
+)
+from .mesh.quality import Quality as Quality
+from .mesh.readers.files import read_mesh as read_mesh
+from .mesh.readers.step import mesh_step as mesh_step
+from .model.compile import compile as compile
+from .model.model import Model as Model
+from .model.native.meter import DamageMeter as DamageMeter
+from .model.native.native import Engine as Engine
+from .model.rank.doctor import Diagnosis as Diagnosis, doctor as doctor
+from .output.figures.bands import plot_band as plot_band
+from .output.figures.beams import (
+    plot_beam as plot_beam,
+    plot_section_forces as plot_section_forces,
+    write_beam as write_beam,
+)
+from .output.figures.campbell import (
+    plot_campbell as plot_campbell,
+    plot_root_locus as plot_root_locus,
+)
+from .output.figures.cycles import plot_cycles as plot_cycles, plot_sn as plot_sn
+from .output.figures.damage import plot_damage as plot_damage, write_damage as write_damage
+from .output.figures.friction import plot_friction_stress as plot_friction_stress
+from .output.figures.gauges import plot_gauges as plot_gauges
+from .output.figures.hotspots import (
+    plot_hotspots as plot_hotspots,
+    write_hotspots as write_hotspots,
+)
+from .output.figures.hysteresis import (
+    plot_hysteresis as plot_hysteresis,
+    plot_spectrum as plot_spectrum,
+)
+from .output.figures.load_path import (
+    plot_load_path as plot_load_path,
+    write_load_path as write_load_path,
+)
+from .output.figures.monitor import plot_monitor as plot_monitor
+from .output.figures.planar import plot_planar as plot_planar
+from .output.figures.plot import plot as plot
+from .output.figures.stress import plot_stress as plot_stress, write_stress as write_stress
+from .output.files.contour import write_contour as write_contour
+from .output.files.mbdyn import write_fem as write_fem
+from .output.files.meshes import write_mesh as write_mesh
+from .output.files.sid import write_sid as write_sid
+from .output.files.table import write_csv as write_csv
+from .output.files.vtu import write_vtu as write_vtu
+from .output.pages.certificate import write_certificate as write_certificate
+from .output.scenes.animate import animate as animate, still as still
+from .output.scenes.draw import draw as draw
+from .parts.frames.element import EulerBernoulli as EulerBernoulli, Timoshenko as Timoshenko
+from .parts.frames.members import Member as Member
+from .parts.interface import Interface as Interface
+from .parts.loads import (
+    NodalForce as NodalForce,
+    Pressure as Pressure,
+    Spin as Spin,
+    SurfaceLoad as SurfaceLoad,
+    Traction as Traction,
+    Weight as Weight,
+)
+from .parts.mass import PointMass as PointMass
+from .parts.matrices.matrices import Matrices as Matrices
+from .parts.matrices.read import read_matrices as read_matrices
+from .parts.part import Part as Part
+from .parts.solids.error import (
+    MeshError as MeshError,
+    mesh_error as mesh_error,
+    place_errors as place_errors,
+)
+from .planar.frame import PlanarFrame as PlanarFrame
+from .recovery.beams.forces import SectionForces as SectionForces, section_forces as section_forces
+from .recovery.budget import ErrorBudget as ErrorBudget, error_budget as error_budget
+from .recovery.fields.build import field_from as field_from, stress_field as stress_field
+from .recovery.fields.criteria import Plane as Plane
+from .recovery.fields.field import Envelope as Envelope, StressField as StressField
+from .recovery.friction import (
+    FrictionStress as FrictionStress,
+    friction_stress as friction_stress,
+    without_friction as without_friction,
+)
+from .recovery.hotspots.spots import (
+    HotSpot as HotSpot,
+    HotSpots as HotSpots,
+    hot_spots as hot_spots,
+)
+from .reduction.certificate.advice import Advice as Advice, advise as advise
+from .reduction.certificate.certificate import (
+    Certificate as Certificate,
+    Check as Check,
+    certify as certify,
+)
+from .reduction.clamp import clamp as clamp
+from .reduction.damping import Rayleigh as Rayleigh
+from .reduction.files.cache import ReductionCache as ReductionCache
+from .reduction.methods import CraigBampton as CraigBampton, FreeFree as FreeFree
+from .reduction.modes.relief import InertiaRelief as InertiaRelief, inertia_relief as inertia_relief
+from .reduction.reduced import ReducedPart as ReducedPart
+from .reduction.reducer import reduce as reduce
+from .reduction.sparse.factor import SolverInfo as SolverInfo, solvers as solvers
+from .reduction.sparse.memory import (
+    MemoryEstimate as MemoryEstimate,
+    memory_estimate as memory_estimate,
+)
+from .reduction.superelement import reduce_superelement as reduce_superelement
+from .schema.file.read import read_model as read_model
+from .sections.points import StressPoint as StressPoint
+from .sections.profiles import Box as Box, IBeam as IBeam
+from .sections.section import (
+    Circle as Circle,
+    GeneralSection as GeneralSection,
+    Rectangle as Rectangle,
+    SectionPoint as SectionPoint,
+    Tube as Tube,
+)
+from .simulation.kinematics import inverse_dynamics as inverse_dynamics, kinematics as kinematics
+from .simulation.modes.campbell import Campbell as Campbell, campbell as campbell
+from .simulation.modes.linear import (
+    LinearModel as LinearModel,
+    MechanismModes as MechanismModes,
+    linearise as linearise,
+    modes as modes,
+)
+from .simulation.results.events import Happening as Happening
+from .simulation.results.solution import Solution as Solution, load as load
+from .simulation.running.simulate import (
+    RunFailed as RunFailed,
+    RunInterrupted as RunInterrupted,
+    simulate as simulate,
+)
+from .simulation.running.simulator import Simulator as Simulator
+from .simulation.running.state import State as State
+from .simulation.solvers.adaptive import DormandPrince as DormandPrince
+from .simulation.solvers.explicit import RK4 as RK4, ROS2 as ROS2, Baumgarte as Baumgarte
+from .simulation.solvers.implicit import GeneralizedAlpha as GeneralizedAlpha, Newmark as Newmark
+from .simulation.statics.buckling import Buckling as Buckling, buckling as buckling
+from .simulation.statics.equilibrium import equilibrium as equilibrium
+from .simulation.statics.load_paths import (
+    ArcLength as ArcLength,
+    CriticalPoint as CriticalPoint,
+    LoadPath as LoadPath,
+    PathFailed as PathFailed,
+)
+from .simulation.statics.paths import load_path as load_path
+from .simulation.statics.rotation import steady_rotation as steady_rotation
+from .simulation.statics.settled import settled as settled
+
+__version__: str

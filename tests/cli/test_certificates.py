@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from jousto.cli import app
+from jousto.cli.group import app
 
 PART = """\
 type: beam

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typer.testing import CliRunner
 
-from jousto.cli import app
+from jousto.cli.group import app
 from schema.test_events import TEXT
 
 

@@ -10,7 +10,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 import jousto as jo
-from jousto.cli import app
+from jousto.cli.group import app
 
 MODEL = """\
 name: pendulum

@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 import jousto as jo
-from jousto.cli import app
+from jousto.cli.group import app
 
 MODEL = """\
 name: bar

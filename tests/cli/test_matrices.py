@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from jousto.cli import app
+from jousto.cli.group import app
 
 FILES = Path(__file__).parent.parent / "parts" / "files"
 PART = """type: matrices

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.recovery.monitor import MonitorRecord
-from recovery.monitor.watched import NAMES, lines, motion, written
+from jousto.measurement.monitor.recorded import MonitorRecord
+from measurement.monitor.watched import NAMES, lines, motion, written
 
 MODEL = """\
 parts:
@@ -169,6 +169,26 @@ def test_bad_blocks_are_told_with_their_line(tmp_path, old, new, sentence):
     with pytest.raises(jo.InputError, match=sentence) as error:
         jo.read_model(path)
     assert "rod.yaml:" in str(error.value)
+
+
+def test_errors_of_the_gauges_are_in_the_bands(tmp_path):
+    """The keys of `errors` are `scale` of the monitor and those of gauge_errors of the twin."""
+    plain, wide = tmp_path / "rod.yaml", tmp_path / "wide.yaml"
+    plain.write_text(MODEL)
+    said = "monitor:\n  errors: {scale: 3 %, factor: 0.01, position: 2 mm}\n"
+    wide.write_text(MODEL.replace("monitor:\n", said))
+    settings = jo.read_model(wide).monitor
+    assert (settings.scale, settings.factor, settings.position) == (0.03, 0.01, 2e-3)
+    t, _, e = motion(50)
+    a, b = (jo.read_model(path).monitor.monitor().push(t, e) for path in (plain, wide))
+    np.testing.assert_allclose(a.stress, b.stress)
+    half = 0.5 * (b.high - b.low)
+    # at least what the errors in proportion alone make of it
+    assert np.all(half >= 1.95 * 0.03 * np.abs(b.stress))
+    assert np.all(b.high - b.low > a.high - a.low)
+    wide.write_text(MODEL.replace("monitor:\n", said.replace("3 %", "2")))
+    with pytest.raises(jo.InputError, match="scale is 2"):
+        jo.read_model(wide)
 
 
 def test_hot_spots_of_a_reference_run(tmp_path):

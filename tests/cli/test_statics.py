@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from jousto.cli import app
+from jousto.cli.group import app
 
 MODEL = """\
 name: truss
@@ -61,7 +61,9 @@ def test_a_path_names_its_limits_and_writes_table_and_picture(model, tmp_path):
 )
 def test_a_path_is_not_followed_for_nothing(model, tmp_path, monkeypatch, options, told):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("jousto.simulation.load_path", lambda *_, **__: pytest.fail("it ran"))
+    monkeypatch.setattr(
+        "jousto.simulation.statics.paths.load_path", lambda *_, **__: pytest.fail("it ran")
+    )
     code, out = jousto("path", model, "--to", 5, *options)
     assert code == 2, out
     assert told in " ".join(out.split())

@@ -13,7 +13,7 @@ from click.testing import Result
 from typer.testing import CliRunner
 
 import jousto as jo
-from jousto.cli import app
+from jousto.cli.group import app
 
 F, L, B, H = 1.0, 1.0, 0.02, 0.01
 
@@ -93,7 +93,7 @@ def test_files_for_paraview(result: Path, tmp_path: Path) -> None:
     assert largest.max() == pytest.approx(envelope.max.max())
     assert call("stress", result, "-o", tmp_path / "film.pvd").exit_code == 0
     text = (tmp_path / "film.pvd").read_text("utf-8")
-    assert text.count("<DataSet") == len(run) and 'file="film_0.vtu"' in text
+    assert text.count("<DataSet") == run.nt and 'file="film_0.vtu"' in text
     frame = meshio.read(tmp_path / "film_4.vtu")
     bent = frame.points[4, 2]
     assert bent == pytest.approx(-4 * F * L**3 / (210e9 * B * H**3), rel=1e-3)

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from jousto.parts import Material, Part, Rectangle
-from jousto.reduction import CraigBampton, ReducedPart, reduce
+from jousto.materials.material import Material
+from jousto.parts.part import Part
+from jousto.reduction.methods import CraigBampton
+from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.reducer import reduce
+from jousto.sections.section import Rectangle
 
 
 @pytest.fixture(scope="session")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.mechanism import rotation_matrix
+from jousto.base.rotations import rotation_matrix
 
 STEEL = jo.Material(E=210e9, nu=0.3, rho=7850.0)
 BAR = jo.Rectangle(0.02, 0.01)
@@ -275,3 +275,46 @@ def test_nodes_have_whole_numbers(number):
     beam = jo.BeamBody("b", [(0, 0, 0), (1, 0, 0)], jo.Circle(0.01), STEEL, elements=4)
     with pytest.raises(jo.InputError, match="no node"):
         beam.node(number)
+
+
+STRIP_E, STRIP_RHO = 200e9, 8000.0
+
+
+def given_strip(*, turning: float | None = None, polar: float = 0.0, dense: float = 1.0):
+    """A strip of 20 by 2 mm by its numbers; `dense`: times the density beside the stiffness."""
+    A, Iy, Iz = 0.04e-3, 0.02 * 0.002**3 / 12, 0.002 * 0.02**3 / 12
+    rho = STRIP_RHO * dense
+    stiff = (STRIP_E * A, 80e9 * A, 80e9 * A, 4.0, STRIP_E * Iy, STRIP_E * Iz)
+    about = rho * (Iy + Iz) if turning is None else rho * turning
+    return jo.BeamSection(stiff, rho * A, (about, rho * Iy, rho * Iz), polar=polar)
+
+
+def test_the_polar_inertia_is_the_sum_of_the_others():
+    """Of a flat section; the torsion constant, b t^3/3, is often taken for it."""
+    given_strip()
+    with pytest.warns(jo.JoustoWarning, match=r"about x .* of a flat section it is their sum"):
+        given_strip(turning=1.32e-9)  # between Iz - Iy and Iz + Iy, or no body had it
+
+
+@pytest.mark.parametrize(("wrong", "dense"), [(1.347e-9, 1.0), (0.98 * 101 / 3e6, 1.0)])
+def test_polar_is_that_of_the_section(wrong, dense):
+    """(Iy + Iz)/A = (b^2 + t^2)/12, to 1 % where mass and stiffness are spread alike."""
+    right = (0.02**2 + 0.002**2) / 12
+    given_strip(polar=right)
+    with pytest.warns(jo.JoustoWarning, match=r"polar is .* not Iy \+ Iz and not the torsion"):
+        given_strip(polar=wrong, dense=dense)
+
+
+def test_polar_of_composites_need_not_be_that_of_the_stiffness():
+    """Within a factor of ten; about the shear centre wherever that is."""
+    section = jo.BeamSection((8e6, 3e6, 3e6, 4.0, 2.7, 266.0), 0.4, (2e-5, 1e-5, 1e-5), polar=5e-5)
+    assert section.polar == 5e-5
+    with pytest.warns(jo.JoustoWarning, match="polar is 1e-09 m2, that of the stiffness 3.359e-05"):
+        jo.BeamSection((8e6, 3e6, 3e6, 4.0, 2.7, 266.0), 0.4, (2e-5, 1e-5, 1e-5), polar=1e-9)
+    made = jo.BeamSection.of(
+        jo.Rectangle(0.02, 0.002), STEEL, centroid=(0.01, 0.002), shear_center=(0.03, -0.01)
+    )
+    again = jo.BeamSection(
+        made.stiffness, made.mass, made.inertia, center=made.center, polar=made.polar
+    )
+    assert again.polar == made.polar

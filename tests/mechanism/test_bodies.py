@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from jousto.errors import InputError
-from jousto.mechanism import FlexibleBody, RigidBody, Rotate, ground, rotation_matrix
-from jousto.mechanism.inertia import rigid_mass
-from jousto.reduction import Rayleigh
+from jousto.base.errors import InputError
+from jousto.base.rotations import Rotate, rotation_matrix
+from jousto.mechanism.bodies.body import FlexibleBody, RigidBody, ground
+from jousto.mechanism.bodies.inertia import rigid_mass
+from jousto.reduction.damping import Rayleigh
 
 
 def messages(make) -> list[str]:
@@ -202,7 +203,9 @@ def test_bad_flexible_bodies_say_why(rod, change, sentence):
 
 
 def test_a_part_must_be_reduced_first():
-    from jousto.parts import Material, Part, Rectangle
+    from jousto.materials.material import Material
+    from jousto.parts.part import Part
+    from jousto.sections.section import Rectangle
 
     part = Part.beam(1.0, Rectangle(0.1, 0.1), 2, Material(2e11, 0.3, 7850))
     assert messages(lambda: FlexibleBody("arm", part)) == [
@@ -213,7 +216,9 @@ def test_a_part_must_be_reduced_first():
 
 def test_rigid_mass_agrees_with_a_sum_over_mass_points(rod):
     """Z = M_rr - M_rp M_pr with all integrals as sums over the particles of the part."""
-    from jousto.parts import Material, Part, Rectangle
+    from jousto.materials.material import Material
+    from jousto.parts.part import Part
+    from jousto.sections.section import Rectangle
 
     steel = Material(E=210e9, nu=0.3, rho=7850.0)
     part = Part.beam(2.0, Rectangle(0.1, 0.05), 4, steel, lumped=True, rotary_inertia=False)
@@ -252,7 +257,7 @@ def test_rigid_mass_agrees_with_a_sum_over_mass_points(rod):
         T = np.hstack([np.eye(3), -skewed, phi])
         M += m * T.T @ T
     Z = M[:6, :6] - M[:6, 6:] @ np.linalg.solve(M[6:, 6:], M[6:, :6])
-    np.testing.assert_allclose(rigid_mass(Body), Z, atol=1e-11)
+    np.testing.assert_allclose(rigid_mass(Body), Z, rtol=0, atol=1e-12 * np.abs(M).max())
 
 
 def test_mass_on_one_line_is_refused_with_the_remedy(rod):
@@ -329,7 +334,8 @@ def test_drop_invariants_must_be_names(rod):
 
 
 def test_only_a_part_can_be_reduced():
-    from jousto.reduction import FreeFree, reduce
+    from jousto.reduction.methods import FreeFree
+    from jousto.reduction.reducer import reduce
 
     assert messages(lambda: reduce(None, FreeFree(modes=1))) == [
         "reduce: part is None, must be a Part such as Part.beam(...)"

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto import mechanism as jm
+from jousto.mechanism.sensors.bridge import Bridge, quarter_bridge_strain
+from jousto.mechanism.sensors.gauge import Gauge, gauge_rows
+from jousto.mechanism.sensors.rosette import Rosette
 from parts.grids import grid
 
 STEEL = jo.Material(E=210e9, nu=0.3, rho=7850.0)
@@ -28,7 +30,7 @@ def beam():
 
 def sentences(*args, **kwargs):
     with pytest.raises(jo.InputError) as error:
-        jm.Gauge("g", *args, **kwargs)
+        Gauge("g", *args, **kwargs)
     return [str(problem) for problem in error.value.problems]
 
 
@@ -37,12 +39,12 @@ def test_a_grid_on_a_solid_is_the_elongation_over_the_length(bar):
     a, b = (
         int(np.argmin(np.linalg.norm(bar.nodes - (x, 0.025, 0.02), axis=1))) for x in (0.1, 0.2)
     )
-    gauge = jm.Gauge("g", bar, (0.15, 0.025, 0.0201), (1, 0, 0), length=0.1)
+    gauge = Gauge("g", bar, (0.15, 0.025, 0.0201), (1, 0, 0), length=0.1)
     np.testing.assert_allclose(gauge.position, (0.15, 0.025, 0.02), atol=1e-12)
     expected = (bar.modes[b, 0] - bar.modes[a, 0]) / 0.1
     np.testing.assert_allclose(gauge.rows[0], expected, atol=1e-9 * np.abs(expected).max())
     # a point sees the strain of the skin's stress: e = (s11 - nu (s22 + s33)) / E
-    point = jm.Gauge("p", bar, (0.15, 0.025, 0.02), (1, 0, 0))
+    point = Gauge("p", bar, (0.15, 0.025, 0.02), (1, 0, 0))
     part = jo.Part.solid(grid("hexahedron20", (8, 2, 2), SIZE), STEEL)
     skin = jo.reduce(part.with_stress(part.surface_stress()), jo.FreeFree(modes=12)).stress
     i = int(np.argmin(np.linalg.norm(skin.positions - point.position, axis=1)))
@@ -55,7 +57,7 @@ def test_reduced_files_keep_the_surface(bar, tmp_path):
     bar.save(tmp_path / "bar.h5")
     loaded = jo.ReducedPart.load(tmp_path / "bar.h5")
     at = (0.11, 0.02, 0.02)
-    gauges = [jm.Gauge("g", part, at, (1, 1, 0), length=0.01) for part in (bar, loaded)]
+    gauges = [Gauge("g", part, at, (1, 1, 0), length=0.01) for part in (bar, loaded)]
     np.testing.assert_array_equal(*(gauge.rows for gauge in gauges))
 
 
@@ -65,8 +67,8 @@ def test_transverse_sensitivity(bar, beam):
         (bar, (0.15, 0.025, 0.02), (1, 0, 0), (0, 1, 0)),
         (beam, (0.2, 0.0, 0.02), (1, 0, 0), (0, 1, 0)),
     ):
-        e, t = (jm.Gauge("g", part, at, d).rows for d in (along, across))
-        shown = jm.Gauge("g", part, at, along, transverse=0.02).rows
+        e, t = (Gauge("g", part, at, d).rows for d in (along, across))
+        shown = Gauge("g", part, at, along, transverse=0.02).rows
         np.testing.assert_allclose(shown, (e + 0.02 * t) / (1 - 0.285 * 0.02), rtol=1e-9)
 
 
@@ -78,7 +80,7 @@ def test_beams_anywhere_on_the_section(beam):
         "side": (0.3, 0.01, 0),
         "axis": (0.3, 0, 0),
     }
-    rows = {key: jm.Gauge(key, beam, x).rows for key, x in at.items()}
+    rows = {key: Gauge(key, beam, x).rows for key, x in at.items()}
     expected = rows["top"] + rows["side"] - rows["axis"]
     np.testing.assert_allclose(rows["corner"], expected, atol=1e-9 * np.abs(expected).max())
 
@@ -86,26 +88,26 @@ def test_beams_anywhere_on_the_section(beam):
 def test_a_grid_over_the_end_of_an_element(beam):
     """Strain is linear in each element: the mean is that of both halves' middles."""
     x = 0.5 / 3
-    gauge = jm.Gauge("g", beam, (x, 0, 0.02), length=0.04).rows
-    halves = [jm.Gauge("h", beam, (x + s * 0.01, 0, 0.02)).rows for s in (-1, 1)]
+    gauge = Gauge("g", beam, (x, 0, 0.02), length=0.04).rows
+    halves = [Gauge("h", beam, (x + s * 0.01, 0, 0.02)).rows for s in (-1, 1)]
     np.testing.assert_allclose(
         gauge, 0.5 * (halves[0] + halves[1]), atol=1e-9 * np.abs(gauge).max()
     )
 
 
 def test_rows_of_several(bar, beam):
-    gauges = [jm.Gauge(f"g{i}", bar, (x, 0.02, 0.02), (1, 0, 0)) for i, x in enumerate((0.1, 0.3))]
-    B = jm.gauge_rows(gauges)
+    gauges = [Gauge(f"g{i}", bar, (x, 0.02, 0.02), (1, 0, 0)) for i, x in enumerate((0.1, 0.3))]
+    B = gauge_rows(gauges)
     assert B.shape == (2, bar.n)
     np.testing.assert_array_equal(B[1], gauges[1].rows[0])
     few = bar.keep([0, 2, 5])
-    np.testing.assert_allclose(jm.gauge_rows(gauges, few), B[:, [0, 2, 5]])
+    np.testing.assert_allclose(gauge_rows(gauges, few), B[:, [0, 2, 5]])
     with pytest.raises(jo.InputError, match="parts of different numbers of modes"):
-        jm.gauge_rows([*gauges, jm.Gauge("other", beam, "e1.a.top")])
+        gauge_rows([*gauges, Gauge("other", beam, "e1.a.top")])
     with pytest.raises(jo.InputError, match="there are none"):
-        jm.gauge_rows([])
+        gauge_rows([])
     with pytest.raises(jo.InputError, match=r"gauges\[0\]: is 'g', must be a Gauge"):
-        jm.gauge_rows(["g"])
+        gauge_rows(["g"])
 
 
 def test_what_is_wrong_on_solids(bar):
@@ -129,18 +131,18 @@ def test_rosette_on_a_solid(bar):
     """Grids at 0, 45, 90 degrees counterclockwise seen from above, from below the other way."""
     for z, side in ((0.02, 1.0), (0.0, -1.0)):
         at = (0.15, 0.025, z)
-        rosette = jm.Rosette("r", bar, at, (1, 0, 0), length=0.004, width=0.004)
+        rosette = Rosette("r", bar, at, (1, 0, 0), length=0.004, width=0.004)
         np.testing.assert_allclose(rosette.normal, (0, 0, side), atol=1e-9)
         c = np.sqrt(0.5)
         for rows, d in zip(rosette.rows, ((1, 0, 0), (c, c * side, 0), (0, 1, 0)), strict=True):
-            single = jm.Gauge("g", bar, at, d, length=0.004, width=0.004)
+            single = Gauge("g", bar, at, d, length=0.004, width=0.004)
             np.testing.assert_allclose(rows, single.rows[0], atol=1e-9 * np.abs(rows).max())
     # the state does not depend on how the rosette is turned, nor on its kind; at a point
     p = 1e-6 * np.random.default_rng(5).standard_normal(bar.n)
     found = []
     for kind, turn in (("45", 0.0), ("45", 33.0), ("delta", 10.0)):
         d = (np.cos(np.radians(turn)), np.sin(np.radians(turn)), 0)
-        e = jm.Rosette("r", bar, (0.15, 0.025, 0.02), d, kind=kind).rows @ p
+        e = Rosette("r", bar, (0.15, 0.025, 0.02), d, kind=kind).rows @ p
         state = jo.rosette_state(e, kind=kind, E=210e9, nu=0.3)
         found.append((state.s1, state.s2, np.cos(2 * (state.angle + np.radians(turn)))))
     np.testing.assert_allclose(found[1:], [found[0]] * 2, rtol=1e-6)
@@ -148,12 +150,12 @@ def test_rosette_on_a_solid(bar):
 
 def test_rosettes_say_what_is_wrong(bar, beam):
     with pytest.raises(jo.InputError) as error:
-        jm.Rosette("r", bar, (0.15, 0.025, 0.02), (1, 0, 0), kind="30")
+        Rosette("r", bar, (0.15, 0.025, 0.02), (1, 0, 0), kind="30")
     assert "rosette 'r': kind is '30', must be '45', '60' (delta) or '90' (tee)" in str(error.value)
     with pytest.raises(jo.InputError, match="rosette 'r': direction is missing"):
-        jm.Rosette("r", bar, (0.15, 0.025, 0.02))
+        Rosette("r", bar, (0.15, 0.025, 0.02))
     with pytest.raises(jo.InputError, match="rosette 'r': measures shear, which beams know"):
-        jm.Rosette("r", beam, (0.3, 0.005, 0.02))
+        Rosette("r", beam, (0.3, 0.005, 0.02))
 
 
 def cantilever(torque=(0.0, 0, 0), force=(0, 0, 0.0), *, section=None, sensors, more=()):
@@ -229,18 +231,18 @@ def test_bridges_of_a_bent_beam():
 def test_nonlinearity_and_shunt(beam):
     """Tables of makers: 1000 um/m of a quarter bridge read 0.1 % low at k = 2; 174.65 kOhm beside
     350 ohm is 1000 um/m in compression (k = 2)."""
-    gauge = jm.Gauge("g", beam, "e1.a.top")
-    bridge = jm.Bridge("b", gauge)
+    gauge = Gauge("g", beam, "e1.a.top")
+    bridge = Bridge("b", gauge)
     assert bridge.kind == "quarter"
     v = bridge.output([1000e-6])
     assert v / (2.0 * 1000e-6 / 4) == pytest.approx(1 - 0.001, abs=2e-6)
-    assert jm.quarter_bridge_strain(v) == pytest.approx(1000e-6, rel=1e-12)
+    assert quarter_bridge_strain(v) == pytest.approx(1000e-6, rel=1e-12)
     shunt = bridge.shunt(174_650.0)
-    assert jm.quarter_bridge_strain(shunt) == pytest.approx(-1000e-6, rel=1e-9)
+    assert quarter_bridge_strain(shunt) == pytest.approx(-1000e-6, rel=1e-9)
     np.testing.assert_allclose(bridge.rows, 2.0 * gauge.rows / 4)
     # an adjacent half bridge is exact: e and -e
-    other = jm.Gauge("h", beam, "e1.a.bottom")
-    half = jm.Bridge("half", (gauge, other))
+    other = Gauge("h", beam, "e1.a.bottom")
+    half = Bridge("half", (gauge, other))
     assert half.output([500e-6, -500e-6]) == pytest.approx(2.0 * 500e-6 / 2, rel=1e-12)
 
 
@@ -279,9 +281,9 @@ def test_temperature_of_gauges_and_bridges():
 
 
 def test_bridges_say_what_is_wrong(bar, beam):
-    g, h = jm.Gauge("g", beam, "e1.a.top"), jm.Gauge("h", bar, (0.15, 0.025, 0.02), (1, 0, 0))
+    g, h = Gauge("g", beam, "e1.a.top"), Gauge("h", bar, (0.15, 0.025, 0.02), (1, 0, 0))
     with pytest.raises(jo.InputError) as error:
-        jm.Bridge("b", (g, h, g), gauge_factor=0.0, resistance=-1)
+        Bridge("b", (g, h, g), gauge_factor=0.0, resistance=-1)
     assert [str(p) for p in error.value.problems] == [
         "bridge 'b': its gauges sit on several bodies (beam, box), must be on one",
         "bridge 'b': one gauge stands in several arms; place one for each arm",
@@ -289,11 +291,11 @@ def test_bridges_say_what_is_wrong(bar, beam):
         "bridge 'b': resistance is -1 ohm, must be positive",
     ]
     with pytest.raises(jo.InputError, match="has 0 arms, must have one to four"):
-        jm.Bridge("b", ())
+        Bridge("b", ())
     with pytest.raises(jo.InputError, match="arm 1 is 'g', must be a Gauge or None"):
-        jm.Bridge("b", ("g", g))
+        Bridge("b", ("g", g))
     with pytest.raises(jo.InputError, match=r"strains have shape \(3,\), the last must be 1"):
-        jm.Bridge("b", g).output([1, 2, 3])
+        Bridge("b", g).output([1, 2, 3])
 
 
 def test_a_grid_must_fit_on_its_beam(beam):
@@ -308,5 +310,5 @@ def test_a_grid_must_fit_on_its_beam(beam):
     (across,) = sentences(beam, (0.1, 0, 0.02), (0, 1, 0), length=0.3)
     assert "the section is 40 mm" in across
     # up to the end, within rounding, it fits
-    jm.Gauge("g", beam, (0.498, 0, 0.02), length=0.004)
-    jm.Gauge("g", beam, (0.25, 0, 0.02), length=0.5)
+    Gauge("g", beam, (0.498, 0, 0.02), length=0.004)
+    Gauge("g", beam, (0.25, 0, 0.02), length=0.5)

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
-from jousto.errors import InputError
-from jousto.mechanism import (
-    RigidBody,
+from jousto.base.errors import InputError
+from jousto.base.rotations import (
     Rotate,
     euler_parameters,
     exp_rotation,
     rotation_matrix,
     skew,
+    turn_onto,
 )
-from jousto.mechanism.orientation import turn_onto
+from jousto.mechanism.bodies.body import RigidBody
 
 number = st.floats(-10, 10)
 vector = st.tuples(number, number, number)

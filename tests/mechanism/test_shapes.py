@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.mechanism.shapes import Array
-from jousto.schema import parse_model
+from jousto.mechanism.bodies.shapes import Array
+from jousto.schema.file.read import parse_model
 
 
 def same(body: jo.RigidBody, mass: float, center: tuple, inertia: object, rel: float) -> None:

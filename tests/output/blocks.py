@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 import jousto as jo
-from jousto.reduction import StressModes
+from jousto.reduction.fields.stress import StressModes
 
 CORNERS = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1],
                     [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]])  # fmt: skip

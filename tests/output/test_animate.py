@@ -13,11 +13,10 @@ import pytest
 from PIL import Image
 
 import jousto as jo
-from jousto.output import View
-from jousto.output.film import Palette, find_ffmpeg
-from jousto.output.scene import make_scene, new_picture
+from jousto.output.scenes.film import Palette, find_ffmpeg
+from jousto.output.scenes.scene import make_scene, new_picture
+from jousto.output.scenes.view import View, choose_view
 from jousto.output.style import styled
-from jousto.output.view import choose_view
 from output.runs import spatial, swing
 
 
@@ -55,7 +54,7 @@ def test_a_gif_cannot_have_every_rate_but_keeps_the_speed(tmp_path: Path) -> Non
 def test_too_many_frames_are_sped_up_with_a_warning(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from jousto.output.film import MOST_FRAMES
+    from jousto.output.scenes.film import MOST_FRAMES
 
     monkeypatch.setitem(MOST_FRAMES, "gif", 12)
     with pytest.warns(jo.JoustoWarning, match=r"more than 12 frames; it runs at 0.\d+ times"):
@@ -159,9 +158,9 @@ def test_plane_motion_is_seen_straight_on(
     assert view.plane == plane
     np.testing.assert_allclose(view.axes @ view.axes.T, np.eye(3), atol=1e-15)
     assert np.linalg.det(view.axes) == pytest.approx(1.0)
-    if gravity is not None:
-        # down is down
-        assert view.project(np.array(gravity))[1] < 0.0
+    # down is down, and no gravity has no direction
+    down = np.array(gravity or (0.0, 0.0, 0.0))
+    assert (view.project(down)[1] < 0.0) == (gravity is not None)
 
 
 def test_view_keeps_the_right_hand_and_refuses_nonsense() -> None:

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.output.scene import make_scene
-from jousto.output.skins import beam_skin, outline_rows, tube
+from jousto.output.scenes.scene import make_scene
+from jousto.output.scenes.skins import beam_skin, outline_rows, tube
 from jousto.recovery.beams.strains import exponential
 from recovery.beams.cases import cantilever
 
@@ -37,8 +37,8 @@ def test_skin_of_a_cantilever(bent: jo.Solution) -> None:
 
 def test_edge_of_a_round_section_has_its_stress() -> None:
     """Bending stress M r sin / I all around, torsion T r / J everywhere."""
-    from jousto.engine.beam_shape import SectionShape
-    from jousto.parts.section_stress import section_outline, stress_points
+    from jousto.model.beam_record import SectionShape
+    from jousto.sections.points import section_outline, stress_points
 
     points = stress_points(jo.Circle(0.02))
     section = SectionShape(

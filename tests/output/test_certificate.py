@@ -10,10 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jousto.errors import InputError
-from jousto.output import write_certificate
-from jousto.parts import Material, Part, Rectangle
-from jousto.reduction import Certificate, CraigBampton, Silhouette, certify, reduce
+from jousto.base.errors import InputError
+from jousto.materials.material import Material
+from jousto.output.pages.certificate import write_certificate
+from jousto.parts.part import Part
+from jousto.reduction.certificate.certificate import Certificate, Silhouette, certify
+from jousto.reduction.methods import CraigBampton
+from jousto.reduction.reducer import reduce
+from jousto.sections.section import Rectangle
 
 
 @pytest.fixture(scope="module")
@@ -52,6 +56,7 @@ def test_the_page_stands_for_itself(certificate: Certificate, tmp_path: Path) ->
     page.feed(text)
     assert page.open == []
     words = " ".join(page.words)
+    assert min(map(len, (certificate.checks, certificate.facts, certificate.tables))) > 0
     for check in certificate.checks:
         assert check.topic in words and check.value in words
     for key, value in certificate.facts:

@@ -45,22 +45,29 @@ def test_what_cannot_be_drawn_is_said_at_once(tmp_path: Path) -> None:
         jo.draw(3, tmp_path / "a.png")  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("suffix", ["vtu", "vtk", "inp", "msh", "med"])
-def test_written_meshes_are_read_again(suffix: str, tmp_path: Path) -> None:
+def same_shape(again: jo.Mesh, mesh: jo.Mesh) -> bool:
+    """Whether a mesh is that which was written; decks keep seven digits."""
+    near = np.allclose(again.nodes, mesh.nodes, rtol=0.0, atol=1e-7 * np.ptp(mesh.nodes))
+    return near and again.volume == pytest.approx(mesh.volume, rel=1e-6)
+
+
+@pytest.mark.parametrize("suffix", ["vtu", "vtk", "inp"])
+def test_written_meshes_are_read_again_with_their_sets(suffix: str, tmp_path: Path) -> None:
     mesh, path = plate(), tmp_path / f"plate.{suffix}"
-    keeps = suffix in ("vtu", "vtk", "inp")
-    if keeps:
-        jo.write_mesh(mesh, path, unit="mm")
-    else:
-        with pytest.warns(jo.JoustoWarning, match="written without the sets"):
-            jo.write_mesh(mesh, path, unit="mm")
+    jo.write_mesh(mesh, path, unit="mm")
     again = jo.read_mesh(path, unit="mm")
-    assert np.allclose(again.nodes, mesh.nodes, atol=1e-8)
-    assert again.volume == pytest.approx(mesh.volume, rel=1e-6)
-    if keeps:
-        for name in ("left", "right"):
-            assert np.array_equal(again.node_sets[name], mesh.node_sets[name])
-        assert np.array_equal(again.element_sets["all"], mesh.element_sets["all"])
+    assert same_shape(again, mesh)
+    for name in ("left", "right"):
+        assert np.array_equal(again.node_sets[name], mesh.node_sets[name])
+    assert np.array_equal(again.element_sets["all"], mesh.element_sets["all"])
+
+
+@pytest.mark.parametrize("suffix", ["msh", "med"])
+def test_meshes_written_without_their_sets_are_read_again(suffix: str, tmp_path: Path) -> None:
+    mesh, path = plate(), tmp_path / f"plate.{suffix}"
+    with pytest.warns(jo.JoustoWarning, match="written without the sets"):
+        jo.write_mesh(mesh, path, unit="mm")
+    assert same_shape(jo.read_mesh(path, unit="mm"), mesh)
 
 
 def test_the_surface_as_triangles(tmp_path: Path) -> None:

@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.output.surface import Skin
+from jousto.output.figures.painted import hidden, paint
+from jousto.output.scenes.surface import Skin
+from jousto.output.scenes.view import View
+from jousto.output.style import Picture
+from jousto.recovery.shape import find_body
 from output.blocks import swinging_bar
 from output.runs import swing
 
@@ -64,3 +68,52 @@ def test_vtu_holds_the_worst_value_of_each_node(tmp_path):
     mesh = meshio.read(jo.write_damage(run, found, tmp_path / "d.vtu"))
     assert mesh.point_data["damage"].max() == pytest.approx(found.damage.max())
     assert mesh.point_data["life (s)"].min() == pytest.approx(found.life.min())
+
+
+def test_places_behind_the_body_are_faded(tmp_path):
+    """A box looked at along y: its front is seen, its back and what is inside are hidden."""
+    run = swinging_bar()
+    shape = find_body(run, "bar")
+    eye = View.on("xz")
+    x = eye.project(shape.nodes)
+    front, back = shape.nodes[np.argmax(x[:, 2])], shape.nodes[np.argmin(x[:, 2])]
+    middle = 0.5 * (shape.nodes.min(axis=0) + shape.nodes.max(axis=0))
+    assert not hidden(shape, eye, front)
+    assert hidden(shape, eye, back) and hidden(shape, eye, middle)
+    # from the other side it is the other way round
+    other = View((0.0, 1.0, 0.0))
+    assert hidden(shape, other, front) and not hidden(shape, other, back)
+    # the pictures say so
+    field = jo.stress_field(run, "bar", times=np.linspace(0, 0.2, 11))
+    found = jo.damage_field(field, jo.SN(S_D=5e5, N_D=1e6, k=5), criterion="s11", residue="half")
+    kinds = set()
+    for view in (eye, View((-0.9, -0.5, 0.3))):
+        ax = jo.plot_damage(run, found, view=view, marks=8).axes[0]
+        for text, dot in zip(ax.texts, ax.lines, strict=True):
+            bracket = text.get_text().startswith("(")
+            kinds.add(bracket)
+            assert (dot.get_alpha() < 1.0) == (text.get_alpha() < 1.0) == bracket
+    assert kinds == {True, False}
+
+
+def test_damage_and_hot_spots_are_painted_alike():
+    """Lines between two nodes: straight for stress, in decades for damage."""
+    run = swing()
+    shape = find_body(run, "arm")
+    values = np.geomspace(1e-6, 1.0, len(shape.nodes))
+    for decades in (False, True):
+        figure = Picture()
+        ax = figure.add_axes((0, 0, 1, 1))
+        seen = []
+        paint(
+            ax,
+            shape,
+            View.on("xz"),
+            values,
+            lambda of: (seen.append(of), np.zeros((len(of), 3)))[1],  # noqa: B023
+            decades=decades,
+        )
+        a, b = values[shape.elements[0, :2]]
+        share = (np.arange(8) + 0.5) / 8
+        between = a ** (1 - share) * b**share if decades else a + share * (b - a)
+        np.testing.assert_allclose(seen[0][:8], between, rtol=1e-9)

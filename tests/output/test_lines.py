@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jousto.output.lines import FINE, outline
-from jousto.simulation import BodyShape
+from jousto.output.scenes.lines import FINE, outline
+from jousto.simulation.results.records import BodyShape
 
 
 def shape(nodes: object, elements: object, kind: str = "flexible") -> BodyShape:

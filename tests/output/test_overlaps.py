@@ -10,10 +10,10 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import jousto as jo
-from jousto.output.load_path import plot_load_path
-from jousto.output.scene import Scene, new_picture
+from jousto.output.figures.load_path import plot_load_path
+from jousto.output.scenes.scene import Scene, new_picture
+from jousto.output.scenes.view import choose_view
 from jousto.output.style import styled
-from jousto.output.view import choose_view
 
 
 def boxes(figure, artists):

@@ -8,12 +8,14 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 import pytest
-from matplotlib.colors import to_hex
+from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
 
 import jousto as jo
-from jousto.output.plot import spread
-from jousto.output.series import STEPS, envelope, pick, thin
+from jousto.output.figures.plot import spread
+from jousto.output.figures.series import STEPS, envelope, thin
+from jousto.output.style import COLORS, DASHES
+from jousto.simulation.results.naming import pick
 from output.runs import swing
 
 
@@ -106,6 +108,27 @@ def test_several_runs_lie_over_one_another() -> None:
     assert [text.get_text() for text in legend.get_texts()] == ["1 ms", "0.5 ms"]
     with pytest.raises(jo.InputError, match="no run to draw"):
         jo.plot({}, "tip")
+
+
+def test_a_component_keeps_its_colour_in_all_runs():
+    labels = ("a", "b", "c", "d", "e", "f")
+    for name in ("tip", "tip.y"):
+        figure = jo.plot({label: swing() for label in labels}, name)
+        looks = {}
+        for k, line in enumerate(figure.axes[0].lines):
+            run, component = divmod(k, len(figure.axes[0].lines) // len(labels))
+            rgb = np.array(to_rgb(line.get_color()))
+            hue = 1.0 - rgb
+            looks.setdefault(run, set()).add((line.get_linewidth(), str(line._dash_pattern)))
+            # mixed with white or not, it is the colour of the component
+            own = 1.0 - np.array(to_rgb(COLORS[component]))
+            np.testing.assert_allclose(hue / hue.max(), own / own.max(), atol=1e-9)
+            if 0 < run <= len(DASHES):
+                np.testing.assert_allclose(hue, own)
+        # a run has one kind of line, and no other run up to the fourth has it
+        assert all(len(look) == 1 for look in looks.values())
+        kinds = [look.pop() for look in looks.values()]
+        assert len(set(kinds[:5])) == 5
 
 
 def test_no_global_state() -> None:

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.output.scene import make_scene
+from jousto.output.scenes.scene import make_scene
+from jousto.output.scenes.symbols import SymbolPen, coil, ground_lines, joined_points, size_of
+from jousto.output.scenes.view import View
 from jousto.output.style import Picture
-from jousto.output.symbols import SymbolPen, coil, ground_lines, joined_points, size_of
-from jousto.output.view import View
 
 G = jo.ground
 STEEL = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)
@@ -89,10 +89,13 @@ def test_a_spring_is_drawn_between_its_ends(end):
     assert line[0].tolist() == [0.0, 0.0]
     assert line[-1].tolist() == list(end)
     assert np.isfinite(line).all()
-    length = np.hypot(*end)
-    if length:
-        off = np.abs(line @ np.array([-end[1], end[0]])) / length
-        assert off.max() == pytest.approx(0.01, rel=1e-12)
+
+
+@pytest.mark.parametrize("end", [(1.0, 0.0), (0.3, -0.4)])
+def test_the_coil_of_a_spring_is_as_wide_as_asked(end):
+    line = coil(np.zeros(2), np.array(end), 0.01)
+    off = np.abs(line @ np.array([-end[1], end[0]])) / np.hypot(*end)
+    assert off.max() == pytest.approx(0.01, rel=1e-12)
 
 
 def test_a_cylinder_keeps_its_length_while_its_rod_moves(run):
@@ -116,7 +119,7 @@ def test_a_cylinder_keeps_its_length_while_its_rod_moves(run):
 def test_they_change_the_picture(run, tmp_path, monkeypatch, name):
     view = View((1, 1, 1))
     with_them = jo.animate(run, tmp_path / name, view=view, stills=2, fps=5, speed=0.2).read_bytes()
-    monkeypatch.setattr("jousto.output.scene.draw_grounds", lambda *_: None)
+    monkeypatch.setattr("jousto.output.scenes.scene.draw_grounds", lambda *_: None)
     monkeypatch.setattr(SymbolPen, "show", lambda *_: None)
     without = jo.animate(run, tmp_path / name, view=view, stills=2, fps=5, speed=0.2).read_bytes()
     assert with_them != without

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.parts.cells import Cells
-from jousto.parts.mesh import Mesh
-from jousto.parts.solids.elements import EDGES, KINDS, places
+from jousto.mesh.cells import Cells
+from jousto.mesh.mesh import Mesh
+from jousto.mesh.reference import EDGES, KINDS, places
 
 Array = NDArray[np.float64]
 ALL = tuple(KINDS)

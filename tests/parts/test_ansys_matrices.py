@@ -11,8 +11,8 @@ import scipy.linalg
 from numpy.testing import assert_allclose
 
 import jousto as jo
-from jousto.errors import InputError
-from jousto.parts import Part
+from jousto.base.errors import InputError
+from jousto.parts.part import Part
 from parts.matrix_files import full
 
 with warnings.catch_warnings(), np.printoptions():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -13,13 +14,13 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.errors import InputError, JoustoWarning
-from jousto.parts.readers.apart import apart, packed, unpacked
+from jousto.base.errors import InputError, JoustoWarning
+from jousto.mesh.readers.apart import apart, packed, unpacked
 
 MODULE = """
 import faulthandler, json, os, sys, time
 import numpy as np
-from jousto.errors import InputError, Problem, warn
+from jousto.base.errors import InputError, Problem, warn
 
 def data(path, size):
     warn(path.name, "is odd")
@@ -100,7 +101,7 @@ def test_nested_values_are_packed_and_unpacked() -> None:
 def test_ctrl_c_ends_both_processes(tmp_path: Path) -> None:
     script = (
         "import sys; from pathlib import Path\n"
-        "from jousto.parts.readers.apart import apart\n"
+        "from jousto.mesh.readers.apart import apart\n"
         "apart(Path(sys.argv[1]), 'strange:endless', '')\n"
     )
     mark = tmp_path / "pid"
@@ -149,7 +150,8 @@ def test_damaged_cad_files_leave_python_alive(seed: int, tmp_path: Path) -> None
         data[i] = ord("0") + int(rng.integers(10))
     (tmp_path / "bad.brep").write_bytes(data)
     try:
-        mesh = jo.mesh_step(tmp_path / "bad.brep", size=10e-3, unit="mm")
-        assert len(mesh.nodes)
+        ended = f"{len(jo.mesh_step(tmp_path / 'bad.brep', size=10e-3, unit='mm').nodes)} nodes"
     except InputError as error:
-        assert "bad.brep: " in str(error)
+        ended = str(error)
+    # which of both it is depends on what the CAD kernel can still make of it
+    assert "bad.brep: " in ended or re.fullmatch(r"[1-9]\d* nodes", ended)

@@ -7,18 +7,19 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-from jousto.parts import (
+from jousto.materials.material import Material
+from jousto.parts.frames.element import (
+    BeamElements,
     EulerBernoulli,
-    IBeam,
-    Material,
-    Member,
-    Part,
-    PointMass,
-    Rectangle,
     Theory,
     Timoshenko,
+    shape_functions,
 )
-from jousto.parts.beam import BeamElements, shape_functions
+from jousto.parts.frames.members import Member
+from jousto.parts.mass import PointMass
+from jousto.parts.part import Part
+from jousto.sections.profiles import IBeam
+from jousto.sections.section import Rectangle
 
 STEEL = Material(E=210e9, nu=0.3, rho=7850.0)
 SECTION = IBeam(0.2, 0.1, 0.0056, 0.0085, 0.012)

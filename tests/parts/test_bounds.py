@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.errors import InputError, JoustoWarning
+from jousto.base.errors import InputError, JoustoWarning
+from jousto.base.units import UnitError, quantity
+from jousto.measurement.gauges.units import split_label
+from jousto.measurement.monitor.stream import _name_and_unit
 from jousto.mechanism.signals.piecewise import read_columns
-from jousto.parts.readers.cdb import _announced
-from jousto.parts.readers.files import which
-from jousto.parts.readers.matrices.plain import read_plain
-from jousto.recovery.gauges.units import split_label
-from jousto.recovery.monitor.stream import _name_and_unit
-from jousto.schema import read_model
-from jousto.schema.units import UnitError, quantity
+from jousto.mesh.readers.cdb import _announced
+from jousto.mesh.readers.files import which
+from jousto.parts.matrices.plain import read_plain
+from jousto.schema.file.read import read_model
 
 STEEL = jo.Material(2.1e11, 0.3, 7850.0)
 
@@ -28,15 +28,15 @@ STEEL = jo.Material(2.1e11, 0.3, 7850.0)
 BLANKS = r"""
 import sys
 from pathlib import Path
-from jousto.errors import InputError
-from jousto.parts.readers.bulk import read_bulk
-from jousto.parts.readers.cad import step_unit
-from jousto.parts.readers.cdb import _announced
-from jousto.parts.readers.files import FORMATS
-from jousto.recovery.gauges.units import split_label
-from jousto.recovery.monitor.stream import _name_and_unit
-from jousto.schema.entries import Orientation
-from jousto.schema.units import UnitError, quantity
+from jousto.base.errors import InputError
+from jousto.mesh.readers.bulk import read_bulk
+from jousto.mesh.readers.cad import step_unit
+from jousto.mesh.readers.cdb import _announced
+from jousto.mesh.readers.files import FORMATS
+from jousto.measurement.gauges.units import split_label
+from jousto.measurement.monitor.stream import _name_and_unit
+from jousto.schema.entries.base import Orientation
+from jousto.base.units import UnitError, quantity
 from pydantic import TypeAdapter
 
 n = 1_000_000
@@ -162,9 +162,9 @@ def test_values_beyond_all_materials_and_damping() -> None:
     with pytest.warns(JoustoWarning, match="stiffness is 1000 s: .* ratio 3.14e.03.*it is in s"):
         jo.BeamDamping(stiffness=1e3)
     with pytest.raises(InputError, match="ratio 1000 must be at most 100: 1 is critical"):
-        jo.reduction.modal_damping(1000.0, [1.0, 2.0])
+        jo.reduction.damping.modal_damping(1000.0, [1.0, 2.0])
     with pytest.warns(JoustoWarning, match="ratio 2 is above 1 .is it in per cent"):
-        jo.reduction.modal_damping([0.02, 2.0], [1.0, 2.0])
+        jo.reduction.damping.modal_damping([0.02, 2.0], [1.0, 2.0])
 
 
 def test_files_that_begin_like_others_are_known(tmp_path: Path) -> None:

@@ -8,8 +8,12 @@ import scipy.linalg
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
-from jousto.errors import JoustoWarning
-from jousto.parts import EulerBernoulli, Material, Part, PointMass, Rectangle, Theory, Timoshenko
+from jousto.base.errors import JoustoWarning
+from jousto.materials.material import Material
+from jousto.parts.frames.element import EulerBernoulli, Theory, Timoshenko
+from jousto.parts.mass import PointMass
+from jousto.parts.part import Part
+from jousto.sections.section import Rectangle
 
 STEEL = Material(E=210e9, nu=0.3, rho=7850.0)
 SECTION = Rectangle(0.1, 0.06)

@@ -9,8 +9,12 @@ import pytest
 import scipy.sparse as sp
 from numpy.testing import assert_allclose, assert_array_equal
 
-from jousto.errors import InputError, JoustoWarning
-from jousto.parts import Circle, Interface, Material, Part, PointMass
+from jousto.base.errors import InputError, JoustoWarning
+from jousto.materials.material import Material
+from jousto.parts.interface import Interface
+from jousto.parts.mass import PointMass
+from jousto.parts.part import Part
+from jousto.sections.section import Circle
 
 STEEL = Material(E=210e9, nu=0.3, rho=7850.0)
 ROD = Circle(0.05)

@@ -9,16 +9,12 @@ import pytest
 import scipy.linalg
 from numpy.typing import NDArray
 
-from jousto.errors import InputError
-from jousto.parts import (
-    Circle,
-    EulerBernoulli,
-    Material,
-    Member,
-    Part,
-    Rectangle,
-    Timoshenko,
-)
+from jousto.base.errors import InputError
+from jousto.materials.material import Material
+from jousto.parts.frames.element import EulerBernoulli, Timoshenko
+from jousto.parts.frames.members import Member
+from jousto.parts.part import Part
+from jousto.sections.section import Circle, Rectangle
 
 Array = NDArray[np.float64]
 STEEL = Material(E=210e9, nu=0.3, rho=7850.0)

@@ -8,18 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from jousto.errors import InputError, JoustoWarning
-from jousto.parts import (
-    InBox,
-    InCylinder,
-    InSphere,
-    Interface,
-    Material,
-    Nearest,
-    Part,
-    Rectangle,
-)
-from jousto.parts.area import area_matrix
+from jousto.base.errors import InputError, JoustoWarning
+from jousto.materials.material import Material
+from jousto.mesh.area import area_matrix
+from jousto.mesh.picks import InBox, InCylinder, InSphere, Nearest
+from jousto.parts.interface import Interface
+from jousto.parts.part import Part
+from jousto.sections.section import Rectangle
 from reduction.hexes import box
 
 STEEL = Material(E=210e9, nu=0.3, rho=7850.0)

@@ -7,20 +7,13 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial.transform import Rotation
 
-from jousto.errors import InputError
-from jousto.parts import (
-    Circle,
-    EulerBernoulli,
-    MassPoints,
-    Material,
-    Member,
-    Part,
-    PointMass,
-    Rectangle,
-    Section,
-    Timoshenko,
-    Tube,
-)
+from jousto.base.errors import InputError
+from jousto.materials.material import Material
+from jousto.parts.frames.element import EulerBernoulli, Timoshenko
+from jousto.parts.frames.members import Member
+from jousto.parts.mass import MassPoints, PointMass
+from jousto.parts.part import Part
+from jousto.sections.section import Circle, Rectangle, Section, Tube
 
 STEEL = Material(E=210e9, nu=0.3, rho=7850.0)
 L = 0.8

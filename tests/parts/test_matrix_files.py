@@ -13,10 +13,12 @@ import scipy.sparse as sp
 from numpy.testing import assert_allclose, assert_array_equal
 
 import jousto as jo
-from jousto.errors import InputError, JoustoWarning
-from jousto.parts import Circle, Material, Part, Rectangle
-from jousto.parts.readers.matrices import SYSTEMS, Units
-from jousto.parts.readers.matrices.plain import read_harwell_boeing
+from jousto.base.errors import InputError, JoustoWarning
+from jousto.materials.material import Material
+from jousto.parts.matrices.plain import read_harwell_boeing
+from jousto.parts.matrices.units import SYSTEMS, Units
+from jousto.parts.part import Part
+from jousto.sections.section import Circle, Rectangle
 from parts.matrix_files import (
     full,
     write_abaqus,
@@ -428,11 +430,12 @@ def test_the_speed_of_sound_does_not_suspect_beams() -> None:
             node_ids=np.arange(elements + 1),
             nodes=rod.nodes,
         )
-        from jousto.parts.readers.matrices.read import _plausible
+        from jousto.parts.matrices.read import _plausible
 
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
             _plausible(matrices, "rod", "SI")
+        assert not said
 
 
 def test_nodes_and_sets_from_the_mesh_beside(tmp_path: Path) -> None:
@@ -454,7 +457,7 @@ def test_nodes_and_sets_from_the_mesh_beside(tmp_path: Path) -> None:
 
 
 def test_directions_of_a_substructure_differ_between_nodes(tmp_path: Path) -> None:
-    from jousto.parts.readers.matrices.abaqus import read_substructure
+    from jousto.parts.matrices.abaqus import read_substructure
 
     dofs = np.array([(5, 1), (5, 2), (5, 3), (2, 1), (2, 2), (2, 3), (2, 6), (9, 3)])
     A = np.arange(64.0).reshape(8, 8)
@@ -468,7 +471,7 @@ def test_directions_of_a_substructure_differ_between_nodes(tmp_path: Path) -> No
 def test_user_element_that_calculix_wrote() -> None:
     # *SUBSTRUCTURE MATRIX OUTPUT of CalculiX 2.20 with nodes 10, 40 and 120 of the brick retained;
     # that version writes the retained rows without condensing the others (a node for each row)
-    from jousto.parts.readers.matrices.abaqus import read_substructure
+    from jousto.parts.matrices.abaqus import read_substructure
 
     K, M, dofs = read_substructure(FILES / "substructure.mtx")
     assert K is not None and M is None

@@ -10,18 +10,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from jousto.errors import InputError, JoustoWarning
-from jousto.parts import (
-    Circle,
-    EulerBernoulli,
-    GeneralSection,
-    Material,
-    Member,
-    Part,
-    PointMass,
-    Rectangle,
-    Timoshenko,
-)
+from jousto.base.errors import InputError, JoustoWarning
+from jousto.materials.material import Material
+from jousto.parts.frames.element import EulerBernoulli, Timoshenko
+from jousto.parts.frames.members import Member
+from jousto.parts.mass import PointMass
+from jousto.parts.part import Part
+from jousto.sections.section import Circle, GeneralSection, Rectangle
 
 STEEL = Material(E=210e9, nu=0.3, rho=7850.0)
 ROD = Circle(0.05)

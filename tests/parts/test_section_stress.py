@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.parts.section_stress import section_outline, stress_points
+from jousto.sections.points import section_outline, stress_points
 
 
 def area(edge: np.ndarray) -> float:
@@ -25,6 +25,9 @@ def test_bending_and_torsion_of_a_round_bar() -> None:
     assert abs(left.rows[5, 3]) == pytest.approx(16.0 / (np.pi * d**3), rel=1e-12)
 
 
+SIDES = {"left": 0.0, "top": 90.0, "right": 180.0, "bottom": 270.0}  # degrees from y to z
+
+
 @pytest.mark.parametrize("section", [jo.Circle(0.02), jo.Tube(0.02, 0.001)], ids=["circle", "tube"])
 def test_a_round_section_has_points_all_around(section: jo.Section) -> None:
     """Turning load and point together changes nothing; shear at the edge runs along it."""
@@ -35,8 +38,8 @@ def test_a_round_section_has_points_all_around(section: jo.Section) -> None:
     for p in points:
         angle = np.arctan2(p.z, p.y)
         assert np.hypot(p.y, p.z) == pytest.approx(0.01)
-        if p.name.startswith("deg"):
-            assert int(p.name[3:]) == pytest.approx(np.rad2deg(angle) % 360.0)
+        named = SIDES[p.name] if p.name in SIDES else float(p.name.removeprefix("deg"))
+        assert np.exp(1j * angle) == pytest.approx(np.exp(1j * np.deg2rad(named)), abs=1e-12)
         R = np.eye(3)
         R[1:, 1:] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
         turned = np.concatenate([R @ load[:3], R @ load[3:]])

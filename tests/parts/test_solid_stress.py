@@ -9,18 +9,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from jousto.errors import InputError
-from jousto.parts import (
-    Circle,
-    InBox,
-    Interface,
-    Material,
-    Orthotropic,
-    Part,
-    SolidStress,
-)
-from jousto.parts.orthotropic import elasticity
-from jousto.reduction import FreeFree, reduce
+from jousto.base.errors import InputError
+from jousto.materials.material import Material
+from jousto.materials.orthotropic import Orthotropic, elasticity
+from jousto.mesh.picks import InBox
+from jousto.parts.interface import Interface
+from jousto.parts.part import Part
+from jousto.parts.solids.stress import SolidStress
+from jousto.reduction.methods import FreeFree
+from jousto.reduction.reducer import reduce
+from jousto.sections.section import Circle
 from parts.grids import ALL, grid
 from parts.test_solids import WOOD
 
@@ -217,7 +215,8 @@ def test_interfaces_are_not_free() -> None:
     site = f"n{mesh.node_ids[edge[0]]}"
     E, nu = STEEL.E, STEEL.nu
     s = free.select([site]).evaluate(d.ravel())[0]
-    assert s[0] == pytest.approx(1e-3 * E / (1 - nu**2), rel=0.2)
+    # no strain across: the plane state of the side faces is exact for linear displacements
+    assert s[0] == pytest.approx(1e-3 * E / (1 - nu**2), rel=1e-9)
     assert everything.select([site]).evaluate(d.ravel())[0, 0] < s[0]
 
 

@@ -8,12 +8,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from jousto.errors import InputError, JoustoWarning
-from jousto.parts import Material, Orthotropic, Part, PointMass, material, materials
-from jousto.parts.cells import Cells
-from jousto.parts.mesh import Mesh
-from jousto.parts.orthotropic import elasticity, strain_rotation
-from jousto.parts.solids.elements import places, rule, shape_functions, table
+from jousto.base.errors import InputError, JoustoWarning
+from jousto.materials.library import material, materials
+from jousto.materials.material import Material
+from jousto.materials.orthotropic import Orthotropic, elasticity, strain_rotation
+from jousto.mesh.cells import Cells
+from jousto.mesh.mesh import Mesh
+from jousto.mesh.reference import places, rule, shape_functions, table
+from jousto.parts.mass import PointMass
+from jousto.parts.part import Part
 from jousto.reduction.reducer import invariants
 from parts.grids import ALL, SPRUCE, grid
 

@@ -7,23 +7,13 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-from jousto.errors import InputError
-from jousto.parts import (
-    Box,
-    Circle,
-    EulerBernoulli,
-    GeneralSection,
-    IBeam,
-    Material,
-    Part,
-    Rectangle,
-    Section,
-    SectionPoint,
-    Theory,
-    Timoshenko,
-    Tube,
-)
-from jousto.parts.stress import StressOperator, section_forces
+from jousto.base.errors import InputError
+from jousto.materials.material import Material
+from jousto.parts.frames.element import EulerBernoulli, Theory, Timoshenko
+from jousto.parts.frames.stress import StressOperator, section_forces
+from jousto.parts.part import Part
+from jousto.sections.profiles import Box, IBeam
+from jousto.sections.section import Circle, GeneralSection, Rectangle, Section, SectionPoint, Tube
 
 STEEL = Material(E=210e9, nu=0.3, rho=7850.0)
 L = 1.2
@@ -97,7 +87,7 @@ def test_textbook_numbers() -> None:
     S = part.stress.evaluate(d)
     at = part.stress.index
     assert_allclose(S[at("e1.a.top"), 0], 1000 * L / (0.05**3 / 6), rtol=1e-10)
-    assert_allclose(S[at("e1.b.top"), 0], 0.0, atol=1.0)
+    assert_allclose(S[at("e1.b.top"), 0], 0.0, atol=1e-9 * S[at("e1.a.top"), 0])
     assert_allclose(S[at("e1.a.centre"), 5], -1.5 * 1000 / 0.05**2, rtol=1e-9)
     # Timoshenko and Goodier: k2 = 0.208 for the square, three digits
     assert_allclose(S[at("e1.a.top"), 3], -250 / (0.208 * 0.05**3), rtol=2e-3)
@@ -146,7 +136,7 @@ def test_offset_ends_are_in_equilibrium() -> None:
 
 
 def test_section_forces_of_the_beams_balance() -> None:
-    from jousto.parts.beam import BeamElements
+    from jousto.parts.frames.element import BeamElements
 
     one = np.ones(1)
     beams = BeamElements(

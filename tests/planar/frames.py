@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.planar import (
+from jousto.planar.frame import PlanarFrame
+from jousto.planar.items import (
     FunctionLink,
     LinearLink,
     PlanarBeam,
     PlanarDamping,
-    PlanarFrame,
     PlanarLoad,
     PlanarMass,
     PlanarSection,

@@ -9,26 +9,20 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.planar import (
-    Convergence,
+from jousto.planar.dynamics import simulate_planar
+from jousto.planar.frame import PlanarFrame
+from jousto.planar.items import (
     PlanarBeam,
     PlanarDamping,
-    PlanarFrame,
-    PlanarGeneralizedAlpha,
     PlanarLoad,
     PlanarMass,
-    PlanarNewmark,
-    PlanarRun,
     PlanarSection,
-    PlanarState,
     PlanarSupport,
     RigidLink,
-    load_steps,
-    planar_frequencies,
-    simulate_planar,
-    spinning,
 )
-from jousto.planar.methods import Method
+from jousto.planar.methods import Convergence, Method, PlanarGeneralizedAlpha, PlanarNewmark
+from jousto.planar.results import PlanarRun, PlanarState, spinning
+from jousto.planar.statics import load_steps, planar_frequencies
 from planar.frames import ROD, chain, everything
 
 METHODS: dict[str, Callable[[float], Method]] = {
@@ -65,8 +59,12 @@ def test_damping_of_fast_oscillations_is_rho() -> None:
     run = simulate_planar(
         frame, 4.0, PlanarGeneralizedAlpha(0.1, rho=0.5), start=PlanarState(q, np.zeros(6))
     )
-    x = run.displacements[20:, 1, 0]
-    assert abs(x[1:] / x[:-1]) == pytest.approx(0.5, abs=0.1)
+    x = run.displacements[:, 1, 0]
+    # far above the step the amplification has the eigenvalue -rho three times (Chung and Hulbert
+    # 1993, section 3): x obeys (E + rho)^3 x = 0, E the shift by a step; 1e-6: 1 / (w h)^2 = 1e-10
+    left = x[3:] + 3 * 0.5 * x[2:-1] + 3 * 0.25 * x[1:-2] + 0.125 * x[:-3]
+    assert np.abs(left).max() < 1e-6 * np.abs(x).max()
+    assert np.abs(x[-1]) < 40**2 * 0.5**38 * np.abs(x).max()
 
 
 def test_rigid_pendulum_of_an_offset_beam() -> None:
@@ -99,7 +97,7 @@ def test_free_flight_conserves() -> None:
     frame, start = flying()
     M = frame.system.M
     drifts = []
-    for h in (2e-3, 1e-3):
+    for h in (1e-3, 5e-4):
         run = simulate_planar(frame, 0.2, PlanarNewmark(h), start=start)
         p = run.v @ M
         linear = np.stack([p[:, 0::3].sum(axis=1), p[:, 1::3].sum(axis=1)], axis=1)
@@ -109,7 +107,8 @@ def test_free_flight_conserves() -> None:
         energy = run.energies.sum(axis=1)
         drifts.append([np.ptp(angular) / angular[0], np.ptp(energy) / energy[0]])
     assert max(drifts[0]) < 1e-3
-    assert np.divide(*drifts) == pytest.approx(4.0, rel=0.2)
+    # the next term is of the order h^4: of some 5 % at 2 ms, a quarter of that here
+    assert np.divide(*drifts) == pytest.approx(4.0, rel=0.04)
 
 
 def test_a_rigid_link_is_an_offset() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from jousto.planar import Arms, Blocks, Chain, Elimination, Function, Linear, Map
+from jousto.planar.elimination import Arms, Blocks, Chain, Elimination, Function, Linear, Map
 from planar.frames import slide
 
 Array = NDArray[Any]

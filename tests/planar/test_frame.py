@@ -8,22 +8,21 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.planar import (
+from jousto.planar.dynamics import simulate_planar
+from jousto.planar.frame import PlanarFrame
+from jousto.planar.items import (
     FunctionLink,
     LinearLink,
     PlanarBeam,
     PlanarDamping,
-    PlanarFrame,
-    PlanarGeneralizedAlpha,
     PlanarLoad,
     PlanarMass,
-    PlanarNewmark,
     PlanarSection,
     PlanarSupport,
     RigidLink,
-    simulate_planar,
-    spinning,
 )
+from jousto.planar.methods import PlanarGeneralizedAlpha, PlanarNewmark
+from jousto.planar.results import spinning
 from planar.frames import ROD, chain
 
 

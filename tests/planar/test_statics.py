@@ -8,17 +8,10 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.planar import (
-    Convergence,
-    PlanarBeam,
-    PlanarFrame,
-    PlanarLoad,
-    PlanarSection,
-    PlanarSupport,
-    arc_length,
-    load_steps,
-    planar_frequencies,
-)
+from jousto.planar.frame import PlanarFrame
+from jousto.planar.items import PlanarBeam, PlanarLoad, PlanarSection, PlanarSupport
+from jousto.planar.methods import Convergence
+from jousto.planar.statics import arc_length, load_steps, planar_frequencies
 from planar.frames import chain
 
 SLENDER = PlanarSection(EA=1e8, GA=1e8, EI=1.0, mass=1.0, rotary=1e-8)

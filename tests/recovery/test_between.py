@@ -9,9 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 import jousto as jo
-from jousto.recovery.fields import field_from
+from jousto.recovery.fields.build import field_from
 from jousto.recovery.hotspots.between import PARTS, cubics
-from jousto.reduction import StressModes
+from jousto.reduction.fields.stress import StressModes
 
 Array = NDArray[np.float64]
 TAU = 2.0 * np.pi
@@ -45,6 +45,7 @@ def test_a_peak_between_the_instants_is_bounded(criterion: str, step: float) -> 
     assert top <= found.bound_between
     # and not by more than a few thousandths
     assert found.bound_between <= 1.005 * top
+    assert len(found) == 2
     for spot in found:
         same = next(other for other in true if other.site == spot.site)
         assert criterion != "principal-3" or spot.between < 0.0

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.errors import InputError
-from jousto.parts import SolidStress
+from jousto.base.errors import InputError
+from jousto.parts.solids.stress import SolidStress
 from verification import statics as st
 from verification.test_mesh_error import PROBLEMS
 
@@ -48,7 +48,7 @@ def test_the_budget_holds_the_error(tmp_path: Path) -> None:
     assert budget.unknown == ("mesh",)
     assert budget.value == found[0].value
     text = repr(budget)
-    assert text.startswith(f"error budget of 'link' {site}, von-mises") and "\n" not in text
+    assert text.startswith(f"<ErrorBudget: 'link' {site}, von-mises") and "\n" not in text
     assert "not known: mesh" in text and "finer mesh" in str(budget)
 
 

@@ -9,16 +9,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import jousto.recovery.hotspots.bounds as bounds
-from jousto.errors import InputError, JoustoError
-from jousto.recovery.fields import Plane, StressField, evaluate, field_from
-from jousto.recovery.hotspots import hot_spots, search
+from jousto.base.errors import InputError, JoustoError
+from jousto.recovery.fields.build import field_from
+from jousto.recovery.fields.criteria import Plane, evaluate
+from jousto.recovery.fields.field import StressField
 from jousto.recovery.hotspots.measures import EXTREMES, measure
+from jousto.recovery.hotspots.search import search
+from jousto.recovery.hotspots.spots import hot_spots
 from jousto.recovery.hotspots.windows import cut, spectral
-from jousto.reduction import StressModes
+from jousto.reduction.fields.stress import StressModes
 
 CRITERIA: tuple[Any, ...] = (
     "von-mises",
@@ -371,7 +373,8 @@ def test_points_of_one_section_are_one_spot() -> None:
     field = field_from(modes, [[0.0], [1.0]], [0.0, 1.0])
     found = hot_spots(field, count=3)
     assert [spot.site for spot in found] == ["e1.a.top", "e3.a.top", "e2.a.top"]
-    assert found.separation == pytest.approx(0.2, rel=0.2)
+    # twice the largest distance from the centre of a section's three points
+    assert found.separation == pytest.approx(2.0 * np.hypot(0.1, 0.1 / 3.0), rel=1e-5)
     every = hot_spots(field, count=3, separation=0.0)
     assert [spot.site for spot in every] == ["e1.a.top", "e1.a.side", "e1.a.bottom"]
     # of solids each node is a place of its own

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import jousto as jo
-from jousto.recovery import positions, rotation_matrices
+from jousto.recovery.shape import positions, rotation_matrices
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.recovery import peak, stress, von_mises
+from jousto.recovery.fields.criteria import von_mises
+from jousto.recovery.stress import peak, stress
 
 L, B, H = 1.0, 0.03, 0.045  # m
 F = 8.0  # N; small, for the tension acts on the deflected beam with an error of second order

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.parts import Part
+from jousto.parts.part import Part
 
 E_STEEL, NU, RHO = 2.1e11, 0.3, 7850.0
 CORNERS = np.array(

@@ -9,15 +9,11 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from jousto.parts import (
-    EulerBernoulli,
-    GeneralSection,
-    MassPoints,
-    Material,
-    Part,
-    PointMass,
-    Rectangle,
-)
+from jousto.materials.material import Material
+from jousto.parts.frames.element import EulerBernoulli
+from jousto.parts.mass import MassPoints, PointMass
+from jousto.parts.part import Part
+from jousto.sections.section import GeneralSection, Rectangle
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from jousto.parts import Part
+from jousto.parts.part import Part
 
 Array = NDArray[np.float64]
 

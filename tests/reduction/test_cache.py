@@ -16,17 +16,14 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from jousto.errors import InputError, JoustoWarning
-from jousto.parts import Part
-from jousto.reduction import (
-    CraigBampton,
-    FreeFree,
-    ReducedPart,
-    ReductionCache,
-    cache,
-    factor,
-    reduce,
-)
+from jousto.base.errors import InputError, JoustoWarning
+from jousto.parts.part import Part
+from jousto.reduction.files import cache
+from jousto.reduction.files.cache import ReductionCache
+from jousto.reduction.methods import CraigBampton, FreeFree
+from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.reducer import reduce
+from jousto.reduction.sparse import factor
 from reduction.blocks import block
 from reduction.bodies import bent
 
@@ -127,7 +124,7 @@ def test_stress_belongs_to_the_key(tmp_path: Path) -> None:
 
 KILLED = """
 import os, signal
-from jousto.reduction import reduce
+from jousto.reduction.reducer import reduce
 from reduction.test_cache import METHOD, block
 def progress(stage, done):
     if stage == "orthonormalisation":
@@ -371,7 +368,7 @@ def test_what_is_no_cache_is_refused() -> None:
 
 def test_damaged_arrays_are_made_anew_or_told(tmp_path: Path) -> None:
     """Stages of a reduction and matrices in .npz files, with bits that tipped."""
-    from jousto.parts.readers.matrices.plain import is_pair, read_pair
+    from jousto.parts.matrices.plain import is_pair, read_pair
 
     rng = np.random.default_rng(2)
     arrays = {"M": rng.normal(size=(8, 8)), "K": rng.normal(size=(8, 8))}
@@ -380,6 +377,7 @@ def test_damaged_arrays_are_made_anew_or_told(tmp_path: Path) -> None:
     (path,) = (tmp_path / ("0" * 40)).glob("*.npz")
     whole = path.read_bytes()
     pair = tmp_path / "pair.npz"
+    refused, intact = [], 0
     for k in range(150):
         damaged = bytearray(whole)
         if k % 5:
@@ -389,11 +387,16 @@ def test_damaged_arrays_are_made_anew_or_told(tmp_path: Path) -> None:
         path.write_bytes(damaged)
         pair.write_bytes(damaged)
         found = entry.read("modes")
-        if found is not None and found.keys() == arrays.keys():
-            for name, array in arrays.items():
-                assert np.array_equal(found[name], array)
+        names = arrays.keys() & (found or {}).keys()
+        intact += names == arrays.keys()
+        wrong = [name for name in names if not np.array_equal((found or {})[name], arrays[name])]
+        assert not wrong
         is_pair(pair)
         try:
             read_pair(pair)
         except InputError as error:
-            assert "pair.npz" in str(error)
+            refused.append(str(error))
+    # a fifth is cut short; bits of the archive's own times and rights do not matter
+    assert intact > 5
+    assert len(refused) > 30
+    assert all("pair.npz" in text for text in refused)

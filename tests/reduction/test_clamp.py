@@ -97,3 +97,18 @@ def test_refusals(rod: jo.ReducedPart) -> None:
     )
     with pytest.raises(jo.InputError, match="has no rotation, so it cannot hold the part"):
         jo.clamp(bare, "start")
+
+
+@pytest.mark.parametrize("damping", [0.02, jo.Rayleigh(1.0, 1e-4)])
+def test_modes_keep_their_damping_ratio(rod: jo.ReducedPart, damping: float | jo.Rayleigh) -> None:
+    """Held by a joint at the node they are seen from; by mean axes the first gets less."""
+    ratios = []
+    for reduced in (jo.clamp(rod, "start"), rod):
+        body = jo.FlexibleBody("rod", reduced, damping=damping)
+        wall = jo.Fixed("wall", jo.ground["origin"], body["start"])
+        found = jo.modes(jo.compile(jo.Mechanism(body, wall)), damped=True)
+        w = np.abs(found.eigenvalues[:4])
+        asked = damping if isinstance(damping, float) else 0.5 * (1.0 / w + 1e-4 * w)
+        ratios.append(found.damping[:4] / asked)
+    assert ratios[0] == pytest.approx(np.ones(4), rel=1e-6)
+    assert ratios[1][0] < 0.5

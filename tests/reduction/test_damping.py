@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from jousto.errors import InputError, JoustoWarning
-from jousto.reduction import Rayleigh, modal_damping
+from jousto.base.errors import InputError, JoustoWarning
+from jousto.reduction.damping import Rayleigh, modal_damping
 
 F = np.array([1.0, 4.0, 25.0])
 OMEGA = 2.0 * np.pi * F

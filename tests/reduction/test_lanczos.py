@@ -9,8 +9,8 @@ import pytest
 import scipy.linalg
 import scipy.sparse as sp
 
-from jousto.errors import InputError
-from jousto.reduction import lanczos
+from jousto.base.errors import InputError
+from jousto.reduction.modes import lanczos
 
 
 def chain(n: int, seed: int = 3) -> tuple[np.ndarray, np.ndarray]:

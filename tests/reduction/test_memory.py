@@ -11,10 +11,12 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from jousto.errors import InputError, JoustoWarning
-from jousto.parts import Interface
-from jousto.reduction import CraigBampton, FreeFree, backends, memory, memory_estimate, reduce
-from jousto.reduction.memory import GiB, MiB
+from jousto.base.errors import InputError, JoustoWarning
+from jousto.parts.interface import Interface
+from jousto.reduction.methods import CraigBampton, FreeFree
+from jousto.reduction.reducer import reduce
+from jousto.reduction.sparse import backends, memory
+from jousto.reduction.sparse.memory import GiB, MiB, memory_estimate
 from reduction.blocks import block
 
 METHOD = CraigBampton(("left", "right"), modes=4)
@@ -48,7 +50,8 @@ def test_the_whole_is_what_the_link_arm_took() -> None:
     part = Arm()
     estimate = memory_estimate(part, CraigBampton(("a", "b"), modes=20), solver="superlu")
     like_pardiso = estimate.total - estimate.factor * (1.0 - 120.0 / 300.0)
-    assert like_pardiso == pytest.approx(3334 * MiB, rel=0.25)
+    # what is told before must suffice, and not frighten
+    assert 3334 * MiB < like_pardiso < 1.25 * 3334 * MiB
 
 
 def test_the_estimate_is_said(caplog: pytest.LogCaptureFixture) -> None:
@@ -74,7 +77,7 @@ def test_too_large_for_the_machine(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_pardiso_counts_before_it_factorises(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("pypardiso")
-    from jousto.reduction import run
+    from jousto.reduction.files import run
 
     monkeypatch.setattr(run, "machine_memory", lambda: 100.0)
     with pytest.raises(InputError, match="pardiso could not factorise.*it needs .* GiB"):

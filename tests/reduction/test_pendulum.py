@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jousto.errors import JoustoWarning
-from jousto.parts import Part
-from jousto.reduction import CraigBampton, ReducedPart, reduce
+from jousto.base.errors import JoustoWarning
+from jousto.parts.part import Part
+from jousto.reduction.methods import CraigBampton
+from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.reducer import reduce
 from reduction.bodies import dofs, pendulum
 
 # Table 1; the modulus printed there (2.08e8) does not give them, that of annex 1 (2.07e8) does

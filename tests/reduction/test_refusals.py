@@ -9,9 +9,12 @@ import pytest
 import scipy.sparse as sp
 from scipy.spatial.transform import Rotation
 
-from jousto.errors import InputError, JoustoWarning
-from jousto.parts import Part, PointMass, Rectangle
-from jousto.reduction import CraigBampton, FreeFree, reduce
+from jousto.base.errors import InputError, JoustoWarning
+from jousto.parts.mass import PointMass
+from jousto.parts.part import Part
+from jousto.reduction.methods import CraigBampton, FreeFree
+from jousto.reduction.reducer import reduce
+from jousto.sections.section import Rectangle
 from reduction.bodies import (
     STEEL,
     bent,

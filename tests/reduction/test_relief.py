@@ -6,10 +6,16 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from jousto.errors import InputError
-from jousto.parts import EulerBernoulli, Interface, Material, Part, Rectangle
-from jousto.parts.matrices import rigid_modes
-from jousto.reduction import CraigBampton, inertia_relief, reduce
+from jousto.base.errors import InputError
+from jousto.materials.material import Material
+from jousto.parts.frames.element import EulerBernoulli
+from jousto.parts.interface import Interface
+from jousto.parts.matrices.checks import rigid_modes
+from jousto.parts.part import Part
+from jousto.reduction.methods import CraigBampton
+from jousto.reduction.modes.relief import inertia_relief
+from jousto.reduction.reducer import reduce
+from jousto.sections.section import Rectangle
 from reduction.bodies import bent
 from reduction.hexes import box
 

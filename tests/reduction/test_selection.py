@@ -7,8 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jousto.errors import InputError
-from jousto.reduction import CraigBampton, ReducedPart, reduce
+from jousto.base.errors import InputError
+from jousto.reduction.methods import CraigBampton
+from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.reducer import reduce
 from reduction.bodies import (
     bent,
 )

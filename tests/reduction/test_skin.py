@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jousto.parts import Material, Part
-from jousto.reduction.skin import LeavesSurface, Skin, grid_strain, point_strain, tangent
+from jousto.materials.material import Material
+from jousto.parts.part import Part
+from jousto.reduction.fields.skin import LeavesSurface, Skin, grid_strain, point_strain, tangent
 from parts.grids import ALL, grid
 
 STEEL = Material(E=210e9, nu=0.3, rho=7850.0)

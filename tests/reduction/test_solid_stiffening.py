@@ -9,10 +9,16 @@ import pytest
 import scipy.linalg
 from numpy.typing import NDArray
 
-from jousto.errors import InputError
-from jousto.parts import EulerBernoulli, Interface, Material, Part, PointMass, Rectangle
-from jousto.reduction import FreeFree, reduce
-from jousto.reduction.stiffening import stiffening
+from jousto.base.errors import InputError
+from jousto.materials.material import Material
+from jousto.parts.frames.element import EulerBernoulli
+from jousto.parts.interface import Interface
+from jousto.parts.mass import PointMass
+from jousto.parts.part import Part
+from jousto.reduction.fields.stiffening import stiffening
+from jousto.reduction.methods import FreeFree
+from jousto.reduction.reducer import reduce
+from jousto.sections.section import Rectangle
 from parts.grids import ALL, grid
 
 Array = NDArray[np.float64]
@@ -140,7 +146,7 @@ def test_rotating_cantilever(speed: float, flap: float) -> None:
 
 
 def test_memory_is_refused_before_it_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("jousto.reduction.stiffening.LARGEST_FIELD", 1e5)
+    monkeypatch.setattr("jousto.reduction.fields.stiffening.LARGEST_FIELD", 1e5)
     with pytest.raises(InputError, match=r"stiffening of 9 modes .* fewer modes \(up to 5\)"):
         reduce(bar(), FreeFree(modes=9), stiffening=True)
 

@@ -13,8 +13,10 @@ import h5py
 import numpy as np
 import pytest
 
-from jousto.errors import InputError
-from jousto.reduction import CraigBampton, FreeFree, ReducedPart, reduce
+from jousto.base.errors import InputError
+from jousto.reduction.methods import CraigBampton, FreeFree
+from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.reducer import reduce
 from reduction.bodies import bent, lattice, pendulum
 
 CASES = {
@@ -43,19 +45,30 @@ def test_round_trip_is_exact(name: str, tmp_path: Path) -> None:
     for key in ("nodes", "elements", "modes", "frequencies"):
         assert getattr(a, key).tobytes() == getattr(b, key).tobytes()
         assert getattr(a, key).dtype == getattr(b, key).dtype
-    assert (a.rotations is None) == (b.rotations is None) == (name == "solid")
-    if a.rotations is not None and b.rotations is not None:
-        assert a.rotations.tobytes() == b.rotations.tobytes()
     for key in ("first_moment", "second_moment", "I3", "N0", "E"):
         assert getattr(a.invariants, key).tobytes() == getattr(b.invariants, key).tobytes()
     assert a.invariants.mass == b.invariants.mass
-    assert (a.stress is None) == (b.stress is None) == (name == "solid")
-    if a.stress is not None and b.stress is not None:
-        assert a.stress.labels == b.stress.labels
-        assert a.stress.modes.tobytes() == b.stress.modes.tobytes()
     # a second generation is the same file
     b.save(tmp_path / "b.h5")
     assert (tmp_path / "a.h5").read_bytes() == (tmp_path / "b.h5").read_bytes()
+
+
+@pytest.mark.parametrize("name", sorted(set(CASES) - {"solid"}))
+def test_rotations_and_stress_are_kept_exactly(name: str, tmp_path: Path) -> None:
+    a = CASES[name]()
+    a.save(tmp_path / "a.h5")
+    b = ReducedPart.load(tmp_path / "a.h5")
+    assert a.rotations.tobytes() == b.rotations.tobytes()
+    assert a.stress.labels == b.stress.labels
+    assert a.stress.modes.tobytes() == b.stress.modes.tobytes()
+
+
+def test_what_a_solid_does_not_have_is_not_kept(tmp_path: Path) -> None:
+    a = CASES["solid"]()
+    a.save(tmp_path / "a.h5")
+    b = ReducedPart.load(tmp_path / "a.h5")
+    assert a.rotations is None and b.rotations is None
+    assert a.stress is None and b.stress is None
 
 
 def test_same_reduction_same_file(tmp_path: Path) -> None:
@@ -212,8 +225,8 @@ def test_disk_full(limit: int, saved: Path) -> None:
     before = saved.read_bytes()
     script = (
         "import resource, sys\n"
-        "from jousto.errors import InputError\n"
-        "from jousto.reduction import ReducedPart\n"
+        "from jousto.base.errors import InputError\n"
+        "from jousto.reduction.reduced import ReducedPart\n"
         "part = ReducedPart.load(sys.argv[1])\n"
         f"resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))\n"
         "try:\n"
@@ -263,7 +276,7 @@ def test_flipped_bits_are_refused_or_do_not_matter(saved: Path) -> None:
     whole, right = saved.read_bytes(), ReducedPart.load(saved)
     rng = np.random.default_rng(1)
     used = np.flatnonzero(np.frombuffer(whole, np.uint8))
-    refused = 0
+    refused, read = [], []
     for at in rng.choice(used, 60):
         damaged = bytearray(whole)
         damaged[at] ^= 1 << rng.integers(8)
@@ -271,9 +284,11 @@ def test_flipped_bits_are_refused_or_do_not_matter(saved: Path) -> None:
         try:
             found = ReducedPart.load(saved)
         except InputError as error:
-            assert str(saved) in str(error)
-            refused += 1
+            refused.append(str(error))
         else:
-            assert np.array_equal(found.modes, right.modes)
-            assert np.array_equal(found.frequencies, right.frequencies)
-    assert refused > 30
+            read.append(found)
+    assert len(refused) > 50
+    assert all(str(saved) in text for text in refused)
+    same = [np.array_equal(found.modes, right.modes) for found in read]
+    same += [np.array_equal(found.frequencies, right.frequencies) for found in read]
+    assert all(same)

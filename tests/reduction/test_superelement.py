@@ -12,8 +12,10 @@ import scipy.sparse as sp
 from numpy.testing import assert_allclose
 
 import jousto as jo
-from jousto.errors import InputError, JoustoWarning
-from jousto.parts import Material, Part, Tube
+from jousto.base.errors import InputError, JoustoWarning
+from jousto.materials.material import Material
+from jousto.parts.part import Part
+from jousto.sections.section import Tube
 
 # a bent frame without symmetry: no two frequencies are equal
 FRAME = Part.frame(
@@ -118,7 +120,7 @@ def test_limits() -> None:
 
 def test_condensed_nodes_alone_are_a_part() -> None:
     # without modal coordinates the matrices go the way of all others
-    from jousto.parts.readers.matrices import nodal
+    from jousto.parts.matrices.matrices import nodal
 
     ordered = nodal(condensed(0))
     part = Part.from_matrices(ordered.M, ordered.K, ordered.nodes, node_sets=ordered.node_sets)

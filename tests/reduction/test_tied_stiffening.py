@@ -8,10 +8,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from jousto.parts import EulerBernoulli, InBox, Interface, Part, Rectangle
-from jousto.reduction import CraigBampton, FreeFree, reduce
-from jousto.reduction.rigid import rigid_modes
-from jousto.reduction.stiffening import stiffening
+from jousto.mesh.picks import InBox
+from jousto.parts.frames.element import EulerBernoulli
+from jousto.parts.interface import Interface
+from jousto.parts.part import Part
+from jousto.reduction.fields.stiffening import stiffening
+from jousto.reduction.methods import CraigBampton, FreeFree
+from jousto.reduction.modes.rigid import rigid_modes
+from jousto.reduction.reducer import reduce
+from jousto.sections.section import Rectangle
 from parts.grids import grid
 from reduction.bodies import STEEL
 

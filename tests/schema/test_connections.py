@@ -6,9 +6,18 @@ import numpy as np
 import pytest
 
 import jousto as jo
-import jousto.mechanism as jm
-from jousto.errors import InputError
-from jousto.schema import parse_model
+from jousto.base.errors import InputError
+from jousto.mechanism.bodies.body import RigidBody, ground
+from jousto.mechanism.forces.friction import Friction, Regularised, StickSlip
+from jousto.mechanism.forces.springs import Bushing, JointForce, Servo, Spring
+from jousto.mechanism.joints.coordinate import Distance
+from jousto.mechanism.joints.coupling import Coupling, Drive, Gear, Rack
+from jousto.mechanism.joints.hinges import Cylindrical, Revolute, Screw, Universal
+from jousto.mechanism.joints.points import PointOnLine, PointOnPlane, Rod, Spherical
+from jousto.mechanism.joints.slides import ConstantOrientation, Fixed, Planar, Prismatic
+from jousto.mechanism.mechanism import Mechanism
+from jousto.mechanism.signals.piecewise import Ramp, SCurve, Table
+from jousto.schema.file.read import parse_model
 from schema.models import same
 
 BODIES = "bodies:\n" + "".join(
@@ -44,34 +53,32 @@ couplings:
 """  # noqa: E501
 
 
-def machine() -> jm.Mechanism:
+def machine() -> Mechanism:
     """Return the mechanism of the text, written in Python."""
-    b = [jm.RigidBody(f"b{i}", 1, (1, 1, 1), position=(i, 0, 0)) for i in range(12)]
-    o, x = jm.ground["origin"], (1, 0, 0)
-    hinge = jm.Revolute("hinge", o, b[0]["origin"], as_placed=False)
-    slide = jm.Prismatic("slide", o, b[1]["origin"], axis=x)
-    tube = jm.Cylindrical("tube", o, b[2]["origin"], axis=x)
-    cross = jm.Universal(
-        "cross", jm.ground.at((4, 0, 0)), b[4]["origin"], axis_a=(0, 0, 1), axis_b=x
-    )
-    table = jm.Planar("table", o, b[5]["origin"], normal=(0, 1, 0))
-    line = jm.PointOnLine("line", o, b[6]["origin"], axis=x)
-    plane = jm.PointOnPlane("plane", o, b[7]["origin"], normal=(0, 0, 1))
-    turn = np.pi / 2 + jm.SCurve((0, 60), (0, np.pi)) + jm.Ramp(0, 1, 0, 2 * np.pi) * 2
-    way = jm.Table((0, 1, 2, 3), (8, 9, 9, 9), "cubic")
-    return jm.Mechanism(
+    b = [RigidBody(f"b{i}", 1, (1, 1, 1), position=(i, 0, 0)) for i in range(12)]
+    o, x = ground["origin"], (1, 0, 0)
+    hinge = Revolute("hinge", o, b[0]["origin"], as_placed=False)
+    slide = Prismatic("slide", o, b[1]["origin"], axis=x)
+    tube = Cylindrical("tube", o, b[2]["origin"], axis=x)
+    cross = Universal("cross", ground.at((4, 0, 0)), b[4]["origin"], axis_a=(0, 0, 1), axis_b=x)
+    table = Planar("table", o, b[5]["origin"], normal=(0, 1, 0))
+    line = PointOnLine("line", o, b[6]["origin"], axis=x)
+    plane = PointOnPlane("plane", o, b[7]["origin"], normal=(0, 0, 1))
+    turn = np.pi / 2 + SCurve((0, 60), (0, np.pi)) + Ramp(0, 1, 0, 2 * np.pi) * 2
+    way = Table((0, 1, 2, 3), (8, 9, 9, 9), "cubic")
+    return Mechanism(
         *b, hinge, slide, tube,
-        jm.Screw("screw", o, b[3]["origin"], 0.005, axis=x),
+        Screw("screw", o, b[3]["origin"], 0.005, axis=x),
         cross, table, line, plane,
-        jm.ConstantOrientation("parallel", o, b[8]["origin"]),
-        jm.Rod("rod", o, b[9]["origin"], length=9.0),
-        jm.Spherical("ball", jm.ground.at((10, 0, 0)), b[10]["origin"]),
-        jm.Fixed("weld", jm.ground.at((11, 0, 0)), b[11]["origin"]),
-        jm.Gear("gear", hinge.angle, tube.angle, -2),
-        jm.Rack("rack", table.angle, slide.displacement, 0.05),
-        jm.Coupling("pulley", (line.displacement, plane.x), (1, -2), 0.03),
-        jm.Drive("turn", cross.angle2, turn),
-        jm.Drive("push", jm.Distance(o, b[8]["origin"]), way),
+        ConstantOrientation("parallel", o, b[8]["origin"]),
+        Rod("rod", o, b[9]["origin"], length=9.0),
+        Spherical("ball", ground.at((10, 0, 0)), b[10]["origin"]),
+        Fixed("weld", ground.at((11, 0, 0)), b[11]["origin"]),
+        Gear("gear", hinge.angle, tube.angle, -2),
+        Rack("rack", table.angle, slide.displacement, 0.05),
+        Coupling("pulley", (line.displacement, plane.x), (1, -2), 0.03),
+        Drive("turn", cross.angle2, turn),
+        Drive("push", Distance(o, b[8]["origin"]), way),
     )  # fmt: skip
 
 
@@ -154,10 +161,10 @@ def test_force_elements_equal_the_python_constructors():
     model = parse_model(MODEL[: MODEL.index("  - {type: spherical")] + FORCES).mechanism
     hinge, slide = model.joints
     expected = (
-        jm.Spring("k", hinge.angle, 2.0, 0.1, free=np.pi / 2, preload=1000.0),
-        jm.Bushing("bush", jm.ground["origin"], slide.b, (1000, 1, 1, 1, 1, 1)),
-        jm.JointForce("push", slide.displacement, 2000.0),
-        jm.Servo("servo", hinge.angle, np.pi / 2, 3.0, 1.0, limit=5.0),
+        Spring("k", hinge.angle, 2.0, 0.1, free=np.pi / 2, preload=1000.0),
+        Bushing("bush", ground["origin"], slide.b, (1000, 1, 1, 1, 1, 1)),
+        JointForce("push", slide.displacement, 2000.0),
+        Servo("servo", hinge.angle, np.pi / 2, 3.0, 1.0, limit=5.0),
     )
     same(model.forces, expected)
     assert jo.simulate(jo.compile(model), 0.01).complete
@@ -182,15 +189,15 @@ def test_frictions_equal_the_python_constructors():
     model = parse_model(text).mechanism
     hinge, slide = model.joints
     expected = (
-        jm.Friction(
+        Friction(
             *("pin", hinge, 0.1, 0.12),
             radius=0.025,
             bearing_length=0.08,
             collar_radius=0.04,
             preload=2000.0,
-            law=jm.StickSlip(),
+            law=StickSlip(),
         ),
-        jm.Friction("rail", slide, 0.2, law=jm.Regularised(0.005)),
+        Friction("rail", slide, 0.2, law=Regularised(0.005)),
     )
     same(model.frictions, expected)
 

@@ -8,8 +8,8 @@ import re
 
 import pytest
 
-from jousto.errors import InputError
-from jousto.schema.document import parse_document, read_document
+from jousto.base.errors import InputError
+from jousto.schema.file.document import parse_document, read_document
 
 
 def problems(text: str, name: str = "m.yaml") -> list[str]:
@@ -122,7 +122,7 @@ def test_a_tree_that_the_parser_can_read_but_not_the_reader(monkeypatch):
     def deep(self, node, loc):
         raise RecursionError
 
-    monkeypatch.setattr("jousto.schema.document._Reader.value", deep)
+    monkeypatch.setattr("jousto.schema.file.document._Reader.value", deep)
     assert problems("a: 1") == ["m.yaml: is nested too deeply"]
 
 

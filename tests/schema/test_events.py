@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.mechanism.signals import Switched
-from jousto.schema import parse_model
+from jousto.mechanism.signals.switched import Switched
+from jousto.schema.file.read import parse_model
 
 TEXT = """\
 name: crane

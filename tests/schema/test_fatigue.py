@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 import jousto as jo
-from jousto.errors import InputError
-from jousto.recovery.fields import Plane
-from jousto.schema import parse_model
-from jousto.schema.fatigue import parse_fatigue, read_curve, read_duty
+from jousto.base.errors import InputError
+from jousto.recovery.fields.criteria import Plane
+from jousto.schema.entries.fatigue import parse_fatigue, read_curve, read_duty
+from jousto.schema.file.read import parse_model
 
 MODEL = """\
 parts:

@@ -12,10 +12,10 @@ from typing import Any
 
 import pytest
 
-from jousto.engine import compile
-from jousto.errors import JoustoError
-from jousto.schema import parse_model
-from jousto.schema.document import parse_document
+from jousto.base.errors import JoustoError
+from jousto.model.compile import compile
+from jousto.schema.file.document import parse_document
+from jousto.schema.file.read import parse_model
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 # quick to reduce, with most kinds of entries between them
@@ -90,12 +90,15 @@ def test_spoilt_examples(name: str, seed: int, tmp_path: Path) -> None:
 def test_spoilt_text(seed: int, tmp_path: Path) -> None:
     """Letters that are lost, doubled or replaced by those with a meaning in YAML."""
     rng = random.Random(seed)
+    accepted = 0
     for _ in range(20):
         text = list((EXAMPLES / FILES[0]).read_text(encoding="utf-8"))
         for _ in range(rng.randint(1, 6)):
             at = rng.randrange(len(text))
             text[at] = rng.choice(("", text[at] * 2, *"{}[]:,&*!|>-#%@`\"'\t\n?=~\0\x85\u2028"))
-        only_ours("".join(text), tmp_path)
+        accepted += only_ours("".join(text), tmp_path)
+    # letters of names and comments may change; most others may not
+    assert accepted < 18
 
 
 @pytest.mark.parametrize(

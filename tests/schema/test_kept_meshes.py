@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto import errors, parts
-from jousto.errors import JoustoWarning
-from jousto.reduction import cache
-from jousto.schema import read_part_file
+from jousto.base import errors
+from jousto.base.errors import JoustoWarning
+from jousto.reduction.files import cache
+from jousto.schema.file.read import read_part_file
 
 pytest.importorskip("gmsh")
 ARM = Path(__file__).parents[2] / "examples" / "data" / "link_arm.step"
@@ -45,7 +45,7 @@ def test_a_cad_file_is_meshed_once(
 ) -> None:
     first = part(tmp_path, cache=True)
     with monkeypatch.context() as patch:
-        patch.setattr(parts, "mesh_step", no_mesh)
+        patch.setattr("jousto.mesh.readers.step.mesh_step", no_mesh)
         second = part(tmp_path, cache=True)
         for size, options in (("90 mm", {"cache": True}), ("80 mm", {"cache": False})):
             with pytest.raises(AssertionError, match="once more"):
@@ -84,12 +84,12 @@ def test_warnings_of_the_mesh_are_told_again(
         errors.warn("arm.step", "two elements would be folded")
         return mesh
 
-    monkeypatch.setattr(parts, "mesh_step", bad)
+    monkeypatch.setattr("jousto.mesh.readers.step.mesh_step", bad)
     told = []
     for _ in range(2):
         with pytest.warns(JoustoWarning) as caught:
             part(tmp_path, cache=True)
         told.append([str(item.message) for item in caught])
-        monkeypatch.setattr(parts, "mesh_step", no_mesh)
+        monkeypatch.setattr("jousto.mesh.readers.step.mesh_step", no_mesh)
     assert any("two elements would be folded" in text for text in told[0])
     assert told[0] == told[1]

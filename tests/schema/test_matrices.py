@@ -11,10 +11,11 @@ import scipy.io
 from numpy.testing import assert_allclose
 
 import jousto as jo
-from jousto.errors import InputError
-from jousto.parts import Circle, Material, Part
-from jousto.schema import read_part
-from jousto.schema.read import read_part_file
+from jousto.base.errors import InputError
+from jousto.materials.material import Material
+from jousto.parts.part import Part
+from jousto.schema.file.read import read_part, read_part_file
+from jousto.sections.section import Circle
 from parts.matrix_files import full, write_abaqus, write_calculix, write_user_element
 
 FILES = Path(__file__).parent.parent / "parts" / "files"

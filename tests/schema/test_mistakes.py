@@ -6,8 +6,8 @@ import warnings
 
 import pytest
 
-from jousto.errors import InputError, JoustoWarning
-from jousto.schema import parse_model
+from jousto.base.errors import InputError, JoustoWarning
+from jousto.schema.file.read import parse_model
 from schema.models import PENDULUM
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from jousto.errors import InputError
-from jousto.reduction import CraigBampton
-from jousto.schema import read_part_file
+from jousto.base.errors import InputError
+from jousto.reduction.methods import CraigBampton
+from jousto.schema.file.read import read_part_file
 
 PART = """\
 type: beam

@@ -7,10 +7,42 @@ import pytest
 from typer.testing import CliRunner
 
 import jousto as jo
-import jousto.mechanism as jm
-from jousto.errors import InputError
-from jousto.schema import parse_model, read_model
-from jousto.schema.sense import SENSORS
+from jousto.base.errors import InputError
+from jousto.base.rotations import Rotate
+from jousto.mechanism.bodies.body import ground
+from jousto.mechanism.forces.springs import ModalLoad
+from jousto.mechanism.joints.coordinate import Distance
+from jousto.mechanism.sensors.body import (
+    ModalSensor,
+    PrincipalStressSensor,
+    StressSensor,
+    VonMisesSensor,
+)
+from jousto.mechanism.sensors.bridge import Bridge
+from jousto.mechanism.sensors.damage import DamageSensor
+from jousto.mechanism.sensors.gauge import Gauge
+from jousto.mechanism.sensors.loads import ForceSensor, ReactionSensor
+from jousto.mechanism.sensors.motion import (
+    AccelerationSensor,
+    AngularAccelerationSensor,
+    AngularVelocitySensor,
+    OrientationSensor,
+    PositionSensor,
+    VelocitySensor,
+)
+from jousto.mechanism.sensors.readings import (
+    CoordinateSensor,
+    EnergySensor,
+    RateSensor,
+    SignalSensor,
+)
+from jousto.mechanism.sensors.rosette import Rosette
+from jousto.mechanism.sensors.section import SectionSensor
+from jousto.mechanism.sensors.temperature import Temperature
+from jousto.mechanism.signals.base import Constant
+from jousto.mechanism.signals.piecewise import Step, Table
+from jousto.schema.file.read import parse_model, read_model
+from jousto.schema.make.sense import SENSORS
 from schema.models import same
 
 MODEL = """\
@@ -74,53 +106,53 @@ def test_sensors_equal_the_python_constructors():
     arm, slider = model.bodies
     hinge, slide = model.joints
     end, seat = arm["end"], slider["origin"]
-    turned = jm.ground["origin"].turned(jm.Rotate((0, 0, 1), degrees=30))
-    distance = jm.Distance(end, jm.ground["origin"])
+    turned = ground["origin"].turned(Rotate((0, 0, 1), degrees=30))
+    distance = Distance(end, ground["origin"])
     stress, angle = (s for s in model.sensors if s.name in ("s12", "s17"))
-    top = jm.Gauge("s15", arm, "e1.a.top", (1, 1, 0))
-    between = jm.Gauge("s16", arm, (0.4, 0, 0.05), length=0.003, E=200e9, nu=0.25)
+    top = Gauge("s15", arm, "e1.a.top", (1, 1, 0))
+    between = Gauge("s16", arm, (0.4, 0, 0.05), length=0.003, E=200e9, nu=0.25)
     expected = (
-        jm.PositionSensor("s1", end, relative_to=seat),
-        jm.VelocitySensor("s2", end, resolved_in=arm["start"]),
-        jm.AccelerationSensor("s3", end, relative_to=seat, resolved_in=turned),
-        jm.OrientationSensor("s4", end, relative_to=seat),
-        jm.AngularVelocitySensor("s5", end),
-        jm.AngularAccelerationSensor("s6", end),
-        jm.ModalSensor("s7", arm),
-        jm.ReactionSensor("s8", hinge, resolved_in="joint"),
-        jm.ReactionSensor("s9", slide, resolved_in=end),
-        jm.ReactionSensor("s10", model.couplings[0]),
-        jm.ForceSensor("s11", model.forces[0]),
-        jm.StressSensor("s12", arm, ("e1.a.top",)),
-        jm.VonMisesSensor("s13", arm),
-        jm.PrincipalStressSensor("s14", arm, ("e1.a.top", "e2.b.left")),
+        PositionSensor("s1", end, relative_to=seat),
+        VelocitySensor("s2", end, resolved_in=arm["start"]),
+        AccelerationSensor("s3", end, relative_to=seat, resolved_in=turned),
+        OrientationSensor("s4", end, relative_to=seat),
+        AngularVelocitySensor("s5", end),
+        AngularAccelerationSensor("s6", end),
+        ModalSensor("s7", arm),
+        ReactionSensor("s8", hinge, resolved_in="joint"),
+        ReactionSensor("s9", slide, resolved_in=end),
+        ReactionSensor("s10", model.couplings[0]),
+        ForceSensor("s11", model.forces[0]),
+        StressSensor("s12", arm, ("e1.a.top",)),
+        VonMisesSensor("s13", arm),
+        PrincipalStressSensor("s14", arm, ("e1.a.top", "e2.b.left")),
         top,
         between,
-        jm.CoordinateSensor("s17", hinge.angle),
-        jm.RateSensor("s18", distance),
-        jm.EnergySensor("s19", "kinetic"),
-        jm.SignalSensor("s20", jm.Step(1.0)),
-        jm.SignalSensor("s21", jm.Constant(3.0)),
-        jm.DamageSensor(
+        CoordinateSensor("s17", hinge.angle),
+        RateSensor("s18", distance),
+        EnergySensor("s19", "kinetic"),
+        SignalSensor("s20", Step(1.0)),
+        SignalSensor("s21", Constant(3.0)),
+        DamageSensor(
             *("s22", stress, jo.SN(100e6, 1e6, 5.0, "haibach", T_S=1.25)),
             residue="repeat",
             mean=jo.Goodman(400e6),
             components="e1.a.top:s11",
             depth=40,
         ),
-        jm.DamageSensor(
+        DamageSensor(
             *("s23", angle, jo.sn_curve("fat71-en")),
             residue="half",
             factor=2e6,
             resolution=1e4,
             mean=jo.SWT(),
         ),
-        jm.Rosette("s24", arm, "e1.a.top", kind="60", temperature=jm.Temperature(30.0, part=12e-6)),
-        jm.Bridge("s25", (top, None, between), gauge_factor=2.1),
+        Rosette("s24", arm, "e1.a.top", kind="60", temperature=Temperature(30.0, part=12e-6)),
+        Bridge("s25", (top, None, between), gauge_factor=2.1),
     )
     same(model.sensors, expected)
     # those of beams: test_beams.py
-    assert {type(s) for s in model.sensors} == set(SENSORS.values()) - {jm.SectionSensor}
+    assert {type(s) for s in model.sensors} == set(SENSORS.values()) - {SectionSensor}
     run = jo.simulate(jo.compile(model), 0.002)
     assert all(np.isfinite(run[name]).all() for name in run.sensors)
 
@@ -217,7 +249,7 @@ def test_tables_of_springs_and_dampers(tmp_path):
                    interpolation: cubic}
 """
     (found,) = forces(text, tmp_path)
-    same(found.table, jm.Table((-np.pi / 2, 0, np.pi / 2), (-1000, 0, 500)))
+    same(found.table, Table((-np.pi / 2, 0, np.pi / 2), (-1000, 0, 500)))
     np.testing.assert_allclose(found.damper_table.times, (-np.pi / 2, 0, np.pi), rtol=1e-15)
     np.testing.assert_array_equal(found.damper_table.values, (-2000, 0, 3000))
     assert found.damper_table.interpolation == "cubic"
@@ -242,7 +274,7 @@ def test_a_signal_from_a_file(tmp_path):
      signal: {type: table, file: wind.txt, units: [ms, percent]}}
 """
     (found,) = forces(text, tmp_path)
-    same(found.signal, jm.Table((0, 0.5), (0.01, 0.03)))
+    same(found.signal, Table((0, 0.5), (0.01, 0.03)))
     with pytest.raises(InputError, match=r"signal.columns: columns are those of a file"):
         forces(text.replace("file: wind.txt", "times: [0], values: [1], columns: [0, 1]"), tmp_path)
 
@@ -255,7 +287,7 @@ def test_modal_loads(tmp_path, pattern):
     (tmp_path / "loads.csv").write_text("0,0,2\n0,0,0\n0,1000,0\n")
     text = f"  - {{type: modal-load, name: p, body: arm, pattern: {pattern}, signal: {{type: step, time: 1}}}}\n"  # noqa: E501
     (found,) = forces(text, tmp_path)
-    same(found, jm.ModalLoad("p", found.body, [[0, 0, 2], [0, 0, 0], [0, 1000, 0]], jm.Step(1.0)))
+    same(found, ModalLoad("p", found.body, [[0, 0, 2], [0, 0, 0], [0, 1000, 0]], Step(1.0)))
     for new, sentence in (
         (
             "{ende: [0, 1, 0]}",
@@ -313,7 +345,7 @@ def test_functions_that_cannot_be_found(tmp_path, function, sentence):
 
 
 def test_the_command_line_asks_for_trust(tmp_path):
-    from jousto.cli import app
+    from jousto.cli.group import app
 
     (tmp_path / "wind.py").write_text(CODE)
     path = tmp_path / "m.yaml"

@@ -18,8 +18,8 @@ import scipy.special
 from typer.testing import CliRunner
 
 import jousto as jo
-from jousto.cli import app
-from jousto.simulation import State
+from jousto.cli.group import app
+from jousto.simulation.running.state import State
 from verification.mechanisms import chain, orders
 
 G = 9.81
@@ -75,8 +75,9 @@ def test_the_error_of_a_pendulum_follows_the_tolerance():
     assert (errors < 300 * tolerances).all(), errors
     # errors ~ steps^-5: two decades of tolerance are 10^(2/5) = 2.5 times the steps
     assert np.log(steps[-1] / steps[0]) / np.log(1e6) == pytest.approx(0.2, abs=0.03)
-    order = -np.polyfit(np.log(steps), np.log(errors), 1)[0]
-    assert order == pytest.approx(5.0, abs=0.7)
+    # below 1e-6, where a swing takes more than some ten steps
+    order = -np.polyfit(np.log(steps[1:]), np.log(errors[1:]), 1)[0]
+    assert order == pytest.approx(5.0, abs=0.25)
 
 
 def planet(eccentricity=0.6):
@@ -288,9 +289,9 @@ def test_signals_switch_at_events_within_steps():
 def test_an_event_stops_a_run():
     run = follow(watched(True), 5.0, 1e-6, 0.05)
     assert run.complete
-    assert len(run) == 11  # at 0 to 0.45 s and at the event
+    assert run.nt == 11  # at 0 to 0.45 s and at the event
     assert run.time[-1] == pytest.approx(np.sqrt(0.24), abs=1e-11)
-    np.testing.assert_allclose(run.time[:-1], 0.05 * np.arange(len(run) - 1), atol=1e-15)
+    np.testing.assert_allclose(run.time[:-1], 0.05 * np.arange(run.nt - 1), atol=1e-15)
 
 
 def test_sticking_and_slipping_block():
@@ -340,7 +341,7 @@ def test_a_stiff_spring_ends_with_a_sentence():
     assert "100000 between two outputs" in sentence
     assert "take ROS2 or GeneralizedAlpha" in sentence
     assert error.value.body == "needle"
-    assert len(error.value.solution) >= 1
+    assert error.value.solution.nt >= 1
 
 
 def test_a_function_that_jumps_for_ever_ends_with_a_sentence():
@@ -402,7 +403,7 @@ def test_many_steps_are_foretold():
             arm, jo.Spherical("pivot", jo.ground["origin"], arm["start"]), jo.Gravity((0, -G, 0))
         )
     )
-    from jousto.simulation.schedule import cautions, schedule
+    from jousto.simulation.solvers.schedule import cautions, schedule
 
     solver = jo.DormandPrince()
     (sentence,) = cautions(model, solver, schedule(model, 100.0, solver))
@@ -457,7 +458,7 @@ def test_a_coarse_tolerance_costs_fewer_evaluations():
     # six a step, one a row and one at the start: FSAL holds in spite of the projection
     for run in (cheap, dear):
         tries = run.work.steps[-1] + run.work.rejected[-1]
-        assert run.work.evaluations[-1] <= 6 * tries + len(run) + 1
+        assert run.work.evaluations[-1] <= 6 * tries + run.nt + 1
 
 
 def test_absolute_errors_that_do_not_matter_save_steps():
@@ -491,7 +492,7 @@ def test_a_model_file_and_the_command_line_know_it(tmp_path):
         assert CliRunner().invoke(app, words, prog_name="jousto").exit_code == 0
         run = jo.load(tmp_path / "swing.h5")
         assert run.attributes["solver"] == repr(replace(solver, tolerance=tolerance))
-        assert len(run) == 11
+        assert run.nt == 11
 
 
 KILLED = """

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.mechanism.beam_limits import highest_frequencies
+from jousto.mechanism.beams.limits import highest_frequencies
 
 STEEL = jo.Material(E=210e9, nu=0.3, rho=7850.0)
 DOWN = jo.Gravity((0, 0, -9.81))

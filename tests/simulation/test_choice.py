@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.simulation.simulate import describe
+from jousto.simulation.running.simulate import describe
 
 STEEL = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)
 G = (0, -9.81, 0)
@@ -71,3 +71,16 @@ def test_steep_friction_comes_to_rest_where_it_must():
     a = 0.3 * 9.81
     # the law is linear below its slip of 1e-3 m/s, where it takes longer to stop
     assert run["c"][-1, 0] == pytest.approx(1.0 / (2.0 * a), rel=2e-2)
+
+
+def test_print_says_which_method_and_why(tmp_path):
+    model = jo.compile(strip())
+    run = jo.simulate(model, 0.002)
+    for found in (run, jo.load(run.save(tmp_path / "run.h5"))):
+        assert "3 instants" in repr(found) and "GeneralizedAlpha(step=0.001, ...)" in repr(found)
+        text = str(found)
+        assert text.startswith(repr(found))
+        assert f"solver {run.attributes['solver']}, since {run.attributes['chosen']}" in text
+        assert run.energy.verdict in text
+    own = str(jo.simulate(model, 0.002, solver=jo.GeneralizedAlpha(1e-3)))
+    assert "solver GeneralizedAlpha(step=0.001" in own and "since" not in own

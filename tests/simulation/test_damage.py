@@ -12,7 +12,7 @@ import pytest
 
 import jousto as jo
 from cli.test_meshes import call
-from jousto import seal
+from jousto.base import seal
 
 STEEL = jo.Material(E=2.07e11, nu=0.3, rho=7850)
 FOREIGN = np.array([17.0, 4.0])  # what nobody may read
@@ -64,9 +64,9 @@ def outcome(path: Path) -> str | list[np.ndarray]:
         return everything(path)
     except jo.InputError as error:
         text = str(error)
-        assert str(path) in text
-        assert "\n" not in text
-        return text
+    assert str(path) in text
+    assert "\n" not in text
+    return text
 
 
 # -- accidents -------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.simulation import describe
+from jousto.simulation.running.simulate import describe
 from verification.test_friction import block_on_a_belt
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*nothing will move")
@@ -45,10 +45,10 @@ def test_a_run_that_an_event_stops_ends_normally(tmp_path):
     assert run.attributes["ended"] == f"stopped by event 'limit' at {end:.9g} s"
     assert describe(run)["ended"].startswith("stopped by event 'limit'")
     assert run["angle"][-1, 0] == pytest.approx(20.0, abs=1e-10)
-    np.testing.assert_allclose(run.time[:-1], 0.1 * np.arange(len(run) - 1), atol=1e-12)
+    np.testing.assert_allclose(run.time[:-1], 0.1 * np.arange(run.nt - 1), atol=1e-12)
     assert 0 < end - run.time[-2] <= 0.1
     with h5py.File(path) as file:  # no room left over
-        assert file["time"].shape == file["sensors/angle"].shape[:1] == (len(run),)
+        assert file["time"].shape == file["sensors/angle"].shape[:1] == (run.nt,)
         assert file["events/names"][()].tolist() == [b"limit", b"half turn"]
     assert [(e.name, e.change, e.count) for e in jo.load(path).events] == [
         ("half turn", "rising", 1),
@@ -76,7 +76,7 @@ def test_the_table_tells_stick_and_slip(tmp_path):
 
 
 def test_a_long_table_is_cut_with_a_warning(monkeypatch):
-    for name in ("memory", "results", "simulate"):
+    for name in ("results.memory", "results.writer", "running.simulate"):
         monkeypatch.setattr(importlib.import_module(f"jousto.simulation.{name}"), "EVENTS", 5)
     body = jo.RigidBody("body", 1.0, (1, 1, 1), velocity=(1, 0, 0))
     rail = jo.Prismatic("rail", jo.ground["origin"], body["origin"], (1, 0, 0))
@@ -101,7 +101,7 @@ def test_a_run_goes_on_as_if_it_had_not_been_interrupted(solver, law):
     for instant in (2.0, 9.3):
         first = jo.simulate(model, instant, **options)
         rest = jo.simulate(model, 16.0, state=first.state(), **options)
-        k = len(first) - 1
+        k = first.nt - 1
         for name in ("time", "q", "v", "multipliers"):
             np.testing.assert_array_equal(getattr(rest, name), getattr(whole, name)[k:])
         np.testing.assert_array_equal(rest["angle"], whole["angle"][k:])

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.errors import MissingFileError, Problem
-from jousto.frozen import Frozen
-from jousto.simulation.simulate import RunInterrupted
+from jousto.base.errors import MissingFileError, Problem
+from jousto.base.frozen import Frozen
+from jousto.simulation.running.simulate import RunInterrupted
 
 
 def arm(angle: float = 0.0) -> jo.Mechanism:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import pickle
 import sys
+from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
@@ -12,9 +13,10 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import jousto as jo
-from jousto.simulation import keep
-from jousto.simulation.diagnostics import Energy
-from jousto.simulation.stored import FileRecords
+from jousto.simulation.results import keep
+from jousto.simulation.results.stored import FileRecords
+from jousto.simulation.running.diagnostics import Energy
+from session import objects
 
 EARTH = jo.Gravity((0, -9.81, 0))
 
@@ -180,16 +182,73 @@ def test_a_pickle_names_the_file_of_the_user(pendulum, tmp_path, monkeypatch):
 
 def test_a_run_is_a_mapping_of_its_sensors():
     run = swing(1.0)
+    assert isinstance(run, Mapping)
     assert list(run) == ["hinge", "angle"] == list(run.keys())
-    assert len(run) == 6 == len(run.time)
-    assert "hinge" in run
-    assert "hunge" not in run
+    assert len(run) == 2 == len(dict(run))
+    assert run.nt == 6 == len(run.time)
+    assert "hinge" in run and "hinge.Fx" in run
+    assert "hunge" not in run and "hinge.Fq" not in run and 7 not in run
     assert_array_equal(dict(run)["angle"], run["angle"])
+    assert [name for name, _ in run.items()] == ["hinge", "angle"]
+    for (_, one), other in zip(run.items(), run.values(), strict=True):
+        assert_array_equal(one, other)
+    assert_array_equal(run.get("hinge"), run["hinge"])
+    assert run.get("hunge") is None and run.get("hunge", 3) == 3
+    assert {run: 1}[run] == 1 and run == run and run != swing(1.0)
+
+
+def test_a_run_without_sensors_is_still_one():
+    ball = jo.RigidBody("ball", 1.0, (0.01,) * 3)
+    joint = jo.Spherical("pivot", jo.ground["origin"], ball["origin"])
+    run = jo.simulate(jo.compile(jo.Mechanism(ball, joint, EARTH)), 0.01)
+    assert len(run) == 0 and bool(run) and run.nt == 11
+
+
+def test_components_are_asked_for_by_name(tmp_path):
+    run = swing(1.0)
+    for found in (run, jo.load(run.save(tmp_path / "run.h5"))):
+        assert_array_equal(found["hinge.My"], found["hinge"][:, 4])
+        about = found.about("hinge.My")
+        assert (about["unit"], about["components"]) == ("N m", ("My",))
+        assert found.about("hinge.Fx")["unit"] == "N"
+    frame = run.to_csv(tmp_path / "a.csv", "hinge.My", "angle").read_text().splitlines()
+    assert frame[0] == "time (s),hinge.My (N m),angle (rad)"
+
+
+def test_a_stress_component_is_that_of_every_site():
+    run = objects()["run"]  # its sensor has two sites
+    labels = run.about("stress")["components"]
+    wanted = [labels.index(f"e1.a.{side}:s11") for side in ("top", "bottom")]
+    assert_array_equal(run["stress.s11"], run["stress"][:, wanted])
+    assert_array_equal(run["stress.e1.a.top:s11"], run["stress"][:, wanted[0]])
+    assert run["stress.e1.a.top"].shape == (run.nt, 6)
+    assert run.about("stress.s11")["components"] == ("e1.a.top:s11", "e1.a.bottom:s11")
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("hing", "no sensor 'hing'; did you mean 'hinge'?"),
+        ("hinge.Fq", "sensor 'hinge' has no component 'Fq'; known: Fx"),
+        ("Fx", "no sensor 'Fx'; known: hinge, angle"),
+        (3, "no sensor 3; known: hinge, angle"),
+    ],
+)
+def test_unknown_names_are_key_errors_that_help(name, says):
+    run = swing(1.0)
+    with pytest.raises(KeyError) as error:
+        run[name]
+    assert isinstance(error.value, jo.InputError)
+    assert says in str(error.value) and not str(error.value).startswith('"')
+    assert str(pickle.loads(pickle.dumps(error.value))) == str(error.value)
 
 
 def test_print_is_short(pendulum):
     run = jo.simulate(pendulum, 0.01)
-    assert repr(run) == "<Solution 'pendulum': 11 instants to 0.01 s, 2 sensors>"
+    assert (
+        repr(run)
+        == "<Solution 'pendulum': 11 instants to 0.01 s, 2 sensors, ROS2(step=0.001, ...)>"
+    )
     body = jo.RigidBody("b", 1.0, (1, 1, 1))
     joint = jo.Spherical("j", jo.ground["origin"], body["origin"])
     long = jo.simulate(jo.compile(jo.Mechanism(body, joint, EARTH, name="x" * 1000)), 0.01)
@@ -214,6 +273,18 @@ def test_a_table_names_the_unit_of_each_component(tmp_path):
     assert_array_equal(table[:, 1:7], run["hinge"])
     with pytest.raises(jo.InputError, match="no sensor 'hing'; did you mean 'hinge'"):
         run.to_csv(tmp_path / "x.csv", "hing")
+    few = [
+        run.to_csv(tmp_path / "few.csv", *given[0], **given[1]).read_text()
+        for given in (
+            (("angle", "hinge.Fx"), {}),
+            ((["angle", "hinge.Fx"],), {}),
+            ((), {"sensors": ["angle", "hinge.Fx"]}),
+        )
+    ]
+    assert few[0] == few[1] == few[2]
+    assert few[0].startswith("time (s),angle (rad),hinge.Fx (N)\n")
+    with pytest.raises(jo.InputError, match="sensors is 3, must be names of sensors"):
+        run.to_csv(tmp_path / "x.csv", sensors=3)
     with pytest.raises(jo.InputError, match="does not exist; create it first"):
         run.to_csv(tmp_path / "none" / "x.csv")
 
@@ -226,6 +297,9 @@ def test_pandas():
     assert_array_equal(frame["hinge.My"], run["hinge"][:, 4])
     assert frame.attrs["units"]["hinge.My"] == "N m"
     assert list(run.to_pandas("angle").columns) == ["angle"]
+    for given in (("hinge.My", "angle"), (["hinge.My", "angle"],)):
+        assert list(run.to_pandas(*given).columns) == ["hinge.My", "angle"]
+    assert list(run.to_pandas(sensors=["angle"]).columns) == ["angle"]
 
 
 def test_xarray():
@@ -272,6 +346,45 @@ def test_the_energy_balance_has_a_verdict(missing, words):
     assert energy.exchanged == pytest.approx(2.0 + max(missing, 0.0))
 
 
+def steady(missing: float) -> Energy:
+    """Return a rotation with 1000 J that loses or gains this much."""
+    none = np.zeros(3)
+    return Energy(1000.0 + missing * np.array([0.0, 0.5, 1.0]), *(none,) * 6)
+
+
+@pytest.mark.parametrize(
+    ("missing", "words"),
+    [
+        (-4e-7, "energy balance closes to 4e-10 of the largest kinetic energy: good"),
+        (0.02, "closes to 2e-05 of the largest kinetic energy: fair, a smaller step"),
+        (-0.4, "closes only to 0.0004 of the largest kinetic energy: poor, take a smaller step"),
+        (3.0, "closes only to 1 of the largest energy exchanged: poor, take a smaller step"),
+    ],
+)
+def test_a_steady_rotation_is_judged_by_the_energy_it_has(missing, words):
+    assert words in steady(missing).verdict
+
+
+@pytest.mark.parametrize("solver", [jo.RK4(step=1e-4), jo.DormandPrince(tolerance=1e-6)])
+def test_a_machine_that_turns_steadily_is_good(solver):
+    """Two bodies on an inclined shaft keep 33 kJ to 1e-12 (RK4) and 5e-7, and exchange nothing."""
+    w = 100.0 * np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
+    hub = jo.RigidBody("hub", 50.0, (1.0, 1.3, 2.0), angular_velocity=w)
+    arm = jo.RigidBody(
+        "arm",
+        5.0,
+        (0.1, 0.13, 0.2),
+        position=(1, 0, 0),
+        velocity=np.cross(w, (1, 0, 0)),
+        angular_velocity=w,
+    )
+    shaft = jo.Revolute("shaft", jo.ground["origin"], hub["origin"], axis=w)
+    weld = jo.Fixed("weld", hub.at((1, 0, 0)), arm["origin"])
+    run = jo.simulate(jo.compile(jo.Mechanism(hub, arm, shaft, weld)), 0.5, solver=solver)
+    assert np.ptp(run.energy.kinetic) < 1e-6 * run.energy.kinetic[0]
+    assert run.energy.verdict.endswith("of the largest kinetic energy: good")
+
+
 def test_verdicts_on_rest_on_nothing_and_on_kinematics():
     none = np.zeros(2)
     assert Energy(none, none, none, none, none, none, none).verdict.endswith("round-off: good")
@@ -307,7 +420,7 @@ def test_engines_share_constants_but_not_gravity_or_state(pendulum):
 
 
 def test_the_constants_of_a_model_go_with_it():
-    from jousto.engine import layout
+    from jousto.model.native import layout
 
     body = jo.RigidBody("b", 1.0, (1, 1, 1))
     joint = jo.Spherical("j", jo.ground["origin"], body["origin"])

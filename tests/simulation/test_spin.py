@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 
 import numpy as np
-import pytest
 
 import jousto as jo
 
@@ -28,17 +27,16 @@ def sentences(model):
     return [str(w.message) for w in caught if "stiffening" in str(w.message)]
 
 
-@pytest.mark.parametrize(("share", "said"), [(0.15, 0), (0.25, 1)])
-def test_a_fast_spin_across_the_beam_is_said_once(share, said):
+def test_a_slow_spin_across_the_beam_is_not_said():
     _, lowest = spinning((0, 0, 0.1))
-    found = sentences(spinning((0, 0, share * lowest))[0])
-    assert len(found) == said
-    if said:
-        assert (
-            f"body 'rod' spins with up to {share * lowest:.3g} rad/s, 25 % of its lowest"
-            in (found[0])
-        )
-        assert "reduce its part with stiffening=True" in found[0]
+    assert sentences(spinning((0, 0, 0.15 * lowest))[0]) == []
+
+
+def test_a_fast_spin_across_the_beam_is_said_once():
+    _, lowest = spinning((0, 0, 0.1))
+    (found,) = sentences(spinning((0, 0, 0.25 * lowest))[0])
+    assert f"'rod' spins with up to {0.25 * lowest:.3g} rad/s, 25 % of its lowest" in found
+    assert "reduce its part with stiffening=True" in found
 
 
 def test_a_shaft_may_turn_about_its_own_axis():

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jousto as jo
-from jousto.engine.native import displaced
+from jousto.model.native.native import displaced
 
 Array = NDArray[np.float64]
 ZERO = (0.0, 0.0, 0.0)

@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from verification.calculix_kept import PROGRAM, answer
+from verification.calculix_kept import OF_MATRICES, PROGRAM, answer
 
 LIMIT = 120.0
 """Seconds after which ccx is stopped."""
@@ -178,11 +178,44 @@ def _cload(forces: Forces) -> list[str]:
     return ["*CLOAD", *rows] if rows else []
 
 
+STORAGE = ["*STEP", "*FREQUENCY, SOLVER=MATRIXSTORAGE", "10", "*END STEP"]
+
+
+def probes(A: sp.csr_array) -> np.ndarray:
+    """Return numbers (23,) that tell a symmetric matrix from any other of its size.
+
+    ``x_i^T A x_j`` of six vectors of random signs, in which every entry of A stands, the trace and
+    the root of the sum of all squares.
+    """
+    X = np.random.default_rng(6).choice([-1.0, 1.0], (A.shape[0], 6))
+    return np.array([*(X.T @ (A @ X))[np.triu_indices(6)], A.trace(), np.sqrt((A * A).sum())])
+
+
+def matrix_probes(deck: Deck) -> tuple[np.ndarray, np.ndarray]:
+    """Return the `probes` of the stiffness and the mass that ccx writes, or that are kept of it."""
+    found = answer(
+        deck.head() + STORAGE,
+        lambda: np.concatenate([probes(A) for A in matrices(deck)]),
+        digits=OF_MATRICES,
+    )
+    K, M = np.split(found, 2)
+    return K, M
+
+
+def assert_probed(A: sp.csr_array, theirs: np.ndarray, digits: float) -> None:
+    """Assert that entries of A differ by `digits` of the largest from a matrix known by its probes.
+
+    Differences of all entries add up with random signs: to the root of their number, of which
+    four times allow for the largest of the probes.
+    """
+    allowed = 4.0 * digits * np.sqrt(A.nnz) * abs(A).max()
+    np.testing.assert_allclose(probes(A), theirs, rtol=0.0, atol=allowed)
+
+
 def matrices(deck: Deck) -> tuple[sp.csr_array, sp.csr_array]:
     """Return stiffness and mass (3 nn, 3 nn) of the free mesh, node after node, x, y, z."""
     assert not len(deck.fixed)
-    steps = ["*STEP", "*FREQUENCY, SOLVER=MATRIXSTORAGE", "10", "*END STEP"]
-    out = run(deck.head() + steps, ("dof", "sti", "mas"))
+    out = run(deck.head() + STORAGE, ("dof", "sti", "mas"))
     places = []
     for line in out["dof"].split():
         node, direction = line.split(".")
@@ -250,12 +283,12 @@ def static(
             if line.startswith(" -1"):
                 columns = [line[13 + 12 * k : 25 + 12 * k] for k in range(6)]
                 stress[int(line[3:13]) - 1] = [float(c) for c in columns]
-        return np.hstack([_displacements(out["dat"], nn), stress])
+        return np.hstack([displacements(out["dat"], nn), stress])
 
     return Static(*np.split(answer(lines, both), [3], axis=1))
 
 
-def _displacements(text: str, nn: int) -> np.ndarray:
+def displacements(text: str, nn: int) -> np.ndarray:
     """Return the printed displacements (nn, 3) in m."""
     u = np.full((nn, 3), np.nan)
     for line in text.splitlines():

@@ -27,12 +27,19 @@ FILE = Path(__file__).parent / "data" / "calculix.json"
 KEEP = bool(os.environ.get("JOUSTO_KEEP_CALCULIX"))
 DIGITS = 2e-6
 """ccx prints six digits of stress, seven of displacements, eight of frequencies."""
+OF_MATRICES = 1e-10
+"""ccx prints entries of matrices with fourteen digits; sums of them keep most of these."""
 
 NUMBER = re.compile(r"-?\d\.\d+e[+-]\d+")
 
 
-def answer(lines: Sequence[str], compute: Callable[[], np.ndarray]) -> np.ndarray:
+def answer(
+    lines: Sequence[str], compute: Callable[[], np.ndarray], *, digits: float = DIGITS
+) -> np.ndarray:
     """Return the numbers that ccx finds for a deck, from a run or as they are kept.
+
+    A run must give what is kept to `digits`: each number of a list, displacements and stresses to
+    that share of their largest.
 
     Raises
     ------
@@ -44,14 +51,14 @@ def answer(lines: Sequence[str], compute: Callable[[], np.ndarray]) -> np.ndarra
         return np.array(_find(words, sums)["values"])
     found = np.asarray(compute(), dtype=np.float64)
     if KEEP:
-        _keep(lines, words, sums, found)
+        _keep(lines, words, sums, found, 14 if digits < DIGITS else 9 - found.ndim)
     kept = np.array(_find(words, sums)["values"])
     if kept.ndim == 1:
-        np.testing.assert_allclose(found, kept, rtol=DIGITS)
+        np.testing.assert_allclose(found, kept, rtol=digits)
         return found
-    # displacements and stresses, to digits of their largest
     for one, other in zip(np.split(found, [3], axis=1), np.split(kept, [3], axis=1), strict=True):
-        np.testing.assert_allclose(one, other, rtol=0.0, atol=DIGITS * np.abs(other).max())
+        size = np.abs(other).max(initial=0.0)
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=digits * size)
     return found
 
 
@@ -84,7 +91,9 @@ def _table() -> dict:
     return json.loads(FILE.read_text()) if FILE.exists() else {"results": []}
 
 
-def _keep(lines: Sequence[str], words: str, sums: list[float], found: np.ndarray) -> None:
+def _keep(
+    lines: Sequence[str], words: str, sums: list[float], found: np.ndarray, digits: int
+) -> None:
     table = _table()
     rows = [r for r in table["results"] if r["words"] != words or not np.allclose(r["sums"], sums)]
     nodes = sum(1 for line in lines if re.match(r"\d+, +-?\d\.", line))
@@ -97,7 +106,7 @@ def _keep(lines: Sequence[str], words: str, sums: list[float], found: np.ndarray
         },
         "words": words,
         "sums": [float(f"{x:.10g}") for x in sums],
-        "values": np.vectorize(lambda x: float(f"{x:.{9 - found.ndim}g}"))(found).tolist(),
+        "values": np.vectorize(lambda x: float(f"{x:.{digits}g}"))(found).tolist(),
     }
     table["version"] = _version()
     table["results"] = sorted([*rows, row], key=lambda r: (r["words"], r["sums"]))

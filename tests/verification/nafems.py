@@ -10,7 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jousto.parts import Material, Part, Pressure
+from jousto.materials.material import Material
+from jousto.parts.loads import Pressure
+from jousto.parts.part import Part
 from parts.grids import grid
 from verification.statics import Array, Solved, named, near, solve
 

@@ -9,7 +9,10 @@ import numpy as np
 import scipy.sparse.linalg as spl
 from numpy.typing import NDArray
 
-from jousto.parts import Material, Part, Pressure, SolidStress, SurfaceLoad, Traction
+from jousto.materials.material import Material
+from jousto.parts.loads import Pressure, SurfaceLoad, Traction
+from jousto.parts.part import Part
+from jousto.parts.solids.stress import SolidStress
 from parts.grids import grid
 
 Array = NDArray[np.float64]

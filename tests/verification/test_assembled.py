@@ -16,7 +16,7 @@ import pytest
 import scipy.linalg
 
 import jousto as jo
-from jousto.engine.native import displaced
+from jousto.model.native.native import displaced
 
 # the structures are linearised, not run
 pytestmark = pytest.mark.filterwarnings("ignore:.*nothing will move")

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 import jousto as jo
-from jousto.simulation import large
+from jousto.simulation.modes import large
 
 E, RHO, B, H = 210e9, 7850.0, 0.02, 0.002
 EI = E * B * H**3 / 12

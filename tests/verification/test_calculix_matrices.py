@@ -9,13 +9,13 @@ import pytest
 from numpy.testing import assert_allclose
 
 import jousto as jo
-from jousto.errors import InputError
-from jousto.parts import Material, Part
+from jousto.base.errors import InputError
+from jousto.materials.material import Material
+from jousto.parts.part import Part
 from verification.boxes import block
-from verification.calculix import Deck, frequencies, needed, run
+from verification.calculix import STORAGE, Deck, frequencies, needed, run
 
 STEEL = Material(E=210e9, nu=0.3, rho=7850.0)
-STORAGE = ["*STEP", "*FREQUENCY, SOLVER=MATRIXSTORAGE", "10", "*END STEP"]
 
 
 def bar(**more: object) -> Deck:

@@ -40,6 +40,25 @@ def test_stiffness_and_mass_are_those_of_calculix(kind):
 
 
 @pytest.mark.parametrize("kind", KINDS)
+def test_probes_of_stiffness_and_mass_are_those_of_calculix(kind):
+    mesh = block(kind, (1.0, 0.1, 0.06), (4, 1, 1), bend=bent)
+    theirs = calculix.matrix_probes(calculix.Deck(mesh, STEEL))
+    for verb, their in zip((bricks.stiffness, bricks.mass), theirs, strict=True):
+        calculix.assert_probed(verb(mesh, STEEL, bricks.calculix), their, 5e-12)
+
+
+def test_probes_see_an_entry_that_is_wrong():
+    K = bricks.stiffness(block("hexahedron", (1.0, 0.1, 0.06), (4, 1, 1), bend=bent), STEEL)
+    theirs = calculix.probes(K)
+    calculix.assert_probed(K, theirs, 5e-12)
+    i, j = (int(x[len(x) // 3]) for x in K.nonzero())
+    wrong = K.tolil()
+    wrong[i, j] = wrong[j, i] = K[i, j] + 1e-7 * abs(K).max()
+    with pytest.raises(AssertionError):
+        calculix.assert_probed(wrong.tocsr(), theirs, 5e-12)
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_bricks_know_rigid_motion_mass_and_uniform_strain(kind):
     mesh = block(kind, (1.0, 0.1, 0.06), (3, 2, 2), bend=bent, curved=False)
     K, M = bricks.stiffness(mesh, STEEL), bricks.mass(mesh, STEEL)

@@ -36,7 +36,8 @@ CASES = {
     # chaotic: starts 1e-12 apart lose 0.5e-6 to 5.8e-6 of it in 50 s, at half the step 4e-8
     "soft four-bar, RK4": (four_bar, jo.RK4(step=5e-5), 2e-5),
     "steel four-bar, ROS2": (partial(four_bar, STEEL), jo.ROS2(step=1e-4), 1e-4),
-    "steel chain, ROS2": (partial(chain, "revolute", material=STEEL), jo.ROS2(step=1e-4), None),
+    # chaotic: it lashes, and what its modes take then above 1/h is damped out
+    "steel chain, ROS2": (partial(chain, "revolute", material=STEEL), jo.ROS2(step=1e-4), 0.5),
 }
 
 
@@ -49,9 +50,8 @@ def test_a_million_steps(case):
     assert run.residuals[:, 1].max() < 1e-9
     # RK4 and ROS2 only lose energy in the vibration they cannot resolve; what is exchanged
     # between kinetic and potential energy is the measure
-    if drift is not None:
-        exchanged = np.ptp(run.energy[:, 2])
-        assert np.abs(run.balance).max() < drift * exchanged, run.balance[::100] / exchanged
+    exchanged = np.ptp(run.energy[:, 2])
+    assert np.abs(run.balance).max() < drift * exchanged, run.balance[::100] / exchanged
 
 
 SCRIPT = """
@@ -63,7 +63,7 @@ model = jo.compile(pendulum(SOFT))
 jo.simulate(model, 1.0, solver=jo.ROS2(step=1e-3), path="warm.h5")
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 run = jo.simulate(model, {steps} * 1e-3, solver=jo.ROS2(step=1e-3), path="run.h5")
-assert len(run) == {steps} + 1
+assert run.nt == {steps} + 1
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
 

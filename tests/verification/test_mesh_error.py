@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.errors import InputError
-from jousto.parts.orthotropic import elasticity
-from jousto.parts.solids.elements import gradients, table
+from jousto.base.errors import InputError
+from jousto.materials.orthotropic import elasticity
+from jousto.mesh.reference import gradients, table
 from parts.grids import grid
 from verification import statics as st
 from verification.statics import Array, Solved

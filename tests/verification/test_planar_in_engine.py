@@ -11,19 +11,11 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.planar import (
-    Convergence,
-    PlanarBeam,
-    PlanarDamping,
-    PlanarFrame,
-    PlanarGeneralizedAlpha,
-    PlanarLoad,
-    PlanarNewmark,
-    PlanarRun,
-    PlanarSection,
-    PlanarSupport,
-    simulate_planar,
-)
+from jousto.planar.dynamics import simulate_planar
+from jousto.planar.frame import PlanarFrame
+from jousto.planar.items import PlanarBeam, PlanarDamping, PlanarLoad, PlanarSection, PlanarSupport
+from jousto.planar.methods import Convergence, PlanarGeneralizedAlpha, PlanarNewmark
+from jousto.planar.results import PlanarRun
 
 EA, GA, EI, M, J = 1e6, 6e5, 1e3, 2.0, 0.05
 N, LENGTH, MOMENT = 4, 2.0, 300.0

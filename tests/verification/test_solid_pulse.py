@@ -14,7 +14,7 @@ import pytest
 from scipy.linalg import eigh
 
 import jousto as jo
-from jousto.recovery import stress as stress_history
+from jousto.recovery.stress import stress as stress_history
 from verification import bricks
 from verification.boxes import block
 from verification.solids import dofs, solid

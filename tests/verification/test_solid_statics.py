@@ -10,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jousto.parts import Rectangle
-from jousto.reduction import FreeFree, reduce
+from jousto.reduction.methods import FreeFree
+from jousto.reduction.reducer import reduce
+from jousto.sections.section import Rectangle
 from verification import statics as st
 from verification.solids import dofs, supported
 

@@ -4,23 +4,7 @@ Exit codes: 0 success, 1 the run failed, 2 bad input. Problems and warnings go t
 line each. Everything heavy is imported inside the commands.
 """
 
-from jousto.cli import (  # noqa: F401  (they register themselves)
-    commands,
-    fatigue,
-    forces,
-    friction,
-    gauges,
-    hotspots,
-    meshes,
-    monitor,
-    multiaxial,
-    parts,
-    peaks,
-    statics,
-    stress,
-    studies,
-)
-from jousto.cli.options import app
+from jousto.cli.group import app
 
 __all__ = ["app", "main"]
 

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from jousto.cli.options import Debug, app
+from jousto.base.errors import InputError, Problem
+from jousto.cli.group import offer
+from jousto.cli.options import Debug
 from jousto.cli.terminal import command, say
-from jousto.errors import InputError, Problem
 
 if TYPE_CHECKING:
-    from jousto.parts import Part
-    from jousto.schema import PartFile
+    from jousto.parts.part import Part
+    from jousto.schema.file.read import PartFile
 
 Html = Annotated[
     Path | None,
@@ -42,21 +43,21 @@ def tell_certificate(
     if file.part is None:
         say("no certificate: the part was reduced before, its mesh is not in the file")
         return True
-    from jousto.reduction import certify
+    from jousto.reduction.certificate.certificate import certify
 
     certificate = certify(file.part, file.reduced, solver=solver, progress=progress)
     for line in str(certificate).splitlines():
         word = line.split()[0] if line.startswith("  ") and line.split() else ""
         say(line, style=STYLES.get(word, ""))
     if page is not None:
-        from jousto.output import write_certificate
+        from jousto.output.pages.certificate import write_certificate
 
         write_certificate(certificate, page)
         say(f"certificate in {page}", style="green")
     return certificate.passed
 
 
-@app.command()
+@offer()
 @command
 def advise(
     part: Annotated[
@@ -89,9 +90,9 @@ def advise(
     The interfaces are those of the part's `reduce` entry; without --frequency-limit and --load its
     frequency_limit counts.
     """
-    from jousto.reduction import CraigBampton
-    from jousto.reduction import advise as propose
-    from jousto.schema import read_part_file
+    from jousto.reduction.certificate.advice import advise as propose
+    from jousto.reduction.methods import CraigBampton
+    from jousto.schema.file.read import read_part_file
 
     file = read_part_file(part, name, reduce=False)
     if file.part is None:
@@ -136,7 +137,7 @@ def _entry(text: str) -> str:
 
 
 def _hertz(text: str) -> float:
-    from jousto.schema.units import UnitError, quantity
+    from jousto.base.units import UnitError, quantity
 
     try:
         return quantity(text, "Hz")
@@ -148,7 +149,7 @@ def _load(part: Part, text: str) -> Any:
     """Return the loads of a unit force or moment, shared by a set; None on an interface."""
     import numpy as np
 
-    from jousto.errors import suggest
+    from jousto.base.errors import suggest
 
     kinds = ("fx", "fy", "fz", "mx", "my", "mz")[: part.dofs_per_node]
     place, _, kind = text.rpartition(".")

@@ -1,91 +1,29 @@
-"""Commands on models and results: check, run, info, plot, animate, schema."""
+"""Commands on models and results: run, info, plot, animate, schema."""
 
 from __future__ import annotations
 
 import sys
-import warnings
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from jousto.cli.options import (
-    Debug,
-    Model,
-    Output,
-    Result,
-    Trust,
-    amount,
-    app,
-    compile_model,
-    end_time,
-)
+from jousto.base.errors import InputError, Problem, count
+from jousto.cli.check import describe_model
+from jousto.cli.group import offer
+from jousto.cli.options import Debug, Model, Output, Result, Trust, amount, compile_model, end_time
 from jousto.cli.parts import describe_part
-from jousto.cli.terminal import command, facts, log_to_screen, plain, progress_bar, say
-from jousto.errors import InputError, JoustoWarning, Problem, count
+from jousto.cli.terminal import command, facts, plain, progress_bar, say
 
 if TYPE_CHECKING:
-    from jousto.schema import ModelFile
-    from jousto.simulation import Solution
+    from jousto.simulation.results.solution import Solution
 
 MOST_EVENTS = 20  # that are printed
 MESHES = (".msh", ".inp", ".bdf", ".nas", ".med", ".vtk", ".vtu", ".cdb")
 
 
-def _version(value: bool) -> None:
-    if value:
-        from jousto import __version__
-
-        say(f"jousto {__version__}")
-        raise typer.Exit
-
-
-@app.callback()
-def _root(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
-    ] = False,
-    verbose: Annotated[
-        int,
-        typer.Option(
-            "--verbose", "-v", count=True, help="Say what is done and chosen; twice for details."
-        ),
-    ] = 0,
-) -> None:
-    """Simulate mechanisms with flexible bodies."""
-    log_to_screen(verbose)
-
-
-@app.command()
-@command
-def check(model: Model, trust: Trust = False, debug: Debug = False) -> None:
-    """Read a model file, check everything and say what is in it and how it can move."""
-    from jousto.engine import doctor
-    from jousto.schema import read_model
-
-    file = read_model(model, trust=trust)
-    describe_model(file)
-    compiled = compile_model(file)
-    facts(doctor(compiled).lines())
-    settings = file.simulation
-    if settings is not None:
-        from jousto.simulation.choice import choose
-        from jousto.simulation.schedule import schedule
-        from jousto.simulation.stability import stability_warning
-
-        solver = settings.solver
-        if solver is None:
-            solver, reason = choose(compiled, settings.t_end, settings.output_step)
-            facts([("solver", f"{solver}, since {reason}")])
-        steps = schedule(compiled, settings.t_end, solver, settings.output_step)
-        sentence = stability_warning(compiled, solver, steps.step)
-        if sentence:
-            warnings.warn(JoustoWarning(f"{model.name}: simulation: {sentence}"), stacklevel=1)
-    say(f"{model.name}: ok", style="green")
-
-
-@app.command()
+@offer()
 @command
 def run(
     model: Model,
@@ -104,7 +42,7 @@ def run(
     debug: Debug = False,
 ) -> None:
     """Simulate a model; the results go to MODEL.h5 unless -o says otherwise."""
-    from jousto.schema import read_model
+    from jousto.schema.file.read import read_model
     from jousto.schema.targets import RESULTS, output_path
 
     target = output_path(output, model, ".h5", kind=RESULTS)
@@ -122,7 +60,8 @@ def run(
                 )
             )
         end = settings.t_end
-    from jousto.simulation import DormandPrince, describe, simulate
+    from jousto.simulation.running.simulate import describe, simulate
+    from jousto.simulation.solvers.adaptive import DormandPrince
 
     compiled = compile_model(file)
     given = settings.given(compiled) if settings is not None else {}
@@ -146,7 +85,7 @@ def run(
         say(f"results in {target}", style="green")
 
 
-@app.command()
+@offer()
 @command
 def info(
     file: Annotated[
@@ -156,34 +95,34 @@ def info(
     debug: Debug = False,
 ) -> None:
     """Say what is in a model file, a results file, a reduced part or a mesh in m."""
-    from jousto.schema.document import is_hdf5
+    from jousto.schema.file.document import is_hdf5
     from jousto.schema.targets import MONITOR, REDUCED_PART, hdf5_format
 
     if file.suffix.lower() in MESHES:
         from jousto.cli.meshes import describe_mesh
-        from jousto.parts import read_mesh
+        from jousto.mesh.readers.files import read_mesh
 
         describe_mesh(read_mesh(file))
     elif not is_hdf5(file):
         if file.suffix.lower() in (".h5", ".hdf5") and file.is_file():
             raise InputError(Problem(str(file), "is not an HDF5 file, or it is damaged"))
-        from jousto.schema import read_model
+        from jousto.schema.file.read import read_model
 
         describe_model(read_model(file, trust=trust))
     elif hdf5_format(file) == MONITOR:
-        from jousto.recovery.monitor import MonitorRecord
+        from jousto.measurement.monitor.recorded import MonitorRecord
 
         for line in str(MonitorRecord(file)).splitlines():
             say(line)
     elif hdf5_format(file) == REDUCED_PART:
-        from jousto.reduction import ReducedPart
+        from jousto.reduction.reduced import ReducedPart
 
         describe_part(ReducedPart.load(file))
     else:
         describe_result(file)
 
 
-@app.command()
+@offer()
 @command
 def plot(
     result: Result,
@@ -201,22 +140,22 @@ def plot(
 
     target = output_path(output, result, ".png")
     if hdf5_format(result) == MONITOR:
-        from jousto.output import plot_monitor
-        from jousto.recovery.monitor import MonitorRecord
+        from jousto.measurement.monitor.recorded import MonitorRecord
+        from jousto.output.figures.monitor import plot_monitor
 
         if names:
             raise InputError(Problem(names[0], "the record of a monitoring run has no sensors"))
         plot_monitor(MonitorRecord(result), path=target)
         say(f"plot in {target}", style="green")
         return
-    from jousto.output import plot as draw
-    from jousto.simulation import load
+    from jousto.output.figures.plot import plot as draw
+    from jousto.simulation.results.solution import load
 
     draw(load(result), *(names or ()), path=target)
     say(f"plot in {target}", style="green")
 
 
-@app.command()
+@offer()
 @command
 def animate(
     result: Result,
@@ -254,8 +193,8 @@ def animate(
 
     target = output_path(output, result, ".gif")
     limit = None if stress_limit is None else amount(stress_limit, "Pa", "--stress-limit")
-    from jousto.output import animate as draw
-    from jousto.simulation import load
+    from jousto.output.scenes.animate import animate as draw
+    from jousto.simulation.results.solution import load
 
     with progress_bar("drawing") as report:
         draw(
@@ -272,22 +211,15 @@ def animate(
     say(f"animation in {target}", style="green")
 
 
-@app.command()
+@offer()
 @command
 def schema(debug: Debug = False) -> None:
     """Print the JSON schema of the model file, for editors."""
     import json
 
-    from jousto.schema import model_schema
+    from jousto.schema.file.read import model_schema
 
     sys.stdout.write(json.dumps(model_schema(), indent=1, ensure_ascii=False) + "\n")
-
-
-def describe_model(file: ModelFile) -> None:
-    """Print what is in a model."""
-    from jousto.schema.summary import model_facts
-
-    facts(model_facts(file), file.mechanism.name)
 
 
 def tell_events(solution: Solution) -> None:
@@ -302,7 +234,8 @@ def tell_events(solution: Solution) -> None:
 
 def describe_result(path: Path) -> None:
     """Print what is in a results file."""
-    from jousto.simulation import describe, load
+    from jousto.simulation.results.solution import load
+    from jousto.simulation.running.simulate import describe
 
     solution = load(path)
     facts([(name, plain(value)) for name, value in describe(solution).items()], path.name)

@@ -8,19 +8,22 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.cli.group import offer
 from jousto.cli.hotspots import plane_or_name
-from jousto.cli.options import Debug, From, Output, To, amount, app, instant
+from jousto.cli.options import Debug, From, Output, To, amount, instant
 from jousto.cli.terminal import FAILED, command, say
-from jousto.errors import InputError, Problem, Problems, suggest
 
 if TYPE_CHECKING:
-    from jousto.parts import SN, MeanStress
-    from jousto.recovery.fatigue import DamageField, DutyCycle
-    from jousto.schema.fatigue import Fatigue, FatigueCheck
-    from jousto.simulation import Solution
+    from jousto.fatigue.cycles.duty import DutyCycle
+    from jousto.fatigue.miner.damage_field import DamageField
+    from jousto.materials.strength.mean_stress import MeanStress
+    from jousto.materials.strength.sn import SN
+    from jousto.schema.entries.fatigue import Fatigue, FatigueCheck
+    from jousto.simulation.results.solution import Solution
 
 
-@app.command()
+@offer()
 @command
 def fatigue(
     results: Annotated[
@@ -117,8 +120,8 @@ def fatigue(
     Of several bodies the files are those of the one with most damage. A safety below 1 means that
     the life required (or one repeat) is not reached with the damage allowed.
     """
-    from jousto.recovery.fatigue import damage_field
-    from jousto.schema.fatigue import FatigueCheck
+    from jousto.fatigue.miner.damage_field import damage_field
+    from jousto.schema.entries.fatigue import FatigueCheck
 
     span = (instant(start, "--from"), instant(end, "--to"))
     events = _events(results or [], repeats or [], transitions, duty)
@@ -149,7 +152,10 @@ def fatigue(
             say(check.name, style="bold")
         say(str(field) + "\n")
         found.append((field, source, check))
-    field, source, check = max(found, key=lambda item: float(item[0].damage.max(initial=0.0)))
+    from jousto.base.ranking import largest
+
+    worst = largest([item[0].damage.max(initial=0.0) for item in found])
+    field, source, check = found[worst]
     if csv is not None:
         say(f"table in {field.to_csv(csv)}", style="green")
     _draw(run, field, output, quantity, vtu)
@@ -172,8 +178,8 @@ class _Events:
 
     def duty(self, body: str, sites: Any, span: tuple[float | None, float | None]) -> DutyCycle:
         """Return the duty cycle of a body."""
-        from jousto.recovery.fatigue import DutyCycle, DutyEvent
-        from jousto.recovery.fields import stress_field
+        from jousto.fatigue.cycles.duty import DutyCycle, DutyEvent
+        from jousto.recovery.fields.build import stress_field
 
         found = [
             DutyEvent(stress_field(run, body, sites=sites, start=span[0], end=span[1]), times, name)
@@ -185,8 +191,8 @@ class _Events:
 def _events(
     results: list[Path], repeats: list[float], transitions: str | None, duty: Path | None
 ) -> _Events:
-    from jousto.schema.fatigue import read_duty
-    from jousto.simulation import load
+    from jousto.schema.entries.fatigue import read_duty
+    from jousto.simulation.results.solution import load
 
     problems = Problems()
     if duty is not None:
@@ -216,7 +222,7 @@ def _events(
 
 def _block(run: Solution) -> Fatigue | None:
     """Return the fatigue block of the model that a run was made of."""
-    from jousto.schema.fatigue import parse_fatigue
+    from jousto.schema.entries.fatigue import parse_fatigue
 
     text = run.model_text
     return parse_fatigue(text, f"model in {run.path.name}") if text.strip() else None
@@ -240,8 +246,8 @@ def _checks(run: Solution, known: Fatigue | None, bodies: list[str] | None) -> l
 
 def named_curve(name: str, known: Fatigue | None) -> SN:
     """Return the curve of an option: of the model, a file or the library."""
-    from jousto.parts import sn_curve
-    from jousto.schema.fatigue import read_curve
+    from jousto.materials.strength.sn_library import sn_curve
+    from jousto.schema.entries.fatigue import read_curve
 
     curves = {} if known is None else known.curves
     if name in curves:
@@ -257,7 +263,15 @@ def named_curve(name: str, known: Fatigue | None) -> SN:
 
 def mean_rule(text: str) -> MeanStress:
     """Return the mean stress correction of an option such as 'goodman 500 MPa'."""
-    from jousto.parts import FKM, SWT, Gerber, Goodman, Morrow, Soderberg, Walker
+    from jousto.materials.strength.mean_stress import (
+        FKM,
+        SWT,
+        Gerber,
+        Goodman,
+        Morrow,
+        Soderberg,
+        Walker,
+    )
 
     word, _, value = text.strip().partition(" ")
     kinds: dict[str, Any] = {
@@ -283,12 +297,12 @@ def _draw(
     run: Solution, field: DamageField, output: Path | None, quantity: str, vtu: Path | None
 ) -> None:
     if output is not None:
-        from jousto.output import plot_damage
+        from jousto.output.figures.damage import plot_damage
 
         plot_damage(run, field, output, quantity=quantity)
         say(f"picture in {output}", style="green")
     if vtu is not None:
-        from jousto.output import write_damage
+        from jousto.output.figures.damage import write_damage
 
         say(f"for ParaView in {write_damage(run, field, vtu)}", style="green")
 
@@ -299,7 +313,7 @@ def _cycles(field: DamageField, source: DutyCycle, path: Path) -> None:
     if path.suffix.lower() == ".csv":
         counted.to_csv(path)
     else:
-        from jousto.output import plot_cycles
+        from jousto.output.figures.cycles import plot_cycles
 
         plot_cycles(counted, field.sn, mean=field.mean, path=path)
     say(f"cycles of {field.worst(1)[0]} in {path}", style="green")

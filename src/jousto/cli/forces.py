@@ -6,12 +6,13 @@ from typing import Annotated
 
 import typer
 
-from jousto.cli.options import Debug, From, Output, Result, To, app, instant
+from jousto.base.errors import InputError, Problem
+from jousto.cli.group import offer
+from jousto.cli.options import Debug, From, Output, Result, To, instant
 from jousto.cli.terminal import command, say
-from jousto.errors import InputError, Problem
 
 
-@app.command()
+@offer()
 @command
 def forces(
     result: Result,
@@ -35,8 +36,8 @@ def forces(
     instants as .pvd.
     """
     from jousto.output.style import PICTURES, target
-    from jousto.recovery import section_forces
-    from jousto.simulation import load
+    from jousto.recovery.beams.forces import section_forces
+    from jousto.simulation.results.solution import load
 
     moments = [float(instant(text, "--at") or 0.0) for text in at or ()]
     suffix = ""
@@ -60,11 +61,11 @@ def forces(
     if suffix == ".csv":
         path = found_forces.to_csv(output, *moments)
     elif suffix in (".vtu", ".pvd"):
-        from jousto.output import write_beam
+        from jousto.output.figures.beams import write_beam
 
         path = write_beam(run, name, output, times=moments or None)
     else:
-        from jousto.output import plot_section_forces
+        from jousto.output.figures.beams import plot_section_forces
 
         path = output
         plot_section_forces(found_forces, output, times=moments or None)

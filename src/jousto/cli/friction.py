@@ -8,16 +8,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from jousto.cli.options import Debug, Output, Trust, app, compile_model, end_time
+from jousto.base.errors import InputError, Problem, suggest
+from jousto.base.names import file_name
+from jousto.cli.group import offer
+from jousto.cli.options import Debug, Output, Trust, compile_model, end_time
 from jousto.cli.terminal import command, say
-from jousto.errors import InputError, Problem, suggest
-from jousto.names import file_name
 
 if TYPE_CHECKING:
-    from jousto.simulation import Solution
+    from jousto.simulation.results.solution import Solution
 
 
-@app.command()
+@offer()
 @command
 def friction(
     source: Annotated[
@@ -53,9 +54,9 @@ def friction(
 
     Of a model both runs are made and kept, MODEL.friction.h5 and MODEL.frictionless.h5.
     """
-    from jousto.recovery import friction_stress
-    from jousto.schema.document import is_hdf5
-    from jousto.simulation import load
+    from jousto.recovery.friction import friction_stress
+    from jousto.schema.file.document import is_hdf5
+    from jousto.simulation.results.solution import load
 
     if is_hdf5(source):
         if other is None:
@@ -82,7 +83,7 @@ def friction(
             found.to_csv(target)
             say(f"table in {target}", style="green")
         if output is not None:
-            from jousto.output import plot_friction_stress
+            from jousto.output.figures.friction import plot_friction_stress
 
             target = _of(output, name, len(names))
             plot_friction_stress(found, path=target)
@@ -113,10 +114,10 @@ def both_runs(
 
     Bodies `asked` for are looked for before anything is simulated.
     """
-    from jousto.recovery import without_friction
-    from jousto.schema import read_model
+    from jousto.recovery.friction import without_friction
+    from jousto.schema.file.read import read_model
     from jousto.schema.targets import RESULTS, output_path
-    from jousto.simulation import simulate
+    from jousto.simulation.running.simulate import simulate
 
     file = read_model(source, trust=trust, progress=sys.stderr.isatty())
     settings = file.simulation
@@ -146,6 +147,6 @@ def both_runs(
 
 
 def _compiled(mechanism: Any) -> Any:
-    from jousto.engine import compile
+    from jousto.model.compile import compile
 
     return compile(mechanism)

@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from jousto.cli.options import Debug, Output, Trust, app
+from jousto.base.errors import InputError, Problem
+from jousto.cli.group import offer
+from jousto.cli.options import Debug, Output, Trust
 from jousto.cli.terminal import command, say
-from jousto.errors import InputError, Problem
 
 if TYPE_CHECKING:
-    from jousto.simulation import Solution
+    from jousto.simulation.results.solution import Solution
 
 GAUGE_UNITS = ("m/m", "V/V")
 
 
-@app.command()
+@offer()
 @command
 def gauges(
     file: Annotated[
@@ -62,7 +63,7 @@ def gauges(
     debug: Debug = False,
 ) -> None:
     """List strain gauges and what they show; compare them with measured ones."""
-    from jousto.schema.document import is_hdf5
+    from jousto.schema.file.document import is_hdf5
 
     if not is_hdf5(file):
         if measured is not None or csv is not None or output is not None:
@@ -75,14 +76,16 @@ def gauges(
             )
         _list_model(file, trust)
         return
-    from jousto.recovery import compare_gauges, read_record, record_of
-    from jousto.simulation import load
+    from jousto.measurement.gauges.compare import compare_gauges
+    from jousto.measurement.gauges.read import read_record
+    from jousto.measurement.gauges.record import record_of
+    from jousto.simulation.results.solution import load
 
     run = load(file)
     if measured is None:
         names = _list_result(run)
         if output is not None:
-            from jousto.output import plot
+            from jousto.output.figures.plot import plot
 
             plot(run, *names, path=output)
             say(f"picture in {output}")
@@ -106,7 +109,7 @@ def gauges(
         found.to_csv(csv)
         say(f"values in {csv}")
     if output is not None:
-        from jousto.output import plot_gauges
+        from jousto.output.figures.gauges import plot_gauges
 
         plot_gauges(found, output)
         say(f"picture in {output}")
@@ -126,8 +129,10 @@ def _list_model(file: Path, trust: bool) -> None:
     """Print the gauges of a model, and how well they tell the modes of their body apart."""
     import numpy as np
 
-    from jousto.mechanism import Bridge, Gauge, Rosette, gauge_rows
-    from jousto.schema import read_model
+    from jousto.mechanism.sensors.bridge import Bridge
+    from jousto.mechanism.sensors.gauge import Gauge, gauge_rows
+    from jousto.mechanism.sensors.rosette import Rosette
+    from jousto.schema.file.read import read_model
 
     mechanism = read_model(file, trust=trust).mechanism
     found: list[Any] = [s for s in mechanism.sensors if isinstance(s, Gauge | Rosette | Bridge)]
@@ -171,7 +176,7 @@ def _list_result(run: Solution) -> list[str]:
     """Print what the gauges of a run show, and return their names."""
     import numpy as np
 
-    from jousto.recovery.gauges.compare import shown_unit
+    from jousto.measurement.gauges.compare import shown_unit
 
     names = [name for name in run.sensors if str(run.about(name)["unit"]) in GAUGE_UNITS]
     if not names:

@@ -7,17 +7,19 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from jousto.cli.options import Debug, From, Output, Result, To, amount, app, instant
+from jousto.base.errors import InputError, Problem
+from jousto.cli.group import offer
+from jousto.cli.options import Debug, From, Output, Result, To, amount, instant
 from jousto.cli.terminal import command, say
-from jousto.errors import InputError, Problem
 
 if TYPE_CHECKING:
-    from jousto.recovery import Plane
+    from jousto.recovery.fields.criteria import Plane
 
 REMARK = "at stored instants, of these modes, step and mesh; jousto hotspots gives the error budget"
+FINER = "finer runs tell more: jousto hotspots --finer-step, --more-modes, --finer-mesh"
 
 
-@app.command()
+@offer()
 @command
 def hotspots(
     result: Result,
@@ -79,8 +81,10 @@ def hotspots(
     -o draws the largest stress on the surface with the hot spots and their histories. The error
     budget of the first says what its stress may be wrong by; finer runs tell more of it.
     """
-    from jousto.recovery import error_budget, hot_spots, stress_field
-    from jousto.simulation import load
+    from jousto.recovery.budget import error_budget
+    from jousto.recovery.fields.build import stress_field
+    from jousto.recovery.hotspots.spots import hot_spots
+    from jousto.simulation.results.solution import load
 
     apart = None if separation is None else amount(separation, "m", "--separation")
     first, last = instant(start, "--from"), instant(end, "--to")
@@ -113,11 +117,11 @@ def hotspots(
     if histories is not None:
         say(f"histories in {found.write_histories(histories)}", style="green")
     if output is not None:
-        from jousto.output import plot_hotspots
+        from jousto.output.figures.hotspots import plot_hotspots
 
         say(f"picture in {plot_hotspots(run, found, output)}", style="green")
     if vtu is not None:
-        from jousto.output import write_hotspots
+        from jousto.output.figures.hotspots import write_hotspots
 
         say(f"for ParaView in {write_hotspots(run, found, vtu)}", style="green")
 
@@ -133,7 +137,7 @@ def check_targets(targets: dict[Path | None, tuple[str, ...]]) -> None:
 
 def plane_or_name(text: str) -> str | Plane:
     """Return the criterion of an option: a name, or the plane of ``normal:x,y,z``."""
-    from jousto.recovery import Plane
+    from jousto.recovery.fields.criteria import Plane
 
     kind, _, numbers = text.partition(":")
     if kind != "normal" or not numbers:

@@ -7,18 +7,20 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from jousto.cli.options import Debug, Output, amount, app
+from jousto.base.errors import InputError, Problem
+from jousto.cli.group import offer
+from jousto.cli.options import Debug, Output, amount
 from jousto.cli.terminal import BAD_INPUT, command, facts, say
-from jousto.errors import InputError, Problem
 
 if TYPE_CHECKING:
-    from jousto.parts import Finding, Mesh
+    from jousto.mesh.inspection import Finding
+    from jousto.mesh.mesh import Mesh
 
 CAD = (".step", ".stp", ".brep", ".brp", ".iges", ".igs")
 SHOWN = 24  # sets or holes in the list
 
 
-@app.command()
+@offer()
 @command
 def mesh(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Mesh or CAD file.")],
@@ -54,12 +56,12 @@ def mesh(
 
     With -o the mesh is written, in m: .vtu, .vtk, .inp, .msh, .med, .bdf, .nas, .stl.
     """
-    from jousto.parts import read_mesh
+    from jousto.mesh.readers.files import read_mesh
 
     if output is not None and output.exists() and file.exists() and output.samefile(file):
         raise InputError(Problem(str(output), "is the input, it would be overwritten"))
     if file.suffix.lower() in CAD:
-        from jousto.parts import mesh_step
+        from jousto.mesh.readers.step import mesh_step
 
         if size is None:
             raise InputError(
@@ -89,11 +91,11 @@ def mesh(
         found = read_mesh(file, unit=unit or "m")
     findings = describe_mesh(found)
     if output is not None:
-        from jousto.output import write_mesh
+        from jousto.output.files.meshes import write_mesh
 
         say(f"mesh in {write_mesh(found, output)}", style="green")
     if picture is not None:
-        from jousto.output import draw
+        from jousto.output.scenes.draw import draw
 
         say(f"picture in {draw(found, picture, sets=tuple(mark or ()))}", style="green")
     if any(finding.severity == "error" for finding in findings):

@@ -9,20 +9,21 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from jousto.cli.options import Debug, Model, Output, amount, app, compile_model
+from jousto.base.errors import InputError, Problem
+from jousto.base.names import harmless
+from jousto.cli.group import offer
+from jousto.cli.options import Debug, Model, Output, amount, compile_model
 from jousto.cli.terminal import command, say
-from jousto.errors import InputError, Problem
-from jousto.names import harmless
 
 if TYPE_CHECKING:
-    from jousto.recovery.monitor import Progress
-    from jousto.schema import ModelFile
+    from jousto.measurement.monitor.watch import Progress
+    from jousto.schema.file.read import ModelFile
 
 STYLES = {"alarm": "bold red", "channel": "yellow", "garbage": "yellow", "backwards": "yellow"}
 SHOWN = 12  # events below the table
 
 
-@app.command()
+@offer()
 @command
 def monitor(
     model: Model,
@@ -52,8 +53,8 @@ def monitor(
     """
     from dataclasses import replace
 
-    from jousto.recovery.monitor import watch
-    from jousto.schema import read_model
+    from jousto.measurement.monitor.watch import watch
+    from jousto.schema.file.read import read_model
     from jousto.schema.targets import MONITOR, output_path
 
     target = output_path(output, model, ".monitor.h5", kind=MONITOR)
@@ -104,7 +105,8 @@ def reference_run(file: ModelFile, model: Path, quiet: bool) -> Any:
     settings = file.monitor
     if not settings.reference:
         return None
-    from jousto.simulation import load, simulate
+    from jousto.simulation.results.solution import load
+    from jousto.simulation.running.simulate import simulate
 
     if settings.reference != "run":
         return load(settings.reference)
@@ -185,8 +187,8 @@ class Board:
         from rich.table import Table
         from rich.text import Text
 
-        from jousto.recovery.monitor import STATES
-        from jousto.recovery.monitor.recorded import duration
+        from jousto.measurement.monitor.health import STATES
+        from jousto.measurement.monitor.recorded import duration
 
         monitor, update, place = progress.monitor, progress.update, progress.place
         if len(update.time):

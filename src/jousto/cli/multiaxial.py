@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from jousto.cli.options import Debug, Output, Result, amount, app
+from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.cli.group import offer
+from jousto.cli.options import Debug, Output, Result, amount
 from jousto.cli.terminal import command, say
-from jousto.errors import InputError, Problem, Problems, suggest
 
 if TYPE_CHECKING:
-    from jousto.recovery.fields import StressField
+    from jousto.recovery.fields.field import StressField
 
 Body = Annotated[str | None, typer.Argument(metavar="[BODY]", help="Body; the only one if none.")]
 Sites = Annotated[
@@ -27,7 +28,7 @@ ResidueOption = Annotated[
 ]
 
 
-@app.command()
+@offer()
 @command
 def multiaxial(
     result: Result,
@@ -51,12 +52,8 @@ def multiaxial(
     debug: Debug = False,
 ) -> None:
     """Find the critical planes of the worst places; with --sn the damage of each plane."""
-    from jousto.recovery.fatigue.counted_planes import PlaneDamage, plane_damage
-    from jousto.recovery.fatigue.planes import (
-        DangVan,
-        Multiaxial,
-        multiaxial,
-    )
+    from jousto.fatigue.multiaxial.counted_planes import PlaneDamage, plane_damage
+    from jousto.fatigue.multiaxial.planes import DangVan, Multiaxial, multiaxial
 
     rule = _criterion(criterion)
     field = _field(result, body, sites, count)
@@ -67,7 +64,7 @@ def multiaxial(
         if isinstance(rule, DangVan):
             say(f"least safety {found.safety.min():.4g}")
     else:
-        from jousto.parts import sn_curve
+        from jousto.materials.strength.sn_library import sn_curve
 
         found = plane_damage(field, rule, sn_curve(sn), residue=_residue(residue))
         say(str(found))
@@ -75,7 +72,7 @@ def multiaxial(
         say(f"table in {found.to_csv(csv)}", style="green")
 
 
-@app.command("strain-life")
+@offer("strain-life")
 @command
 def strain_life_command(
     result: Result,
@@ -100,8 +97,8 @@ def strain_life_command(
     debug: Debug = False,
 ) -> None:
     """Follow local stress and strain in the worst places and count their hysteresis loops."""
-    from jousto.parts.strain_life import strain_life, strain_lives
-    from jousto.recovery.fatigue.strain_life import strain_damage
+    from jousto.fatigue.local.strain_life import strain_damage
+    from jousto.materials.strength.strain_life import strain_life, strain_lives
 
     if not material:
         raise InputError(Problem("--material", f"is missing; known: {', '.join(strain_lives())}"))
@@ -113,8 +110,8 @@ def strain_life_command(
     if csv is not None:
         say(f"table in {found.to_csv(csv)}", style="green")
     if output is not None:
-        from jousto.output import plot_hysteresis
-        from jousto.recovery.ranking import ranking
+        from jousto.base.ranking import ranking
+        from jousto.output.figures.hysteresis import plot_hysteresis
 
         worst = found.labels[ranking(found.damage, found.labels)[0]]
         series = field.only([worst]).values(criterion)[:, 0]
@@ -122,7 +119,7 @@ def strain_life_command(
         say(f"loops of {worst} in {output}", style="green")
 
 
-@app.command()
+@offer()
 @command
 def hertz(
     force: Annotated[str, typer.Option("--force", metavar="F", help="Normal force, '10 kN'.")],
@@ -143,8 +140,8 @@ def hertz(
     debug: Debug = False,
 ) -> None:
     """Tell pressure and stress of a wheel on a flat rail, along a line or at a point."""
-    from jousto.parts import material as named
-    from jousto.recovery.fatigue.contact import hertz_line, hertz_point, shakedown_limit
+    from jousto.fatigue.contact.contact import hertz_line, hertz_point, shakedown_limit
+    from jousto.materials.library import material as named
 
     problems = Problems()
     if (length is None) == (crown is None):
@@ -170,9 +167,9 @@ def hertz(
 
 def _field(result: Path, body: str | None, sites: list[str] | None, count: int) -> StressField:
     """Return the stress of the named places, or of those with the largest von Mises stress."""
-    from jousto.recovery.fields import stress_field
-    from jousto.recovery.ranking import ranking
-    from jousto.simulation import load
+    from jousto.base.ranking import ranking
+    from jousto.recovery.fields.build import stress_field
+    from jousto.simulation.results.solution import load
 
     run = load(result)
     if body is None:
@@ -204,7 +201,7 @@ def _residue(residue: str | None) -> Any:
 
 def _criterion(text: str) -> Any:
     """Return the criterion of an option such as 'findley 0.3'."""
-    from jousto.recovery.fatigue.planes import DangVan, Findley, NormalStress
+    from jousto.fatigue.multiaxial.planes import DangVan, Findley, NormalStress
 
     words = text.replace(",", " ").split()
     known = ("findley", "dang-van", "normal-stress")

@@ -1,4 +1,4 @@
-"""The application and what its commands share."""
+"""Options that commands share, and what they stand for."""
 
 from __future__ import annotations
 
@@ -7,19 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from jousto.errors import InputError, Problem
+from jousto.base.errors import InputError, Problem
 
 if TYPE_CHECKING:
-    from jousto.schema import ModelFile
-
-app = typer.Typer(
-    name="jousto",
-    help="Simulate mechanisms with flexible bodies.",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+    from jousto.schema.file.read import ModelFile
 
 Model = Annotated[Path, typer.Argument(metavar="MODEL", help="Model file (YAML or JSON).")]
 Result = Annotated[Path, typer.Argument(metavar="RESULT", help="Results file (HDF5).")]
@@ -36,7 +27,7 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an e
 
 def compile_model(file: ModelFile) -> Any:
     """Return the compiled model of a model file."""
-    from jousto.engine import compile
+    from jousto.model.compile import compile
 
     return compile(file.mechanism)
 
@@ -48,7 +39,7 @@ def end_time(text: str) -> float:
 
 def instant(text: str | None, option: str) -> float | None:
     """Return the time of an option in s, None if it is not given."""
-    from jousto.schema.units import UnitError, quantity
+    from jousto.base.units import UnitError, quantity
 
     if text is None:
         return None
@@ -60,7 +51,7 @@ def instant(text: str | None, option: str) -> float | None:
 
 def amount(text: str, unit: str, option: str) -> float:
     """Return the positive value of an option, a number or a text such as '12 mm', in SI."""
-    from jousto.schema.units import UnitError, quantity
+    from jousto.base.units import UnitError, quantity
 
     try:
         value = quantity(text, unit)

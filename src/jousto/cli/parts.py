@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from jousto.base.errors import InputError, MissingFileError, Problem
+from jousto.base.names import file_name
 from jousto.cli.certificates import Html, page_path, tell_certificate
-from jousto.cli.options import Debug, Output, app
+from jousto.cli.group import offer
+from jousto.cli.options import Debug, Output
 from jousto.cli.terminal import FAILED, command, facts, say
-from jousto.errors import InputError, MissingFileError, Problem
-from jousto.names import file_name
 
 if TYPE_CHECKING:
-    from jousto.reduction import ReducedPart
+    from jousto.reduction.reduced import ReducedPart
 
 
-@app.command(name="reduce")
+@offer("reduce")
 @command
 def reduce_part(
     part: Annotated[
@@ -57,7 +58,7 @@ def reduce_part(
     Ends with the certificate: what the part weighs, whether it is sound, and how its modes compare
     with the full model.
     """
-    from jousto.schema import read_part_file
+    from jousto.schema.file.read import read_part_file
     from jousto.schema.targets import REDUCED_PART, output_path
 
     if strict and bare:
@@ -82,7 +83,7 @@ def reduce_part(
         raise typer.Exit(FAILED)
 
 
-@app.command()
+@offer()
 @command
 def export(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Reduced part or results (HDF5).")],
@@ -111,17 +112,20 @@ def export(
         raise InputError(Problem(str(output), f"must end with {', '.join(known)} to export {what}"))
     output_path(output, file, suffix)
     if kind == RESULTS:
-        from jousto.output import write_csv
-        from jousto.simulation import load
+        from jousto.output.files.table import write_csv
+        from jousto.simulation.results.solution import load
 
         write_csv(load(file), output, *(names or ()))
     else:
-        from jousto import output as writers
-        from jousto.reduction import ReducedPart
+        from jousto.output.files.mbdyn import write_fem
+        from jousto.output.files.sid import write_sid
+        from jousto.output.files.vtu import write_vtu
+        from jousto.reduction.reduced import ReducedPart
 
         if names:
             raise InputError(Problem(names[0], "a reduced part has no sensors to name"))
-        getattr(writers, f"write_{suffix[1:]}")(ReducedPart.load(file), output)
+        write: dict[str, Any] = {".fem": write_fem, ".sid": write_sid, ".vtu": write_vtu}
+        write[suffix](ReducedPart.load(file), output)
     say(f"written to {output}", style="green")
 
 

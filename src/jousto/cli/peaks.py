@@ -6,18 +6,20 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from jousto.cli.hotspots import REMARK
-from jousto.cli.options import Debug, From, Result, To, app, instant
+from jousto.base.errors import InputError, Problem, suggest
+from jousto.cli.group import offer
+from jousto.cli.hotspots import FINER
+from jousto.cli.options import Debug, From, Result, To, instant
 from jousto.cli.terminal import command, say
-from jousto.errors import InputError, Problem, suggest
 
 if TYPE_CHECKING:
-    from jousto.simulation import Solution
+    from jousto.recovery.hotspots.spots import HotSpots
+    from jousto.simulation.results.solution import Solution
 
 HEAD = ("", "smallest", "at", "largest", "at", "")
 
 
-@app.command()
+@offer()
 @command
 def peaks(
     result: Result,
@@ -29,13 +31,14 @@ def peaks(
     debug: Debug = False,
 ) -> None:
     """List the smallest and largest value of sensors, and the largest stress of bodies."""
-    from jousto.simulation import load
+    from jousto.recovery.budget import error_budget
+    from jousto.simulation.results.solution import load
 
     run = load(result)
     span = instant(start, "--from"), instant(end, "--to")
     rows = [HEAD, *sensor_peaks(run, tuple(names or run.sensors), *span)]
-    if not names:
-        rows += stress_peaks(run, *span)
+    worst = [] if names else worst_places(run, *span)
+    rows += stress_peaks(run, worst)
     widths = [max(len(row[k]) for row in rows) for k in range(len(HEAD))]
     for row in rows:
         cells = [
@@ -43,8 +46,10 @@ def peaks(
             *(c.rjust(w) for c, w in zip(row[1:5], widths[1:5], strict=True)),
         ]
         say(("  " + "  ".join(cells) + "  " + row[5]).rstrip())
-    if not names and run.stressed:
-        say(f"  errors of stress: {REMARK}")
+    for found in worst:
+        say(f"  {str(error_budget(found)).splitlines()[0]}")
+    if worst:
+        say(f"  {FINER}")
 
 
 def sensor_peaks(
@@ -81,18 +86,23 @@ def sensor_peaks(
     return rows
 
 
-def stress_peaks(
+def worst_places(
     run: Solution, start: float | None = None, end: float | None = None
-) -> list[tuple[str, ...]]:
-    """Return the largest von Mises stress of each body that knows its stress, where and when."""
-    from jousto.recovery import hot_spots
+) -> list[HotSpots]:
+    """Return the place of the largest von Mises stress of each body that knows its stress."""
+    from jousto.recovery.hotspots.spots import hot_spots
 
+    return [hot_spots(run, bodies=name, count=1, start=start, end=end) for name in run.stressed]
+
+
+def stress_peaks(run: Solution, found: list[HotSpots]) -> list[tuple[str, ...]]:
+    """Return the largest von Mises stress of bodies, where and when."""
     rows: list[tuple[str, ...]] = []
     solids = {
         body.name for body in run.bodies if body.elements.ndim == 2 and body.elements.shape[1] == 3
     }
-    for name in run.stressed:
-        worst = hot_spots(run, bodies=name, count=1, start=start, end=end)[0]
+    for worst in (spots[0] for spots in found):
+        name = worst.body
         place = ", ".join(f"{1e3 * x:.4g}" for x in worst.position)
         where = "on the surface" if name in solids else f"in {worst.site}"
         unit = f"Pa, von Mises {where} at ({place}) mm"

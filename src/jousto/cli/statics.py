@@ -7,9 +7,10 @@ from typing import Annotated, Any
 
 import typer
 
-from jousto.cli.options import Debug, Model, Output, Trust, app, compile_model
-from jousto.cli.terminal import command, facts, numbers, say
-from jousto.errors import InputError, Problem
+from jousto.base.errors import InputError, Problem
+from jousto.cli.group import offer
+from jousto.cli.options import Debug, Model, Output, Trust, compile_model
+from jousto.cli.terminal import command, facts, most_at, numbers, say
 
 Input = Annotated[
     str | None,
@@ -19,7 +20,7 @@ Start = Annotated[float | None, typer.Option("--start", help="First value; now o
 Steps = Annotated[int, typer.Option("--steps", min=1, help="Steps to the last value.")]
 
 
-@app.command()
+@offer()
 @command
 def path(
     model: Model,
@@ -43,11 +44,10 @@ def path(
     debug: Debug = False,
 ) -> None:
     """Follow the equilibrium of a model while an input grows; -o draws it over a sensor."""
-    from jousto.output import plot_load_path, write_load_path
-    from jousto.output.load_path import sensor_place
+    from jousto.output.figures.load_path import plot_load_path, sensor_place, write_load_path
     from jousto.output.style import PICTURES, target
-    from jousto.schema import read_model
-    from jousto.simulation import load_path
+    from jousto.schema.file.read import read_model
+    from jousto.simulation.statics.paths import load_path
 
     compiled = compile_model(read_model(model, trust=trust))
     name = _parameter(compiled, parameter, model)
@@ -70,7 +70,7 @@ def path(
         ("Newton iterations", f"{found.iterations[1:].mean():.2g} a point"),
     ]
     for point in found.critical:
-        moves = max(point.shape, key=lambda body: float(abs(point.shape[body]).max(initial=0.0)))
+        moves = most_at(point.shape)
         rows.append((point.kind, f"{name} = {point.load:.6g}, most at {moves}"))
     if not found.critical:
         rows.append(("critical points", "none"))
@@ -89,7 +89,7 @@ def path(
         say(f"the path ends before {name} = {to:g}: {found.ended}", style="yellow")
 
 
-@app.command()
+@offer()
 @command
 def buckle(
     model: Model,
@@ -106,8 +106,8 @@ def buckle(
     debug: Debug = False,
 ) -> None:
     """Find the loads at which a model buckles, the lowest first, and where it moves."""
-    from jousto.schema import read_model
-    from jousto.simulation import buckling
+    from jousto.schema.file.read import read_model
+    from jousto.simulation.statics.buckling import buckling
 
     compiled = compile_model(read_model(model, trust=trust))
     name = _parameter(compiled, parameter, model)
@@ -116,7 +116,7 @@ def buckle(
     )
     rows = []
     for k, load in enumerate(found.loads):
-        moves = max(found.shapes, key=lambda body: float(abs(found.shapes[body][k]).max(initial=0)))
+        moves = most_at({body: shapes[k] for body, shapes in found.shapes.items()})
         rows.append((f"{name} = {load:.6g}", f"{found.kinds[k]}, most at {moves}"))
     kind = "on the path" if along else "by the linear theory"
     facts(rows or [("loads", "none: nothing buckles in this direction")], f"{model.name} {kind}")

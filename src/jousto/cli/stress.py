@@ -10,21 +10,23 @@ import numpy as np
 import typer
 from numpy.typing import NDArray
 
+from jousto.base.errors import InputError, Problem
+from jousto.cli.group import offer
 from jousto.cli.hotspots import REMARK, plane_or_name
-from jousto.cli.options import Debug, From, Output, Result, To, app, instant
+from jousto.cli.options import Debug, From, Output, Result, To, instant
 from jousto.cli.terminal import command, say
-from jousto.errors import InputError, Problem
 
 if TYPE_CHECKING:
-    from jousto.recovery import Criterion, StressField
-    from jousto.simulation import Solution
+    from jousto.recovery.fields.criteria import Criterion
+    from jousto.recovery.fields.field import StressField
+    from jousto.simulation.results.solution import Solution
 
 Array = NDArray[Any]
 
 SHOWN = 12
 
 
-@app.command()
+@offer()
 @command
 def stress(
     result: Result,
@@ -66,8 +68,8 @@ def stress(
     -o writes histories of the sites as .png or .csv, the envelope as .csv or .vtu, the instant
     --at as .csv or .vtu, all instants as .pvd for a film in ParaView, and everything as .h5.
     """
-    from jousto.recovery import stress_field
-    from jousto.simulation import load
+    from jousto.recovery.fields.build import stress_field
+    from jousto.simulation.results.solution import load
 
     sought = plane_or_name(criterion)
     first, last, moment = instant(start, "--from"), instant(end, "--to"), instant(at, "--at")
@@ -109,17 +111,30 @@ def stress(
             field.ns,
         )
         say(f"{sought}, {field.frame} axes, {field.time[0]:g} to {field.time[-1]:g} s")
-        say(f"errors: {REMARK}")
+        for line in errors(field, sought):
+            say(line)
     if output is not None:
         say(f"written to {write(run, field, sought, moment, output, bool(site))}", style="green")
+
+
+def errors(field: StressField, criterion: Criterion) -> list[str]:
+    """Return what the stress of the worst place may be wrong by."""
+    from jousto.recovery.budget import error_budget
+    from jousto.recovery.fields.criteria import weights
+    from jousto.recovery.hotspots.spots import hot_spots
+
+    if field.frame == "world" and weights(criterion) is not None:
+        return [f"errors: {REMARK}"]  # components that turn with the body are not searched
+    found = hot_spots(field, count=1, criterion=criterion)
+    return [str(error_budget(found))] if found.spots else [f"errors: {REMARK}"]
 
 
 def worst_first(
     criterion: Criterion, strain: bool, labels: Sequence[str], *values: Array
 ) -> NDArray[np.intp]:
     """Return the order of places by the worst of their values, as hot spots are ranked."""
+    from jousto.base.ranking import ranking
     from jousto.recovery.hotspots.measures import measure
-    from jousto.recovery.ranking import ranking
 
     rank = measure(criterion, strain=strain).rank
     worst = np.max([rank(value) for value in values], axis=0)
@@ -173,7 +188,8 @@ def write(
     InputError
         For an unknown suffix, or a path that cannot be written.
     """
-    from jousto.output import plot_stress, write_contour, write_stress
+    from jousto.output.figures.stress import plot_stress, write_stress
+    from jousto.output.files.contour import write_contour
 
     suffix = path.suffix.lower()
     if suffix == ".h5":

@@ -6,21 +6,22 @@ from typing import Annotated, Any
 
 import typer
 
-from jousto.cli.options import Debug, Model, Output, Trust, app, compile_model, end_time
-from jousto.cli.terminal import command, facts, numbers, plain, say
-from jousto.errors import InputError, Problem
-from jousto.files import written
+from jousto.base.errors import InputError, Problem
+from jousto.base.files import written
+from jousto.cli.group import offer
+from jousto.cli.options import Debug, Model, Output, Trust, compile_model, end_time
+from jousto.cli.terminal import command, facts, most_at, numbers, plain, say
 
 MATRICES = (".npz", ".mat")
 
 
-@app.command()
+@offer()
 @command
 def equilibrium(model: Model, trust: Trust = False, debug: Debug = False) -> None:
     """Find where a model rests: positions of the bodies and values of the sensors."""
-    from jousto.engine import Engine
-    from jousto.schema import read_model
-    from jousto.simulation import equilibrium as rest
+    from jousto.model.native.native import Engine
+    from jousto.schema.file.read import read_model
+    from jousto.simulation.statics.equilibrium import equilibrium as rest
 
     compiled = compile_model(read_model(model, trust=trust))
     state = rest(compiled)
@@ -41,7 +42,7 @@ def equilibrium(model: Model, trust: Trust = False, debug: Debug = False) -> Non
     facts(rows, f"{model.name} at rest")
 
 
-@app.command()
+@offer()
 @command
 def modes(
     model: Model,
@@ -55,27 +56,24 @@ def modes(
     debug: Debug = False,
 ) -> None:
     """Compute the natural modes of a model, without damping, about where it rests."""
-    import numpy as np
-
-    from jousto.schema import read_model
-    from jousto.simulation import equilibrium as rest
-    from jousto.simulation import modes as natural
+    from jousto.schema.file.read import read_model
+    from jousto.simulation.modes.linear import modes as natural
+    from jousto.simulation.statics.equilibrium import equilibrium as rest
 
     compiled = compile_model(read_model(model, trust=trust))
     found = natural(compiled, None if initial else rest(compiled))
-    largest = {name: np.abs(x).max(axis=(1, 2), initial=0.0) for name, x in found.shapes.items()}
     rows = []
     for k, value in enumerate(found.eigenvalues[:count]):
         text = f"{found.frequencies[k]:.6g} Hz"
         if value.real > abs(value.imag):
             text = f"falls away, {value.real:.6g} 1/s"
-        moves = max(largest, key=lambda name: float(largest[name][k]))
+        moves = most_at({name: shapes[k] for name, shapes in found.shapes.items()})
         rows.append((f"mode {k + 1}", f"{text}, most at {moves}"))
     place = "its initial pose" if initial else "rest"
     facts(rows or [("modes", "none: nothing is free to move")], f"{model.name} about {place}")
 
 
-@app.command()
+@offer()
 @command
 def linearise(
     model: Model,
@@ -89,10 +87,10 @@ def linearise(
     """Linearise a model: A, B, C, D of its inputs and sensors, into MODEL.npz or -o FILE.mat."""
     import numpy as np
 
-    from jousto.schema import read_model
+    from jousto.schema.file.read import read_model
     from jousto.schema.targets import output_path
-    from jousto.simulation import equilibrium as rest
-    from jousto.simulation import linearise as small_motions
+    from jousto.simulation.modes.linear import linearise as small_motions
+    from jousto.simulation.statics.equilibrium import equilibrium as rest
 
     target = output_path(output, model, ".npz")
     if target.suffix not in MATRICES:
@@ -125,7 +123,7 @@ def linearise(
     say(f"A, B, C, D in {target}", style="green")
 
 
-@app.command()
+@offer()
 @command
 def kinematics(
     model: Model,
@@ -142,9 +140,9 @@ def kinematics(
     """Move a fully driven model without integration, with the forces of its drives."""
     import numpy as np
 
-    from jousto.schema import read_model
+    from jousto.schema.file.read import read_model
     from jousto.schema.targets import RESULTS, output_path
-    from jousto.simulation import kinematics as motion
+    from jousto.simulation.kinematics import kinematics as motion
 
     target = output_path(output, model, ".h5", kind=RESULTS)
     file = read_model(model, trust=trust)
@@ -160,7 +158,7 @@ def kinematics(
         end = file.simulation.t_end
     found = motion(compile_model(file), np.linspace(0.0, end, instants), path=target)
     rows = [
-        ("instants", str(len(found))),
+        ("instants", str(len(found.time))),
         ("last instant (s)", plain(float(found.time[-1]))),
         ("largest position residual", plain(float(found.residuals.position.max(initial=0.0)))),
     ]

@@ -5,17 +5,17 @@ from __future__ import annotations
 import contextlib
 import functools
 import logging
+import os
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from io import TextIOWrapper
 from typing import Any, ParamSpec, TextIO
 
 import typer
-from rich.console import Console
 
-from jousto.errors import InputError, JoustoWarning, SimulationError
-from jousto.names import harmless
+from jousto.base.errors import InputError, JoustoWarning, SimulationError
+from jousto.base.names import harmless
 
 P = ParamSpec("P")
 
@@ -27,6 +27,12 @@ def say(text: str, *, error: bool = False, style: str = "") -> None:
 
     Names come from files, so that what a terminal obeys is spelled out.
     """
+    stream = sys.stderr if error else sys.stdout
+    if not (stream.isatty() or os.environ.get("FORCE_COLOR")):
+        print(harmless(text), file=stream, flush=True)
+        return
+    from rich.console import Console
+
     console = Console(stderr=error, soft_wrap=True, markup=False, highlight=False, emoji=False)
     console.print(harmless(text), style=style)
 
@@ -115,12 +121,23 @@ def facts(rows: list[tuple[str, str]], title: str = "") -> None:
         say(f"  {name:<{width}}  {value}".rstrip())
 
 
+def most_at(shape: Mapping[str, Any]) -> str:
+    """Return the body that moves most in a shape, of equal ones the first by its name."""
+    import numpy as np
+
+    from jousto.base.ranking import largest
+
+    bodies = list(shape)
+    return bodies[largest([np.abs(shape[body]).max(initial=0.0) for body in bodies], bodies)]
+
+
 @contextlib.contextmanager
 def progress_bar(text: str) -> Iterator[Callable[[int, int], None] | None]:
     """Show a bar on a terminal; yields a function of what is done and the total."""
     if not sys.stderr.isatty():
         yield None
         return
+    from rich.console import Console
     from rich.markup import escape
     from rich.progress import Progress
 

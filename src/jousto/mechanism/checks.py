@@ -7,34 +7,31 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from jousto.errors import Problems, suggest, warn
-from jousto.mechanism.beam import BeamBody, BeamNode
-from jousto.mechanism.body import FlexibleBody, Ground, RigidBody
-from jousto.mechanism.coordinate import Coordinate, Distance
-from jousto.mechanism.coupling import Coupler, Drive
-from jousto.mechanism.elements import ELEMENTS, Bushing, ModalLoad, UserForce
-from jousto.mechanism.event import Event
-from jousto.mechanism.force import LOADS, Gravity, Torque
-from jousto.mechanism.friction import Friction, StickSlip
+from jousto.base.errors import Problems, suggest, warn
+from jousto.mechanism.beams.body import BeamBody, BeamNode
+from jousto.mechanism.bodies.body import FlexibleBody, Ground, RigidBody
+from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.forces.friction import Friction, StickSlip
+from jousto.mechanism.forces.line_load import LineLoad
+from jousto.mechanism.forces.loads import LOADS, Gravity, Torque
+from jousto.mechanism.forces.moving import MovingLoad
+from jousto.mechanism.forces.springs import ELEMENTS, Bushing, ModalLoad, UserForce
 from jousto.mechanism.initial import Initial
-from jousto.mechanism.joints import Joint
-from jousto.mechanism.line_load import LineLoad
-from jousto.mechanism.marker import Marker
-from jousto.mechanism.moving import MovingLoad
-from jousto.mechanism.sensors import (
-    SENSORS,
-    Bridge,
-    DamageSensor,
-    ForceSensor,
-    Gauge,
-    ModalSensor,
-    MotionSensor,
-    ReactionSensor,
-    Rosette,
-    SectionSensor,
-    SiteSensor,
-)
-from jousto.mechanism.signals import Signal, Switched, leaves
+from jousto.mechanism.joints.base import Joint
+from jousto.mechanism.joints.coordinate import Coordinate, Distance
+from jousto.mechanism.joints.coupling import Coupler, Drive
+from jousto.mechanism.sensors.body import ModalSensor, SiteSensor
+from jousto.mechanism.sensors.bridge import Bridge
+from jousto.mechanism.sensors.damage import DamageSensor
+from jousto.mechanism.sensors.gauge import Gauge
+from jousto.mechanism.sensors.kinds import SENSORS
+from jousto.mechanism.sensors.loads import ForceSensor, ReactionSensor
+from jousto.mechanism.sensors.motion import MotionSensor
+from jousto.mechanism.sensors.rosette import Rosette
+from jousto.mechanism.sensors.section import SectionSensor
+from jousto.mechanism.signals.base import Signal, leaves
+from jousto.mechanism.signals.event import Event
+from jousto.mechanism.signals.switched import Switched
 
 if TYPE_CHECKING:
     from jousto.mechanism.mechanism import Mechanism

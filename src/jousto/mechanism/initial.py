@@ -7,9 +7,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from jousto.errors import Problems
-from jousto.mechanism.coordinate import Angle, Coordinate, Distance, check_coordinate
-from jousto.mechanism.fields import number, set_fields
+from jousto.base.errors import Problems
+from jousto.base.numbers import number, set_fields
+from jousto.mechanism.joints.coordinate import Angle, Coordinate, Distance, check_coordinate
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -38,7 +38,7 @@ class Initial:
 
     Examples
     --------
-    >>> from jousto.mechanism import Revolute, RigidBody, ground
+    >>> from jousto import Revolute, RigidBody, ground
     >>> wheel = RigidBody("wheel", 3.0, (0.01, 0.01, 0.02))
     >>> axle = Revolute("axle", ground["origin"], wheel["origin"])
     >>> Initial(axle.angle, rate=5.24)

@@ -8,22 +8,22 @@ from typing import Any
 
 import numpy as np
 
-from jousto.errors import Problems
+from jousto.base.errors import Problems
+from jousto.base.names import check_name
+from jousto.base.numbers import set_fields
+from jousto.base.rotations import Array, readonly, rotation_matrix
 from jousto.mechanism import checks
-from jousto.mechanism.beam import BeamBody, BeamNode
-from jousto.mechanism.body import Body, FlexibleBody, MovingBody, RigidBody
+from jousto.mechanism.beams.body import BeamBody, BeamNode
+from jousto.mechanism.bodies.body import Body, FlexibleBody, MovingBody, RigidBody
 from jousto.mechanism.checks import where as where
-from jousto.mechanism.coupling import Coupler
-from jousto.mechanism.elements import ELEMENTS, Element
-from jousto.mechanism.event import Event
-from jousto.mechanism.fields import set_fields
-from jousto.mechanism.force import LOADS, Gravity, Load
-from jousto.mechanism.friction import Friction
+from jousto.mechanism.forces.friction import Friction
+from jousto.mechanism.forces.loads import LOADS, Gravity, Load
+from jousto.mechanism.forces.springs import ELEMENTS, Element
 from jousto.mechanism.initial import Initial
-from jousto.mechanism.joints import Joint
-from jousto.mechanism.orientation import Array, readonly, rotation_matrix
-from jousto.mechanism.sensors import SENSORS, Sensor
-from jousto.names import check_name
+from jousto.mechanism.joints.base import Joint
+from jousto.mechanism.joints.coupling import Coupler
+from jousto.mechanism.sensors.kinds import SENSORS, Sensor
+from jousto.mechanism.signals.event import Event
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -63,7 +63,7 @@ class Mechanism:
 
     Examples
     --------
-    >>> from jousto.mechanism import Gravity, Revolute, RigidBody, ground
+    >>> from jousto import Gravity, Revolute, RigidBody, ground
     >>> rod = RigidBody("rod", 1.0, (0.01, 0.1, 0.1), center=(0.5, 0, 0))
     >>> pivot = Revolute("pivot", ground["origin"], rod["origin"])
     >>> Mechanism(rod, pivot, Gravity((0, -9.81, 0)), name="pendulum")

@@ -13,8 +13,8 @@ from cycler import cycler
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from jousto.errors import InputError, Problem
-from jousto.files import check_file, unwritable, written
+from jousto.base.errors import InputError, Problem
+from jousto.base.files import check_file, unwritable, written
 
 INK = "#22272E"  # text and bodies' outlines
 MUTED = "#69707A"  # second-rank text

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from jousto.errors import Problems
-from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, scatter, skew
+from jousto.base.arrays import Floats, Ints, Sparse, as_csr, scatter, skew
+from jousto.base.errors import Problems
+from jousto.mesh.sets import node_index
 from jousto.parts.mass import MassPoints, PointMass, second_moment
-from jousto.parts.sets import node_index
 
 
 def attached_points(

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from jousto.errors import Problems, suggest, warn
-from jousto.parts._arrays import Floats, Ints, read_only, skew
-from jousto.parts.area import KINDS, area_matrix
-from jousto.parts.cylinders import cylinder_middle
-from jousto.parts.picks import Pick
-from jousto.parts.sets import read_integers
+from jousto.base.arrays import Floats, Ints, read_only, skew
+from jousto.base.errors import Problems, suggest, warn
+from jousto.mesh.area import KINDS, area_matrix
+from jousto.mesh.cylinders import cylinder_middle
+from jousto.mesh.holes import Hole
+from jousto.mesh.picks import Pick
+from jousto.mesh.sets import read_integers
 
 if TYPE_CHECKING:
     from jousto.parts.part import Part
@@ -41,9 +42,10 @@ class Interface:
     ----------
     name : str
         Name of the interface; the reduced part has its reference node under this name.
-    nodes : str, array_like of int or pick
-        Name of a node set, node indices, ``InBox``, ``InCylinder``, ``InSphere``, ``Nearest``, or
-        faces as rows of node indices (nf, k), corners first, then the middles of the sides.
+    nodes : str, array_like of int, Hole or pick
+        Name of a node set, node indices, a hole of the mesh (``mesh.holes()``), ``InBox``,
+        ``InCylinder``, ``InSphere``, ``Nearest``, or faces as rows of node indices (nf, k),
+        corners first, then the middles of the sides.
     kind : "rigid" or "average"
     at : (3,) array_like, optional
         Reference point in m, part frame. If not given: the middle of the axis if the nodes lie on
@@ -71,6 +73,8 @@ class Interface:
 
     def __post_init__(self) -> None:
         where, problems = f"interface {self.name!r}", Problems()
+        if isinstance(self.nodes, Hole):
+            object.__setattr__(self, "nodes", self.nodes.nodes)
         name: object = self.name
         if not isinstance(name, str) or not name:
             problems.add(where, f"its name is {name!r}, must be a word")

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from jousto.described import described
-from jousto.errors import Problems, suggest
-from jousto.parts._arrays import Floats, Ints, times
-from jousto.parts.area import area_matrix, face_points
-from jousto.parts.picks import Pick
-from jousto.parts.sets import read_integers
+from jousto.base.arrays import Floats, Ints, times
+from jousto.base.described import described
+from jousto.base.errors import Problems, suggest
+from jousto.mesh.area import area_matrix, face_points
+from jousto.mesh.picks import Pick
+from jousto.mesh.sets import read_integers
 
 if TYPE_CHECKING:
     from jousto.parts.part import Part

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.described import described
-from jousto.errors import Problems
-from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, node_dofs, read_only, scatter, skew
+from jousto.base.arrays import Floats, Ints, Sparse, as_csr, node_dofs, read_only, scatter, skew
+from jousto.base.described import described
+from jousto.base.errors import Problems
 
 
 @described
@@ -86,6 +86,7 @@ def inertia_tensor(G: Floats) -> Floats:
     return J
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class MassPoints:
     """The mass of a part as k points that move and turn with the nodes.

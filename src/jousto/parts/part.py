@@ -10,23 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from jousto.errors import InputError, Problem, Problems
-from jousto.names import check_name
-from jousto.parts._arrays import Floats, Ints, Sparse, read_only, skew, times
-from jousto.parts.area import node_normals
-from jousto.parts.beam import Theory, Timoshenko
-from jousto.parts.frame import BeamOptions, Frame, assemble, check_frame
-from jousto.parts.interface import Interface, Tie, resolve
-from jousto.parts.loads import Load, load_vector
-from jousto.parts.mass import MassPoints, PointMass
-from jousto.parts.material import Material
-from jousto.parts.matrices import check_matrices, points_from_blocks, rigid_modes
-from jousto.parts.members import Member, check_elements, join_members
-from jousto.parts.mesh import Mesh
-from jousto.parts.orthotropic import Orthotropic
-from jousto.parts.second_order import SecondOrder
-from jousto.parts.section import Section
-from jousto.parts.sets import (
+from jousto.base.arguments import explained
+from jousto.base.arrays import Floats, Ints, Sparse, read_only, skew, times
+from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.names import check_name
+from jousto.materials.material import Material
+from jousto.materials.orthotropic import Orthotropic
+from jousto.mesh.area import node_normals
+from jousto.mesh.mesh import Mesh
+from jousto.mesh.sets import (
     node_graph,
     node_index,
     pieces,
@@ -35,12 +27,21 @@ from jousto.parts.sets import (
     rigid_groups,
     tied,
 )
+from jousto.parts.frames.element import Theory, Timoshenko
+from jousto.parts.frames.frame import BeamOptions, Frame, assemble, check_frame
+from jousto.parts.frames.members import Member, check_elements, join_members
+from jousto.parts.frames.second_order import SecondOrder
+from jousto.parts.frames.stress import StressOperator
+from jousto.parts.interface import Interface, Tie, resolve
+from jousto.parts.loads import Load, load_vector
+from jousto.parts.mass import MassPoints, PointMass
+from jousto.parts.matrices.checks import check_matrices, points_from_blocks, rigid_modes
 from jousto.parts.solids.build import solid_fields
 from jousto.parts.solids.model import SolidModel
 from jousto.parts.solids.second_order import SolidSecondOrder
 from jousto.parts.solids.stress import SolidStress
 from jousto.parts.solids.surface import surface_stress
-from jousto.parts.stress import StressOperator
+from jousto.sections.section import Section
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -175,7 +176,7 @@ class Part:
 
         Examples
         --------
-        >>> from jousto.parts import Rectangle, Tube
+        >>> from jousto import Rectangle, Tube
         >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
         >>> part = Part.beam(2.0, Rectangle(0.1, 0.1), 4, steel, lumped=True)
         >>> part.mass_points.mass
@@ -203,6 +204,7 @@ class Part:
         )
 
     @classmethod
+    @explained
     def frame(
         cls,
         nodes: Any,
@@ -255,7 +257,7 @@ class Part:
 
         Examples
         --------
-        >>> from jousto.parts import Rectangle, Tube
+        >>> from jousto import Rectangle, Tube
         >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
         >>> part = Part.frame([[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 1], [1, 2]],
         ...                   sections=Tube(0.05, 0.002), materials=steel)
@@ -278,6 +280,7 @@ class Part:
         )
 
     @classmethod
+    @explained
     def from_members(
         cls,
         members: Sequence[Member],
@@ -309,7 +312,7 @@ class Part:
 
         Examples
         --------
-        >>> from jousto.parts import Rectangle, Tube
+        >>> from jousto import Rectangle, Tube
         >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
         >>> tube = Tube(0.05, 0.002)
         >>> part = Part.from_members(
@@ -414,6 +417,7 @@ class Part:
         return cls(name=label, interfaces=interfaces, **fields)
 
     @classmethod
+    @explained
     def from_matrices(
         cls,
         M: Any,
@@ -457,7 +461,7 @@ class Part:
 
         Examples
         --------
-        >>> from jousto.parts import Rectangle
+        >>> from jousto import Rectangle
         >>> beam = Part.beam(1.0, Rectangle(0.1, 0.1), 2, Material(2e11, 0.3, 7850.0))
         >>> Part.from_matrices(beam.M, beam.K, beam.nodes).dofs_per_node
         6
@@ -525,7 +529,8 @@ class Part:
         JoustoWarning
             If the units look wrong, or a rigid motion stores strain energy.
         """
-        from jousto.parts.readers.matrices import nodal, read_matrices
+        from jousto.parts.matrices.matrices import nodal
+        from jousto.parts.matrices.read import read_matrices
 
         found = read_matrices(
             K, M, nodes=nodes, dofs=dofs, format=format, units=units, name=name
@@ -556,7 +561,7 @@ class Part:
 
         Examples
         --------
-        >>> from jousto.parts import Rectangle
+        >>> from jousto import Rectangle
         >>> beam = Part.beam(1.0, Rectangle(0.1, 0.1), 2, Material(2e11, 0.3, 7850.0))
         >>> beam.with_interfaces(Interface("tip", "end", at=(1.0, 0.2, 0.0))).ties
         (<Tie 'tip': rigid, 1 nodes about (1, 0.2, 0) m>,)
@@ -619,7 +624,7 @@ class Part:
         The force that buckles a cantilever, over ``pi^2 E I / (4 L^2)``:
 
         >>> from scipy.linalg import eigh
-        >>> from jousto.parts import Circle
+        >>> from jousto import Circle
         >>> part = Part.beam(1.0, Circle(0.01), 4, Material(2e11, 0.3, 7850.0))
         >>> f = np.zeros(24)
         >>> f[18] = -1.0
@@ -665,7 +670,7 @@ class Part:
 
         Examples
         --------
-        >>> from jousto.parts import Circle, NodalForce, Weight
+        >>> from jousto import Circle, NodalForce, Weight
         >>> beam = Part.beam(1.0, Circle(0.01), 2, Material(2e11, 0.3, 7850.0))
         >>> f = beam.load(Weight((0, 0, -9.81)), NodalForce("end", (0, 0, -100)))
         >>> f"{f.reshape(-1, 6)[:, 2].sum():.2f} N, of this {9.81 * beam.mass:.2f} N weight"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-from jousto.errors import InputError, Problem, Problems, SimulationError, warn
+from jousto.base.errors import InputError, Problem, Problems, SimulationError, warn
 from jousto.planar.frame import PlanarFrame
 from jousto.planar.methods import Convergence, Method
 from jousto.planar.results import PlanarRun, PlanarState, Records, rest

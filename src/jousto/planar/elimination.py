@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.described import described
 from jousto.planar.jets import derivatives
 
 Array = NDArray[Any]
@@ -49,6 +50,7 @@ class Map(Protocol):
         """Return ``d(B^T F)/dq`` with F held, eq. 6."""
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Linear:
     """Linear coupling ``u = T q + u0``: ties, symmetry, gears, interpolation.
@@ -320,6 +322,7 @@ class Slaves(NamedTuple):
     B1: Array
 
 
+@described
 @dataclass(frozen=True)
 class Elimination:
     """Forces, stiffness and inertia of slaves, as seen by their masters.

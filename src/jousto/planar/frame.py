@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.described import described
-from jousto.errors import Problems, suggest, warn
+from jousto.base.described import described
+from jousto.base.errors import Problems, suggest, warn
 from jousto.planar.items import (
     FunctionLink,
     LinearLink,

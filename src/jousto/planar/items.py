@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from jousto.errors import Problems
-from jousto.parts.material import Material
-from jousto.parts.section import Section
+from jousto.base.errors import Problems
+from jousto.materials.material import Material
+from jousto.sections.section import Section
 
 Node = Hashable
 Signal = Callable[[float], float]

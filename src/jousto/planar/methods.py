@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from jousto.errors import Problems
+from jousto.base.errors import Problems
 
 
 class Method(Protocol):

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.errors import InputError, Problem, suggest
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, suggest
 from jousto.planar.frame import PlanarFrame
 from jousto.planar.system import Point
 
@@ -139,6 +140,7 @@ class Records:
         )
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class PlanarRun:
     """Motion of a planar frame; arrays over time, nodes in the order of ``frame.nodes``.
@@ -223,6 +225,7 @@ class PlanarRun:
         return PlanarState(self.q[k], self.v[k], float(self.time[k]), self.a[k], s)
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class PlanarPath:
     """Equilibria of a planar frame under growing loads.

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.errors import InputError, Problem, Problems, SimulationError
+from jousto.base.errors import InputError, Problem, Problems, SimulationError
 from jousto.planar.dynamics import solve
 from jousto.planar.frame import PlanarFrame
 from jousto.planar.methods import Convergence

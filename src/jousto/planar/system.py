@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.described import described
 from jousto.planar.element import (
     Middle,
     gradient,
@@ -121,6 +122,7 @@ class Point(NamedTuple):
     residual: Array
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class System:
     """Equations of a frame in arrays.

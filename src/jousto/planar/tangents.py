@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.errors import Problems
+from jousto.base.errors import Problems
 from jousto.planar.results import PlanarRun
 
 

@@ -9,16 +9,19 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.errors import InputError, Problem
-from jousto.parts import SolidStress, place_errors
-from jousto.recovery.fields import StressField, stress_field
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem
+from jousto.parts.solids.error import place_errors
+from jousto.parts.solids.stress import SolidStress
+from jousto.recovery.fields.build import stress_field
+from jousto.recovery.fields.field import StressField
 from jousto.recovery.hotspots.measures import RANKS
 from jousto.recovery.hotspots.spots import HotSpot, HotSpots
-from jousto.simulation import Solution
+from jousto.simulation.results.solution import Solution
 
 if TYPE_CHECKING:
-    from jousto.parts import Part
-    from jousto.reduction import ReducedPart
+    from jousto.parts.part import Part
+    from jousto.reduction.reduced import ReducedPart
 
 Array = NDArray[np.float64]
 Finer: TypeAlias = Solution | StressField
@@ -27,7 +30,8 @@ HOW = {
     "instants": "store velocities, or instants closer together",
     "step": "compare with a run of half the step",
     "modes": "compare with a run of more modes, or with the residual stress",
-    "mesh": "compare with a run of a finer mesh, or give the part and its modes",
+    "mesh": "the part has no mesh of solids that tells it (or was reduced by an older version): "
+    "compare with a run of a finer mesh",
 }
 """The terms, and how one that is not known becomes known."""
 
@@ -67,6 +71,10 @@ class ErrorBudget:
         return tuple(name for name, x in self.terms.items() if not np.isfinite(x))
 
     def __repr__(self) -> str:
+        return f"<ErrorBudget: {self._sentence}>"
+
+    @property
+    def _sentence(self) -> str:
         factor, unit = (1e-6, "MPa") if self.unit == "Pa" else (1e6, "um/m")
         size = abs(self.value)
         texts = [
@@ -79,12 +87,14 @@ class ErrorBudget:
             known += f", together {100.0 * self.known / size if size > 0.0 else np.inf:.2g} %"
         missing = f"; not known: {', '.join(self.unknown)}" if self.unknown else ""
         value = f"{factor * self.value:.4g} {unit}"
-        return f"error budget of {self.place}, {self.criterion} {value}: {known}{missing}"
+        return f"{self.place}, {self.criterion} {value}: {known}{missing}"
 
     def __str__(self) -> str:
-        return "\n".join([repr(self), *(f"  {name}: {HOW[name]}" for name in self.unknown)])
+        first = f"error budget of {self._sentence}"
+        return "\n".join([first, *(f"  {name}: {HOW[name]}" for name in self.unknown)])
 
 
+@explained
 def error_budget(
     found: HotSpots,
     rank: int = 1,
@@ -98,9 +108,9 @@ def error_budget(
 
     Each term is what changes at that place when one thing alone is refined: largest value over the
     same time, there against here. Besides, of "instants" it is what the stored velocities leave
-    open, see `HotSpot.between`, and of "mesh", given the part, by how much its elements
-    disagree, see `place_errors`. The sum is no less than the error where the terms do not act on
-    one another.
+    open, see `HotSpot.between`, and of "mesh", of parts of solids, by how much the elements around
+    the place disagree, see `HotSpot.mesh`. The sum is no less than the error where the terms do not
+    act on one another.
 
     Parameters
     ----------
@@ -111,7 +121,7 @@ def error_budget(
         A run (or its field of that body) with a shorter step, with more modes (or with the
         residual stress), of a finer mesh, where the nearest place counts; all else as it was.
     part : (Part, ReducedPart), optional
-        What the body was made of, for the mesh.
+        What the body was made of, for the mesh, where the run does not know it.
 
     Raises
     ------
@@ -133,8 +143,8 @@ def error_budget(
         return float("nan") if other is None else abs(_peak(found, spot, other, ranked) - own)
 
     terms = {"modes": change(modes), "step": change(step), "mesh": change(mesh)}
-    if mesh is None and part is not None:
-        terms["mesh"] = _scatter(found, spot, *part)
+    if mesh is None:
+        terms["mesh"] = spot.mesh if part is None else _scatter(found, spot, *part)
     terms["instants"] = max(float(ranked(np.asarray(spot.between))) - own, 0.0)
     if np.isnan(spot.between):
         terms["instants"] = float("nan")

@@ -9,18 +9,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.described import described
-from jousto.errors import InputError, Problem, Problems, warn
-from jousto.files import write_table
-from jousto.mechanism import Event, ForceSensor, Friction, Mechanism
-from jousto.mechanism.sensors import DamageSensor
-from jousto.recovery.fields import StressField, evaluate, field_from, stress_field
-from jousto.recovery.fields.field import Sites
-from jousto.recovery.ranking import ranking
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems, warn
+from jousto.base.files import write_table
+from jousto.base.ranking import ranking
+from jousto.mechanism.forces.friction import Friction
+from jousto.mechanism.mechanism import Mechanism
+from jousto.mechanism.sensors.damage import DamageSensor
+from jousto.mechanism.sensors.loads import ForceSensor
+from jousto.mechanism.signals.event import Event
+from jousto.recovery.fields.build import field_from, stress_field
+from jousto.recovery.fields.criteria import evaluate
+from jousto.recovery.fields.field import Sites, StressField
 from jousto.recovery.shape import find_body
-from jousto.reduction import ReducedPart
-from jousto.simulation import Solution
-from jousto.simulation.events import FRICTION_CHANGES
+from jousto.reduction.reduced import ReducedPart
+from jousto.simulation.results.events import FRICTION_CHANGES
+from jousto.simulation.results.solution import Solution
 
 Array = NDArray[np.float64]
 BLOCK_BYTES = 32 << 20
@@ -112,8 +117,12 @@ class FrictionStress:
         )
 
     def peaks(self, count: int = 10) -> tuple[Transition, ...]:
-        """Return the transitions that changed the stress most, the largest first."""
-        return tuple(sorted(self.transitions, key=lambda t: -np.nan_to_num(t.jump))[:count])
+        """Return the transitions that changed the stress most, the largest first.
+
+        Equal ones, as a periodic motion has, stand in the order of their times.
+        """
+        order = ranking([np.nan_to_num(t.jump) for t in self.transitions])[:count]
+        return tuple(self.transitions[i] for i in order)
 
     def table(self, count: int = 10) -> list[dict[str, Any]]:
         """Return the places with the largest stress due to friction, the largest first.
@@ -175,6 +184,7 @@ class FrictionStress:
         return "\n".join(lines)
 
 
+@explained
 def friction_stress(
     with_run: Solution,
     without_run: Solution,
@@ -273,7 +283,7 @@ def _common(
 ) -> tuple[float, float]:
     """Return the first and last instant that both runs and the caller's window hold."""
     spans = [
-        (float(run.time[0]), float(run.time[-1])) if len(run) else (1.0, 0.0) for run in (one, two)
+        (float(run.time[0]), float(run.time[-1])) if run.nt else (1.0, 0.0) for run in (one, two)
     ]
     first = max(*(span[0] for span in spans), -np.inf if start is None else start)
     last = min(*(span[1] for span in spans), np.inf if end is None else end)
@@ -357,6 +367,7 @@ def _transition(
     )
 
 
+@explained
 def without_friction(mechanism: Mechanism) -> Mechanism:
     """Return the same mechanism without the friction of its joints.
 

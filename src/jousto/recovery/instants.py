@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.errors import InputError, Problem
+from jousto.base.errors import InputError, Problem
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]

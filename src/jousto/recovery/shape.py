@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.engine import BeamShape
-from jousto.errors import InputError, Problem, suggest
-from jousto.simulation import BodyShape, Solution
+from jousto.base.errors import InputError, Problem, suggest
+from jousto.model.beam_record import BeamShape
+from jousto.simulation.results.records import BodyShape
+from jousto.simulation.results.solution import Solution
 
 Array = NDArray[np.float64]
 

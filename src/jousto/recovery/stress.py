@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.recovery.fields import StressField, field_from, stress_field
-from jousto.recovery.hotspots import hot_spots
+from jousto.recovery.fields.build import field_from, stress_field
+from jousto.recovery.fields.field import StressField
+from jousto.recovery.hotspots.spots import hot_spots
 from jousto.recovery.shape import bracket, find_body
-from jousto.reduction import ReducedPart
-from jousto.simulation import Solution
+from jousto.reduction.reduced import ReducedPart
+from jousto.simulation.results.solution import Solution
 
 Array = NDArray[np.float64]
 

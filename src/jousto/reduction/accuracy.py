@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.parts.solids.error import mesh_error
-from jousto.reduction.certificate import Check, Status, Table, number, percent, vector
-from jousto.reduction.inspection import FullModel
-from jousto.reduction.interface_modes import Modes
+from jousto.reduction.certificate.certificate import Check, Status, Table, number, percent, vector
+from jousto.reduction.certificate.part_checks import FullModel
+from jousto.reduction.modes.interface_modes import Modes
 
 Array = NDArray[np.float64]
 

@@ -8,13 +8,15 @@ import numpy as np
 import scipy.linalg as la
 from numpy.typing import NDArray
 
-from jousto.errors import InputError, Problem
-from jousto.reduction.invariants import EPS, Invariants
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem
+from jousto.reduction.fields.invariants import EPS, Invariants
 from jousto.reduction.reduced import ReducedPart
 
 Array = NDArray[np.float64]
 
 
+@explained
 def clamp(reduced: ReducedPart, node: str) -> ReducedPart:
     """Return the part held at a node: modes that vanish there, frequencies of the clamped part.
 
@@ -79,9 +81,7 @@ def clamp(reduced: ReducedPart, node: str) -> ReducedPart:
         rotations=None if rotations is None else (rotations - turn) @ V,
         frequencies=np.sqrt(stiffness) / (2.0 * np.pi),
         invariants=_combined(held, V),
-        stress=None
-        if reduced.stress is None
-        else replace(reduced.stress, modes=reduced.stress.modes @ V),
+        stress=None if reduced.stress is None else reduced.stress.combined(V),
         stiffening=None,
         provenance={**reduced.provenance, "clamped": node},
     )

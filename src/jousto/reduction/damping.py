@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.errors import InputError, Problem, Problems, warn
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem, Problems, warn
 
 Array = NDArray[np.float64]
 
@@ -17,6 +18,7 @@ Array = NDArray[np.float64]
 MOST = 100.0
 
 
+@explained
 @dataclass(frozen=True)
 class Rayleigh:
     """Damping proportional to mass and stiffness, ``D = alpha M + beta K``.

@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from jousto.errors import Problems
-from jousto.reduction.residuals import read_residuals
+from jousto.base.arguments import explained
+from jousto.base.errors import Problems
+from jousto.reduction.modes.residuals import read_residuals
 
 
+@explained
 @dataclass(frozen=True, repr=False)
 class CraigBampton:
     """Fixed-interface modes plus constraint modes of the interface nodes.
@@ -76,6 +78,7 @@ class CraigBampton:
         )
 
 
+@explained
 @dataclass(frozen=True, repr=False)
 class FreeFree:
     """Free-free elastic modes of the whole part: no interface, mean-axis frame.

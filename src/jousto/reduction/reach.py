@@ -8,11 +8,11 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from jousto.reduction.examine import full_model
-from jousto.reduction.families import held_response
-from jousto.reduction.inspection import FullModel
-from jousto.reduction.interface_loads import elastic_response
-from jousto.reduction.interface_modes import Modes, modes_of
+from jousto.reduction.certificate.certify import full_model
+from jousto.reduction.certificate.interface_loads import elastic_response
+from jousto.reduction.certificate.part_checks import FullModel
+from jousto.reduction.modes.families import held_response
+from jousto.reduction.modes.interface_modes import Modes, modes_of
 
 if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart

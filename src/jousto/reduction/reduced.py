@@ -11,15 +11,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.errors import InputError, Problem, Problems, suggest
-from jousto.frozen import Frozen
-from jousto.reduction.invariants import Invariants
-from jousto.reduction.rigid import length_scale
-from jousto.reduction.stiffening import Stiffening
-from jousto.reduction.stress import StressModes
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.frozen import Frozen
+from jousto.reduction.fields.invariants import Invariants
+from jousto.reduction.fields.stiffening import Stiffening
+from jousto.reduction.fields.stress import StressModes
+from jousto.reduction.modes.rigid import length_scale
 
 if TYPE_CHECKING:
-    from jousto.parts import Part
+    from jousto.parts.part import Part
 
 Array = NDArray[np.float64]
 
@@ -173,6 +174,7 @@ class ReducedPart:
         """Diagonal of the modal stiffness matrix, ``omega_j^2`` (n,), 1/s2."""
         return np.asarray((2.0 * np.pi * self.frequencies) ** 2)
 
+    @explained
     def node(self, name: str) -> int:
         """Return the number of the node with this name, from 0.
 
@@ -289,7 +291,7 @@ class ReducedPart:
         InputError
             The file cannot be written there.
         """
-        from jousto.reduction.storage import save
+        from jousto.reduction.files.storage import save
 
         save(self, Path(path))
 
@@ -302,7 +304,7 @@ class ReducedPart:
         InputError
             No such file, not a reduced part, another version of the format, or damaged.
         """
-        from jousto.reduction.storage import load
+        from jousto.reduction.files.storage import load
 
         return load(Path(path))
 

@@ -12,37 +12,40 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.errors import InputError, Problem, Problems, warn
-from jousto.parts import Part
-from jousto.reduction import eigen, factor
-from jousto.reduction.cache import Entry, NotHashable, ReductionCache
-from jousto.reduction.cache import choose as choose_cache
-from jousto.reduction.cache import key as content_key
-from jousto.reduction.invariants import (
+from jousto.base.errors import InputError, Problem, Problems, warn
+from jousto.parts.part import Part
+from jousto.parts.solids.scatter import place_scatter
+from jousto.parts.solids.stress import SolidStress
+from jousto.reduction.fields.invariants import (
     Invariants,
     invariants_from_matrix,
     invariants_from_points,
 )
-from jousto.reduction.memory import check_memory, memory_estimate
-from jousto.reduction.methods import CraigBampton, FreeFree, Method
-from jousto.reduction.partition import (
-    craig_bampton_basis,
-    whole_part_basis,
+from jousto.reduction.fields.residual_stress import read_loads, residual_stress as rest
+from jousto.reduction.fields.stiffening import stiffening as second_order_field
+from jousto.reduction.fields.stress import StressModes
+from jousto.reduction.files.cache import (
+    Entry,
+    NotHashable,
+    ReductionCache,
+    choose as choose_cache,
+    key as content_key,
 )
-from jousto.reduction.reduced import ReducedPart, package_versions
-from jousto.reduction.relief import free_loads, with_residuals
-from jousto.reduction.residual_stress import read_loads
-from jousto.reduction.residual_stress import residual_stress as rest
-from jousto.reduction.rigid import (
+from jousto.reduction.files.run import Report, Run, reporter
+from jousto.reduction.methods import CraigBampton, FreeFree, Method
+from jousto.reduction.modes import eigen
+from jousto.reduction.modes.partition import craig_bampton_basis, whole_part_basis
+from jousto.reduction.modes.relief import free_loads, with_residuals
+from jousto.reduction.modes.rigid import (
     RigidBasis,
     check_stiffness_is_free,
     length_scale,
     mass_orthonormal_rigid_modes,
 )
-from jousto.reduction.run import Report, Run, reporter
-from jousto.reduction.stiffening import stiffening as second_order_field
-from jousto.reduction.stress import StressModes
-from jousto.reduction.ties import interface_names
+from jousto.reduction.modes.ties import interface_names
+from jousto.reduction.reduced import ReducedPart, package_versions
+from jousto.reduction.sparse import factor
+from jousto.reduction.sparse.memory import check_memory, memory_estimate
 
 Array = NDArray[np.float64]
 
@@ -54,6 +57,9 @@ REMEMBERED = 30_000
 
 STRESS_BLOCK = 8
 """Modes whose stress is computed at a time."""
+
+CONTENT = "with the error of the mesh"
+"""What reduced parts hold that older ones do not: those are computed again."""
 
 HASH_BLOCK = 1 << 20
 """Numbers that are hashed at a time."""
@@ -151,7 +157,7 @@ def _entry(
     cache: ReductionCache, part: Part, method: Method, options: tuple[object, ...]
 ) -> Entry | None:
     try:
-        return cache.entry(content_key(part, method, *options, package_versions()))
+        return cache.entry(content_key(part, method, *options, CONTENT, package_versions()))
     except NotHashable as error:
         logging.getLogger(__name__).info("the reduction is not kept: it depends on a %s", error)
         return None
@@ -320,7 +326,7 @@ def _assemble(
         rotation_nodes=turning,
         frequencies=frequencies,
         invariants=integrals,
-        stress=_stress(part, X, run),
+        stress=_stress(part, X, frequencies, run),
         interfaces=interfaces,
         provenance=_provenance(part, method, run),
         faces=tuple(part.faces),
@@ -353,7 +359,7 @@ def invariants(part: Part, X: ArrayLike) -> Invariants:
     return own + invariants_from_points(part.attached, modes)
 
 
-def _stress(part: Part, X: Array, run: Run) -> StressModes | None:
+def _stress(part: Part, X: Array, frequencies: Array, run: Run) -> StressModes | None:
     if part.stress is None:
         return None
     s = part.stress
@@ -364,7 +370,14 @@ def _stress(part: Part, X: Array, run: Run) -> StressModes | None:
             some = slice(k, k + STRESS_BLOCK)
             modes[:, :, some] = s.evaluate(X[:, some])
             report("stress modes", min(k + STRESS_BLOCK, X.shape[1]) / X.shape[1])
-    return StressModes(tuple(s.sites), s.positions, s.axes, modes, s.elasticity, s.compliance)
+    scatter = None
+    if isinstance(s, SolidStress):
+        with run.stage("error of the mesh"):
+            # shapes of low frequency are the larger ones, p = f / W2
+            scatter = place_scatter(s, X, modes, (frequencies / frequencies.min()) ** -2.0)
+    return StressModes(
+        tuple(s.sites), s.positions, s.axes, modes, s.elasticity, s.compliance, scatter=scatter
+    )
 
 
 def _provenance(part: Part, method: str, run: Run) -> dict[str, str]:

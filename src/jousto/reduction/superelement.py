@@ -10,14 +10,15 @@ import scipy.linalg
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from jousto.errors import InputError, Problem, Problems, count, warn
-from jousto.reduction.eigen import STAND_IN
-from jousto.reduction.invariants import EPS, Invariants
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem, Problems, count, warn
+from jousto.reduction.fields.invariants import EPS, Invariants
+from jousto.reduction.modes.eigen import STAND_IN
+from jousto.reduction.modes.rigid import length_scale
 from jousto.reduction.reduced import ReducedPart, package_versions
-from jousto.reduction.rigid import length_scale
 
 if TYPE_CHECKING:
-    from jousto.parts.readers.matrices import Matrices
+    from jousto.parts.matrices.matrices import Matrices
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -32,6 +33,7 @@ MASSLESS = 1e-13
 """Least ``(w_1 / w)^2`` of motions that count as modes; the others move no mass."""
 
 
+@explained
 def reduce_superelement(
     matrices: Matrices, *, modes: int | None = None, frequency_limit: float | None = None
 ) -> ReducedPart:
@@ -101,7 +103,7 @@ def reduce_superelement(
     X, frequencies = _elastic(where, K, M, R, modes, frequency_limit)
 
     kept, turning = _marker_nodes(where, dofs, index)
-    from jousto.parts.readers.matrices.matrices import elements_of, sets_of
+    from jousto.parts.matrices.matrices import elements_of, sets_of
 
     sets = sets_of(matrices, np.asarray(kept, dtype=np.int64))
     sets = {f"node{i + 1}": (i,) for i in range(len(kept))} | sets

@@ -7,14 +7,16 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from jousto.errors import count
-from jousto.mechanism import BeamBody, FlexibleBody, LineLoad, RigidBody
+from jousto.base.errors import count
+from jousto.mechanism.beams.body import BeamBody
+from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
+from jousto.mechanism.forces.line_load import LineLoad
 
 if TYPE_CHECKING:
-    from jousto.parts import Mesh
-    from jousto.parts.holes import Hole
-    from jousto.reduction import ReducedPart
-    from jousto.schema.read import ModelFile
+    from jousto.mesh.holes import Hole
+    from jousto.mesh.mesh import Mesh
+    from jousto.reduction.reduced import ReducedPart
+    from jousto.schema.file.read import ModelFile
 
 Facts: TypeAlias = list[tuple[str, str]]
 
@@ -67,7 +69,9 @@ def model_facts(file: ModelFile) -> Facts:
     rows.append(("gravity", " ".join(f"{g:g}" for g in mechanism.gravity) + " m/s2"))
     if file.simulation is not None:
         solver = file.simulation.solver
-        text = f"{file.simulation.t_end:g} s" + (f" with {solver}" if solver else "")
+        text = f"{file.simulation.t_end:g} s" + (
+            f" with {solver}" if solver else ", solver chosen by the model"
+        )
         rows.append(("simulation", text))
     return rows
 
@@ -107,7 +111,7 @@ def hole_text(hole: Hole) -> str:
 
 def set_text(mesh: Mesh, name: str, nodes: Any) -> str:
     """Return how many nodes a set has, where it is and, if it is a surface, its form."""
-    from jousto.parts.cylinders import cylinder_through
+    from jousto.mesh.cylinders import cylinder_through
 
     if not len(nodes):
         return "0 nodes"

@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from jousto.errors import InputError, Problem
-from jousto.files import check_file
-from jousto.schema.document import is_hdf5
+from jousto.base.errors import InputError, Problem
+from jousto.base.files import check_file
+from jousto.schema.file.document import is_hdf5
 
 RESULTS, REDUCED_PART = "jousto results", "jousto reduced part"
 MONITOR = "jousto monitor"

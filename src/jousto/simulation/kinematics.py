@@ -10,14 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.engine import Engine, Model
-from jousto.engine.native import displaced
-from jousto.engine.redundancy import RANK, null_space, repeated_rows, unit_rows
-from jousto.errors import InputError, Problem, Problems, SimulationError
-from jousto.simulation.bending import Bending
-from jousto.simulation.columns import DIAGNOSTICS
-from jousto.simulation.keep import Keeper
-from jousto.simulation.solution import Solution
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem, Problems, SimulationError
+from jousto.model.model import Model
+from jousto.model.native.native import Engine, displaced
+from jousto.model.rank.redundancy import RANK, null_space, repeated_rows, unit_rows
+from jousto.simulation.results.columns import DIAGNOSTICS
+from jousto.simulation.results.keep import Keeper
+from jousto.simulation.results.solution import Solution
+from jousto.simulation.statics.bending import Bending
 
 Array = NDArray[np.float64]
 TURN = 0.5  # rad, largest turn of a body between two assembled positions
@@ -28,6 +29,7 @@ SOFT = "the elastic bodies are too soft for such a motion without vibration, run
 UNKNOWN = ("dissipated", "friction", "work")  # integrals over time, which are not formed
 
 
+@explained
 def kinematics(model: Model, times: ArrayLike, *, path: str | Path | None = None) -> Solution:
     """Find the motion of a fully driven mechanism at given times, without integration.
 
@@ -67,6 +69,7 @@ def kinematics(model: Model, times: ArrayLike, *, path: str | Path | None = None
     return _write(model, instants, path)
 
 
+@explained
 def inverse_dynamics(model: Model, times: ArrayLike, *, path: str | Path | None = None) -> Solution:
     """Find the forces of the drives that move a fully driven mechanism as prescribed.
 

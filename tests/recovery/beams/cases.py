@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import jousto as jo
-from jousto.engine.model import BeamModel
+from jousto.model.model import BeamModel
 
 STEEL = jo.Material(E=210e9, nu=0.3, rho=7850.0)
 

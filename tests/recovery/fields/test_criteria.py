@@ -7,11 +7,18 @@ import pytest
 from numpy.typing import NDArray
 
 import jousto as jo
-from jousto.engine import recover
-from jousto.recovery import criteria, evaluate
-from jousto.recovery.fields.criteria import principal, principal_values, tensor, turned, voigt
+from jousto.model.native import recover
+from jousto.recovery.fields.criteria import (
+    criteria,
+    evaluate,
+    principal,
+    principal_values,
+    tensor,
+    turned,
+    voigt,
+)
 from jousto.recovery.fields.planes import critical_plane, half_sphere, plane_weights
-from jousto.reduction import StressModes
+from jousto.reduction.fields.stress import StressModes
 
 Array = NDArray[np.float64]
 

@@ -11,40 +11,22 @@ A new joint is one class: two tuples and, where it slides, its lines.
 
 from __future__ import annotations
 
-from abc import ABC
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from jousto.errors import Problems
-from jousto.mechanism.coordinate import AXES, Angle, Coordinate, Displacement, Line
-from jousto.mechanism.fields import set_fields
-from jousto.mechanism.marker import Marker, check_marker
-from jousto.mechanism.orientation import Array, parse_direction, readonly, turn_onto
-from jousto.names import check_name
+from jousto.base.declare import Declared, Flag, Name, field
+from jousto.base.errors import Problems
+from jousto.base.rotations import Array, Direction, readonly, turn_onto
+from jousto.mechanism.bodies.marker import Marker, MarkerField
+from jousto.mechanism.joints.coordinate import AXES, Angle, Coordinate, Displacement, Line
 
 # perpendicular pairs (axis of a, axis of b): x, y, z = 0, 1, 2
 PARALLEL = ((0, 2), (1, 2))
 NO_TURN = ((0, 2), (1, 2), (0, 1))
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class Joint(ABC):
+class Joint(Declared, section="joints"):
     """Constraint rows between marker a and marker b, both full frames.
-
-    Parameters
-    ----------
-    name : str
-        Name, unique among joints, couplings and drives.
-    a, b : Marker
-        Markers on two different bodies.
-    as_placed : bool
-        True: the joint takes the directions as they stand at the initial pose, where its
-        markers have to fit already. False: it uses the markers' own axes, z for its axis, and
-        a rough initial pose is moved and turned until they fit.
 
     Attributes
     ----------
@@ -60,16 +42,33 @@ class Joint(ABC):
         Number of constraint rows.
     """
 
-    kind: ClassVar[str] = "joint"
+    kind = "joint"
     coincident: ClassVar[bool] = False
     perpendicular: ClassVar[tuple[tuple[int, int], ...]] = ()
-    name: str
-    a: Marker
-    b: Marker
-    as_placed: bool
+    name: Name = field("Unique among joints, couplings and drives")
+    a: MarkerField = field("First marker")
+    b: MarkerField = field("Second marker, on another body")
+    as_placed: Flag = field(
+        "Whether the joint takes the directions as they stand at the initial pose, where its "
+        "markers have to fit already; if not, it uses the markers' own axes, z for its axis, and "
+        "moves and turns a rough initial pose until they fit",
+        default=True,
+        kw_only=True,
+    )
 
-    def __init__(self, name: str, a: Marker, b: Marker, *, as_placed: bool = True) -> None:
-        init_joint(self, name, a, b, as_placed)
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note directions that count for nothing."""
+        for key, kind in self.fields.items():
+            if (
+                not self.as_placed
+                and isinstance(kind, Direction)
+                and getattr(self, key) is not None
+            ):
+                problems.add(
+                    where,
+                    f"{key} is a direction at the initial pose; with as_placed=False the z axes "
+                    f"of the markers count, leave {key} out and turn the markers",
+                )
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.name!r}: {self.a.label} - {self.b.label}>"
@@ -86,6 +85,11 @@ class Joint(ABC):
             return self.a, self.b
         frame = self.a.A if self.direction is None else turn_onto(self.a.A, self.direction)
         return aligned(self.a, frame), aligned(self.b, frame)
+
+    @property
+    def axis_world(self) -> Array:
+        """Unit vector (3,) of the z axes at the initial pose, world frame."""
+        return readonly(self.frames[0].A[:, 2])
 
     @cached_property
     def lines(self) -> tuple[Line, ...]:
@@ -122,68 +126,28 @@ class Joint(ABC):
         return both or any(s.turns_a for s in used), both or any(s.turns_b for s in used)
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
+AXIS = "Axis in the world frame at the initial pose; None for the z axis of marker a"
+
+
 class AxisJoint(Joint):
-    """A joint whose z axis may be given.
+    """A joint whose z axis may be given."""
 
-    Parameters
-    ----------
-    name, a, b, as_placed
-        As for every joint.
-    axis : (3,) array_like, optional
-        Axis in the world frame at the initial pose; None for the z axis of marker a. Only
-        without `as_placed` the axis is that of each marker, and this is left out.
-    """
-
-    axis: Array | None
-
-    def __init__(
-        self,
-        name: str,
-        a: Marker,
-        b: Marker,
-        axis: ArrayLike | None = None,
-        *,
-        as_placed: bool = True,
-    ) -> None:
-        init_joint(self, name, a, b, as_placed, axis=axis)
+    axis: Direction = field(AXIS, default=None)
 
     @property
     def direction(self) -> Array | None:
         """World direction (3,) of the axis at the initial pose; None for the z axis of a."""
         return self.axis
 
-    @property
-    def axis_world(self) -> Array:
-        """Unit vector (3,) of the axis at the initial pose, world frame."""
-        return readonly(self.frames[0].A[:, 2])
 
-
-@dataclass(frozen=True, eq=False, init=False, repr=False)
 class NormalJoint(Joint):
-    """A joint that keeps the origin of b on the plane through a, whose normal may be given.
+    """A joint that keeps the origin of b on the plane through a, whose normal may be given."""
 
-    Parameters
-    ----------
-    name, a, b, as_placed
-        As for every joint; b is on the plane at the start.
-    normal : (3,) array_like, optional
-        Normal of the plane in the world frame at the initial pose, fixed to a; None for the
-        z axis of marker a.
-    """
-
-    normal: Array | None
-
-    def __init__(
-        self,
-        name: str,
-        a: Marker,
-        b: Marker,
-        normal: ArrayLike | None = None,
-        *,
-        as_placed: bool = True,
-    ) -> None:
-        init_joint(self, name, a, b, as_placed, normal=normal)
+    normal: Direction = field(
+        "Normal of the plane in the world frame at the initial pose, fixed to a; None for the z "
+        "axis of marker a",
+        default=None,
+    )
 
     @property
     def direction(self) -> Array | None:
@@ -230,34 +194,3 @@ def aligned(marker: Marker, frame: Array) -> Marker:
     """Return the marker with the world axes `frame` (3, 3) at the initial pose."""
     axes = readonly(marker.carrier.T @ frame)
     return Marker(marker.body, marker.point, marker.position_local, marker.node, axes)
-
-
-def init_joint(
-    joint: Joint,
-    name: str,
-    a: Marker,
-    b: Marker,
-    as_placed: Any,
-    problems: Problems | None = None,
-    **directions: ArrayLike | None,
-) -> None:
-    """Check what all joints have in common and set the fields; raise if there are problems."""
-    problems = problems or Problems()
-    where = check_name(problems, "joint", name)
-    check_marker(problems, where, "a", a)
-    check_marker(problems, where, "b", b)
-    if not isinstance(as_placed, bool | np.bool_):
-        problems.add(where, f"as_placed is {as_placed!r}, must be True or False")
-    values: dict[str, Any] = {}
-    for key, direction in directions.items():
-        values[key] = None
-        if direction is not None:
-            values[key] = parse_direction(problems, where, key, direction)
-            if not as_placed:
-                problems.add(
-                    where,
-                    f"{key} is a direction at the initial pose; with as_placed=False the z axes "
-                    f"of the markers count, leave {key} out and turn the markers",
-                )
-    problems.raise_if_any()
-    set_fields(joint, name=name, a=a, b=b, as_placed=bool(as_placed), **values)

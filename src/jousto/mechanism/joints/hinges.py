@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from jousto.errors import InputError, Problem, Problems
-from jousto.mechanism.coordinate import Angle, Coordinate, Displacement, Line
-from jousto.mechanism.fields import number, set_fields
+from jousto.base.declare import Number, field
+from jousto.base.errors import Problems
+from jousto.base.rotations import Array, Direction, readonly, turn_onto, unit_vector
+from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.joints.base import (
+    AXIS,
     PARALLEL,
     AxisJoint,
     Joint,
@@ -20,27 +20,19 @@ from jousto.mechanism.joints.base import (
     along,
     free_angle,
     held,
-    init_joint,
 )
-from jousto.mechanism.marker import Marker
-from jousto.mechanism.orientation import Array, readonly, turn_onto, unit_vector
+from jousto.mechanism.joints.coordinate import Angle, Coordinate, Displacement, Line
 
 # sine of the angle by which the axes of a universal joint may miss the right angle
 RIGHT_ANGLE = 1e-6
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class Revolute(AxisJoint):
+class Revolute(AxisJoint, tag="revolute"):
     """The markers share a point and an axis: 5 rows, the rotation about the axis is free.
 
     ``r_b - r_a = 0``, ``f_a . h_b = g_a . h_b = 0`` (Rantalainen 2007, eq. 3.95 and 3.96)
 
-    Parameters
-    ----------
-    name, a, b, as_placed
-        As for every joint; the markers are at one world position at the start.
-    axis : (3,) array_like, optional
-        Axis in the world frame at the initial pose; None for the z axis of marker a.
+    The markers are at one world position at the start.
     """
 
     coincident: ClassVar[bool] = True
@@ -57,8 +49,7 @@ class Revolute(AxisJoint):
         return (self.angle,)
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class SharedAxisJoint(AxisJoint):
+class SharedAxisJoint(Joint):
     """A joint that keeps one axis for both markers, with a turn about and a way along it."""
 
     perpendicular: ClassVar[tuple[tuple[int, int], ...]] = PARALLEL
@@ -79,18 +70,12 @@ class SharedAxisJoint(AxisJoint):
         return self.displacement, self.angle
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class Cylindrical(SharedAxisJoint):
+class Cylindrical(SharedAxisJoint, AxisJoint, tag="cylindrical"):
     """The markers share an axis: 4 rows, turning about it and sliding along it are free.
 
     ``f_a . h_b = g_a . h_b = 0``, ``f_a . d = g_a . d = 0`` (Rantalainen 2007, eq. 3.96, 3.97)
 
-    Parameters
-    ----------
-    name, a, b, as_placed
-        As for every joint; b is on the axis through a at the start.
-    axis : (3,) array_like, optional
-        Axis in the world frame at the initial pose; None for the z axis of marker a.
+    Marker b is on the axis through a at the start.
     """
 
     @cached_property
@@ -99,40 +84,24 @@ class Cylindrical(SharedAxisJoint):
         return held(self, "x", "y")
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class Screw(SharedAxisJoint):
+class Screw(SharedAxisJoint, tag="screw"):
     """A cylindrical joint with a thread: 5 rows, ``s - s0 = pitch (phi - phi0) / 2 pi``.
 
-    Index 0 is the initial pose.
-
-    Parameters
-    ----------
-    name, a, b, as_placed
-        As for every joint; b is on the axis through a at the start.
-    pitch : float
-        Displacement in one turn, m; negative for a left-hand thread.
-    axis : (3,) array_like, optional
-        Axis in the world frame at the initial pose; None for the z axis of marker a.
+    Index 0 is the initial pose. Marker b is on the axis through a at the start.
     """
 
-    pitch: float
+    pitch: Number = field(
+        "Displacement in one turn; negative for a left-hand thread",
+        unit="m",
+        nonzero=True,
+        remedy="it cannot slide; use Revolute",
+    )
+    axis: Direction = field(AXIS, default=None)
 
-    def __init__(
-        self,
-        name: str,
-        a: Marker,
-        b: Marker,
-        pitch: float,
-        axis: ArrayLike | None = None,
-        *,
-        as_placed: bool = True,
-    ) -> None:
-        problems = Problems()
-        value = number(problems, f"joint {name!r}", "pitch", pitch)
-        if value == 0.0:
-            problems.add(f"joint {name!r}", "pitch is 0, it cannot slide; use Revolute")
-        set_fields(self, pitch=value)
-        init_joint(self, name, a, b, as_placed, problems, axis=axis)
+    @property
+    def direction(self) -> Array | None:
+        """World direction (3,) of the axis at the initial pose; None for the z axis of a."""
+        return self.axis
 
     @cached_property
     def lines(self) -> tuple[Line, ...]:
@@ -143,53 +112,42 @@ class Screw(SharedAxisJoint):
         return (*held(self, "x", "y"), Line((s, phi), (1.0, -ratio), offset))
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class Universal(Joint):
+class Universal(Joint, tag="universal"):
     """A cardan joint: a point and a right angle between two axes: 4 rows.
 
     ``r_b - r_a = 0``, ``h_a . h_b = 0`` (Rantalainen 2007, eq. 3.95 and 3.90): the cross turns
     about h_a against a by `angle1`, and b against the cross about h_b by `angle2`.
 
-    Parameters
-    ----------
-    name, a, b, as_placed
-        As for every joint; the markers are at one world position at the start.
-    axis_a : (3,) array_like, optional
-        Axis h_a of the cross in a, world frame at the initial pose; None for the z axis of a.
-    axis_b : (3,) array_like, optional
-        Axis h_b of the cross in b, world frame at the initial pose, at a right angle to h_a;
-        None for the x axis of a, turned with its z axis onto h_a. Without `as_placed` h_b is
-        the z axis of marker b.
+    The markers are at one world position at the start.
     """
 
     coincident: ClassVar[bool] = True
     perpendicular: ClassVar[tuple[tuple[int, int], ...]] = ((2, 2),)
-    axis_a: Array | None
-    axis_b: Array | None
+    axis_a: Direction = field(
+        "Axis h_a of the cross in a, world frame at the initial pose; None for the z axis of a",
+        default=None,
+    )
+    axis_b: Direction = field(
+        "Axis h_b of the cross in b, world frame at the initial pose, at a right angle to h_a; "
+        "None for the x axis of a, turned with its z axis onto h_a. Without `as_placed` h_b is "
+        "the z axis of marker b",
+        default=None,
+    )
 
-    def __init__(
-        self,
-        name: str,
-        a: Marker,
-        b: Marker,
-        axis_a: ArrayLike | None = None,
-        axis_b: ArrayLike | None = None,
-        *,
-        as_placed: bool = True,
-    ) -> None:
-        init_joint(self, name, a, b, as_placed, axis_a=axis_a, axis_b=axis_b)
-        if self.axis_b is not None:
-            h = self.a.A[:, 2] if self.axis_a is None else unit_vector(self.axis_a)
-            sine = float(h @ unit_vector(self.axis_b))
-            if abs(sine) > RIGHT_ANGLE:
-                angle = np.degrees(np.arccos(np.clip(sine, -1, 1)))
-                raise InputError(
-                    Problem(
-                        f"joint {name!r}",
-                        f"the axes are at {angle:.6g} deg to each other, must be at 90 deg; "
-                        "leave axis_b out to have one chosen",
-                    )
-                )
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note axes that are not at a right angle."""
+        super().consistent(problems, where)
+        if self.axis_b is None:
+            return
+        h = self.a.A[:, 2] if self.axis_a is None else unit_vector(self.axis_a)
+        sine = float(h @ unit_vector(self.axis_b))
+        if abs(sine) > RIGHT_ANGLE:
+            angle = np.degrees(np.arccos(np.clip(sine, -1, 1)))
+            problems.add(
+                where,
+                f"the axes are at {angle:.6g} deg to each other, must be at 90 deg; "
+                "leave axis_b out to have one chosen",
+            )
 
     @cached_property
     def frames(self) -> tuple[Marker, Marker]:

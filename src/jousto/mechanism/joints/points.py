@@ -2,34 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-from jousto.errors import Problems
-from jousto.mechanism.coordinate import Displacement, Distance, Line
-from jousto.mechanism.fields import number, set_fields
-from jousto.mechanism.joints.base import (
-    AxisJoint,
-    Joint,
-    NormalJoint,
-    along,
-    held,
-    init_joint,
-)
-from jousto.mechanism.marker import Marker
+from jousto.base.declare import OptionalNumber, field
+from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.joints.base import AxisJoint, Joint, NormalJoint, along, held
+from jousto.mechanism.joints.coordinate import Displacement, Distance, Line
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class Spherical(Joint):
+class Spherical(Joint, tag="spherical"):
     """The origins of the two markers stay together: 3 rows, 3 rotations free.
 
     ``r_b - r_a = 0`` (Rantalainen 2007, eq. 3.95)
 
-    Parameters
-    ----------
-    name, a, b, as_placed
-        As for every joint; the markers are at one world position at the start.
+    The markers are at one world position at the start.
     """
 
     coincident: ClassVar[bool] = True
@@ -40,19 +27,12 @@ class Spherical(Joint):
         return self.a, self.b
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class PointOnLine(AxisJoint):
+class PointOnLine(AxisJoint, tag="point-on-line"):
     """The origin of b stays on the line through a: 2 rows, sliding and 3 rotations free.
 
     ``f_a . d = g_a . d = 0``, ``d = r_b - r_a`` (Rantalainen 2007, eq. 3.97)
 
-    Parameters
-    ----------
-    name, a, b, as_placed
-        As for every joint; b is on the line at the start.
-    axis : (3,) array_like, optional
-        Direction of the line in the world frame at the initial pose, fixed to a; None for the
-        z axis of marker a.
+    Marker b is on the line at the start.
     """
 
     @cached_property
@@ -71,56 +51,28 @@ class PointOnLine(AxisJoint):
         return (self.displacement,)
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class PointOnPlane(NormalJoint):
+class PointOnPlane(NormalJoint, tag="point-on-plane"):
     """The origin of b stays on the plane through a: 1 row.
 
     ``h_a . (r_b - r_a) = 0`` (Rantalainen 2007, eq. 3.92)
 
-    Parameters
-    ----------
-    name, a, b, as_placed
-        As for every joint; b is on the plane at the start.
-    normal : (3,) array_like, optional
-        Normal of the plane in the world frame at the initial pose, fixed to a; None for the
-        z axis of marker a.
+    Marker b is on the plane at the start.
     """
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class Rod(Joint):
+class Rod(Joint, tag="rod"):
     """The origins keep their distance, a massless rod with spherical ends: 1 row.
 
     ``|r_b - r_a| = L``
-
-    Parameters
-    ----------
-    name, a, b, as_placed
-        As for every joint.
-    length : float, optional
-        Distance L, m, more than zero; None for the distance at the initial pose.
     """
 
-    length: float | None
-
-    def __init__(
-        self,
-        name: str,
-        a: Marker,
-        b: Marker,
-        length: float | None = None,
-        *,
-        as_placed: bool = True,
-    ) -> None:
-        problems = Problems()
-        value = None if length is None else number(problems, f"joint {name!r}", "length", length)
-        if value is not None and value <= 0:
-            problems.add(
-                f"joint {name!r}",
-                f"length is {value:g} m, must be positive; Spherical joins two points",
-            )
-        set_fields(self, length=value)
-        init_joint(self, name, a, b, as_placed, problems)
+    length: OptionalNumber = field(
+        "Distance L; None for that of the initial pose",
+        unit="m",
+        above=0,
+        default=None,
+        remedy="Spherical joins two points",
+    )
 
     @cached_property
     def frames(self) -> tuple[Marker, Marker]:

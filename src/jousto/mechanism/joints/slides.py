@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-from jousto.mechanism.coordinate import Angle, Coordinate, Displacement, Line
 from jousto.mechanism.joints.base import (
     NO_TURN,
     PARALLEL,
@@ -17,54 +15,40 @@ from jousto.mechanism.joints.base import (
     free_angle,
     held,
 )
+from jousto.mechanism.joints.coordinate import Angle, Coordinate, Displacement, Line
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class Fixed(Joint):
+class Fixed(Joint, tag="fixed"):
     """The markers keep their relative orientation: 6 rows, nothing free.
 
     ``r_b - r_a = 0`` and three perpendicular rows (Rantalainen 2007, eq. 3.95 and 3.90)
 
-    Parameters
-    ----------
-    name, a, b, as_placed
-        As for every joint; the markers are at one world position at the start, and keep the
-        orientation of the initial pose, or get equal axes without `as_placed`.
+    The markers are at one world position at the start, and keep the orientation of the initial
+    pose, or get equal axes without `as_placed`.
     """
 
     coincident: ClassVar[bool] = True
     perpendicular: ClassVar[tuple[tuple[int, int], ...]] = NO_TURN
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class ConstantOrientation(Joint):
+class ConstantOrientation(Joint, tag="constant-orientation"):
     """The markers keep their relative orientation and move freely: 3 rows.
 
     ``f_a . h_b = g_a . h_b = f_a . g_b = 0`` (Rantalainen 2007, eq. 3.90)
 
-    Parameters
-    ----------
-    name, a, b, as_placed
-        As for every joint; the orientation kept is that of the initial pose, or equal axes
-        without `as_placed`.
+    The orientation kept is that of the initial pose, or equal axes without `as_placed`.
     """
 
     perpendicular: ClassVar[tuple[tuple[int, int], ...]] = NO_TURN
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class Prismatic(AxisJoint):
+class Prismatic(AxisJoint, tag="prismatic"):
     """A slide without any turn: 5 rows, the displacement along the axis is free.
 
     ``f_a . h_b = g_a . h_b = f_a . g_b = 0``, ``f_a . d = g_a . d = 0`` with d = r_b - r_a
     (Rantalainen 2007, eq. 3.90, 3.96 and 3.97)
 
-    Parameters
-    ----------
-    name, a, b, as_placed
-        As for every joint; b is on the axis through a at the start.
-    axis : (3,) array_like, optional
-        Axis in the world frame at the initial pose; None for the z axis of marker a.
+    Marker b is on the axis through a at the start.
     """
 
     perpendicular: ClassVar[tuple[tuple[int, int], ...]] = NO_TURN
@@ -85,19 +69,12 @@ class Prismatic(AxisJoint):
         return (self.displacement,)
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class Planar(NormalJoint):
+class Planar(NormalJoint, tag="planar"):
     """Two planes stay on each other: 3 rows, 2 displacements and the turn in them are free.
 
     ``f_a . h_b = g_a . h_b = 0``, ``h_a . (r_b - r_a) = 0`` (Rantalainen 2007, eq. 3.96, 3.92)
 
-    Parameters
-    ----------
-    name, a, b, as_placed
-        As for every joint; b is on the plane through a at the start.
-    normal : (3,) array_like, optional
-        Normal of the planes in the world frame at the initial pose; None for the z axis of
-        marker a.
+    Marker b is on the plane through a at the start.
     """
 
     perpendicular: ClassVar[tuple[tuple[int, int], ...]] = PARALLEL

@@ -8,12 +8,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from jousto.described import described
-from jousto.errors import InputError, Problem, Problems, suggest
-from jousto.mechanism.body import FlexibleBody
-from jousto.mechanism.fields import set_fields
-from jousto.mechanism.orientation import Array, readonly
-from jousto.names import check_name
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.names import check_name
+from jousto.base.numbers import set_fields
+from jousto.base.rotations import Array, readonly
+from jousto.mechanism.bodies.body import FlexibleBody
 
 VOIGT = ("s11", "s22", "s33", "s12", "s23", "s13")
 
@@ -47,6 +48,7 @@ class ModalSensor:
         return f"modal coordinates and velocities of {self.body.name}"
 
 
+@explained
 @dataclass(frozen=True, eq=False, init=False)
 class SiteSensor:
     """What all sensors of the stress at named places have in common.
@@ -80,6 +82,13 @@ class SiteSensor:
         wanted = labels if sites is None else (sites,) if isinstance(sites, str) else tuple(sites)
         if not wanted:
             problems.add(where, "sites is empty; None takes all of them")
+        if wanted and all(isinstance(site, float | int) for site in wanted):
+            problems.add(
+                where,
+                f"sites is {sites!r}, must be labels such as {labels[0]!r}; that of the place "
+                f"nearest to a point is {body.name}.reduced.stress.nearest((x, y, z))",
+            )
+            problems.raise_if_any()
         for site in wanted:
             check_site(problems, where, "sites", body, site)
         problems.raise_if_any()

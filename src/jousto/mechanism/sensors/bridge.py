@@ -9,22 +9,24 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.described import described
-from jousto.errors import InputError, Problem, Problems
-from jousto.mechanism.body import FlexibleBody
-from jousto.mechanism.fields import number, set_fields
-from jousto.mechanism.orientation import Array, readonly
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.names import check_name
+from jousto.base.numbers import number, set_fields
+from jousto.base.rotations import Array, readonly
+from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.sensors.gauge import Gauge
-from jousto.mechanism.signals import Signal
-from jousto.names import check_name
+from jousto.mechanism.signals.base import Signal
 
 if TYPE_CHECKING:
-    from jousto.reduction import ReducedPart
+    from jousto.reduction.reduced import ReducedPart
 
 SIGNS = np.array([1.0, -1.0, 1.0, -1.0])
 KINDS = {1: "quarter", 2: "half", 3: "three-quarter", 4: "full"}
 
 
+@explained
 def bridge_output(r: ArrayLike) -> Array:
     """Return the output of a Wheatstone bridge over its supply, V/V.
 
@@ -43,11 +45,16 @@ def bridge_output(r: ArrayLike) -> Array:
     >>> bridge_output([0.004, 0, 0, 0]).round(6)
     np.float64(0.000998)
     """
-    r1, r2, r3, r4 = np.moveaxis(np.asarray(r, dtype=np.float64), -1, 0)
+    changes = np.asarray(r, dtype=np.float64)
+    if changes.shape[-1:] != (4,):
+        message = f"r has shape {changes.shape}, must be (..., 4): one change for each arm"
+        raise InputError(Problem("bridge_output", message))
+    r1, r2, r3, r4 = np.moveaxis(changes, -1, 0)
     left, right = (r1 - r2) / (2.0 + r1 + r2), (r3 - r4) / (2.0 + r3 + r4)
     return np.asarray(0.5 * (left + right))[()]
 
 
+@explained
 def quarter_bridge_strain(output: ArrayLike, gauge_factor: float = 2.0) -> Array:
     """Return the strain of a quarter bridge of its output in V/V, without linearisation.
 

@@ -6,14 +6,16 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from jousto.described import described
-from jousto.errors import Problems, suggest, warn
-from jousto.mechanism.fields import number, set_fields
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import Problems, suggest, warn
+from jousto.base.names import check_name
+from jousto.base.numbers import number, set_fields
 from jousto.mechanism.sensors.body import VonMisesSensor
 from jousto.mechanism.sensors.rule import MeterRule, meter_rule
-from jousto.names import check_name
 
 
+@explained
 @described
 @dataclass(frozen=True, eq=False, init=False)
 class DamageSensor:

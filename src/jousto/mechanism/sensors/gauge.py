@@ -9,18 +9,20 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.described import described
-from jousto.errors import InputError, Problem, Problems, suggest
-from jousto.mechanism.body import FlexibleBody
-from jousto.mechanism.fields import number, set_fields
-from jousto.mechanism.orientation import Array, readonly
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.names import check_name
+from jousto.base.numbers import number, set_fields
+from jousto.base.rotations import Array, readonly
+from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.sensors.temperature import Temperature, check_temperature
-from jousto.mechanism.signals import Signal
-from jousto.names import check_name
+from jousto.mechanism.signals.base import Signal
 
 if TYPE_CHECKING:
-    from jousto.reduction import ReducedPart, StressModes
-    from jousto.reduction.fibre import Element, Fibre
+    from jousto.reduction.fields.fibre import Element, Fibre
+    from jousto.reduction.fields.stress import StressModes
+    from jousto.reduction.reduced import ReducedPart
 
 NU_CALIBRATION = 0.285
 """Poisson's ratio of the beam on which makers of strain gauges calibrate."""
@@ -34,6 +36,7 @@ LEAVES = 1e-6
 TRACE = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 
 
+@explained
 @described
 @dataclass(frozen=True, eq=False, init=False)
 class Gauge:
@@ -204,6 +207,7 @@ class Gauge:
         return _on_beam(self, where, reduced)
 
 
+@explained
 def gauge_rows(gauges: Iterable[Any], reduced: ReducedPart | None = None) -> Array:
     """Return the outputs of gauges per unit modal coordinate, (ng, n): B of ``e = B p``.
 
@@ -256,12 +260,12 @@ def outward(g: Gauge, given: Array | None = None) -> Array:
         The normal on a beam, if it is not away from the middle of its section.
     """
     if g.reduced.faces:
-        from jousto.reduction.skin import Skin
+        from jousto.reduction.fields.skin import Skin
 
         feet = Skin(g.reduced.nodes, g.reduced.faces).feet(g.position)
         n = np.mean([foot.normal for foot in feet], axis=0)
         return np.asarray(n / np.linalg.norm(n))
-    from jousto.reduction.fibre import elements, nearest_fibre
+    from jousto.reduction.fields.fibre import elements, nearest_fibre
 
     where = f"gauge {g.name!r}"
     stress = known_stress(where, g.reduced)
@@ -309,7 +313,7 @@ def _across(e: Array, across: Array | float, K: float) -> Array:
 
 
 def _on_surface(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Array, Array]:
-    from jousto.reduction.skin import LeavesSurface, Skin, grid_strain, point_strain, tangent
+    from jousto.reduction.fields.skin import LeavesSurface, Skin, grid_strain, point_strain, tangent
 
     x = g.at
     if isinstance(x, str):
@@ -373,7 +377,7 @@ def _on_surface(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Arra
 
 
 def _on_beam(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Array, Array]:
-    from jousto.reduction.fibre import elements, nearest_fibre
+    from jousto.reduction.fields.fibre import elements, nearest_fibre
 
     stress = known_stress(where, reduced)
     beams = elements(stress)
@@ -459,7 +463,7 @@ def _along(
 
     The shares add up to less than one if a piece of the length is on no beam.
     """
-    from jousto.reduction.fibre import nearest_fibre
+    from jousto.reduction.fields.fibre import nearest_fibre
 
     if length == 0.0:
         return [(1.0, fibre.sites())]

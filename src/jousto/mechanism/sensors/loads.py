@@ -5,11 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from jousto.described import described
-from jousto.errors import Problems
-from jousto.mechanism.coordinate import Coordinate
-from jousto.mechanism.coupling import Coupler
-from jousto.mechanism.elements import (
+from jousto.base.described import described
+from jousto.base.errors import Problems
+from jousto.base.names import check_name
+from jousto.base.numbers import set_fields
+from jousto.mechanism.bodies.marker import Marker, check_marker
+from jousto.mechanism.forces.friction import Friction
+from jousto.mechanism.forces.line_load import LineLoad
+from jousto.mechanism.forces.loads import LOADS, Force, Load, Torque
+from jousto.mechanism.forces.moving import MovingLoad
+from jousto.mechanism.forces.springs import (
     ELEMENTS,
     Bushing,
     Element,
@@ -18,15 +23,10 @@ from jousto.mechanism.elements import (
     Servo,
     Spring,
 )
-from jousto.mechanism.fields import set_fields
-from jousto.mechanism.force import LOADS, Force, Load, Torque
-from jousto.mechanism.friction import Friction
-from jousto.mechanism.joints import JOINTS, Joint
-from jousto.mechanism.line_load import LineLoad
-from jousto.mechanism.marker import Marker, check_marker
-from jousto.mechanism.moving import MovingLoad
+from jousto.mechanism.joints.base import Joint
+from jousto.mechanism.joints.coordinate import Coordinate
+from jousto.mechanism.joints.coupling import Coupler
 from jousto.mechanism.sensors.motion import frame_name
-from jousto.names import check_name
 
 FORCE, MOMENT = ("Fx", "Fy", "Fz"), ("Mx", "My", "Mz")
 
@@ -63,7 +63,7 @@ class ReactionSensor:
         problems = Problems()
         where = check_name(problems, "sensor", name)
         checked: Any = joint
-        if not isinstance(checked, (*JOINTS, Coupler)):
+        if not isinstance(checked, Joint | Coupler):
             problems.add(where, f"joint is {checked!r}, must be a joint, coupling or drive")
         if not (isinstance(resolved_in, Marker) or resolved_in in ("world", "joint")):
             problems.add(

@@ -22,15 +22,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from jousto.described import described
-from jousto.errors import Problems
-from jousto.mechanism.fields import set_fields
-from jousto.mechanism.marker import Marker, check_marker
-from jousto.names import check_name
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import Problems
+from jousto.base.names import check_name
+from jousto.base.numbers import set_fields
+from jousto.mechanism.bodies.marker import Marker, check_marker
 
 XYZ = ("x", "y", "z")
 
 
+@explained
 @dataclass(frozen=True, eq=False, init=False)
 class MotionSensor:
     """What all sensors of the motion of a marker have in common.

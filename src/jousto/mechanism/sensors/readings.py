@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from jousto.described import described
-from jousto.errors import Problems, suggest
-from jousto.mechanism.coordinate import Coordinate, check_coordinate
-from jousto.mechanism.fields import set_fields
-from jousto.mechanism.signals import Signal, check_factor
-from jousto.names import check_name
+from jousto.base.described import described
+from jousto.base.errors import Problems, suggest
+from jousto.base.names import check_name
+from jousto.base.numbers import set_fields
+from jousto.mechanism.joints.coordinate import Coordinate, check_coordinate
+from jousto.mechanism.signals.base import Signal, check_signal
 
 ENERGIES = ("kinetic", "strain", "potential", "springs", "dissipated", "friction", "work")
 
@@ -98,12 +98,12 @@ class SignalSensor:
     name: str
     signal: Signal
 
-    def __init__(self, name: str, signal: Signal) -> None:
+    def __init__(self, name: str, signal: Signal | float) -> None:
         problems = Problems()
         where = check_name(problems, "sensor", name)
-        check_factor(problems, where, "signal", signal)
+        value = check_signal(problems, where, "signal", signal)
         problems.raise_if_any()
-        set_fields(self, name=name, signal=signal)
+        set_fields(self, name=name, signal=value)
 
     @property
     def description(self) -> str:

@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.described import described
-from jousto.errors import InputError, Problem, Problems
-from jousto.mechanism.body import FlexibleBody
-from jousto.mechanism.fields import set_fields
-from jousto.mechanism.orientation import Array, readonly
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.names import check_name
+from jousto.base.numbers import set_fields
+from jousto.base.rotations import Array, readonly
+from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.sensors.gauge import Gauge, outward
 from jousto.mechanism.sensors.temperature import Temperature
-from jousto.mechanism.signals import Signal
-from jousto.names import check_name
+from jousto.mechanism.signals.base import Signal
 
 if TYPE_CHECKING:
-    from jousto.reduction import ReducedPart
+    from jousto.reduction.reduced import ReducedPart
 
 ANGLES = {"45": (0.0, 45.0, 90.0), "60": (0.0, 60.0, 120.0), "90": (0.0, 90.0)}
 """Directions of the grids in degrees, counterclockwise seen from outside."""

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from jousto.errors import Problems, suggest
-from jousto.mechanism.fields import number
+from jousto.base.errors import Problems, suggest
+from jousto.base.numbers import number
 
 RESIDUES = ("half", "repeat", "ignore")
 """How what the rainflow count leaves over is counted, in the order of the engine's numbers."""

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from jousto.described import described
-from jousto.errors import Problems
-from jousto.mechanism.beam import BeamBody
-from jousto.mechanism.fields import number, set_fields
-from jousto.names import check_name
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import Problems
+from jousto.base.names import check_name
+from jousto.base.numbers import number, set_fields
+from jousto.mechanism.beams.body import BeamBody
 
 RESULTANTS = ("N", "Qy", "Qz", "Mx", "My", "Mz")
 STRAINS = ("Gamma_x", "Gamma_y", "Gamma_z", "kappa_x", "kappa_y", "kappa_z")
@@ -19,6 +20,7 @@ QUANTITIES = {"resultants": RESULTANTS, "strains": STRAINS}
 PLACES = {"start": 0.0, "middle": 0.5, "end": 1.0}
 
 
+@explained
 @described
 @dataclass(frozen=True, eq=False, init=False)
 class SectionSensor:

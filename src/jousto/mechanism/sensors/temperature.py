@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from jousto.described import described
-from jousto.errors import Problems
-from jousto.mechanism.fields import number, set_fields
-from jousto.mechanism.signals import Signal
-from jousto.mechanism.signals.base import check_signal
+from jousto.base.described import described
+from jousto.base.errors import Problems
+from jousto.base.numbers import number, set_fields
+from jousto.mechanism.signals.base import Signal, check_signal
 
 
 @described

@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.errors import InputError, Problem, Problems
-from jousto.mechanism.fields import number, set_fields
-from jousto.mechanism.orientation import Array
-from jousto.names import check_name
+from jousto.base.declare import Field
+from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.names import check_name
+from jousto.base.numbers import number, set_fields
+from jousto.base.rotations import Array
 
 # value, rate 1/s, acceleration 1/s2 at the times asked for
 Jet = tuple[Array, Array, Array]
@@ -28,7 +29,7 @@ class Signal(ABC):
 
     Signals add, subtract and multiply, also with numbers:
 
-    >>> from jousto.mechanism import Harmonic, Ramp
+    >>> from jousto import Harmonic, Ramp
     >>> swell = 2.0 * Ramp(0.0, 1.0) * Harmonic(frequency=1.0) + 5.0
     >>> swell([0.25, 2.25])
     array([5.5, 7. ])
@@ -309,19 +310,25 @@ def merged(times: Iterator[tuple[float, ...]] | Any) -> tuple[float, ...]:
     return tuple(sorted({t for some in times for t in some}))
 
 
+class SignalField(Field["Signal | float", Signal]):
+    """A signal, or a number for a constant one."""
+
+    form = "signal"
+    noun = "Signal or float"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the signal."""
+        return check_signal(problems, where, self.name, value)
+
+
 def check_signal(problems: Problems, where: str, name: str, value: Any) -> Signal | None:
     """Return a signal, a number as a constant one, or note why the value is neither."""
+    if isinstance(value, Signal):
+        return value
     if isinstance(value, int | float | np.number) and not isinstance(value, bool):
         found = number(problems, where, name, value)
         return None if found is None else Constant(found)
-    return check_factor(problems, where, name, value)
-
-
-def check_factor(problems: Problems, where: str, name: str, value: Any) -> Signal | None:
-    """Return a signal, or note that the value is none; numbers do not count."""
-    if isinstance(value, Signal):
-        return value
-    problems.add(where, f"{name} is {value!r}, must be a signal such as Step(1.0)")
+    problems.add(where, f"{name} is {value!r}, must be a number or a signal such as Step(1.0)")
     return None
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jousto.errors import InputError, Problem
-from jousto.mechanism.orientation import Array
+from jousto.base.errors import InputError, Problem
+from jousto.base.rotations import Array
 from jousto.mechanism.signals.base import Jet, Signal
 from jousto.mechanism.signals.piecewise import set_numbers
 

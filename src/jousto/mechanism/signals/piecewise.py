@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.described import described
-from jousto.errors import InputError, Problem, Problems, suggest
-from jousto.files import check_file
-from jousto.mechanism.fields import number, set_fields
-from jousto.mechanism.orientation import Array
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.files import check_file
+from jousto.base.numbers import number, set_fields
+from jousto.base.rotations import Array
 from jousto.mechanism.signals.base import Jet, Signal
 
 INTERPOLATIONS = ("linear", "cubic")

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jousto.errors import InputError, Problem, Problems
-from jousto.mechanism.fields import set_fields
-from jousto.mechanism.orientation import Array
+from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.numbers import set_fields
+from jousto.base.rotations import Array
 from jousto.mechanism.signals.base import Jet, Signal, check_signal
 
 if TYPE_CHECKING:
-    from jousto.mechanism.event import Event
+    from jousto.mechanism.signals.event import Event
 
 
 @dataclass(frozen=True, eq=False, init=False)

@@ -9,18 +9,19 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.errors import InputError, Problem, Problems, count, suggest, warn
-from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, read_only, some
-from jousto.parts.area import by_kind
+from jousto.base.arrays import Floats, Ints, Sparse, as_csr, read_only, some
+from jousto.base.errors import InputError, Problem, Problems, count, suggest, warn
+from jousto.materials.library import by_name
+from jousto.materials.material import Material
+from jousto.materials.orthotropic import Orthotropic
+from jousto.mesh.area import by_kind
+from jousto.mesh.cells import Cells
+from jousto.mesh.inspection import require
+from jousto.mesh.mesh import Mesh
+from jousto.mesh.reference import KINDS, jacobians, table
+from jousto.mesh.sets import read_sets
 from jousto.parts.attached import attached_points
-from jousto.parts.cells import Cells
-from jousto.parts.inspection import require
 from jousto.parts.mass import MassPoints, PointMass, joined
-from jousto.parts.material import Material
-from jousto.parts.mesh import Mesh
-from jousto.parts.orthotropic import Orthotropic
-from jousto.parts.sets import read_sets
-from jousto.parts.solids.elements import KINDS, jacobians, table
 from jousto.parts.solids.model import SolidGroup, SolidModel, expanded
 from jousto.parts.solids.second_order import SolidSecondOrder
 from jousto.parts.solids.stress import SolidStress
@@ -172,7 +173,7 @@ def _materials(
         problems.add(
             where,
             f"materials is {given!r}, must be a Material, an Orthotropic or"
-            " {element set: material} with at least one entry",
+            f" {{element set: material}} with at least one entry{by_name(given)}",
         )
         return (), (), owner
     by_file: dict[str, list[Ints]] = {}
@@ -185,7 +186,10 @@ def _materials(
     names = tuple(str(name) for name in given)
     for m, (name, material) in enumerate(given.items()):
         if not isinstance(material, (Material, Orthotropic)):
-            problems.add(where, f"material of '{name}' is {material!r}, must be a Material")
+            problems.add(
+                where,
+                f"material of '{name}' is {material!r}, must be a Material{by_name(material)}",
+            )
             continue
         _check_material(problems, where, material)
         if name not in known:

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from jousto.errors import InputError, Problem
-from jousto.parts._arrays import Floats, Ints
-from jousto.parts.orthotropic import elasticity
-from jousto.parts.solids.elements import gradients, table
+from jousto.base.arguments import explained
+from jousto.base.arrays import Floats, Ints
+from jousto.base.errors import InputError, Problem
+from jousto.materials.orthotropic import elasticity
+from jousto.mesh.reference import gradients, table
 from jousto.parts.solids.model import SolidGroup, SolidModel
 from jousto.parts.solids.stress import SolidStress, continuation, point_strains, strains_of
 
@@ -58,11 +59,12 @@ class MeshError:
         eta = self.eta
         k = int(np.argmax(eta))
         return (
-            f"<MeshError {100.0 * eta[k]:.2g} % of the energy norm at worst, most in element "
+            f"<MeshError: {100.0 * eta[k]:.2g} % of the energy norm at worst, most in element "
             f"{self.ids[self.worst(k)]}>"
         )
 
 
+@explained
 def mesh_error(part: Part, d: Floats) -> MeshError:
     """Return the estimated discretisation error of displacements of a part of solids.
 
@@ -146,6 +148,7 @@ def _group_error(
     return squares, energy
 
 
+@explained
 def place_errors(part: Part, d: Floats) -> Floats:
     """Return the estimated error of the stress at every node of a part of solids, (ns, n) in Pa.
 

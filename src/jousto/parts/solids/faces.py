@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, node_dofs, scatter, times
-from jousto.parts.area import face_node_tangents
-from jousto.parts.orthotropic import elasticity
+from jousto.base.arrays import Floats, Ints, Sparse, as_csr, node_dofs, scatter, times
+from jousto.materials.orthotropic import elasticity
+from jousto.mesh.area import face_node_tangents
 from jousto.parts.solids.model import VOIGT, SolidModel
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))

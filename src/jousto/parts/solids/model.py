@@ -9,10 +9,11 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.parts._arrays import Floats, Ints, Sparse
-from jousto.parts.material import Material
-from jousto.parts.orthotropic import Orthotropic, elasticity
-from jousto.parts.solids.elements import gradients, jacobians, table
+from jousto.base.arrays import Floats, Ints, Sparse
+from jousto.base.described import described
+from jousto.materials.material import Material
+from jousto.materials.orthotropic import Orthotropic, elasticity
+from jousto.mesh.reference import gradients, jacobians, table
 
 BLOCK_BYTES = 48 << 20
 """Memory of one block of elements while they are assembled."""
@@ -21,6 +22,7 @@ VOIGT = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 """Place of ``s_ij`` in ``[s11 s22 s33 s12 s23 s13]``."""
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class SolidGroup:
     """Elements of one kind and one material; a trusted noun.
@@ -46,6 +48,7 @@ class SolidGroup:
         return len(self.nodes)
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class SolidModel:
     """The solid elements of a part; a trusted noun, checked where it is built.

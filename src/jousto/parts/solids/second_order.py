@@ -14,10 +14,11 @@ from functools import cached_property
 
 import numpy as np
 
-from jousto.parts._arrays import Floats, Ints, Sparse, node_dofs, scatter, times
-from jousto.parts.mass import MassPoints
-from jousto.parts.orthotropic import elasticity
-from jousto.parts.second_order import (
+from jousto.base.arrays import Floats, Ints, Sparse, node_dofs, scatter, times
+from jousto.base.described import described
+from jousto.materials.orthotropic import elasticity
+from jousto.mesh.reference import gradients, table
+from jousto.parts.frames.second_order import (
     FIELDS,
     affine_fields,
     double_turn,
@@ -25,13 +26,14 @@ from jousto.parts.second_order import (
     point_field_loads,
     point_work,
 )
-from jousto.parts.solids.elements import gradients, table
+from jousto.parts.mass import MassPoints
 from jousto.parts.solids.model import VOIGT, SolidGroup, SolidModel, expanded
 
 BLOCK_BYTES = 32 << 20
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class SolidSecondOrder:
     """Quadratic forms of the nodal displacements of solids; a trusted noun.

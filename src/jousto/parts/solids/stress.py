@@ -9,11 +9,12 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.errors import InputError, Problem, suggest
-from jousto.parts._arrays import Floats, Ints, Sparse, as_csr, read_only, times
-from jousto.parts.material import Material
-from jousto.parts.orthotropic import elasticity
-from jousto.parts.solids.elements import CORNERS, gradients, places, shape_functions, table
+from jousto.base.arrays import Floats, Ints, Sparse, as_csr, read_only, times
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, suggest
+from jousto.materials.material import Material
+from jousto.materials.orthotropic import elasticity
+from jousto.mesh.reference import CORNERS, gradients, places, shape_functions, table
 from jousto.parts.solids.faces import FaceStress, face_stress
 from jousto.parts.solids.model import VOIGT, SolidGroup, SolidModel
 
@@ -25,6 +26,7 @@ ROWS_BYTES = 32 << 20
 """Memory of the unit displacements of one block, and of the stress they give."""
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class SolidStress:
     """Stress or strain at nodes of solids from nodal displacements.

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from jousto.errors import Problems
-from jousto.parts._arrays import Ints, node_dofs, scatter
+from jousto.base.arrays import Ints, node_dofs, scatter
+from jousto.base.errors import Problems
+from jousto.materials.material import Material
+from jousto.materials.orthotropic import elasticity
+from jousto.parts.frames.stress import StressOperator
 from jousto.parts.loads import pick_nodes
-from jousto.parts.material import Material
-from jousto.parts.orthotropic import elasticity
 from jousto.parts.solids.faces import face_operators
 from jousto.parts.solids.model import SolidModel
 from jousto.parts.solids.stress import compliances, labels
-from jousto.parts.stress import StressOperator
 
 if TYPE_CHECKING:
     from jousto.parts.part import Part

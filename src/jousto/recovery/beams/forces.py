@@ -11,9 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.engine import BeamShape
-from jousto.errors import InputError, Problem, suggest
-from jousto.files import write_table
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem, suggest
+from jousto.base.files import write_table
+from jousto.base.ranking import largest
+from jousto.model.beam_record import BeamShape
 from jousto.recovery.beams.strains import (
     Elements,
     Poses,
@@ -26,7 +28,7 @@ from jousto.recovery.beams.strains import (
 )
 from jousto.recovery.instants import between, window
 from jousto.recovery.shape import rotation_matrices
-from jousto.simulation import Solution
+from jousto.simulation.results.solution import Solution
 
 Array = NDArray[np.float64]
 
@@ -76,9 +78,7 @@ class SectionForces:
     s_nodes: Array
 
     def __repr__(self) -> str:
-        return (
-            f"<section forces of '{self.name}': {len(self.s)} elements, {len(self.time)} instants>"
-        )
+        return f"<SectionForces {self.name!r}: {len(self.s)} elements, {len(self.time)} instants>"
 
     @cached_property
     def at_nodes(self) -> Array:
@@ -163,7 +163,8 @@ class SectionForces:
             For an unknown component.
         """
         values = self.at_nodes[:, :, component_of(self.name, component)]
-        low, high = values.argmin(axis=0), values.argmax(axis=0)
+        # what is steady or repeats is reached first at the first of equal instants
+        low, high = (np.apply_along_axis(largest, 0, x) for x in (-values, values))
         return values.min(axis=0), self.time[low], values.max(axis=0), self.time[high]
 
     def table(self) -> list[tuple[str, ...]]:
@@ -173,7 +174,7 @@ class SectionForces:
         ]
         for name, unit in zip(RESULTANTS, UNITS, strict=True):
             low, low_at, high, high_at = self.envelope(name)
-            i, j = int(low.argmin()), int(high.argmax())
+            i, j = largest(-low), largest(high)
             rows.append(
                 (
                     name,
@@ -234,6 +235,7 @@ class SectionForces:
         return write_table(out, head, rows)
 
 
+@explained
 def section_forces(
     run: Solution,
     beam: str,

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from jousto.engine import BeamShape
+from jousto.model.beam_record import BeamShape
 
 Array = NDArray[np.float64]
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.engine import BeamShape
-from jousto.errors import InputError, Problem
+from jousto.base.errors import InputError, Problem
+from jousto.model.beam_record import BeamShape
 from jousto.recovery.beams.forces import find_beam, section_forces
 from jousto.recovery.beams.strains import elements, poses
-from jousto.reduction import StressModes
-from jousto.simulation import Solution
+from jousto.reduction.fields.stress import StressModes
+from jousto.simulation.results.solution import Solution
 
 Array = NDArray[np.float64]
 

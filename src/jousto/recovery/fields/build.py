@@ -9,21 +9,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.engine import Model
-from jousto.errors import InputError, Problem
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem
+from jousto.model.model import Model
 from jousto.recovery.beams.stress import BeamStress, beam_stress
 from jousto.recovery.fields.criteria import tensor, voigt
 from jousto.recovery.fields.field import Frame, Sites, StressField, site_indices
 from jousto.recovery.fields.inertia import amplitudes
 from jousto.recovery.instants import between, window
 from jousto.recovery.shape import find_body, rotation_matrices
-from jousto.reduction import ReducedPart, StressModes
-from jousto.reduction.stress import located
-from jousto.simulation import Solution
+from jousto.reduction.fields.stress import StressModes, located
+from jousto.reduction.reduced import ReducedPart
+from jousto.simulation.results.solution import Solution
 
 Array = NDArray[np.float64]
 
 
+@explained
 def stress_field(
     run: Solution,
     body: str,
@@ -125,6 +127,7 @@ def stress_field(
     return field_from(modes, p, time, A=A, frame=frame, strain=strain, name=body, v=v)
 
 
+@explained
 def field_from(
     modes: StressModes,
     p: ArrayLike,
@@ -250,7 +253,7 @@ def strain_modes(modes: StressModes, where: str = "strain") -> StressModes:
     """
     S = modes.modes
     if modes.compliance is not None:
-        return replace(modes, modes=modes.compliance @ S)
+        return replace(modes, modes=modes.compliance @ S, scatter=None)
     if modes.elasticity is None:
         message = "the material of its places is not known: parts from matrices have stress only"
         raise InputError(Problem(where, message))
@@ -259,7 +262,7 @@ def strain_modes(modes: StressModes, where: str = "strain") -> StressModes:
     trace = S[:, :3].sum(axis=1, keepdims=True)
     strain[:, :3] = ((1.0 + nu) * S[:, :3] - nu * trace) / E
     strain[:, 3:] = 2.0 * (1.0 + nu) * S[:, 3:] / E
-    return replace(modes, modes=strain)
+    return replace(modes, modes=strain, scatter=None)
 
 
 def in_part_axes(modes: StressModes, strain: bool = False) -> StressModes:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.engine import recover
-from jousto.errors import InputError, Problem, Problems, suggest
+from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.model.native import recover
 
 Array = NDArray[np.float64]
 

@@ -12,22 +12,17 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.described import described
-from jousto.engine.recover import LANES, Recovery
-from jousto.errors import InputError, Problem, Problems, suggest
-from jousto.recovery.fields.criteria import (
-    Criterion,
-    check_criterion,
-    principal,
-    turned,
-    weights,
-)
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.ranking import ranking
+from jousto.model.native.recover import LANES, Recovery
+from jousto.recovery.fields.criteria import Criterion, check_criterion, principal, turned, weights
 from jousto.recovery.fields.kernels import kernel, world_weights
 from jousto.recovery.fields.planes import CriticalPlane, critical_plane
 from jousto.recovery.fields.store import write_field
 from jousto.recovery.instants import between, window
-from jousto.recovery.ranking import ranking
-from jousto.reduction import StressModes
+from jousto.reduction.fields.stress import StressModes
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -151,8 +146,11 @@ class StressField:
         object.__setattr__(self, "time", time)
 
     def __repr__(self) -> str:
-        kind = "strain" if self.strain else "stress"
-        return f"<{kind} of '{self.name}': {self.ns} places, {self.nt} instants, {self.frame} axes>"
+        kind = "strain, " if self.strain else ""
+        return (
+            f"<StressField {self.name!r}: {kind}{self.ns} places, {self.nt} instants, "
+            f"{self.frame} axes>"
+        )
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -277,6 +275,7 @@ class StressField:
             s = chosen._tensors(p)[0]
         return s if A is None else turned(s, A[0], self.strain)
 
+    @explained
     def history(self, site: Sites, times: ArrayLike | slice | None = None) -> Array:
         """Return the components over time: (nt, 6) of one place, (nt, k, 6) of several."""
         places = self.indices(site)
@@ -316,6 +315,7 @@ class StressField:
 
     # -- criteria -----------------------------------------------------------------------------
 
+    @explained
     def values(
         self,
         criterion: Criterion = "von-mises",

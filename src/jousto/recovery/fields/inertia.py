@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.engine import Engine, Model
-from jousto.errors import InputError, Problem, Problems, suggest
+from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.model.model import Model
+from jousto.model.native.native import Engine
 from jousto.recovery.shape import find_body, rotation_matrices
-from jousto.reduction.residual_stress import PRODUCTS, ResidualStress
-from jousto.simulation import Solution, State
-from jousto.simulation.state import MEMORY, put
+from jousto.reduction.fields.residual_stress import PRODUCTS, ResidualStress
+from jousto.simulation.results.solution import Solution
+from jousto.simulation.running.state import MEMORY, State, put
 
 Array = NDArray[np.float64]
 
@@ -34,9 +35,9 @@ def accelerations(run: Solution, model: Model | None = None) -> Array:
         If the model is another one, or there are too few instants.
     """
     if model is None:
-        if len(run) < 3:
+        if run.nt < 3:
             message = (
-                f"accelerations need three stored instants, there are {len(run)}; give the model"
+                f"accelerations need three stored instants, there are {run.nt}; give the model"
             )
             raise InputError(Problem(run.where, message))
         return np.asarray(np.gradient(run.v, run.time, axis=0, edge_order=2))
@@ -81,7 +82,7 @@ def amplitudes(
     """
     where, problems, given = f"stress of '{body}'", Problems(), dict(loads or {})
     shape = find_body(run, body)
-    nt, n = len(run), shape.n
+    nt, n = run.nt, shape.n
     a = accelerations(run, model)[:, shape.v_offset : shape.v_offset + 6 + n]
     q = run.coordinates(body)
     w = run.v[:, shape.v_offset + 3 : shape.v_offset + 6]

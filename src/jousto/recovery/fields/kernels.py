@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.engine.recover import Recovery, tiles
+from jousto.model.native.recover import Recovery, tiles
 from jousto.recovery.fields.criteria import PAIRS, Criterion, weights
 
 Array = NDArray[np.float64]

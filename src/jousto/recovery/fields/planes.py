@@ -8,7 +8,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.errors import InputError, Problem
+from jousto.base.errors import InputError, Problem
+from jousto.base.ranking import TIE, largest, ranking
 from jousto.recovery.fields.criteria import PAIRS, principal
 
 Array = NDArray[np.float64]
@@ -109,9 +110,9 @@ def critical_plane(
     history, t = np.asarray(s, dtype=np.float64), np.asarray(time, dtype=np.float64)
     if by == "maximum":
         values, directions = principal(history, strain)
-        k = int(np.argmax(values[:, 0]))
-        n = directions[k, :, 0]
-        least = int(np.argmin(history @ plane_weights(n, strain)))
+        k = largest(values[:, 0])
+        n = outward(directions[k, :, 0])
+        least = largest(-(history @ plane_weights(n, strain)))
         return CriticalPlane(n, float(values[k, 0]), float(t[k]), float(t[least]), by)
     if by != "range":
         raise InputError(Problem("critical plane", f"by is {by!r}, must be 'maximum' or 'range'"))
@@ -122,11 +123,16 @@ def critical_plane(
         x = history[k : k + INSTANTS] @ w
         high, low = np.maximum(high, x.max(axis=0)), np.minimum(low, x.min(axis=0))
     best = (-1.0, np.array([1.0, 0.0, 0.0]), 0, 0)
-    for start in np.argsort(low - high)[:STARTS]:
+    for start in ranking(high - low)[:STARTS]:
         found = _refined(history, normals[start], strain)
-        best = found if found[0] > best[0] else best
+        best = found if found[0] > best[0] + TIE * abs(best[0]) else best
     value, n, top, bottom = best
-    return CriticalPlane(n, value, float(t[top]), float(t[bottom]), by)
+    return CriticalPlane(outward(n), value, float(t[top]), float(t[bottom]), by)
+
+
+def outward(normal: Array) -> Array:
+    """Return the normal whose largest component, of equal ones the first, is positive."""
+    return normal if normal[largest(np.abs(normal))] >= 0.0 else -normal
 
 
 def _refined(history: Array, n: Array, strain: bool) -> tuple[float, Array, int, int]:
@@ -140,5 +146,5 @@ def _refined(history: Array, n: Array, strain: bool) -> tuple[float, Array, int,
         pair = found
         n = principal(history[pair[0]] - history[pair[1]], strain)[1][:, 0]
     x = history @ plane_weights(n, strain)
-    top, bottom = int(np.argmax(x)), int(np.argmin(x))
+    top, bottom = largest(x), largest(-x)
     return float(x[top] - x[bottom]), n, top, bottom

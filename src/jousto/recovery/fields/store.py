@@ -9,10 +9,10 @@ import h5py
 import numpy as np
 
 from jousto import __version__
-from jousto.errors import InputError, Problem
-from jousto.files import create, unwritable
+from jousto.base.errors import InputError, Problem
+from jousto.base.files import create, unwritable
 from jousto.recovery.fields.criteria import STRAIN_COMPONENTS, STRESS_COMPONENTS, Criterion
-from jousto.simulation.image import SparseImage, reserve
+from jousto.simulation.results.image import SparseImage, reserve
 
 if TYPE_CHECKING:
     from jousto.recovery.fields.field import StressField

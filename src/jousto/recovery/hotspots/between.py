@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.recovery.fields import StressField
+from jousto.recovery.fields.field import StressField
 from jousto.recovery.hotspots.measures import Measure
 from jousto.recovery.hotspots.search import search
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.recovery.fields import Criterion, StressField
+from jousto.base import ranking
+from jousto.recovery.fields.criteria import Criterion
+from jousto.recovery.fields.field import StressField
 from jousto.recovery.hotspots.measures import Measure
 from jousto.recovery.hotspots.search import Found, Proof
 from jousto.recovery.hotspots.windows import SAFETY, UNIT
-from jousto.recovery.ranking import TIE, first
 
 Array = NDArray[np.float64]
 
@@ -47,8 +48,7 @@ def every(
     alive = np.ones(field.ns, dtype=bool)
     spots: list[int] = []
     while len(spots) < count and alive.any():
-        most = float(values[alive].max())
-        top = first(np.flatnonzero(alive & (values >= most - TIE * abs(most))), field.labels)
+        top = ranking.largest(np.where(alive, values, -np.inf), field.labels)
         spots.append(top)
         if separation > 0.0:
             away = np.linalg.norm(field.positions - field.positions[top], axis=1)

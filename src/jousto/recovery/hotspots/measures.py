@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.errors import InputError, Problem
+from jousto.base.errors import InputError, Problem
 from jousto.recovery.fields.criteria import Criterion, check_criterion, evaluate, weights
 
 Array = NDArray[np.float64]

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.errors import JoustoError
+from jousto.base.errors import JoustoError
+from jousto.base.ranking import TIE, first
 from jousto.recovery.hotspots.bounds import prepare
 from jousto.recovery.hotspots.measures import Measure
-from jousto.recovery.ranking import TIE, first
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]

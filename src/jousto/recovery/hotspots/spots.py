@@ -10,18 +10,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.described import described
-from jousto.errors import InputError, Problem, Problems, suggest
-from jousto.recovery.fields import Criterion, StressField, evaluate, stress_field
-from jousto.recovery.fields.criteria import tensor, turned, weights
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.ranking import TIE, ranking
+from jousto.recovery.fields.build import stress_field
+from jousto.recovery.fields.criteria import Criterion, evaluate, tensor, turned, weights
+from jousto.recovery.fields.field import StressField
 from jousto.recovery.hotspots.between import Between, between, largest_between
 from jousto.recovery.hotspots.every import every
 from jousto.recovery.hotspots.measures import Measure, measure
 from jousto.recovery.hotspots.search import Proof, search
-from jousto.recovery.hotspots.words import certificate_lines, head, row
+from jousto.recovery.hotspots.words import certificate_lines, head, row, shown_value
 from jousto.recovery.hotspots.write import write_histories, write_spots
-from jousto.recovery.ranking import TIE, ranking
-from jousto.simulation import Solution
+from jousto.simulation.results.solution import Solution
 
 Array = NDArray[np.float64]
 
@@ -54,6 +56,9 @@ class HotSpot:
     between : float
         What the criterion may reach there between stored instants, with its sign, Pa or m/m; nan
         if that is not known.
+    mesh : float
+        Estimated error of the stress by the mesh, Pa: by how much the elements around the place
+        disagree then, see `place_errors`; nan if it is not known (beams have no mesh of solids).
     """
 
     rank: int
@@ -66,6 +71,11 @@ class HotSpot:
     tensor: Array
     normal: Array
     between: float = np.nan
+    mesh: float = np.nan
+
+    def _facts(self) -> str:
+        at = f"{self.site} of {self.body!r}, {self.time:g} s"
+        return f"{self.value:.6g} at {at}, rank {self.rank}"
 
 
 @described
@@ -100,6 +110,15 @@ class HotSpots:
     fields: tuple[StressField, ...]
     certificates: dict[str, Proof]
     gaps: dict[str, Between | None]
+
+    def _facts(self) -> str:
+        named = self.criterion if isinstance(self.criterion, str) else "plane"
+        facts = [f"{len(self.spots)} places by {named}"]
+        if self.spots:
+            worst = self.spots[0]
+            value = shown_value(worst.value, self.unit)
+            facts.append(f"worst {value} at {worst.site} of {worst.body!r}, {worst.time:g} s")
+        return ", ".join([*facts, "certified" if self.certified else "not certified"])
 
     def __len__(self) -> int:
         return len(self.spots)
@@ -242,6 +261,7 @@ def _left(found: HotSpots) -> tuple[int, ...]:
     return (1, 2) if len(found.fields) > 1 else (1,)
 
 
+@explained
 def hot_spots(
     source: StressField | Sequence[StressField] | Solution,
     *,
@@ -445,6 +465,7 @@ def _spot(field: StressField, place: int, instant: int, criterion: Criterion) ->
     normal = vectors[:, int(np.argmax(np.abs(values)))]
     normal = normal * (1.0 if normal[int(np.argmax(np.abs(normal)))] >= 0.0 else -1.0)
     nodes = field.modes.nodes
+    mesh = np.nan if field.strain else field.modes.mesh_error(place, field.p[instant, on])
     return HotSpot(
         rank=0,
         body=field.name,
@@ -455,4 +476,5 @@ def _spot(field: StressField, place: int, instant: int, criterion: Criterion) ->
         value=float(evaluate(s, criterion, field.strain)),
         tensor=s,
         normal=normal,
+        mesh=mesh,
     )

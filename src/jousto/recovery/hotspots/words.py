@@ -19,7 +19,7 @@ def head(found: HotSpots, several: bool) -> list[str]:
     """Return the head of the table."""
     unit = "MPa" if found.unit == "Pa" else "um/m"
     body = ["body"] if several else []
-    names = [f"{found.criterion} ({unit})", "between", "at (s)"]
+    names = [f"{found.criterion} ({unit})", "mesh", "between", "at (s)"]
     names += ["x (mm)", "y (mm)", "z (mm)", "plane normal"]
     return ["", *body, "site", *names]
 
@@ -32,7 +32,8 @@ def row(found: HotSpots, spot: HotSpot, several: bool) -> list[str]:
     normal = " ".join(f"{x:.3f}" for x in np.round(spot.normal, 3) + 0.0)
     value = f"{factor * spot.value:.6g}"
     gap = f"{factor * spot.between:.4g}" if np.isfinite(spot.between) else "-"
-    return [str(spot.rank), *body, spot.site, value, gap, f"{spot.time:.6g}", *place, normal]
+    mesh = f"+-{factor * spot.mesh:.2g}" if np.isfinite(spot.mesh) else "-"
+    return [str(spot.rank), *body, spot.site, value, mesh, gap, f"{spot.time:.6g}", *place, normal]
 
 
 def certificate_lines(found: HotSpots) -> list[str]:
@@ -72,7 +73,20 @@ def certificate_lines(found: HotSpots) -> list[str]:
         )
     else:
         lines.append(f"not certified: other places may reach {_bound(found, found.bound)}")
-    return [*lines, _between(found)]
+    return [*lines, _between(found), _mesh(found)]
+
+
+def _mesh(found: HotSpots) -> str:
+    """Return what is known of the error by the mesh."""
+    if found.fields[0].strain:
+        return "error of the mesh: not known of strain; ask for the stress"
+    blind = [field.name for field in found.fields if field.modes.scatter is None]
+    text = "error of the mesh (+-): by how much the elements around a place disagree"
+    if not blind:
+        return text
+    names = ", ".join(f"'{name}'" for name in blind)
+    why = f"not known of {names}: the part has no mesh of solids, or was reduced without it"
+    return f"error of the mesh: {why}" if len(blind) == len(found.fields) else f"{text}; {why}"
 
 
 def _between(found: HotSpots) -> str:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from jousto.errors import InputError, Problem
-from jousto.files import write_table, written
+from jousto.base.errors import InputError, Problem
+from jousto.base.files import write_table, written
 
 if TYPE_CHECKING:
     from jousto.recovery.hotspots.spots import HotSpots
@@ -25,13 +25,14 @@ def write_spots(found: HotSpots, path: str | Path) -> Path:
     heads = ["rank", "body", "site", "node", f"{found.criterion} ({unit})", "time (s)"]
     heads += [f"{axis} (m)" for axis in "xyz"] + [f"{name} ({unit})" for name in names]
     heads += [*(f"normal {axis}" for axis in "123"), f"between ({unit})"]
+    heads += ["mesh error (Pa)"]
     rows: list[list[Any]] = [
         [
             *(spot.rank, spot.body, spot.site, spot.node, spot.value, spot.time),
             *spot.position.tolist(),
             *spot.tensor.tolist(),
             *spot.normal.tolist(),
-            "" if np.isnan(spot.between) else spot.between,
+            *("" if np.isnan(x) else x for x in (spot.between, spot.mesh)),
         ]
         for spot in found
     ]

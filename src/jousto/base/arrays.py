@@ -1,0 +1,80 @@
+"""Small array helpers shared by the files of this folder."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+if TYPE_CHECKING:
+    Sparse = scipy.sparse.csr_array[np.float64, tuple[int, int]]
+else:
+    Sparse = Any
+
+
+def read_only(array: Floats) -> Floats:
+    """Return a contiguous float copy of the array that cannot be written to."""
+    copy = np.array(array, dtype=np.float64, order="C")
+    copy.setflags(write=False)
+    return copy
+
+
+def skew(x: Floats) -> Floats:
+    """Return the matrices x~ with x~ y = x cross y; shapes (..., 3) -> (..., 3, 3)."""
+    out = np.zeros((*x.shape, 3))
+    out[..., 0, 1], out[..., 0, 2] = -x[..., 2], x[..., 1]
+    out[..., 1, 0], out[..., 1, 2] = x[..., 2], -x[..., 0]
+    out[..., 2, 0], out[..., 2, 1] = -x[..., 1], x[..., 0]
+    return out
+
+
+def transposed(x: Floats) -> Floats:
+    """Return the array with its last two axes exchanged."""
+    return np.swapaxes(x, -1, -2)
+
+
+def as_csr(matrix: object) -> Sparse:
+    """Return a float csr array without explicit zeros and with sorted indices.
+
+    A csr array that is in that form already is used as it is; anything else is copied.
+    """
+    if (
+        isinstance(matrix, scipy.sparse.csr_array)
+        and matrix.dtype == np.float64
+        and matrix.has_canonical_format
+        and not np.any(matrix.data == 0.0)
+    ):
+        return matrix
+    out = scipy.sparse.csr_array(matrix, dtype=np.float64, copy=True)  # type: ignore[call-overload]
+    out.sum_duplicates()
+    out.eliminate_zeros()
+    return out  # type: ignore[no-any-return]
+
+
+def times(matrix: Sparse, x: Floats) -> Floats:
+    """Return the product of a sparse matrix and a dense vector or matrix."""
+    return np.asarray(matrix @ x)
+
+
+def scatter(blocks: Floats, rows: Ints, columns: Ints, shape: tuple[int, int]) -> Sparse:
+    """Add dense blocks (m, r, c) into a sparse matrix at rows (m, r) and columns (m, c)."""
+    i = np.broadcast_to(rows[:, :, None], blocks.shape)
+    j = np.broadcast_to(columns[:, None, :], blocks.shape)
+    keep = blocks != 0.0
+    return as_csr(scipy.sparse.coo_array((blocks[keep], (i[keep], j[keep])), shape=shape).tocsr())
+
+
+def node_dofs(nodes: Ints, dofs_per_node: int) -> Ints:
+    """Return the degrees of freedom of nodes; shapes (..., k) -> (..., k * dofs_per_node)."""
+    dofs = nodes[..., None] * dofs_per_node + np.arange(dofs_per_node)
+    return dofs.reshape(*nodes.shape[:-1], nodes.shape[-1] * dofs_per_node)
+
+
+def some(items: list[str], limit: int = 6) -> str:
+    """Join the first items into one readable list."""
+    more = f" and {len(items) - limit} more" if len(items) > limit else ""
+    return ", ".join(items[:limit]) + more

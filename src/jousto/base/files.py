@@ -1,0 +1,157 @@
+"""Files: which may be read and written, and writing so that a file is whole or not there."""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import errno
+import os
+import shutil
+import stat
+import struct
+import uuid
+import zipfile
+import zlib
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from jousto.base.errors import InputError, Problem
+
+KINDS = {
+    stat.S_IFDIR: "a folder",
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+}
+# what NumPy and the zip archive raise over a damaged .npz file
+DAMAGED_NPZ = (
+    OSError,
+    ValueError,
+    EOFError,
+    KeyError,
+    IndexError,
+    TypeError,
+    RuntimeError,
+    OverflowError,
+    MemoryError,
+    SyntaxError,
+    struct.error,
+    zlib.error,
+    zipfile.BadZipFile,
+)
+
+
+def special(path: Path) -> str:
+    """Return what stands at a path, or behind a link there, that is no file; empty if none does.
+
+    >>> special(Path("."))
+    'a folder'
+    """
+    try:
+        mode = path.stat().st_mode
+    except (OSError, ValueError):
+        return ""  # whoever opens it says why that does not work
+    return "" if stat.S_ISREG(mode) else KINDS.get(stat.S_IFMT(mode), "something special")
+
+
+def check_file(path: Path, remedy: str = "") -> None:
+    """Refuse what is there but no file: folders, devices, pipes.
+
+    Raises
+    ------
+    InputError
+        Naming what it is.
+    """
+    found = special(path)
+    if found:
+        tail = f"; {remedy}" if remedy else ""
+        raise InputError(Problem(str(path), f"is {found}, must be a file{tail}"))
+
+
+@contextmanager
+def written(path: Path) -> Iterator[Path]:
+    """Yield the path of a new file beside the one wanted, which takes its place at the end.
+
+    Where the block fails the new file is removed and what was there before stays. A link keeps
+    pointing to where it does: the file behind it is replaced.
+
+    Raises
+    ------
+    InputError
+        If something other than a file stands there, or writing fails.
+    """
+    check_file(path)
+    final = Path(os.path.realpath(path))
+    beside = final.with_name(f".{uuid.uuid4().hex}{final.suffix}")
+    made = False
+    try:
+        if final.exists() and not os.access(final, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+        os.close(os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+        made = True
+        yield beside
+        if final.exists():
+            shutil.copymode(final, beside)
+        os.replace(beside, final)
+        made = False
+    except OSError as error:
+        raise unwritable(path, error) from error
+    finally:
+        if made:
+            with contextlib.suppress(OSError):
+                beside.unlink()
+
+
+def write_table(path: str | Path, head: Iterable[Any], rows: Iterable[Iterable[Any]]) -> Path:
+    """Write a table as CSV.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    target = Path(path)
+    with written(target) as beside, beside.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(head)
+        writer.writerows(rows)
+    return target
+
+
+def create(path: Path) -> BinaryIO:
+    """Open a new file for plain writes; whoever has the old one open keeps it.
+
+    Never opens what was there before, so that what is removed after a failure is our own.
+
+    Raises
+    ------
+    InputError
+        If something other than a file stands there.
+    OSError
+        If the file cannot be made.
+    """
+    check_file(path)
+    path.unlink(missing_ok=True)
+    return open(path, "xb", buffering=0)
+
+
+def unwritable(path: Path, error: OSError) -> InputError:
+    """Return the error of a file that cannot be written: why, and what to do.
+
+    >>> print(unwritable(Path("a.csv"), OSError(errno.ENOSPC, "No space left on device")))
+    a.csv: cannot be written: No space left on device; free some space
+    """
+    return InputError(Problem(str(path), f"cannot be written: {reason(path, error)}"))
+
+
+def reason(path: Path, error: OSError) -> str:
+    """Return why a file could not be written, without its name, and what to do."""
+    if error.errno in (errno.ENOSPC, errno.EDQUOT):
+        return f"{error.strerror}; free some space"
+    with contextlib.suppress(OSError):
+        if not path.parent.exists():
+            return f"the folder {path.parent} does not exist; create it first"
+    return f"{error.strerror or str(error)}; choose another place"

@@ -1,0 +1,42 @@
+"""A mapping that nobody changes, and that travels to other processes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TypeVar
+
+from jousto.base.described import FEW, LIMIT
+
+K = TypeVar("K")
+V = TypeVar("V")
+
+
+class Frozen(Mapping[K, V]):
+    """A mapping that cannot be changed; unlike `types.MappingProxyType` it can be pickled.
+
+    Examples
+    --------
+    >>> Frozen({"a": 1})["a"]
+    1
+    """
+
+    __slots__ = ("_items",)
+
+    def __init__(self, items: Mapping[K, V]) -> None:
+        self._items = dict(items)
+
+    def __getitem__(self, key: K) -> V:
+        return self._items[key]
+
+    def __iter__(self) -> Iterator[K]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __repr__(self) -> str:
+        shown = repr(self._items)
+        if len(shown) < LIMIT:
+            return shown
+        few = ", ".join(repr(key) for key in list(self._items)[:FEW])
+        return f"<{len(self._items)} entries: {few}, ...>"

@@ -1,0 +1,225 @@
+"""HDF5 files of unknown origin: nothing outside of them is read, and damage is a ValueError."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, KeysView
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.errors import InputError, Problem
+
+# what h5py raises where a file is damaged or holds something other than it should
+DAMAGE = (
+    OSError,
+    KeyError,
+    IndexError,
+    RuntimeError,
+    ValueError,
+    TypeError,
+    AttributeError,
+    OverflowError,
+    EOFError,
+)
+DEFLATED = 1032  # times that data may shrink: the limit of zlib
+
+
+def opened(path: Path) -> h5py.File:
+    """Open a file for reading, also one that is written now."""
+    try:
+        return h5py.File(path, "r", locking=False)
+    except OSError as error:
+        if "locking flag" not in str(error):
+            raise
+        return h5py.File(path, "r")  # the process has it open with locking
+
+
+def said(error: BaseException) -> str:
+    """Return what an error says, in one short line."""
+    text = str(error.args[0]) if error.args else type(error).__name__
+    text = text.splitlines()[0] if text else type(error).__name__
+    return text if len(text) <= 150 else f"{text[:147]}..."
+
+
+@contextmanager
+def damage(path: Path, remedy: str) -> Iterator[None]:
+    """Turn what h5py and NumPy raise over a damaged file into one sentence with a remedy."""
+    try:
+        yield
+    except InputError as error:
+        first = error.problems[0]
+        if first.where == str(path):
+            raise
+        raise InputError(Problem(str(path), f"damaged: {first}; {remedy}")) from error
+    except DAMAGE as error:
+        raise InputError(Problem(str(path), f"damaged: {said(error)}; {remedy}")) from error
+
+
+@contextmanager
+def open_format(path: Path, mark: str, what: str, remedy: str) -> Iterator[Group]:
+    """Open a file of one of our formats; damage met in the block is told with a remedy.
+
+    Parameters
+    ----------
+    path : Path
+    mark : str
+        What its attribute ``format`` says.
+    what : str
+        What it should be, for messages: ``"a results file"``.
+    remedy : str
+        What to do about damage.
+
+    Raises
+    ------
+    InputError
+        If it cannot be opened, is damaged, or something else.
+    """
+    try:
+        file = opened(path)
+    except DAMAGE as error:
+        raise InputError(
+            Problem(
+                str(path), f"not readable as HDF5, damaged or another kind of file ({said(error)})"
+            )
+        ) from error
+    with file, damage(path, remedy):
+        found = file.attrs.get("format", "")
+        if not isinstance(found, str) or found != mark:
+            kind = f"it is a file of {found!r}" if found else "it is some other HDF5 file"
+            raise InputError(Problem(str(path), f"not {what}; {kind}"))
+        yield Group(file)
+
+
+class Group:
+    """A group of which only what lies in the same file can be reached.
+
+    Links to other files and other places, data kept in other files and virtual data sets are
+    refused: they would bring the content of a foreign file into what is read from this one.
+
+    Parameters
+    ----------
+    group : h5py.Group
+        The group.
+    """
+
+    def __init__(self, group: h5py.Group) -> None:
+        self._group = group
+
+    @property
+    def attrs(self) -> Any:
+        """The attributes."""
+        return self._group.attrs
+
+    def keys(self) -> KeysView[str]:
+        """Return the names of what it holds."""
+        names: KeysView[str] = self._group.keys()
+        return names
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._group)
+
+    def __len__(self) -> int:
+        return len(self._group)
+
+    def __contains__(self, name: str) -> bool:
+        *way, last = name.split("/")
+        here = self._group
+        for step in way:
+            if not isinstance(here, h5py.Group) or step not in here:
+                return False
+            here = _step(here, step)
+        return isinstance(here, h5py.Group) and here.id.links.exists(last.encode())
+
+    def __getitem__(self, name: str) -> Any:
+        here = self._group
+        for step in name.split("/"):
+            if not isinstance(here, h5py.Group):
+                raise ValueError(f"{_name(here)} is no group")
+            here = _step(here, step)
+        return Group(here) if isinstance(here, h5py.Group) else _checked(here)
+
+    def items(self) -> Iterator[tuple[str, Any]]:
+        """Yield names and what they stand for."""
+        return ((name, self[name]) for name in self._group)
+
+    def values(self) -> Iterator[Any]:
+        """Yield what it holds."""
+        return (self[name] for name in self._group)
+
+    def groups(self, name: str) -> Iterator[tuple[str, Group]]:
+        """Yield names and groups within a group."""
+        for key, found in self.group(name).items():
+            if not isinstance(found, Group):
+                raise ValueError(f"{name}/{key} is no group")
+            yield key, found
+
+    def group(self, name: str) -> Group:
+        """Return a group within."""
+        found = self[name]
+        if not isinstance(found, Group):
+            raise ValueError(f"{name} is no group")
+        return found
+
+    def array(
+        self, name: str, shape: tuple[int | None, ...], kinds: str = "f", *, finite: bool = False
+    ) -> NDArray[Any]:
+        """Return an array of a shape (None: any length) and kind of numbers.
+
+        Raises
+        ------
+        ValueError
+            If it has another shape or kind, or numbers that are not finite.
+        """
+        dataset = self[name]
+        check_dataset(dataset, shape, kinds)
+        found = np.asarray(dataset[()])
+        if finite and found.dtype.kind == "f" and not np.isfinite(found).all():
+            raise ValueError(f"{_name(dataset)} holds numbers that are not finite")
+        return found
+
+
+def check_dataset(dataset: Any, shape: tuple[int | None, ...], kinds: str = "f") -> None:
+    """Raise ValueError unless a data set has a shape (None: any length) and kind of numbers."""
+    if not isinstance(dataset, h5py.Dataset):
+        raise ValueError(f"{_name(getattr(dataset, '_group', dataset))} is no data set")
+    found = dataset.shape
+    fits = (
+        found is not None
+        and len(found) == len(shape)
+        and all(b is None or a == b for a, b in zip(found, shape, strict=True))
+    )
+    if not fits:
+        wanted = ", ".join("any" if n is None else str(n) for n in shape)
+        raise ValueError(f"{_name(dataset)} has shape {found}, must be ({wanted})")
+    if dataset.dtype.kind not in kinds:
+        raise ValueError(f"{_name(dataset)} has type {dataset.dtype}, not that of its kind")
+
+
+def _name(item: Any) -> str:
+    return str(item.name or "").lstrip("/")
+
+
+def _step(group: h5py.Group, name: str) -> Any:
+    links, key = group.id.links, name.encode(errors="surrogateescape")
+    place = f"{_name(group)}/{name}".lstrip("/")
+    if not links.exists(key):
+        raise KeyError(f"{place} is missing")
+    if links.get_info(key).type != h5py.h5l.TYPE_HARD:
+        raise ValueError(f"{place} is a link to another place, which may be another file")
+    return group[name]
+
+
+def _checked(dataset: Any) -> Any:
+    if not isinstance(dataset, h5py.Dataset):
+        raise ValueError(f"{_name(dataset)} is no data set")
+    plist = dataset.id.get_create_plist()
+    if plist.get_external_count() or plist.get_layout() == h5py.h5d.VIRTUAL:
+        raise ValueError(f"{_name(dataset)} keeps its data in another file")
+    room = dataset.file.id.get_filesize() * (DEFLATED if dataset.chunks else 1)
+    if dataset.nbytes > room:
+        raise ValueError(f"{_name(dataset)} claims {dataset.nbytes:.3g} bytes, more than the file")
+    return dataset

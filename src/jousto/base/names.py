@@ -1,0 +1,59 @@
+"""Names: what they may be, and how text of unknown origin is shown."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from typing import Any
+
+from jousto.base.errors import Problems
+
+FORBIDDEN = {"body": "./", "part": "/\\:"}
+"""Characters that a name of a kind must not contain; those of a body stand before a dot, those of a
+part become file names."""
+
+# control characters, and the signs that order text from right to left and can hide what it says
+HIDDEN = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\u200e\u200f\u202a-\u202e\u2066-\u2069]"
+)
+
+
+def check_name(problems: Problems, kind: str, name: Any) -> str:
+    """Return where-text such as ``body 'arm'`` and note what is wrong with the name.
+
+    Names end up in messages, in labels such as ``arm.tip`` and in HDF5 paths.
+    """
+    where = f"{kind} {name!r}"
+    if not isinstance(name, str):
+        problems.add(where, "name must be a string")
+    elif not name.strip() or name != name.strip():
+        problems.add(where, "name must not be empty or start or end with a blank")
+    else:
+        forbidden = [c for c in FORBIDDEN.get(kind, "/") if c in name]
+        if forbidden:
+            problems.add(where, f"name must not contain {forbidden[0]!r}")
+        elif name in (".", ".."):
+            problems.add(where, "name must not be '.' or '..'")
+        elif any(unicodedata.category(c) in ("Cc", "Cs") for c in name):
+            problems.add(where, "name must not contain control characters")
+        elif kind == "body" and name == "ground":
+            problems.add(where, "the name 'ground' is taken by the ground")
+    return where
+
+
+def file_name(name: str) -> str:
+    """Return a name as part of the name of a file in a known folder, for names that files bring.
+
+    >>> file_name("../../boom")
+    '.._.._boom'
+    """
+    return re.sub(r"[/\\:\x00-\x1f]", "_", name)
+
+
+def harmless(text: str) -> str:
+    r"""Return text without anything that a terminal obeys: control characters are spelled out.
+
+    >>> harmless("a\x1b[2Jb")
+    'a\\x1b[2Jb'
+    """
+    return HIDDEN.sub(lambda found: repr(found[0])[1:-1], text)

@@ -1,0 +1,287 @@
+"""Orientations: what a user may write, Euler parameters and rotation matrices.
+
+Euler parameters e are scalar first with unit norm: ``e0 = cos(phi/2)``,
+``e1..3 = n sin(phi/2)`` for a turn by phi about the unit axis n.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Never
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.base.declare import Field
+from jousto.base.errors import Problems
+from jousto.base.numbers import number, set_fields
+
+Array = NDArray[np.float64]
+
+UNIT_TOLERANCE = 1e-6
+
+# largest component of the shortest vector that has a direction
+SHORTEST = 1e-150
+
+
+def readonly(array: ArrayLike) -> Array:
+    """Return a read-only float copy."""
+    copy = np.array(array, dtype=np.float64)
+    copy.setflags(write=False)
+    return copy
+
+
+def skew(x: ArrayLike) -> Array:
+    """Return the skew matrix x~ with ``x~ y = x cross y``.
+
+    Examples
+    --------
+    >>> skew([1, 2, 3]) @ [0, 0, 1]
+    array([ 2., -1.,  0.])
+    """
+    x1, x2, x3 = np.asarray(x, dtype=np.float64)
+    return np.array([[0.0, -x3, x2], [x3, 0.0, -x1], [-x2, x1, 0.0]])
+
+
+def rotation_matrix(e: ArrayLike) -> Array:
+    """Return A (3, 3) of Euler parameters e (4,): local to world (Rantalainen 2007, eq. 3.5).
+
+    Examples
+    --------
+    >>> rotation_matrix([0.5**0.5, 0, 0, 0.5**0.5]).round(12) @ [1, 0, 0]  # 90 deg about z
+    array([0., 1., 0.])
+    """
+    e0, e1, e2, e3 = np.asarray(e, dtype=np.float64)
+    return np.array(
+        [
+            [1 - 2 * (e2 * e2 + e3 * e3), 2 * (e1 * e2 - e0 * e3), 2 * (e1 * e3 + e0 * e2)],
+            [2 * (e1 * e2 + e0 * e3), 1 - 2 * (e1 * e1 + e3 * e3), 2 * (e2 * e3 - e0 * e1)],
+            [2 * (e1 * e3 - e0 * e2), 2 * (e2 * e3 + e0 * e1), 1 - 2 * (e1 * e1 + e2 * e2)],
+        ]
+    )
+
+
+def euler_parameters(A: ArrayLike) -> Array:
+    """Return the unit Euler parameters (4,) of a rotation matrix, largest component first found.
+
+    Shepperd's method: divide by the largest of the four components, so that no turn is
+    badly conditioned. The sign is chosen so that e0 is not negative.
+    """
+    A = np.asarray(A, dtype=np.float64)
+    trace = np.trace(A)
+    squares = np.array([trace, A[0, 0], A[1, 1], A[2, 2]])
+    k = int(np.argmax(squares))
+    if k == 0:
+        e = np.array([1 + trace, A[2, 1] - A[1, 2], A[0, 2] - A[2, 0], A[1, 0] - A[0, 1]])
+    else:
+        i = k - 1
+        j, m = (i + 1) % 3, (i + 2) % 3
+        e = np.empty(4)
+        e[0] = A[m, j] - A[j, m]
+        e[1 + i] = 1 + 2 * A[i, i] - trace
+        e[1 + j] = A[j, i] + A[i, j]
+        e[1 + m] = A[m, i] + A[i, m]
+    e /= np.linalg.norm(e)
+    return -e if e[0] < 0.0 else e
+
+
+def exp_rotation(theta: ArrayLike) -> Array:
+    """Return exp(theta~), the rotation by ``|theta|`` rad about theta (Rodrigues).
+
+    Examples
+    --------
+    >>> exp_rotation([0, 0, np.pi / 2]).round(12) @ [1, 0, 0]
+    array([0., 1., 0.])
+    """
+    theta = np.asarray(theta, dtype=np.float64)
+    angle = float(np.linalg.norm(theta))
+    W = skew(theta)
+    # sinc keeps both coefficients exact for small angles
+    a = np.sinc(angle / np.pi)
+    b = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
+    return np.asarray(np.eye(3) + a * W + b * (W @ W))
+
+
+def unit_vector(direction: ArrayLike) -> Array:
+    """Return a vector (3,) of any length at length 1; its square may over- or underflow.
+
+    Examples
+    --------
+    >>> unit_vector([0, 3e200, 4e200]).round(12)
+    array([0. , 0.6, 0.8])
+    """
+    d = np.asarray(direction, dtype=np.float64)
+    d = d / np.abs(d).max()
+    return np.asarray(d / np.linalg.norm(d))
+
+
+def parse_direction(problems: Problems, where: str, name: str, value: Any) -> Array | None:
+    """Return a vector (3,) that has a direction, or note why it has none."""
+    direction = problems.array(where, name, value, (3,))
+    if direction is not None and np.abs(direction).max() < SHORTEST:
+        found = ", ".join(f"{x:g}" for x in direction)
+        problems.add(where, f"{name} is ({found}), must have a direction")
+        return None
+    return direction
+
+
+class Direction(Field["ArrayLike | None", "Array | None"]):
+    """A vector (3,) that has a direction, or None."""
+
+    form = "direction"
+    noun = "(3,) array_like"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return a read-only vector that is not zero."""
+        return parse_direction(problems, where, self.name, value)
+
+
+def turn_onto(A: ArrayLike, axis: ArrayLike) -> Array:
+    """Return the frame A (3, 3) turned by the smallest rotation that puts its z axis on `axis`."""
+    A = np.asarray(A, dtype=np.float64)
+    h = unit_vector(axis)
+    z = A[:, 2]
+    cross = np.cross(z, h)
+    sine, cosine = float(np.linalg.norm(cross)), float(z @ h)
+    if sine < 1e-12:
+        # parallel: nothing to do; opposite: half a turn about x
+        return A.copy() if cosine > 0 else np.asarray(A @ np.diag([1.0, -1.0, -1.0]))
+    return np.asarray(exp_rotation(cross / sine * np.arctan2(sine, cosine)) @ A)
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Rotate:
+    """A turn about an axis; the unit of the angle is its name.
+
+    Parameters
+    ----------
+    axis : (3,) array_like
+        Direction of the axis, any length above zero.
+    degrees, radians : float
+        Angle, right-handed about the axis; one of the two.
+
+    Raises
+    ------
+    InputError
+        If the axis is zero, anything is not a finite number, or the angle has no name.
+
+    Examples
+    --------
+    >>> Rotate((0, 0, 1), degrees=90).matrix.round(12) @ [1, 0, 0]
+    array([0., 1., 0.])
+    >>> Rotate((0, 0, 1), radians=0.5)
+    Rotate((0, 0, 1), radians=0.5)
+    """
+
+    axis: Array
+    radians: float
+
+    def __init__(
+        self,
+        axis: ArrayLike,
+        *unnamed: Never,
+        degrees: float | None = None,
+        radians: float | None = None,
+    ) -> None:
+        problems = Problems()
+        if unnamed:
+            problems.add(
+                "Rotate",
+                f"the angle {unnamed[0]!r} needs the name of its unit: degrees={unnamed[0]!r} or "
+                f"radians={unnamed[0]!r}",
+            )
+        elif (degrees is None) == (radians is None):
+            problems.add("Rotate", "give the angle as degrees=... or radians=..., one of the two")
+        angle = None
+        if degrees is not None:
+            given = number(problems, "Rotate", "degrees", degrees)
+            angle = None if given is None else float(np.radians(given))
+        elif radians is not None:
+            angle = number(problems, "Rotate", "radians", radians)
+        direction = parse_direction(problems, "Rotate", "axis", axis)
+        problems.raise_if_any()
+        set_fields(self, axis=direction, radians=angle)
+
+    def __repr__(self) -> str:
+        axis = ", ".join(f"{x:g}" for x in self.axis)
+        return f"Rotate(({axis}), radians={self.radians:g})"
+
+    @property
+    def degrees(self) -> float:
+        """Angle, degrees."""
+        return float(np.degrees(self.radians))
+
+    @property
+    def euler_parameters(self) -> Array:
+        """Euler parameters (4,), scalar first."""
+        half = self.radians / 2
+        return np.concatenate([[np.cos(half)], unit_vector(self.axis) * np.sin(half)])
+
+    @property
+    def matrix(self) -> Array:
+        """Rotation matrix (3, 3)."""
+        return rotation_matrix(self.euler_parameters)
+
+
+def parse_orientation(problems: Problems, where: str, name: str, value: Any) -> Array | None:
+    """Return the Euler parameters (4,) of any accepted way to write an orientation.
+
+    Parameters
+    ----------
+    problems : Problems
+        Collects what is wrong.
+    where, name : str
+        Object and argument for the message.
+    value : None, Rotate, (4,) or (3, 3) array_like, scipy Rotation
+        None is no rotation; four numbers are Euler parameters, scalar first; columns of a
+        (3, 3) matrix are the turned axes.
+
+    Returns
+    -------
+    (4,) read-only array or None if there was a problem
+    """
+    if value is None:
+        return readonly([1.0, 0.0, 0.0, 0.0])
+    if isinstance(value, Rotate):
+        return readonly(value.euler_parameters)
+    if hasattr(value, "as_matrix"):
+        value = value.as_matrix()
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        array = np.empty(0)
+    if array.shape not in ((4,), (3, 3)):
+        found = f"has shape {array.shape}" if array.size else f"is {value!r}"
+        problems.add(
+            where,
+            f"{name} {found}; must be four Euler parameters (scalar first), a (3, 3) rotation "
+            "matrix, a scipy Rotation or Rotate(axis, degrees=...)",
+        )
+        return None
+    if not np.all(np.isfinite(array)):
+        problems.add(where, f"{name} is {array.tolist()}, must be finite")
+        return None
+    if array.shape == (4,):
+        norm = float(np.linalg.norm(array))
+        if abs(norm - 1) > UNIT_TOLERANCE:
+            problems.add(
+                where,
+                f"{name} {array.tolist()} has length {norm:g}; Euler parameters (scalar first) "
+                "must have length 1",
+            )
+            return None
+        return readonly(array / norm)
+    error = float(np.abs(array.T @ array - np.eye(3)).max())
+    if error > UNIT_TOLERANCE:
+        problems.add(
+            where,
+            f"{name} is not a rotation matrix: its columns are not orthonormal "
+            f"(largest error of A^T A is {error:.1e})",
+        )
+        return None
+    if np.linalg.det(array) < 0:
+        problems.add(
+            where, f"{name} is a reflection (determinant -1), must be a right-handed rotation"
+        )
+        return None
+    return readonly(euler_parameters(array))

@@ -1,0 +1,182 @@
+"""Checksums behind the end of an HDF5 file: what does not have its checksum is not read.
+
+HDF5 ends before them and does not mind; it may crash over damage, so it does not get to see it.
+They stand for the layout and all that does not change, piece by piece, and for every BLOCK rows of
+each column, written as these are complete: so they hold of a file whose run is going on or was
+killed as well. Other programs that write into the file remove them; then only the structure is
+checked.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+import zlib
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+BLOCK = 1024  # rows
+FOOT = struct.Struct("<8sIIQ")  # mark, checksum and length of the text, where the blocks begin
+MARK = b"JOUSTOCK"
+PIECE = 1 << 24
+Write = Callable[[int, bytes], None]
+
+
+class Seal:
+    """Forms the checksums while a file is written.
+
+    Parameters
+    ----------
+    start : int
+        Where HDF5 ends.
+    columns : list of (offset, bytes of a row)
+        Where the columns are.
+    rows : int
+        Rows at most.
+    """
+
+    def __init__(self, start: int, columns: list[tuple[int, int]], rows: int) -> None:
+        self._start = start
+        self._columns = columns
+        self._blocks = np.zeros((-(-rows // BLOCK), len(columns)), "<u4")
+        self._running = [0] * len(columns)
+        self._written = 0
+        self._done = 0  # blocks that are in the file
+
+    def add(self, data: list[bytes], rows: int, write: Write) -> None:
+        """Take rows of all columns; write the checksums of the blocks that they complete."""
+        for k, ((_, width), block) in enumerate(zip(self._columns, data, strict=True)):
+            view, at = memoryview(block), self._written
+            while view:
+                left = BLOCK - at % BLOCK
+                piece, view = view[: left * width], view[left * width :]
+                self._running[k] = zlib.crc32(piece, self._running[k])
+                self._blocks[at // BLOCK, k] = self._running[k]
+                at += len(piece) // width
+                if at % BLOCK == 0:
+                    self._running[k] = 0
+        self._written += rows
+        full = self._written // BLOCK
+        if full > self._done:
+            self._write_blocks(self._done, full, write)
+            self._done = full
+
+    def moved(self, start: int, columns: list[tuple[int, int]], rows: int) -> Seal:
+        """Return the same for the same rows in another file."""
+        other = Seal(start, columns, rows)
+        other._blocks[:] = self._blocks[: len(other._blocks)]
+        other._written = self._written
+        return other
+
+    @property
+    def open_end(self) -> int:
+        """Length of the file without what says that its checksums are valid."""
+        return self._start + self._blocks.nbytes
+
+    def _write_blocks(self, first: int, last: int, write: Write) -> None:
+        place = self._start + first * self._blocks.shape[1] * 4
+        write(place, self._blocks[first:last].tobytes())
+
+    def finish(self, pieces: Iterable[tuple[int, int, int]], write: Write, *, closed: bool) -> None:
+        """Write all checksums: (offset, length, checksum) of what does not change any more."""
+        self._write_blocks(0, len(self._blocks), write)
+        about = {
+            "pieces": list(pieces),
+            "columns": self._columns,
+            "blocks": len(self._blocks),
+            "rows": self._written if closed else None,
+        }
+        text = json.dumps(about, separators=(",", ":")).encode()
+        foot = FOOT.pack(MARK, zlib.crc32(text), len(text), self._start)
+        write(self._start + self._blocks.nbytes, text + foot)
+
+
+class Sealed:
+    """The checksums of a file that is read.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    foot : tuple
+        What stands at its end.
+
+    Raises
+    ------
+    ValueError
+        If what does not change does not have its checksum.
+    """
+
+    def __init__(self, path: Path, foot: tuple[bytes, int, int, int]) -> None:
+        self._path = path
+        _, checksum, length, start = foot
+        with path.open("rb") as file:
+            end = path.stat().st_size - FOOT.size
+            file.seek(end - length)
+            text = file.read(length)
+            if zlib.crc32(text) != checksum:
+                raise ValueError("its checksums are damaged")
+            about: dict[str, Any] = json.loads(text)
+            for offset, size, wanted in about["pieces"]:
+                if _crc(file, offset, size) != wanted:
+                    raise ValueError(f"bytes {offset} to {offset + size} were changed")
+        self._columns = {offset: (k, width) for k, (offset, width) in enumerate(about["columns"])}
+        self._start = start
+        self._good: NDArray[np.bool_] = np.zeros((about["blocks"], len(self._columns)), bool)
+        self._sums = self._read_sums()
+        self.rows: int | None = about["rows"]  # of a closed file
+
+    def _read_sums(self) -> NDArray[np.uint32]:
+        with self._path.open("rb") as file:
+            file.seek(self._start)
+            raw = file.read(4 * self._good.size)
+        return np.frombuffer(raw, "<u4").reshape(self._good.shape)
+
+    def check(self, offset: int | None, name: str, first: int, last: int, length: int) -> None:
+        """Raise ValueError unless rows of a column at an offset have their checksums.
+
+        Each block is read once. Of a file whose run goes on, the last rows have none yet.
+        """
+        if offset not in self._columns:
+            return
+        k, width = self._columns[offset]
+        end = self.rows if self.rows is not None else length // BLOCK * BLOCK
+        with self._path.open("rb") as file:
+            for b in range(first // BLOCK, -(-last // BLOCK)):
+                count = min(BLOCK, end - b * BLOCK)
+                if count <= 0 or self._good[b, k]:
+                    continue
+                found = _crc(file, offset + b * BLOCK * width, count * width)
+                if found != self._sums[b, k]:  # of a run that goes on they may be newer
+                    self._sums = self._read_sums()
+                if found != self._sums[b, k]:
+                    until = b * BLOCK + count - 1
+                    raise ValueError(f"{name} was changed between rows {b * BLOCK} and {until}")
+                self._good[b, k] = True
+
+
+def sealed(path: Path) -> Sealed | None:
+    """Return the checksums of a file, None if it has none."""
+    size = path.stat().st_size
+    if size < FOOT.size:
+        return None
+    with path.open("rb") as file:
+        file.seek(size - FOOT.size)
+        foot = FOOT.unpack(file.read(FOOT.size))
+    return Sealed(path, foot) if foot[0] == MARK else None
+
+
+def _crc(file: Any, offset: int, size: int) -> int:
+    file.seek(offset)
+    found = 0
+    while size:
+        piece = file.read(min(size, PIECE))
+        if not piece:
+            return -1
+        found = zlib.crc32(piece, found)
+        size -= len(piece)
+    return found

@@ -1,0 +1,238 @@
+"""Units in strings such as ``210 GPa``, ``7.85 g/cm3`` or ``30 deg``, converted to SI.
+
+The vocabulary is small and closed: SI prefixes and the units engineers write for mechanisms.
+Angle is a dimension of its own, so that ``60 rpm`` is 1 Hz where a frequency is expected and
+6.28 rad/s where an angular velocity is. Conversion is in decimal arithmetic: ``7.85 g/cm3`` is
+exactly the float 7850.0. The units library is imported when the first unit occurs.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import re
+from collections.abc import Callable
+from decimal import Decimal
+from typing import TYPE_CHECKING, Any
+
+from jousto.base.errors import suggest
+
+if TYPE_CHECKING:
+    import pint
+
+# definitions in pint's notation; the first name is the full one, then the symbol
+DEFINITIONS = """
+micro- = 1e-6 = u-
+milli- = 1e-3 = m-
+centi- = 1e-2 = c-
+kilo- = 1e3 = k-
+mega- = 1e6 = M-
+giga- = 1e9 = G-
+meter = [length] = m = metre
+gram = [mass] = g
+second = [time] = s = sec
+radian = [angle] = rad
+degree = 0.01745329251994329576923690768489 radian = deg
+revolution = 6.283185307179586476925286766559 radian = rev = turn
+minute = 60 second = min
+hour = 60 minute = h
+day = 24 hour
+year = 365.2425 day
+hertz = revolution / second = Hz
+rpm = revolution / minute
+tonne = 1000 kilogram = t
+newton = kilogram * meter / second ** 2 = N
+pascal = newton / meter ** 2 = Pa
+bar = 100000 pascal
+joule = newton * meter = J
+newton_meter = newton * meter = Nm
+newton_millimeter = newton * millimeter = Nmm
+inch = 0.0254 meter = in
+foot = 12 inch = ft
+pound = 0.45359237 kilogram = lb
+pound_force = 4.4482216152605 newton = lbf
+psi = pound_force / inch ** 2
+ksi = 1000 psi
+standard_gravity = 9.80665 meter / second ** 2 = g0
+percent = 0.01
+"""
+
+# what a field expects, by its SI unit; also used to say what was found instead
+KINDS = {
+    "m": "a length",
+    "kg": "a mass",
+    "s": "a time",
+    "rad": "an angle",
+    "1": "a number",
+    "m/s": "a velocity",
+    "rad/s": "an angular velocity",
+    "m/s2": "an acceleration",
+    "N": "a force",
+    "N m": "a torque",
+    "Pa": "a pressure",
+    "kg/m3": "a density",
+    "m2": "an area",
+    "m4": "a second moment of area",
+    "kg m2": "a moment of inertia",
+    "Hz": "a frequency",
+    "1/s": "a rate",
+    "N/m": "a stiffness or a force per length",
+    "N m/m": "a torque per length",
+    "kg/m": "a mass per length",
+    "kg m": "a moment of inertia per length",
+    "N m/rad": "an angular stiffness",
+    "N s/m": "a damping",
+    "N m s/rad": "an angular damping",
+    "N/rad": "a force for a turn",
+    "N s": "a torque for a velocity",
+    "N s/rad": "a force for an angular velocity",
+}
+
+COMMON = ("mm", "cm", "m", "g", "kg", "t", "ms", "s", "min", "h", "day", "year", "rad", "deg",
+          "rpm", "Hz", "kHz", "N", "kN", "MN", "Nm", "kNm", "Nmm", "Pa", "kPa", "MPa", "GPa",
+          "bar", "psi", "ksi", "in", "ft", "lb", "lbf", "J", "percent", "g0", "kg/m3", "g/cm3",
+          "m/s", "m/s2", "rad/s", "deg/s", "kg m2", "mm4")  # fmt: skip
+
+NUMBER = re.compile(r"\s*([-+]?(?:\d[\d_]*\.?[\d_]*|\.\d[\d_]*)(?:[eE][-+]?\d+)?)\s*(.*)", re.S)
+# units of most files need no parser, whose import and vocabulary take their time
+USUAL = {
+    (text, unit): Decimal(factor)
+    for text, unit, factor in (
+        *(("m", "m", "1"), ("cm", "m", "0.01"), ("mm", "m", "0.001")),
+        *(("s", "s", "1"), ("ms", "s", "0.001"), ("g", "kg", "0.001"), ("kg", "kg", "1")),
+        *(("Pa", "Pa", "1"), ("MPa", "Pa", "1e6"), ("GPa", "Pa", "1e9")),
+        *(("N", "N", "1"), ("kN", "N", "1e3"), ("N m", "N m", "1"), ("kg/m3", "kg/m3", "1")),
+    )
+}
+TOO_LARGE = "is too large, must be below 1e308"
+SUPERSCRIPTS = str.maketrans("⁻¹²³⁴", "-1234")
+
+
+class UnitError(ValueError):
+    """A string that is not a number with a unit of the right dimension."""
+
+
+@functools.cache
+def registry() -> pint.UnitRegistry[Decimal]:
+    """Return the registry of the closed vocabulary, made at the first use."""
+    import pint
+
+    made: pint.UnitRegistry[Decimal] = pint.UnitRegistry(None, non_int_type=Decimal)
+    made.load_definitions([line for line in DEFINITIONS.splitlines() if line])
+    return made
+
+
+@functools.cache
+def parse_unit(text: str) -> Any:
+    """Return the pint unit of a text such as ``g/cm3``, ``kg m^2``, ``°`` or ``%``.
+
+    Raises
+    ------
+    UnitError
+        If it is not made of known units.
+    """
+    import pint
+
+    plain = text.replace("%", "percent").replace("°", "deg").replace("µ", "u").replace("μ", "u")
+    plain = re.sub("[·⋅×]", "*", plain).replace("^", "**")
+    # cm3, cm³ and s-1 are powers; g0 is none
+    plain = re.sub(r"([A-Za-z])([-⁻]?[¹²³⁴]|-?[1-9])", _power, plain)
+    if plain.startswith("/"):
+        plain = "1" + plain
+    try:
+        return registry().parse_units("" if plain == "1" else plain)
+    except pint.errors.UndefinedUnitError as error:
+        names: Any = error.unit_names
+        bad = names if isinstance(names, str) else next(iter(names))
+        raise UnitError(f"no unit {bad!r}{suggest(bad, COMMON)}") from None
+    except Exception:
+        # the parser of the library fails in many ways on what is no unit at all
+        raise UnitError(f"{text!r} is not a unit; a unit looks like mm, N m or kg/m3") from None
+
+
+def _power(match: re.Match[str]) -> str:
+    return f"{match.group(1)}**{match.group(2).translate(SUPERSCRIPTS)}"
+
+
+def quantity(value: Any, unit: str) -> float:
+    """Return a number, or a string with or without a unit, as a finite float in SI.
+
+    Parameters
+    ----------
+    value : int, float or str
+        Numbers and strings without a unit are in `unit`.
+    unit : str
+        SI unit of the field, a key of `KINDS`.
+
+    Raises
+    ------
+    UnitError
+        If it is no number, not finite, or of another dimension.
+
+    Examples
+    --------
+    >>> quantity("7.85 g/cm3", "kg/m3"), quantity("60 rpm", "Hz"), quantity(0.5, "m")
+    (7850.0, 1.0, 0.5)
+    """
+    kind = KINDS[unit]
+    example = "" if unit == "1" else f" such as 3 or '3 {unit}'"
+    if isinstance(value, str):
+        match = NUMBER.match(value.strip())
+        if match is None and value.strip().lower().lstrip("+-.") in ("nan", "inf", "infinity"):
+            raise UnitError(f"is {value}, must be finite")
+        if match is None:
+            raise UnitError(f"expects {kind}{example}, got {value!r}")
+        digits, unit_text = match.groups()
+        if unit_text:
+            return _convert(value.strip(), digits, unit_text, unit)
+        value = float(digits)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise UnitError(f"expects {kind}{example}, got {describe(value)}")
+    try:
+        number = float(value)
+    except OverflowError:
+        raise UnitError(TOO_LARGE) from None
+    if not math.isfinite(number):
+        raise UnitError(f"is {number}, must be finite")
+    return number
+
+
+def _convert(text: str, number: str, unit_text: str, unit: str) -> float:
+    usual = USUAL.get((unit_text, unit))
+    if usual is not None:
+        return _checked(number, lambda x: x * usual)
+    source, target = parse_unit(unit_text), parse_unit(unit)
+    if source.dimensionality != target.dimensionality:
+        found = next(
+            (k for u, k in KINDS.items() if parse_unit(u).dimensionality == source.dimensionality),
+            None,
+        )
+        if found == "a number":
+            found = "no unit at all"
+        got = f"got {text}" + (f" ({found})" if found else "")
+        raise UnitError(f"expects {KINDS[unit]}{'' if unit == '1' else f' ({unit})'}, {got}")
+    return _checked(number, lambda x: registry().convert(x, source, target))
+
+
+def _checked(number: str, convert: Callable[[Decimal], Any]) -> float:
+    """Return a converted number as a finite float."""
+    try:
+        found = float(convert(Decimal(number.replace("_", ""))))
+    except ArithmeticError:
+        raise UnitError(TOO_LARGE) from None
+    if not math.isfinite(found):
+        raise UnitError(f"is {found}, must be finite")
+    return found
+
+
+def describe(value: Any) -> str:
+    """Return what a value from a file is, in the words of a user."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list):
+        return f"a list of {len(value)}"
+    return repr(value)

@@ -1,0 +1,119 @@
+"""The application: its commands, each imported and prepared when it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from importlib import import_module
+from typing import Annotated, Any, TypeVar
+
+import typer
+from typer.core import TyperGroup
+
+from jousto.cli.terminal import log_to_screen, say
+
+Function = TypeVar("Function", bound=Callable[..., None])
+
+PLACES = {
+    "advise": "certificates",
+    "reduce": "parts",
+    "export": "parts",
+    "check": "check",
+    "run": "commands",
+    "info": "commands",
+    "plot": "commands",
+    "animate": "commands",
+    "schema": "commands",
+    "hotspots": "hotspots",
+    "fatigue": "fatigue",
+    "forces": "forces",
+    "friction": "friction",
+    "gauges": "gauges",
+    "mesh": "meshes",
+    "monitor": "monitor",
+    "multiaxial": "multiaxial",
+    "strain-life": "multiaxial",
+    "hertz": "multiaxial",
+    "peaks": "peaks",
+    "path": "statics",
+    "buckle": "statics",
+    "stress": "stress",
+    "equilibrium": "studies",
+    "modes": "studies",
+    "linearise": "studies",
+    "kinematics": "studies",
+}
+"""Commands in the order of the help, with the modules of this folder that offer them."""
+
+OFFERED: dict[str, typer.Typer] = {}  # by modules that are imported
+SETTINGS = {"help_option_names": ["-h", "--help"]}
+
+
+def offer(name: str = "") -> Callable[[Function], Function]:
+    """Make a function a command, of its own name if none is given; to be listed in `PLACES`."""
+
+    def add(function: Function) -> Function:
+        known = name or function.__name__
+        one = typer.Typer(
+            add_completion=False, pretty_exceptions_enable=False, context_settings=SETTINGS
+        )
+        OFFERED[known] = one
+        return one.command(known)(function)
+
+    return add
+
+
+class _Prepared(Mapping[str, Any]):
+    """The commands by name."""
+
+    def __getitem__(self, name: str) -> Any:
+        import_module(f"jousto.cli.{PLACES[name]}")
+        return typer.main.get_command(OFFERED[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(PLACES)
+
+    def __len__(self) -> int:
+        return len(PLACES)
+
+
+class Commands(TyperGroup):
+    """A group that prepares a command when it is asked for, not all of them at every start."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.commands: Any = _Prepared()
+
+
+app = typer.Typer(
+    cls=Commands,
+    name="jousto",
+    help="Simulate mechanisms with flexible bodies.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings=SETTINGS,
+)
+
+
+def _version(value: bool) -> None:
+    if value:
+        from jousto import __version__
+
+        say(f"jousto {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
+    verbose: Annotated[
+        int,
+        typer.Option(
+            "--verbose", "-v", count=True, help="Say what is done and chosen; twice for details."
+        ),
+    ] = 0,
+) -> None:
+    """Simulate mechanisms with flexible bodies."""
+    log_to_screen(verbose)

@@ -1,0 +1,1 @@
+"""Fatigue: cycles, damage and life of stress histories."""

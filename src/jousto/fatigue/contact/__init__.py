@@ -1,0 +1,1 @@
+"""Contact fatigue of rolling bodies."""

@@ -1,0 +1,488 @@
+"""Hertzian contact of lines and points: pressure, stress below the surface, rolling."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems, warn
+from jousto.materials.material import Material
+
+Array = NDArray[np.float64]
+SHALLOW = 0.04
+"""Least depth of the stress of a point contact, short half axes."""
+
+
+@dataclass(frozen=True)
+class HertzContact:
+    """Pressure between two elastic bodies; x runs along the rolling direction, z into the body.
+
+    Attributes
+    ----------
+    kind : str
+        ``"line"`` or ``"point"``.
+    force : float
+        Normal force, N.
+    p0 : float
+        Largest pressure, Pa.
+    a : float
+        Half width of the contact along x, m.
+    b : float
+        Half width along y of a point contact, m; half the length of a line contact.
+    approach : float
+        How far distant points of the bodies approach, m; nan for a line, where it depends on the
+        bodies.
+    nu : float
+        Poisson's ratio of the body whose stress is asked for.
+
+    Notes
+    -----
+    K. L. Johnson, *Contact Mechanics*, Cambridge 1985, chapter 4.
+    """
+
+    kind: str
+    force: float
+    p0: float
+    a: float
+    b: float
+    approach: float
+    nu: float
+
+    def __str__(self) -> str:
+        size = (
+            f"a = {1e3 * self.a:.4g} mm, length {2e3 * self.b:.4g} mm"
+            if self.kind == "line"
+            else f"a = {1e3 * self.a:.4g} mm, b = {1e3 * self.b:.4g} mm"
+        )
+        return f"{self.kind} contact, {self.force:g} N: p0 = {1e-6 * self.p0:.4g} MPa, {size}"
+
+    def stress(self, x: ArrayLike, z: ArrayLike, *, friction: float = 0.0) -> Array:
+        """Return the stress (..., 6) in Pa at places below the surface, in the plane y = 0.
+
+        Parameters
+        ----------
+        x, z : array_like
+            Along the rolling direction and depth below the surface, m; broadcast together.
+        friction : float
+            Tangential over normal traction everywhere in the contact (full sliding), along +x.
+
+        Returns
+        -------
+        array (..., 6)
+            ``[s11 s22 s33 s12 s23 s13]`` with 1 = x, 2 = y, 3 = z.
+
+        Raises
+        ------
+        InputError
+            A depth that is negative, or for a point contact not below the surface.
+        """
+        X, Z = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(z, dtype=float))
+        if Z.size and not (np.all(np.isfinite(X)) and np.all(np.isfinite(Z)) and Z.min() >= 0.0):
+            raise InputError(Problem("contact", "depths z must be finite and not negative"))
+        if self.kind == "line":
+            return _line_stress(X, Z, self.a, self.p0, self.nu, friction)
+        return _point_stress(X, Z, self, friction)
+
+    def largest_shear(self) -> tuple[float, float]:
+        """Return the largest shear stress below the centre, Pa, and its depth, m."""
+        from scipy.optimize import minimize_scalar
+
+        def shear(u: float) -> float:
+            s = self._axis(math.exp(u))
+            return -0.5 * (max(s) - min(s))
+
+        top = self.a if self.kind == "line" else max(self.a, self.b)
+        low = self.a if self.kind == "line" else min(self.a, self.b)
+        grid = np.log(np.geomspace(0.1 * low, 2.0 * top, 40))
+        best = int(np.argmin([shear(u) for u in grid]))
+        around = (grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)])
+        found = minimize_scalar(shear, bounds=around, method="bounded", options={"xatol": 1e-7})
+        return -float(found.fun), math.exp(float(found.x))
+
+    def _axis(self, z: float) -> tuple[float, float, float]:
+        """Principal stresses on the axis below the centre."""
+        if self.kind == "line":
+            s = _line_stress(np.zeros(1), np.full(1, z), self.a, self.p0, self.nu, 0.0)[0]
+        else:
+            s = _point_stress(np.zeros(1), np.full(1, z), self, 0.0)[0]
+        return float(s[0]), float(s[1]), float(s[2])
+
+
+def _combined(materials: tuple[Material, Material]) -> float:
+    """1/E* = sum (1 - nu^2)/E."""
+    return 1.0 / sum((1.0 - m.nu**2) / m.E for m in materials)
+
+
+def _two(material: Material | tuple[Material, Material]) -> tuple[Material, Material]:
+    return (material, material) if isinstance(material, Material) else material
+
+
+def _checks(force: float, radii: dict[str, float]) -> None:
+    problems = Problems()
+    problems.positive("contact", "force", force, "N")
+    for name, R in radii.items():
+        if R == 0.0 or math.isnan(R):
+            problems.add("contact", f"{name} is {R} m, must be a radius (inf for flat)")
+        elif abs(R) > 1e3 and not math.isinf(R):
+            warn("contact", f"{name} = {R:g} m; was it given in mm?")
+    problems.raise_if_any()
+
+
+@explained
+def hertz_line(
+    force: float,
+    *,
+    length: float,
+    radius: float,
+    other: float = math.inf,
+    material: Material | tuple[Material, Material],
+) -> HertzContact:
+    """Return the contact of two parallel cylinders, such as a cylindrical wheel on a flat rail.
+
+    ``p0 = sqrt(F E* / (pi L R))``, ``a = sqrt(4 F R / (pi L E*))`` with ``1/R = 1/R1 + 1/R2`` and
+    ``1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2``.
+
+    Parameters
+    ----------
+    force : float
+        Normal force over the whole length, N.
+    length : float
+        Length of the line, m.
+    radius, other : float
+        Radii of both cylinders, m; inf is flat, negative a hollow that holds the other.
+    material : Material or two of them
+        Of both bodies.
+
+    Raises
+    ------
+    InputError
+        Force, length or radii that make no contact.
+
+    Examples
+    --------
+    >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> c = hertz_line(10e3, length=0.03, radius=0.1, material=steel)
+    >>> print(c)
+    line contact, 10000 N: p0 = 349.9 MPa, a = 0.6065 mm, length 30 mm
+    """
+    _checks(force, {"radius": radius, "other": other})
+    problems = Problems()
+    problems.positive("contact", "length", length, "m")
+    curvature = 1.0 / radius + 1.0 / other
+    if curvature <= 0.0:
+        problems.add("contact", f"radii {radius:g} and {other:g} m touch along no line")
+    problems.raise_if_any()
+    both = _two(material)
+    E, R = _combined(both), 1.0 / curvature
+    p0 = math.sqrt(force * E / (math.pi * length * R))
+    a = math.sqrt(4.0 * force * R / (math.pi * length * E))
+    _within(p0, both)
+    return HertzContact("line", force, p0, a, 0.5 * length, math.nan, both[0].nu)
+
+
+@explained
+def hertz_point(
+    force: float,
+    *,
+    radii: tuple[float, float],
+    other: tuple[float, float] = (math.inf, math.inf),
+    material: Material | tuple[Material, Material],
+) -> HertzContact:
+    """Return the elliptic contact of two bodies that are curved both ways.
+
+    The principal directions of both bodies are x (rolling) and y: a wheel of tread radius r on a
+    rail of head radius h is ``radii=(R, inf or r), other=(inf, h)``. Axes of the ellipse from
+    complete elliptic integrals (Johnson 1985, section 4.2), ``p0 = 3 F / (2 pi a b)``.
+
+    Parameters
+    ----------
+    force : float
+        Normal force, N.
+    radii, other : (x, y)
+        Radii of curvature of both bodies in the planes xz and yz, m; inf is flat, negative hollow.
+    material : Material or two of them
+        Of both bodies.
+
+    Raises
+    ------
+    InputError
+        Radii that do not meet in a point.
+
+    Examples
+    --------
+    >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> ball = hertz_point(100.0, radii=(0.01, 0.01), material=steel)
+    >>> tau, z = ball.largest_shear()
+    >>> round(tau / ball.p0, 3), round(z / ball.a, 3)
+    (0.31, 0.481)
+    """
+    names = {"radii[0]": radii[0], "radii[1]": radii[1]}
+    _checks(force, {**names, "other[0]": other[0], "other[1]": other[1]})
+    A = 0.5 * (1.0 / radii[0] + 1.0 / other[0])
+    B = 0.5 * (1.0 / radii[1] + 1.0 / other[1])
+    if A <= 0.0 or B <= 0.0:
+        raise InputError(
+            Problem(
+                "contact",
+                f"relative curvatures {2 * A:g} and {2 * B:g} 1/m must be positive; bodies that "
+                "are flat in one direction touch along a line: hertz_line",
+            )
+        )
+    both = _two(material)
+    E = _combined(both)
+    # long and short half axis: the long one lies where the gap opens slowly
+    ratio = max(A, B) / min(A, B)
+    k = _axis_ratio(ratio)  # short over long
+    K, L = _elliptic(k)
+    # Johnson 4.26: c^3 = (a b)^(3/2) = 3 F R_e / (4 E) F1^3 written out with the integrals
+    m = 1.0 - k * k
+    D = (K - L) / m if m > 1e-9 else math.pi / 4.0
+    long = (3.0 * force * D / (2.0 * math.pi * E * min(A, B))) ** (1.0 / 3.0)
+    short = k * long
+    a, b = (short, long) if A >= B else (long, short)
+    p0 = 3.0 * force / (2.0 * math.pi * a * b)
+    approach = 3.0 * force * K / (2.0 * math.pi * E * long)
+    _within(p0, both)
+    return HertzContact("point", force, p0, a, b, approach, both[0].nu)
+
+
+def _elliptic(k: float) -> tuple[float, float]:
+    """Complete elliptic integrals K and E of the modulus sqrt(1 - k^2)."""
+    from scipy.special import ellipe, ellipk
+
+    return float(ellipk(1.0 - k * k)), float(ellipe(1.0 - k * k))
+
+
+def _axis_ratio(ratio: float) -> float:
+    """Return k = short/long with ``(E/k^2 - K) / (K - E) = ratio`` (Johnson 1985, eq. 4.29)."""
+    from scipy.optimize import brentq
+
+    if ratio - 1.0 < 1e-9:
+        return 1.0
+
+    def gap(u: float) -> float:
+        k = math.exp(u)
+        K, L = _elliptic(k)
+        return math.log((L / (k * k) - K) / (K - L)) - math.log(ratio)
+
+    return math.exp(float(brentq(gap, -0.9 * math.log(ratio) - 5.0, -1e-9, xtol=1e-15, rtol=1e-14)))
+
+
+def _within(p0: float, materials: tuple[Material, Material]) -> None:
+    stiff = min(m.E for m in materials)
+    if p0 > 0.05 * stiff:
+        warn(
+            "contact",
+            f"p0 = {1e-6 * p0:.4g} MPa is {p0 / stiff:.2g} of Young's modulus; "
+            "Hertz's theory is for small elastic contacts",
+        )
+
+
+def _line_stress(x: Array, z: Array, a: float, p0: float, nu: float, mu: float) -> Array:
+    """Flamant's solution integrated over ``p0 sqrt(1 - s^2/a^2)`` and mu times it.
+
+    With ``F(w) = int p(s)/(w - s) ds = (pi p0/a) (w - sqrt(w^2 - a^2))``, ``w = x + i z``, all
+    integrals of Johnson 1985, eq. 2.23, are real and imaginary parts of F and z F'.
+    """
+    w = x + 1j * z
+    root = np.sqrt(w - a) * np.sqrt(w + a)
+    F = math.pi * p0 / a * (w - root)
+    # z F' vanishes at the surface
+    zF = math.pi * p0 / a * z * (1.0 - w / np.where(root == 0.0, 1.0, root))
+    zF = np.where(z > 0.0, zF, 0.0)
+    sx = (F.imag + zF.real) / math.pi
+    sz = (F.imag - zF.real) / math.pi
+    txz = -zF.imag / math.pi
+    if mu:
+        sx, sz, txz = (
+            sx - 2.0 * mu / math.pi * (F.real - 0.5 * zF.imag),
+            sz + mu * txz,
+            txz + mu * sx,
+        )
+    s = np.zeros((*x.shape, 6))
+    s[..., 0], s[..., 1], s[..., 2], s[..., 5] = sx, nu * (sx + sz), sz, txz
+    return s
+
+
+def _point_stress(x: Array, z: Array, c: HertzContact, mu: float) -> Array:
+    """Superpose the point loads of Boussinesq and Cerruti over the contact ellipse, y = 0."""
+    out = np.zeros((*x.shape, 6))
+    if not x.size:
+        return out
+    short = min(c.a, c.b)
+    if z.min() < SHALLOW * short:
+        raise InputError(
+            Problem(
+                "contact",
+                f"depth {z.min():g} m of a point contact is above {SHALLOW:g} of its short half "
+                f"axis, {short:g} m; the stress is integrated numerically and needs more depth",
+            )
+        )
+    flat, X, Z = out.reshape(-1, 6), x.ravel(), z.ravel()
+    for depth in np.unique(Z):
+        rows = np.flatnonzero(Z == depth)
+        points = _ellipse_rule(c, float(depth))
+        # some places at a time, so that the distances fit into the cache
+        step = max(1, 40_000 // len(points[0]))
+        for i in range(0, len(rows), step):
+            chosen = rows[i : i + step]
+            flat[chosen] = _superpose(X[chosen, None], float(depth), points, c.nu, mu)
+    out /= 2.0 * math.pi
+    return out
+
+
+def _ellipse_rule(c: HertzContact, z: float) -> tuple[Array, Array, Array]:
+    """Return points (x, y) of half the ellipse, y > 0, and twice the forces on them."""
+    fine = int(np.clip(8.0 * max(c.a, c.b) / z, 24, 400))
+    # p = p0 cos(f) at the radius sin(f) of the ellipse: a smooth integrand
+    u, weight = np.polynomial.legendre.leggauss(fine)
+    f = 0.25 * math.pi * (u + 1.0)
+    load = 0.25 * math.pi * weight * c.p0 * np.cos(f) ** 2 * np.sin(f) * c.a * c.b
+    theta = (np.arange(2 * fine) + 0.5) * math.pi / (2 * fine)
+    S = (c.a * np.sin(f)[:, None] * np.cos(theta)).ravel()
+    T = (c.b * np.sin(f)[:, None] * np.sin(theta)).ravel()
+    return S, T, np.repeat(load * math.pi / fine, 2 * fine)
+
+
+def _superpose(
+    x: Array, z: float, points: tuple[Array, Array, Array], nu: float, mu: float
+) -> Array:
+    """Stress (k, 6) at places x (k, 1) of the depth z, times 2 pi."""
+    S, T, P = points
+    g = 1.0 - 2.0 * nu
+    d, y2 = x - S, T * T
+    d2 = d * d
+    rho2 = d2 + (y2 + z * z)
+    rho = np.sqrt(rho2)
+    h2 = (rho + z) ** 2
+    r3 = rho2 * rho
+    r5 = r3 * rho2
+    even = g * (2.0 * rho + z) / (r3 * h2) - 3.0 * z / r5
+    rest = g * (z / r3 - 1.0 / (rho * (rho + z)))
+    out = np.zeros((len(x), 6))
+    out[:, 0] = (d2 * even + rest) @ P
+    out[:, 1] = (y2 * even + rest) @ P
+    out[:, 2] = -3.0 * z**3 * ((1.0 / r5) @ P)
+    out[:, 5] = -3.0 * z * z * ((d / r5) @ P)
+    if mu:
+        odd = g * (1.0 / (r3 * h2) + 2.0 / (rho2 * h2 * (rho + z))) - 3.0 / r5
+        flat = g / (rho * h2)
+        q = g / r3
+        out[:, 0] += mu * ((d * (q - 3.0 * flat + d2 * odd)) @ P)
+        out[:, 1] += mu * ((d * (q - flat + y2 * odd)) @ P)
+        out[:, 2] += -3.0 * z * z * mu * ((d / r5) @ P)
+        out[:, 5] += -3.0 * z * mu * ((d2 / r5) @ P)
+    return out
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class RollingContact:
+    """Stress history of the material below a rolling contact.
+
+    Attributes
+    ----------
+    contact : HertzContact
+    x : (nt,) array
+        Position of the point relative to the contact, m; one pass from the right to the left.
+    depth : (nd,) array
+        Depth below the surface, m.
+    stress : (nd, nt, 6) array
+        ``[s11 s22 s33 s12 s23 s13]``, 1 = rolling direction, 2 = across, 3 = into the body, Pa.
+    friction : float
+    """
+
+    contact: HertzContact
+    x: Array
+    depth: Array
+    stress: Array
+    friction: float
+
+
+@explained
+def rolling_contact(
+    contact: HertzContact,
+    depths: ArrayLike | None = None,
+    *,
+    friction: float = 0.0,
+    reach: float = 5.0,
+    samples: int = 201,
+) -> RollingContact:
+    """Return the stress at some depths while the contact rolls over it once.
+
+    Parameters
+    ----------
+    contact : HertzContact
+        From `hertz_line` or `hertz_point`.
+    depths : (nd,) array_like, optional
+        m; None takes 24 depths from 0.1 to 2.4 times the half width in the rolling direction
+        (of the shorter axis, for a point contact).
+    friction : float
+        Tangential over normal traction; full sliding, the safe side of partial slip.
+    reach : float
+        How far the contact is followed to both sides, half widths.
+    samples : int
+        Positions.
+
+    Raises
+    ------
+    InputError
+        Depths that are not below the surface, or settings out of range.
+    """
+    problems = Problems()
+    problems.number("rolling contact", "friction", friction, "", "in [0, 2]", lambda f: 0 <= f <= 2)
+    problems.number("rolling contact", "reach", reach, "", "above 1", lambda r: r > 1.0)
+    if samples < 11:
+        problems.add("rolling contact", f"samples is {samples!r}, must be 11 or more")
+    problems.raise_if_any()
+    size = contact.a if contact.kind == "line" else min(contact.a, contact.b)
+    z = size * np.linspace(0.1, 2.4, 24) if depths is None else np.atleast_1d(np.asarray(depths))
+    x = np.linspace(reach, -reach, samples) * contact.a
+    return RollingContact(
+        contact, x, z, contact.stress(x[None, :], z[:, None], friction=friction), friction
+    )
+
+
+def shakedown_limit(friction: float = 0.0) -> float:
+    """Return the largest p0/k at which a rolling line contact shakes down, k = yield in shear.
+
+    Residual stresses may take over every component but the orthogonal shear s13, which no
+    equilibrated residual stress of the half-plane can hold (Johnson 1985, section 9.2): the limit
+    is the pressure at which the largest s13 reaches k. 4.00 without friction; 1/friction where the
+    surface decides.
+
+    Parameters
+    ----------
+    friction : float
+        Tangential over normal traction, full sliding.
+
+    Examples
+    --------
+    >>> round(shakedown_limit(), 3), round(shakedown_limit(0.5), 3)
+    (4.0, 2.0)
+    """
+    from scipy.optimize import minimize
+
+    problems = Problems()
+    problems.number("shakedown", "friction", friction, "", "in [0, 2]", lambda f: 0 <= f <= 2)
+    problems.raise_if_any()
+
+    def shear(u: Array) -> float:
+        s = _line_stress(u[:1], np.abs(u[1:]), 1.0, 1.0, 0.3, friction)
+        return -abs(float(s[0, 5]))
+
+    x, z = np.meshgrid(np.linspace(-2.0, 2.0, 161), np.linspace(0.0, 2.0, 81))
+    s = np.abs(_line_stress(x, z, 1.0, 1.0, 0.3, friction)[..., 5])
+    best = np.unravel_index(int(np.argmax(s)), s.shape)
+    largest = float(s[best])
+    if z[best] > 0.0:
+        found = minimize(
+            shear, [x[best], z[best]], method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-12}
+        )
+        largest = max(largest, -float(found.fun))
+    return 1.0 / max(largest, friction)

@@ -1,0 +1,183 @@
+"""Life of the material below a rolling contact, under forces that differ from pass to pass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import Problems, warn
+from jousto.fatigue.contact.contact import SHALLOW, HertzContact, rolling_contact
+from jousto.fatigue.multiaxial.planes import DangVan, Findley, critical_plane
+
+Array = NDArray[np.float64]
+BELOW = np.concatenate([np.linspace(0.08, 1.2, 15), np.linspace(1.4, 4.0, 6)])
+LINE_DEPTHS = np.concatenate([[0.0, 0.0025, 0.005, 0.01, 0.02, 0.04, 0.06], BELOW])
+POINT_DEPTHS = np.concatenate([[SHALLOW], BELOW])
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class RollingLife:
+    """Damage below a rolling contact.
+
+    Attributes
+    ----------
+    depth : (nd,) array
+        m.
+    damage : (nd,) array
+        Miner's sum of all the passes; zero where Dang Van's limit alone was asked for.
+    utilisation : (nd,) array
+        Largest value of the criterion over the passes, over its limit: Dang Van's b, or the S-N
+        curve's amplitude at its knee for Findley.
+    passes : float
+        How many passes the forces describe.
+    """
+
+    depth: Array
+    damage: Array
+    utilisation: Array
+    passes: float
+
+    @property
+    def worst(self) -> float:
+        """Depth of the largest damage (of the largest utilisation if there is none), m."""
+        by = self.damage if self.damage.max() > 0.0 else self.utilisation
+        return float(self.depth[int(np.argmax(by))])
+
+    @property
+    def life(self) -> float:
+        """Passes until the first crack; inf if nothing does damage."""
+        top = float(self.damage.max())
+        return np.inf if top == 0.0 else self.passes / top
+
+    @property
+    def safety(self) -> float:
+        """Factor on the stress that the limit still allows."""
+        return float(1.0 / self.utilisation.max())
+
+    def __str__(self) -> str:
+        return (
+            f"rolling contact: {self.passes:g} passes, worst {1e3 * self.worst:.3g} mm deep, "
+            f"damage {self.damage.max():.4g}, life {self.life:.4g} passes, "
+            f"stress at {100 * self.utilisation.max():.3g} % of the limit"
+        )
+
+
+@lru_cache(maxsize=16)
+def _relative(
+    unit: HertzContact, friction: float, criterion: Findley | DangVan
+) -> tuple[float, ...]:
+    """Return the criterion at the relative depths of a contact of unit size and pressure."""
+    depths = LINE_DEPTHS if unit.kind == "line" else POINT_DEPTHS
+    roll = rolling_contact(unit, depths, friction=friction, samples=101)
+    return tuple(critical_plane(s, criterion).value for s in roll.stress)
+
+
+@explained
+def rolling_life(
+    contact: HertzContact,
+    forces: ArrayLike,
+    criterion: Findley | DangVan,
+    curve: Any = None,
+    *,
+    counts: ArrayLike | None = None,
+    friction: float = 0.0,
+    depths: ArrayLike | None = None,
+) -> RollingLife:
+    """Return damage and life of the material that a contact rolls over again and again.
+
+    Every pass is one cycle. Contacts of one pair of bodies are similar: with the force F the
+    pressure and the size grow like ``F^(1/2)`` (line) or ``F^(1/3)`` (point), so that the criterion
+    is worked out once for relative depths and then scaled to every force.
+
+    Parameters
+    ----------
+    contact : HertzContact
+        Of any force.
+    forces : (k,) array_like
+        Normal force of each pass, N; or of classes of passes with `counts`.
+    criterion : Findley or DangVan
+    curve : SN, optional
+        S-N curve of alternating tension, for Findley.
+    counts : (k,) array_like, optional
+        How many passes have each force; 1 if not given.
+    friction : float
+        Tangential over normal traction.
+    depths : (nd,) array_like, optional
+        m; None takes depths that suit the largest force: of a line from the surface, which decides
+        under friction, of a point from 0.04 of its short half axis, where its stress begins to be
+        known.
+
+    Warns
+    -----
+    JoustoWarning
+        If the worst of several depths is the shallowest one and the material above it is worse, or
+        not known.
+
+    Raises
+    ------
+    InputError
+        Forces that are not positive, counts that do not fit, or a missing S-N curve.
+    """
+    problems = Problems()
+    F = problems.array("rolling life", "forces", forces, (None,))
+    n = None if F is None else len(F)
+    c = problems.array(
+        "rolling life", "counts", np.ones(n or 0) if counts is None else counts, (n,)
+    )
+    if F is not None and (not len(F) or F.min() < 0.0 or F.max() <= 0.0):
+        problems.add("rolling life", "forces must be positive, and at least one")
+    if c is not None and len(c) and c.min() < 0.0:
+        problems.add("rolling life", "counts must not be negative")
+    if isinstance(criterion, Findley) and curve is None:
+        problems.add("rolling life", "Findley needs an S-N curve, which holds the limit")
+    problems.raise_if_any()
+    assert F is not None and c is not None
+
+    # one contact of unit pressure and size
+    size = contact.a if contact.kind == "line" else min(contact.a, contact.b)
+    along = round(contact.a / size, 9)
+    across = round(contact.b / size, 9) if contact.kind == "point" else 1.0
+    unit = replace(contact, p0=1.0, a=along, b=across, force=1.0, approach=0.0)
+    value = np.array(_relative(unit, friction, criterion))
+    if isinstance(criterion, Findley):
+        value = criterion.equivalent(value)
+        limit = float(np.ravel(curve.S_D)[0])
+    else:
+        limit = criterion.b
+
+    power = 0.5 if contact.kind == "line" else 1.0 / 3.0
+    scale = (F / contact.force) ** power
+    grid = LINE_DEPTHS if contact.kind == "line" else POINT_DEPTHS
+    z = size * scale.max() * grid if depths is None else np.atleast_1d(np.asarray(depths))
+    used = scale > 0.0
+    with np.errstate(divide="ignore"):
+        relative = np.asarray(z)[:, None] / (size * scale[None, used])
+    # above the first depth of a point as there; below the last it fades as 1/z
+    each = np.interp(relative, grid, value)
+    far = relative > grid[-1]
+    each = np.where(far, value[-1] * grid[-1] / np.maximum(relative, 1e-300), each)
+    stress = each * contact.p0 * scale[None, used]
+    damage = np.zeros(len(z))
+    if isinstance(criterion, Findley):
+        damage = np.array([float(curve.damage(row, c[used])) for row in stress])
+    life = RollingLife(np.asarray(z), damage, stress.max(axis=1) / limit, float(c.sum()))
+    # of a point nothing above its first depth is known; of a line everything
+    least = max(float(life.depth.min()), size * scale.max() * grid[0])
+    if len(z) > 1 and 0.0 < life.worst <= least:
+        at = life.worst / (size * scale.max())
+        above = value[grid <= at].max(initial=0.0)
+        if contact.kind == "point" and at <= grid[0]:
+            remedy = "the stress of a point contact is not worked out nearer to the surface"
+        elif above > 1.05 * np.interp(at, grid, value):
+            remedy = "above it is worse; ask for depths nearer to the surface"
+        else:
+            return life
+        warn("rolling life", f"worst at the shallowest depth, {1e3 * life.worst:.3g} mm: {remedy}")
+    return life

@@ -1,0 +1,1 @@
+"""Counting cycles: rainflow and duties."""

@@ -1,0 +1,1 @@
+"""Strain life: local plasticity at notches."""

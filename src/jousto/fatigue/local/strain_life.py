@@ -1,0 +1,481 @@
+"""Local stress and strain at a notch from linear elastic stress, and the life they leave.
+
+The stress of a modal body is linear elastic. Where it exceeds the cyclic yield stress the true one
+is lower and the strain higher: Neuber's rule ``s e = S^2/E`` or Glinka's equal strain energy give
+both. Hysteresis branches are the cyclic curve doubled (Masing), and a branch that closes a loop
+goes on along the curve it left (material memory), so that every loop gets its own mean stress.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems, suggest, warn
+from jousto.base.ranking import ranking
+from jousto.materials.strength.strain_life import FORMS, Form, StrainLife
+
+Array = NDArray[np.float64]
+Rule = Literal["neuber", "glinka", "elastic"]
+RULES = ("neuber", "glinka", "elastic")
+Residue = Literal["half", "repeat", "ignore"]
+RESIDUES = ("half", "repeat", "ignore")
+
+
+@explained
+def neuber(stress: ArrayLike, material: StrainLife) -> tuple[Array, Array]:
+    """Return local stress (Pa) and strain (m/m) of a linear elastic stress by Neuber's rule.
+
+    ``s e = S^2 / E`` on the cyclic curve; amplitudes or, from a virgin state, values.
+
+    Parameters
+    ----------
+    stress : array_like
+        Linear elastic stress at the notch S (nominal stress times K_t), Pa.
+    material : StrainLife
+
+    Examples
+    --------
+    >>> import jousto as jo
+    >>> s, e = neuber(600e6, jo.strain_life("sae-1045"))
+    >>> bool(abs(s * e - 600e6**2 / 202e9) < 1e-6 * s * e)
+    True
+    """
+    return _notch(stress, material, 1.0)
+
+
+@explained
+def glinka(stress: ArrayLike, material: StrainLife) -> tuple[Array, Array]:
+    """Return local stress (Pa) and strain (m/m) by Glinka's equivalent strain energy density.
+
+    ``s^2/2E + s/(n'+1) (s/K')^(1/n') = S^2/2E`` (Molski and Glinka, *Mater. Sci. Eng.* 50 (1981)
+    93-100).
+
+    Parameters
+    ----------
+    stress : array_like
+        Linear elastic stress at the notch, Pa.
+    material : StrainLife
+    """
+    return _notch(stress, material, 2.0 / (1.0 + material.hardening[1]))
+
+
+def _notch(stress: ArrayLike, material: StrainLife, share: float) -> tuple[Array, Array]:
+    """Solve ``s^2/E + share s (s/K')^(1/n') = S^2/E`` by Newton from above."""
+    S = np.asarray(stress, dtype=np.float64)
+    if not np.all(np.isfinite(S)):
+        raise InputError(Problem("notch", "the elastic stress has values that are not finite"))
+    K, n = material.hardening
+    E, size = material.E, np.abs(S)
+    energy = size * size / E
+    # both terms alone are bounds from above; the left side is convex
+    s = np.minimum(size, (energy / share * K ** (1.0 / n)) ** (n / (1.0 + n)))
+    for _ in range(60):
+        plastic = share * s * (s / K) ** (1.0 / n)
+        slope = 2.0 * s / E + (1.0 + 1.0 / n) * plastic / np.where(s > 0.0, s, 1.0)
+        step = (s * s / E + plastic - energy) / np.where(slope > 0.0, slope, 1.0)
+        s = np.maximum(s - step, 0.0)
+        if np.all(np.abs(step) <= 1e-14 * s):
+            break
+    s = np.sign(S) * s
+    return np.asarray(s), material.strain(s)
+
+
+def turning_points(series: ArrayLike) -> NDArray[np.intp]:
+    """Return the indices of the first and last sample and of every reversal between them."""
+    x = np.asarray(series, dtype=np.float64)
+    if len(x) < 2:
+        return np.arange(len(x))
+    # plateaus count once, by their first sample
+    kept = np.concatenate([[0], np.flatnonzero(np.diff(x) != 0.0) + 1])
+    rises = np.diff(x[kept]) > 0.0
+    turns = np.flatnonzero(rises[1:] != rises[:-1]) + 1
+    ends = [0] if len(kept) == 1 else [0, len(kept) - 1]
+    return np.asarray(kept[np.unique(np.concatenate([ends, turns]))], dtype=np.intp)
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class LocalPath:
+    """Local stress and strain at the turning points of an elastic history.
+
+    Attributes
+    ----------
+    index : (n,) int array
+        Samples of the history that are turning points.
+    elastic, stress, strain : (n,) arrays
+        Linear elastic and local stress in Pa, local strain in m/m.
+    """
+
+    index: NDArray[np.intp]
+    elastic: Array
+    stress: Array
+    strain: Array
+
+
+@explained
+def local_path(series: ArrayLike, material: StrainLife, *, rule: Rule = "neuber") -> LocalPath:
+    """Follow the local stress and strain at a notch through a history, from the virgin state.
+
+    Parameters
+    ----------
+    series : (nt,) array_like
+        Linear elastic stress, Pa.
+    material : StrainLife
+    rule : {"neuber", "glinka", "elastic"}
+        Notch rule; ``elastic`` leaves the stress as it is.
+
+    Raises
+    ------
+    InputError
+        Empty or not finite history, unknown rule.
+    """
+    x = _checked(series, rule)
+    index = turning_points(x)
+    S = x[index]
+    start = np.full(len(S), -1, dtype=np.intp)  # the turning point a branch comes from, -1 virgin
+    stack: list[int] = []
+    largest = 0.0
+    for k, value in enumerate(S):
+        # close the loops that this branch runs through
+        while len(stack) >= 2 and abs(value - S[stack[-1]]) >= abs(S[stack[-1]] - S[stack[-2]]):
+            del stack[-2:]
+        # on the first loading curve; what was before is forgotten. rounding of equal ranges may
+        # close every loop a little below the largest value
+        if abs(value) >= largest or not stack:
+            stack, largest = [k], max(largest, abs(float(value)))
+        else:
+            start[k] = stack[-1]
+            stack.append(k)
+    first = start < 0
+    origin = np.where(first, 0.0, S[start])
+    half = np.where(first, S, 0.5 * (S - origin))
+    s, e = _rule(half, material, rule)
+    stress, strain = np.where(first, s, 2.0 * s), np.where(first, e, 2.0 * e)
+    for k in np.flatnonzero(~first).tolist():
+        stress[k] += stress[start[k]]
+        strain[k] += strain[start[k]]
+    return LocalPath(index, S, stress, strain)
+
+
+def _rule(S: Array, material: StrainLife, rule: Rule) -> tuple[Array, Array]:
+    if rule == "neuber":
+        return neuber(S, material)
+    if rule == "glinka":
+        return glinka(S, material)
+    return S, S / material.E
+
+
+def _checked(series: ArrayLike, rule: str) -> Array:
+    problems = Problems()
+    x = problems.array("strain life", "history", series, (None,))
+    if x is not None and not len(x):
+        problems.add("strain life", "the history is empty")
+    if rule not in RULES:
+        problems.add("strain life", f"notch rule is {rule!r}{suggest(rule, RULES)}")
+    problems.raise_if_any()
+    assert x is not None
+    return x
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class LocalCycles:
+    """Closed hysteresis loops at a notch, and the damage each of them does.
+
+    Attributes
+    ----------
+    strain : (n,) array
+        Strain amplitude, m/m.
+    stress : (n,) array
+        Stress amplitude, Pa.
+    mean : (n,) array
+        Mean stress, Pa.
+    count : (n,) array
+        1 for a closed loop, 0.5 for a half cycle of the residue.
+    cycles : (n,) array
+        Life if the loop came alone, cycles.
+    residue, rule, form : str
+        How the residue was counted, notch rule and form of the mean stress.
+    material : str
+    """
+
+    strain: Array
+    stress: Array
+    mean: Array
+    count: Array
+    cycles: Array
+    residue: str
+    rule: str
+    form: str
+    material: str
+
+    @property
+    def damage(self) -> float:
+        """Miner's sum of one pass of the history."""
+        return float(np.sum(self.count / self.cycles)) if len(self.count) else 0.0
+
+    @property
+    def life(self) -> float:
+        """How many passes of the history last to the first crack; inf if nothing does damage."""
+        with np.errstate(divide="ignore"):
+            return float(np.float64(1.0) / self.damage)
+
+    def table(self, rows: int = 10) -> str:
+        """Return the most damaging loops as a table."""
+        share = self.count / self.cycles
+        order = ranking(share)[:rows]
+        lines = [
+            f"strain life of {self.material or 'a material'}: {self.rule}, {self.form}, "
+            f"residue '{self.residue}'",
+            f"damage {self.damage:.4g} per pass, life {self.life:.4g} passes",
+            f"{'strain':>12} {'stress':>9} {'mean':>9} {'count':>6} {'cycles':>11} {'share':>7}",
+            f"{'um/m':>12} {'MPa':>9} {'MPa':>9} {'':>6} {'':>11} {'%':>7}",
+        ]
+        whole = self.damage or 1.0
+        lines += [
+            f"{1e6 * self.strain[i]:12.1f} {1e-6 * self.stress[i]:9.2f} {1e-6 * self.mean[i]:9.2f} "
+            f"{self.count[i]:6.1f} {self.cycles[i]:11.4g} {100 * share[i] / whole:7.2f}"
+            for i in order
+        ]
+        return "\n".join(lines)
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write every loop.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written.
+        """
+        from jousto.base.files import write_table
+
+        head = ("strain amplitude", "stress amplitude (Pa)", "mean (Pa)", "count", "cycles")
+        columns = (self.strain, self.stress, self.mean, self.count, self.cycles)
+        rows = zip(*(column.tolist() for column in columns), strict=True)
+        return write_table(path, (*head, f"residue: {self.residue}"), rows)
+
+    def __str__(self) -> str:
+        return self.table()
+
+
+@explained
+def local_cycles(
+    series: ArrayLike,
+    material: StrainLife,
+    *,
+    residue: Residue,
+    rule: Rule = "neuber",
+    form: Form = "swt",
+) -> LocalCycles:
+    """Count the hysteresis loops at a notch and the damage they do.
+
+    Parameters
+    ----------
+    series : (nt,) array_like
+        Linear elastic stress at the place, signed (a component, a principal or the signed von
+        Mises stress), Pa.
+    material : StrainLife
+    residue : {"half", "repeat", "ignore"}
+        What is counted of loops that do not close within the history: halves (ASTM E1049), those
+        of endless repetitions of the history (the first pass, which starts from the virgin state,
+        left out), or nothing. There is no default: the choice may change a life tenfold.
+    rule : {"neuber", "glinka", "elastic"}
+        Notch rule.
+    form : {"coffin-manson", "morrow", "swt"}
+        How the mean stress counts.
+
+    Raises
+    ------
+    InputError
+        Empty or not finite history, unknown rule, residue or form.
+
+    Examples
+    --------
+    >>> import jousto as jo
+    >>> S = [500e6, -500e6, 500e6]
+    >>> loops = local_cycles(S, jo.strain_life("sae-1045"), residue="repeat")
+    >>> print(loops.count, (loops.mean / 1e6).round(6))
+    [1.] [0.]
+    """
+    problems = Problems()
+    if residue not in RESIDUES:
+        problems.add("strain life", f"residue is {residue!r}{suggest(residue, RESIDUES)}")
+    if form not in FORMS:
+        problems.add("strain life", f"form is {form!r}{suggest(form, FORMS)}")
+    problems.raise_if_any()
+    x = _checked(series, rule)
+    peak = float(np.abs(x).max())
+    if 1e-2 < peak < min(5e3, 1e-4 * material.sf):
+        warn(
+            "strain life",
+            f"the largest stress is {peak:.4g} Pa where the material has sf ="
+            f" {material.sf / 1e6:.4g} MPa; are the stresses in MPa? SI needs Pa",
+        )
+    if residue == "repeat":
+        # from the largest value round to it again: every loop closes
+        turn = int(np.argmax(np.abs(x)))
+        x = np.concatenate([x[turn:], x[: turn + 1]])
+    path = local_path(x, material, rule=rule)
+    i, j, count = pairs(path.elastic, residue)
+    strain = 0.5 * np.abs(path.strain[i] - path.strain[j])
+    mean = 0.5 * (path.stress[i] + path.stress[j])
+    return LocalCycles(
+        strain=strain,
+        stress=0.5 * np.abs(path.stress[i] - path.stress[j]),
+        mean=mean,
+        count=count,
+        cycles=material.cycles(strain, mean=mean, form=form),
+        residue=residue,
+        rule=rule,
+        form=form,
+        material=material.name,
+    )
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class StrainDamage:
+    """Strain life at several places of a body.
+
+    Attributes
+    ----------
+    labels : tuple of str
+    loops : tuple of LocalCycles
+        One for each label.
+    criterion : str
+        The elastic stress that was followed.
+    """
+
+    labels: tuple[str, ...]
+    loops: tuple[LocalCycles, ...]
+    criterion: str
+
+    @property
+    def damage(self) -> Array:
+        """Miner's sums of one pass of the history, (ns,)."""
+        return np.array([loops.damage for loops in self.loops])
+
+    @property
+    def life(self) -> Array:
+        """Passes of the history to the first crack, (ns,)."""
+        return np.array([loops.life for loops in self.loops])
+
+    def table(self, rows: int = 10) -> str:
+        """Return the most damaged places as a table."""
+        first = self.loops[0]
+        width = max(12, *(len(label) for label in self.labels))
+        lines = [
+            f"strain life of {first.material or 'a material'} from {self.criterion}: {first.rule}, "
+            f"{first.form}, residue '{first.residue}'",
+            f"{'site':>{width}} {'damage':>11} {'life':>11} {'strain':>10} {'mean':>9}",
+            f"{'':>{width}} {'':>11} {'passes':>11} {'um/m':>10} {'MPa':>9}",
+        ]
+        for i in ranking(self.damage, self.labels)[:rows]:
+            loops = self.loops[i]
+            top = int(np.argmax(loops.strain)) if len(loops.strain) else -1
+            strain, mean = (loops.strain[top], loops.mean[top]) if top >= 0 else (0.0, 0.0)
+            lines.append(
+                f"{self.labels[i]:>{width}} {loops.damage:11.4g} {loops.life:11.4g} "
+                f"{1e6 * strain:10.1f} {1e-6 * mean:9.2f}"
+            )
+        return "\n".join(lines)
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write damage and life of every place.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written.
+        """
+        from jousto.base.files import write_table
+
+        rows = zip(self.labels, self.damage.tolist(), self.life.tolist(), strict=True)
+        residue = f"residue: {self.loops[0].residue}"
+        return write_table(path, ("site", "damage", "life (passes)", residue), rows)
+
+    def __str__(self) -> str:
+        return self.table()
+
+
+@explained
+def strain_damage(
+    field: Any,
+    material: StrainLife,
+    *,
+    residue: Residue,
+    criterion: str = "signed-von-mises",
+    rule: Rule = "neuber",
+    form: Form = "swt",
+    sites: Sequence[str] | str | None = None,
+) -> StrainDamage:
+    """Count the hysteresis loops at several places of a stress field.
+
+    Parameters
+    ----------
+    field : StressField
+        From `stress_field` or `field_from`: linear elastic stress.
+    material : StrainLife
+    residue : {"half", "repeat", "ignore"}
+        As for `local_cycles`; there is no default.
+    criterion : str
+        The stress that is followed, with its sign: "signed-von-mises", "signed-principal" or a
+        component.
+    rule, form : str
+        As for `local_cycles`.
+    sites : sequence of str, optional
+        Labels of the places; None takes all: choose the hot spots first.
+
+    Raises
+    ------
+    InputError
+        Unknown sites or options, or a criterion that has lost the sign of the stress.
+    """
+    if criterion in ("von-mises", "max-shear"):
+        raise InputError(
+            Problem(
+                "strain life",
+                f"criterion '{criterion}' has no sign, so that loops would be half as large; take "
+                "'signed-von-mises', 'signed-principal' or a component",
+            )
+        )
+    few = field if sites is None else field.only(sites)
+    values = np.asarray(few.values(criterion))
+    loops = tuple(
+        local_cycles(column, material, residue=residue, rule=rule, form=form) for column in values.T
+    )
+    return StrainDamage(tuple(few.labels), loops, criterion)
+
+
+def pairs(S: Array, residue: str) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+    """Return first and last turning point of every cycle, and how often it counts (four points)."""
+    stack: list[int] = []
+    found: list[tuple[int, int, float]] = []
+    for k in range(len(S)):
+        stack.append(k)
+        while len(stack) >= 4:
+            a, b, c, d = S[stack[-4:]]
+            if min(a, d) <= min(b, c) and max(b, c) <= max(a, d):
+                found.append((stack[-3], stack[-2], 1.0))
+                del stack[-3:-1]
+            else:
+                break
+    ends = [(a, b) for a, b in zip(stack, stack[1:], strict=False) if S[a] != S[b]]
+    if residue == "half":
+        found += [(a, b, 0.5) for a, b in ends]
+    elif residue == "repeat" and len(ends) >= 2:
+        # between the two equal ends only the largest loop is left
+        found.append((stack[0], stack[1], 1.0))
+    if not found:
+        none = np.zeros(0, dtype=np.intp)
+        return none, none, np.zeros(0)
+    i, j, count = zip(*found, strict=True)
+    return np.array(i, dtype=np.intp), np.array(j, dtype=np.intp), np.array(count)

@@ -1,0 +1,81 @@
+"""Miner's sum as a function of a factor on the load, at once for all factors."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.materials.strength.sn import SN
+
+Array = NDArray[np.float64]
+
+
+class Spectrum:
+    """Equivalent amplitudes with counts, sorted once, so that ``D(f)`` costs two searches.
+
+    With ``x = f S / S_D``: ``D(f) N_D = sum n x^k`` over x >= 1 and ``sum n x^k2`` over those below
+    that reach the limit.
+
+    Parameters
+    ----------
+    amplitude, count : (nc,) array
+        Pa; equivalent to the mean stress.
+    sn : SN
+    """
+
+    def __init__(self, amplitude: Array, count: Array, sn: SN) -> None:
+        S_D, N_D, k, k2, limit = sn.numbers
+        order = np.argsort(amplitude)[::-1]
+        x, n = amplitude[order] / S_D, count[order]
+        keep = (x > 0.0) & (n > 0.0)
+        self.x: Array = x[keep]
+        n = n[keep]
+        self.N_D, self.k, self.k2 = N_D, k, k2
+        self.limit = limit / S_D
+        self.falls = -self.x
+        # sums over the largest ones with k and over the smallest ones with k2, of which few terms
+        # are taken away again: nothing is lost in large sums. Powers are relative to the largest
+        self.top = float(self.x[0]) if len(self.x) else 1.0
+        y = self.x / self.top
+        self.above = np.append(0.0, np.cumsum(n * y**k))
+        self.below = np.zeros(len(y) + 1)
+        if not math.isinf(k2):
+            self.below[:-1] = np.cumsum((n * y**k2)[::-1])[::-1]
+
+    def damage(self, factor: float = 1.0) -> float:
+        """Return Miner's sum with all stresses times a factor."""
+        if not len(self.x):
+            return 0.0
+        i = int(np.searchsorted(self.falls, -1.0 / factor, side="right"))
+        j = len(self.x)
+        if self.limit > 0.0:
+            j = max(i, int(np.searchsorted(self.falls, -self.limit / factor, side="right")))
+        size = math.log(factor * self.top)
+        total = _times(float(self.above[i]), self.k * size)
+        total += _times(float(self.below[i] - self.below[j]), self.k2 * size)
+        return total / self.N_D
+
+    def factor(self, allowable: float) -> float:
+        """Return the largest factor with which Miner's sum stays at the allowable one."""
+        if not len(self.x):
+            return math.inf
+        low, high = math.log(1e-9 / self.top), math.log(1e9 / self.top)
+        if self.k == self.k2 and self.limit == 0.0:  # one power
+            whole = self.damage(1.0 / self.top)
+            return math.exp(math.log(allowable / whole) / self.k) / self.top
+        for _ in range(48):
+            middle = 0.5 * (low + high)
+            if self.damage(math.exp(middle)) <= allowable:
+                low = middle
+            else:
+                high = middle
+        return math.exp(low)
+
+
+def _times(value: float, power: float) -> float:
+    """Return ``value exp(power)``, inf where that is too large."""
+    if value <= 0.0:
+        return 0.0
+    return math.inf if power > 700.0 else value * math.exp(power)

@@ -1,0 +1,1 @@
+"""Damage of stress states whose directions turn: critical planes."""

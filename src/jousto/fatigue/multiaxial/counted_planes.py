@@ -1,0 +1,191 @@
+"""Damage plane by plane: rainflow of shear along lines in every plane, or of the normal stress."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import Problems
+from jousto.base.files import write_table
+from jousto.base.ranking import ranking
+from jousto.fatigue.local.strain_life import RESIDUES, Residue
+from jousto.fatigue.multiaxial.planes import (
+    DangVan,
+    FatemiSocie,
+    Findley,
+    NormalStress,
+    PlaneCriterion,
+    _history,
+    _places,
+    normals,
+    plane_rows,
+)
+from jousto.materials.strength.strain_life import StrainLife
+from jousto.model.native.planes import FINDLEY, NORMAL, STRAIN, PlaneCounter, StrainCurve
+
+Array = NDArray[np.float64]
+AT_ONCE = 64
+"""Places whose histories are held at the same time."""
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class PlaneDamage:
+    """Damage on the worst plane of every place.
+
+    Attributes
+    ----------
+    labels : tuple of str
+    damage : (ns,) array
+        Miner's sum of one pass of the history.
+    normal : (ns, 3) array
+        Plane of the largest damage.
+    criterion : object
+    residue : str
+        How the residue was counted.
+    """
+
+    labels: tuple[str, ...]
+    damage: Array
+    normal: Array
+    criterion: PlaneCriterion
+    residue: str
+    curve: str = field(default="")
+
+    @property
+    def life(self) -> Array:
+        """Passes of the history to failure."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(1.0 / self.damage)
+
+    def table(self, rows: int = 10) -> str:
+        """Return the most damaged places as a table."""
+        width = max(12, *(len(label) for label in self.labels))
+        lines = [
+            f"{self.criterion}, residue '{self.residue}', {self.curve}",
+            f"{'site':>{width}} {'damage':>11} {'life':>11}  plane",
+        ]
+        for i in ranking(self.damage, self.labels)[:rows]:
+            normal = " ".join(f"{x:6.3f}" for x in self.normal[i])
+            lines.append(
+                f"{self.labels[i]:>{width}} {self.damage[i]:11.4g} {self.life[i]:11.4g}  {normal}"
+            )
+        return "\n".join(lines)
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write damage, life and plane of every place.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written.
+        """
+        columns = (self.damage.tolist(), self.life.tolist(), *self.normal.T.tolist())
+        head = ("site", "damage", "life (passes)", "n1", "n2", "n3", f"residue: {self.residue}")
+        return write_table(path, head, zip(self.labels, *columns, strict=True))
+
+    def __str__(self) -> str:
+        return self.table()
+
+
+@explained
+def plane_damage(
+    stress: Any,
+    criterion: PlaneCriterion,
+    curve: Any,
+    *,
+    residue: Residue,
+    mean: Any = None,
+    sites: Sequence[str] | str | None = None,
+    step: float = 10.0,
+) -> PlaneDamage:
+    """Count cycles plane by plane and return the damage of the worst plane of each place.
+
+    On every plane the shear stress is resolved in directions `step` apart and counted by rainflow;
+    each cycle takes the largest normal stress while it lasts. `NormalStress` counts the normal
+    stress of each plane. Where shear turns in its plane no line sees all of it: the amplitude may
+    be up to 13 % (``1 - sqrt(3)/2``, an equilateral triangle) below the smallest circle, which
+    `critical_plane` takes. Of planes whose damage is equal to 1e-9, as those along a bar are, it is
+    the one whose normal is nearest to the first axis, then to the second.
+
+    Parameters
+    ----------
+    stress : StressField or (ns, nt, 6) array_like
+        Pa.
+    criterion : Findley, FatemiSocie or NormalStress
+    curve : SN or StrainLife
+        S-N curve of alternating tension for `Findley` and `NormalStress`, strain-life curve for
+        `FatemiSocie`.
+    residue : {"half", "repeat", "ignore"}
+        What is counted of cycles that do not close; there is no default, see `local_cycles`.
+    mean : mean stress correction, optional
+        For `NormalStress` only.
+    sites : sequence of str, optional
+        Labels of the places; None takes all.
+    step : float
+        Degrees between planes, and between directions in a plane.
+
+    Raises
+    ------
+    InputError
+        Unknown residue, a curve that does not belong to the criterion, or a bad history.
+    """
+    problems = Problems()
+    if residue not in RESIDUES:
+        problems.add(
+            "plane damage", f"residue is {residue!r}, must be one of {', '.join(RESIDUES)}"
+        )
+    strain = isinstance(criterion, FatemiSocie)
+    if strain != isinstance(curve, StrainLife):
+        wanted = "a StrainLife" if strain else "an S-N curve"
+        problems.add(
+            "plane damage",
+            f"{type(criterion).__name__} needs {wanted}, not {type(curve).__name__}",
+        )
+    if isinstance(criterion, DangVan):
+        problems.add("plane damage", "Dang Van's criterion is a limit; it counts no damage")
+    if mean is not None and not isinstance(criterion, NormalStress):
+        problems.add(
+            "plane damage",
+            f"mean= is for NormalStress; {type(criterion).__name__} heeds the mean stress itself",
+        )
+    problems.number("plane damage", "step", step, "deg", "in [1, 45]", lambda d: 1.0 <= d <= 45.0)
+    problems.raise_if_any()
+
+    labels, histories = _places(stress, sites)
+    n = normals(math.radians(step))
+    counter = _counter(criterion, curve, residue, mean, n, np.radians(np.arange(0.0, 180.0, step)))
+    found: list[tuple[float, int]] = []
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        while several := [_history(next_) for next_ in islice(histories, AT_ONCE)]:
+            found += pool.map(counter.worst, several)
+    name = getattr(curve, "name", "") or str(curve)
+    damage = np.array([worst for worst, _ in found])
+    return PlaneDamage(labels, damage, n[[i for _, i in found]], criterion, residue, name)
+
+
+def _counter(
+    criterion: PlaneCriterion, curve: Any, residue: Residue, mean: Any, n: Array, angles: Array
+) -> PlaneCounter:
+    """Return what counts the lines of planes of normals n (m, 3) at angles (l,) in them."""
+    turns = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    rows = plane_rows(n)
+    if isinstance(criterion, FatemiSocie):
+        slope = min(-1.0 / curve.b, -1.0 / curve.c)
+        lives = StrainCurve(lambda x: criterion.cycles(x, curve), criterion.G, slope)
+        k = criterion.k / criterion.S_y
+        return PlaneCounter(STRAIN, k, rows, turns, lives, residue=residue)
+    if isinstance(criterion, Findley):
+        return PlaneCounter(FINDLEY, criterion.k, rows, turns, curve, residue=residue)
+    return PlaneCounter(NORMAL, 0.0, rows, turns, curve, residue=residue, mean=mean)

@@ -1,0 +1,1 @@
+"""Damage of random stress from spectra."""

@@ -1,0 +1,1 @@
+"""Stress at the toes of welds."""

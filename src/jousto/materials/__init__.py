@@ -1,0 +1,1 @@
+"""Materials: elastic constants, density, and in `strength` what they endure."""

@@ -1,0 +1,144 @@
+"""Linear elastic, orthotropic material, and the elasticity matrix of materials."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arrays import Floats
+from jousto.base.described import described
+from jousto.base.errors import Problems
+from jousto.materials.material import Material
+
+
+@described
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Orthotropic:
+    """Linear elastic material with three planes of symmetry: composites, wood, printed parts.
+
+    Strains along the material axes: ``e1 = s1/E1 - nu12 s2/E1 - nu13 s3/E1``,
+    ``e2 = -nu12 s1/E1 + s2/E2 - nu23 s3/E2``, ``e3 = -nu13 s1/E1 - nu23 s2/E2 + s3/E3``,
+    ``g12 = s12/G12`` and so on: ``nu12`` is the contraction along 2 under a pull along 1.
+
+    Parameters
+    ----------
+    E1, E2, E3 : float
+        Young's moduli along the material axes in Pa.
+    nu12, nu13, nu23 : float
+        Poisson's ratios.
+    G12, G13, G23 : float
+        Shear moduli in Pa.
+    rho : float
+        Density in kg/m^3.
+    axes : (3, 3) array_like, optional
+        Columns are the material axes 1, 2, 3, resolved in the part frame; those of the part if not
+        given.
+    name : str
+        Shown in messages.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, the axes are not orthonormal and right-handed, or the material
+        would release energy (its compliance matrix is not positive definite).
+
+    Examples
+    --------
+    >>> spruce = Orthotropic(E1=11e9, E2=0.9e9, E3=0.5e9, nu12=0.37, nu13=0.42, nu23=0.47,
+    ...                      G12=0.75e9, G13=0.72e9, G23=0.04e9, rho=450.0, name="spruce")
+    >>> elasticity(spruce).shape
+    (6, 6)
+    """
+
+    E1: float
+    E2: float
+    E3: float
+    nu12: float
+    nu13: float
+    nu23: float
+    G12: float
+    G13: float
+    G23: float
+    rho: float
+    axes: Any = None
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        where = f"material '{self.name}'" if self.name else "orthotropic material"
+        problems = Problems()
+        for name in ("E1", "E2", "E3", "G12", "G13", "G23"):
+            problems.positive(where, name, getattr(self, name), "Pa")
+        for name in ("nu12", "nu13", "nu23"):
+            if not math.isfinite(getattr(self, name)):
+                problems.add(where, f"{name} is {getattr(self, name)}, must be finite")
+        if not (math.isfinite(self.rho) and self.rho >= 0.0):
+            problems.add(where, f"density rho is {self.rho:g} kg/m^3, must be zero or positive")
+        given = np.eye(3) if self.axes is None else self.axes
+        axes = problems.array(where, "axes", given, (3, 3))
+        if axes is not None:
+            if np.abs(axes.T @ axes - np.eye(3)).max() > 1e-6:
+                problems.add(where, "axes: the columns must be unit vectors normal to each other")
+            elif np.linalg.det(axes) < 0.0:
+                problems.add(where, "axes: the columns must be right-handed; turn the sign of one")
+        problems.raise_if_any()
+        object.__setattr__(self, "axes", axes)
+        lowest = float(np.linalg.eigvalsh(self._scaled_compliance()).min())
+        if lowest <= 1e-12:
+            problems.add(
+                where,
+                "Poisson's ratios are too large for the moduli, the material would release energy:"
+                " |nu12| must be below sqrt(E1/E2), |nu13| below sqrt(E1/E3), |nu23| below"
+                " sqrt(E2/E3), and all three together smaller still; nu_ij is the contraction along"
+                " j under a pull along i (perhaps nu_ji was given)",
+            )
+        problems.raise_if_any()
+
+    def _scaled_compliance(self) -> Floats:
+        E = np.sqrt([self.E1, self.E2, self.E3])
+        S = np.eye(3)
+        for i, j, nu in ((0, 1, self.nu12), (0, 2, self.nu13), (1, 2, self.nu23)):
+            S[i, j] = S[j, i] = -nu / E[i] ** 2 * E[i] * E[j]
+        return S
+
+
+def elasticity(material: Material | Orthotropic) -> Floats:
+    """Return the elasticity matrix C (6, 6) in Pa, part axes.
+
+    ``[s11 s22 s33 s12 s23 s13] = C [e11 e22 e33 g12 g23 g13]`` with engineering shear strains g.
+    """
+    C = np.zeros((6, 6))
+    if isinstance(material, Material):
+        nu, E = material.nu, material.E
+        lam = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+        C[:3, :3] = lam
+        C[range(3), range(3)] += 2.0 * material.G
+        C[range(3, 6), range(3, 6)] = material.G
+        return C
+    root = np.sqrt([material.E1, material.E2, material.E3])
+    C[:3, :3] = root[:, None] * np.linalg.inv(material._scaled_compliance()) * root
+    C[range(3, 6), range(3, 6)] = material.G12, material.G23, material.G13
+    R = np.asarray(material.axes)
+    if np.array_equal(R, np.eye(3)):
+        return C
+    T = strain_rotation(R)
+    return np.asarray(T.T @ C @ T)
+
+
+def strain_rotation(R: Floats) -> Floats:
+    """Return T (6, 6): strains along axes R (columns) from strains in part axes.
+
+    With engineering shear strains; stresses follow ``T^T``: part axes from the axes R.
+    """
+    pairs = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+    T = np.zeros((6, 6))
+    for column, (i, j) in enumerate(pairs):
+        e = np.zeros((3, 3))
+        e[i, j] += 0.5
+        e[j, i] += 0.5
+        turned = R.T @ e @ R
+        for row, (a, b) in enumerate(pairs):
+            T[row, column] = turned[a, b] if a == b else 2.0 * turned[a, b]
+    return T

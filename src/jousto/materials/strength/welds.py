@@ -1,0 +1,161 @@
+"""Welds: S-N curves by FAT class (IIW) or detail category (EN 1993-1-9), for stress ranges."""
+
+from __future__ import annotations
+
+from jousto.base.errors import Problems, suggest
+from jousto.materials.strength.sn import SN
+
+STANDARDS = ("iiw", "en")
+_EN = "EN 1993-1-9:2005, 7.1"
+_IIW = "IIW-2259-15 (Hobbacher, Recommendations for fatigue design of welded joints, 2016), 3.2"
+
+EXPONENTS = {
+    "cruciform": 0.3,
+    "cruciform-ground": 0.2,
+    "butt": 0.2,
+    "butt-flush": 0.1,
+    "longitudinal": 0.1,
+}
+"""Thickness exponents of IIW-2259-15, 3.5.2: joints across the load as welded or with ground toes,
+butt welds, butt welds ground flush, and base metal or attachments along the load."""
+
+
+def fat_class(
+    fat: float,
+    standard: str = "iiw",
+    *,
+    shear: bool = False,
+    constant: bool = False,
+    factor: float = 1.0,
+    T_N: float | None = None,
+) -> SN:
+    """Return the S-N curve of a FAT class: the stress range in MPa that 2e6 cycles endure.
+
+    ========  ======  =====================================================================
+    standard  stress  curve
+    ========  ======  =====================================================================
+    iiw       direct  slope 3 to 1e7 cycles, then 5, under constant amplitude 22
+    iiw       shear   slope 5 to 1e8 cycles, then 9, under constant amplitude 22
+    en        direct  slope 3 to 5e6 (0.737 of the class), 5 to 1e8 (0.405), nothing below;
+                      under constant amplitude nothing below 5e6
+    en        shear   slope 5 to 1e8 (0.457), nothing below
+    ========  ======  =====================================================================
+
+    IIW-2259-15, 3.2 and 4.3.1; EN 1993-1-9:2005, 7.1. The curves hold for the nominal (or
+    structural hot-spot) stress **range**; inside `SN` amplitudes are half of it. They include the
+    residual stress of welds, so that the mean stress does not matter (``R`` is None).
+
+    Parameters
+    ----------
+    fat : float
+        Class, a number such as 71 (MPa).
+    standard : str
+        "iiw" or "en".
+    shear : bool
+        A class of shear stress (80 or 100).
+    constant : bool
+        For loads of constant amplitude, where the knee is an endurance limit. Not for a history
+        with larger and smaller cycles.
+    factor : float
+        On the stress: `thickness_factor`, 1/gamma_Mf (partial factor, EN 1993-1-9 table 3.1) ...
+    T_N : float, optional
+        Scatter band in cycles, for other probabilities of survival than that of the class: 0.977
+        (IIW), 0.95 (EN).
+
+    Returns
+    -------
+    SN
+
+    Raises
+    ------
+    InputError
+        If the class is no class, or the standard is unknown.
+
+    Examples
+    --------
+    >>> weld = fat_class(71, "en")
+    >>> round(float(weld.cycles(71e6 / 2))), round(2 * weld.S_D / 1e6, 2)
+    (2000000, 52.31)
+    """
+    where = "fat_class"
+    problems = Problems()
+    wanted = "a class from 5 to 250, a range in MPa at 2e6 cycles such as 71"
+    problems.number(where, "fat", fat, "", wanted, lambda x: 5.0 <= x <= 250.0)
+    if standard not in STANDARDS:
+        known = suggest(standard, STANDARDS)
+        problems.add(where, f"standard is {standard!r}, must be iiw or en{known}")
+    problems.positive(where, "factor", factor, "")
+    problems.raise_if_any()
+    kind = "shear " if shear else ""
+    scaled = "" if factor == 1.0 else f" x {factor:.4g}"
+    name = f"FAT {fat:g} {kind}{standard}{scaled}"
+    half = 0.5e6 * fat * factor
+    if standard == "en":
+        k, N_D = (5.0, 1e8) if shear else (3.0, 5e6)
+        S_D = half * (2e6 / N_D) ** (1.0 / k)
+        if shear or constant:
+            return SN(
+                S_D, N_D, k, "original", R=None, T_N=T_N, survival=0.95, name=name, source=_EN
+            )
+        return SN(
+            S_D,
+            N_D,
+            k,
+            "haibach",
+            k2=5.0,
+            N_cut=1e8,
+            R=None,
+            T_N=T_N,
+            survival=0.95,
+            name=name,
+            source=_EN,
+        )
+    k, N_D = (5.0, 1e8) if shear else (3.0, 1e7)
+    k2 = 22.0 if constant else 2.0 * k - 1.0
+    S_D = half * (2e6 / N_D) ** (1.0 / k)
+    return SN(
+        S_D, N_D, k, "haibach", k2=k2, R=None, T_N=T_N, survival=0.977, name=name, source=_IIW
+    )
+
+
+def thickness_factor(
+    thickness: float, joint: str | float = "cruciform", *, reference: float = 0.025
+) -> float:
+    """Return the factor on a FAT class of thick plates, ``(t_ref / t)^n``, 1 for thinner ones.
+
+    IIW-2259-15, 3.5.2; EN 1993-1-9 has ``(25 mm / t)^0.2`` for butt welds across the load (table
+    8.3) and ``(30 mm / d)^0.25`` for bolts in tension (7.2.2): ``joint=0.25, reference=0.03``.
+
+    Parameters
+    ----------
+    thickness : float
+        Plate thickness, m.
+    joint : str or float
+        One of `EXPONENTS`: "cruciform" (0.3), "cruciform-ground" (0.2), "butt" (0.2),
+        "butt-flush" (0.1), "longitudinal" (0.1); or the exponent n itself.
+    reference : float
+        Thickness of the tests, m.
+
+    Raises
+    ------
+    InputError
+        If the joint is unknown or a thickness impossible.
+
+    Examples
+    --------
+    >>> round(thickness_factor(0.050, "cruciform"), 4), thickness_factor(0.012)
+    (0.8123, 1.0)
+    """
+    where = "thickness_factor"
+    problems = Problems()
+    size = "a positive number below 2 (SI: 0.025 is 25 mm)"
+    problems.number(where, "thickness", thickness, "m", size, lambda x: 0.0 < x < 2.0)
+    problems.number(where, "reference", reference, "m", size, lambda x: 0.0 < x < 2.0)
+    if isinstance(joint, str):
+        if joint not in EXPONENTS:
+            problems.add(where, f"no joint {joint!r}{suggest(joint, EXPONENTS)}")
+    else:
+        problems.number(where, "exponent", joint, "", "from 0 to 1", lambda x: 0.0 <= x <= 1.0)
+    problems.raise_if_any()
+    n = EXPONENTS[joint] if isinstance(joint, str) else float(joint)
+    return float(min(1.0, (reference / thickness) ** n))

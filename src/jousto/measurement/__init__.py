@@ -1,0 +1,1 @@
+"""Measured machines: gauges, twins that estimate, monitors that watch."""

@@ -1,0 +1,1 @@
+"""Gauges: what rosettes say, and measured records."""

@@ -1,0 +1,375 @@
+"""read_record: measured data from text, universal and HDF5 files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, MissingFileError, Problem, Problems, suggest, warn
+from jousto.base.files import check_file
+from jousto.measurement.gauges.order import ordered
+from jousto.measurement.gauges.record import GAP, Record, record_of, too_large
+from jousto.measurement.gauges.table import read_table
+from jousto.measurement.gauges.units import STRAIN, parse_unit
+
+Array = NDArray[np.float64]
+
+TIMES = ("time", "t", "zeit", "aika", "timestamp", "time stamp", "datetime", "date", "temps",
+         "tiempo", "tid", "x")  # fmt: skip
+"""Heads of the column of time, in lower case."""
+
+FLAT = 5
+"""Samples in a row at the end of its range from which a channel is saturated."""
+
+Raw = tuple[Array, dict[str, Array], dict[str, str | None], str | None, tuple[str, ...]]
+
+
+@explained
+def read_record(
+    path: str | Path,
+    *,
+    time: str | None = None,
+    rate: float | None = None,
+    units: Mapping[str, str] | None = None,
+    repair: bool = False,
+) -> Record:
+    """Read measured channels from a file, in SI units.
+
+    Text files (.csv, .txt, .asc ...): any of the usual delimiters, decimal point or comma, heads
+    with units such as ``g1 [um/m]`` or a line of units; a time of day or date counts in seconds
+    from the first. Universal files (.uff, .unv): functions over time of data set 58. HDF5:
+    results of jousto (its sensors are the channels), or data sets of equal length with an
+    attribute ``unit``.
+
+    Parameters
+    ----------
+    path : path
+    time : str, optional
+        Column of time; found by its head if not given, else the first one.
+    rate : float, optional
+        Samples per second of a file without time.
+    units : mapping of str to str, optional
+        Units of channels that the file does not name, or names wrongly.
+    repair : bool
+        Sort instants that run backwards, drop those that come twice and count on over midnight,
+        instead of refusing them. A clock that restarts is refused all the same: such a file holds
+        several records.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong: no table, an empty file, time that runs backwards or stands
+        still, an unknown unit, strain that was likely given in percent or um/m, no such column.
+
+    Warns
+    -----
+    JoustoWarning
+        Gaps, missing values, channels that never change or that are cut off at an end of their
+        range; the same stands in ``record.notes``.
+    """
+    file = Path(path)
+    where = str(file)
+    if not file.exists():
+        near = suggest(file.name, [p.name for p in file.parent.glob("*") if p.is_file()])
+        raise MissingFileError(
+            Problem(where, f"there is no such file{near if 'mean' in near else ''}")
+        )
+    check_file(file)
+    with file.open("rb") as opened:
+        head = opened.read(8)
+    if not head:
+        raise InputError(Problem(where, "is empty: there is no line of numbers"))
+    if head == b"\x89HDF\r\n\x1a\n":
+        raw = _hdf5(file, time, rate)
+    elif file.suffix.lower() in (".uff", ".unv", ".uf"):
+        raw = _universal(file)
+    else:
+        raw = _text(file, time, rate)
+    return _record(where, raw, dict(units or {}), repair)
+
+
+def _record(where: str, raw: Raw, given: dict[str, str], repair: bool) -> Record:
+    t, channels, labels, time_unit, notes = raw
+    problems = Problems()
+    for name in given:
+        if name not in channels:
+            problems.add(where, f"units: no channel '{name}'{suggest(name, channels)}")
+    found = None if time_unit is None else parse_unit(time_unit)
+    if time_unit is not None and (found is None or found[0] != "s"):
+        problems.add(where, f"time is in '{time_unit}', must be s, ms, us, min or h")
+    elif found is not None:
+        t = t * found[1]
+
+    units: dict[str, str] = {}
+    for name in channels:
+        label = given.get(name, labels.get(name))
+        if label is None or label == "":
+            units[name] = ""
+            continue
+        unit = parse_unit(label)
+        if unit is None:
+            problems.add(
+                where,
+                f"channel '{name}' has the unknown unit '{label}'; say units={{'{name}': ...}} "
+                "with one such as um/m, mV/V, MPa, kN or 1",
+            )
+            continue
+        units[name] = unit[0]
+        channels[name] = channels[name] * unit[1]
+        if unit[0] == STRAIN:
+            sentence = too_large(name, channels[name])
+            if sentence:
+                problems.add(where, f"{sentence} (the file says '{label}')")
+    t, channels, order = ordered(problems, where, t, channels, repair)
+    problems.raise_if_any()
+    remarks = [*notes, *order, *_remarks(t, channels)]
+    for remark in remarks:
+        warn(where, remark)
+    return Record(t, channels, units, name=Path(where).name, notes=tuple(remarks))
+
+
+def _remarks(t: Array, channels: dict[str, Array]) -> list[str]:
+    """Return what is remarkable: gaps, missing values, constant and saturated channels."""
+    out = []
+    steps = np.diff(t)
+    usual = float(np.median(steps))
+    gaps = np.flatnonzero(steps > GAP * usual)
+    if len(gaps):
+        longest = int(gaps[np.argmax(steps[gaps])])
+        out.append(
+            f"{len(gaps)} gaps in time, the longest of {steps[longest]:.4g} s after "
+            f"{t[longest]:.6g} s (usually {usual:.4g} s)"
+        )
+    for name, x in channels.items():
+        good = np.isfinite(x)
+        lost = len(x) - np.count_nonzero(good)
+        if lost == len(x):
+            out.append(f"channel '{name}' has no value at all")
+            continue
+        if lost:
+            first = int(np.argmin(good))
+            out.append(
+                f"channel '{name}' misses {lost} of {len(x)} values, first at {t[first]:.6g} s"
+            )
+        y = x[good]
+        if np.ptp(y) == 0.0:
+            out.append(f"channel '{name}' is constant ({y[0]:.4g}): dead or not connected")
+            continue
+        for end, level in (("upper", float(y.max())), ("lower", float(y.min()))):
+            number = saturated(y, level)
+            if number:
+                out.append(
+                    f"channel '{name}' is cut off at its {end} end {level:.5g} for {number} "
+                    "samples: the amplifier is saturated"
+                )
+    return out
+
+
+def saturated(x: Array, level: float) -> int:
+    """Return how many samples of a signal are cut off at an end of its range.
+
+    Rows of `FLAT` samples or more at the very end of the range that the signal enters or leaves
+    with a step, not softly as where it comes to rest.
+    """
+    if abs(level) < 0.5 * float(np.abs(x).max()):
+        return 0
+    at = x == level
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], at, [False]]).astype(np.int8)))
+    moves = np.abs(np.diff(x))
+    moving = moves[moves > 0.0]
+    if not len(moving):
+        return 0
+    typical = float(np.median(moving))
+    total = 0
+    for a, b in zip(edges[::2], edges[1::2], strict=True):
+        steps = [moves[a - 1]] if a > 0 else []
+        steps += [moves[b - 1]] if b < len(x) else []
+        if b - a >= FLAT and steps and max(steps) > 0.1 * typical:
+            total += int(b - a)
+    return total
+
+
+# -- text -------------------------------------------------------------------------------------
+
+
+def _text(path: Path, time: str | None, rate: float | None) -> Raw:
+    table = read_table(path)
+    names = list(table.names)
+    where = str(path)
+    if rate is not None:
+        _check_rate(where, rate)
+        t = np.arange(len(table.values)) / rate
+        columns = dict(zip(names, table.values.T, strict=True))
+        return t, columns, dict(zip(names, table.labels, strict=True)), None, table.notes
+    k = _time_column(where, names, table.labels, table.values, time)
+    t = table.values[:, k].copy()
+    if np.isfinite(t).any() and float(np.nanmax(np.abs(t))) > 1e8:  # a date
+        t -= t[np.flatnonzero(np.isfinite(t))[0]]
+    others = [i for i in range(len(names)) if i != k]
+    columns = {names[i]: table.values[:, i].copy() for i in others}
+    labels = {names[i]: table.labels[i] for i in others}
+    return t, columns, labels, table.labels[k], table.notes
+
+
+def _check_rate(where: str, rate: float) -> None:
+    problems = Problems()
+    problems.positive(where, "rate", rate, "1/s")
+    problems.raise_if_any()
+
+
+def _time_column(
+    where: str,
+    names: list[str],
+    labels: tuple[str | None, ...],
+    values: Array,
+    wanted: str | None,
+) -> int:
+    if wanted is not None:
+        if wanted not in names:
+            raise InputError(Problem(where, f"no column '{wanted}'{suggest(wanted, names)}"))
+        return names.index(wanted)
+    for i, name in enumerate(names):
+        if name.lower() in TIMES:
+            return i
+    for i, label in enumerate(labels):
+        unit = None if label is None else parse_unit(label)
+        if unit is not None and unit[0] == "s":
+            return i
+    first = values[:, 0]
+    if np.mean(np.diff(first[np.isfinite(first)]) > 0.0) > 0.9:
+        return 0
+    raise InputError(
+        Problem(
+            where,
+            f"no column of time: none of {', '.join(names[:6])} is called time and the first does "
+            "not ascend; name it, time=..., or give rate= in samples per second",
+        )
+    )
+
+
+# -- universal files --------------------------------------------------------------------------
+
+
+def _universal(path: Path) -> Raw:
+    where = str(path)
+    try:
+        import pyuff
+    except ImportError:
+        raise InputError(Problem(where, "universal files need pyuff: pip install pyuff")) from None
+    try:
+        sets = pyuff.UFF(str(path)).read_sets()
+    except Exception as error:
+        raise InputError(Problem(where, f"cannot be read as a universal file: {error}")) from error
+    found: list[dict[str, Any]] = sets if isinstance(sets, list) else [sets]
+    functions = [s for s in found if s.get("type") == 58 and s.get("func_type") == 1]
+    if not functions:
+        kinds = sorted({str(s.get("type")) for s in found})
+        raise InputError(
+            Problem(
+                where,
+                "has no function over time (data set 58 of type 1); it has data sets "
+                f"{', '.join(kinds) or 'none'}",
+            )
+        )
+    t = np.asarray(functions[0]["x"], dtype=np.float64)
+    columns: dict[str, Array] = {}
+    labels: dict[str, str | None] = {}
+    notes: list[str] = []
+    for i, function in enumerate(functions):
+        name = str(function.get("id1", "")).strip()
+        if not name or name.upper() == "NONE":
+            name = f"{function.get('rsp_node', i + 1)}:{function.get('rsp_dir', 0):+d}"
+        while name in columns:
+            name += "'"
+        x = np.asarray(function["x"], dtype=np.float64)
+        y = np.real(np.asarray(function["data"])).astype(np.float64)
+        if len(x) != len(t) or not np.allclose(x, t, rtol=0.0, atol=1e-6 * abs(t[-1] - t[0])):
+            notes.append(f"channel '{name}' has instants of its own and was interpolated")
+            y = np.interp(t, x, y, left=np.nan, right=np.nan)
+        columns[name] = y
+        label = str(function.get("ordinate_axis_units_lab", "")).strip()
+        known = label and label.upper() != "NONE"
+        # specific data type 3 is strain
+        strain = function.get("ordinate_spec_data_type") == 3
+        labels[name] = label if known else "m/m" if strain else None
+    unit = str(functions[0].get("abscissa_axis_units_lab", "")).strip()
+    return t, columns, labels, unit if unit and unit.upper() != "NONE" else None, tuple(notes)
+
+
+# -- HDF5 -------------------------------------------------------------------------------------
+
+
+def _hdf5(path: Path, time: str | None, rate: float | None) -> Raw:
+    import h5py
+
+    where = str(path)
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("format") == "jousto results":
+                return _results(path)
+            found: dict[str, Array] = {}
+            labels: dict[str, str | None] = {}
+
+            def visit(name: str, item: Any) -> None:
+                if isinstance(item, h5py.Dataset) and item.ndim == 1 and item.dtype.kind in "iuf":
+                    found[name] = np.asarray(item[()], dtype=np.float64)
+                    text = item.attrs.get("unit", item.attrs.get("units"))
+                    plain = text.decode() if isinstance(text, bytes) else text
+                    labels[name] = None if plain is None else str(plain)
+
+            file.visititems(visit)
+    except OSError as error:
+        raise InputError(Problem(where, f"is damaged or cut short ({error})")) from error
+    if not found:
+        raise InputError(Problem(where, "has no data set of one dimension with numbers"))
+    short = _short_names(list(found))
+    found = {short[name]: x for name, x in found.items()}
+    labels = {short[name]: label for name, label in labels.items()}
+    notes: list[str] = []
+    if rate is not None:
+        _check_rate(where, rate)
+        length = max(len(x) for x in found.values())
+        t, unit = np.arange(length) / rate, None
+    else:
+        names = [name for name in found if name.split("/")[-1].lower() in TIMES]
+        if time is not None:
+            names = [name for name in found if name in (time, time.strip("/"))]
+        if not names:
+            raise InputError(
+                Problem(
+                    where,
+                    f"no data set of time{suggest(time or 'time', found)}; name it, time=..., or "
+                    "give rate= in samples per second",
+                )
+            )
+        t, unit = found.pop(names[0]), labels.pop(names[0])
+    columns = {}
+    for name, x in found.items():
+        if len(x) == len(t):
+            columns[name] = x
+        else:
+            notes.append(f"data set '{name}' has {len(x)} values, time {len(t)}: left out")
+    return t, columns, labels, unit, tuple(notes)
+
+
+def _results(path: Path) -> Raw:
+    from jousto.simulation.results.solution import load
+
+    record = record_of(load(path))
+    labels: dict[str, str | None] = {
+        name: unit if parse_unit(unit) is not None else None for name, unit in record.units.items()
+    }
+    return record.time, dict(record.channels), labels, None, ()
+
+
+def _short_names(names: list[str]) -> dict[str, str]:
+    """Return the last part of each path where it is unique, else the whole path."""
+    last = [name.split("/")[-1] for name in names]
+    return {
+        name: end if last.count(end) == 1 else name for name, end in zip(names, last, strict=True)
+    }

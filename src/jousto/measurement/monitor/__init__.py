@@ -1,0 +1,1 @@
+"""Monitoring: measured strains to stress, damage and remaining life while they come."""

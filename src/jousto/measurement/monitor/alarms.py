@@ -1,0 +1,223 @@
+"""Limits, and the alarms they raise and end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import Problems
+from jousto.measurement.monitor.health import OK
+
+Array = NDArray[np.float64]
+
+NEVER = -np.inf
+
+
+@explained
+@dataclass(frozen=True)
+class AlarmLimits:
+    """What raises an alarm.
+
+    Parameters
+    ----------
+    stress : float, optional
+        Magnitude of the stress at a hot spot, Pa.
+    damage : float, optional
+        Miner's sum at a hot spot, such as 0.5.
+    life : float, optional
+        Remaining life, s: the lower end of its band is below.
+    channels : int, optional
+        Channels that are left: fewer of them are "ok".
+    release : float
+        Share of the stress limit below which an alarm ends ..
+    hold : float
+        .. after so many seconds there: the hysteresis.
+    """
+
+    stress: float | None = None
+    damage: float | None = None
+    life: float | None = None
+    channels: int | None = None
+    release: float = 0.9
+    hold: float = 5.0
+
+    def __post_init__(self) -> None:
+        problems = Problems()
+        for name, unit in (("stress", "Pa"), ("damage", ""), ("life", "s")):
+            if getattr(self, name) is not None:
+                problems.positive("AlarmLimits", name, getattr(self, name), unit)
+        if self.stress is not None and 0.0 < self.stress < 1e4:
+            problems.add(
+                "AlarmLimits",
+                f"stress is {self.stress:g} Pa, which is next to nothing; was MPa meant?",
+            )
+        channels: object = self.channels
+        if channels is not None and (not isinstance(channels, int) or isinstance(channels, bool)):
+            problems.add("AlarmLimits", f"channels is {self.channels!r}, must be a whole number")
+        problems.number(
+            "AlarmLimits",
+            "release",
+            self.release,
+            "",
+            "a share from 0 to 1",
+            lambda x: 0.0 <= x <= 1.0,
+        )
+        problems.number("AlarmLimits", "hold", self.hold, "s", "0 or positive", lambda x: x >= 0.0)
+        problems.raise_if_any()
+
+
+@dataclass(frozen=True)
+class Alarm:
+    """An alarm that began or ended.
+
+    Attributes
+    ----------
+    time : float
+        s.
+    kind : str
+        "stress", "damage", "life" or "channels".
+    place : str
+        Hot spot, or empty.
+    on : bool
+        Whether it began.
+    value, limit : float
+        What was met, in SI.
+    """
+
+    time: float
+    kind: str
+    place: str
+    on: bool
+    value: float
+    limit: float
+
+
+@described
+class Alarms:
+    """Follows values against limits.
+
+    Parameters
+    ----------
+    limits : AlarmLimits
+        What raises an alarm.
+    places : sequence of str
+        Hot spots.
+    """
+
+    def __init__(self, limits: AlarmLimits, places: Sequence[str]) -> None:
+        self.limits = limits
+        self.places = tuple(places)
+        ns = len(self.places)
+        self._on = {kind: np.zeros(ns, dtype=bool) for kind in ("stress", "damage", "life")}
+        self._on["channels"] = np.zeros(1, dtype=bool)
+        self._above = np.full(ns, NEVER)  # last time that the stress was above the release
+        self._short = np.full(1, NEVER)  # last time that channels were missing
+
+    @property
+    def active(self) -> tuple[tuple[str, str], ...]:
+        """Kind and place of the alarms that are on."""
+        return tuple(
+            (kind, "" if kind == "channels" else self.places[k])
+            for kind, on in self._on.items()
+            for k in np.flatnonzero(on)
+        )
+
+    def save(self) -> Array:
+        """Return all that is remembered, for `load`."""
+        return np.concatenate(
+            [*(on.astype(float) for on in self._on.values()), self._above, self._short]
+        )
+
+    def load(self, memory: Array) -> None:
+        """Go on from what `save` returned."""
+        at = 0
+        for kind, on in self._on.items():
+            self._on[kind] = memory[at : at + len(on)] > 0.5
+            at += len(on)
+        self._above = np.array(memory[at : at + len(self._above)])
+        self._short = np.array(memory[at + len(self._above) :])
+
+    def stress(self, time: Array, size: Array) -> list[Alarm]:
+        """Return the alarms of stress magnitudes (k, ns) at times (k,)."""
+        limit = self.limits.stress
+        if limit is None or not len(time):
+            return []
+        high = size >= limit
+        # places where nothing can begin or end are left out
+        if not (np.count_nonzero(high) or np.count_nonzero(self._on["stress"])):
+            return []
+        found: list[Alarm] = []
+        held = size >= self.limits.release * limit
+        for c in np.flatnonzero(high.any(axis=0) | self._on["stress"]):
+            on, last = bool(self._on["stress"][c]), self._above[c]
+            for k, t in enumerate(time):
+                if held[k, c]:
+                    last = t
+                if not on and high[k, c]:
+                    on = True
+                    found.append(
+                        Alarm(float(t), "stress", self.places[c], True, float(size[k, c]), limit)
+                    )
+                elif (
+                    on
+                    and np.isfinite(size[k, c])
+                    and t - last >= self.limits.hold
+                    and not held[k, c]
+                ):
+                    on = False
+                    found.append(
+                        Alarm(float(t), "stress", self.places[c], False, float(size[k, c]), limit)
+                    )
+            self._on["stress"][c], self._above[c] = on, last
+        return sorted(found, key=lambda alarm: alarm.time)
+
+    def channels(self, time: Array, states: NDArray[np.uint8]) -> list[Alarm]:
+        """Return the alarms of states (k, nc) of the channels."""
+        limit = self.limits.channels
+        if limit is None or not len(time):
+            return []
+        on = bool(self._on["channels"][0])
+        if not on and states.shape[1] >= limit and not np.count_nonzero(states):
+            return []
+        ok = (states == OK).sum(axis=1)
+        if not on and not np.any(ok < limit):
+            return []
+        found: list[Alarm] = []
+        for t, n in zip(time, ok, strict=True):
+            if n < limit:
+                self._short[0] = t
+                if not on:
+                    on = True
+                    found.append(Alarm(float(t), "channels", "", True, float(n), float(limit)))
+            elif on and t - self._short[0] >= self.limits.hold:
+                on = False
+                found.append(Alarm(float(t), "channels", "", False, float(n), float(limit)))
+        self._on["channels"][0] = on
+        return found
+
+    def summary(self, time: float, damage: Array, life: Array) -> list[Alarm]:
+        """Return the alarms of damage (ns,) and the low end of the remaining life (ns,), s."""
+        found: list[Alarm] = []
+        for kind, value, limit, high in (
+            ("damage", damage, self.limits.damage, True),
+            ("life", life, self.limits.life, False),
+        ):
+            if limit is None:
+                continue
+            with np.errstate(invalid="ignore"):
+                now = value >= limit if high else value <= limit
+                # a life that was estimated short may grow again: ten per cent more ends the alarm
+                stay = now if high else value <= 1.1 * limit
+            on = self._on[kind]
+            new = np.where(on, stay | now, now)
+            found += [
+                Alarm(time, kind, self.places[c], bool(new[c]), float(value[c]), limit)
+                for c in np.flatnonzero(new != on)
+            ]
+            self._on[kind] = new
+        return found

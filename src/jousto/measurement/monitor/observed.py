@@ -1,0 +1,62 @@
+"""An `Observer` in a stream, with a memory that can be kept."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.errors import InputError, Problem
+from jousto.measurement.twin.observed import Observed
+from jousto.measurement.twin.observer import Observer
+from jousto.measurement.twin.posterior import Posterior
+
+Array = NDArray[np.float64]
+
+
+class Dynamic:
+    """Takes the samples one by one; what it remembers are the state and its covariance.
+
+    Parameters
+    ----------
+    twin : Observer
+        It is begun anew and followed; give each monitor its own.
+
+    Raises
+    ------
+    InputError
+        If it has accelerometers, which a stream of strains does not hold.
+    """
+
+    def __init__(self, twin: Observer) -> None:
+        if twin.accelerometers:
+            names = ", ".join(sensor.name for sensor in twin.accelerometers)
+            raise InputError(
+                Problem(
+                    "Monitor",
+                    f"the observer has accelerometers ({names}), but a monitor reads strains "
+                    "alone; make the observer of gauges",
+                )
+            )
+        twin.reset()
+        self.twin = twin
+        self.names = tuple(twin.names)
+        self.missed = twin.system.discrepancy
+
+    def estimate(self, time: Array, strain: Array) -> Posterior:
+        """Return the modal coordinates of samples (k, nc)."""
+        if not len(time):
+            n = self.twin.reduced.n
+            none = np.zeros(0, dtype=np.intp)
+            return Posterior(np.zeros(0), np.zeros((0, n)), np.zeros((1, n, n)), none)
+        steps = [self.twin.step(t, e) for t, e in zip(time, strain, strict=True)]
+        return Observed.collect(self.twin, steps)
+
+    def save(self) -> dict[str, Array]:
+        """Return the state, its covariance and gain."""
+        return self.twin.save()
+
+    def load(self, memory: Mapping[str, Array]) -> None:
+        """Go on from what `save` returned."""
+        self.twin.load(memory)

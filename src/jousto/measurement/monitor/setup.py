@@ -1,0 +1,209 @@
+"""What a model says of its monitoring, and the monitor that follows from it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems
+from jousto.measurement.monitor.alarms import AlarmLimits
+from jousto.measurement.monitor.health import ChannelRules
+from jousto.measurement.monitor.monitor import Monitor
+from jousto.measurement.twin.reconstruction import Reconstruction
+from jousto.measurement.twin.tolerance import check_errors, gauge_errors
+from jousto.mechanism.bodies.body import FlexibleBody
+from jousto.mechanism.sensors.gauge import Gauge
+from jousto.recovery.shape import find_body
+from jousto.simulation.results.solution import Solution
+
+Array = NDArray[np.float64]
+
+WIDER = 2.0
+"""How much larger than in the reference run the modal coordinates may be."""
+
+LOOSE = 0.02
+"""Share of their variance that is not bound to other modes as in the reference run."""
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class MonitorSettings:
+    """The monitoring of a part by its gauges.
+
+    Parameters
+    ----------
+    gauges : tuple of Gauge
+        On one flexible body; their names are those of the columns.
+    spots : tuple of str or int
+        Stress sites to watch, or how many hot spots of the reference run.
+    separation : float
+        Least distance of hot spots that are found, m.
+    criterion : str
+        Of the stress.
+    noise : float
+        Standard deviation of the gauges, m/m; what the modes leave out belongs to it.
+    reference : str
+        "" for none, "run" to simulate the model, or a results file of it: gives the size of the
+        modal coordinates, so that there may be fewer gauges than modes, and the hot spots.
+    sn, mean, residue : optional
+        S-N curve, mean stress correction and what open cycles count.
+    limits : AlarmLimits
+        What raises an alarm.
+    rules : ChannelRules
+        When a channel is not believed.
+    level : float
+        Share of the bands.
+    every : float
+        Time between summaries, s.
+    columns : mapping of str to str
+        Column of the data for each gauge; the same name if it is not there.
+    unit : str
+        Of columns that name none.
+    scale : float
+        Errors in proportion that all stress shares, of modulus and common gauge factor, as of
+        `stress_band`.
+    factor, position, angle : float
+        Errors of each gauge for itself, m and rad, as of `gauge_errors`.
+
+    Raises
+    ------
+    InputError
+        With everything that does not fit together.
+    """
+
+    gauges: tuple[Gauge, ...]
+    spots: tuple[str, ...] | int
+    separation: float = 0.0
+    criterion: str = "signed-von-mises"
+    noise: float = 1e-6
+    reference: str = ""
+    sn: Any = None
+    mean: Any = None
+    residue: str = "half"
+    limits: AlarmLimits = field(default_factory=AlarmLimits)
+    rules: ChannelRules = field(default_factory=ChannelRules)
+    level: float = 0.95
+    every: float = 1.0
+    columns: Mapping[str, str] = field(default_factory=dict)
+    unit: str | None = None
+    scale: float = 0.0
+    factor: float = 0.0
+    position: float = 0.0
+    angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        problems = Problems()
+        where = "monitor"
+        gauges = tuple(self.gauges)
+        object.__setattr__(self, "gauges", gauges)
+        if not gauges:
+            problems.add(where, "no gauges; add sensors of type gauge to the model")
+        bodies = {gauge.body.name for gauge in gauges}
+        if len(bodies) > 1:
+            problems.add(
+                where,
+                f"gauges are on several bodies ({', '.join(sorted(bodies))}); name those of one "
+                "with gauges:",
+            )
+        if isinstance(self.spots, int) and not isinstance(self.spots, bool):
+            if self.spots < 1:
+                problems.add(where, f"spots is {self.spots}, must be 1 or more")
+            if not self.reference:
+                problems.add(
+                    where,
+                    "hot spots are found in a reference run: give reference: run (or a results "
+                    "file of the model), or name the spots",
+                )
+        problems.positive(where, "noise", self.noise, "m/m")
+        problems.positive(where, "every", self.every, "s")
+        problems.number(
+            where, "scale", self.scale, "", "from 0 to below 1", lambda x: 0.0 <= x < 1.0
+        )
+        check_errors(problems, where, factor=self.factor, position=self.position, angle=self.angle)
+        problems.raise_if_any()
+
+    @property
+    def body(self) -> str:
+        """Name of the body."""
+        return str(self.gauges[0].body.name)
+
+    def monitor(self, run: Solution | None = None) -> Monitor:
+        """Return the monitor.
+
+        Parameters
+        ----------
+        run : Solution, optional
+            Reference run of the same model.
+
+        Raises
+        ------
+        InputError
+            If hot spots or a prior are needed and there is no run, or gauges cannot tell the modes.
+        """
+        body = self.gauges[0].body
+        reduced = body.reduced if isinstance(body, FlexibleBody) else body
+        B = np.vstack([gauge.rows for gauge in self.gauges])
+        prior = None if run is None else prior_of(run, self.body)
+        said = {"factor": self.factor, "position": self.position, "angle": self.angle}
+        twin = Reconstruction(
+            B,
+            noise=self.noise,
+            prior=prior,
+            names=tuple(gauge.name for gauge in self.gauges),
+            errors=gauge_errors(self.gauges, **said) if any(said.values()) else None,
+        )
+        spots = self.spots
+        if isinstance(spots, int):
+            if run is None:
+                raise InputError(Problem("monitor", "hot spots are found in a reference run"))
+            spots = found_spots(run, self, spots)
+        return Monitor(
+            twin,
+            reduced,
+            spots,
+            criterion=self.criterion,
+            sn=self.sn,
+            mean=self.mean,
+            residue=self.residue,
+            limits=self.limits,
+            rules=self.rules,
+            level=self.level,
+            every=self.every,
+            scale=self.scale,
+        )
+
+
+def prior_of(run: Solution, body: str) -> Array:
+    """Return the covariance that modal coordinates have, about zero, from a run of the model.
+
+    ``G = 4 (0.98 C + 0.02 diag C)`` with ``C = mean(p p^T)``: motions twice as large as in the run
+    are usual, and the modes need not go together quite as they did there.
+    """
+    shape = find_body(run, body)
+    start = shape.q_offset + 7
+    p = run.q[:, start : start + shape.n]
+    C = p.T @ p / len(p)
+    # modes that the run does not move at all may still move a little
+    floor = 1e-6 * np.max(np.diag(C), initial=1e-300)
+    return np.asarray(WIDER**2 * (C + LOOSE * (np.diag(np.diag(C)) - C) + floor * np.eye(len(C))))
+
+
+def found_spots(run: Solution, settings: MonitorSettings, count: int) -> tuple[str, ...]:
+    """Return the hot spots of a run, the worst first."""
+    from jousto.recovery.fields.build import stress_field
+    from jousto.recovery.hotspots.spots import hot_spots
+
+    body = settings.gauges[0].body
+    reduced = body.reduced if isinstance(body, FlexibleBody) else body
+    found = hot_spots(
+        stress_field(run, settings.body, reduced=reduced),
+        count=count,
+        criterion=settings.criterion,
+        separation=settings.separation,
+    )
+    return tuple(spot.site for spot in found)

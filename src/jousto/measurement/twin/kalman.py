@@ -1,0 +1,131 @@
+"""The covariance side of the Kalman filter and smoother: gains, kept where they repeat."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+from numpy.typing import NDArray
+
+from jousto.base.described import described
+from jousto.measurement.twin.system import System
+
+Array = NDArray[np.float64]
+STEADY = 1e-5
+"""Relative change of a covariance per step below which the gain is taken as constant."""
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class Gain:
+    """What one step of the filter needs.
+
+    Attributes
+    ----------
+    key : tuple
+        Length of the step and channels that were seen.
+    mask : (ny,) bool array
+        Channels that were seen.
+    F, Gu : (nx, nx), (nx, nd) arrays
+        Transition of the state and effect of known forces.
+    K : (nx, k) array
+        Gain of the innovations.
+    whiten : (k, k) array
+        Makes innovations independent with variance 1; lower triangular.
+    predicted, P : (nx, nx) arrays
+        Covariance before and after the channels were seen.
+    steady : bool
+        Whether it repeats as long as step and channels do.
+    """
+
+    key: tuple[float, bytes]
+    mask: NDArray[np.bool_]
+    F: Array
+    Gu: Array
+    K: Array
+    whiten: Array
+    predicted: Array
+    P: Array
+    steady: bool
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class Channels:
+    """Rows of all channels on the state with their noise.
+
+    Attributes
+    ----------
+    H : (ny, nx) array
+        Channel per unit of state.
+    R : (ny, ny) array
+        Covariance of the noise.
+    names : tuple of str
+        Names.
+    """
+
+    H: Array
+    R: Array
+    names: tuple[str, ...]
+
+
+def first_gain(system: System, channels: Channels, mask: NDArray[np.bool_]) -> Gain:
+    """Return the gain of the first instant, before which nothing moved on."""
+    nx = system.nx
+    P = system.start()
+    key = (0.0, mask.tobytes())
+    return _updated(key, mask, np.eye(nx), np.zeros((nx, system.nd)), P, channels, None)
+
+
+def next_gain(
+    last: Gain, system: System, channels: Channels, dt: float, mask: NDArray[np.bool_]
+) -> Gain:
+    """Return the gain of the next instant; the last one itself where it repeats."""
+    key = (round(dt, 12), mask.tobytes())
+    if last.steady and last.key == key:
+        return last
+    F, Gu, Q = system.discrete(dt)
+    P = F @ last.P @ F.T + Q
+    return _updated(key, mask, F, Gu, 0.5 * (P + P.T), channels, last)
+
+
+def _updated(
+    key: tuple[float, bytes],
+    mask: NDArray[np.bool_],
+    F: Array,
+    Gu: Array,
+    P: Array,
+    channels: Channels,
+    last: Gain | None,
+) -> Gain:
+    scale = np.sqrt(np.diag(channels.R)[mask])
+    H = channels.H[mask] / scale[:, None]
+    R = channels.R[np.ix_(mask, mask)] / np.outer(scale, scale)
+    PH = P @ H.T
+    S = H @ PH + R
+    L = la.cholesky(0.5 * (S + S.T), lower=True)
+    K = la.cho_solve((L, True), PH.T).T
+    # Joseph's form keeps the covariance positive
+    IKH = np.eye(len(P)) - K @ H
+    after = IKH @ P @ IKH.T + K @ R @ K.T
+    after = 0.5 * (after + after.T)
+    steady = False
+    if last is not None and last.key == key:
+        size = np.sqrt(np.maximum(np.diag(after), 1e-300))
+        change = np.abs(after - last.P) / np.outer(size, size)
+        steady = bool(change.max(initial=0.0) < STEADY)
+    whiten = la.solve_triangular(L, np.diag(1.0 / scale), lower=True) if len(L) else L
+    # rows in order, so that a memory read from anywhere gives the same products to the last bit
+    F, Gu, K, whiten = (np.ascontiguousarray(x) for x in (F, Gu, K / scale, whiten))
+    return Gain(key, mask, F, Gu, K, whiten, P, after, steady)
+
+
+def backward(this: Gain, after: Gain) -> Array:
+    """Return the smoother's gain ``P F^T (P of the next prediction)^-1`` (nx, nx)."""
+    size = np.sqrt(np.maximum(np.diag(after.predicted), 1e-300))
+    balanced = after.predicted / np.outer(size, size)
+    values, vectors = la.eigh(0.5 * (balanced + balanced.T))
+    good = values > 1e-13 * values[-1]
+    inverse = (vectors[:, good] / values[good]) @ vectors[:, good].T
+    return np.asarray(this.P @ after.F.T / size @ inverse / size)

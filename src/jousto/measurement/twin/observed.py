@@ -1,0 +1,209 @@
+"""What an observer knows: after one step, and over a whole record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.described import described
+from jousto.measurement.twin.kalman import Gain
+from jousto.measurement.twin.posterior import Posterior
+from jousto.measurement.twin.system import System
+
+if TYPE_CHECKING:
+    from jousto.measurement.twin.observer import Observer
+
+Array = NDArray[np.float64]
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class Step:
+    """What is known after one sample.
+
+    Attributes
+    ----------
+    time : float
+        s.
+    x : (nx,) array
+        State: dynamic modes, their velocities, unknown loads less their mean.
+    gain : Gain
+        Gain and covariances of the step.
+    system : System
+        What the state means.
+    force : (n,) array
+        Known modal forces, kg^0.5 m/s2.
+    innovation : (ny,) array
+        Channels less their prediction; nan where nothing was seen.
+    score : (ny,) array
+        The same, made independent with standard deviation 1.
+    seen : (ny,) bool array
+        Which of the measured channels were used.
+    drift : (nx, k) array or None
+        How far each error of the gauges that stays moves the state, for standard deviations of 1.
+    """
+
+    time: float
+    x: Array
+    gain: Gain
+    system: System
+    force: Array
+    innovation: Array
+    score: Array
+    seen: NDArray[np.bool_]
+    drift: Array | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the unknown loads."""
+        return self.system.labels
+
+    @cached_property
+    def p(self) -> Array:
+        """Modal coordinates (n,), kg^0.5 m."""
+        return modal(self.system, self.x, self.force)
+
+    @property
+    def dp(self) -> Array:
+        """Modal velocities (n,), kg^0.5 m/s."""
+        return np.asarray(self.system.rates @ self.x)
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of p (n, n)."""
+        C = self.system.shape
+        return np.asarray(C @ self.gain.P @ C.T)
+
+    @property
+    def loads(self) -> Array:
+        """Unknown loads (na,), N and N m, axes of the body."""
+        return np.asarray(self.x[self.system.places] + self.system.mean)
+
+    @property
+    def load_covariance(self) -> Array:
+        """Covariance of the loads (na, na)."""
+        return np.asarray(self.gain.P[self.system.places, self.system.places])
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class Observed(Posterior):
+    """Modal coordinates, loads and innovations over a record.
+
+    Attributes
+    ----------
+    observer : Observer
+        What made it.
+    states : (nt, nx) array
+        States.
+    P : (m, nx, nx) array
+        Their different covariances; `which` tells which holds.
+    forces : (nt, n) array
+        Known modal forces, kg^0.5 m/s2.
+    innovations, scores : (nt, ny) arrays
+        Channels less their prediction, and the same made independent with standard deviation 1.
+    gains : tuple of Gain
+        Gain of every step (the same object where it repeats).
+    smoothed : bool
+        Whether the whole record is in every instant, or only what came before.
+    moved : (nt, n, k) array or None
+        What each error of the gauges that stays moves p by, for standard deviations of 1.
+    """
+
+    observer: Observer
+    states: Array
+    P: Array
+    forces: Array
+    innovations: Array
+    scores: Array
+    gains: tuple[Gain, ...]
+    smoothed: bool = False
+    moved: Array | None = None
+
+    @classmethod
+    def collect(cls, observer: Observer, steps: list[Step]) -> Observed:
+        """Return steps as one record."""
+        system = observer.system
+        known: dict[int, int] = {}
+        gains: list[Gain] = []
+        which = np.empty(len(steps), dtype=np.intp)
+        for k, step in enumerate(steps):
+            place = known.setdefault(id(step.gain), len(gains))
+            if place == len(gains):
+                gains.append(step.gain)
+            which[k] = place
+        P = np.array([gain.P for gain in gains])
+        states = np.array([step.x for step in steps])
+        forces = np.array([step.force for step in steps])
+        return cls(
+            time=np.array([step.time for step in steps]),
+            p=modal(system, states, forces),
+            covariances=spread(system, P),
+            which=which,
+            observer=observer,
+            states=states,
+            P=P,
+            forces=forces,
+            innovations=np.array([step.innovation for step in steps]),
+            scores=np.array([step.score for step in steps]),
+            gains=tuple(step.gain for step in steps),
+            moved=None if observer.errors is None else system.shape @ _drifts(steps),
+        )
+
+    def deviations(self, instants: slice) -> Array | None:
+        """Return what the errors of the gauges move p by; see `Posterior.deviations`."""
+        return None if self.moved is None else self.moved[instants]
+
+    @property
+    def missed(self) -> float:
+        """Standard deviation of the strain that the model misses anywhere, m/m."""
+        return self.observer.system.discrepancy
+
+    @property
+    def dp(self) -> Array:
+        """Modal velocities (nt, n), kg^0.5 m/s."""
+        return np.asarray(self.states @ self.observer.system.rates.T)
+
+    @property
+    def load_names(self) -> tuple[str, ...]:
+        """Names of the unknown loads."""
+        return self.observer.system.labels
+
+    @property
+    def loads(self) -> Array:
+        """Unknown loads (nt, na), N and N m, axes of the body."""
+        system = self.observer.system
+        return np.asarray(self.states[:, system.places] + system.mean)
+
+    @property
+    def load_band(self) -> Array:
+        """Standard deviation of the loads (nt, na)."""
+        variance = np.einsum("mjj->mj", self.P)[:, self.observer.system.places]
+        return np.asarray(np.sqrt(np.maximum(variance, 0.0))[self.which])
+
+    @property
+    def likelihood(self) -> float:
+        """Logarithm of the likelihood of the record; larger is better, only differences count."""
+        logs = {id(gain): 2.0 * np.sum(np.log(np.diag(gain.whiten))) for gain in self.gains}
+        total = np.nansum(self.scores**2) - sum(logs[id(gain)] for gain in self.gains)
+        return float(-0.5 * total)
+
+
+def modal(system: System, states: Array, forces: Array) -> Array:
+    """Return modal coordinates (.., n) of states and known modal forces."""
+    static = np.where(system.dynamic, 0.0, forces / system.reduced.stiffness)
+    return np.asarray(states @ system.shape.T + static)
+
+
+def _drifts(steps: list[Step]) -> Array:
+    return np.array([step.drift for step in steps])
+
+
+def spread(system: System, P: Array) -> Array:
+    """Return covariances of p (m, n, n) of covariances of the state."""
+    C = system.shape
+    return np.asarray(C @ P @ C.T)

@@ -1,0 +1,604 @@
+"""Observer: a Kalman filter that follows a flexible body by its gauges, at rest or moving."""
+
+from __future__ import annotations
+
+import copy
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems, count, warn
+from jousto.measurement.twin.drift import drifted
+from jousto.measurement.twin.kalman import Channels, Gain, first_gain, next_gain
+from jousto.measurement.twin.observed import Observed, Step, modal
+from jousto.measurement.twin.reconstruction import NOISE
+from jousto.measurement.twin.reference import STILL, InertialForce, Motion, Reference, cross
+from jousto.measurement.twin.signals import LARGEST, read_noise, read_strain, read_time
+from jousto.measurement.twin.system import Accelerometer, System, UnknownLoad, as_loads, as_rows
+from jousto.reduction.damping import modal_damping
+from jousto.reduction.reduced import ReducedPart
+
+Array = NDArray[np.float64]
+CENTERED = 1e-6
+"""Share of the mass that modes may move with their frame where loads balance its inertia."""
+JITTER = 1e-3
+"""Share of a step by which a clock may jitter without being followed."""
+MEMORY = ("F", "Gu", "K", "whiten", "predicted", "P")
+"""Arrays of the gain that a step leaves behind for the next."""
+BALANCE = ("balance fx", "balance fy", "balance fz", "balance mx", "balance my", "balance mz")
+
+
+@dataclass(frozen=True)
+class Balance:
+    """How well the loads balance weight and inertia of the reference motion.
+
+    ``sum G_k a_k = M_rr [R'' - g; w'] - Q_v`` about the frame's origin: six equations that are
+    seen like channels, with the noise of what the reference leaves out (vibration of the frame).
+
+    Parameters
+    ----------
+    force, moment : float
+        Standard deviations, N and N m.
+    """
+
+    force: float
+    moment: float
+
+    def __post_init__(self) -> None:
+        problems = Problems()
+        problems.positive("Balance", "force", self.force, "N")
+        problems.positive("Balance", "moment", self.moment, "N m")
+        problems.raise_if_any()
+
+
+@explained
+@described
+class Observer:
+    """Follows modal coordinates and unknown loads of a flexible body in real time.
+
+    State ``x = [p p' a]`` with ``p'' + D p' + W2 p = Phi^T L a + f(motion of the frame)`` and
+    loads a that wander at random; the channels are strains ``e = B p``, accelerations, and the
+    balance of the body. The filter is linear with gains that become constant, so that a step
+    costs a tenth of a millisecond. What the motion of the frame does to the modes (inertia
+    coupling ``-M_fr r''`` and velocity terms ``Q_v``) is a known force from the reduced part's
+    invariants.
+
+    Parameters
+    ----------
+    reduced : ReducedPart
+        From `reduce`: the body floats and the loads at *all* its joints are unknown. From `clamp`:
+        it is held at a node whose motion is the reference.
+    gauges : (ng, n) array_like, sequence of gauges or Reconstruction
+        Strain of each mode at each gauge.
+    loads : sequence of UnknownLoad
+        Where loads act that are not measured.
+    step : float
+        Usual time between two samples, s.
+    damping : float, sequence of float or Rayleigh
+        As of `FlexibleBody`: ratio of the modes of this part.
+    noise : float, (ng,) or (ng, ng) array_like
+        Standard deviation of the gauges, m/m, or their covariance.
+    reference : Reference, optional
+        Motion of the frame; at rest and without weight if not given.
+    accelerometers : sequence of Accelerometer
+        Further channels, after the gauges.
+    balance : Balance, optional
+        Take weight and inertia of the reference motion as a bound on the loads; for floating
+        parts with all loads on nodes.
+    limit : float, optional
+        Modes above this frequency, Hz, follow their load statically; half the sampling rate if
+        not given.
+    disturbance : float
+        White modal forces besides the loads, kg^0.5 m/s^1.5.
+    discrepancy, lasting : float
+        Standard deviation, m/m, and time constant, s, of what the model misses at a place and of
+        the zero of a gauge: a slow error of each gauge that no averaging removes, and of the
+        stress everywhere else. `tune` finds its size from the record.
+    gate : float, optional
+        Samples further from the prediction than so many standard deviations are left out and
+        flagged.
+    errors : (k, ng, n) array_like, optional
+        Standard deviation of errors of each gauge that stay through a record, per unit modal
+        coordinate, from `gauge_errors`. What they do to the estimate is followed beside the
+        filter, whose gain does not change; part of the bands of stress and damage.
+
+    Raises
+    ------
+    InputError
+        Shapes, noise, damping that cannot be; no strain channel: loads that do not change are
+        then not seen and the estimate drifts away.
+
+    Warns
+    -----
+    JoustoWarning
+        Loads that the channels cannot tell apart.
+
+    Examples
+    --------
+    >>> import jousto as jo
+    >>> steel = jo.Material(E=2.1e11, nu=0.3, rho=7850)
+    >>> part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.01), 10, steel)
+    >>> rod = jo.clamp(jo.reduce(part, jo.CraigBampton(("start", "end"), modes=4)), "start")
+    >>> places = {"root": "e1.a.top", "mid": "e5.a.top"}
+    >>> gauges = [jo.Gauge(name, rod, at) for name, at in places.items()]
+    >>> tip = jo.UnknownLoad("end", ("fz",), rate=50.0, size=100.0)
+    >>> observer = jo.Observer(rod, gauges, loads=[tip], step=1e-3, noise=1e-6)
+    >>> step = observer.step(0.0, [14.3e-6 * k for k in (1.0, 0.6)])  # about F (L - x) / (W E)
+    >>> print(step.names[0], step.loads.round())
+    end.fz [-1.]
+    """
+
+    def __init__(
+        self,
+        reduced: ReducedPart,
+        gauges: Any,
+        *,
+        loads: Any,
+        step: float,
+        damping: Any = 0.01,
+        noise: ArrayLike = NOISE,
+        reference: Reference | None = None,
+        accelerometers: Any = (),
+        balance: Balance | None = None,
+        limit: float | None = None,
+        disturbance: float = 0.0,
+        discrepancy: float = 0.0,
+        lasting: float = 10.0,
+        gate: float | None = None,
+        errors: ArrayLike | None = None,
+    ) -> None:
+        problems = Problems()
+        where = "Observer"
+        if not isinstance(reduced, ReducedPart):
+            raise InputError(
+                Problem(where, f"reduced is a {type(reduced).__name__}, must be a ReducedPart")
+            )
+        B, names = as_rows(gauges, reduced.n)
+        self.accelerometers = problems.several(
+            where, "accelerometers", accelerometers, Accelerometer
+        )
+        problems.positive(where, "step", step, "s")
+        if limit is not None:
+            problems.positive(where, "limit", limit, "Hz")
+        if gate is not None:
+            problems.positive(where, "gate", gate, "")
+        if not np.isfinite(disturbance) or disturbance < 0.0:
+            problems.add(where, f"disturbance is {disturbance!r}, must be 0 or positive")
+        if not 0.0 <= discrepancy <= LARGEST:
+            problems.add(where, f"discrepancy is {discrepancy!r} m/m, must be 0 to {LARGEST:g}")
+        problems.positive(where, "lasting", lasting, "s")
+        if len(B) and B.shape[1] != reduced.n:
+            problems.add(where, f"gauges are of {B.shape[1]} modes, the part has {reduced.n}")
+        if not len(B):
+            problems.add(
+                where,
+                "no strain channel: accelerations do not see loads that stay, so that the estimate "
+                "drifts away; add at least one gauge",
+            )
+        R = read_noise(problems, where, "noise", noise, len(B), "m/m", LARGEST)
+        try:
+            D = modal_damping(
+                tuple(damping) if isinstance(damping, list | np.ndarray) else damping,
+                reduced.frequencies,
+            )
+        except InputError as error:
+            problems.found.extend(Problem(where, str(p)) for p in error.problems)
+            D = np.zeros(reduced.n)
+        found = as_loads(loads)
+        self.errors = None
+        if errors is not None:
+            self.errors = problems.array(where, "errors", errors, (None, len(B), reduced.n))
+        problems.raise_if_any()
+        assert R is not None
+        self.reduced = reduced
+        self.B = B
+        self.gauge_names = names
+        self.reference = reference
+        self.balance = balance
+        self.gate = gate
+        self.dt = float(step)
+        self.noise = R
+        self.system = System(
+            reduced,
+            D,
+            found,
+            0.5 / float(step) if limit is None else float(limit),
+            disturbance,
+            len(B),
+            float(discrepancy),
+            float(lasting),
+        )
+        self._force = InertialForce(reduced.invariants)
+        self._J = reduced.invariants.I7
+        self._check_balance()
+        self._arms = np.concatenate(
+            [np.zeros((3, 0, reduced.n)), *(load.arms(reduced) for load in found)], axis=1
+        )
+        self.channels = self._make_channels()
+        self._check_observable()
+        self.reset()
+
+    # -- what it is made of -------------------------------------------------------------------
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the measured channels: gauges, then accelerometers."""
+        return (*self.gauge_names, *(x.name for x in self.accelerometers))
+
+    def _make_channels(self) -> Channels:
+        system = self.system
+        rows = [self.B @ system.shape]
+        if system.misses:
+            rows[0][:, -system.misses :] = np.eye(len(self.B))
+        rows += [(x.row(self.reduced) @ system.accelerations)[None] for x in self.accelerometers]
+        variances = [x.noise**2 for x in self.accelerometers]
+        names = self.names
+        if self.balance is not None:
+            balance = np.zeros((6, system.nx))
+            balance[:, system.places] = system.wrenches
+            rows.append(balance)
+            variances += 3 * [self.balance.force**2] + 3 * [self.balance.moment**2]
+            names += BALANCE
+        ng, ny = len(self.B), len(self.B) + len(variances)
+        R = np.zeros((ny, ny))
+        R[:ng, :ng] = self.noise
+        R[np.arange(ng, ny), np.arange(ng, ny)] = variances
+        return Channels(np.vstack(rows), R, names)
+
+    def _check_balance(self) -> None:
+        if self.balance is None:
+            return
+        problems = Problems()
+        I = self.reduced.invariants
+        if np.isnan(self.system.wrenches).any():
+            problems.add("Observer", "balance needs loads on nodes; a pattern's force is not known")
+        if np.abs(I.I3).max(initial=0.0) > CENTERED * np.sqrt(I.mass):
+            problems.add(
+                "Observer",
+                "balance needs a floating part; one that `clamp` holds has a reaction at its node "
+                "that is no load here",
+            )
+        if self.reference is None:
+            problems.add("Observer", "balance needs a reference: what shall the loads balance?")
+        problems.raise_if_any()
+
+    def _check_observable(self) -> None:
+        """Refuse loads that nothing sees; warn of combinations that only their size bounds."""
+        system = self.system
+        if not system.na:
+            return
+        # the state under loads that stay: A x = 0 for x = T a
+        scale = system.bound / np.sqrt(np.diag(self.channels.R))[:, None]
+        seen = (self.channels.H @ system.rest) * scale
+        _, s, Vt = np.linalg.svd(seen)
+        s = np.r_[s, np.zeros(system.na - len(s))]
+        # below one standard deviation of noise for the whole size of the load: not seen
+        hidden = Vt[s < 1.0]
+        if not len(hidden):
+            return
+        weight = np.sqrt((hidden**2).sum(axis=0))
+        names = ", ".join(
+            f"{label}" for label, x in zip(system.labels, weight, strict=True) if x > 0.5
+        )
+        open_ended = [
+            label
+            for label, x, size in zip(system.labels, weight, system.size, strict=True)
+            if x > 1e-3 and not np.isfinite(size)
+        ]
+        found = f"{count(len(hidden), 'combination')} of {count(system.na, 'load')}"
+        if open_ended:
+            raise InputError(
+                Problem(
+                    "Observer",
+                    f"{found} is not seen by the channels and would wander away "
+                    f"without end ({', '.join(open_ended)}); give these loads a size, "
+                    "or add gauges or a balance",
+                )
+            )
+        warn(
+            "Observer",
+            f"{found} is not seen by the channels and bounded by its size alone"
+            f"{f' (mainly {names})' if names else ''}; look at the bands",
+        )
+
+    # -- stepping -----------------------------------------------------------------------------
+
+    def reset(self) -> None:
+        """Forget everything measured; the next step is the first."""
+        self.time: float | None = None
+        self._x = np.zeros(self.system.nx)
+        self._gain: Gain | None = None
+        self._f = np.zeros(self.reduced.n)
+        # how far errors of the gauges that stay move the state
+        self._drift: Array | None = None
+        if self.errors is not None:
+            self._drift = np.zeros((self.system.nx, self.errors[..., 0].size))
+
+    def save(self) -> dict[str, Array]:
+        """Return all that is remembered of the samples so far, as plain arrays.
+
+        Returns
+        -------
+        dict of str to array
+            For `load` of an observer that was made alike; empty before the first step.
+        """
+        gain = self._gain
+        if gain is None or self.time is None:
+            return {}
+        own = {
+            "clock": np.array([self.time, gain.key[0], float(gain.steady)]),
+            "state": np.array(self._x),
+            "force": np.array(self._f),
+            "seen": gain.mask.astype(np.float64),
+            "names": self._fingerprint(),
+        }
+        if self._drift is not None:
+            own["drift"] = np.array(self._drift)
+        return own | {name: np.array(getattr(gain, name)) for name in MEMORY}
+
+    def load(self, memory: Mapping[str, ArrayLike]) -> None:
+        """Go on from what `save` returned; the next steps are then the same to the last bit.
+
+        Raises
+        ------
+        InputError
+            If it is the memory of another observer; this one stays as it is.
+        """
+        if not memory:
+            self.reset()
+            return
+        known = {"clock": (3,), "state": self._x.shape, "force": self._f.shape}
+        known |= {"seen": (len(self.channels.names),), "names": (1,)}
+        if self._drift is not None:
+            known["drift"] = self._drift.shape
+        wanted = (*known, *MEMORY)
+        kept = {name: np.array(memory[name], float, order="C") for name in wanted if name in memory}
+        problems = Problems()
+        for name in wanted:
+            if name not in kept:
+                problems.add("Observer.load", f"the memory holds no {name!r}; give what save made")
+            elif name in known and kept[name].shape != known[name]:
+                problems.add(
+                    "Observer.load",
+                    f"{name!r} has shape {kept[name].shape}, must be {known[name]}: it is the "
+                    "memory of an observer with other modes, loads or channels",
+                )
+        if not problems.found and kept["names"] != self._fingerprint():
+            problems.add(
+                "Observer.load", "it is the memory of an observer with other loads or channels"
+            )
+        problems.raise_if_any()
+        time, step, steady = (float(x) for x in kept["clock"])
+        mask = kept["seen"] > 0.5
+        gain = {name: kept[name] for name in MEMORY}
+        self._gain = Gain((step, mask.tobytes()), mask, steady=bool(steady), **gain)
+        self._x, self._f, self.time = kept["state"], kept["force"], time
+        self._drift = kept.get("drift")
+
+    def _fingerprint(self) -> Array:
+        """Return a number (1,) of the names of loads and channels."""
+        text = "\n".join((*self.system.labels, "", *self.channels.names))
+        return np.array([float(zlib.crc32(text.encode()))])
+
+    def step(self, t: float, e: ArrayLike, motion: Motion | None = None) -> Step:
+        """Take one sample of all channels and return what is known now.
+
+        Parameters
+        ----------
+        t : float
+            Time, s, later than that of the last step.
+        e : (ny,) array_like
+            Strains of the gauges, m/m, then accelerations, m/s2; nan where nothing was measured.
+        motion : tuple of three (3,) arrays, optional
+            Motion of the frame now, if not from the reference: its acceleration less gravity, w
+            and w', body frame.
+
+        Raises
+        ------
+        InputError
+            Time that does not increase, wrong number of channels, strains in percent or um/m.
+        """
+        problems = Problems()
+        sample = read_strain(problems, "Observer.step", e, self.names, len(self.B))
+        if not np.isfinite(t):
+            problems.add("Observer.step", f"time is {t!r}, must be a number")
+        elif self.time is not None and t <= self.time:
+            problems.add(
+                "Observer.step",
+                f"time runs backwards or stands still: {t:.9g} s after {self.time:.9g} s; call "
+                "reset() to begin anew",
+            )
+        if sample is not None and len(sample) != 1:
+            problems.add("Observer.step", f"e holds {len(sample)} samples, must be one; use run")
+        problems.raise_if_any()
+        assert sample is not None
+        return self._advance(float(t), sample[0], motion)
+
+    def _advance(self, t: float, sample: Array, motion: Motion | None = None) -> Step:
+        system, channels = self.system, self.channels
+        if motion is None:
+            motion = STILL if self.reference is None else self.reference.at(t)
+        # known forces by the state so far; what p changes in them is of second order
+        f = system.known(self._force, motion, system.shape @ self._x, system.rates @ self._x)
+        y = np.zeros(len(channels.names))  # the balance is always zero
+        y[: len(sample)] = sample
+        y -= self._offset(motion, f, self._x)
+        seen = np.isfinite(y)
+        dt = 0.0 if self.time is None else self._rounded(t - self.time)
+        before = self._gain
+        gain, x, innovation = self._predicted(before, dt, seen, f, y)
+        if self.gate is not None:
+            limit = self.gate / np.sqrt(self._precision(gain))
+            wild = np.zeros_like(seen)
+            wild[gain.mask] = np.abs(innovation) > limit
+            wild[len(sample) :] = False
+            if wild.any():
+                seen = seen & ~wild
+                gain, x, innovation = self._predicted(before, dt, seen, f, y)
+        self._x = x + gain.K @ innovation
+        self._gain, self._f, self.time = gain, f, t
+        if self._drift is not None and self.errors is not None:
+            p = modal(system, self._x, f)
+            self._drift = drifted(self._drift, gain, channels, self.errors, p)
+        whole = np.full(len(y), np.nan)
+        score = np.full(len(y), np.nan)
+        whole[gain.mask] = innovation
+        score[gain.mask] = gain.whiten @ innovation
+        return Step(t, self._x, gain, system, f, whole, score, seen[: len(sample)], self._drift)
+
+    def _rounded(self, dt: float) -> float:
+        """Return a whole number of steps if a time is as good as that: the gains repeat then."""
+        whole = round(dt / self.dt) * self.dt
+        return whole if whole > 0.0 and abs(dt - whole) < JITTER * self.dt else dt
+
+    def _predicted(
+        self, before: Gain | None, dt: float, seen: NDArray[np.bool_], f: Array, y: Array
+    ) -> tuple[Gain, Array, Array]:
+        if before is None:
+            gain = first_gain(self.system, self.channels, seen)
+            x = self._rest(f)
+        else:
+            gain = next_gain(before, self.system, self.channels, dt, seen)
+            d = self.system.dynamic
+            x = gain.F @ self._x + gain.Gu @ (0.5 * (self._f[d] + f[d]))
+        return gain, x, y[seen] - self.channels.H[seen] @ x
+
+    def _rest(self, f: Array) -> Array:
+        """Return the state in which known forces are borne at rest."""
+        x = np.zeros(self.system.nx)
+        d = self.system.dynamic
+        x[: self.system.nd] = f[d] / self.reduced.stiffness[d]
+        return x
+
+    @staticmethod
+    def _precision(gain: Gain) -> Array:
+        """Inverse variance of each innovation (k,)."""
+        inverse = np.linalg.inv(gain.whiten)
+        return np.asarray(1.0 / (inverse**2).sum(axis=1))
+
+    def _offset(self, motion: Motion, f: Array, x: Array) -> Array:
+        """Return what the channels show of known forces and motion alone (ny,).
+
+        The state so far tells how far the deformation moves the loads: they act on the bent body.
+        """
+        system, reduced = self.system, self.reduced
+        static = np.where(system.dynamic, 0.0, f / reduced.stiffness)
+        parts = [self.B @ static]
+        moved = np.where(system.dynamic, f, 0.0)
+        parts += [
+            np.array([x.row(reduced) @ moved + x.of_frame(reduced, motion)])
+            for x in self.accelerometers
+        ]
+        if self.balance is not None:
+            loads = x[system.places] + system.mean
+            carried = system.wrenches @ system.mean - self._inertia(motion)
+            carried[3:] += (self._arms @ (system.shape @ x + static)) @ loads
+            parts.append(carried)
+        return np.concatenate(parts)
+
+    def _inertia(self, motion: Motion) -> Array:
+        """Return force and moment (6,) about the frame's origin that the motion takes."""
+        a, w, dw = motion
+        I = self.reduced.invariants
+        S, J = I.first_moment, self._J
+        force = I.mass * a + cross(dw, S) + cross(w, cross(w, S))
+        return np.concatenate([force, cross(S, a) + J @ dw + cross(w, J @ w)])
+
+    # -- whole records ------------------------------------------------------------------------
+
+    def run(self, time: Any, e: ArrayLike | None = None) -> Observed:
+        """Return what a whole record tells, from its start; the observer itself stays as it is.
+
+        Parameters
+        ----------
+        time : (nt,) array_like or Record
+            Instants, s; or a record with the channels of the observer by name.
+        e : (nt, ny) array_like
+            Samples as for `step`; nan where nothing was measured.
+
+        Raises
+        ------
+        InputError
+            As `step`, for the whole record at once.
+        """
+        problems = Problems()
+        if e is None:
+            time, e = self._from_record(time)
+        sample = read_strain(problems, "Observer.run", e, self.names, len(self.B))
+        t = read_time(problems, "Observer.run", time, sample)
+        if t is not None and len(t) == 0:
+            problems.add("Observer.run", "the record is empty")
+        problems.raise_if_any()
+        assert sample is not None and t is not None
+        walker = copy.copy(self)
+        walker.reset()
+        return Observed.collect(
+            walker, [walker._advance(float(s), y) for s, y in zip(t, sample, strict=True)]
+        )
+
+    def _from_record(self, record: Any) -> tuple[Array, Array]:
+        channels = getattr(record, "channels", None)
+        if channels is None:
+            raise InputError(
+                Problem("Observer.run", "e is missing: give run(time, e) or a Record with channels")
+            )
+        missing = [name for name in self.names if name not in channels]
+        if missing:
+            raise InputError(
+                Problem(
+                    "Observer.run",
+                    f"the record has no channel {', '.join(map(repr, missing))}; it has "
+                    f"{', '.join(map(repr, channels))}",
+                )
+            )
+        return np.asarray(record.time), np.stack([channels[name] for name in self.names], axis=1)
+
+    def changed(
+        self,
+        *,
+        noise: float = 1.0,
+        rates: ArrayLike = 1.0,
+        balance: float = 1.0,
+        discrepancy: float | None = None,
+        loads: tuple[UnknownLoad, ...] | None = None,
+        reference: Reference | None = None,
+    ) -> Observer:
+        """Return an observer with other standard deviations, or another motion.
+
+        Parameters
+        ----------
+        noise, balance : float
+            Factors of the noise of gauges and accelerometers, and of the balance.
+        rates : float or (k,) array_like
+            Factors of the rates of the loads, one for each `UnknownLoad`.
+        discrepancy : float, optional
+            New discrepancy, m/m.
+        loads : tuple of UnknownLoad, optional
+            The same loads with other numbers.
+        reference : Reference, optional
+            Another motion of the frame.
+        """
+        twin = copy.copy(self)
+        twin.noise = noise**2 * self.noise
+        twin.accelerometers = tuple(replace(x, noise=noise * x.noise) for x in self.accelerometers)
+        factors = np.broadcast_to(np.asarray(rates, dtype=np.float64), (len(self.system.loads),))
+        known = self.system.loads if loads is None else loads
+        loads = tuple(
+            replace(load, rate=factor * load.rate)
+            for load, factor in zip(known, factors, strict=True)
+        )
+        missed = self.system.discrepancy if discrepancy is None else float(discrepancy)
+        twin.system = replace(self.system, loads=loads, discrepancy=missed)
+        if self.balance is not None:
+            twin.balance = Balance(balance * self.balance.force, balance * self.balance.moment)
+        if reference is not None:
+            twin.reference = reference
+        twin.channels = twin._make_channels()
+        twin.reset()
+        return twin

@@ -1,0 +1,312 @@
+"""place_gauges: where few gauges tell most of the modes, or of the stress at hot spots."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.linalg as la
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems, count
+from jousto.base.ranking import largest
+from jousto.measurement.twin.reconstruction import NOISE
+from jousto.measurement.twin.signals import LARGEST, read_noise
+from jousto.measurement.twin.system import as_rows
+from jousto.reduction.reduced import ReducedPart
+
+Array = NDArray[np.float64]
+SWEEPS = 50
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """Gauges chosen from candidates.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Names of the chosen candidates, the most telling first.
+    index : (ng,) int array
+        Their places among the candidates.
+    rows : (ng, n) array
+        Strain of each mode at the gauges.
+    criterion : str
+        "D" or "I".
+    value : float
+        "D": ``log det(B^T Rn^-1 B + G^-1)``, larger is better; "I": root mean square of the
+        standard deviation at the hot spots, Pa, smaller is better.
+    history : tuple of float
+        The value with the first, the first two, .. gauges of the greedy choice, then after the
+        exchanges.
+    condition : float
+        Condition number of the rows.
+    """
+
+    names: tuple[str, ...]
+    index: NDArray[np.intp]
+    rows: Array
+    criterion: str
+    value: float
+    history: tuple[float, ...]
+    condition: float
+
+    def __str__(self) -> str:
+        what = (
+            f"log det = {self.value:.4g}"
+            if self.criterion == "D"
+            else f"standard deviation at the hot spots {self.value / 1e6:.4g} MPa (rms)"
+        )
+        return (
+            f"{count(len(self.names), 'gauge')}, {self.criterion}-optimal: {what}, condition "
+            f"{self.condition:.3g}\n" + "\n".join(f"  {name}" for name in self.names)
+        )
+
+
+@explained
+def place_gauges(
+    candidates: Any,
+    count: int,
+    *,
+    criterion: str = "D",
+    hot: ArrayLike | Any = None,
+    noise: ArrayLike = NOISE,
+    prior: ArrayLike | None = None,
+    trajectory: ArrayLike | None = None,
+    names: Sequence[str] = (),
+    positions: ArrayLike | None = None,
+    exclude: Any = (),
+    separation: float = 0.0,
+) -> Placement:
+    """Choose gauges from candidates so that modes, or hot spots, are known best.
+
+    "D" takes the rows with the largest ``log det(B^T Rn^-1 B + G^-1)``, "I" those with the least
+    ``trace(S_hot P S_hot^T)``, ``P = (B^T Rn^-1 B + G^-1)^-1``: better for watching stress. One
+    gauge after the other is added, then gauges are exchanged for candidates as long as that helps
+    (Fedorov 1972). Of candidates that help as much, as symmetric places do, the first by its name
+    is taken.
+
+    Parameters
+    ----------
+    candidates : ReducedPart, (nc, n) array_like or sequence of Gauge
+        Rows of strain per mode, such as ``gauge_rows(gauges)``; a part offers its stress sites,
+        with gauges along the first axis of the site.
+    count : int
+        Number of gauges.
+    criterion : {"D", "I"}
+        See above.
+    hot : (k, n) array_like or StressModes
+        Stress of each mode where it shall be known, Pa, for "I": rows of components, or stress
+        modes, of which all components count.
+    noise : float or (nc,) array_like
+        Standard deviation of the candidates, m/m.
+    prior : float, (n,) or (n, n) array_like, optional
+        As of `Reconstruction`.
+    trajectory : (nt, n) array_like, optional
+        Modal coordinates of a run, ``run.coordinates(body)[:, 7:]``: its mean square over the
+        whole motion becomes the prior, so that modes count by how much they move. Not with `prior`.
+    names : sequence of str, optional
+        Names of the candidates.
+    positions : (nc, 3) array_like, optional
+        Where they are, m; known for a part and for gauges with a position.
+    exclude : sequence of InBox, InSphere, InCylinder or tuple (point, radius)
+        Zones without gauges: welds, hot surfaces, places that nobody reaches.
+    separation : float
+        Least distance between two gauges, m.
+
+    Raises
+    ------
+    InputError
+        What does not fit; too few candidates outside the zones.
+    """
+    problems = Problems()
+    where = "place_gauges"
+    B, known, places = _candidates(candidates)
+    labels = tuple(names) or known
+    if positions is not None:
+        places = problems.array(where, "positions", positions, (len(B), 3))
+    if criterion not in ("D", "I"):
+        problems.add(where, f"criterion is {criterion!r}, must be 'D' or 'I'")
+    n = B.shape[1]
+    S = None
+    if criterion == "I":
+        raw = getattr(hot, "modes", hot)
+        if raw is None:
+            problems.add(where, "criterion 'I' needs hot=, the stress modes of the hot spots")
+        else:
+            S = problems.array(
+                where, "hot", np.asarray(raw).reshape(-1, np.shape(raw)[-1]), (None, n)
+            )
+    if len(labels) != len(B):
+        problems.add(where, f"{len(labels)} names for {len(B)} candidates")
+    if (exclude or separation) and places is None:
+        problems.add(where, "zones and separation need positions= of the candidates")
+    wanted: Any = count
+    if isinstance(wanted, bool) or not isinstance(wanted, int | np.integer) or wanted < 1:
+        problems.add(where, f"count is {count!r}, must be a whole number, 1 or more")
+    R = read_noise(problems, where, "noise", noise, len(B), "m/m", LARGEST)
+    if prior is not None and trajectory is not None:
+        problems.add(where, "give prior or trajectory, not both")
+    G = None
+    if trajectory is not None:
+        p = problems.array(where, "trajectory", trajectory, (None, n))
+        if p is not None and len(p):
+            G = p.T @ p / len(p)
+            G += 1e-9 * np.trace(G) / n * np.eye(n)
+    elif prior is not None:
+        G = read_noise(problems, where, "prior", prior, n, "kg^0.5 m", np.inf)
+    problems.raise_if_any()
+    assert R is not None
+    if G is None and count < n:
+        raise InputError(
+            Problem(
+                where,
+                f"{count} gauges cannot tell {n} modes apart; take more, keep fewer modes, or give "
+                "a prior or the trajectory of a run",
+            )
+        )
+    free = np.ones(len(B), dtype=bool)
+    for zone in exclude:
+        free[_inside(zone, places)] = False
+    sd = np.sqrt(np.diag(R))
+    W = B / sd[:, None]
+    search = _Search(W, G, S, places, separation, free, labels)
+    chosen = search.greedy(int(count))
+    history = [search.value(chosen[: k + 1]) for k in range(len(chosen))]
+    chosen = search.exchange(chosen)
+    history.append(search.value(chosen))
+    rows = B[chosen]
+    s = la.svdvals(rows / sd[chosen, None])
+    condition = float(s[0] / s[-1]) if len(rows) >= n and s[-1] > 1e-12 * s[0] else float("inf")
+    told = history if criterion == "D" else [float(np.sqrt(-x / len(S))) for x in history]  # type: ignore[arg-type]
+    return Placement(
+        tuple(labels[i] for i in chosen),
+        np.array(chosen, dtype=np.intp),
+        rows,
+        criterion,
+        told[-1],
+        tuple(told),
+        condition,
+    )
+
+
+class _Search:
+    """Greedy choice and exchange over candidates; larger values are better."""
+
+    def __init__(
+        self,
+        W: Array,
+        G: Array | None,
+        S: Array | None,
+        places: Array | None,
+        separation: float,
+        free: NDArray[np.bool_],
+        labels: tuple[str, ...],
+    ) -> None:
+        self.W, self.S, self.places, self.labels = W, S, places, labels
+        self.separation, self.free = separation, free
+        scale = float(np.mean(np.einsum("ij,ij->i", W, W))) or 1.0
+        # without a prior the first gauges leave modes open: a weak one stands in
+        self.base = np.linalg.inv(G) if G is not None else 1e-9 * scale * np.eye(W.shape[1])
+
+    def information(self, chosen: list[int]) -> Array:
+        rows = self.W[chosen]
+        return np.asarray(self.base + rows.T @ rows)
+
+    def value(self, chosen: list[int]) -> float:
+        A = self.information(chosen)
+        if self.S is None:
+            return float(np.linalg.slogdet(A)[1])
+        return -float(np.einsum("ij,ji->", self.S, np.linalg.solve(A, self.S.T)))
+
+    def gains(self, A: Array) -> Array:
+        """Return what each candidate adds to the value with information A."""
+        P = np.linalg.inv(A)
+        WP = self.W @ P
+        h = np.einsum("ij,ij->i", WP, self.W)
+        if self.S is None:
+            return np.asarray(np.log1p(h))
+        return np.asarray(np.sum((WP @ self.S.T) ** 2, axis=1) / (1.0 + h))
+
+    def allowed(self, chosen: list[int]) -> NDArray[np.bool_]:
+        good = self.free.copy()
+        good[chosen] = False
+        if self.separation > 0.0 and self.places is not None:
+            for i in chosen:
+                good &= np.linalg.norm(self.places - self.places[i], axis=1) >= self.separation
+        return good
+
+    def greedy(self, count: int) -> list[int]:
+        chosen: list[int] = []
+        for k in range(count):
+            good = self.allowed(chosen)
+            if not good.any():
+                raise InputError(
+                    Problem(
+                        "place_gauges",
+                        f"only {k} of {count} gauges find a place: {int(self.free.sum())} of "
+                        f"{len(self.W)} candidates are outside the zones, {self.separation:g} m "
+                        "apart",
+                    )
+                )
+            gains = np.where(good, self.gains(self.information(chosen)), -np.inf)
+            chosen.append(largest(gains, self.labels))
+        return chosen
+
+    def exchange(self, chosen: list[int]) -> list[int]:
+        for _ in range(SWEEPS):
+            better = False
+            for place in range(len(chosen)):
+                rest = chosen[:place] + chosen[place + 1 :]
+                good = self.allowed(rest)
+                gains = np.where(good, self.gains(self.information(rest)), -np.inf)
+                best = largest(gains, self.labels)
+                if best != chosen[place] and gains[best] > gains[chosen[place]] * (1 + 1e-9):
+                    chosen = [*chosen[:place], best, *chosen[place + 1 :]]
+                    better = True
+            if not better:
+                break
+        return chosen
+
+
+def _candidates(candidates: Any) -> tuple[Array, tuple[str, ...], Array | None]:
+    """Return rows, names and, if known, positions."""
+    if isinstance(candidates, ReducedPart):
+        stress = candidates.stress
+        if stress is None or stress.elasticity is None:
+            raise InputError(
+                Problem(
+                    "place_gauges", "the part knows no stress, or no modulus; give rows instead"
+                )
+            )
+        E, nu = stress.elasticity.T
+        direct = stress.modes[:, :3]
+        rows = (direct[:, 0] - nu[:, None] * (direct[:, 1] + direct[:, 2])) / E[:, None]
+        return rows, stress.labels, stress.positions
+    n = np.shape(candidates)[-1] if isinstance(candidates, np.ndarray) else 0
+    if not n and not isinstance(candidates, np.ndarray):
+        items = tuple(candidates)
+        if items and not hasattr(items[0], "rows"):
+            n = len(items[0])
+        candidates = items
+    rows, names = as_rows(candidates, n)
+    places = None
+    if not isinstance(candidates, np.ndarray) and len(candidates) == len(rows):
+        found: list[Any] = [getattr(x, "position", None) for x in candidates]
+        if all(np.shape(x) == (3,) for x in found):
+            places = np.array(found, dtype=np.float64)
+    return rows, names, places
+
+
+def _inside(zone: Any, places: Array | None) -> NDArray[np.intp]:
+    """Return the candidates in a zone."""
+    assert places is not None
+    if hasattr(zone, "of"):
+        return np.asarray(zone.of(places), dtype=np.intp)
+    point, radius = zone
+    return np.flatnonzero(np.linalg.norm(places - np.asarray(point), axis=1) <= float(radius))

@@ -1,0 +1,434 @@
+"""Reconstruction: modal coordinates of a body from its strain gauges, instant by instant."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import scipy.linalg as la
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems, count, warn
+from jousto.measurement.twin.posterior import Told
+from jousto.measurement.twin.signals import LARGEST, read_noise, read_strain, read_time
+
+Array = NDArray[np.float64]
+NOISE = 1e-6
+"""Standard deviation of a gauge if nothing is said, m/m."""
+CONDITION = 1e4
+"""Condition number from which on a basis without prior is told to amplify the noise."""
+FAR_OFF = 10.0
+"""Score of most gauges from which on the estimate is told to be doubtful; 1 is right."""
+PARALLEL = 1e-9
+"""How near to 1 the cosine of the rows of two gauges is if they say the same."""
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class Estimate(Told):
+    """Modal coordinates from gauges, with what tells whether to trust them.
+
+    Attributes
+    ----------
+    residual : (nt, ng) array
+        Measured less reconstructed strain, ``e - B p``, m/m; nan where nothing was measured.
+    leave_one_out : (nt, ng) array
+        Measured strain less what the *other* gauges say of it, m/m; inf if they cannot tell.
+    expected : (nt, ng) array
+        Standard deviation that `leave_one_out` has if noise and prior are right, m/m.
+    condition : float
+        Condition number of the gauges' rows, scaled by their noise: largest over smallest
+        amplification.
+    names : tuple of str
+        Names of the gauges.
+    discrepancy : float
+        What the model misses, m/m, from `Reconstruction.calibrated`.
+    gains, errors : arrays, optional
+        As of `Told`.
+    """
+
+    residual: Array
+    leave_one_out: Array
+    expected: Array
+    condition: float
+    names: tuple[str, ...]
+    discrepancy: float = 0.0
+
+    @property
+    def missed(self) -> float:
+        """Standard deviation of the strain that the model misses anywhere, m/m."""
+        return self.discrepancy
+
+    @property
+    def score(self) -> Array:
+        """Root mean square of `leave_one_out` over `expected` for each gauge (ng,); 1 is right."""
+        with np.errstate(invalid="ignore"):
+            ratio = self.leave_one_out / self.expected
+        ratio[~np.isfinite(ratio)] = np.nan
+        seen = np.isfinite(ratio).sum(axis=0)
+        total = np.nansum(ratio**2, axis=0)
+        mean = np.divide(total, seen, out=np.full(len(seen), np.nan), where=seen > 0)
+        return np.asarray(np.sqrt(mean))
+
+    def __str__(self) -> str:
+        def rms(x: Array) -> Array:
+            good = np.isfinite(x)
+            squares = np.where(good, x, 0.0) ** 2
+            return np.asarray(np.sqrt(squares.sum(axis=0) / np.maximum(good.sum(axis=0), 1)))
+
+        width = max(5, *(len(name) for name in self.names))
+        lines = [
+            f"{len(self)} instants, {self.p.shape[1]} modes, {len(self.names)} gauges, "
+            f"condition {self.condition:.3g}",
+            f"{'gauge':<{width}}  residual  left out  expected  score   (um/m, rms)",
+        ]
+        table = zip(
+            self.names,
+            rms(self.residual),
+            rms(self.leave_one_out),
+            rms(self.expected),
+            self.score,
+            strict=True,
+        )
+        for name, r, loo, expected, score in table:
+            lines.append(
+                f"{name:<{width}}  {1e6 * r:8.3f}  {1e6 * loo:8.3f}  {1e6 * expected:8.3f}"
+                f"  {score:5.2f}"
+            )
+        return "\n".join(lines)
+
+
+@explained
+@described
+@dataclass(frozen=True, eq=False)
+class Reconstruction:
+    """Modal coordinates from strains, ``p = (B^T Rn^-1 B + G^-1)^-1 B^T Rn^-1 e``.
+
+    The weighted, regularised least squares estimate of ``e = B p + noise`` with its covariance
+    ``P = (B^T Rn^-1 B + G^-1)^-1``; without prior the first is ``B^+ e`` (pseudoinverse) for
+    equal noise. Every instant stands alone: no model of the motion, no delay. The basis should
+    hold the static shapes of the loads (interfaces of a `CraigBampton` reduction do), or stress
+    near loads and clamps is wrong.
+
+    Parameters
+    ----------
+    B : (ng, n) array_like
+        Strain of each mode at each gauge along its grid, m/m per unit modal coordinate:
+        ``gauge_rows(gauges, reduced)``, or ``sensor.rows`` one above the other.
+    noise : float, (ng,) or (ng, ng) array_like
+        Standard deviation of each gauge, m/m, or their covariance matrix.
+    prior : float, (n,) or (n, n) array_like, optional
+        Standard deviation of each modal coordinate, or their covariance matrix G (about zero),
+        for instance of a simulated run: ``np.cov(p.T)``. Needed if there are fewer gauges than
+        modes.
+    names : sequence of str, optional
+        Names of the gauges for messages; g1, g2, ... if not given.
+    discrepancy : float
+        Standard deviation of the strain that the modes miss anywhere, m/m; part of the band of
+        the stress.
+    errors : (k, ng, n) array_like, optional
+        Standard deviation of errors of each gauge that stay through a record, per unit modal
+        coordinate, from `gauge_errors`; part of the band of the stress.
+
+    Raises
+    ------
+    InputError
+        Fewer gauges than modes without a prior, gauges that cannot tell the modes apart, noise
+        that is not positive, shapes that do not fit; all problems at once.
+
+    Warns
+    -----
+    JoustoWarning
+        Combinations of modes that the gauges do not see and only the prior decides, gauges that
+        all say the same, and a condition number that makes much of the noise.
+
+    Examples
+    --------
+    Two gauges, one mode, the first gauge four times as accurate:
+
+    >>> twin = Reconstruction([[1.0], [1.0]], noise=(1e-6, 4e-6))
+    >>> estimate = twin.estimate([[100e-6, 117e-6]])
+    >>> estimate.p.round(9), estimate.band.round(9)
+    (array([[0.000101]]), array([[9.7e-07]]))
+    """
+
+    B: Array
+    noise: Any = NOISE
+    prior: Any = None
+    names: tuple[str, ...] = ()
+    discrepancy: float = 0.0
+    errors: Any = None
+
+    def __post_init__(self) -> None:
+        problems = Problems()
+        where = "Reconstruction"
+        B = problems.array(where, "B", self.B, (None, None))
+        problems.raise_if_any()
+        assert B is not None
+        ng, n = B.shape
+        names = tuple(self.names) or tuple(f"g{i + 1}" for i in range(ng))
+        if len(names) != ng:
+            problems.add(where, f"{count(len(names), 'name')} for {count(ng, 'row')} of B")
+        if not ng or not n:
+            problems.add(where, f"B has shape {B.shape}; give at least one gauge and one mode")
+        R = read_noise(problems, where, "noise", self.noise, ng, "m/m", LARGEST)
+        G = None
+        if self.prior is not None:
+            G = read_noise(problems, where, "prior", self.prior, n, "kg^0.5 m", np.inf)
+        if self.errors is not None:
+            errors = problems.array(where, "errors", self.errors, (None, ng, n))
+            object.__setattr__(self, "errors", errors)
+        problems.raise_if_any()
+        assert R is not None
+        object.__setattr__(self, "B", B)
+        object.__setattr__(self, "names", names)
+        object.__setattr__(self, "noise", R)
+        object.__setattr__(self, "prior", G)
+        self._check()
+
+    @property
+    def n(self) -> int:
+        """Number of modes."""
+        return int(self.B.shape[1])
+
+    @property
+    def whitened(self) -> Array:
+        """Rows of the gauges over their noise, ``L^-1 B`` with ``Rn = L L^T``."""
+        return np.asarray(
+            la.solve_triangular(la.cholesky(self.noise, lower=True), self.B, lower=True)
+        )
+
+    @property
+    def condition(self) -> float:
+        """Condition number of the whitened rows; inf if some modes are not seen."""
+        s = la.svdvals(self.whitened)
+        if len(self.B) < self.n or s[-1] <= 1e-12 * s[0]:
+            return float("inf")
+        return float(s[0] / s[-1])
+
+    @property
+    def unobservable(self) -> Array:
+        """Combinations of modes that no gauge sees (n, k), orthonormal columns."""
+        return np.asarray(la.null_space(self.B, rcond=1e-9))
+
+    def estimate(self, e: ArrayLike, time: ArrayLike | None = None) -> Estimate:
+        """Return the modal coordinates that measured strains tell.
+
+        Parameters
+        ----------
+        e : (nt, ng) or (ng,) array_like
+            Strains, m/m; nan where a gauge is silent: that row is estimated without it.
+        time : (nt,) array_like, optional
+            Instants, s.
+
+        Raises
+        ------
+        InputError
+            Wrong number of channels, infinite or far too large values (percent or um/m instead
+            of m/m), times that run backwards.
+
+        Warns
+        -----
+        JoustoWarning
+            Rows with too few gauges left to tell the modes: their p is nan. Scores far above 1 of
+            most gauges, as of strains in percent.
+        """
+        problems = Problems()
+        strain = read_strain(problems, "Reconstruction.estimate", e, self.names)
+        t = read_time(problems, "Reconstruction.estimate", time, strain)
+        problems.raise_if_any()
+        assert strain is not None and t is not None
+        seen = np.isfinite(strain)
+        masks, which = np.unique(seen, axis=0, return_inverse=True)
+        which = which.reshape(-1)
+        p = np.full((len(strain), self.n), np.nan)
+        leave, expected = np.full_like(strain, np.nan), np.full_like(strain, np.nan)
+        P = np.empty((len(masks), self.n, self.n))
+        gains = np.zeros((len(masks), self.n, len(self.B)))
+        blind = 0
+        for m, mask in enumerate(masks):
+            rows = np.flatnonzero(which == m)
+            gain = self.gain(mask)
+            if gain is None:
+                P[m] = np.inf
+                blind += len(rows)
+                continue
+            K, P[m] = gain
+            gains[m][:, mask] = K
+            known = strain[np.ix_(rows, mask)]
+            p[rows] = known @ K.T
+            leave[np.ix_(rows, mask)], expected[np.ix_(rows, mask)] = self._left_out(
+                mask, P[m], known - p[rows] @ self.B[mask].T
+            )
+        if blind:
+            warn(
+                "Reconstruction.estimate",
+                f"at {count(blind, 'instant')} of {len(strain)} too few gauges are left to tell "
+                f"{count(self.n, 'mode')}; p is nan there, give a prior to go on",
+            )
+        residual = strain - p @ self.B.T
+        found = Estimate(
+            t,
+            p,
+            P,
+            which,
+            residual,
+            leave,
+            expected,
+            self.condition,
+            self.names,
+            self.discrepancy,
+            gains=gains if self.errors is not None else None,
+            errors=self.errors,
+        )
+        score = found.score[np.isfinite(found.score)]
+        if len(score) and np.median(score) > FAR_OFF:
+            warn(
+                "Reconstruction.estimate",
+                f"the gauges contradict one another by {np.median(score):.3g} times what their "
+                "noise explains (median score): strains in percent or another unit instead of m/m, "
+                "gauges in another order or with another sign, missing modes, or noise= too small",
+            )
+        return found
+
+    def calibrated(self, e: ArrayLike) -> Reconstruction:
+        """Return the reconstruction with the noise that measured strains show.
+
+        The noise covariance is multiplied so that what the gauges say of one another (the
+        leave-one-out residual) has the size that it must have, on average over the gauges: model
+        errors, too, are then part of the band; what the noise grows by is taken as the discrepancy
+        of the model everywhere.
+
+        Raises
+        ------
+        InputError
+            As `estimate`; also if no gauge can be told from the others.
+        """
+        scaled = self
+        for _ in range(20):  # the prior does not scale along, so the factor is found by repetition
+            with warnings.catch_warnings():  # scores far above 1 are what is put right here
+                warnings.filterwarnings("ignore", message=".*contradict one another")
+                score = scaled.estimate(e).score
+            good = score[np.isfinite(score)]
+            if not len(good):
+                raise InputError(
+                    Problem(
+                        "Reconstruction.calibrated",
+                        "no gauge can be told from the others, so the noise cannot be seen; add "
+                        "gauges or give a prior",
+                    )
+                )
+            factor = float(np.sqrt(np.mean(good**2)))
+            scaled = scaled._with_noise(factor**2 * scaled.noise)
+            if abs(factor - 1.0) < 1e-3:
+                break
+        grown = float(np.mean(np.diag(scaled.noise)) - np.mean(np.diag(self.noise)))
+        return scaled._with_noise(scaled.noise, float(np.sqrt(max(grown, 0.0))))
+
+    def _with_noise(self, R: Array, discrepancy: float = 0.0) -> Reconstruction:
+        with warnings.catch_warnings():  # what is to be said of the rows was said before
+            warnings.simplefilter("ignore")
+            return replace(self, noise=R, discrepancy=discrepancy)
+
+    def gain(self, mask: NDArray[np.bool_]) -> tuple[Array, Array] | None:
+        """Return gain (n, k) and covariance (n, n) with the k gauges of a mask (ng,).
+
+        None if they cannot tell the modes apart and there is no prior.
+        """
+        B, R = self.B[mask], self.noise[np.ix_(mask, mask)]
+        if self.prior is not None:
+            # the form that needs no inverse of a prior that may be singular
+            GB = self.prior @ B.T
+            if not len(B):
+                return np.zeros((self.n, 0)), np.asarray(self.prior)
+            factor = la.cho_factor(B @ GB + R)
+            K = la.cho_solve(factor, GB.T).T
+            IKB = np.eye(self.n) - K @ B
+            return K, _even(IKB @ self.prior @ IKB.T + K @ R @ K.T)
+        if len(B) < self.n:
+            return None
+        L = la.cholesky(R, lower=True)
+        W = la.solve_triangular(L, B, lower=True)
+        U, s, Vt = la.svd(W, full_matrices=False)
+        if s[-1] <= 1e-12 * s[0]:
+            return None
+        K = la.solve_triangular(L, ((Vt.T / s) @ U.T).T, lower=True, trans="T").T
+        return K, _even((Vt.T / s**2) @ Vt)
+
+    def _left_out(self, mask: NDArray[np.bool_], P: Array, residual: Array) -> tuple[Array, Array]:
+        """Return leave-one-out residuals of the gauges and their expected size.
+
+        With ``Q = Rn^-1 - Rn^-1 B P B^T Rn^-1`` they are ``(Q e)_g / Q_gg`` with the standard
+        deviation ``Q_gg^-1/2``.
+        """
+        if not mask.any():
+            return residual, residual
+        B, R = self.B[mask], self.noise[np.ix_(mask, mask)]
+        inverse = la.inv(R)
+        weighted = inverse @ B
+        diagonal = np.diag(inverse - weighted @ P @ weighted.T)
+        told = diagonal > 1e-9 * np.diag(inverse)
+        safe = np.where(told, diagonal, 1.0)
+        # Q e is Rn^-1 (e - B p)
+        value = np.where(told, residual @ inverse.T / safe, np.inf)
+        size = np.where(told, 1.0 / np.sqrt(safe), np.inf)
+        return value, np.broadcast_to(size, value.shape)
+
+    def _check(self) -> None:
+        """Refuse what cannot be solved; warn of what the prior alone decides."""
+        ng, n = self.B.shape
+        hidden = self.unobservable
+        pairs = _parallel(self.B, self.names)
+        alike = f"; {pairs} have parallel rows and count as one" if pairs else ""
+        if hidden.shape[1] == 0:
+            if self.prior is None and self.condition > CONDITION:
+                warn(
+                    "Reconstruction",
+                    f"condition number {self.condition:.2g}: combinations of modes are seen that "
+                    "much less than others and take up the noise; move gauges (place_gauges), "
+                    "leave modes out, or give a prior",
+                )
+            return
+        rank = n - hidden.shape[1]
+        found = f"{count(ng, 'gauge')} tell {rank} of {count(n, 'mode')} apart{alike}"
+        weight = np.sqrt((hidden**2).sum(axis=1))
+        hardly = ", ".join(str(j + 1) for j in np.flatnonzero(weight > 0.7))
+        which = f"; hardly seen: modes {hardly}" if hardly else ""
+        if self.prior is None:
+            raise InputError(
+                Problem(
+                    "Reconstruction",
+                    f"{found}{which}; add gauges elsewhere, keep fewer modes (reduced.keep), or "
+                    "give prior= (covariance of the modes in a simulated run)",
+                )
+            )
+        warn(
+            "Reconstruction",
+            f"{found}{which}; the prior alone decides the other "
+            f"{count(hidden.shape[1], 'combination')}, look at the bands",
+        )
+
+
+def _parallel(B: Array, names: Sequence[str]) -> str:
+    """Return the names of gauges whose rows are parallel, empty if there are none."""
+    length = np.linalg.norm(B, axis=1)
+    unit = B / np.where(length > 0.0, length, 1.0)[:, None]
+    cosine = np.abs(unit @ unit.T)
+    found = [
+        f"'{names[i]}' and '{names[j]}'"
+        for i in range(len(B))
+        for j in range(i)
+        if cosine[i, j] > 1.0 - PARALLEL
+    ]
+    blind = [f"'{name}'" for name, size in zip(names, length, strict=True) if size == 0.0]
+    text = ", ".join(found[:4]) + (", ..." if len(found) > 4 else "")
+    return text if not blind else f"{text}{', ' if text else ''}{', '.join(blind)} (sees nothing)"
+
+
+def _even(P: Array) -> Array:
+    return np.asarray(0.5 * (P + P.T))

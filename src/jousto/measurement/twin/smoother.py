@@ -1,0 +1,175 @@
+"""smooth and draw: what a whole record tells of every instant, and histories that it allows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.errors import InputError, Problem
+from jousto.measurement.twin.drift import drifts
+from jousto.measurement.twin.kalman import STEADY, Gain, backward
+from jousto.measurement.twin.observed import Observed, modal, spread
+
+Array = NDArray[np.float64]
+
+
+def smooth(observed: Observed) -> Observed:
+    """Return modes and loads with the whole record in every instant.
+
+    The smoother of Rauch, Tung and Striebel (AIAA Journal 3, 1965) backwards over a record that
+    `Observer.run` took: no delay between loads and their effect, and narrower bands. What comes
+    after an instant is used, so it is not for real time.
+
+    Parameters
+    ----------
+    observed : Observed
+        From `Observer.run`.
+
+    Raises
+    ------
+    InputError
+        If it is smoothed already.
+    """
+    if observed.smoothed:
+        raise InputError(Problem("smooth", "the record is smoothed already"))
+    gains = observed.gains
+    back = _Backward()
+    states = observed.states.copy()
+    inputs = _inputs(observed)
+    observer = observed.observer
+    drift = before = None
+    if observer.errors is not None:
+        before = drifts(gains, observer.channels, observer.errors, observed.p)
+        drift = before.copy()
+    which = np.empty(len(gains), dtype=np.intp)
+    kept: list[Array] = [gains[-1].P]
+    which[-1] = 0
+    P, pair, steady = gains[-1].P, None, False
+    for k in range(len(gains) - 2, -1, -1):
+        this, after = gains[k], gains[k + 1]
+        G = back(this, after)
+        states[k] += G @ (states[k + 1] - after.F @ observed.states[k] - inputs[k + 1])
+        if drift is not None and before is not None:
+            drift[k] += G @ (drift[k + 1] - after.F @ before[k])
+        if steady and pair == (id(this), id(after)):
+            which[k] = len(kept) - 1
+            continue
+        new = this.P + G @ (P - after.predicted) @ G.T
+        new = 0.5 * (new + new.T)
+        size = np.sqrt(np.maximum(np.diag(new), 1e-300))
+        change = (np.abs(new - P) / np.outer(size, size)).max(initial=0.0)
+        steady = bool(change < STEADY) and pair == (id(this), id(after))
+        pair, P = (id(this), id(after)), new
+        which[k] = len(kept)
+        kept.append(new)
+    system = observer.system
+    covariances = np.array(kept)
+    return replace(
+        observed,
+        p=modal(system, states, observed.forces),
+        covariances=spread(system, covariances),
+        which=which,
+        states=states,
+        P=covariances,
+        smoothed=True,
+        moved=None if drift is None else system.shape @ drift,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Histories:
+    """Histories of the modal coordinates that a record allows, each as likely as the other.
+
+    Attributes
+    ----------
+    time : (nt,) array
+        Instants, s.
+    p : (nt, n, count) array
+        Modal coordinates.
+    loads : (nt, na, count) array
+        Unknown loads, N and N m.
+    """
+
+    time: Array
+    p: Array
+    loads: Array
+
+
+def draw(observed: Observed, count: int = 50, *, seed: int = 1) -> Histories:
+    """Return histories of modes and loads that fit a record, drawn from their distribution.
+
+    Durbin and Koopman, Biometrika 89 (2002) 603: a history of the model itself is simulated, its
+    channels are measured, filtered and smoothed as the record was, and what the smoother misses of
+    it is added to the smoothed record. For what depends on whole histories, as damage does.
+
+    Parameters
+    ----------
+    observed : Observed
+        From `Observer.run`, smoothed or not.
+    count : int
+        Number of histories.
+    seed : int
+        Of the random numbers.
+    """
+    smoothed = observed if observed.smoothed else smooth(observed)
+    system, channels = observed.observer.system, observed.observer.channels
+    rng = np.random.default_rng(seed)
+    gains, nx = observed.gains, system.nx
+    roots: dict[int, tuple[Gain, Array]] = {}
+    noise = np.linalg.cholesky(channels.R)
+    true = np.empty((len(gains), nx, count))
+    found = np.empty_like(true)
+    x = _root(gains[0].predicted) @ rng.standard_normal((nx, count))
+    estimate = np.zeros((nx, count))
+    for k, gain in enumerate(gains):
+        if k:
+            if id(gain) not in roots:
+                roots[id(gain)] = gain, _root(gain.predicted - gain.F @ gains[k - 1].P @ gain.F.T)
+            x = gain.F @ x + roots[id(gain)][1] @ rng.standard_normal((nx, count))
+            estimate = gain.F @ estimate
+        seen = gain.mask
+        y = channels.H[seen] @ x + noise[seen] @ rng.standard_normal((len(noise), count))
+        estimate = estimate + gain.K @ (y - channels.H[seen] @ estimate)
+        true[k], found[k] = x, estimate
+    back = _Backward()
+    for k in range(len(gains) - 2, -1, -1):
+        after = gains[k + 1]
+        found[k] += back(gains[k], after) @ (found[k + 1] - after.F @ found[k])
+    error = true - found
+    loads = smoothed.states[:, system.places, None] + system.mean[:, None] + error[:, system.places]
+    p = smoothed.p[..., None] + np.einsum("nx,txc->tnc", system.shape, error, optimize=True)
+    return Histories(observed.time, np.asarray(p), loads)
+
+
+class _Backward:
+    """Gains of the smoother for pairs of gains of the filter, each formed once."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[int, int], Array] = {}
+
+    def __call__(self, this: Gain, after: Gain) -> Array:
+        key = (id(this), id(after))
+        if key not in self._known:
+            if len(self._known) > 256:
+                self._known.clear()
+            self._known[key] = backward(this, after)
+        return self._known[key]
+
+
+def _inputs(observed: Observed) -> Array:
+    """Return what known forces added to the state in each step (nt, nx)."""
+    d = observed.observer.system.dynamic
+    f = observed.forces[:, d]
+    added = np.zeros_like(observed.states)
+    for k in range(1, len(f)):
+        added[k] = observed.gains[k].Gu @ (0.5 * (f[k - 1] + f[k]))
+    return added
+
+
+def _root(P: Array) -> Array:
+    """Return a root of a covariance that may be singular."""
+    size = np.sqrt(np.maximum(np.diag(P), 1e-300))
+    values, vectors = np.linalg.eigh(P / np.outer(size, size))
+    return np.asarray(size[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))

@@ -1,0 +1,354 @@
+"""Sections of geometrically exact beams: stiffness (6, 6) and inertia per length.
+
+Axes of a section: x along the beam, y to the left and z up when looking along it. Strains are
+``e = [Gamma_x, Gamma_y, Gamma_z, kappa_x, kappa_y, kappa_z]`` of the reference axis, resultants
+``s = [N, Qy, Qz, Mx, My, Mz]``, both resolved in section axes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from jousto.base.errors import Problems, warn
+from jousto.base.numbers import number, set_fields
+from jousto.base.rotations import Array, readonly
+from jousto.materials.library import by_name
+from jousto.materials.material import Material
+from jousto.mechanism.bodies.inertia import check_inertia
+from jousto.sections.points import StressPoint, section_outline, stress_points
+from jousto.sections.section import Section
+
+# m/s: waves that no solid carries along a beam
+FASTEST_WAVE = 5e4
+# relative: moments of a flat section that disagree; those of mass and stiffness that are alike
+MOMENTS, ALIKE = 0.01, 0.01
+POLAR = 10.0  # times (EIy + EIz)/EA or a part of it: polar of something else
+# smallest eigenvalue of a stiffness scaled to a diagonal of ones
+SINGULAR = 1e-13
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class BeamSection:
+    """Stiffness and inertia of a beam's section, any composite or offset one.
+
+    The section carries ``s = C e``: resultants ``[N, Qy, Qz, Mx, My, Mz]`` by the strains of the
+    reference axis ``[Gamma_x, Gamma_y, Gamma_z, kappa_x, kappa_y, kappa_z]``, both in section axes.
+
+    Parameters
+    ----------
+    stiffness : (6, 6) or (6,) array_like
+        C, symmetric and positive definite: N, N m and N m2; six numbers are its diagonal
+        ``EA, GAy, GAz, GJ, EIy, EIz``.
+    mass : float
+        Mass per length, kg/m.
+    inertia : (3, 3) or (3,) array_like
+        Rotary inertia per length about the mass centre, section axes, kg m. Of a homogeneous
+        section it is ``rho (Iy + Iz), rho Iy, rho Iz``; of any flat one the first is the sum of
+        the others, not rho times the torsion constant.
+    center : (2,) array_like
+        Mass centre (y, z) from the reference axis, m.
+    points : sequence of StressPoint
+        Places of the section where stress is recovered, and what it is for unit resultants.
+    outline : (k, 2) array_like, optional
+        Outer edge of the section for pictures, counterclockwise seen from ahead, m; None for the
+        rectangle of the same rotary inertia.
+    elasticity : (float, float), optional
+        Young's modulus, Pa, and Poisson's ratio, for strain gauges; None if there are none.
+    polar : float
+        ``(Iy + Iz)/A`` about the shear centre, m2: a twist kappa stretches the fibres by
+        ``polar kappa^2 / 2`` on the mean, so that tension N stiffens them against twist, GJ becomes
+        ``GJ + N polar`` (Wagner 1929, Biot 1939). 0: it does not.
+
+    Raises
+    ------
+    InputError
+        If the stiffness is not symmetric or not positive definite, the mass is not positive, or
+        no body can have the inertia.
+
+    Warns
+    -----
+    JoustoWarning
+        The inertia about x is not the sum of the others, or `polar` not that of the stiffness: by
+        1 % where mass and stiffness are spread alike, by a factor of ten of any section.
+
+    Examples
+    --------
+    >>> section = BeamSection((2.8e7, 1e7, 1e7, 2e4, 1.4e4, 1.4e4), 1.2, (1.2e-3, 6e-4, 6e-4))
+    >>> section
+    <BeamSection: 1.2 kg/m, EA 2.8e+07 N>
+    """
+
+    stiffness: Array
+    mass: float
+    inertia: Array
+    center: Array
+    points: tuple[StressPoint, ...]
+    outline: Array
+    elasticity: tuple[float, float] | None
+    polar: float
+
+    def __init__(
+        self,
+        stiffness: ArrayLike,
+        mass: float,
+        inertia: ArrayLike,
+        *,
+        center: ArrayLike = (0.0, 0.0),
+        points: Any = (),
+        outline: ArrayLike | None = None,
+        elasticity: tuple[float, float] | None = None,
+        polar: float = 0.0,
+    ) -> None:
+        problems, where = Problems(), "BeamSection"
+        C = _stiffness(problems, where, stiffness)
+        density = number(problems, where, "mass", mass)
+        if density is not None and density <= 0:
+            problems.add(where, f"mass is {density:g} kg/m, must be a positive number")
+        J = check_inertia(problems, where, inertia)
+        c = problems.array(where, "center", center, (2,))
+        fibres = number(problems, where, "polar", polar)
+        if fibres is not None and fibres < 0.0:
+            problems.add(where, f"polar is {fibres:g} m2, must be zero or positive")
+        named = problems.several(where, "points", points, StressPoint)
+        edge = None if outline is None else problems.array(where, "outline", outline, (None, 2))
+        problems.raise_if_any()
+        assert C is not None and density is not None and J is not None and c is not None
+        assert fibres is not None
+        if edge is None:
+            y, z = np.sqrt(3.0 * np.diag(J)[[2, 1]] / density)
+            edge = readonly(c + np.array([[-y, -z], [y, -z], [y, z], [-y, z]]))
+        set_fields(
+            self,
+            stiffness=C,
+            mass=density,
+            inertia=J,
+            center=c,
+            points=named,
+            outline=edge,
+            elasticity=elasticity,
+            polar=fibres,
+        )
+        _warn_units(where, C, density)
+        _warn_moments(where, self)
+
+    def __repr__(self) -> str:
+        return f"<BeamSection: {self.mass:g} kg/m, EA {self.stiffness[0, 0]:g} N>"
+
+    @classmethod
+    def of(
+        cls,
+        section: Any,
+        material: Any,
+        *,
+        centroid: ArrayLike = (0.0, 0.0),
+        shear_center: ArrayLike | None = None,
+        fibres: bool = True,
+    ) -> BeamSection:
+        """Return the section of one material, with centroid and shear centre where they are.
+
+        With the strains of the centroid and of the shear centre, ``Gamma_x + z_c kappa_y - y_c
+        kappa_z`` and ``Gamma_y - z_s kappa_x, Gamma_z + y_s kappa_x``, the stiffness is
+        ``C = T^T diag(EA, ky GA, kz GA, GJ, EIy, EIz) T``.
+
+        Parameters
+        ----------
+        section : Section
+            Constants about its centroid and principal axes, which are the section axes.
+        material : Material
+            Its density must not be zero.
+        centroid : (2,) array_like
+            Centroid (y, z) from the reference axis, m; the mass is there too.
+        shear_center : (2,) array_like, optional
+            Shear centre (y, z) from the reference axis, m; None for the centroid.
+        fibres : bool
+            Whether twist stretches the fibres, ``polar = (Iy + Iz)/A + |s - c|^2``.
+
+        Raises
+        ------
+        InputError
+            Without shear coefficients or density.
+
+        Examples
+        --------
+        >>> from jousto import Material, Rectangle
+        >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
+        >>> offset = BeamSection.of(Rectangle(0.02, 0.01), steel, centroid=(0.0, 0.1))
+        >>> bool(np.isclose(offset.stiffness[0, 4], 210e9 * 2e-4 * 0.1))
+        True
+        """
+        problems, where = Problems(), f"section {type(section).__name__}"
+        if not isinstance(section, Section):
+            problems.add(
+                where,
+                f"is {section!r}, must be a section such as Rectangle, Tube or GeneralSection, or "
+                "a BeamSection",
+            )
+        if not isinstance(material, Material):
+            problems.add(where, f"material is {material!r}, must be a Material{by_name(material)}")
+        problems.raise_if_any()
+        for name in ("ky", "kz"):
+            if getattr(section, name) is None:
+                problems.add(
+                    where,
+                    f"{name} is missing: an exact beam shears; give the shear coefficients, "
+                    "GeneralSection(..., ky=5/6, kz=5/6)",
+                )
+        if material.rho == 0.0:
+            problems.add(where, "rho is 0: every piece of an exact beam needs mass")
+        c = problems.array(where, "centroid", centroid, (2,))
+        s = c if shear_center is None else problems.array(where, "shear_center", shear_center, (2,))
+        problems.raise_if_any()
+        assert c is not None and s is not None
+        assert section.ky is not None and section.kz is not None
+        E, G, rho = material.E, material.G, material.rho
+        A, Iy, Iz = section.A, section.Iy, section.Iz
+        D = np.diag([E * A, section.ky * G * A, section.kz * G * A, G * section.J, E * Iy, E * Iz])
+        T = shifted_strains(c, s)
+        return cls(
+            T.T @ D @ T,
+            rho * A,
+            (rho * (Iy + Iz), rho * Iy, rho * Iz),
+            center=c,
+            points=stress_points(section, (c[0], c[1]), (s[0], s[1])),
+            outline=section_outline(section, (c[0], c[1])),
+            elasticity=(E, material.nu),
+            polar=float((Iy + Iz) / A + (c - s) @ (c - s)) if fibres else 0.0,
+        )
+
+    def with_bending(self, length: float) -> Array:
+        """Return the stiffness (6, 6) of an element with the residual bending flexibility.
+
+        A shear force Q bends an element of length L between its middle and its ends; the one
+        strain of an element does not see it. MacNeal's remedy (*Computers & Structures* 8 (1978)
+        175-183) adds that flexibility to the one in shear, ``F_QQ += L^2/12 P^T F_MM P``, with
+        ``P Q = (0, Qz, -Qy)`` the slope of the moments: end loads then bend it as the cubic does.
+        """
+        F = np.linalg.inv(self.stiffness)
+        P = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+        F[:3, :3] += length**2 / 12 * P.T @ F[3:, 3:] @ P
+        C = np.linalg.inv(F)
+        return np.asarray((C + C.T) / 2)
+
+
+def as_beam_section(section: Any, material: Any) -> BeamSection:
+    """Return a BeamSection of what a user gives for a beam; raises InputError."""
+    if isinstance(section, BeamSection):
+        if material is not None:
+            problems = Problems()
+            problems.add(
+                "section", "material: a BeamSection knows its stiffness and mass, leave it out"
+            )
+            problems.raise_if_any()
+        return section
+    return BeamSection.of(section, material)
+
+
+def shifted_strains(centroid: ArrayLike, shear_center: ArrayLike) -> Array:
+    """Return T (6, 6): strains of centroid and shear centre from those of the reference axis."""
+    (yc, zc), (ys, zs) = np.asarray(centroid), np.asarray(shear_center)
+    T = np.eye(6)
+    T[0, 4], T[0, 5] = zc, -yc
+    T[1, 3], T[2, 3] = -zs, ys
+    return T
+
+
+def tension_factor(C: Array) -> float:
+    """Return ``1/GA - 1/EA`` in 1/N: the linear law is unstable where N times it exceeds 1.
+
+    Of the weaker shear direction, and 0 where shear is stiffer than extension: a straight beam
+    under tension N then loses its stability to shear, ``N > GA/(1 - GA/EA)``.
+    """
+    F = np.linalg.inv(C)
+    return max(0.0, float(np.linalg.eigvalsh(F[1:3, 1:3])[-1] - F[0, 0]))
+
+
+def _stiffness(problems: Problems, where: str, stiffness: ArrayLike) -> Array | None:
+    """Return the checked stiffness (6, 6), or note what is wrong with it."""
+    try:
+        shape = np.shape(stiffness)
+    except ValueError:
+        shape = ()
+    given = problems.array(where, "stiffness", stiffness, (6,) if shape == (6,) else (6, 6))
+    if given is None:
+        return None
+    C = np.diag(given) if shape == (6,) else given
+    names = ("N", "Qy", "Qz", "Mx", "My", "Mz")
+    diagonal = np.diag(C)
+    for i in np.flatnonzero(diagonal <= 0):
+        problems.add(where, f"stiffness of {names[i]} is {diagonal[i]:g}, must be positive")
+    if np.any(diagonal <= 0):
+        return None
+    scaled = C / np.sqrt(np.outer(diagonal, diagonal))
+    if np.abs(scaled - scaled.T).max() > 1e-9:
+        i, j = np.unravel_index(int(np.argmax(np.abs(scaled - scaled.T))), (6, 6))
+        problems.add(
+            where,
+            f"stiffness is not symmetric: element ({i + 1},{j + 1}) is {C[i, j]:g}, "
+            f"({j + 1},{i + 1}) is {C[j, i]:g}",
+        )
+        return None
+    values, vectors = np.linalg.eigh((scaled + scaled.T) / 2)
+    if values[0] <= SINGULAR:
+        worst = np.argsort(-np.abs(vectors[:, 0]))[:2]
+        problems.add(
+            where,
+            f"stiffness is not positive definite (smallest eigenvalue {values[0]:.3g} with a "
+            f"diagonal of ones, in {names[worst[0]]} and {names[worst[1]]}); check the signs and "
+            "sizes of its coupling terms",
+        )
+        return None
+    return readonly((C + C.T) / 2)
+
+
+def _warn_units(where: str, C: Array, mass: float) -> None:
+    """Warn where waves along the beam would be faster than in any solid."""
+    speed = float(np.sqrt(C[0, 0] / mass))
+    if speed > FASTEST_WAVE:
+        warn(
+            where,
+            f"EA = {C[0, 0]:g} N with {mass:g} kg/m carries waves at {speed:.3g} m/s, faster than "
+            "any solid; use SI units, N and kg/m",
+        )
+
+
+def _warn_moments(where: str, section: BeamSection) -> None:
+    """Warn where the polar moments are not the sums of those about y and z."""
+    Jx, Jy, Jz = np.diag(section.inertia)
+    if abs(Jx - Jy - Jz) > MOMENTS * (Jy + Jz):
+        warn(
+            where,
+            f"inertia about x is {Jx:.4g} kg m, those about y and z together {Jy + Jz:.4g}: of a "
+            "flat section it is their sum; give rho (Iy + Iz), not rho times the torsion "
+            "constant, all about the mass centre",
+        )
+    if not section.polar:
+        return
+    across, expected = _gyration(section.stiffness)
+    around = np.linalg.eigvalsh(section.inertia[1:, 1:]) / section.mass
+    alike = np.allclose(around, across, rtol=ALIKE)
+    ratio = section.polar / expected
+    if (abs(ratio - 1.0) > MOMENTS) if alike else not 1.0 / POLAR < ratio < POLAR:
+        warn(
+            where,
+            f"polar is {section.polar:.4g} m2, that of the stiffness {expected:.4g} m2: it is "
+            "(Iy + Iz)/A about the shear centre, not Iy + Iz and not the torsion constant",
+        )
+
+
+def _gyration(C: Array) -> tuple[Array, float]:
+    """Return the squared radii of gyration of a stiffness, and their sum about the shear centre.
+
+    The first are those of bending at no axial force, ascending, ``(EI)/EA`` of the centroid; the
+    second adds the square of the distance from centroid to shear centre, all in m2.
+    """
+    bending = C[4:, 4:] - np.outer(C[4:, 0], C[0, 4:]) / C[0, 0]
+    squares = np.linalg.eigvalsh(bending) / C[0, 0]
+    centroid = np.array([-C[0, 5], C[0, 4]]) / C[0, 0]
+    # the point through which shear forces do not twist: Gamma_s = Gamma + kappa_x x s
+    twist = np.linalg.solve(C[1:3, 1:3], C[1:3, 3])
+    centre = np.array([twist[1], -twist[0]])
+    return squares, float(squares.sum() + (centroid - centre) @ (centroid - centre))

@@ -1,0 +1,1 @@
+"""Bodies, their markers, inertia and shapes."""

@@ -1,0 +1,149 @@
+"""Markers: named frames on bodies that joints, forces and sensors use."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from jousto.base.declare import Field
+from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.rotations import Array, exp_rotation, parse_orientation, readonly, rotation_matrix
+
+if TYPE_CHECKING:
+    from jousto.mechanism.bodies.body import Body
+
+
+@dataclass(frozen=True, eq=False)
+class Marker:
+    """A frame fixed to a point of a body; made by ``body["point"]`` or ``body.at(...)``.
+
+    On a flexible body it sits on a node and moves with the node's translation and rotation
+    mode shapes: ``r = R + A (u0 + Phi p)`` and ``A_marker = A exp((Psi p)~) A_0``.
+
+    Parameters
+    ----------
+    body : Body
+        The body it is fixed to.
+    point : str
+        Name of the point on the body.
+    position_local : (3,) array
+        Undeformed position u0 in the body frame, m.
+    node : int or None
+        Index of the node of a flexible body.
+    axes : (3, 3) array
+        A_0, columns are the marker's axes in the (undeformed) body frame.
+    """
+
+    body: Body
+    point: str
+    position_local: Array
+    node: int | None
+    axes: Array
+
+    def __repr__(self) -> str:
+        return f"<Marker {self.label!r}>"
+
+    @property
+    def label(self) -> str:
+        """Name for messages, ``body.point``."""
+        # a node of a beam is spoken of as a point of the beam
+        return f"{getattr(self.body, 'beam', self.body.name)}.{self.point}"
+
+    def turned(self, axes: Any) -> Marker:
+        """Return the marker at the same point with other axes.
+
+        Parameters
+        ----------
+        axes : Rotate, (4,) or (3, 3) array_like, scipy Rotation
+            Orientation A_0 of the marker relative to the undeformed body frame; it replaces
+            the present one.
+
+        Raises
+        ------
+        InputError
+            If `axes` is not an orientation.
+        """
+        return Marker(
+            self.body, self.point, self.position_local, self.node, marker_axes(self.label, axes)
+        )
+
+    @property
+    def Phi(self) -> Array:
+        """Translation mode shapes (3, n) at the marker, body frame; n = 0 on rigid bodies."""
+        reduced = getattr(self.body, "reduced", None)
+        if reduced is None or self.node is None:
+            return np.zeros((3, 0))
+        return np.asarray(reduced.modes[self.node], dtype=np.float64)
+
+    @property
+    def Psi(self) -> Array:
+        """Rotation mode shapes (3, n) at the marker, body frame; zero where there are none."""
+        reduced = getattr(self.body, "reduced", None)
+        if reduced is None or self.node is None:
+            return np.zeros((3, 0))
+        turn = reduced.rotation(self.node)
+        if turn is None:
+            return np.zeros((3, reduced.modes.shape[2]))
+        return np.asarray(turn, dtype=np.float64)
+
+    @property
+    def r(self) -> Array:
+        """World position (3,) at the initial state, ``R + A (u0 + Phi p)``, m."""
+        body = self.body
+        u = self.position_local + self.Phi @ body.modal_coordinates
+        return readonly(body.position + rotation_matrix(body.orientation) @ u)
+
+    @property
+    def carrier(self) -> Array:
+        """``A exp((Psi p)~)`` (3, 3) at the initial state: the marker's frame without A_0."""
+        A = rotation_matrix(self.body.orientation)
+        return np.asarray(A @ exp_rotation(self.Psi @ self.body.modal_coordinates))
+
+    @property
+    def A(self) -> Array:
+        """World axes (3, 3) at the initial state, ``A exp((Psi p)~) A_0``."""
+        return readonly(self.carrier @ self.axes)
+
+
+def marker_axes(label: str, axes: Any) -> Array:
+    """Return A_0 (3, 3) of an orientation given by the user, exactly E for None."""
+    if axes is None:
+        return readonly(np.eye(3))
+    problems = Problems()
+    e = parse_orientation(problems, f"marker {label}", "axes", axes)
+    problems.raise_if_any()
+    assert e is not None
+    return readonly(rotation_matrix(e))
+
+
+def as_marker(where: str, name: str, value: Any) -> Marker:
+    """Return `value` if it is a marker, else raise an error that shows how to get one."""
+    if isinstance(value, Marker):
+        return value
+    if hasattr(value, "name") and hasattr(value, "orientation"):
+        hint = f"is the body {value.name!r}; name a point of it, {value.name}[...]"
+    else:
+        hint = f'is {value!r}, must be a marker such as body["point"] or ground["origin"]'
+    raise InputError(Problem(where, f"{name} {hint}"))
+
+
+class MarkerField(Field[Marker, Marker]):
+    """A marker; a model file writes ``arm.tip`` or a mapping."""
+
+    form = "marker"
+    noun = "Marker"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the marker."""
+        check_marker(problems, where, self.name, value)
+        return value
+
+
+def check_marker(problems: Problems, where: str, name: str, value: Any) -> None:
+    """Note a problem unless `value` is a marker."""
+    try:
+        as_marker(where, name, value)
+    except InputError as error:
+        problems.found.extend(error.problems)

@@ -1,0 +1,267 @@
+"""Shapes of rigid bodies: mass, inertia and the triangles to draw them with."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.base.errors import InputError, MissingFileError, Problem, Problems, suggest
+from jousto.base.numbers import number
+from jousto.base.rotations import parse_direction, turn_onto
+
+Array = NDArray[np.float64]
+
+FACETS = 32  # around circles that are drawn
+UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "ft": 0.3048}
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A homogeneous solid of density 1.
+
+    Attributes
+    ----------
+    volume : float
+        m3.
+    center : (3,) array
+        m.
+    inertia : (3, 3) array
+        About the centre, m5.
+    triangles : (nt, 3, 3) array
+        The surface, m, counterclockwise seen from outside.
+    """
+
+    volume: float
+    center: Array
+    inertia: Array
+    triangles: Array
+
+
+def box(where: str, size: ArrayLike, problems: Problems) -> Solid | None:
+    """Return a box about the origin: ``I_xx = m (ly^2 + lz^2) / 12``."""
+    lengths = problems.array(where, "size", size, (3,))
+    if lengths is None:
+        return None
+    if (lengths <= 0.0).any():
+        problems.add(where, f"size is {lengths.tolist()} m, must be positive")
+        return None
+    squares = lengths**2
+    volume = float(np.prod(lengths))
+    inertia = np.diag(volume * (squares.sum() - squares) / 12.0)
+    corner = 0.5 * lengths
+    outward = []
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            j, k = (axis + 1) % 3, (axis + 2) % 3
+            ring = []
+            for y, z in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
+                x = np.zeros(3)
+                x[axis], x[j], x[k] = side, y, z
+                ring.append(x * corner)
+            ring = ring if side > 0 else ring[::-1]
+            outward += [[ring[0], ring[1], ring[2]], [ring[0], ring[2], ring[3]]]
+    return Solid(volume, np.zeros(3), inertia, np.array(outward))
+
+
+def cylinder(
+    where: str, radius: float, length: float, axis: ArrayLike, problems: Problems
+) -> Solid | None:
+    """Return a cylinder about the origin: ``m r^2 / 2`` along and ``m (3 r^2 + l^2) / 12``."""
+    r = positive(problems, where, "radius", radius)
+    long = positive(problems, where, "length", length)
+    direction = parse_direction(problems, where, "axis", axis)
+    if r is None or long is None or direction is None:
+        return None
+    volume = float(np.pi * r * r * long)
+    across = (3.0 * r * r + long * long) / 12.0
+    A = turn_onto(np.eye(3), direction)
+    inertia = A @ np.diag(volume * np.array([across, across, 0.5 * r * r])) @ A.T
+    profile = np.array([[0.0, -0.5], [r, -0.5], [r, 0.5], [0.0, 0.5]]) * [1.0, long]
+    return Solid(volume, np.zeros(3), inertia, revolved(profile) @ A.T)
+
+
+def sphere(where: str, radius: float, problems: Problems) -> Solid | None:
+    """Return a sphere about the origin: ``2 m r^2 / 5``."""
+    r = positive(problems, where, "radius", radius)
+    if r is None:
+        return None
+    volume = float(4.0 / 3.0 * np.pi * r**3)
+    angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, FACETS // 2 + 1)
+    profile = r * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    profile[[0, -1], 0] = 0.0
+    return Solid(volume, np.zeros(3), 0.4 * volume * r * r * np.eye(3), revolved(profile))
+
+
+def revolved(profile: Array) -> Array:
+    """Return the triangles (nt, 3, 3) of a profile (k, 2) of radius and height, turned about z."""
+    turn = 2.0 * np.pi * np.arange(FACETS + 1) / FACETS
+    turn[-1] = 0.0
+    x = profile[:, :1] * np.cos(turn)
+    y = profile[:, :1] * np.sin(turn)
+    z = np.repeat(profile[:, 1:], FACETS + 1, axis=1)
+    grid = np.stack([x, y, z], axis=2)
+    low, high = grid[:-1], grid[1:]
+    first = np.stack([low[:, :-1], low[:, 1:], high[:, 1:]], axis=2).reshape(-1, 3, 3)
+    second = np.stack([low[:, :-1], high[:, 1:], high[:, :-1]], axis=2).reshape(-1, 3, 3)
+    triangles = np.concatenate([first, second])
+    area = np.linalg.norm(
+        np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1
+    )
+    return np.asarray(triangles[area > 1e-12 * area.max()])
+
+
+def closed_surface(where: str, triangles: Array) -> Solid:
+    """Return the solid in a closed surface, by the divergence theorem.
+
+    With the corners a, b, c of each triangle, s = a + b + c and d = a . (b x c):
+    ``V = sum d / 6``, ``int x dV = sum d s / 24`` and
+    ``int x x^T dV = sum d (s s^T + a a^T + b b^T + c c^T) / 120``.
+
+    Raises
+    ------
+    InputError
+        If the surface is open, its triangles are turned differently, or it holds no volume.
+    """
+    points, corners = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+    corners = corners.reshape(-1, 3)
+    full = (corners != np.roll(corners, 1, axis=1)).all(axis=1)  # not shrunk to a line
+    corners, triangles = corners[full], triangles[full]
+    edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
+    there = np.unique(edges, axis=0, return_counts=True)
+    back = np.unique(edges[:, ::-1], axis=0, return_counts=True)
+    same = len(there[0]) == len(back[0]) and all(
+        np.array_equal(one, other) for one, other in zip(there, back, strict=True)
+    )
+    if not same:
+        _refuse(where, points, edges)
+    # about the middle, so that a body far from the origin loses no digits
+    middle = points.mean(axis=0)
+    a, b, c = np.moveaxis(triangles - middle, 1, 0)
+    d = np.einsum("ti,ti->t", a, np.cross(b, c))
+    volume = float(d.sum()) / 6.0
+    size = float(np.ptp(points, axis=0).max())
+    if abs(volume) <= 1e-12 * size**3:
+        raise InputError(Problem(where, "the surface holds no volume; give that of a solid"))
+    if volume < 0.0:  # inside out
+        triangles, d, volume = triangles[:, ::-1], -d, -volume
+    s = a + b + c
+    first = np.einsum("t,ti->i", d, s) / 24.0
+    second = sum(np.einsum("t,ti,tj->ij", d, x, x) for x in (s, a, b, c)) / 120.0
+    center = first / volume
+    second = second - volume * np.outer(center, center)
+    inertia = np.trace(second) * np.eye(3) - second
+    return Solid(volume, middle + center, inertia, np.array(triangles))
+
+
+def _refuse(where: str, points: Array, edges: NDArray[np.int_]) -> None:
+    """Raise InputError with how many edges are open and where, or that triangles are turned."""
+    low = np.sort(edges, axis=1)
+    found, times = np.unique(low, axis=0, return_counts=True)
+    open_ = found[times % 2 == 1]
+    if len(open_):
+        at = ", ".join(f"{x:.4g}" for x in points[open_[0]].mean(axis=0))
+        raise InputError(
+            Problem(
+                where,
+                f"the surface is open: {len(open_)} edges belong to one triangle only, the first "
+                f"at ({at}) m; close it, or give mass and inertia",
+            )
+        )
+    raise InputError(
+        Problem(
+            where,
+            "triangles of the surface are turned differently, so that inside and outside are not "
+            "told apart; let the program that made it repair the normals",
+        )
+    )
+
+
+def read_surface(where: str, source: Any, unit: str) -> Array:
+    """Return the triangles (nt, 3, 3), m, of a file, a `Mesh` or an array."""
+    if unit not in UNITS:
+        raise InputError(Problem(where, f"unit is {unit!r}{suggest(unit, UNITS)}"))
+    if hasattr(source, "triangles") and hasattr(source, "nodes"):  # a mesh of solids, in m
+        mesh: Any = source
+        return np.asarray(mesh.nodes[mesh.triangles], dtype=np.float64)
+    if isinstance(source, str | os.PathLike):
+        return UNITS[unit] * _file(where, Path(source))
+    problems = Problems()
+    found = problems.array(where, "triangles", source, (None, 3, 3))
+    problems.raise_if_any()
+    assert found is not None
+    return UNITS[unit] * found
+
+
+def _file(where: str, path: Path) -> Array:
+    import meshio  # slow to import and rarely needed
+
+    if not path.is_file():
+        raise MissingFileError(Problem(where, f"no such file '{path}'"))
+    try:
+        mesh = meshio.read(path)
+    except (Exception, SystemExit) as error:  # its readers raise many kinds
+        text = str(error).strip().splitlines()
+        raise InputError(
+            Problem(where, f"'{path.name}' cannot be read: {text[0] if text else 'unknown kind'}")
+        ) from None
+    blocks = [block.data for block in mesh.cells if block.type == "triangle"]
+    if not blocks:
+        raise InputError(Problem(where, f"'{path.name}' holds no triangles"))
+    points = np.asarray(mesh.points, dtype=np.float64)
+    return np.asarray(points[np.concatenate(blocks)])
+
+
+def positive(problems: Problems, where: str, name: str, value: Any) -> float | None:
+    """Return a length above zero, or note why the value is none."""
+    found = number(problems, where, name, value)
+    if found is not None and found <= 0.0:
+        problems.add(where, f"{name} is {found:g} m, must be positive")
+        return None
+    return found
+
+
+def body_arguments(
+    name: Any,
+    make: Callable[[str, Problems], Solid | None],
+    mass: float | None,
+    density: float | None,
+    at: ArrayLike,
+) -> dict[str, Any]:
+    """Return mass, inertia, centre and outline of a rigid body with a shape.
+
+    Parameters
+    ----------
+    name : str
+        Of the body, for messages.
+    make : function
+        Of the place for messages and the problems: the solid.
+    mass, density : float, optional
+        kg or kg/m3, one of the two.
+    at : (3,) array_like
+        Where the origin of the shape is in the body frame, m.
+    """
+    where = f"body {name!r}"
+    problems = Problems()
+    solid = make(where, problems)
+    shift = problems.array(where, "at", at, (3,))
+    if (mass is None) == (density is None):
+        problems.add(where, "give either mass (kg) or density (kg/m3)")
+    key, given = ("mass", mass) if density is None else ("density", density)
+    value = None if given is None else number(problems, where, key, given)
+    if value is not None and value <= 0.0:
+        problems.add(where, f"{key} is {value:g}, must be a positive number")
+    problems.raise_if_any()
+    assert solid is not None and shift is not None and value is not None
+    rho = value if density is not None else value / solid.volume
+    return {
+        "mass": rho * solid.volume,
+        "inertia": rho * solid.inertia,
+        "center": solid.center + shift,
+        "outline": solid.triangles + shift,
+    }

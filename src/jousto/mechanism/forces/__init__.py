@@ -1,0 +1,1 @@
+"""Forces: loads, springs, friction, moving loads, loads along beams."""

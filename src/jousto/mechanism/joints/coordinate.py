@@ -1,0 +1,248 @@
+"""Coordinates: scalar functions of two marker frames a and b, and lines through them.
+
+Joints give theirs as properties (``hinge.angle``); drives, couplings, springs, servos and sensors
+take them. Three kinds are enough for all of these: an angle, a displacement and a distance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from jousto.base.declare import AnyField, Choice, Declared, Field, OptionalText, field
+from jousto.base.errors import Problems
+from jousto.mechanism.bodies.marker import Marker, MarkerField
+
+if TYPE_CHECKING:
+    from jousto.mechanism.signals.base import Signal
+
+AXES = ("x", "y", "z")
+
+
+class Coordinate(Declared, section="coordinates"):
+    """A scalar function of the frames of two markers.
+
+    Attributes
+    ----------
+    unit, force_unit : str
+        Unit of the coordinate, and of a force along it.
+    """
+
+    unit: ClassVar[str] = "m"
+    force_unit: ClassVar[str] = "N"
+    a: MarkerField = field("Frame a")
+    b: MarkerField = field("Frame b; not both on one rigid body")
+    name: OptionalText = field(
+        "Name for messages and results; None for one made of the markers' labels",
+        default=None,
+        kw_only=True,
+        file=False,
+    )
+    joint: AnyField = field(
+        "The joint that keeps this coordinate free, if it belongs to one",
+        default=None,
+        kw_only=True,
+        file=False,
+    )
+
+    def place(self, problems: Problems) -> str:
+        """Return what messages say first; a coordinate without a name is called by its kind."""
+        kind, name = type(self).__name__.lower(), self.__dict__["name"]
+        return kind if name is None else f"{kind} {name!r}"
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note markers that cannot move against each other; make the name."""
+        a, b, name = self.a, self.b, self.__dict__["name"]
+        label = f"{where}({a.label}, {b.label})" if name is None else name
+        if a.body is b.body and (a.node is None or a.node == b.node):
+            place = label if name is None else where
+            problems.add(place, f"both markers are on {a.body.name!r}: it never changes")
+        object.__setattr__(self, "name", label)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.name!r}>"
+
+    @property
+    def initial(self) -> float:
+        """Value at the initial pose, m or rad."""
+        raise NotImplementedError
+
+    @property
+    def turns_a(self) -> bool:
+        """Whether the orientation of frame a matters."""
+        return True
+
+    @property
+    def turns_b(self) -> bool:
+        """Whether the orientation of frame b matters."""
+        return False
+
+    def same_as(self, other: Coordinate) -> bool:
+        """Return whether another coordinate is the same function of the same frames."""
+        return (
+            type(self) is type(other)
+            and getattr(self, "axis", None) == getattr(other, "axis", None)
+            and same_frame(self.a, other.a, self.turns_a)
+            and same_frame(self.b, other.b, self.turns_b)
+        )
+
+
+class Angle(Coordinate, tag="angle"):
+    """The turn of b against a about the z axis of a, ``atan2(y_a . x_b, x_a . x_b)``, rad.
+
+    It is 0 where the x axes agree and runs on over many turns without a jump. Something has to
+    keep the x axis of b away from the z axis of a; the joints that have an angle do.
+    """
+
+    unit: ClassVar[str] = "rad"
+    force_unit: ClassVar[str] = "N m"
+
+    @property
+    def initial(self) -> float:
+        """Value at the initial pose in (-pi, pi], rad."""
+        A, x = self.a.A, self.b.A[:, 0]
+        return float(np.arctan2(A[:, 1] @ x, A[:, 0] @ x))
+
+    @property
+    def turns_b(self) -> bool:
+        """Whether the orientation of frame b matters."""
+        return True
+
+
+class Displacement(Coordinate, tag="displacement"):
+    """The displacement of b along an axis of a, ``axis . (r_b - r_a)``, m."""
+
+    axis: Choice = field("Axis of frame a", words=AXES, default="z")
+
+    @property
+    def column(self) -> int:
+        """Number of the axis: 0, 1 or 2."""
+        return AXES.index(self.axis)
+
+    @property
+    def initial(self) -> float:
+        """Value at the initial pose, m."""
+        return float(self.a.A[:, self.column] @ (self.b.r - self.a.r))
+
+
+class Distance(Coordinate, tag="distance"):
+    """The distance of the origins, ``|r_b - r_a|``, m; it must not become zero."""
+
+    @property
+    def initial(self) -> float:
+        """Value at the initial pose, m."""
+        return float(np.linalg.norm(self.b.r - self.a.r))
+
+    @property
+    def turns_a(self) -> bool:
+        """Whether the orientation of frame a matters."""
+        return False
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """One constraint row, linear in one or two coordinates: ``sum f_i s_i = offset + signal(t)``.
+
+    Parameters
+    ----------
+    coordinates : tuple of Coordinate
+        One or two coordinates s_i.
+    factors : tuple of float
+        Their factors f_i.
+    offset : float
+        Constant right-hand side.
+    signal : Signal, optional
+        Right-hand side as a function of time (rheonomic); None for zero.
+    """
+
+    coordinates: tuple[Coordinate, ...]
+    factors: tuple[float, ...]
+    offset: float = 0.0
+    signal: Signal | None = None
+
+    @property
+    def initial(self) -> float:
+        """Sum of the factors times the coordinates at the initial pose."""
+        return sum(f * s.initial for f, s in zip(self.factors, self.coordinates, strict=True))
+
+
+def same_frame(one: Marker, other: Marker, axes: bool) -> bool:
+    """Return whether two markers are the same point, and the same frame if `axes`."""
+    return (
+        one.body is other.body
+        and one.node == other.node
+        and np.array_equal(one.position_local, other.position_local)
+        and (not axes or np.array_equal(one.axes, other.axes))
+    )
+
+
+class CoordinateField(Field[Coordinate, Coordinate]):
+    """A coordinate; a model file writes ``hinge.angle`` or a mapping."""
+
+    form = "coordinate"
+    noun = "Coordinate"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the coordinate."""
+        return check_coordinate(problems, where, self.name, value)
+
+
+class CoordinatesField(Field["Coordinate | Iterable[Coordinate]", "tuple[Coordinate, ...]"]):
+    """One or two coordinates."""
+
+    form = "coordinates"
+    noun = "Coordinate or sequence of one or two Coordinate"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return them as a tuple."""
+        terms = tuple(value) if isinstance(value, Iterable) else (value,)
+        for i, term in enumerate(terms):
+            check_coordinate(problems, where, f"{self.name}[{i}]", term)
+        return terms
+
+
+@dataclass(frozen=True)
+class Along:
+    """A unit that depends on what coordinate another field is: a length or an angle.
+
+    Parameters
+    ----------
+    length, angle : str
+        SI unit along a length and along an angle.
+    field : str
+        Name of the field with the coordinate.
+    """
+
+    length: str
+    angle: str
+    field: str = "coordinate"
+
+    def of(self, coordinate: Coordinate) -> str:
+        """Return the unit for a coordinate."""
+        return self.angle if coordinate.unit == "rad" else self.length
+
+    def __str__(self) -> str:
+        return f"{self.length} or {self.angle}"
+
+
+VALUE = Along("m", "rad")
+RATE = Along("m/s", "rad/s")
+FORCE = Along("N", "N m")
+STIFFNESS = Along("N/m", "N m/rad")
+DAMPING = Along("N s/m", "N m s/rad")
+
+
+def check_coordinate(problems: Problems, where: str, name: str, value: Any) -> Coordinate | None:
+    """Return `value` if it is a coordinate, else note how to get one."""
+    if isinstance(value, Coordinate):
+        return value
+    owned = [key for key in ("angle", "displacement") if hasattr(value, key)]
+    if owned and hasattr(value, "name"):
+        hint = f"is the joint {value.name!r}; name a coordinate of it, {value.name}.{owned[0]}"
+    else:
+        hint = f"is {value!r}, must be a coordinate such as hinge.angle or Distance(a, b)"
+    problems.add(where, f"{name} {hint}")
+    return None

@@ -1,0 +1,1 @@
+"""Meshes of finite elements: cells, places and surfaces picked on them, their quality."""

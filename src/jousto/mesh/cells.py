@@ -1,0 +1,158 @@
+"""Cells of a mesh: kinds, faces and edges, in VTK's node order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arguments import explained
+from jousto.base.arrays import Ints
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems
+from jousto.mesh import reference as solids
+from jousto.mesh.reference import EDGES
+from jousto.mesh.sets import read_integers
+
+# kinds that carry mass and stiffness, with their number of nodes
+SOLIDS = solids.KINDS
+# kinds that are kept for drawing and for naming surfaces and edges
+OTHERS = {
+    "pyramid": 5,
+    "pyramid13": 13,
+    "triangle": 3,
+    "triangle6": 6,
+    "quad": 4,
+    "quad8": 8,
+    "line": 2,
+    "line3": 3,
+    "vertex": 1,
+}
+KINDS = SOLIDS | OTHERS
+SURFACES = ("triangle", "triangle6", "quad", "quad8")
+LINES = ("line", "line3", "vertex")
+
+
+@explained
+@described
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """Elements of one kind and one material.
+
+    Parameters
+    ----------
+    kind : str
+        One of meshio's names: ``tetra tetra10 hexahedron hexahedron20 wedge wedge15`` carry mass
+        and stiffness, ``pyramid pyramid13 triangle triangle6 quad quad8 line line3 vertex`` are
+        kept for drawing and for their names.
+    nodes : (ne, k) array_like of int
+        Node indices from 0, in VTK's order. In a wedge the normal of nodes 0, 1, 2 points towards
+        the other triangle, as in Gmsh and Abaqus.
+    ids : (ne,) array_like of int
+        The elements' numbers in their file; counted from 1 by the mesh if not given.
+    material : str
+        Name of the material in the file, empty if it names none.
+
+    Raises
+    ------
+    InputError
+        If the kind is unknown or the arrays do not fit it.
+    """
+
+    kind: str
+    nodes: Ints
+    ids: Ints = ()  # type: ignore[assignment]
+    material: str = ""
+
+    def __post_init__(self) -> None:
+        problems, where = Problems(), f"cells '{self.kind}'"
+        if self.kind not in KINDS:
+            problems.add(where, f"unknown kind; known: {', '.join(KINDS)}")
+        problems.raise_if_any()
+        nodes, ids = read_integers(self.nodes), read_integers(self.ids)
+        if nodes is None or nodes.ndim != 2 or nodes.shape[1] != KINDS[self.kind]:
+            problems.add(
+                where,
+                f"nodes has shape {np.shape(self.nodes)}, must be (any, {KINDS[self.kind]})"
+                " whole numbers",
+            )
+        elif ids is None or ids.shape not in ((0,), (len(nodes),)):
+            problems.add(where, f"ids has shape {np.shape(self.ids)}, must be ({len(nodes)},)")
+        problems.raise_if_any()
+        for name, array in (("nodes", nodes), ("ids", ids)):
+            assert array is not None
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    def __len__(self) -> int:
+        return len(self.nodes)
+
+
+def read_cells(where: str, value: Any) -> tuple[Cells, ...]:
+    """Return cells as a tuple, or raise if something else is among them."""
+    cells = (value,) if isinstance(value, Cells) else tuple(value)
+    for item in cells:
+        if not isinstance(item, Cells):
+            found = type(item).__name__
+            raise InputError(Problem(where, f"cells holds a {found}, must be Cells(kind, nodes)"))
+    return cells
+
+
+# ---- faces ---------------------------------------------------------------------------------------
+
+# corners of the faces, normal outwards, in the order in which Abaqus counts the faces
+_FACES: dict[str, tuple[tuple[int, ...], ...]] = {
+    "tetra": ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)),
+    "hexahedron": (
+        *((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4)),
+        *((1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
+    ),
+    "wedge": ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)),
+}
+_QUADRATIC = {"tetra": "tetra10", "hexahedron": "hexahedron20", "wedge": "wedge15"}
+
+
+def base(kind: str) -> str:
+    """Return the kind with corner nodes only: ``tetra`` of ``tetra10``."""
+    return kind.rstrip("0123456789")
+
+
+def is_quadratic(kind: str) -> bool:
+    """Whether cells of this kind have nodes at the middle of their edges."""
+    return kind != base(kind)
+
+
+def edges(kind: str) -> Ints:
+    """Return the edges of a solid kind as pairs of corners, in the order of its midside nodes."""
+    return np.array(EDGES[_QUADRATIC[base(kind)]])
+
+
+def _middles(kind: str) -> dict[frozenset[int], int]:
+    """Return the midside node between two corners."""
+    n = SOLIDS[base(kind)]
+    return {frozenset((int(a), int(b))): n + i for i, (a, b) in enumerate(edges(kind))}
+
+
+@cache
+def faces(kind: str) -> tuple[tuple[int, ...], ...]:
+    """Return the faces of a solid kind: corners with the normal outwards, then midside nodes."""
+    corners = _FACES[base(kind)]
+    if not is_quadratic(kind):
+        return corners
+    middle = _middles(kind)
+    return tuple(
+        (*face, *(middle[frozenset(pair)] for pair in zip(face, face[1:] + face[:1], strict=True)))
+        for face in corners
+    )
+
+
+def mirrored(kind: str) -> Ints:
+    """Return the order of the nodes that turns a cell of negative volume into a positive one."""
+    swap = {"tetra": [0, 2, 1, 3], "wedge": [3, 4, 5, 0, 1, 2]}
+    corners = swap.get(base(kind), [4, 5, 6, 7, 0, 1, 2, 3])
+    if not is_quadratic(kind):
+        return np.array(corners)
+    middle = _middles(kind)
+    return np.array(corners + [middle[frozenset((corners[a], corners[b]))] for a, b in edges(kind)])

@@ -1,0 +1,186 @@
+"""Cylindrical holes of a mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.sparse as sp
+
+from jousto.base.arrays import Floats, Ints
+from jousto.base.described import described
+from jousto.mesh.cylinders import Cylinder, cylinder_through
+from jousto.mesh.surface import face_normals
+
+if TYPE_CHECKING:
+    from jousto.mesh.mesh import Mesh
+
+# faces belong together if their normals differ by less (degrees)
+SMOOTH = 35.0
+# walls are of one cylinder if radius and axis differ by less than this part of the radius
+NEAR = 0.02
+# part of the circumference that a hole must close
+CLOSED = 0.75
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class Hole:
+    """A cylindrical hole.
+
+    Attributes
+    ----------
+    name : str
+        The names of its CAD faces, such as ``face3`` or ``face3+face4``, else ``hole1`` and so on.
+    point : (3,) ndarray
+        Middle of the hole on its axis, m, part frame.
+    axis : (3,) ndarray
+        Unit vector along the hole; its largest component is positive.
+    radius, length : float
+        In m.
+    nodes : (n,) ndarray of int
+        Node indices of the wall, sorted.
+    """
+
+    name: str
+    point: Floats
+    axis: Floats
+    radius: float
+    length: float
+    nodes: Ints
+
+    def __str__(self) -> str:
+        at = ", ".join(f"{round(1e3 * x, 6) + 0.0:.6g}" for x in self.point)
+        along = ", ".join(f"{round(x, 6) + 0.0:.3g}" for x in self.axis)
+        return (
+            f"{self.name}: hole of {2e3 * self.radius:.4g} mm, {1e3 * self.length:.4g} mm long,"
+            f" at ({at}) mm along ({along}), {len(self.nodes)} nodes"
+        )
+
+
+def find_holes(mesh: Mesh, radius: tuple[float, float]) -> tuple[Hole, ...]:
+    """Return the cylindrical holes of a mesh, the largest first.
+
+    Outer faces are gathered into smooth walls and a cylinder is fitted to each. Walls of one
+    cylinder are joined, and what closes three quarters of the circumference with normals towards
+    the axis is a hole.
+    """
+    walls = [wall for wall in _walls(mesh) if radius[0] <= wall.shape.radius <= radius[1]]
+    found = []
+    while walls:
+        first = walls.pop(0)
+        same = [wall for wall in walls if _same(first.shape, wall.shape)]
+        walls = [wall for wall in walls if not any(wall is other for other in same)]
+        hole = _joined(mesh, [first, *same])
+        if hole is not None:
+            found.append(hole)
+    found.sort(key=lambda hole: -hole.radius)
+    return tuple(
+        hole if hole.name else replace(hole, name=f"hole{i + 1}") for i, hole in enumerate(found)
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Wall:
+    shape: Cylinder
+    nodes: Ints
+    corners: Ints
+
+
+def _walls(mesh: Mesh) -> list[_Wall]:
+    """Return the cylinders that fit smooth walls, normals towards the axis."""
+    corners = [block.corners for block in mesh.faces]
+    if not corners:
+        return []
+    normals = np.concatenate([face_normals(mesh.nodes, c) for c in corners])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    label = _smooth(corners, normals)
+    order = np.argsort(label, kind="stable")
+    bounds = np.flatnonzero(np.diff(label[order])) + 1
+    rows = np.full((len(normals), 4), -1)
+    nodes = np.full((len(normals), 8), -1)
+    at = 0
+    for block, corner in zip(mesh.faces, corners, strict=True):
+        rows[at : at + len(block), : corner.shape[1]] = corner
+        nodes[at : at + len(block), : block.nodes.shape[1]] = block.nodes
+        at += len(block)
+    fitted = (
+        _fit(mesh.nodes, rows[faces], nodes[faces], normals[faces])
+        for faces in np.split(order, bounds)
+    )
+    return [wall for wall in fitted if wall is not None]
+
+
+def _smooth(corners: list[Ints], normals: Floats) -> Ints:
+    """Return the number of the smooth wall of each face."""
+    from scipy.sparse.csgraph import connected_components
+
+    ends, faces, first = [], [], 0
+    for block in corners:
+        n = block.shape[1]
+        pair = np.stack([block, np.roll(block, -1, axis=1)], axis=2).reshape(-1, 2)
+        ends.append(np.sort(pair, axis=1))
+        faces.append(np.repeat(np.arange(first, first + len(block)), n))
+        first += len(block)
+    edge, face = np.concatenate(ends), np.concatenate(faces)
+    order = np.lexsort(edge.T)
+    edge, face = edge[order], face[order]
+    same = np.all(edge[1:] == edge[:-1], axis=1)
+    i, j = face[:-1][same], face[1:][same]
+    smooth = np.einsum("ij,ij->i", normals[i], normals[j]) > np.cos(np.radians(SMOOTH))
+    i, j = i[smooth], j[smooth]
+    graph = sp.coo_array((np.ones(len(i), dtype=np.int8), (i, j)), shape=(first, first))
+    label: Ints = connected_components(graph, directed=False)[1].astype(np.int64)
+    return label
+
+
+def _fit(nodes: Floats, corners: Ints, all_nodes: Ints, normals: Floats) -> _Wall | None:
+    """Return the cylinder of a wall, or None if it is none or its normals point outwards."""
+    if len(normals) < 3:
+        return None
+    # along the axis of a cylinder normals have next to no component (facets may lean a bit)
+    values = np.linalg.eigvalsh(normals.T @ normals / len(normals))
+    if values[0] > 0.06 or values[1] < 0.02:
+        return None
+    used = np.unique(corners[corners >= 0])
+    shape = cylinder_through(nodes[used])
+    if shape is None:
+        return None
+    out = nodes[corners[:, 0]] - shape.middle
+    out -= np.outer(out @ shape.axis, shape.axis)
+    if np.sum(out * normals) > 0.0:  # a pin, not a hole
+        return None
+    return _Wall(shape, np.unique(all_nodes[all_nodes >= 0]), used)
+
+
+def _same(a: Cylinder, b: Cylinder) -> bool:
+    if abs(float(a.axis @ b.axis)) < 0.999 or abs(a.radius - b.radius) > NEAR * a.radius:
+        return False
+    apart = a.middle - b.middle
+    apart = apart - (apart @ a.axis) * a.axis
+    return float(np.linalg.norm(apart)) < NEAR * a.radius
+
+
+def _joined(mesh: Mesh, walls: list[_Wall]) -> Hole | None:
+    shape = walls[0].shape
+    axis = shape.axis * np.sign(shape.axis[np.argmax(np.abs(shape.axis))])
+    wall = np.unique(np.concatenate([w.nodes for w in walls]))
+    corners = np.unique(np.concatenate([w.corners for w in walls]))
+    X = mesh.nodes[corners] - shape.middle
+    along = X @ axis
+    flat = X - np.outer(along, axis)
+    e1 = flat[0] / np.linalg.norm(flat[0])
+    angle = np.sort(np.arctan2(flat @ np.cross(axis, e1), flat @ e1))
+    gaps = np.diff(angle, append=angle[0] + 2 * np.pi)
+    if gaps.max() > 2 * np.pi * (1.0 - CLOSED):
+        return None
+    low, high = float(along.min()), float(along.max())
+    point = shape.middle + (low + high) / 2.0 * axis
+    names = [
+        name
+        for name, faces in mesh.surfaces.items()
+        if len(faces) and np.isin(faces[faces >= 0], wall).all()
+    ]
+    radius = float(np.mean([w.shape.radius for w in walls]))
+    return Hole("+".join(names), point, axis, radius, high - low, wall)

@@ -1,0 +1,1 @@
+"""Readers: meshes from files of other programs."""

@@ -1,0 +1,404 @@
+"""Nastran bulk data files (.bdf, .nas): grid points in their coordinate systems, elements, sets."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from jousto.base.arrays import Floats, Ints, some
+from jousto.base.errors import InputError, Problem, Problems
+from jousto.mesh.readers.raw import BIG, Members, RawCells, RawMesh, joined, sensible
+
+# card -> (kind with corners only, kind with midside nodes)
+_SOLIDS = {
+    "CTETRA": ("tetra", "tetra10"),
+    "CHEXA": ("hexahedron", "hexahedron20"),
+    "CPENTA": ("wedge", "wedge15"),
+    "CPYRAM": ("pyramid", "pyramid13"),
+    "CPYRA": ("pyramid", "pyramid13"),
+}
+_SIZES = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20} | {
+    "wedge": 6,
+    "wedge15": 15,
+    "pyramid": 5,
+    "pyramid13": 13,
+}
+_SHELLS = {
+    "CTRIA3": ("triangle", 3),
+    "CTRIAR": ("triangle", 3),
+    "CTRIA6": ("triangle6", 6),
+    "CQUAD4": ("quad", 4),
+    "CQUADR": ("quad", 4),
+    "CSHEAR": ("quad", 4),
+    "CQUAD8": ("quad8", 8),
+}
+_LINES = {"CROD": 2, "CBAR": 2, "CBEAM": 2, "CTUBE": 2, "CONROD": 1}  # first field of the nodes
+# nastran lists the midside nodes of the upright edges before those of the top
+_ORDER = {
+    "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
+    "wedge15": [*range(9), 12, 13, 14, 9, 10, 11],
+}
+# cards that say nothing about the mesh or its mass
+_SILENT = re.compile(
+    r"(PARAM|MAT|P[A-Z]|SPC|FORCE|MOMENT|LOAD|GRAV|EIG|TABLE|TSTEP|FREQ|PLOTEL|DMIG|SPOINT|ASET"
+    r"|BSET|CSET|QSET|USET|SUPORT|DLOAD|RLOAD|TLOAD|DAREA|DELAY|DPHASE|TEMP|MPCADD|NSM|CORD|SET"
+    r"|BC|DESVAR|DRESP|DCONSTR|DVPREL|ENDDATA|BEGIN)"
+)
+
+
+# what to do about cards that are not read
+_REMEDIES = (
+    (r"CONM|CMASS", "; give point masses to Part.solid"),
+    (
+        r"MPC|RBAR|RBE1|RROD|RTRPLT|RSPLINE|RJOINT",
+        ": the nodes are not tied; tie them by an Interface of the part",
+    ),
+    (r"", ": nothing of them gets into the mesh"),
+)
+
+
+@dataclass
+class _Card:
+    """One entry: its name, its fields from the second one on, and where it begins."""
+
+    name: str
+    fields: list[str]
+    path: Path
+    number: int
+
+    @property
+    def where(self) -> str:
+        return f"{self.path.name}:{self.number}: {self.name}"
+
+    def field(self, i: int) -> str:
+        return self.fields[i] if i < len(self.fields) else ""
+
+    def whole(self, i: int, default: int | None = None) -> int:
+        """Return the whole number in field i from 0, after the name of the card."""
+        text = self.field(i)
+        if not text and default is not None:
+            return default
+        if not re.fullmatch(r"[+-]?\d{1,25}", text) or abs(int(text)) > BIG:
+            raise self.wrong(i, "a whole number")
+        return int(text)
+
+    def real(self, i: int, default: float | None = None) -> float:
+        """Return the real number in field i: ``1.5``, ``1.5E-3``, ``1.5-3`` or ``1.5D-3``."""
+        text = self.field(i)
+        if not text and default is not None:
+            return default
+        try:
+            return float(text)
+        except ValueError:
+            pass
+        try:
+            repaired = re.sub(r"(?<=[\d.])[dD]?([+-]\d+)$", r"e\1", text)
+            return float(repaired.replace("D", "e").replace("d", "e"))
+        except ValueError:
+            raise self.wrong(i, "a number") from None
+
+    def wrong(self, i: int, wanted: str) -> InputError:
+        found = f"is '{self.field(i)}'" if self.field(i) else "is missing"
+        return InputError(
+            Problem(self.where, f"field {i + 2} {found}, must be {wanted}; is the file cut off?")
+        )
+
+
+def read_bulk(path: Path) -> RawMesh:
+    """Return what a Nastran bulk data file says about its mesh.
+
+    Read are GRID in coordinate systems CORD1R/C/S and CORD2R/C/S, CTETRA, CHEXA, CPENTA and CPYRAM
+    with or without all their midside nodes, shells and lines for drawing, SET1, and the nodes of
+    RBE2 and RBE3 as the node sets ``rbe2_<number>``. Properties become element sets
+    ``pid<number>``, their materials ``mat<number>``. The own parser keeps numbers and coordinate
+    systems, which general libraries drop.
+
+    Warns
+    -----
+    JoustoWarning
+        If the end of the bulk data is missing.
+
+    Raises
+    ------
+    InputError
+        With the line of the first entry that cannot be read.
+    """
+    raw = RawMesh()
+    points: list[tuple[int, int, float, float, float]] = []
+    systems: dict[int, _Card] = {}
+    elements: dict[str, list[tuple[int, list[int]]]] = {}
+    properties: dict[int, list[int]] = {}
+    materials: dict[int, int] = {}
+    numbers: list[tuple[str, Members]] = []
+    default: int | None = None
+    problems, other = Problems(), Counter[str]()
+    for card in _cards(path, 0):
+        name = card.name
+        if name == "GRID":
+            cp = card.whole(1, -1)
+            xyz = (card.real(2, 0.0), card.real(3, 0.0), card.real(4, 0.0))
+            points.append((card.whole(0), cp, *xyz))
+        elif name == "GRDSET":
+            if default not in (None, card.whole(1, 0)):
+                problems.add(card.where, "stands there twice with different systems; keep one")
+            default = card.whole(1, 0)
+        elif name in _SOLIDS:
+            kind, nodes = _solid(card, problems)
+            elements.setdefault(kind, []).append((card.whole(0), nodes))
+            properties.setdefault(card.whole(1, 0), []).append(card.whole(0))
+        elif name in _SHELLS:
+            kind, k = _SHELLS[name]
+            nodes = [card.whole(2 + i) for i in range(k)]
+            elements.setdefault(kind, []).append((card.whole(0), nodes))
+            properties.setdefault(card.whole(1, 0), []).append(card.whole(0))
+        elif name in _LINES:
+            first = _LINES[name]
+            nodes = [card.whole(first), card.whole(first + 1)]
+            elements.setdefault("line", []).append((card.whole(0), nodes))
+        elif name.startswith("CORD"):
+            _system(card, systems)
+        elif name == "PSOLID":
+            materials[card.whole(0)] = card.whole(1, 0)
+        elif name in ("RBE2", "RBE3", "SET1"):
+            numbers.append((_title(card), _members(card)))
+        elif not _SILENT.match(name):
+            other[name] += 1
+    problems.raise_if_any()
+    if not points:
+        raise InputError(
+            Problem(path.name, "holds no GRID entries; is it a bulk data file, and complete?")
+        )
+
+    ids = np.array([p[0] for p in points])
+    raw.node_ids.append(ids)
+    # blank fields of GRID are those of GRDSET, 0 is the basic system
+    points = [(p[0], (default or 0) if p[1] == -1 else p[1], *p[2:]) for p in points]
+    raw.nodes.append(_positions(path, points, systems))
+    for kind, rows in elements.items():
+        nodes_table = np.array([row[1] for row in rows])
+        if kind in _ORDER:
+            nodes_table = nodes_table[:, _ORDER[kind]]
+        raw.cells.append(RawCells(kind, nodes_table, np.array([row[0] for row in rows])))
+    for pid, members in properties.items():
+        title = f"pid{pid}"
+        raw.element_sets[title] = [np.array(members)]
+        if pid in materials:
+            raw.materials[title] = f"mat{materials[pid]}"
+    for title, found in numbers:
+        sets = raw.node_sets if _of_nodes(found, ids, raw.numbers(False)) else raw.element_sets
+        sets.setdefault(title, []).extend(found)
+    text = path.read_text(encoding="latin-1").upper()
+    if "BEGIN BULK" in text and "ENDDATA" not in text:
+        raw.left_out.append((path.name, "has no ENDDATA; is the file cut off?"))
+    if other:
+        for pattern, remedy in _REMEDIES:
+            held = {name: n for name, n in other.items() if re.match(pattern, name)}
+            other -= Counter(held)
+            if held:
+                names = some([f"{n} {name}" for name, n in held.items()])
+                raw.left_out.append((path.name, f"{names} not read{remedy}"))
+    return raw
+
+
+# ---- cards ---------------------------------------------------------------------------------------
+
+
+def _cards(path: Path, depth: int) -> Iterator[_Card]:
+    """Yield the entries of the bulk data section, with those of the files it includes."""
+    if depth > 10:
+        raise InputError(Problem(path.name, "INCLUDE goes round in circles"))
+    text = path.read_text(encoding="latin-1")
+    lines = text.splitlines()
+    begin = next(
+        (i for i, line in enumerate(lines) if re.match(r"\s*BEGIN\s+BULK", line, re.IGNORECASE)), -1
+    )
+    card: _Card | None = None
+    for i in range(begin + 1, len(lines)):
+        line = lines[i].split("$", 1)[0].rstrip()
+        if not line:
+            continue
+        if re.match(r"\s*ENDDATA", line, re.IGNORECASE):
+            break
+        include = re.match(r"\s*INCLUDE\s+(\S.*)", line, re.IGNORECASE)
+        if include:
+            title = include[1].strip("'").strip()
+            inner = path.parent / title
+            if not inner.is_file():
+                where = f"{path.name}:{i + 1}"
+                raise InputError(
+                    Problem(where, f"the included file '{title}' is not there; keep it beside")
+                )
+            if card is not None:
+                yield card
+                card = None
+            yield from _cards(inner, depth + 1)
+            continue
+        head, fields = _split(line)
+        if card is not None and (not head or head[0] in "+*"):
+            card.fields += fields
+            continue
+        if card is not None:
+            yield card
+        # meshio writes CTETRA_ for an element with midside nodes
+        card = _Card(head.rstrip("*_").upper(), fields, path, i + 1)
+    if card is not None:
+        yield card
+
+
+def _split(line: str) -> tuple[str, list[str]]:
+    """Return the first field and the eight (or four long) data fields of a line."""
+    if "," in line:
+        words = [word.strip() for word in line.split(",")]
+        wide = 4 if words[0].endswith("*") else 8
+        return words[0], (words[1 : 1 + wide] + [""] * wide)[:wide]
+    line = line.expandtabs(8)
+    head = line[:8].strip()
+    if "*" in head:
+        return head, [line[8 + 16 * i : 24 + 16 * i].strip() for i in range(4)]
+    return head, [line[8 + 8 * i : 16 + 8 * i].strip() for i in range(8)]
+
+
+def _solid(card: _Card, problems: Problems) -> tuple[str, list[int]]:
+    """Return kind and nodes of a solid element."""
+    low, high = _SOLIDS[card.name]
+    corners = [card.whole(2 + i) for i in range(_SIZES[low])]
+    middle = card.fields[2 + len(corners) : 2 + _SIZES[high]]
+    if not any(middle):
+        return low, corners
+    given = [word for word in middle if word and word != "0"]
+    if len(given) < _SIZES[high] - _SIZES[low]:
+        problems.add(
+            card.where,
+            f"element {card.field(0)} has {len(given)} of {_SIZES[high] - _SIZES[low]} midside"
+            " nodes; export with all of them or with none (is the file cut off?)",
+        )
+        return low, corners
+    first = 2 + len(corners)
+    return high, corners + [card.whole(first + i) for i in range(len(middle))]
+
+
+def _title(card: _Card) -> str:
+    return f"{'set' if card.name == 'SET1' else card.name.lower() + '_'}{card.field(0)}"
+
+
+def _members(card: _Card) -> Members:
+    """Return the nodes of an RBE2, an RBE3 or a set, with ranges ``1 THRU 9``."""
+    first = {"SET1": 1, "RBE2": 3, "RBE3": 4}[card.name]
+    fields = card.fields[first:]
+    single: list[int] = []
+    out: Members = []
+    skip = 0
+    for i, word in enumerate(fields):
+        if skip:
+            skip -= 1
+        elif not word:
+            continue
+        elif word.upper() == "THRU" and single:
+            last = card.whole(first + i + 1)
+            if last < single[-1]:
+                raise card.wrong(first + i + 1, f"{single[-1]} or more")
+            out.append(range(single.pop(), last + 1))
+            skip = 1
+        elif card.name == "RBE3" and word.upper() in ("UM", "ALPHA"):
+            break
+        elif re.fullmatch(r"\d+", word):
+            single.append(card.whole(first + i))
+        elif card.name == "RBE3":  # a weight, followed by its components
+            skip = 1
+        elif card.name == "RBE2":  # the coefficient of thermal expansion comes last
+            break
+        else:
+            raise card.wrong(first + i, "a whole number")
+    return [np.array(single, dtype=np.int64), *out]
+
+
+def _of_nodes(members: Members, nodes: Ints, elements: Ints) -> bool:
+    """Tell whether a set that does not say so is one of nodes: they are all there."""
+    ends = [i for part in members if isinstance(part, range) for i in (part[0], part[-1])]
+    single = np.concatenate([part for part in members if not isinstance(part, range)])
+    if not np.all(np.isin(single, nodes)) or np.all(np.isin(ends, nodes)):
+        return bool(np.all(np.isin(single, nodes)))
+    return bool(len(joined(members, nodes))) and not np.all(np.isin(ends, elements))
+
+
+# ---- coordinate systems --------------------------------------------------------------------------
+
+
+def _system(card: _Card, systems: dict[int, _Card]) -> None:
+    """Note the coordinate systems of a card; CORD1x may hold two."""
+    if card.name[:5] == "CORD1":
+        for first in (0, 4):
+            if card.field(first):
+                part = _Card(card.name, card.fields[first : first + 4], card.path, card.number)
+                systems[part.whole(0)] = part
+    else:
+        systems[card.whole(0)] = card
+
+
+def _positions(
+    path: Path, points: list[tuple[int, int, float, float, float]], systems: dict[int, _Card]
+) -> Floats:
+    """Return positions (nn, 3) in the basic system."""
+    local = sensible(np.array([p[2:] for p in points]))
+    cp = np.array([p[1] for p in points])
+    place = {p[0]: i for i, p in enumerate(points)}
+    frames: dict[int, tuple[str, Floats, Floats]] = {0: ("R", np.zeros(3), np.eye(3))}
+    out = np.full_like(local, np.nan)
+
+    def frame(cid: int, above: tuple[int, ...]) -> tuple[str, Floats, Floats]:
+        """Return kind, origin and axes (columns) of a system in the basic system."""
+        if cid in frames:
+            return frames[cid]
+        if cid not in systems:
+            raise InputError(
+                Problem(path.name, f"coordinate system {cid} is used but not defined (CORD2R ...)")
+            )
+        if cid in above:
+            raise InputError(
+                Problem(systems[cid].where, f"coordinate system {cid} refers to itself")
+            )
+        card = systems[cid]
+        if card.name[:5] == "CORD1":
+            abc = [position(card.whole(i), (*above, cid)) for i in (1, 2, 3)]
+        else:
+            rows = np.array([[card.real(2 + 3 * r + c, 0.0) for c in range(3)] for r in range(3)])
+            abc = list(_basic(sensible(rows), *frame(card.whole(1, 0), (*above, cid))))
+        z = abc[1] - abc[0]
+        y = np.cross(z, abc[2] - abc[0])
+        if not np.linalg.norm(y) > 0.0:
+            raise InputError(Problem(card.where, "its three points lie on a line"))
+        z, y = z / np.linalg.norm(z), y / np.linalg.norm(y)
+        frames[cid] = (card.name[-1], abc[0], np.stack([np.cross(y, z), y, z], axis=1))
+        return frames[cid]
+
+    def position(number: int, above: tuple[int, ...]) -> Floats:
+        if number not in place:
+            raise InputError(
+                Problem(path.name, f"a coordinate system stands on grid point {number}: not there")
+            )
+        i = place[number]
+        x: Floats = _basic(local[i : i + 1], *frame(int(cp[i]), above))[0]
+        return x
+
+    for cid in np.unique(cp):
+        here = cp == cid
+        out[here] = _basic(local[here], *frame(int(cid), ()))
+    return out
+
+
+def _basic(x: Floats, kind: str, origin: Floats, axes: Floats) -> Floats:
+    """Return coordinates (n, 3) of a rectangular, cylindrical or spherical system as positions."""
+    a, b, c = x.T
+    if kind == "C":
+        x = np.stack([a * np.cos(np.radians(b)), a * np.sin(np.radians(b)), c], axis=1)
+    elif kind == "S":
+        theta, phi = np.radians(b), np.radians(c)
+        flat = a * np.sin(theta)
+        x = np.stack([flat * np.cos(phi), flat * np.sin(phi), a * np.cos(theta)], axis=1)
+    out: Floats = origin + x @ axes.T
+    return out

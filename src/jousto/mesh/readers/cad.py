@@ -1,0 +1,71 @@
+"""CAD files before they are meshed: kind, completeness, unit."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from jousto.base.errors import InputError, Problem
+from jousto.mesh.readers.files import UNITS, exists, unit_factor
+
+_SI = {"": 1.0, "MILLI": 1e-3, "CENTI": 1e-2, "MICRO": 1e-6, "DECI": 1e-1, "KILO": 1e3}
+
+
+def cad_scale(path: Path, unit: str | None) -> float:
+    """Return the unit of the import in m, after checking the file.
+
+    Gmsh turns STEP files into millimetres; the numbers of a BREP file stay as they are.
+    """
+    where = path.name
+    if unit is not None:
+        unit_factor(where, unit)
+    exists(path)
+    data = path.read_bytes()
+    if data.lstrip()[:12] == b"ISO-10303-21":
+        if b"END-ISO-10303-21" not in data[-4096:]:
+            raise InputError(
+                Problem(where, "has no END-ISO-10303-21 at its end: it is cut off; export it again")
+            )
+        said = step_unit(data)
+        return 1e-3 if unit is None else 1e-3 * UNITS[unit] / said
+    if re.match(rb"\s*(DBRep_DrawableShape|CASCADE Topology|Open CASCADE Topology)", data):
+        if unit is None:
+            raise InputError(
+                Problem(where, "a BREP file does not say its unit: give unit='mm' or another")
+            )
+        return UNITS[unit]
+    if not data.strip():
+        raise InputError(Problem(where, "is empty"))
+    if re.match(rb".{72}S *0*1\s", data):
+        raise InputError(
+            Problem(where, "is an IGES file, which holds faces and no solid: export STEP instead")
+        )
+    if path.suffix.lower() in (".msh", ".inp", ".bdf", ".nas", ".med", ".vtk", ".vtu", ".cdb"):
+        raise InputError(Problem(where, "is a mesh, no geometry: read it with jo.read_mesh(path)"))
+    raise InputError(Problem(where, "is neither a STEP nor a BREP file"))
+
+
+def step_unit(data: bytes) -> float:
+    """Return the unit of length of a STEP file in m; mm if it says none.
+
+    Examples
+    --------
+    >>> step_unit(b"#9=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));")
+    0.001
+    """
+    text = re.sub(rb"\s+", b"", data)
+    # inches and feet are conversions of millimetres or metres
+    found = re.search(
+        rb"LENGTH_UNIT\(\)[^;]{0,400}?CONVERSION_BASED_UNIT\('(\w+)'|"
+        rb"CONVERSION_BASED_UNIT\('(\w+)',#\d+\)LENGTH_UNIT",
+        text,
+    )
+    if found:
+        title = (found[1] or found[2]).decode().lower()
+        known = {"inch": 0.0254, "foot": 0.3048, "millimetre": 1e-3, "metre": 1.0}
+        if title in known:
+            return known[title]
+    found = re.search(rb"LENGTH_UNIT\(\)NAMED_UNIT\(\*\)SI_UNIT\((?:\.(\w+)\.|\$),\.METRE\.", text)
+    if found:
+        return _SI.get((found[1] or b"").decode(), 1e-3)
+    return 1e-3

@@ -1,0 +1,183 @@
+"""Ansys archives (.cdb, written by CDWRITE), read by mapdl-archive (extra ``ansys``)."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arrays import Ints, some
+from jousto.base.errors import InputError, Problem, count
+from jousto.mesh.readers.apart import apart
+from jousto.mesh.readers.raw import RawCells, RawMesh
+
+# solids by element type: nodes of the full brick, tetrahedron
+_BRICKS = {45: 8, 64: 8, 65: 8, 185: 8, 95: 20, 186: 20}
+_TETRAHEDRA = {92: 10, 187: 10, 285: 4}
+_SHELLS = {63: 4, 181: 4, 43: 4, 154: 8, 281: 8, 93: 8, 152: 8}
+_LINES = {188: 2, 189: 2, 4: 2, 8: 2, 180: 2, 44: 2}
+# surface, contact and target elements, constraint equations: silent
+_SILENT = {170, 172, 173, 174, 175, 176, 184}
+# fields of an element before its nodes, in mapdl-archive's table
+_HEAD = 10
+_KINDS = {4: "tetra", 10: "tetra10", 8: "hexahedron", 20: "hexahedron20", 6: "wedge"} | {
+    15: "wedge15",
+    5: "pyramid",
+    13: "pyramid13",
+}
+
+
+def read_cdb(path: Path) -> RawMesh:
+    """Return the mesh of an Ansys archive; components are sets, materials ``mat<number>``.
+
+    Bricks whose nodes repeat (Ansys' way to say wedge, pyramid and tetrahedron) become those.
+
+    Raises
+    ------
+    InputError
+        If the extra ``ansys`` is missing, the file is cut off, or midside nodes are missing.
+    """
+    if find_spec("mapdl_archive") is None:
+        raise InputError(
+            Problem(path.name, "Ansys archives need mapdl-archive: pip install mapdl-archive")
+        )
+    announced = _announced(path)
+    archive = apart(
+        path,
+        "jousto.mesh.readers.cdb:archive",
+        "the file is likely damaged: write it again with CDWRITE, DB",
+    )
+    elements = np.split(archive["elem"], np.cumsum(archive["lengths"])[:-1])
+    if not len(archive["lengths"]):
+        elements = []
+    for number, held, what in zip(
+        announced, (len(archive["nnum"]), len(elements)), ("nodes", "elements"), strict=True
+    ):
+        if held < number:
+            raise InputError(
+                Problem(path.name, f"announces {number} {what} but holds {held}: it is cut off")
+            )
+    raw = RawMesh()
+    raw.node_ids.append(np.asarray(archive["nnum"], dtype=np.int64))
+    raw.nodes.append(np.asarray(archive["nodes"], dtype=np.float64)[:, :3])
+    types = {int(number): int(code) for number, code in np.asarray(archive["ekey"])}
+    found: dict[tuple[str, str], list[tuple[int, Ints]]] = {}
+    others, broken = Counter[int](), []
+    for row in elements:
+        code = types.get(int(row[1]), 0)
+        nodes = np.asarray(row[_HEAD:], dtype=np.int64)
+        number, material = int(row[8]), f"mat{int(row[0])}"
+        if code in _BRICKS:
+            kind, nodes = _brick(nodes, _BRICKS[code])
+        elif code in _TETRAHEDRA:
+            nodes = nodes[: _TETRAHEDRA[code]]
+            kind = _KINDS.get(len(nodes), "")
+        elif code in _SHELLS:
+            kind, nodes = _shell(nodes)
+        elif code in _LINES:
+            kind, nodes = "line", nodes[:2]
+        else:
+            if code not in _SILENT:
+                others[code] += 1
+            continue
+        if not kind or np.any(nodes <= 0):
+            broken.append(number)
+            continue
+        found.setdefault((kind, material), []).append((number, nodes))
+    if broken:
+        raise InputError(
+            Problem(
+                path.name,
+                f"{count(len(broken), 'element')} (element {some([str(i) for i in broken])}) lack"
+                " midside nodes; write elements with all of them or without any",
+            )
+        )
+    for (kind, material), rows in found.items():
+        table = np.array([nodes for _, nodes in rows])
+        raw.cells.append(RawCells(kind, table, np.array([n for n, _ in rows]), material))
+    for title, members in archive["node_components"].items():
+        raw.node_sets[title.strip()] = [np.asarray(members, dtype=np.int64)]
+    for title, members in archive["element_components"].items():
+        raw.element_sets[title.strip()] = [np.asarray(members, dtype=np.int64)]
+    for code, n in others.items():
+        raw.unread[f"{code}"] += n
+    if others:
+        names = some([f"{n} of type {code}" for code, n in others.items()])
+        raw.left_out.append((path.name, f"elements not read: {names}"))
+    return raw
+
+
+def archive(path: Path) -> dict[str, Any]:
+    """Return what mapdl-archive finds; runs in a process of its own, since it may crash."""
+    import mapdl_archive
+
+    try:
+        found: Any = mapdl_archive.Archive(path, parse_vtk=False)
+        elements = [np.asarray(row, dtype=np.int64) for row in found.elem]
+        return {
+            "nnum": np.asarray(found.nnum),
+            "nodes": np.asarray(found.nodes),
+            "ekey": np.asarray(found.ekey),
+            "elem": np.concatenate([np.zeros(0, np.int64), *elements]),
+            "lengths": np.array([len(row) for row in elements], dtype=np.int64),
+            "node_components": {k: np.asarray(v) for k, v in found.node_components.items()},
+            "element_components": {k: np.asarray(v) for k, v in found.element_components.items()},
+        }
+    except Exception as error:
+        said = f"{type(error).__name__}: {error}"[:160]
+        raise InputError(
+            Problem(path.name, f"cannot be read; is it cut off? (mapdl-archive: {said})")
+        ) from None
+
+
+def _announced(path: Path) -> tuple[int, int]:
+    """Return how many nodes and elements the archive announces (0: it does not say)."""
+    data, out = path.read_bytes(), []
+    for name in (b"NBLOCK", b"EBLOCK"):
+        line = re.search(rb"^[ \t]*%s\b[^\r\n]*[\r\n]" % name, data, re.MULTILINE | re.IGNORECASE)
+        if line is None:
+            raise InputError(
+                Problem(
+                    path.name,
+                    f"has no {name.decode()}: it is cut off or no archive with blocks; write it"
+                    " with CDWRITE, DB",
+                )
+            )
+        last = line[0].split(b",")[-1].strip()
+        out.append(int(last) if last.isdigit() else 0)
+    return out[0], out[1]
+
+
+def _brick(nodes: Ints, full: int) -> tuple[str, Ints]:
+    """Return kind and nodes of a brick whose nodes may repeat.
+
+    Ansys says a wedge as ``I J K K M N O O``, a pyramid as ``I J K L M M M M`` and a tetrahedron
+    as ``I J K K M M M M``, with midside nodes after the corners in the order of VTK.
+    """
+    a = nodes[:8]
+    if len(a) < 8:
+        return "", nodes
+    quadratic = full == 20 and len(nodes) >= 20 and bool(np.any(nodes[8:20] > 0))
+    m = nodes[8:20] if quadratic else np.zeros(12, dtype=np.int64)
+    same = a[2] == a[3]
+    if same and a[4] == a[5] == a[6] == a[7]:
+        corners, middle = a[[0, 1, 2, 4]], m[[0, 1, 3, 8, 9, 10]]
+    elif same and a[6] == a[7]:
+        corners, middle = a[[0, 1, 2, 4, 5, 6]], m[[0, 1, 3, 4, 5, 7, 8, 9, 10]]
+    elif a[4] == a[5] == a[6] == a[7]:
+        corners, middle = a[:5], m[[0, 1, 2, 3, 8, 9, 10, 11]]
+    else:
+        corners, middle = a, m
+    out = np.concatenate([corners, middle]) if quadratic else corners
+    return _KINDS[len(out)], out
+
+
+def _shell(nodes: Ints) -> tuple[str, Ints]:
+    a = nodes[:4]
+    if len(a) == 4 and a[2] != a[3]:
+        return "quad", a
+    return "triangle", a[:3]

@@ -1,0 +1,227 @@
+"""read_mesh: which reader reads which file."""
+
+from __future__ import annotations
+
+import gzip
+import logging
+import os
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from importlib import import_module
+from pathlib import Path
+
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, MissingFileError, Problem, suggest, warn
+from jousto.base.files import check_file
+from jousto.mesh.mesh import Mesh
+from jousto.mesh.readers.raw import RawMesh
+
+log = logging.getLogger(__name__)
+
+UNITS = {
+    "m": 1.0,
+    "cm": 1e-2,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "in": 0.0254,
+    "inch": 0.0254,
+    "ft": 0.3048,
+}
+
+
+@dataclass(frozen=True)
+class Format:
+    """A file format: its name, suffixes, where its reader is and how its content begins."""
+
+    name: str
+    suffixes: tuple[str, ...]
+    reader: str  # module and function below this package
+    signs: tuple[bytes, ...]  # regular expressions, looked for in the first bytes
+
+    def begins(self, head: bytes) -> bool:
+        """Whether a file with this beginning is of the format."""
+        return any(re.search(sign, head, re.MULTILINE | re.IGNORECASE) for sign in self.signs)
+
+    def read(self, path: Path) -> RawMesh:
+        """Return what a file of the format says."""
+        module, function = self.reader.split(".")
+        reader: Callable[[Path], RawMesh] = getattr(
+            import_module(f"jousto.mesh.readers.{module}"), function
+        )
+        return reader(path)
+
+
+# the first whose signs are found in a file counts
+FORMATS = (
+    Format("a Gmsh mesh", (".msh",), "msh.read_msh", (rb"\A\s*\$MeshFormat",)),
+    Format(
+        "a MED file", (".med", ".rmed", ".mmed"), "library.read_med", (rb"\A\x89HDF\r\n\x1a\n",)
+    ),
+    Format("a VTK file", (".vtk",), "library.read_vtk", (rb"\A# vtk DataFile",)),
+    Format("a VTU file", (".vtu",), "library.read_vtu", (rb"\A(<\?xml[^>]*>\s*)?<VTKFile",)),
+    Format(
+        "an Ansys archive",
+        (".cdb",),
+        "cdb.read_cdb",
+        (rb"^[ \t]*/(COM|PREP7|TITLE)\b", rb"^[ \t]*(NBLOCK|EBLOCK|\*USE_RDB)\b"),
+    ),
+    Format(
+        "an Abaqus or CalculiX input file",
+        (".inp",),
+        "inp.read_inp",
+        (rb"^[ \t]*\*[ \t]*(HEADING|NODE|PART|INCLUDE|ELEMENT|NSET)\b",),
+    ),
+    Format(
+        "a Nastran bulk data file",
+        (".bdf", ".nas", ".fem"),
+        "bulk.read_bulk",
+        (rb"^(BEGIN\s+BULK|GRID[ *,]|SOL\s+\w+|CEND|CORD|CTETRA|CHEXA|MAT1|PSOLID)",),
+    ),
+)
+# text of meshes is packed to a fifth or tenth of its size
+MOST_PACKED = 100
+LARGEST_UNPACKED = 1 << 26  # bytes that are unpacked at any ratio
+_MESHED = (
+    "a %s file: name it STEM.%s and mesh it, jousto mesh STEM.%s --size '8 mm' or"
+    " jo.mesh_step(path, size=...)"
+)
+# files that people try, and what to do with them
+_STRANGE = (
+    (rb"\AISO-10303-21", _MESHED % ("STEP", "step", "step")),
+    (rb"\A(DBRep_DrawableShape|CASCADE Topology)", _MESHED % ("BREP", "brep", "brep")),
+    (rb"\A.{72}S *0*1\s", "an IGES file, which holds faces and no solid: export STEP instead"),
+    (rb"\A\s*solid\b[\s\S]*facet", "an STL surface: fill it with elements in a mesher first"),
+    (rb"\APK\x03\x04", "a ZIP archive: unpack it first"),
+    (rb"\A\s*<(!DOCTYPE html|html)", "a web page: download the file itself"),
+    (rb"\A%!PS|\A%PDF|\A\x89PNG|\A\xff\xd8", "a picture or a document"),
+)
+
+
+@explained
+def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None = None) -> Mesh:
+    """Return the mesh of a file.
+
+    Read are Gmsh ``.msh`` (2.2 and 4.1), Abaqus and CalculiX ``.inp``, Nastran ``.bdf .nas``,
+    ``.med``, VTK ``.vtk .vtu`` and Ansys ``.cdb`` (extra ``ansys``); a ``.gz`` may follow. Other
+    suffixes are judged by their content. The order and the numbers of nodes and elements and the
+    names of sets stay as they are in the file.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    unit : {"m", "mm", "cm", "in", "ft", "um"}
+        Unit of the coordinates in the file; mesh files do not say.
+    name : str, optional
+        Name of the mesh; the file's name if not given.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, empty, cut off, damaged, of another kind than its suffix says, or
+        holds elements that are not read.
+
+    Warns
+    -----
+    JoustoWarning
+        Of what the file holds and the mesh does not: point masses, springs, elements of other
+        kinds.
+
+    See Also
+    --------
+    mesh_step : Mesh a CAD file.
+    Mesh.check : What is wrong or doubtful about the mesh.
+
+    Examples
+    --------
+    >>> mesh = read_mesh("tests/data/bracket.inp", unit="mm")  # doctest: +SKIP
+    """
+    path = Path(path)
+    where = path.name
+    factor = unit_factor(where, unit)
+    exists(path)
+    if path.suffix.lower() == ".gz":
+        return _unpacked(path, unit, name)
+    found = which(path)
+    raw = found.read(path)
+    mesh = replace(raw.build(where, name or path.stem, factor), source=where)
+    for place, sentence in raw.left_out:
+        warn(place, sentence)
+    log.info("%s: %s", where, mesh)
+    return mesh
+
+
+def exists(path: Path) -> None:
+    """Raise if there is no such file, with the nearest name in its folder."""
+    check_file(path)
+    if not path.is_file():
+        near = [file.name for file in path.parent.glob("*")] if path.parent.is_dir() else []
+        hint = suggest(path.name, near) if near else f"; there is no folder '{path.parent}'"
+        raise MissingFileError(Problem(path.name, f"no such file{hint}"))
+
+
+def which(path: Path) -> Format:
+    """Return the format of a file by suffix and content, or raise if they contradict."""
+    where = path.name
+    with open(path, "rb") as file:
+        head = file.read(65536)
+    if not head.strip():
+        raise InputError(Problem(where, "is empty"))
+    for sign, what in _STRANGE:
+        if re.search(sign, head[:2048], re.IGNORECASE):
+            what = what.replace("STEM", path.stem)
+            raise InputError(Problem(where, f"is {what}"))
+    suffix = path.suffix.lower()
+    named = next((fmt for fmt in FORMATS if suffix in fmt.suffixes), None)
+    inside = next((fmt for fmt in FORMATS if fmt.begins(head)), None)
+    if named is None and inside is None:
+        known = " ".join(s for fmt in FORMATS for s in fmt.suffixes)
+        known += "; CAD files to be meshed: .step .stp .brep"
+        raise InputError(Problem(where, f"is of no kind that is read; known: {known}"))
+    if named is None:
+        assert inside is not None
+        return inside
+    if named.begins(head) or inside is None:
+        if inside is None and b"\0" in head[:1024] and named.name != "a MED file":
+            raise InputError(Problem(where, f"is a binary file, not {named.name}"))
+        return named
+    raise InputError(
+        Problem(
+            where,
+            f"is named like {named.name} but holds {inside.name}; rename it to"
+            f" '{path.stem}{inside.suffixes[0]}'",
+        )
+    )
+
+
+def unit_factor(where: str, unit: str) -> float:
+    """Return the length of a unit in m."""
+    if unit not in UNITS:
+        hint = suggest(unit, UNITS)
+        raise InputError(Problem(where, f"unit is '{unit}'{hint}"))
+    return UNITS[unit]
+
+
+def _unpacked(path: Path, unit: str, name: str | None) -> Mesh:
+    """Read a file compressed by gzip through an unpacked copy."""
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as folder:
+        inner = Path(folder) / path.stem
+        try:
+            most = LARGEST_UNPACKED + MOST_PACKED * path.stat().st_size
+            with gzip.open(path, "rb") as packed, open(inner, "wb") as copy:
+                while piece := packed.read(1 << 20):
+                    copy.write(piece)
+                    if copy.tell() > most:
+                        raise InputError(
+                            Problem(
+                                path.name,
+                                f"unpacks to more than {MOST_PACKED} times its size, as no mesh "
+                                "does; unpack it yourself if that is right",
+                            )
+                        )
+        except (OSError, EOFError) as error:
+            raise InputError(Problem(path.name, f"cannot be unpacked: {error}")) from None
+        return read_mesh(inner, unit=unit, name=name or Path(path.stem).stem)

@@ -1,0 +1,278 @@
+"""What a mesh file says, by the file's own numbers, and how it becomes a Mesh."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from jousto.base.arrays import Floats, Ints, some
+from jousto.base.errors import InputError, Problem, Problems, count
+from jousto.mesh.cells import LINES, SOLIDS, SURFACES, Cells, faces
+from jousto.mesh.mesh import Mesh
+from jousto.mesh.surface import face_kind
+
+# coordinates and numbers of nodes and elements beyond these are damage
+FAR = 1e12
+BIG = 2**62
+
+# numbers one by one, or a range of which those count that are there
+Members = list[Ints | range]
+
+
+@dataclass
+class RawCells:
+    """Elements of one kind by the numbers of the file."""
+
+    kind: str
+    nodes: Ints  # (ne, k) node numbers
+    ids: Ints  # (ne,) element numbers
+    material: str = ""
+
+
+@dataclass
+class RawMesh:
+    """Collects what a reader finds; nodes in the file's unit, everything by the file's numbers."""
+
+    node_ids: list[Ints] = field(default_factory=list)
+    nodes: list[Floats] = field(default_factory=list)
+    cells: list[RawCells] = field(default_factory=list)
+    node_sets: dict[str, Members] = field(default_factory=dict)
+    element_sets: dict[str, Members] = field(default_factory=dict)
+    # faces of elements: element numbers and sides from 0
+    sides: dict[str, list[tuple[Ints, Ints]]] = field(default_factory=dict)
+    # materials of element sets
+    materials: dict[str, str] = field(default_factory=dict)
+    # what was left out: place and sentence
+    left_out: list[tuple[str, str]] = field(default_factory=list)
+    # elements of kinds that are not read, by the name of their type
+    unread: Counter[str] = field(default_factory=Counter)
+
+    def numbers(self, nodes: bool) -> Ints:
+        """Return the numbers of all nodes, or of all elements."""
+        parts = self.node_ids if nodes else [block.ids for block in self.cells]
+        return np.concatenate([np.zeros(0, np.int64), *parts])
+
+    def build(self, where: str, name: str, factor: float) -> Mesh:
+        """Return the mesh in m, or raise with everything that does not fit together."""
+        problems = Problems()
+        ids, nodes = self._all_nodes(problems, where)
+        index = Numbers(ids)
+        self._twice(problems, where)
+        blocks = []
+        for block in self._by_material():
+            found = index(block.nodes.ravel()).reshape(block.nodes.shape)
+            missing = np.argwhere(found < 0)
+            if len(missing):
+                i, j = missing[0]
+                wrong = len(np.unique(missing[:, 0]))
+                problems.add(
+                    where,
+                    f"element {block.ids[i]} needs node {block.nodes[i, j]}, which the file does"
+                    f" not hold ({count(wrong, 'element')} like that); is the file complete?",
+                )
+            else:
+                blocks.append(Cells(block.kind, found, block.ids, block.material))
+        problems.raise_if_any()
+        if not blocks and self.unread:
+            types = some([f"{name} ({number})" for name, number in self.unread.most_common()])
+            raise InputError(
+                Problem(
+                    where,
+                    f"holds elements of type {types} only, which are not read; read are "
+                    f"{' '.join(SOLIDS)}, besides shells, beams and trusses for their names",
+                )
+            )
+        if not blocks:
+            raise InputError(Problem(where, "holds no elements; is the file complete?"))
+
+        node_sets = {}
+        for title, parts in self.node_sets.items():
+            members = joined(parts, ids)
+            at = index(members)
+            if np.any(at < 0):
+                lost = some([str(i) for i in members[at < 0]])
+                problems.add(where, f"node set '{title}' holds node {lost}, which is not there")
+            node_sets[title] = np.unique(at[at >= 0])
+        problems.raise_if_any()
+        elements, surfaces, more = self._element_sets(blocks)
+        for title, members in more.items():
+            node_sets.setdefault(title, members)
+        surfaces |= self._side_sets(blocks, where)
+        return Mesh(name, nodes * factor, tuple(blocks), ids, node_sets, elements, surfaces)
+
+    def _all_nodes(self, problems: Problems, where: str) -> tuple[Ints, Floats]:
+        if not self.node_ids or not sum(len(part) for part in self.node_ids):
+            raise InputError(Problem(where, "holds no nodes; is the file complete?"))
+        ids, nodes = np.concatenate(self.node_ids), np.concatenate(self.nodes)
+        values, first, number = np.unique(ids, return_index=True, return_counts=True)
+        if np.any(number > 1):
+            # the same node said twice at one place is harmless
+            order = np.argsort(ids, kind="stable")
+            again = np.flatnonzero(np.diff(ids[order]) == 0)
+            apart = nodes[order[again]] != nodes[order[again + 1]]
+            wrong = np.unique(ids[order[again[apart.any(axis=1)]]])
+            if len(wrong):
+                names = some([str(i) for i in wrong])
+                problems.add(where, f"node {names} stands there twice, at different places")
+            keep = np.sort(first)
+            ids, nodes = ids[keep], nodes[keep]
+        bad = ids[~(np.abs(nodes) < FAR).all(axis=1)]
+        if len(bad):
+            problems.add(where, f"node {some([str(i) for i in bad])} has no sensible position")
+        problems.raise_if_any()
+        return ids, nodes
+
+    def _twice(self, problems: Problems, where: str) -> None:
+        """Note numbers of two elements: sets and materials could mean either."""
+        ids = self.numbers(nodes=False)
+        values, number = np.unique(ids, return_counts=True)
+        wrong = values[number > 1]
+        drawn = [block.ids for block in self.cells if block.kind in (*SOLIDS, *SURFACES)]
+        wrong = np.intersect1d(wrong, np.concatenate([np.zeros(0, np.int64), *drawn]))
+        if len(wrong):
+            names = some([str(i) for i in wrong])
+            problems.add(
+                where,
+                f"number {names} belongs to more than one element, so that sets and materials are"
+                " not clear; export with each number once",
+            )
+
+    def _by_material(self) -> list[RawCells]:
+        """Return the elements joined to one block for each kind and material, in file order."""
+        ids = self.numbers(nodes=False)
+        material: dict[str, Ints] = {}
+        for title, name in self.materials.items():
+            members = joined(self.element_sets.get(title, []), ids)
+            material[name] = np.union1d(material.get(name, np.zeros(0, np.int64)), members)
+        groups: dict[tuple[str, str], list[tuple[Ints, Ints]]] = {}
+        for block in self.cells:
+            rest = np.ones(len(block.ids), dtype=bool)
+            for name, members in material.items():
+                here = rest & np.isin(block.ids, members)
+                if here.any():
+                    group = groups.setdefault((block.kind, name), [])
+                    group.append((block.nodes[here], block.ids[here]))
+                    rest &= ~here
+            if rest.any():
+                group = groups.setdefault((block.kind, block.material), [])
+                group.append((block.nodes[rest], block.ids[rest]))
+        return [
+            RawCells(kind, np.concatenate([p[0] for p in g]), np.concatenate([p[1] for p in g]), m)
+            for (kind, m), g in groups.items()
+        ]
+
+    def _element_sets(
+        self, blocks: Sequence[Cells]
+    ) -> tuple[dict[str, Ints], dict[str, Ints], dict[str, Ints]]:
+        """Return sets of solid elements, surfaces (of shells) and nodes (of lines)."""
+        solid = [block for block in blocks if block.kind in SOLIDS]
+        number = Numbers(np.concatenate([np.zeros(0, np.int64), *(b.ids for b in solid)]))
+        others = [(block, Numbers(block.ids)) for block in blocks if block.kind not in SOLIDS]
+        elements: dict[str, Ints] = {}
+        surfaces: dict[str, Ints] = {}
+        nodes: dict[str, Ints] = {}
+        for title, parts in self.element_sets.items():
+            members = np.unique(joined(parts, self.numbers(nodes=False)))
+            solids = number(members)
+            found = [block.nodes[at[at >= 0]] for block, at in ((b, n(members)) for b, n in others)]
+            kinds = [block.kind for block, _ in others]
+            shells = [x for x, kind in zip(found, kinds, strict=True) if kind in SURFACES]
+            lines = [x.ravel() for x, kind in zip(found, kinds, strict=True) if kind in LINES]
+            surface = padded([part for part in shells if len(part)])
+            if np.any(solids >= 0) or not (len(surface) or any(len(x) for x in lines)):
+                elements[title] = solids[solids >= 0]
+            if len(surface):
+                surfaces[title] = surface
+            elif any(len(x) for x in lines):
+                nodes[title] = np.unique(np.concatenate(lines))
+        return elements, surfaces, nodes
+
+    def _side_sets(self, blocks: Sequence[Cells], where: str) -> dict[str, Ints]:
+        """Return surfaces given as sides of elements."""
+        problems = Problems()
+        out: dict[str, Ints] = {}
+        numbers = [(block, Numbers(block.ids)) for block in blocks]
+        for title, pairs in self.sides.items():
+            parts = []
+            for members, sides in pairs:
+                missing = np.ones(len(members), dtype=bool)
+                for block, number in numbers:
+                    at = number(members)
+                    here = at >= 0
+                    missing &= ~here
+                    if block.kind in SURFACES:  # a shell is its own face
+                        parts.append(block.nodes[at[here]])
+                        continue
+                    if block.kind not in SOLIDS:
+                        if here.any():
+                            named = some([str(i) for i in members[here]])
+                            sentence = f"faces of element {named} not read: a {block.kind} has none"
+                            self.left_out.append((f"{where}: surface '{title}'", sentence))
+                        continue
+                    known = faces(block.kind)
+                    wrong = here & ((sides < 0) | (sides >= len(known)))
+                    if wrong.any():
+                        problems.add(
+                            where,
+                            f"surface '{title}' names face {sides[wrong][0] + 1} of element"
+                            f" {some([str(i) for i in members[wrong]])}; a {block.kind} has"
+                            f" {len(known)}",
+                        )
+                    for side, face in enumerate(known):
+                        chosen = here & (sides == side)
+                        parts.append(block.nodes[at[chosen]][:, face])
+                if missing.any():
+                    lost = some([str(i) for i in members[missing]])
+                    problems.add(where, f"surface '{title}' holds element {lost}, not in the file")
+            out[title] = padded([part for part in parts if len(part)])
+        problems.raise_if_any()
+        return out
+
+
+def sensible(x: Floats) -> Floats:
+    """Return coordinates, nan for those that are damage, so that they go through a rotation."""
+    out: Floats = np.where(np.abs(x) < FAR, x, np.nan)
+    return out
+
+
+def joined(parts: Members, known: Ints) -> Ints:
+    """Return the numbers of a set; of ranges those that are known."""
+    out = [np.zeros(0, np.int64)]
+    for part in parts:
+        if isinstance(part, range):
+            inside = (known >= part.start) & (known < part.stop)
+            inside &= (known - part.start) % part.step == 0
+            out.append(np.unique(known[inside]))
+        else:
+            out.append(part)
+    return np.concatenate(out)
+
+
+class Numbers:
+    """Index of each number of the file: -1 for a number that is not there."""
+
+    def __init__(self, ids: Ints) -> None:
+        self.order = np.argsort(ids, kind="stable")
+        self.sorted = ids[self.order]
+
+    def __call__(self, wanted: Ints) -> Ints:
+        """Return the indices (m,) of numbers (m,)."""
+        if not len(self.sorted):
+            return np.full(len(wanted), -1)
+        at = np.minimum(np.searchsorted(self.sorted, wanted), len(self.sorted) - 1)
+        found: Ints = np.where(self.sorted[at] == wanted, self.order[at], -1)
+        return found
+
+
+def padded(parts: Sequence[Ints]) -> Ints:
+    """Return faces of different kinds as one array, corners first, rows filled up with -1.
+
+    A face with fewer nodes keeps its own order: its corners, its midside nodes, then -1.
+    """
+    width = max((part.shape[1] for part in parts), default=3)
+    face_kind(width)
+    out = [np.pad(part, ((0, 0), (0, width - part.shape[1])), constant_values=-1) for part in parts]
+    return np.concatenate(out) if out else np.zeros((0, 3), dtype=np.int64)

@@ -1,0 +1,381 @@
+"""STEP and BREP files, meshed with curved tetrahedra by Gmsh (extra ``cad``)."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arguments import explained
+from jousto.base.arrays import Floats, Ints
+from jousto.base.errors import InputError, Problem, Problems, count, suggest, warn
+from jousto.mesh.cells import Cells, edges
+from jousto.mesh.mesh import Mesh
+from jousto.mesh.readers.apart import apart
+from jousto.mesh.readers.cad import cad_scale
+from jousto.mesh.readers.msh import vtk_order
+
+log = logging.getLogger(__name__)
+
+# round faces refine down to this part of the size and no further
+FINEST = 0.25
+# elements with a scaled Jacobian below this get straighter edges: a little above what is a sliver
+POOR = 0.06
+# sizes grow away from a refined face by this much per length
+GROWTH = 0.4
+# more tetrahedra than this are refused: 10 million degrees of freedom
+TOO_MANY = 2_000_000
+# tetrahedra in a cube of their size
+_PER_CUBE = 8.0
+
+
+@explained
+def mesh_step(
+    path: str | os.PathLike[str],
+    *,
+    size: float,
+    order: int = 2,
+    unit: str | None = None,
+    curved: bool = True,
+    refine: Mapping[str, float] | None = None,
+    per_circle: int = 12,
+    name: str | None = None,
+) -> Mesh:
+    """Return a mesh of tetrahedra of a CAD file (STEP or BREP), by Gmsh.
+
+    Every face of the geometry becomes a surface and a node set ``face1``, ``face2`` and so on;
+    ``mesh.holes()`` finds the bores. Several solids that touch share the nodes there and are the
+    element sets ``solid1``, ``solid2``, besides the names of their products in the file.
+
+    Parameters
+    ----------
+    path : path
+        A ``.step``, ``.stp`` or ``.brep`` file.
+    size : float
+        Wanted length of the elements' edges in m.
+    order : {2, 1}
+        2 for tetrahedra of 10 nodes; those of 4 nodes (1) are far too stiff in bending.
+    unit : {"m", "mm", "cm", "in", "ft", "um"}, optional
+        Unit of the numbers in the file. A STEP file says it itself (mostly mm) and is converted to
+        m; give it to overrule the file. A BREP file does not say, so it must be given.
+    curved : bool
+        Whether midside nodes lie on curved faces; straight edges shift frequencies by up to 0.5 %.
+    refine : mapping of str to float, optional
+        Smaller sizes in m on named faces, such as ``{"face12": 2e-3}``, from where they grow.
+    per_circle : int
+        Elements along a full turn of a curved face, at least.
+    name : str, optional
+        Name of the mesh; the file's name if not given.
+
+    Raises
+    ------
+    InputError
+        If Gmsh is not installed, the file is missing, damaged or holds no solid, a face is not
+        known, or the size does not fit the part.
+
+    Warns
+    -----
+    JoustoWarning
+        If curved elements had to be straightened because they would be folded.
+
+    Examples
+    --------
+    >>> mesh = mesh_step("arm.step", size=8e-3)  # doctest: +SKIP
+    """
+    path, problems = Path(path), Problems()
+    where = path.name
+    problems.positive(where, "size", size, "m")
+    if order not in (1, 2):
+        problems.add(where, f"order is {order}, must be 1 or 2")
+    if per_circle < 4:
+        problems.add(where, f"per_circle is {per_circle}, must be 4 or more")
+    for face, length in (refine or {}).items():
+        problems.positive(where, f"size at '{face}'", length, "m")
+    problems.raise_if_any()
+    scale = cad_scale(path, unit)
+    if find_spec("gmsh") is None:
+        raise InputError(Problem(where, "meshing CAD files needs Gmsh: pip install gmsh"))
+    found = apart(
+        path,
+        "jousto.mesh.readers.step:meshed",
+        "the file is likely damaged: export it again, or try another size",
+        size=float(size),
+        order=order,
+        curved=bool(curved),
+        refine={str(face): float(length) for face, length in (refine or {}).items()},
+        per_circle=per_circle,
+        scale=scale,
+    )
+    mesh = Mesh(
+        name or path.stem,
+        found["nodes"],
+        (Cells(found["kind"], found["cells"]),),
+        element_sets=found["element_sets"],
+        surfaces=found["surfaces"],
+    )
+    if order == 2 and curved:
+        mesh = _eased(mesh, where)
+    mesh = _labelled(mesh, found["labels"])
+    log.info("%s: %s, %.4g m^3; %s", where, mesh, mesh.volume, mesh.quality())
+    return mesh
+
+
+# ---- gmsh ----------------------------------------------------------------------------------------
+
+
+def meshed(
+    path: Path,
+    *,
+    size: float,
+    order: int,
+    curved: bool,
+    refine: dict[str, float],
+    per_circle: int,
+    scale: float,
+) -> dict[str, Any]:
+    """Return nodes (m), tetrahedra, sets, faces and products; runs in a process of its own."""
+    where = path.name
+    gmsh = _gmsh(where)
+    with _session(gmsh, where):
+        labels = _load(gmsh, path)
+        names = _names(gmsh)
+        _sizes(gmsh, where, size, refine, names, scale)
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", per_circle)
+        gmsh.option.setNumber("Mesh.SecondOrderLinear", 0 if curved else 1)
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.optimize("Netgen")
+        if order == 2:
+            gmsh.model.mesh.setOrder(2)
+        return {**_collect(gmsh, order, names, scale), "labels": labels}
+
+
+def _gmsh(where: str) -> Any:
+    try:
+        import gmsh
+    except (ImportError, OSError) as error:  # installed, but a library of the system is missing
+        message = f"Gmsh cannot be loaded: {error}; install that library of the system"
+        raise InputError(Problem(where, message)) from None
+    return gmsh
+
+
+@contextmanager
+def _session(gmsh: Any, where: str) -> Iterator[None]:
+    """Start Gmsh, and turn its errors into one sentence."""
+    gmsh.initialize(["gmsh"], readConfigFiles=False, interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("General.NumThreads", 1)
+        gmsh.option.setNumber("Mesh.ElementOrder", 1)
+        gmsh.option.setNumber("Geometry.OCCImportLabels", 1)
+        gmsh.model.add("jousto")
+        yield
+    except Exception as error:
+        if type(error) is not Exception:  # Gmsh raises plain ones with a message
+            raise
+        said = " ".join(str(error).split())[:200]
+        raise InputError(
+            Problem(
+                where, f"Gmsh cannot mesh this geometry ({said}); repair it or try another size"
+            )
+        ) from None
+
+
+def _load(gmsh: Any, path: Path) -> dict[str, list[int]]:
+    """Import the shapes; return the tags of the solids of each named product."""
+    occ = gmsh.model.occ
+    step = path.read_bytes().lstrip()[:12] == b"ISO-10303-21"
+    gmsh.option.setString("Geometry.OCCTargetUnit", "MM" if step else "")
+    try:
+        shapes = occ.importShapes(str(path), format="step" if step else "brep")
+    except Exception as error:
+        said = " ".join(str(error).split())[:160]
+        raise InputError(
+            Problem(path.name, f"cannot be read; is it damaged? (Gmsh: {said})")
+        ) from None
+    solids = [shape for shape in shapes if shape[0] == 3]
+    if not solids:
+        faces = sum(1 for shape in shapes if shape[0] == 2)
+        raise InputError(
+            Problem(
+                path.name,
+                f"holds no solid, only {count(faces, 'face')}; sew the faces to a solid in the CAD"
+                " program and export that",
+            )
+        )
+    occ.synchronize()
+    titles = [gmsh.model.getEntityName(*solid).rpartition("/")[2].strip() for solid in solids]
+    labels: dict[str, list[int]] = {}
+    if len(solids) > 1:  # solids that touch must share nodes
+        _, made = occ.fragment(solids, [])
+        occ.synchronize()
+        for title, parts in zip(titles, made, strict=True):
+            # what OpenCASCADE calls a product without a name
+            if title and not title.startswith("Open CASCADE STEP translator"):
+                labels.setdefault(title, []).extend(tag for dim, tag in parts if dim == 3)
+    return labels
+
+
+def _names(gmsh: Any) -> dict[str, tuple[int, int]]:
+    """Return names of faces and solids: (dimension, tag)."""
+    out: dict[str, tuple[int, int]] = {}
+    solids = gmsh.model.getEntities(3)
+    for dim, kind in ((3, "solid"), (2, "face")):
+        for _, tag in gmsh.model.getEntities(dim):
+            if dim == 2 or len(solids) > 1:
+                out[f"{kind}{tag}"] = dim, tag
+    return out
+
+
+def _sizes(
+    gmsh: Any,
+    where: str,
+    size: float,
+    refine: Mapping[str, float],
+    names: Mapping[str, tuple[int, int]],
+    scale: float,
+) -> None:
+    """Set the size of elements in m, smaller near refined faces; the model's unit is `scale` m."""
+    problems = Problems()
+    box = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3) * scale
+    long = float(np.linalg.norm(box[1] - box[0]))
+    tags = [tag for _, tag in gmsh.model.getEntities(3)]
+    volume = scale**3 * sum(gmsh.model.occ.getMass(3, tag) for tag in tags)
+    wanted = _PER_CUBE * volume / size**3
+    if size >= long:
+        problems.add(
+            where,
+            f"size is {size:g} m and the part {long:.3g} m across; sizes are in m, was"
+            f" {1e-3 * size:g} meant?",
+        )
+    elif wanted > TOO_MANY:
+        least = (_PER_CUBE * volume / TOO_MANY) ** (1 / 3)
+        problems.add(
+            where,
+            f"size {size:g} m would make some {wanted:.0e} elements of a part {long:.3g} m across,"
+            f" at most {TOO_MANY:.0e} are sensible: take {least:.2g} m or more",
+        )
+    for face, length in refine.items():
+        if length > size:
+            problems.add(
+                where,
+                f"refine: {length:g} m at '{face}' is no smaller than the size, {size:g} m; sizes"
+                " are in m",
+            )
+        if names.get(face, (0, 0))[0] != 2:
+            known = [title for title, (dim, _) in names.items() if dim == 2]
+            problems.add(where, f"refine: no face '{face}'{suggest(face, known)}")
+    problems.raise_if_any()
+    gmsh.option.setNumber("Mesh.MeshSizeMax", size / scale)
+    gmsh.option.setNumber("Mesh.MeshSizeMin", FINEST * min([size, *refine.values()]) / scale)
+    fields = []
+    for face, length in refine.items():
+        distance = gmsh.model.mesh.field.add("Distance")
+        gmsh.model.mesh.field.setNumbers(distance, "SurfacesList", [names[face][1]])
+        gmsh.model.mesh.field.setNumber(distance, "Sampling", 60)
+        grown = gmsh.model.mesh.field.add("Threshold")
+        for key, value in (
+            ("InField", distance),
+            ("SizeMin", length / scale),
+            ("SizeMax", size / scale),
+            ("DistMin", length / scale),
+            ("DistMax", (length + max(size - length, 0.0) / GROWTH) / scale),
+        ):
+            gmsh.model.mesh.field.setNumber(grown, key, value)
+        fields.append(grown)
+    if fields:
+        least = gmsh.model.mesh.field.add("Min")
+        gmsh.model.mesh.field.setNumbers(least, "FieldsList", fields)
+        gmsh.model.mesh.field.setAsBackgroundMesh(least)
+
+
+def _collect(
+    gmsh: Any, order: int, names: Mapping[str, tuple[int, int]], scale: float
+) -> dict[str, Any]:
+    """Return the tetrahedra with their faces' names, nodes numbered from 1."""
+    solid, face = ("tetra", "triangle") if order == 1 else ("tetra10", "triangle6")
+    code, wide = (4, 4) if order == 1 else (11, 10)
+    tags, xyz, _ = gmsh.model.mesh.getNodes()
+    index = np.full(int(tags.max()) + 1, -1)
+    found: dict[int, Ints] = {}
+    for _, tag in gmsh.model.getEntities(3):
+        _, nodes = gmsh.model.mesh.getElementsByType(code, tag)
+        found[tag] = vtk_order(solid, nodes.astype(np.int64).reshape(-1, wide))
+    cells = np.concatenate(list(found.values()))
+    used = np.unique(cells)
+    index[used] = np.arange(len(used))
+    at = np.full(len(index), -1)
+    at[tags] = np.arange(len(tags))
+    nodes_m: Floats = scale * xyz.reshape(-1, 3)[at[used]]
+
+    surfaces, elements = {}, {}
+    starts = dict(zip(found, np.cumsum([0, *(len(x) for x in found.values())]), strict=False))
+    for title, (dim, tag) in names.items():
+        if dim == 3:
+            elements[title] = np.arange(starts[tag], starts[tag] + len(found[tag]))
+            continue
+        _, nodes = gmsh.model.mesh.getElementsByType(2 if order == 1 else 9, tag)
+        faces = index[nodes.astype(np.int64).reshape(-1, 3 if order == 1 else 6)]
+        surfaces[title] = vtk_order(face, faces)
+    return {
+        "nodes": nodes_m,
+        "kind": solid,
+        "cells": index[cells],
+        "element_sets": elements,
+        "surfaces": surfaces,
+    }
+
+
+def _labelled(mesh: Mesh, labels: Mapping[str, list[int]]) -> Mesh:
+    """Return the mesh with element sets for the products that its solids are."""
+    sets = dict(mesh.element_sets)
+    for title, tags in labels.items():
+        members = [mesh.element_sets[f"solid{tag}"] for tag in tags]
+        if members and title not in sets:
+            sets[title] = np.unique(np.concatenate(members))
+    return replace(mesh, element_sets=sets)
+
+
+def _eased(mesh: Mesh, where: str) -> Mesh:
+    """Return the mesh with the midside nodes of poor elements nearer to straight edges.
+
+    A flat element between curved faces is folded or nearly so by its curved edges. The curving of
+    its edges is lessened until the element is good, or as good as with straight edges. (Gmsh's own
+    search for better places ends elsewhere in every run and may abort the process.)
+    """
+    ends = edges("tetra10")
+    cells = mesh.solids[0].nodes
+    middle = mesh.nodes.copy()
+    middle[cells[:, 4:]] = mesh.nodes[cells[:, ends]].mean(axis=2)
+    bow = mesh.nodes - middle
+    best = replace(mesh, nodes=middle).quality().scaled_jacobian
+    quality = mesh.quality()
+    folded = quality.negative
+    share = np.ones(len(mesh.nodes))
+    for step in range(9):  # an easier edge may make the neighbour worse
+        now = quality.scaled_jacobian
+        poor = np.flatnonzero((now < POOR) & (now < best - 0.01))
+        if not len(poor):
+            break
+        share[np.unique(cells[poor, 4:])] *= 0.7 if step < 7 else 0.0
+        mesh = replace(mesh, nodes=middle + share[:, None] * bow)
+        quality = mesh.quality()
+    if len(folded):
+        warn(
+            where,
+            f"{count(len(folded), 'element')} (element {mesh.element_ids[folded[0]]}) would be"
+            " folded between curved faces; their edges are straighter now. A smaller size there"
+            " follows the faces",
+        )
+    eased = int(np.sum(np.any(share[cells] < 1.0, axis=1)))
+    if eased:
+        log.info(
+            "%s: the edges of %s are straighter than its faces", where, count(eased, "element")
+        )
+    return mesh

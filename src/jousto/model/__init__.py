@@ -1,0 +1,1 @@
+"""COMPILE: a mechanism becomes flat arrays for the C engine."""

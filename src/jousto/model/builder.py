@@ -1,0 +1,363 @@
+"""Builder: joints, forces, signals and coordinates in the small vocabulary of the engine."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.mechanism.bodies.body import FlexibleBody
+from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.forces.friction import Friction, Regularised, StickSlip
+from jousto.mechanism.forces.line_load import LineLoad
+from jousto.mechanism.forces.loads import Force, Load, Torque
+from jousto.mechanism.forces.moving import MovingLoad
+from jousto.mechanism.forces.springs import (
+    Bushing,
+    Element,
+    JointForce,
+    ModalLoad,
+    Servo,
+    Spring,
+    UserForce,
+)
+from jousto.mechanism.joints.base import Joint
+from jousto.mechanism.joints.coordinate import Angle, Coordinate, Displacement, Line
+from jousto.mechanism.joints.coupling import Coupler
+from jousto.mechanism.signals.base import Constant, ConstantSpeed, Input, Product, Sum
+from jousto.mechanism.signals.harmonic import Harmonic
+from jousto.mechanism.signals.piecewise import Ramp, SCurve, Step, Table
+from jousto.mechanism.signals.switched import Switched
+from jousto.model.model import (
+    CoordinateModel,
+    EventModel,
+    ForceModel,
+    FrictionModel,
+    JointModel,
+    LineModel,
+    MarkerModel,
+    SignalModel,
+)
+
+
+class Builder:
+    """Collects the engine's objects; what is used twice is kept once.
+
+    Parameters
+    ----------
+    bodies : dict of int to int
+        Index of every moving body by its id.
+    events : dict of int to int
+        Index of every event by its id.
+    """
+
+    def __init__(self, bodies: dict[int, int], events: dict[int, int] | None = None) -> None:
+        self._bodies = bodies
+        self._events = events or {}
+        self.markers: list[MarkerModel] = []
+        self.coordinates: list[CoordinateModel] = []
+        self.joints: list[JointModel] = []
+        self.signals: list[SignalModel] = []
+        self.forces: list[ForceModel] = []
+        self.frictions: list[FrictionModel] = []
+        self.events: list[EventModel] = []
+        self.force_places: dict[int, int] = {}
+        self._places: dict[Any, int] = {}
+
+    def marker(self, marker: Marker, turns: bool, *, shared: bool = True) -> int:
+        """Return the index of the frame; `turns` if its rotation matters at every evaluation.
+
+        Frames that are `shared` are looked up first: joints at one node use one frame.
+        """
+        body = self._bodies.get(id(marker.body), -1)
+        Phi = Psi = chi = None
+        if isinstance(marker.body, FlexibleBody):
+            Phi = np.array(marker.Phi, dtype=float)
+            Psi = np.array(marker.Psi, dtype=float)
+            if not np.any(Psi):
+                Psi = None
+            field = marker.body.reduced.stiffening
+            if field is not None and marker.node is not None:
+                at = marker.node
+                chi = np.concatenate([field.translations[at], field.rotations[at]])
+        u0, A0 = np.array(marker.position_local, dtype=float), np.array(marker.axes, dtype=float)
+        key = ("marker", body, marker.node, u0.tobytes(), A0.tobytes())
+        if shared and key in self._places:
+            place = self._places[key]
+            if turns:
+                self.markers[place] = replace(self.markers[place], turns=True, Psi=Psi)
+            return place
+        self.markers.append(MarkerModel(body, turns, u0, A0, Phi, Psi if turns else None, chi))
+        if shared:
+            self._places[key] = len(self.markers) - 1
+        return len(self.markers) - 1
+
+    def coordinate(
+        self, name: str, kind: str, a: Marker, b: Marker, axis_a: int = 2, axis_b: int = 2
+    ) -> int:
+        """Return the index of a coordinate: "axes", "along", "distance" or "angle"."""
+        place_a = self.marker(a, kind != "distance")
+        place_b = self.marker(b, kind in ("axes", "angle"))
+        key = ("coordinate", kind, place_a, place_b, axis_a, axis_b)
+        if key not in self._places:
+            self._places[key] = len(self.coordinates)
+            self.coordinates.append(CoordinateModel(name, kind, place_a, place_b, axis_a, axis_b))
+        return self._places[key]
+
+    def declared(self, coordinate: Coordinate) -> int:
+        """Return the index of a declared coordinate."""
+        kind, axis = "distance", 2
+        if isinstance(coordinate, Angle):
+            kind = "angle"
+        elif isinstance(coordinate, Displacement):
+            kind, axis = "along", coordinate.column
+        return self.coordinate(coordinate.name, kind, coordinate.a, coordinate.b, axis)
+
+    def line(self, line: Line) -> LineModel:
+        """Return a row that is linear in coordinates."""
+        return LineModel(
+            coordinates=tuple(self.declared(s) for s in line.coordinates),
+            factors=tuple(line.factors),
+            offset=line.offset,
+            signal=self.signal(line.signal),
+        )
+
+    def joint(self, joint: Joint, *, used: bool = False) -> int:
+        """Return the index of a joint; `used` if something needs a coordinate of it."""
+        sides = tuple(
+            self.marker(marker, turns)
+            for marker, turns in zip(joint.frames, joint.turns, strict=True)
+        )
+        lines = tuple(self.line(line) for line in joint.lines)
+        place = self._rows(joint.name, sides, joint.coincident, joint.perpendicular, lines)
+        self.joints[place] = replace(self.joints[place], used=used)
+        return place
+
+    def coupling(self, coupling: Coupler) -> int:
+        """Return the index of a gear, rack, coupling or drive: one row, two or four markers."""
+        lines = tuple(self.line(line) for line in coupling.lines)
+        used = [self.coordinates[s] for line in lines for s in line.coordinates]
+        sides = tuple(marker for s in used for marker in (s.a, s.b))
+        return self._rows(coupling.name, sides, False, (), lines)
+
+    def friction(self, friction: Friction, joint: int) -> int:
+        """Return the index of a friction of joint `joint`; to be added after all other rows."""
+        places = [self.declared(s) for s in friction.coordinates]
+        law = friction.law
+        velocity = law.velocity if isinstance(law, Regularised) else 1.0
+        lengths = (friction.radius, friction.bearing_length, friction.collar_radius)
+        data = (friction.mu_kinetic, friction.mu_static, velocity, *(x or 0.0 for x in lengths))
+        lock = -1
+        if isinstance(law, StickSlip):  # rows that hold the coordinates while they stick
+            first = self.coordinates[places[0]]
+            lines = tuple(LineModel((place,), (1.0,)) for place in places)
+            count = sum(other.lock >= 0 for other in self.joints)
+            lock = self._rows(friction.name, (first.a, first.b), False, (), lines, lock=count)
+        self.frictions.append(
+            FrictionModel(
+                name=friction.name,
+                joint=joint,
+                coordinate=places[0],
+                other=places[1] if len(places) > 1 else -1,
+                sticks=lock >= 0,
+                lock=lock,
+                data=np.array([*data, friction.preload]),
+            )
+        )
+        return len(self.frictions) - 1
+
+    def _rows(
+        self,
+        name: str,
+        sides: tuple[int, ...],
+        coincident: bool,
+        perpendicular: tuple[tuple[int, int], ...],
+        lines: tuple[LineModel, ...],
+        lock: int = -1,
+    ) -> int:
+        row = self.joints[-1].row + self.joints[-1].rows if self.joints else 0
+        self.joints.append(JointModel(name, sides, coincident, perpendicular, row, lines, lock))
+        return len(self.joints) - 1
+
+    def signal(self, signal: Any) -> int:
+        """Return the index of a signal, -1 for none."""
+        if signal is None:
+            return -1
+        key = ("signal", id(signal))
+        if key not in self._places:
+            self._places[key] = self._signal(signal)
+        return self._places[key]
+
+    def _signal(self, signal: Any) -> int:
+        """Append a signal after those it is made of; the engine adds and multiplies two."""
+        if isinstance(signal, (Sum, Product)):
+            kind = "sum" if isinstance(signal, Sum) else "product"
+            place = self.signal(signal.parts[0])
+            for part in signal.parts[1:]:
+                children = (place, self.signal(part))
+                place = self._append(SignalModel(kind, np.zeros(1), children=children))
+            return place
+        if isinstance(signal, Input):  # inputs of one name are one
+            key = ("input", signal.name)
+            if key not in self._places:
+                count = sum(other.kind == "input" for other in self.signals)
+                data = np.array([signal.initial])
+                self._places[key] = self._append(
+                    SignalModel("input", data, count=count, name=signal.name)
+                )
+            return self._places[key]
+        if isinstance(signal, Switched):
+            children = (self.signal(signal.before), self.signal(signal.after))
+            event = self._events[id(signal.event)]
+            return self._append(
+                SignalModel("switched", np.zeros(1), count=event, children=children)
+            )
+        return self._append(_signal(signal))
+
+    def _append(self, signal: SignalModel) -> int:
+        self.signals.append(signal)
+        return len(self.signals) - 1
+
+    def force(self, load: Load | Element) -> int:
+        """Return the index of what pushes, of the first of several."""
+        self.force_places[id(load)] = place = len(self.forces)
+        if isinstance(load, LineLoad):
+            self.forces += self._line(load)
+        else:
+            self.forces.append(self._force(load))
+        return place
+
+    def _line(self, load: LineLoad) -> list[ForceModel]:
+        """Return the loads at a beam's nodes."""
+        signal = self.signal(load.signal)
+        return [
+            ForceModel(
+                name=load.name,
+                kind="load",
+                data=np.concatenate([force, torque]),
+                b=self.marker(marker, load.follow or bool(np.any(torque))),
+                follow=load.follow,
+                signal=signal,
+            )
+            for marker, force, torque in load.loads
+        ]
+
+    def _force(self, load: Load | Element) -> ForceModel:
+        if isinstance(load, Force | Torque):
+            zero = np.zeros(3)
+            force, torque = (load.vector, zero) if isinstance(load, Force) else (zero, load.vector)
+            return ForceModel(
+                name=load.name,
+                kind="load",
+                data=np.concatenate([force, torque]),
+                b=self.marker(load.marker, load.follow or not isinstance(load, Force)),
+                follow=load.follow,
+                signal=self.signal(load.signal),
+            )
+        if isinstance(load, Bushing):
+            return ForceModel(
+                name=load.name,
+                kind="bushing",
+                data=np.concatenate([load.stiffness.ravel(), load.damping.ravel(), load.preload]),
+                a=self.marker(load.a, True),
+                b=self.marker(load.b, True),
+            )
+        if isinstance(load, ModalLoad):
+            return ForceModel(
+                name=load.name,
+                kind="modal load",
+                data=load.load,
+                body=self._bodies[id(load.body)],
+                signal=self.signal(load.signal),
+            )
+        if isinstance(load, MovingLoad):
+            head = (len(load.points), load.pieces.shape[1] - 1)
+            return ForceModel(
+                name=load.name,
+                kind="moving load",
+                data=np.concatenate([head, load.vector, load.lengths, load.pieces.ravel()]),
+                body=self._bodies[id(load.body)],
+                follow=load.follow,
+                signal=self.signal(load.signal),
+                reference=self.signal(load.position),
+            )
+        if isinstance(load, UserForce):
+            return ForceModel(
+                name=load.name,
+                kind="user",
+                data=np.zeros(1),
+                a=self.marker(load.reference, True),
+                b=self.marker(load.marker, True),
+                function=load.function,
+            )
+        assert not isinstance(load, LineLoad)
+        return self._along(load)
+
+    def _along(self, load: Spring | JointForce | Servo) -> ForceModel:
+        """Return a force along a coordinate: stiffness, damping, free value, preload and limit."""
+        place = self.declared(load.coordinate)
+        if isinstance(load, Spring):
+            values = (load.stiffness, load.damping, load.free_value, load.preload, 0.0)
+            return ForceModel(
+                name=load.name,
+                kind="along",
+                data=np.array(values),
+                coordinate=place,
+                spring=self.signal(load.table),
+                damper=self.signal(load.damper_table),
+            )
+        if isinstance(load, JointForce):
+            return ForceModel(
+                name=load.name,
+                kind="along",
+                data=np.array([0.0, 0.0, 0.0, 1.0, 0.0]),
+                coordinate=place,
+                active=True,
+                signal=self.signal(load.signal),
+            )
+        return ForceModel(
+            name=load.name,
+            kind="along",
+            data=np.array([load.kp, load.kd, 0.0, 0.0, load.limit or 0.0]),
+            coordinate=place,
+            active=True,
+            reference=self.signal(load.reference),
+        )
+
+
+def _signal(signal: Any) -> SignalModel:
+    if isinstance(signal, Harmonic):
+        omega = 2 * np.pi * signal.frequency
+        data = np.array([signal.offset, signal.amplitude, omega, signal.phase])
+        return SignalModel("harmonic", data)
+    if isinstance(signal, Step):
+        return SignalModel("step", np.array([signal.time, signal.before, signal.after]))
+    if isinstance(signal, Constant):
+        return SignalModel("constant", np.array([signal.value]))
+    if isinstance(signal, ConstantSpeed):
+        return SignalModel("speed", np.array([signal.offset, signal.speed]))
+    if isinstance(signal, Ramp):
+        slope = (signal.after - signal.before) / (signal.end - signal.start)
+        times = np.array([signal.start, signal.end])
+        return _pieces(times, np.array([[slope], [signal.before]]))
+    if isinstance(signal, SCurve) or (
+        isinstance(signal, Table) and len(signal.times) > 1 and signal.interpolation == "cubic"
+    ):
+        return _pieces(signal.times, signal.coefficients)
+    if isinstance(signal, Table):
+        data = np.concatenate([signal.times, signal.values])
+        return SignalModel("table", data, count=len(signal.times))
+    raise TypeError(f"no engine signal for {type(signal).__name__}")
+
+
+def _pieces(times: NDArray[np.float64], coefficients: NDArray[np.float64]) -> SignalModel:
+    """Polynomials between times; coefficients (degree + 1, k - 1), highest power first."""
+    rising = np.asarray(coefficients)[::-1].T
+    return SignalModel(
+        "pieces",
+        np.concatenate([times, rising.ravel()]),
+        count=len(times),
+        degree=rising.shape[1] - 1,
+    )

@@ -1,0 +1,371 @@
+"""Mechanism -> Model: from objects that refer to one another to flat arrays."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem, count, warn
+from jousto.base.rotations import rotation_matrix, skew
+from jousto.mechanism.beams.body import BeamNode
+from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
+from jousto.mechanism.checks import used_joints
+from jousto.mechanism.mechanism import Mechanism
+from jousto.mechanism.sensors.readings import CoordinateSensor, RateSensor
+from jousto.model.beams import beam_models, beam_shapes, warn_beams
+from jousto.model.bodies import warn_bodies
+from jousto.model.builder import Builder
+from jousto.model.events import event_models, watched_coordinates
+from jousto.model.initial import started
+from jousto.model.measure import NOT_UNIQUE, flag_reactions, meter_models, sensor_models
+from jousto.model.model import BodyModel, Model, Shape
+from jousto.model.native.native import Engine, SingularJoints
+from jousto.model.ordering import MOST, Elimination, TooDense, eliminate
+from jousto.model.rank.reach import warn_loads
+from jousto.model.rank.redundancy import check_closed, is_drive, repeated_rows
+from jousto.model.start import quiet_velocities
+from jousto.reduction.fields.stress import located
+
+if TYPE_CHECKING:
+    from jousto.reduction.fields.stress import StressModes
+    from jousto.reduction.reduced import ReducedPart
+
+log = logging.getLogger(__name__)
+
+Array = NDArray[np.float64]
+
+SYMMETRIC = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))  # xx yy zz yz xz xy
+
+
+@explained
+def compile(mechanism: Mechanism) -> Model:
+    """Turn a mechanism into the flat arrays of the engine, with a consistent initial state.
+
+    Small gaps at joints are closed by projection in the mass metric. Initial velocities that do
+    not fit the joints and drives are changed by rigid motions as far as these can, by those of
+    least kinetic energy, and by elastic rates only where they must: a machine whose drives move
+    from the start starts as the rigid mechanism moves, without a blow to its modes. Values and
+    rates of coordinates (`Initial`) are met likewise.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        A checked mechanism.
+
+    Returns
+    -------
+    Model
+        Arrays only; it can be run many times.
+
+    Raises
+    ------
+    InputError
+        If a body's mass matrix is singular, joints, couplings and drives contradict each other, or
+        a start cannot be met.
+
+    Warns
+    -----
+    JoustoWarning
+        If initial velocities contradict the joints and had to be changed, joints repeat one
+        another, so that their reactions are not unique, or the mass of a flexible body lies so
+        nearly on a line that its modes cannot follow how bending turns it.
+    """
+    warn_beams(mechanism)
+    warn_bodies(mechanism)
+    warn_loads(mechanism)
+    index = {id(body): i for i, body in enumerate(mechanism.bodies)}
+    bodies, q0, v0 = _bodies(mechanism)
+    builder = Builder(index, {id(event): i for i, event in enumerate(mechanism.events)})
+    used = used_joints(mechanism)
+    for joint in mechanism.joints:
+        builder.joint(joint, used=id(joint) in used)
+    for coupling in mechanism.couplings:
+        builder.coupling(coupling)
+    for load in mechanism.forces:
+        builder.force(load)
+    watched = watched_coordinates(mechanism)
+    gauges = (*mechanism.sensors, *watched)
+    for sensor in gauges:  # angles are counted at every step
+        if isinstance(sensor, CoordinateSensor | RateSensor):
+            builder.declared(sensor.coordinate)
+    for initial in mechanism.initials:
+        builder.declared(initial.coordinate)
+    places = {id(joint): i for i, joint in enumerate(mechanism.joints)}
+    for friction in mechanism.frictions:  # after all rows that always hold
+        builder.friction(friction, places[id(friction.joint)])
+    active = len(builder.markers)
+    sensors = sensor_models(mechanism, builder, index, watched)
+    builder.events += event_models(mechanism, gauges, sensors)
+    on_body: dict[int, list[int]] = {}
+    for k, jm in enumerate(builder.joints):
+        for side in jm.sides:
+            body = builder.markers[side].body
+            if body >= 0 and k not in on_body.setdefault(body, []):
+                on_body[body].append(k)
+    model = Model(
+        name=mechanism.name,
+        gravity=np.array(mechanism.gravity, dtype=float),
+        bodies=bodies,
+        markers=tuple(builder.markers),
+        active=active,
+        joints=tuple(builder.joints),
+        signals=tuple(builder.signals),
+        forces=tuple(builder.forces),
+        sensors=sensors,
+        elimination=_elimination(mechanism, builder, on_body),
+        q0=q0,
+        v0=v0,
+        shapes=tuple(_shape(body) for body in mechanism.bodies),
+        size=mechanism.size,
+        coordinates=tuple(builder.coordinates),
+        frictions=tuple(builder.frictions),
+        events=tuple(builder.events),
+        meters=meter_models(mechanism, sensors),
+        beams=beam_models(mechanism, index),
+        beam_shapes=beam_shapes(mechanism, index),
+    )
+    if mechanism.initials:
+        model = started(model, mechanism.initials, builder)
+    made = _consistent(model)
+    log.info(
+        "%s: %d velocities, %d constraint rows%s",
+        *(made.name, made.nv, made.nrow, ", some repeated" if made.redundant else ""),
+    )
+    return made
+
+
+def _elimination(
+    mechanism: Mechanism, builder: Builder, on_body: dict[int, list[int]]
+) -> Elimination:
+    """Return the order of the joints; InputError where too many act on one another."""
+    try:
+        rows = [joint.rows for joint in builder.joints]
+        return eliminate(rows, on_body.values(), most=MOST)
+    except TooDense as error:
+        found, dense = f"mechanism {mechanism.name!r}", error
+    cost = f"{dense.products:.2g} products of blocks at each evaluation, {MOST:.2g} at the most"
+    for body, joints in on_body.items():
+        if dense.clique and tuple(joints) == dense.clique:
+            found = f"body '{mechanism.bodies[body].name}'"
+            reason = f"carries {count(len(joints), 'joint')}, which all act on one another"
+            remedy = (
+                "divide it into several bodies, each fixed to the one before, so that none carries "
+                "more than some hundred joints"
+            )
+            break
+    else:
+        reason = "has so many loops that a great share of its joints acts on one another"
+        remedy = "leave out joints that close loops, or join bodies that hardly move"
+    raise InputError(Problem(found, f"{reason} ({cost}); {remedy}"))
+
+
+def _bodies(mechanism: Mechanism) -> tuple[tuple[BodyModel, ...], Array, Array]:
+    models: list[BodyModel] = []
+    q: list[Array] = []
+    v: list[Array] = []
+    iq = iv = 0
+    parts: dict[tuple[int, frozenset[str]], BodyModel] = {}
+    for body in mechanism.bodies:
+        if isinstance(body, FlexibleBody):
+            kind = (id(body.reduced), body.drop_invariants)
+            if kind not in parts:  # bodies of one part share its arrays
+                parts[kind] = _flexible(body, 0, 0)
+            D = np.array(body.modal_damping, dtype=float)
+            model = replace(parts[kind], name=body.name, iq=iq, iv=iv, D=D)
+        else:
+            model = _rigid(body, iq, iv)
+        models.append(model)
+        iq += 7 + model.n
+        iv += 6 + model.n
+        A = rotation_matrix(body.orientation)
+        q += [body.position, body.orientation, body.modal_coordinates]
+        v += [body.velocity, A.T @ body.angular_velocity, body.modal_velocities]
+    empty = np.zeros(0)
+    return tuple(models), np.concatenate([empty, *q]), np.concatenate([empty, *v])
+
+
+def _rigid(body: RigidBody, iq: int, iv: int) -> BodyModel:
+    c = skew(body.center)
+    J = body.inertia - body.mass * c @ c  # Steiner
+    return BodyModel(
+        name=body.name,
+        iq=iq,
+        iv=iv,
+        mass=np.array([body.mass]),
+        S0=body.mass * np.asarray(body.center),
+        J0=np.array([J[i, j] for i, j in SYMMETRIC]),
+        I3=np.zeros((3, 0)),
+        B0=np.zeros((3, 0)),
+        D0=np.zeros((6, 0)),
+        ED=np.zeros((6, 0, 0)),
+        EB=np.zeros((3, 0, 0)),
+        K=np.zeros(0),
+        D=np.zeros(0),
+        alpha=body.damping if isinstance(body, BeamNode) else 0.0,
+    )
+
+
+def half_inertia_rate(N: Array) -> Array:
+    """Return ``tr(N) E - sym(N)`` as xx yy zz yz xz xy, first axis; N (..., 3, 3)."""
+    trace = np.trace(N, axis1=-2, axis2=-1)
+    return np.stack(
+        [(trace if i == j else 0.0) - 0.5 * (N[..., i, j] + N[..., j, i]) for i, j in SYMMETRIC]
+    )
+
+
+def axial(N: Array) -> Array:
+    """Return ``int a x b dm`` from ``N = int a b^T dm``, first axis; N (..., 3, 3)."""
+    return np.stack(
+        [
+            N[..., 1, 2] - N[..., 2, 1],
+            N[..., 2, 0] - N[..., 0, 2],
+            N[..., 0, 1] - N[..., 1, 0],
+        ]
+    )
+
+
+def _flexible(body: FlexibleBody, iq: int, iv: int) -> BodyModel:
+    inv = body.reduced.invariants
+    J = np.trace(inv.second_moment) * np.eye(3) - inv.second_moment
+    # N_j(p) = N0_j + sum_k p_k E_kj
+    E = np.swapaxes(inv.E, 0, 1)
+    ED, EB = half_inertia_rate(E), axial(E)
+    if "I9" in body.drop_invariants:
+        ED = np.zeros_like(ED)
+    if "I5" in body.drop_invariants:
+        EB = np.zeros_like(EB)
+    if body.reduced.stiffening is not None:
+        # int u0 chi^T dm; its axial part and int chi dm vanish by the choice of chi
+        ED = ED + half_inertia_rate(body.reduced.stiffening.second_moment)
+    return BodyModel(
+        name=body.name,
+        iq=iq,
+        iv=iv,
+        mass=np.array([inv.mass], dtype=float),
+        S0=np.array(inv.first_moment, dtype=float),
+        J0=np.array([J[i, j] for i, j in SYMMETRIC]),
+        I3=np.array(inv.I3, dtype=float),
+        B0=axial(inv.N0),
+        D0=half_inertia_rate(inv.N0),
+        ED=ED,
+        EB=EB,
+        K=np.array(body.reduced.stiffness, dtype=float),
+        D=np.zeros(len(body.reduced.stiffness)),
+        stiffening=body.reduced.stiffening is not None,
+    )
+
+
+def _shape(body: RigidBody | FlexibleBody) -> Shape:
+    if isinstance(body, FlexibleBody):
+        reduced = body.reduced
+        return Shape(
+            "flexible",
+            np.array(reduced.nodes, dtype=float),
+            np.array(reduced.elements, dtype=np.int64),
+            np.array(reduced.modes, dtype=float),
+            _stress(reduced),
+        )
+    points = body.outline
+    if points is not None and points.ndim == 3:  # a surface
+        nodes, corners = np.unique(points.reshape(-1, 3), axis=0, return_inverse=True)
+        triangles = corners.reshape(-1, 3).astype(np.int64)
+        return Shape("rigid", nodes, triangles, np.zeros((len(nodes), 3, 0)))
+    if points is None:  # a star from the centre of mass to the origin and the named points
+        points = np.vstack([body.center, np.zeros(3), *body.markers.values()])
+        elements = np.array([[0, i] for i in range(1, len(points))], dtype=np.int64)
+    else:
+        elements = np.array([[i, i + 1] for i in range(len(points) - 1)], dtype=np.int64)
+    nodes = np.array(points, dtype=float)
+    return Shape("rigid", nodes, elements.reshape(-1, 2), np.zeros((len(nodes), 3, 0)))
+
+
+def _stress(reduced: ReducedPart) -> StressModes | None:
+    """Return the stress that results keep: all places, of solids known everywhere the surface."""
+    stress = located(reduced)
+    if stress is None or reduced.elements.ndim != 2 or reduced.elements.shape[1] != 3:
+        return stress
+    assert stress.nodes is not None
+    # the reference nodes of interfaces hold no stress and belong to no element
+    turning = reduced.rotation_nodes
+    bulk = len(reduced.nodes) - (0 if turning is None else len(turning))
+    if len(np.unique(stress.nodes[stress.nodes >= 0])) < bulk:
+        return stress  # places of choice
+    return stress.select(np.flatnonzero(np.isin(stress.nodes, np.unique(reduced.elements))))
+
+
+def _consistent(model: Model) -> Model:
+    """Return the model with closed joints and velocities that they allow."""
+    engine = Engine(model, strict=True)
+    given = model.v0.copy()
+    found = None
+    try:
+        engine.assemble()
+        engine.accelerations()  # singular bodies and repeated rows show here
+    except SingularJoints:
+        _check_reachable(model)
+        if not (found := repeated_rows(model)):
+            raise  # rows differ, but masses differ by more than the numbers hold
+        every = tuple(joint.name for joint in model.joints)
+        flagged = flag_reactions(model.sensors, every, found.joints)
+        model = replace(model, redundant=True, sensors=flagged)
+        engine = Engine(model)
+        engine.assemble()
+        engine.accelerations()
+    check_closed(model, engine, found)
+    if found:
+        asked = [f"'{s.name}'" for s in model.sensors if s.description.endswith(NOT_UNIQUE)]
+        tail = f"; {', '.join(asked)} asked for such reactions" if asked else ""
+        warn(f"mechanism {model.name!r}", found.sentence + tail)
+    elif model.permanent == model.nv and not any(is_drive(joint) for joint in model.joints):
+        warn(
+            f"mechanism {model.name!r}",
+            f"nothing can move: its {count(model.permanent, 'constraint row')} hold every motion; "
+            "free one of a joint, or add what is to move; doctor(mechanism) names the bodies held",
+        )
+    if found:
+        for friction in model.frictions:
+            if (joint := model.joints[friction.joint].name) in found.joints:
+                warn(
+                    f"friction '{friction.name}'",
+                    f"the reactions of joint '{joint}' are not unique, so neither is its friction "
+                    "(taken: that of the reactions of least norm); free a motion of the loop or "
+                    "let a body be flexible",
+                )
+    quiet = quiet_velocities(model, engine, given)
+    model.q0[:] = engine.q
+    model.v0[:] = engine.v if quiet is None else quiet
+    model.q0.setflags(write=False)
+    model.v0.setflags(write=False)
+    scale = max(1.0, float(np.abs(given).max(initial=0.0)))
+    names = _changed(model, given, 1e-6 * scale)
+    if names and not any(line.signal >= 0 for joint in model.joints for line in joint.lines):
+        warn(
+            f"mechanism {model.name!r}",
+            f"the initial velocities of {names} contradict the joints; "
+            "they were replaced by the nearest consistent ones",
+        )
+    return model
+
+
+def _check_reachable(model: Model) -> None:
+    """Raise InputError if assembly gets stuck in a position with open joints."""
+    engine = Engine(replace(model, redundant=True))
+    try:
+        engine.assemble()
+    except SingularJoints:
+        check_closed(model, engine, None)
+
+
+def _changed(model: Model, given: Array, tolerance: float) -> str:
+    names: Iterable[str] = (
+        f"'{body.name}'"
+        for body in model.bodies
+        if np.abs((model.v0 - given)[body.iv : body.iv + 6 + body.n]).max() > tolerance
+    )
+    return ", ".join(names)

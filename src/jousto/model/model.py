@@ -1,0 +1,401 @@
+"""Model: a mechanism as flat arrays, everything the engine needs and nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.described import described
+from jousto.mechanism.sensors.rule import MeterRule
+from jousto.model.beam_record import BeamShape
+from jousto.model.ordering import Elimination
+from jousto.reduction.fields.stress import StressModes
+
+Array = NDArray[np.float64]
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class BodyModel:
+    """A rigid (n = 0) or modal body.
+
+    The displacement field is u = u0 + Phi p in the floating frame. With
+    ``N_j(p) = int u phi_j^T dm`` the engine uses ``D_j = tr(N_j) E - sym(N_j)`` (half of
+    dJ/dp_j) and ``B_j = int u x phi_j dm`` (I4 + I5 p). Symmetric tensors are stored as
+    xx yy zz yz xz xy.
+
+    Attributes
+    ----------
+    name : str
+        Name of the body.
+    iq, iv : int
+        Offsets of [R e p] in q and [R' w p'] in v.
+    mass, S0, J0 : arrays (1,), (3,), (6,)
+        I1 kg, I2 kg m, I7 kg m2.
+    I3, B0, D0 : arrays (3, n), (3, n), (6, n)
+        ``int phi dm``, I4, and D_j at p = 0.
+    ED, EB : arrays (6, n, n), (3, n, n)
+        ``dD_j/dp_k`` and ``dB_j/dp_k``, index order component, j, k.
+    K, D : arrays (n,)
+        omega^2 in rad2/s2 and 2 zeta omega in 1/s.
+    stiffening : bool
+        Whether the field goes on to second order in p.
+    alpha : float
+        Damping of the momenta, forces -alpha M v, in 1/s; of bodies without modes only.
+    """
+
+    name: str
+    iq: int
+    iv: int
+    mass: Array
+    S0: Array
+    J0: Array
+    I3: Array
+    B0: Array
+    D0: Array
+    ED: Array
+    EB: Array
+    K: Array
+    D: Array
+    stiffening: bool = False
+    alpha: float = 0.0
+
+    @property
+    def n(self) -> int:
+        """Number of modal coordinates."""
+        return len(self.K)
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class BeamModel:
+    """A geometrically exact beam element between two bodies without modes.
+
+    Attributes
+    ----------
+    name : str
+        Name of the element.
+    body : str
+        Name of the beam that it is part of.
+    a, b : int
+        Bodies of its ends.
+    data : array (80,)
+        Length, ends, section stiffness, unstressed strains, damping and inertia as in jousto.h.
+    """
+
+    name: str
+    body: str
+    a: int
+    b: int
+    data: Array
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class MarkerModel:
+    """A frame on body `body` (-1: ground); mode shapes (3, n) or None where rigid.
+
+    `turns` tells that its orientation matters in every evaluation, not only for sensors; `chi`
+    (6, n, n) is its second-order translation and rotation, with stiffening.
+    """
+
+    body: int
+    turns: bool
+    u0: Array
+    A0: Array
+    Phi: Array | None
+    Psi: Array | None
+    chi: Array | None = None
+
+
+@dataclass(frozen=True)
+class CoordinateModel:
+    """A scalar function of the markers a and b: "axes", "along", "distance" or "angle"."""
+
+    name: str
+    kind: str
+    a: int
+    b: int
+    axis_a: int = 2
+    axis_b: int = 2
+
+
+@dataclass(frozen=True, eq=False)
+class LineModel:
+    """One constraint row: sum of factor times coordinate - offset - signal = 0.
+
+    Attributes
+    ----------
+    coordinates : tuple of int
+        One or two coordinates.
+    factors : tuple of float
+        Their factors.
+    offset : float
+        Constant.
+    signal : int
+        Signal of time, -1 for none.
+    """
+
+    coordinates: tuple[int, ...]
+    factors: tuple[float, ...]
+    offset: float = 0.0
+    signal: int = -1
+
+
+@dataclass(frozen=True)
+class JointModel:
+    """Constraint rows: coincidence and perpendicular axis pairs of the first two sides, then lines.
+
+    Attributes
+    ----------
+    name : str
+        Name of the joint, coupling, drive or friction.
+    sides : tuple of int
+        Markers: a and b, or the two pairs of coupled coordinates.
+    coincident : bool
+        Whether the origins of sides 0 and 1 coincide (three rows).
+    perpendicular : tuple of (int, int)
+        Axes of side 0 and side 1 that stay perpendicular (a row each).
+    lines : tuple of LineModel
+        Further rows.
+    row : int
+        Offset of its rows among the multipliers.
+    lock : int
+        Place among the optional joints, -1 if the rows hold always.
+    used : bool
+        Whether a drive, a force, a sensor or an event needs a coordinate of the joint.
+    """
+
+    name: str
+    sides: tuple[int, ...]
+    coincident: bool
+    perpendicular: tuple[tuple[int, int], ...]
+    row: int
+    lines: tuple[LineModel, ...] = ()
+    lock: int = -1
+    used: bool = False
+
+    @property
+    def rows(self) -> int:
+        """Number of constraint rows."""
+        return 3 * self.coincident + len(self.perpendicular) + len(self.lines)
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class SignalModel:
+    """A function of time; kind and data as in jousto.h.
+
+    `count` is the number of times of a table, the place of an input or the event of a switch.
+    """
+
+    kind: str
+    data: Array
+    count: int = 0
+    degree: int = 0
+    children: tuple[int, int] = (-1, -1)
+    name: str = ""
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class ForceModel:
+    """What pushes: "load", "along", "bushing", "modal load", "user" "moving load" (jousto.h)."""
+
+    name: str
+    kind: str
+    data: Array
+    a: int = -1
+    b: int = -1
+    coordinate: int = -1
+    body: int = -1
+    follow: bool = False
+    active: bool = False
+    signal: int = -1
+    reference: int = -1
+    spring: int = -1
+    damper: int = -1
+    function: Any = None
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class FrictionModel:
+    """Friction of a joint along one or two coordinates; data as in jousto.h.
+
+    `lock` is the optional joint that holds them while they stick, -1 with the regularised law.
+    """
+
+    name: str
+    joint: int
+    coordinate: int
+    sticks: bool
+    lock: int
+    data: Array
+    other: int = -1
+
+
+@dataclass(frozen=True)
+class EventModel:
+    """Crossing of a threshold by the sensor value at place `output`."""
+
+    name: str
+    output: int
+    threshold: float
+    direction: int
+    stop: bool
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class SensorModel:
+    """A measurement: kind and object as in jousto.h; count values from offset."""
+
+    name: str
+    kind: str
+    object: int
+    offset: int
+    count: int
+    unit: str
+    resolved_in: str
+    description: str
+    components: tuple[str, ...]
+    rows: Array | None = None
+    other: int = -1
+    frame: int = -1
+
+
+@dataclass(frozen=True)
+class MeterModel:
+    """A damage meter that counts the sensor value at place `output`, times factor."""
+
+    rule: MeterRule
+    output: int
+    factor: float
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """What a body looks like, for pictures: nodes (nn, 3) m, elements, modes (nn, 3, n).
+
+    Flexible bodies may know the stress of each mode at places of theirs.
+    """
+
+    kind: str
+    nodes: Array
+    elements: NDArray[np.int64]
+    modes: Array
+    stress: StressModes | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A mechanism ready to run.
+
+    Attributes
+    ----------
+    name : str
+        Name of the mechanism.
+    gravity : (3,) array
+        m/s2, world.
+    bodies, markers, joints, signals, forces, sensors, coordinates, frictions, events : tuples
+        The objects, referring to one another by index; the first `active` markers belong to
+        joints and forces; joints holds couplings, drives and sticking friction too.
+    elimination : Elimination
+        Block pattern of the constraint matrix.
+    q0, v0 : arrays (nq,), (nv,)
+        Consistent initial state: [R e p] and [R' w_local p'] body after body.
+    shapes : tuple of Shape
+        One for each body.
+    size : float
+        Size of the mechanism, m; constraints are closed to 1e-12 of it.
+    meters : tuple
+        Damage meters, sensor after sensor.
+    redundant : bool
+        Rows repeat one another; the multipliers are those of least norm.
+    beam_shapes : tuple of BeamShape
+        What results keep of each beam: its elements, nodes and the stress of its section.
+    beams : tuple of BeamModel
+        Elements of geometrically exact beams between bodies.
+    """
+
+    name: str
+    gravity: Array
+    bodies: tuple[BodyModel, ...]
+    markers: tuple[MarkerModel, ...]
+    active: int
+    joints: tuple[JointModel, ...]
+    signals: tuple[SignalModel, ...]
+    forces: tuple[ForceModel, ...]
+    sensors: tuple[SensorModel, ...]
+    elimination: Elimination
+    q0: Array
+    v0: Array
+    shapes: tuple[Shape, ...] = ()
+    size: float = 1.0
+    coordinates: tuple[CoordinateModel, ...] = ()
+    frictions: tuple[FrictionModel, ...] = ()
+    events: tuple[EventModel, ...] = ()
+    redundant: bool = False
+    meters: tuple[MeterModel, ...] = ()
+    beam_shapes: tuple[BeamShape, ...] = ()
+    beams: tuple[BeamModel, ...] = ()
+
+    @cached_property
+    def nq(self) -> int:
+        """Number of position coordinates."""
+        return sum(7 + body.n for body in self.bodies)
+
+    @cached_property
+    def nv(self) -> int:
+        """Number of velocity coordinates."""
+        return sum(6 + body.n for body in self.bodies)
+
+    @cached_property
+    def nrow(self) -> int:
+        """Number of constraint rows."""
+        return sum(joint.rows for joint in self.joints)
+
+    @cached_property
+    def permanent(self) -> int:
+        """Number of constraint rows that always hold; those of sticking friction come last."""
+        return sum(joint.rows for joint in self.joints if joint.lock < 0)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the external inputs, in the engine's order."""
+        signals = [signal for signal in self.signals if signal.kind == "input"]
+        return tuple(signal.name for signal in sorted(signals, key=lambda signal: signal.count))
+
+    @property
+    def breaks(self) -> Array:
+        """Times at which a signal of a force or a drive jumps or has a kink, s, ascending."""
+        used = {line.signal for joint in self.joints for line in joint.lines}
+        used |= {signal for force in self.forces for signal in (force.signal, force.reference)}
+        times: list[Array] = []
+        for place in range(len(self.signals) - 1, -1, -1):  # parts come before what they make
+            if place not in used:
+                continue
+            signal = self.signals[place]
+            used.update(signal.children)
+            if signal.kind in ("table", "pieces"):
+                times.append(signal.data[: signal.count])
+            elif signal.kind == "step":
+                times.append(signal.data[:1])
+        return np.unique(np.concatenate([np.zeros(0), *times]))
+
+    @property
+    def nout(self) -> int:
+        """Number of sensor values."""
+        return sum(sensor.count for sensor in self.sensors)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Model {self.name!r}: {len(self.bodies)} bodies, {self.nv} velocity coordinates, "
+            f"{self.nrow} constraint rows>"
+        )

@@ -1,0 +1,447 @@
+"""Layout: a Model as the structs of jousto.h, with arrays padded and blocked as it says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.model.model import Model
+from jousto.model.native.callback import callback
+from jousto.model.native.meter import meter_size, native_rule
+from jousto.model.newton import newton_pattern
+
+SIGNALS = {
+    "constant": 0,
+    "harmonic": 1,
+    "table": 2,
+    "step": 3,
+    "pieces": 4,
+    "sum": 5,
+    "product": 6,
+    "input": 7,
+    "switched": 8,
+    "speed": 9,
+}
+COORDINATES = {"axes": 1, "along": 2, "distance": 3, "angle": 4}
+FORCES = {"load": 1, "along": 2, "bushing": 3, "modal load": 4, "user": 5, "moving load": 6}
+SENSORS = {
+    "position": 1,
+    "velocity": 2,
+    "orientation": 3,
+    "angular velocity": 4,
+    "modal": 5,
+    "reaction": 6,
+    "stress": 7,
+    "acceleration": 8,
+    "angular acceleration": 9,
+    "coordinate": 10,
+    "rate": 11,
+    "multiplier": 12,
+    "element": 13,
+    "energy": 14,
+    "signal": 15,
+    "von mises": 16,
+    "principal": 17,
+    "friction": 18,
+    "damage": 19,
+    "bridge": 21,
+    "section": 22,
+}
+CHUNK = 4096  # scalars that are allocated together
+
+
+@dataclass(frozen=True, eq=False)
+class _Laid:
+    """What engines of one model share: the filled jo_model and the memory that it points to."""
+
+    model: Any
+    keep: list[Any]
+
+
+_LAID: WeakKeyDictionary[Model, dict[int, _Laid]] = WeakKeyDictionary()  # by build of the engine
+
+
+class Layout:
+    """The constants of one model in the engine's memory.
+
+    They are laid out once a model; its engines share them, but for gravity.
+
+    Parameters
+    ----------
+    library, ffi : cffi library and its view of the header
+        The build of the engine.
+    model : Model
+        The mechanism.
+    dtype : numpy dtype
+        Scalars of the build, float64 or complex128.
+    override : dict
+        Replaces arrays of the model by name, see `Engine`.
+    strict : bool
+        A singular position is an error.
+
+    Attributes
+    ----------
+    model : cffi pointer
+        The jo_model; it lives as long as this object.
+    raised : list of exceptions
+        What Python functions of the user raised during a call of the engine.
+    """
+
+    def __init__(
+        self,
+        library: Any,
+        ffi: Any,
+        model: Model,
+        dtype: np.dtype[Any],
+        override: dict[tuple[str, int, str], Any],
+        strict: bool,
+    ) -> None:
+        self._library = library
+        self._ffi = ffi
+        self._source = model
+        self._dtype = dtype
+        self._override = override
+        self._strict = strict
+        self._keep: list[Any] = []
+        self._shared: dict[int, tuple[Any, Any]] = {}
+        self._room, self._used, self._address = np.zeros(0, dtype), 0, ffi.NULL
+        self._stride = dtype.itemsize // ffi.sizeof("jo_real")
+        self.raised: list[BaseException] = []
+        self.model = self._native_model()
+
+    def _native_model(self) -> Any:
+        """Return the jo_model, from the constants that an engine of this model has laid out."""
+        m = self._source
+        # functions of the user report what they raise to one engine, and may refer to the model
+        own = bool(self._override) or any(force.function is not None for force in m.forces)
+        known = {} if own else _LAID.setdefault(m, {})
+        build = id(self._library)
+        laid = known.get(build)
+        if laid is None:
+            laid = _Laid(self._laid_out(), self._keep)
+            self._keep = [laid]
+            self._room = np.zeros(0, self._dtype)
+            known[build] = laid
+        else:
+            self._keep.append(laid)
+        model = self._ffi.new("jo_model *", laid.model[0])
+        model.redundant = -1 if self._strict else int(m.redundant)
+        model.gravity = self._constant(m.gravity, ("model", 0, "gravity"))
+        return model
+
+    def _constant(
+        self, array: Any, key: tuple[str, int, str] | None = None, shared: Any = None
+    ) -> Any:
+        """Copy an array to the engine's scalar type and keep it alive; None stays NULL.
+
+        Arrays made of the same object `shared` are copied once: bodies of one reduced part use
+        the same memory, and the processor's cache holds them all.
+        """
+        if key is not None and key in self._override:
+            array = self._override[key]
+        if array is None:
+            return self._ffi.NULL
+        if shared is not None and id(shared) in self._shared:
+            return self._shared[id(shared)][1]
+        flat = np.asarray(array, dtype=self._dtype).ravel()
+        pointer = self._place(flat)
+        if shared is not None:
+            self._shared[id(shared)] = (shared, pointer)
+        return pointer
+
+    def _place(self, flat: NDArray[Any]) -> Any:
+        """Copy an array behind the one before; large ones start on a cache line."""
+        size = self._dtype.itemsize
+        line = 64 // size
+        if flat.size >= 2 * line:
+            self._used += -self._used % line
+        if not self._room.size or self._used + flat.size > self._room.size:
+            count = max(CHUNK, flat.size)
+            raw = np.zeros((count + line) * size, np.uint8)
+            start = -raw.ctypes.data % 64
+            self._room = raw[start : start + count * size].view(self._dtype)
+            self._used = 0
+            self._address = self._ffi.cast("jo_real *", self._room.ctypes.data)
+            self._keep.append(self._room)
+        self._room[self._used : self._used + flat.size] = flat
+        pointer = self._address + self._used * self._stride
+        self._used += flat.size
+        return pointer
+
+    def _structs(self, kind: str, count: int) -> Any:
+        array = self._ffi.new(f"{kind}[]", max(count, 1))
+        self._keep.append(array)
+        return array
+
+    def _laid_out(self) -> Any:
+        m = self._source
+        model = self._ffi.new("jo_model *")
+        pairs = self._pairs()
+        newton = newton_pattern(m)
+        updates = [u for column in m.elimination.updates for u in column]
+        belows = [b for column in m.elimination.below for b in column]
+        sizes = {
+            "nbody": len(m.bodies),
+            "nbeam": len(m.beams),
+            "nmarker": len(m.markers),
+            "nactive": m.active,
+            "ncoordinate": len(m.coordinates),
+            "njoint": len(m.joints),
+            "nline": sum(len(joint.lines) for joint in m.joints),
+            "npair": len(pairs),
+            "ncolumn": len(m.joints),
+            "nblock": m.elimination.count,
+            "nsignal": len(m.signals),
+            "nforce": len(m.forces),
+            "nfriction": len(m.frictions),
+            "nevent": len(m.events),
+            "nsensor": len(m.sensors),
+            "nturn": sum(c.kind == "angle" for c in m.coordinates),
+            "nlock": sum(joint.lock >= 0 for joint in m.joints),
+            "ninput": len(m.inputs),
+            "nnode": len(newton.nodes),
+            "nnewton": newton.reals,
+            "nbreak": len(m.breaks),
+            "nmeter": len(m.meters),
+            "nmemory": sum(meter_size(meter.rule) for meter in m.meters),
+            "nq": m.nq,
+            "nv": m.nv,
+            "nrow": m.nrow,
+            "nout": m.nout,
+        }
+        for name, size in sizes.items():
+            setattr(model, name, size)
+        model.size = m.size
+        model.breaks = self._constant(m.breaks)
+        model.body = self._bodies()
+        model.beam = self._beams()
+        model.marker = self._markers()
+        model.coordinate = self._coordinates()
+        model.joint = self._joints()
+        model.line = self._lines()
+        model.pair = self._fill("jo_pair", pairs)
+        starts = np.cumsum([0, *(len(c) for c in m.elimination.below)])
+        columns = [
+            (joint, int(starts[c]), len(m.elimination.below[c]))
+            for c, joint in enumerate(m.elimination.order)
+        ]
+        model.column = self._fill("jo_column", columns)
+        model.below = self._fill("jo_below", belows)
+        model.update = self._fill("jo_update", updates)
+        first = np.cumsum([0, *(len(c) for c in m.elimination.updates)])
+        model.update_first = self._fill("int", [int(i) for i in first])
+        model.node = self._fill("jo_node", list(newton.nodes))
+        model.branch = self._fill("jo_branch", list(newton.branches))
+        model.fill = self._fill("jo_fill", list(newton.fills))
+        model.fill_first = self._fill("int", list(newton.first))
+        model.place = self._fill("jo_place", list(newton.places))
+        model.signal = self._signals()
+        model.force = self._forces()
+        model.friction = self._frictions()
+        model.event = self._fill(
+            "jo_event", [(e.output, e.direction, int(e.stop), e.threshold) for e in m.events]
+        )
+        model.sensor = self._sensors()
+        model.meter = self._meters()
+        return model
+
+    def _fill(self, kind: str, values: list[Any]) -> Any:
+        array = self._structs(kind, len(values))
+        for i, value in enumerate(values):
+            array[i] = value
+        return array
+
+    def _pairs(self) -> list[tuple[int, int, int, int, int]]:
+        """Pairs of joint sides on one body and the block of S that they contribute to."""
+        m = self._source
+        place = {joint: c for c, joint in enumerate(m.elimination.order)}
+        sides: dict[int, list[tuple[int, int]]] = {}
+        for k, joint in enumerate(m.joints):
+            for side, marker in enumerate(joint.sides):
+                if m.markers[marker].body >= 0:
+                    sides.setdefault(m.markers[marker].body, []).append((k, side))
+        pairs = []
+        for body in sorted(sides):
+            for k, side_k in sides[body]:
+                for j, side_j in sides[body]:
+                    if place[k] >= place[j]:
+                        pairs.append((k, side_k, j, side_j, m.elimination.blocks[k, j]))
+        return pairs
+
+    def _bodies(self) -> Any:
+        pad, rows_d, rows_b, dense = (
+            getattr(self._library, name) for name in ("JO_PAD", "JO_ROW_D", "JO_ROW_B", "JO_DENSE")
+        )
+        structs = self._structs("jo_body", len(self._source.bodies))
+        for i, body in enumerate(self._source.bodies):
+            b = structs[i]
+            b.n, b.iq, b.iv, b.alpha = body.n, body.iq, body.iv, body.alpha
+            b.np = np_ = -(-body.n // pad) * pad
+            for name in ("mass", "S0", "J0"):
+                setattr(b, name, self._constant(getattr(body, name), ("body", i, name)))
+            for name in ("I3", "B0", "D0", "K", "D"):
+                array = self._override.get(("body", i, name), getattr(body, name))
+                setattr(b, name, self._constant(_padded(np.asarray(array), np_), shared=array))
+            for name, rows in (("ED", rows_d), ("EB", rows_b)):
+                array = self._override.get(("body", i, name), getattr(body, name))
+                setattr(
+                    b,
+                    name,
+                    self._constant(_blocked(np.asarray(array), np_, rows, dense), shared=array),
+                )
+        return structs
+
+    def _beams(self) -> Any:
+        structs = self._structs("jo_beam", len(self._source.beams))
+        for i, beam in enumerate(self._source.beams):
+            structs[i].a, structs[i].b = beam.a, beam.b
+            structs[i].data = self._constant(beam.data, ("beam", i, "data"))
+        return structs
+
+    def _markers(self) -> Any:
+        structs = self._structs("jo_marker", len(self._source.markers))
+        for i, marker in enumerate(self._source.markers):
+            s = structs[i]
+            s.body = marker.body
+            s.turns = int(marker.turns)
+            np_ = 0
+            if marker.body >= 0:
+                n, pad = self._source.bodies[marker.body].n, self._library.JO_PAD
+                np_ = -(-n // pad) * pad
+            for name in ("u0", "A0"):
+                setattr(s, name, self._constant(getattr(marker, name), ("marker", i, name)))
+            for name in ("Phi", "Psi"):
+                shapes = self._override.get(("marker", i, name), getattr(marker, name))
+                padded = _padded(np.asarray(shapes), np_) if shapes is not None and np_ else None
+                setattr(s, name, self._constant(padded))
+            if marker.chi is not None and np_:
+                chi = self._override.get(("marker", i, "chi"), marker.chi)
+                s.chi = self._constant(_padded(np.asarray(chi), np_))
+        return structs
+
+    def _coordinates(self) -> Any:
+        structs = self._structs("jo_coordinate", len(self._source.coordinates))
+        turn = 0
+        for s, coordinate in zip(structs, self._source.coordinates, strict=False):
+            s.type, s.a, s.b = COORDINATES[coordinate.kind], coordinate.a, coordinate.b
+            s.axis_a, s.axis_b, s.turn = coordinate.axis_a, coordinate.axis_b, -1
+            if coordinate.kind == "angle":
+                s.turn, turn = turn, turn + 1
+        return structs
+
+    def _lines(self) -> Any:
+        lines = [(joint, line) for joint in self._source.joints for line in joint.lines]
+        structs = self._structs("jo_line", len(lines))
+        for i, (joint, line) in enumerate(lines):
+            s = structs[i]
+            s.count, s.signal = len(line.coordinates), line.signal
+            for k, index in enumerate(line.coordinates):
+                coordinate = self._source.coordinates[index]
+                s.coordinate[k] = index
+                pairs = list(zip(joint.sides[::2], joint.sides[1::2], strict=True))
+                s.side[k] = 2 * pairs.index((coordinate.a, coordinate.b))
+            data = np.zeros(3)
+            data[0] = line.offset
+            data[1 : 1 + len(line.factors)] = line.factors
+            s.data = self._constant(data, ("line", i, "data"))
+        return structs
+
+    def _joints(self) -> Any:
+        structs = self._structs("jo_joint", len(self._source.joints))
+        line = 0
+        for i, joint in enumerate(self._source.joints):
+            s = structs[i]
+            s.nside, s.coincident = len(joint.sides), int(joint.coincident)
+            for k, marker in enumerate(joint.sides):
+                s.side[k] = marker
+            s.nperp, s.nrow, s.row = len(joint.perpendicular), joint.rows, joint.row
+            s.nline, s.line, s.lock = len(joint.lines), line, joint.lock
+            line += len(joint.lines)
+            for r, (a, b) in enumerate(joint.perpendicular):
+                s.perp_a[r], s.perp_b[r] = a, b
+        return structs
+
+    def _signals(self) -> Any:
+        structs = self._structs("jo_signal", len(self._source.signals))
+        for i, signal in enumerate(self._source.signals):
+            s = structs[i]
+            s.type, s.count, s.degree = SIGNALS[signal.kind], signal.count, signal.degree
+            s.child[0], s.child[1] = signal.children
+            s.data = self._constant(signal.data, ("signal", i, "data"))
+        return structs
+
+    def _forces(self) -> Any:
+        structs = self._structs("jo_force", len(self._source.forces))
+        for i, force in enumerate(self._source.forces):
+            s = structs[i]
+            s.type, s.a, s.b = FORCES[force.kind], force.a, force.b
+            s.coordinate, s.body = force.coordinate, force.body
+            s.follow, s.active, s.signal = int(force.follow), int(force.active), force.signal
+            s.reference, s.spring, s.damper = force.reference, force.spring, force.damper
+            data = force.data
+            if force.kind == "modal load":  # padded like the modes
+                n, pad = self._source.bodies[force.body].n, self._library.JO_PAD
+                data = _padded(data, 6 - (-n // pad) * pad)
+            s.data = self._constant(data, ("force", i, "data"))
+            if force.function is not None:
+                s.function, s.user, kept = callback(self._ffi, force.function, self.raised)
+                self._keep.append(kept)
+        return structs
+
+    def _frictions(self) -> Any:
+        structs = self._structs("jo_friction", len(self._source.frictions))
+        for i, friction in enumerate(self._source.frictions):
+            s = structs[i]
+            s.joint, s.coordinate, s.other = friction.joint, friction.coordinate, friction.other
+            s.law, s.lock = int(friction.sticks), friction.lock
+            s.data = self._constant(friction.data, ("friction", i, "data"))
+        return structs
+
+    def _sensors(self) -> Any:
+        structs = self._structs("jo_sensor", len(self._source.sensors))
+        for i, sensor in enumerate(self._source.sensors):
+            s = structs[i]
+            s.type, s.object = SENSORS[sensor.kind], sensor.object
+            s.other, s.frame = sensor.other, sensor.frame
+            s.offset, s.count = sensor.offset, sensor.count
+            if sensor.rows is not None:
+                n, pad = self._source.bodies[sensor.object].n, self._library.JO_PAD
+                s.rows = self._constant(_padded(sensor.rows, -(-n // pad) * pad))
+        return structs
+
+    def _meters(self) -> Any:
+        structs = self._structs("jo_meter", len(self._source.meters))
+        at = 0
+        for i, meter in enumerate(self._source.meters):
+            structs[i] = native_rule(self._ffi, meter.rule)[0]
+            structs[i].output, structs[i].factor, structs[i].at = meter.output, meter.factor, at
+            at += meter_size(meter.rule)
+        return structs
+
+
+def _blocked(E: NDArray[Any], padded_n: int, rows: int, dense: int) -> NDArray[Any]:
+    """Order (c, j, k) as jousto.h says: blocks of rows, or for large n triangles of tiles."""
+    n = E.shape[2]
+    if n == 0:
+        return E
+    if padded_n <= dense:
+        padded = np.zeros((E.shape[0], padded_n, n), E.dtype)
+        padded[:, :n] = E
+        return np.ascontiguousarray(padded.reshape(-1, rows, n).swapaxes(1, 2))
+    padded = np.zeros((E.shape[0], padded_n, padded_n), E.dtype)
+    padded[:, :n, :n] = E
+    count = padded_n // 4
+    tiles = padded.reshape(-1, count, 4, count, 4).transpose(0, 3, 1, 4, 2)  # c, kb, jb, k, j
+    kb, jb = np.triu_indices(count)
+    return np.ascontiguousarray(tiles[:, kb, jb])
+
+
+def _padded(array: NDArray[Any], length: int) -> NDArray[Any]:
+    """Pad the last axis with zeros."""
+    out = np.zeros((*array.shape[:-1], length), array.dtype)
+    out[..., : array.shape[-1]] = array
+    return out

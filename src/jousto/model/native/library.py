@@ -1,0 +1,103 @@
+"""The compiled engine: which of its builds fits this processor, and its header read by cffi."""
+
+from __future__ import annotations
+
+import functools
+import os
+from pathlib import Path
+from typing import Any
+
+from jousto.base.errors import InputError, Problem
+from jousto.model.native.declarations import view
+
+_HERE = Path(__file__).parent
+
+BUILDS = {"v3": 3, "baseline": 0}
+"""Builds of the engine, the fastest first, and the x86-64 level that each of them needs."""
+
+
+def _path(name: str) -> Path | None:
+    for suffix in (".so", ".dylib", ".dll"):
+        path = _HERE / "lib" / (name + suffix)
+        if path.exists():
+            return path
+    return None
+
+
+@functools.cache
+def ffi() -> Any:
+    """Return the cffi view of jousto.h."""
+    for header in (_HERE.parents[3] / "engine" / "jousto.h", _HERE / "jousto.h"):
+        if header.exists():
+            return view(header, _HERE / "lib")
+    raise InputError(Problem("jousto.h", "is missing from the installation; install jousto again"))
+
+
+@functools.cache
+def _open(name: str) -> Any:
+    path = _path(name)
+    if path is None:
+        raise InputError(
+            Problem(
+                f"the compiled engine {name}",
+                f"is missing from {_HERE / 'lib'}; install jousto again with a C compiler at hand "
+                "(pip install .)",
+            )
+        )
+    library = ffi().dlopen(str(path))
+    found = (library.jo_abi(), library.jo_model_size())
+    wanted = (library.JO_ABI, ffi().sizeof("jo_model"))
+    if found != wanted:
+        raise InputError(
+            Problem(
+                str(path),
+                f"does not fit this version (interface and size {found}, not {wanted}); "
+                "install jousto again",
+            )
+        )
+    return library
+
+
+@functools.cache
+def real_library() -> Any:
+    """Return the build that runs the models: the fastest that this processor has instructions for.
+
+    The environment variable ``JOUSTO_CPU`` asks for another one of `BUILDS`. All builds run the
+    same sources; they differ in instructions and therefore in round-off.
+
+    Raises
+    ------
+    InputError
+        If ``JOUSTO_CPU`` names no build, or one that is not installed or that this processor
+        cannot run.
+    """
+    asked = os.environ.get("JOUSTO_CPU", "").strip()
+    if asked and asked not in BUILDS:
+        known = ", ".join(sorted(BUILDS))
+        raise InputError(Problem("JOUSTO_CPU", f"is {asked!r}; known are {known}"))
+    return build(asked or next(name for name in BUILDS if _runs(name)))
+
+
+def build(name: str) -> Any:
+    """Return the build of this name, one of `BUILDS`."""
+    if _level() < BUILDS[name]:
+        raise InputError(Problem("engine", f"this processor cannot run the build {name}"))
+    return _open(_file(name))
+
+
+def _runs(name: str) -> bool:
+    return name == "baseline" or (_level() >= BUILDS[name] and _path(_file(name)) is not None)
+
+
+def _level() -> int:
+    return int(_open("jousto_engine").jo_cpu_level())
+
+
+def _file(name: str) -> str:
+    return "jousto_engine" if name == "baseline" else f"jousto_engine_{name}"
+
+
+@functools.cache
+def complex_library() -> Any:
+    """Return the build with a double complex scalar, for complex-step derivatives."""
+    return _open("jousto_engine_complex")

@@ -1,0 +1,448 @@
+"""Engine: a Model in the memory layout of jousto.h, with one state to step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, SimulationError
+from jousto.model.model import Model
+from jousto.model.native import library
+from jousto.model.native.failures import (
+    AT_BODY,
+    CALLBACK_FAILED,
+    EVENT,
+    FRICTION_FAILED,
+    OK,
+    SINGULAR_BODY,
+    SINGULAR_JOINT,
+    failure,
+)
+from jousto.model.native.layout import Layout
+from jousto.model.native.meter import meter_size
+from jousto.model.newton import newton_entries, newton_pattern
+
+Scalars = NDArray[Any]  # float64, or complex128 in the build for derivatives
+BALANCE = 14  # entries of a row between the multipliers and the sensors
+
+# what a twin of an engine needs to stand where it stands
+STATE = (
+    *("q", "v", "a", "lam", "time", "input", "turn", "happened"),
+    *("locked", "held", "slip", "direction"),
+)
+IMAGINARY = 1e-30  # imaginary step: derivatives to round-off
+
+
+@dataclass(frozen=True, eq=False)
+class Tangent:
+    """Derivatives of ``r = M a + Cq^T lam - Q`` with respect to a, v and increments of q.
+
+    Attributes
+    ----------
+    M, D, K : arrays (nv, nv)
+        ``dr/da``, ``dr/dv``, ``dr/dq``; K holds the second derivatives of the constraints, times
+        lam.
+    Cq : array (nrow, nv)
+        Constraint Jacobian, ``dC'/dv``.
+    """
+
+    M: NDArray[np.float64]
+    D: NDArray[np.float64]
+    K: NDArray[np.float64]
+    Cq: NDArray[np.float64]
+
+
+class SingularJoints(InputError):
+    """Constraint rows that repeat one another."""
+
+
+@explained
+@described
+class Engine:
+    """The compiled engine with the constants of one model and one state.
+
+    ``q``, ``v``, ``a``, ``lam`` and ``time`` are views of the engine's own memory; assign with
+    ``engine.q[:] = ...``.
+
+    Parameters
+    ----------
+    model : Model
+        The mechanism.
+    complex_scalars : bool
+        Use the build with complex numbers: an imaginary step of 1e-30 in any constant or
+        initial value gives derivatives to machine precision.
+    override : dict, optional
+        Replaces arrays of the model by name, for example
+        ``{("body", 0, "K"): perturbed_stiffness}``; for derivatives.
+    strict : bool
+        A singular position is an error; otherwise it is passed with multipliers of least norm.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        *,
+        complex_scalars: bool = False,
+        override: dict[tuple[str, int, str], Any] | None = None,
+        strict: bool = False,
+    ) -> None:
+        self.model = model
+        self.dtype = np.dtype(np.complex128 if complex_scalars else np.float64)
+        self._library = library.complex_library() if complex_scalars else library.real_library()
+        self._ffi = library.ffi()
+        self._override = override or {}
+        self._layout = Layout(self._library, self._ffi, model, self.dtype, self._override, strict)
+        self._model = self._layout.model
+        data = self._library.jo_data_new(self._model)
+        if data == self._ffi.NULL:
+            raise MemoryError("no memory for the engine's workspace")
+        self._data = self._ffi.gc(data, self._library.jo_data_free)
+        self.q = self._view(self._library.jo_data_q(data), model.nq)
+        self.v = self._view(self._library.jo_data_v(data), model.nv)
+        self.a = self._view(self._library.jo_data_a(data), model.nv)
+        self.lam = self._view(self._library.jo_data_lam(data), model.nrow)
+        self.time = self._view(self._library.jo_data_time(data), 1)
+        self.gravity = self._view(self._model.gravity, 3)  # m/s2, of this engine alone
+        self.work = self._view(self._library.jo_data_work(data), 3)
+        self.input = self._view(self._library.jo_data_input(data), len(model.inputs))
+        turns = sum(c.kind == "angle" for c in model.coordinates)
+        self.turn = self._view(self._library.jo_data_turn(data), turns)
+        locks = sum(joint.lock >= 0 for joint in model.joints)
+        self.locked = self._view(self._library.jo_data_locked(data), locks, np.intc)
+        self.held = self._view(self._library.jo_data_held(data), 2 * locks)
+        frictions = 2 * len(model.frictions)
+        self.direction = self._view(self._library.jo_data_direction(data), frictions)
+        self.rub = self._view(self._library.jo_data_rub(data), frictions)
+        self.slip = self._view(self._library.jo_data_slip(data), len(model.frictions), np.intc)
+        self.happened = self._view(self._library.jo_data_happened(data), len(model.events), np.intc)
+        memory = sum(meter_size(meter.rule) for meter in model.meters)
+        self.meters = self._view(self._library.jo_data_memory(data), memory, np.float64)
+        bent = self._view(self._library.jo_data_bent(data), 2 * len(model.beams), np.float64)
+        self.bent = bent.reshape(-1, 2)
+        self.counts = self._view(self._library.jo_data_counts(data), 6, np.longlong)
+        self.row_size = int(self._library.jo_row_size(self._model))
+        self._count = self._ffi.new("long long *", 0)
+        self._entries: tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]] | None = None
+        for signal in model.signals:
+            if signal.kind == "input":
+                self.input[signal.count] = signal.data[0]
+        self.q[:] = model.q0
+        self.v[:] = model.v0
+
+    # -- what the engine computes ---------------------------------------------------------
+
+    def accelerations(self) -> tuple[Scalars, Scalars]:
+        """Compute and return a (nv,) and lam (nrow,) at time, q, v."""
+        self._check(self._library.jo_accelerations(self._model, self._data))
+        return self.a, self.lam
+
+    def assemble(self, iterations: int = 100, tolerance: float = 1e-14) -> None:
+        """Close the joints by projecting q and v in the mass metric."""
+        scale = tolerance * max(1.0, float(np.abs(self.q).max(initial=0.0)))
+        self._check(self._library.jo_assemble(self._model, self._data, iterations, scale))
+
+    def step(self, solver: Any) -> None:
+        """Advance by one step of a native solver (see `native_solver`)."""
+        self._check(self._library.jo_step(self._model, self._data, solver))
+
+    def run(self, solver: Any, steps: int, every: int, rows: Scalars) -> tuple[int, int]:
+        """Advance `steps` steps and fill `rows` (k, row_size) every `every` steps.
+
+        Returns
+        -------
+        status : int
+            0, EVENT where an event stopped the run, or what the engine could not do (see
+            `problem`).
+        written : int
+            Rows written.
+
+        Raises
+        ------
+        ValueError
+            If `rows` is not a contiguous array of the engine's scalars with enough rows.
+        """
+        needed = (self.steps_done % max(every, 1) + steps) // max(every, 1)
+        needed += any(event.stop for event in self.model.events)
+        good = rows.ndim == 2 and rows.shape[0] >= needed and rows.shape[1] == self.row_size
+        if not (good and every >= 1 and rows.dtype == self.dtype and rows.flags.c_contiguous):
+            raise ValueError(
+                f"rows must be a contiguous ({needed} or more, {self.row_size}) array of "
+                f"{self.dtype}, and every at least 1"
+            )
+        written = self._ffi.new("int *", 0)
+        pointer = self._pointer(rows)
+        status = self._library.jo_run(
+            self._model, self._data, solver, steps, every, self._count, written, pointer
+        )
+        return int(status), int(written[0])
+
+    def happenings(self) -> NDArray[np.float64]:
+        """Return time, event and direction (k, 3) of what happened in the last `run` or `step`."""
+        count = int(self._library.jo_data_logged(self._data))
+        if count == 0:
+            return np.zeros((0, 3))
+        log = self._ffi.buffer(self._library.jo_data_log(self._data), 24 * count)
+        return np.frombuffer(log, np.float64).reshape(count, 3).copy()
+
+    def restart(self) -> None:
+        """Forget what methods and events remember of the last step: the state was replaced."""
+        self._library.jo_restart(self._data)
+
+    def follow(self, solver: Any, last: int, tries: int, rows: Scalars) -> tuple[int, int]:
+        """Advance with error control until `rows` is full, row `last` written or `tries` spent.
+
+        Rows are at times ``start + k step``; the first call begins at the present state, which is
+        row 0, later ones go on where the one before stopped.
+
+        Returns
+        -------
+        status : int
+            0, or what the engine could not do (see `problem`).
+        written : int
+            Rows written.
+        """
+        written = self._ffi.new("int *", 0)
+        status = self._library.jo_follow(
+            self._model,
+            self._data,
+            solver,
+            last,
+            tries,
+            len(rows),
+            self._count,
+            written,
+            self._pointer(rows),
+        )
+        return int(status), int(written[0])
+
+    def row(self) -> Scalars:
+        """Return the present state as one row of `run`."""
+        out = np.zeros(self.row_size, self.dtype)
+        self._check(self._library.jo_row(self._model, self._data, self._pointer(out)))
+        return out
+
+    @property
+    def steps_done(self) -> int:
+        """Steps taken by `run` so far."""
+        return int(self._count[0])
+
+    @steps_done.setter
+    def steps_done(self, count: int) -> None:
+        self._count[0] = count
+
+    @property
+    def error_index(self) -> int:
+        """Body, joint, force, friction or event of the last error."""
+        return int(self._library.jo_data_error_index(self._data))
+
+    def energy(self) -> Scalars:
+        """Return kinetic, strain, potential energy and that of the springs (4,), J."""
+        out = np.zeros(4, self.dtype)
+        self._library.jo_energy(self._model, self._data, self._pointer(out))
+        return out
+
+    def constraints(self) -> tuple[Scalars, Scalars]:
+        """Return C(q) and Cq v, both (nrow,)."""
+        c, cdot = np.zeros(self.model.nrow, self.dtype), np.zeros(self.model.nrow, self.dtype)
+        self._library.jo_constraints(self._model, self._data, self._pointer(c), self._pointer(cdot))
+        return c, cdot
+
+    def residuals(self) -> tuple[float, float]:
+        """Return the largest position and velocity residual."""
+        c, cdot = self.constraints()
+        return float(np.abs(c).max(initial=0.0)), float(np.abs(cdot).max(initial=0.0))
+
+    def mass_matrix(self, body: int) -> Scalars:
+        """Return the mass matrix (6+n, 6+n) of a body for [R'' (body frame), w', p'']."""
+        body = range(len(self.model.bodies))[body]  # an index out of range is an IndexError
+        n = 6 + self.model.bodies[body].n
+        M = np.zeros((n, n), self.dtype)
+        self._library.jo_mass_matrix(self._model, self._data, body, self._pointer(M))
+        return M
+
+    def residual(self) -> Scalars:
+        """Return r = M a + Cq^T lam - Q (nv,) at time, q, v, a, lam.
+
+        Per body on [dR (world), dtheta (body frame), dp], in N, N m and modal force.
+        """
+        out = np.zeros(self.model.nv, self.dtype)
+        self._check(self._library.jo_residual(self._model, self._data, self._pointer(out)))
+        return out
+
+    def newton_matrix(self, ca: float, cv: float, cq: float) -> Scalars:
+        """Return ``[ca M + cv D + cq K, Cq^T; cv Cq + cq d(Cq v)/dq, 0]`` at this state.
+
+        M, D, K as in `tangent`, but by formulas, the last rows for the rates of the constraints:
+        the matrix of the implicit methods, (nv + nrow, nv + nrow).
+        """
+        size = self.model.nv + self.model.nrow
+        out = np.zeros((size, size), self.dtype)
+        self._check(
+            self._library.jo_newton_matrix(self._model, self._data, ca, cv, cq, self._pointer(out))
+        )
+        return out
+
+    def newton_sparse(self, ca: float, cv: float, cq: float) -> Any:
+        """Return `newton_matrix` as a sparse matrix (scipy CSR), without a dense one."""
+        values = np.zeros(newton_pattern(self.model).reals, self.dtype)
+        self._check(
+            self._library.jo_newton_values(
+                self._model, self._data, ca, cv, cq, self._pointer(values)
+            )
+        )
+        if self._entries is None:
+            self._entries = newton_entries(self.model)
+        at, rows, columns = self._entries
+        size = self.model.nv + self.model.nrow
+        return scipy.sparse.csr_matrix((values[at], (rows, columns)), shape=(size, size))
+
+    def tangent(self) -> Tangent:
+        """Return the exact derivatives of `residual` and of the constraints at this state.
+
+        By complex steps (Squire and Trapp, SIAM Rev. 40, 1998), column by column, with orientation
+        increments on the right, q = q0 o exp(dtheta).
+        """
+        twin = Engine(self.model, complex_scalars=True, override=self._override)
+        for name in STATE:
+            getattr(twin, name)[:] = getattr(self, name).real
+        nv, nrow = self.model.nv, self.model.nrow
+        M, D, K, Cq = (
+            np.zeros((nv, nv)),
+            np.zeros((nv, nv)),
+            np.zeros((nv, nv)),
+            np.zeros((nrow, nv)),
+        )
+        moves = self.increments()
+        for j in range(nv):
+            for x, out in ((twin.a, M), (twin.v, D)):
+                kept = x[j]
+                x[j] += 1j * IMAGINARY
+                out[:, j] = twin.residual().imag / IMAGINARY
+                if x is twin.v:
+                    Cq[:, j] = twin.constraints()[1].imag / IMAGINARY
+                x[j] = kept
+            kept_q = twin.q.copy()
+            twin.q += 1j * IMAGINARY * moves[:, j]
+            K[:, j] = twin.residual().imag / IMAGINARY
+            twin.q[:] = kept_q
+        return Tangent(M, D, K, Cq)
+
+    def increments(self) -> NDArray[np.float64]:
+        """Return dq (nq, nv) of unit increments [dR (world), dtheta (body frame), dp]."""
+        moves = np.zeros((self.model.nq, self.model.nv))
+        for b in self.model.bodies:
+            e0, e1, e2, e3 = self.q[b.iq + 3 : b.iq + 7].real
+            turn = [[-e1, -e2, -e3], [e0, -e3, e2], [e3, e0, -e1], [-e2, e1, e0]]
+            moves[b.iq : b.iq + 3, b.iv : b.iv + 3] = np.eye(3)
+            moves[b.iq + 3 : b.iq + 7, b.iv + 3 : b.iv + 6] = 0.5 * np.array(turn)
+            moves[b.iq + 7 : b.iq + 7 + b.n, b.iv + 6 : b.iv + 6 + b.n] = np.eye(b.n)
+        return moves
+
+    def sensors(self) -> Scalars:
+        """Return all sensor values (nout,) at the state of the last `accelerations`."""
+        out = np.zeros(self.model.nout, self.dtype)
+        self._library.jo_sensors(self._model, self._data, self._pointer(out))
+        return out
+
+    def native_solver(
+        self,
+        method: int,
+        step: float,
+        projection: bool,
+        alpha: float = 0.0,
+        beta: float = 0.0,
+        **options: Any,
+    ) -> Any:
+        """Return a jo_solver; the options are its further fields."""
+        solver = self._ffi.new("jo_solver *")
+        solver.method, solver.projection, solver.step = method, int(projection), step
+        solver.alpha, solver.beta = alpha, beta
+        for name, value in options.items():
+            setattr(solver, name, value)
+        return solver
+
+    def meters_valid(self, memory: NDArray[np.float64]) -> bool:
+        """Return whether numbers may be the memory of this model's damage meters."""
+        values = np.ascontiguousarray(memory, dtype=np.float64)
+        start = self._ffi.cast("double *", values.ctypes.data)
+        rules = [self._model.meter[i] for i in range(len(self.model.meters))]
+        return all(
+            self._library.jo_meter_valid(self._ffi.addressof(rule), start + rule.at)
+            for rule in rules
+        )
+
+    # -- errors -----------------------------------------------------------------------------
+
+    def _check(self, status: int) -> None:
+        if status in (OK, EVENT):
+            return
+        problem = self.problem(status)
+        if status in (SINGULAR_BODY, FRICTION_FAILED):
+            raise InputError(problem)
+        if status == SINGULAR_JOINT:
+            raise SingularJoints(problem)
+        body = self.model.bodies[self.error_index].name if status in AT_BODY else ""
+        raise SimulationError(str(problem), time=float(self.time[0].real), body=body) from (
+            self.cause if status == CALLBACK_FAILED else None
+        )
+
+    @property
+    def cause(self) -> BaseException | None:
+        """What a user's Python function raised last, or None."""
+        return self._layout.raised[-1] if self._layout.raised else None
+
+    def problem(self, status: int) -> Problem:
+        """Return the sentence for what the engine could not do."""
+        return failure(self.model, status, self.error_index, self.cause)
+
+    # -- memory layout ----------------------------------------------------------------------
+
+    def _pointer(self, array: Scalars) -> Any:
+        return self._ffi.cast("jo_real *", array.ctypes.data)
+
+    def _view(self, pointer: Any, count: int, kind: Any = None) -> Scalars:
+        dtype = self.dtype if kind is None else np.dtype(kind)
+        if count == 0:
+            return np.zeros(0, dtype)
+        address = int(self._ffi.cast("uintptr_t", pointer))
+        return np.asarray(_Memory((self._data, self._layout), address, count, dtype))
+
+
+class _Memory:
+    """Engine memory for NumPy; keeps the workspace alive as long as a view of it."""
+
+    def __init__(self, owner: Any, address: int, count: int, dtype: np.dtype[Any]) -> None:
+        self._owner = owner
+        self.__array_interface__ = {
+            "version": 3,
+            "shape": (count,),
+            "typestr": dtype.str,
+            "data": (address, False),
+        }
+
+
+def displaced(model: Model, q: Scalars, increment: Scalars) -> Scalars:
+    """Return q (nq,) moved by increments (nv,): dR (world), dtheta (body frame), dp."""
+    out = np.array(q, dtype=np.result_type(q, increment))
+    for body in model.bodies:
+        dx = increment[body.iv : body.iv + 6 + body.n]
+        out[body.iq : body.iq + 3] += dx[:3]
+        e0, e = out[body.iq + 3], out[body.iq + 4 : body.iq + 7].copy()
+        half = 0.5 * dx[3:6]
+        angle = np.sqrt(half @ half)
+        d0, d = np.cos(angle), half * (np.sin(angle) / angle if angle != 0.0 else 1.0)
+        out[body.iq + 3] = e0 * d0 - e @ d
+        cross = (
+            e[1] * d[2] - e[2] * d[1],  # numpy.cross is slow for single vectors
+            e[2] * d[0] - e[0] * d[2],
+            e[0] * d[1] - e[1] * d[0],
+        )
+        out[body.iq + 4 : body.iq + 7] = e0 * d + d0 * e + cross
+        out[body.iq + 7 : body.iq + 7 + body.n] += dx[6:]
+    return out

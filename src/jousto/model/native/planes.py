@@ -1,0 +1,135 @@
+"""Damage on planes through places: the engine's count of shear lines and normal stresses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.errors import Problems
+from jousto.mechanism.sensors.rule import RESIDUES, meter_rule
+from jousto.model.native import library
+from jousto.model.native.meter import native_rule
+
+Array = NDArray[np.float64]
+
+NORMAL, FINDLEY, STRAIN = range(3)
+"""Numbers of `jo_plane_kind`."""
+FINEST, COARSEST, POINTS = 1e-7, 1.0, 65_536
+"""Strains that the table of a strain-life curve covers, and its points: 2.5e-4 apart in logarithm,
+which leaves 1e-7 of the life between them."""
+
+
+@dataclass(frozen=True)
+class StrainCurve:
+    """A life over shear strain, as a table.
+
+    Parameters
+    ----------
+    cycles : callable
+        Takes strains (n,), returns lives (n,).
+    modulus : float
+        Shear modulus, Pa.
+    slope : float
+        Damage grows at least with this power of the strain.
+    """
+
+    cycles: Callable[[Array], Array]
+    modulus: float
+    slope: float
+
+    def table(self) -> tuple[Array, float, float]:
+        """Return ln(1/N) (points,), ln of the first shear stress, and the step."""
+        x = np.linspace(np.log(FINEST), np.log(COARSEST), POINTS)
+        with np.errstate(divide="ignore"):
+            damage = -np.log(np.asarray(self.cycles(np.exp(x)), dtype=np.float64))
+        return np.maximum(damage, -700.0), float(x[0] + np.log(self.modulus)), float(x[1] - x[0])
+
+
+class PlaneCounter:
+    """Finds the worst line of shear, or the worst normal stress, of all planes through a place.
+
+    Parameters
+    ----------
+    kind : int
+        NORMAL, FINDLEY or STRAIN.
+    k : float
+        Sensitivity to the normal stress; of STRAIN 1/Pa.
+    rows : (m, 3, 6) array
+        Per plane the rows of the normal stress and of the shear along two directions.
+    turns : (l, 2) array
+        Cosine and sine of the lines in each plane.
+    curve : SN or StrainCurve
+        What a cycle costs.
+    residue : str
+        "half", "repeat" or "ignore".
+    mean : optional
+        Mean stress correction, of NORMAL.
+
+    Raises
+    ------
+    InputError
+        If curve or correction are none.
+    """
+
+    def __init__(
+        self,
+        kind: int,
+        k: float,
+        rows: Array,
+        turns: Array,
+        curve: Any,
+        *,
+        residue: str,
+        mean: Any = None,
+    ) -> None:
+        self._library, self._ffi = library.real_library(), library.ffi()
+        self._rows = np.ascontiguousarray(rows, dtype=np.float64)
+        self._turns = np.ascontiguousarray(turns, dtype=np.float64)
+        r = self._ffi.new("jo_planes *")
+        r.kind, r.residue, r.k = kind, RESIDUES.index(residue), k
+        r.planes, r.turns = len(self._rows), 1 if kind == NORMAL else len(self._turns)
+        r.rows, r.turn = self._pointer(self._rows), self._pointer(self._turns)
+        self._meter = self._ffi.new("jo_meter *")
+        if isinstance(curve, StrainCurve):
+            self._table, r.first, r.step = curve.table()
+            r.table, r.points = self._pointer(self._table), len(self._table)
+            r.p = curve.slope
+        else:
+            problems = Problems()
+            rule = meter_rule(problems, "plane damage", curve, residue=residue, mean=mean)
+            problems.raise_if_any()
+            self._meter = native_rule(self._ffi, rule)
+            r.p = min(rule.curve[2:4]) if mean is None else 0.0
+        self._rule = r
+
+    def worst(self, stress: Array) -> tuple[float, int]:
+        """Return damage and plane of the worst line; other threads may run meanwhile.
+
+        Parameters
+        ----------
+        stress : (nt, 6) array
+            ``[s11 s22 s33 s12 s23 s13]``, Pa, finite.
+        """
+        s = np.ascontiguousarray(stress, dtype=np.float64)
+        lines = int(self._rule.planes * self._rule.turns)
+        scratch = np.empty(6 * len(s) + 4 + lines)
+        order = np.empty(lines, np.int64)
+        damage, plane = self._ffi.new("double *"), self._ffi.new("long long *")
+        self._library.jo_plane_damage(
+            self._rule,
+            self._meter,
+            self._pointer(s),
+            len(s),
+            self._pointer(scratch),
+            self._ffi.cast("long long *", order.ctypes.data),
+            damage,
+            plane,
+        )
+        return float(damage[0]), int(plane[0])
+
+    def _pointer(self, array: Array) -> Any:
+        return self._ffi.cast("double *", array.ctypes.data)

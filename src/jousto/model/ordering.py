@@ -1,0 +1,171 @@
+"""Elimination order of the joints: symbolic block Cholesky of S = Cq M^-1 Cq^T."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from jousto.base.described import described
+
+MOST = 15_000_000
+"""Products of blocks in one factorisation; their list alone takes a gigabyte and more."""
+
+
+class TooDense(Exception):
+    """A factor that would have too many products of blocks.
+
+    Attributes
+    ----------
+    products : float
+        How many at least.
+    clique : tuple of int
+        Joints that all touch one another and cause it alone; empty if loops do together.
+    """
+
+    def __init__(self, products: float, clique: Sequence[int] = ()) -> None:
+        super().__init__(products)
+        self.products = products
+        self.clique = tuple(clique)
+
+
+@described
+@dataclass(frozen=True)
+class Elimination:
+    """Block pattern of the Cholesky factor, fixed once per mechanism.
+
+    Attributes
+    ----------
+    order : tuple of int
+        Joints in elimination order; diagonal block c belongs to joint ``order[c]``.
+    below : tuple of tuple of (int, int)
+        For every column its blocks below the diagonal: (block, joint).
+    updates : tuple of tuple of (int, int, int, bool)
+        For every column the products (target, left, right, rows of left, rows of right).
+    blocks : dict of (int, int) to int
+        Block of (joint of the row, joint of the column), the row eliminated later.
+    fill : int
+        Blocks of the factor that are zero in S itself.
+    """
+
+    order: tuple[int, ...]
+    below: tuple[tuple[tuple[int, int], ...], ...]
+    updates: tuple[tuple[tuple[int, int, int, int, int], ...], ...]
+    blocks: dict[tuple[int, int], int]
+    fill: int
+
+    @property
+    def count(self) -> int:
+        """Number of blocks, diagonal ones included."""
+        return len(self.order) + sum(len(column) for column in self.below)
+
+
+def eliminate(
+    rows: Sequence[int],
+    cliques: Iterable[Sequence[int]],
+    after: Mapping[int, Iterable[int]] | None = None,
+    most: float = math.inf,
+) -> Elimination:
+    """Order the joints so that little fill arises, none for chains and trees.
+
+    Greedy minimum fill: a joint whose neighbours all touch one another is always preferred,
+    which eliminates any tree of bodies without fill (its joint graph is chordal).
+
+    Parameters
+    ----------
+    rows : sequence of int
+        Constraint rows of every joint.
+    cliques : iterable of sequence of int
+        The joints on each moving body; they touch one another.
+    after : mapping of int to iterable of int, optional
+        Joints that must be eliminated before a joint.
+    most : float
+        Products of blocks that are worth it.
+
+    Raises
+    ------
+    TooDense
+        If the factor would have more products than that, before they are listed.
+
+    Examples
+    --------
+    >>> chain = eliminate([3, 3, 3, 3], [(0, 1), (1, 2), (2, 3)])
+    >>> chain.count, chain.fill
+    (7, 0)
+    >>> ring = eliminate([3, 3, 3, 3], [(0, 1), (1, 2), (2, 3), (3, 0)])
+    >>> ring.fill
+    1
+    """
+    count = len(rows)
+    near: list[set[int]] = [set() for _ in range(count)]
+    for clique in cliques:
+        if (products := len(clique) ** 3 / 6) > most:
+            raise TooDense(products, clique)
+        for i in clique:
+            near[i].update(j for j in clique if j != i)
+    entries = sum(len(n) for n in near) // 2
+
+    def missing(i: int) -> int:
+        """Pairs of neighbours that do not touch yet: the fill if i were eliminated now."""
+        return sum(len(near[i] - near[a]) - 1 for a in near[i]) // 2
+
+    waits = {i: set(before) for i, before in (after or {}).items()}
+    awaited: dict[int, list[int]] = {}
+    for i, before in waits.items():
+        for j in before:
+            awaited.setdefault(j, []).append(i)
+    known = [missing(i) for i in range(count)]
+    # the longest unchanged first: a chain is eliminated from both ends in turn, two short
+    # sequences of dependent operations that the processor overlaps
+    turn = 0
+    heap = [(known[i], len(near[i]), turn, i) for i in range(count) if not waits.get(i)]
+    heapq.heapify(heap)
+    order: list[int] = []
+    later: list[list[int]] = []
+    products = 0
+    done = [False] * count
+    while heap:
+        fills, degree, _, i = heapq.heappop(heap)
+        if done[i] or fills != known[i] or degree != len(near[i]):
+            continue  # an entry of an earlier neighbourhood
+        done[i] = True
+        order.append(i)
+        around = sorted(near[i])
+        later.append(around)
+        products += len(around) * (len(around) + 1) // 2
+        if products > most:
+            raise TooDense(products)
+        touched = set(around)
+        for a in around:
+            near[a].discard(i)
+            if fills:
+                near[a].update(b for b in around if b != a)
+                touched |= near[a]
+        for a in awaited.get(i, ()):
+            waits[a].discard(i)
+            if not waits[a]:
+                touched.add(a)
+        for a in sorted(touched):
+            known[a] = missing(a) if known[a] or fills else 0
+            turn += 1
+            if not waits.get(a):
+                heapq.heappush(heap, (known[a], len(near[a]), turn, a))
+    place = {joint: c for c, joint in enumerate(order)}
+    blocks = {(joint, joint): c for c, joint in enumerate(order)}
+    below: list[tuple[tuple[int, int], ...]] = []
+    for c, joint in enumerate(order):
+        column = []
+        for i in sorted(later[c], key=place.__getitem__):
+            blocks[i, joint] = len(blocks)
+            column.append((blocks[i, joint], i))
+        below.append(tuple(column))
+    updates = []
+    for column_below in below:
+        column_updates = []
+        for k, (left, i) in enumerate(column_below):
+            for right, j in column_below[: k + 1]:
+                column_updates.append((blocks[i, j], left, right, rows[i], rows[j]))
+        updates.append(tuple(column_updates))
+    fill = len(blocks) - count - entries
+    return Elimination(tuple(order), tuple(below), tuple(updates), blocks, fill)

@@ -1,0 +1,183 @@
+"""Dependencies between constraint rows, body after body: the rank analysis of large mechanisms."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.rotations import rotation_matrix
+from jousto.model.model import JointModel, Model
+from jousto.model.native.native import Engine
+from jousto.model.ordering import eliminate
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Front:
+    """Rows that are not yet eliminated.
+
+    Attributes
+    ----------
+    bodies : tuple of int
+        Bodies that they see.
+    rows : tuple of arrays
+        For each body (r, 6 + n).
+    parts : array (r, k)
+        The rows as combinations of original ones.
+    origin : array (k,)
+        Which these are.
+    """
+
+    bodies: tuple[int, ...]
+    rows: tuple[Array, ...]
+    parts: Array
+    origin: NDArray[np.intp]
+
+
+def bodies_of(model: Model, joint: JointModel) -> tuple[int, ...]:
+    """Return the moving bodies that a joint holds."""
+    found = {model.markers[side].body for side in joint.sides}
+    return tuple(sorted(body for body in found if body >= 0))
+
+
+def joint_fronts(model: Model, engine: Engine, rows: int) -> list[Front]:
+    """Return the first `rows` rows of C' v in the mass metric, each scaled to length 1, by joints.
+
+    Bodies that share no joint are moved at once, so that the effort grows with the mechanism only.
+    """
+    joints = [joint for joint in model.joints if joint.row < rows]
+    held = [bodies_of(model, joint) for joint in joints]
+    near: list[set[int]] = [set() for _ in model.bodies]
+    for clique in held:
+        for body in clique:
+            near[body].update(clique)
+    colour: list[int] = []
+    for body, others in enumerate(near):
+        taken = {colour[other] for other in others if other < body}
+        colour.append(next(c for c in range(len(taken) + 1) if c not in taken))
+    blocks = [
+        {body: np.zeros((joint.rows, 6 + model.bodies[body].n)) for body in clique}
+        for joint, clique in zip(joints, held, strict=True)
+    ]
+    kept = engine.v.copy()
+    engine.v[:] = 0.0
+    rest = engine.constraints()[1]
+    for c in range(max(colour, default=-1) + 1):
+        members = [i for i, own in enumerate(colour) if own == c]
+        for j in range(max(6 + model.bodies[i].n for i in members)):
+            for i in members:
+                if j < 6 + model.bodies[i].n:
+                    engine.v[model.bodies[i].iv + j] = 1.0
+            rate = engine.constraints()[1] - rest
+            engine.v[:] = 0.0
+            for joint, found in zip(joints, blocks, strict=True):
+                for body, block in found.items():
+                    if colour[body] == c and j < block.shape[1]:
+                        block[:, j] = rate[joint.row : joint.row + joint.rows]
+    engine.v[:] = kept
+    factors = [np.linalg.cholesky(engine.mass_matrix(i)) for i in range(len(model.bodies))]
+    fronts: list[Front] = []
+    for joint, found in zip(joints, blocks, strict=True):
+        square = np.zeros(joint.rows)
+        for body, block in found.items():
+            iq = model.bodies[body].iq
+            A = rotation_matrix(engine.q[iq + 3 : iq + 7])
+            block[:, :3] = block[:, :3] @ A  # the mass matrix is resolved in the body frame
+            block[:] = np.linalg.solve(factors[body], block.T).T
+            square += np.sum(block**2, axis=1)
+        length = np.sqrt(np.where(square > 0.0, square, 1.0))[:, None]
+        fronts.append(
+            Front(
+                tuple(found),
+                tuple(block / length for block in found.values()),
+                np.eye(joint.rows),
+                np.arange(joint.row, joint.row + joint.rows),
+            )
+        )
+    return fronts
+
+
+def dependencies(fronts: Sequence[Front], bodies: int, tolerance: float) -> Array:
+    """Return an orthonormal basis Y (rows, d) of the combinations of rows that vanish, Y^T G = 0.
+
+    Orthogonal elimination of one body after the other: the rows that see it are rotated until as
+    few as possible do; those go on to its neighbours. Rows that see nothing any more depend on
+    the others.
+
+    Parameters
+    ----------
+    fronts : sequence of Front
+        All rows, as `joint_fronts` returns them.
+    bodies : int
+        Number of moving bodies.
+    tolerance : float
+        Singular values of unit rows below this are zero.
+    """
+    count = sum(len(front.origin) for front in fronts)
+    found: list[tuple[NDArray[np.intp], Array]] = []
+    order = eliminate([6] * bodies, [front.bodies for front in fronts]).order
+    at: list[set[int]] = [set() for _ in range(bodies)]
+    alive = dict(enumerate(fronts))
+    for k, front in alive.items():
+        for body in front.bodies:
+            at[body].add(k)
+        if not front.bodies:  # both sides on ground
+            found.append((front.origin, front.parts))
+    for body in order:
+        touching = sorted(at[body])
+        if not touching:
+            continue
+        merged = _merge([alive.pop(k) for k in touching], body)
+        U, s, _ = np.linalg.svd(merged.rows[0])
+        rank = int((s > tolerance).sum())
+        rest = U[:, rank:].T
+        widths = np.cumsum([block.shape[1] for block in merged.rows[1:]])
+        left = rest @ np.hstack(merged.rows[1:]) if len(widths) else np.zeros((len(rest), 0))
+        parts = rest @ merged.parts
+        # what sees no other body either depends; fewer rows go on
+        U, s, _ = np.linalg.svd(left) if left.size else (np.eye(len(left)), np.zeros(0), None)
+        rank = int((s > tolerance).sum())
+        found.append((merged.origin, U[:, rank:].T @ parts))
+        others = merged.bodies[1:]
+        for k in touching:
+            for other in others:
+                at[other].discard(k)
+        if rank:
+            go = U[:, :rank].T
+            new = max(alive, default=0) + len(fronts) + 1
+            blocks = tuple(np.hsplit(go @ left, widths[:-1]))
+            alive[new] = Front(others, blocks, go @ parts, merged.origin)
+            for other in others:
+                at[other].add(new)
+    Y = np.zeros((count, sum(len(parts) for _, parts in found)))
+    column = 0
+    for origin, parts in found:
+        Y[origin, column : column + len(parts)] = parts.T
+        column += len(parts)
+    return Y
+
+
+def _merge(fronts: Sequence[Front], body: int) -> Front:
+    """Return all rows under one another, `body` first."""
+    bodies = (body, *sorted({b for front in fronts for b in front.bodies if b != body}))
+    width = {
+        b: block.shape[1]
+        for front in fronts
+        for b, block in zip(front.bodies, front.rows, strict=True)
+    }
+    total = sum(len(front.parts) for front in fronts)
+    rows = {b: np.zeros((total, width[b])) for b in bodies}
+    origin = np.concatenate([front.origin for front in fronts])
+    parts = np.zeros((total, len(origin)))
+    r = k = 0
+    for front in fronts:
+        here = slice(r, r + len(front.parts))
+        for b, block in zip(front.bodies, front.rows, strict=True):
+            rows[b][here] = block
+        parts[here, k : k + len(front.origin)] = front.parts
+        r, k = r + len(front.parts), k + len(front.origin)
+    return Front(bodies, tuple(rows.values()), parts, origin)

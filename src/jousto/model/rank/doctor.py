@@ -1,0 +1,221 @@
+"""doctor: how a mechanism can move, and what its joints repeat or contradict."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import InputError, JoustoWarning, Problem, count
+from jousto.base.rotations import rotation_matrix, skew
+from jousto.mechanism.mechanism import Mechanism
+from jousto.model.compile import compile
+from jousto.model.model import Model
+from jousto.model.native.native import Engine
+from jousto.model.rank.motions import moving, neighbour, without_drives
+from jousto.model.rank.redundancy import (
+    RANK,
+    Redundancy,
+    constraint_matrix,
+    is_drive,
+    repeated_rows,
+    unit_rows,
+)
+
+LARGE = 2000  # velocities above which the mobility of flexible bodies made rigid is not told
+
+
+@described
+@dataclass(frozen=True)
+class Diagnosis:
+    """What `doctor` finds; print it.
+
+    Attributes
+    ----------
+    name : str
+        Name of the mechanism.
+    rows : int
+        Constraint rows of joints, couplings and drives.
+    mobility : int or None
+        Independent motions that they leave, modal coordinates included; None if the mechanism
+        cannot be assembled.
+    rigid_mobility : int or None
+        The same if all bodies were rigid; None where unknown.
+    moving, driven, still : tuple of str
+        Bodies that can move freely, that move only as drives say, and that cannot move, at the
+        initial pose and beside it.
+    dead : tuple of str
+        Bodies that stand still at the initial pose only: it is a dead centre of theirs, and they
+        move from the positions beside it.
+    redundancy : Redundancy or None
+        Rows that repeat one another.
+    problems : tuple of Problem
+        Why the mechanism cannot be assembled, none if it can.
+    warnings : tuple of str
+        Further things to look at.
+    """
+
+    name: str
+    rows: int = 0
+    mobility: int | None = None
+    rigid_mobility: int | None = None
+    moving: tuple[str, ...] = ()
+    driven: tuple[str, ...] = ()
+    still: tuple[str, ...] = ()
+    dead: tuple[str, ...] = ()
+    redundancy: Redundancy | None = None
+    problems: tuple[Problem, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    def _facts(self) -> str:
+        if self.problems:
+            return f"cannot be assembled, {count(len(self.problems), 'problem')}"
+        facts = [f"{count(self.rows, 'row')}"]
+        for what, motions in (("", self.mobility), (" of rigid bodies", self.rigid_mobility)):
+            facts += [] if motions is None else [f"{count(motions, 'motion')}{what}"]
+        repeated = "" if self.redundancy is None else "rows repeat one another"
+        noted = count(len(self.warnings), "warning") if self.warnings else ""
+        return ", ".join(filter(None, [*facts, repeated, noted]))
+
+    @property
+    def healthy(self) -> bool:
+        """Whether it can be assembled and no row repeats another."""
+        return not self.problems and self.redundancy is None
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Return names and findings for people, one pair for each line."""
+        out: list[tuple[str, str]] = []
+        if self.mobility is not None:
+            text = f"{count(self.rows, 'constraint row')} leave{'s' * (self.rows == 1)} "
+            text += count(self.mobility, "free motion")
+            if self.rigid_mobility is not None and self.rigid_mobility != self.mobility:
+                text += f", {self.rigid_mobility} if the bodies were rigid"
+            out.append(("mobility", text))
+        if self.driven:
+            out.append(("moves as driven", ", ".join(self.driven)))
+        if self.dead:
+            text = f"{', '.join(self.dead)}: standing still here only, moving beside this position"
+            out.append(("dead centre", text))
+        if self.still:
+            out.append(("cannot move", ", ".join(self.still)))
+        if self.redundancy is not None:
+            out.append(("repeated rows", self.redundancy.sentence))
+        out += [("problem", str(problem)) for problem in self.problems]
+        out += [("warning", text) for text in self.warnings]
+        return out
+
+    def __str__(self) -> str:
+        """Return all findings as text."""
+        return "\n".join(f"{name}: {text}" for name, text in self.lines())
+
+
+@explained
+def doctor(mechanism: Mechanism | Model) -> Diagnosis:
+    """Examine how a mechanism can move and whether its joints repeat or contradict one another.
+
+    Nothing is raised for a mechanism that cannot be assembled: the reasons are in the answer.
+
+    Parameters
+    ----------
+    mechanism : Mechanism or Model
+        What to examine, at its initial pose.
+
+    Returns
+    -------
+    Diagnosis
+        Mobility, bodies that cannot move, repeated rows with the joints to change, and conflicts.
+
+    Examples
+    --------
+    >>> import jousto as jo
+    >>> wheel = jo.RigidBody("wheel", 3.0, (0.01, 0.01, 0.02), angular_velocity=(0, 0, 9))
+    >>> axle = jo.Revolute("axle", jo.ground["origin"], wheel["origin"], axis=(0, 0, 1))
+    >>> print(jo.doctor(jo.Mechanism(wheel, axle)))
+    mobility: 5 constraint rows leave 1 free motion
+    """
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", JoustoWarning)
+        try:
+            model = compile(mechanism) if isinstance(mechanism, Mechanism) else mechanism
+        except InputError as error:
+            return Diagnosis(mechanism.name, problems=error.problems)
+    found = repeated_rows(model) if model.redundant else None
+    said = tuple(
+        str(w.message)
+        for w in caught
+        if issubclass(w.category, JoustoWarning)
+        and not (found is not None and found.sentence in str(w.message))
+    )
+    mobility = model.nv - model.permanent + (found.count if found else 0)
+    diagnosis = Diagnosis(
+        model.name, rows=model.permanent, mobility=mobility, redundancy=found, warnings=said
+    )
+    return _with_motions(diagnosis, model)
+
+
+def _with_motions(diagnosis: Diagnosis, model: Model) -> Diagnosis:
+    """Add how the bodies can move."""
+    here = moving(model, model.q0)
+    bare = without_drives(model) if any(is_drive(joint) for joint in model.joints) else model
+    loose = here if bare is model else moving(bare, model.q0)
+    still = {b.name for b in model.bodies} - loose
+    beside = neighbour(bare) if still else None
+    dead = set() if beside is None else still & moving(replace(bare, redundant=True), beside)
+    return replace(
+        diagnosis,
+        rigid_mobility=_rigid_mobility(diagnosis, model),
+        moving=_names(model, here),
+        driven=_names(model, loose - here),
+        dead=_names(model, dead),
+        still=_names(model, still - dead),
+    )
+
+
+def _rigid_mobility(diagnosis: Diagnosis, model: Model) -> int | None:
+    """Return the mobility if all bodies were rigid, None where finding it takes too long."""
+    if not model.beam_shapes and all(body.n == 0 for body in model.bodies):
+        return diagnosis.mobility
+    if model.nv > LARGE:
+        return None
+    engine = Engine(model)
+    rigid = _rigid_rows(model, engine, unit_rows(model, engine))
+    s = np.linalg.svd(rigid, compute_uv=False)
+    return int(rigid.shape[1]) - int((s > RANK).sum())
+
+
+def _rigid_rows(model: Model, engine: Engine, G: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rows on the rigid motions of all bodies, six columns each; a beam is one body."""
+    beams = [[int(i) for i in beam.bodies] for beam in model.beam_shapes]
+    inside = {i for nodes in beams for i in nodes}
+    columns = [G[:, b.iv : b.iv + 6] for i, b in enumerate(model.bodies) if i not in inside]
+    if not beams:
+        return np.hstack(columns)
+    C = constraint_matrix(model, engine)  # rates [R' (world), w (local)]
+    for nodes in beams:
+        turned = np.zeros((len(C), 6))
+        first = model.bodies[nodes[0]].iq
+        for i in nodes:
+            b = model.bodies[i]
+            arm = skew(engine.q[b.iq : b.iq + 3] - engine.q[first : first + 3])
+            A = rotation_matrix(engine.q[b.iq + 3 : b.iq + 7])
+            move, turn = C[:, b.iv : b.iv + 3], C[:, b.iv + 3 : b.iv + 6]
+            turned += np.hstack([move, turn @ A.T - move @ arm])
+        columns.append(turned / max(float(np.linalg.norm(turned, axis=1).max()), 1e-300))
+    rows = np.hstack(columns)
+    length = np.linalg.norm(rows, axis=1)
+    return np.asarray(rows / np.where(length > 0.0, length, 1.0)[:, None])
+
+
+def _names(model: Model, which: set[str]) -> tuple[str, ...]:
+    """Return the names of bodies in their order, that of a beam where it is all of its nodes."""
+    whole: dict[str, str] = {}
+    for beam in model.beam_shapes:
+        nodes = [model.bodies[int(i)].name for i in beam.bodies]
+        if which.issuperset(nodes):
+            whole |= dict.fromkeys(nodes, beam.name)
+    names = (whole.get(b.name, b.name) for b in model.bodies if b.name in which)
+    return tuple(dict.fromkeys(names))

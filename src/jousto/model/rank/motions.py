@@ -1,0 +1,116 @@
+"""Which bodies can move: to first order at a position, and from the positions beside it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.errors import SimulationError
+from jousto.base.rotations import rotation_matrix
+from jousto.model.model import JointModel, Model
+from jousto.model.native.native import Engine, displaced
+from jousto.model.ordering import eliminate
+from jousto.model.rank.redundancy import DENSE, NEARBY, is_drive, null_space, unit_rows
+
+Array = NDArray[np.float64]
+MOVES = 1e-6  # of unit motions in the mass metric: what is less is round-off
+SMALL = 3 * DENSE  # velocities up to which one singular value decomposition is quick
+SAMPLES = 3  # random velocities; a body that can move stands still in all with probability 0
+AGAIN = 8  # projections, since one with repeated rows leaves a small part of weak rows
+
+
+def moving(model: Model, q: Array) -> set[str]:
+    """Return the bodies that can move at a position, to first order.
+
+    Motions that the rows leave free are ``(1 - G^+ G) x``. Of small models all of them are
+    computed; of large ones random x are projected by the engine, whose effort grows with the
+    mechanism only.
+
+    Parameters
+    ----------
+    model : Model
+    q : (nq,) array
+        A position with closed joints.
+    """
+    engine = Engine(model)
+    engine.q[:] = q
+    if model.nv <= SMALL:
+        free = null_space(unit_rows(model, engine))  # in coordinates of unit mass
+        found = np.abs(free).max(axis=0, initial=0.0)
+    else:
+        found = _projected(model, engine)
+    return {b.name for b in model.bodies if found[b.iv : b.iv + 6 + b.n].max(initial=0.0) > MOVES}
+
+
+def _projected(model: Model, engine: Engine) -> Array:
+    """Return the largest magnitudes (nv,) of projected random motions in units of unit mass."""
+    random = np.random.default_rng(0)
+    factors = []
+    for i, body in enumerate(model.bodies):
+        L = np.linalg.cholesky(engine.mass_matrix(i))  # velocities resolved in the body frame
+        factors.append((L, rotation_matrix(engine.q[body.iq + 3 : body.iq + 7])))
+
+    def project(v: Array) -> Array:
+        engine.v[:] = v
+        for _ in range(AGAIN if model.redundant else 1):
+            engine.assemble()
+        return np.array(engine.v)
+
+    rest = project(np.zeros(model.nv))  # what drives move
+    largest = np.zeros(model.nv)
+    for _ in range(SAMPLES):
+        x = random.standard_normal(model.nv)
+        for body, (L, A) in zip(model.bodies, factors, strict=True):
+            part = slice(body.iv, body.iv + 6 + body.n)
+            x[part] = np.linalg.solve(L.T, x[part])
+            x[body.iv : body.iv + 3] = A @ x[body.iv : body.iv + 3]
+        free = project(x) - rest
+        for body, (L, A) in zip(model.bodies, factors, strict=True):
+            part = slice(body.iv, body.iv + 6 + body.n)
+            free[body.iv : body.iv + 3] = free[body.iv : body.iv + 3] @ A
+            free[part] = L.T @ free[part]
+        largest = np.maximum(largest, np.abs(free))
+    return largest
+
+
+def without_drives(model: Model) -> Model:
+    """Return the model without the rows that follow signals, and without friction that sticks."""
+    kept: list[JointModel] = []
+    row = 0
+    for joint in model.joints:
+        if joint.lock < 0 and not is_drive(joint):
+            kept.append(replace(joint, row=row))
+            row += joint.rows
+    on_body: dict[int, list[int]] = {}
+    for k, joint in enumerate(kept):
+        for body in {model.markers[side].body for side in joint.sides} - {-1}:
+            on_body.setdefault(body, []).append(k)
+    return replace(
+        model,
+        joints=tuple(kept),
+        elimination=eliminate([joint.rows for joint in kept], on_body.values()),
+        frictions=(),
+        forces=(),
+        sensors=(),
+        events=(),
+        meters=(),
+        signals=(),
+    )
+
+
+def neighbour(model: Model) -> Array | None:
+    """Return a position (nq,) a small way along a motion that the rows allow, None without one."""
+    engine = Engine(replace(model, redundant=True))
+    engine.v[:] = np.random.default_rng(0).standard_normal(model.nv)
+    try:
+        engine.assemble()
+        size = float(np.abs(engine.v).max(initial=0.0))
+        if size < MOVES:
+            return None
+        engine.q[:] = displaced(model, engine.q, engine.v * (NEARBY / size))
+        engine.assemble()
+    except SimulationError:
+        return None
+    return np.array(engine.q)

@@ -1,0 +1,104 @@
+"""Warns of loads on flexible bodies that their modes cannot represent."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.errors import warn
+from jousto.base.rotations import rotation_matrix
+from jousto.mechanism.bodies.body import FlexibleBody
+from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.forces.loads import Torque
+from jousto.mechanism.forces.springs import ModalLoad
+from jousto.mechanism.mechanism import Mechanism
+
+if TYPE_CHECKING:
+    from jousto.reduction.reach import Reach
+
+Array = NDArray[np.float64]
+LEFT = 0.05  # share of the static work that modes may leave out
+SAG = 1e-5  # of the length of a body: mean sag under its weight that modes may leave out
+REMEDY = (
+    "give its reduction more modes, residuals=[the load] (inertia_relief=True for weight), or an "
+    "interface where the load acts"
+)
+
+
+def warn_loads(mechanism: Mechanism) -> None:
+    """Warn of loads whose static work the modes of a body leave out.
+
+    Asked of what acts between the interfaces: load patterns, forces and torques at nodes that are
+    no interface, and the weight of bodies with interfaces where it makes them sag. Parts from
+    files and very large ones do not know their full model.
+    """
+    if not any(isinstance(body, FlexibleBody) for body in mechanism.bodies):
+        return
+    from jousto.reduction.modes.rigid import length_scale
+    from jousto.reduction.reach import Reach
+
+    known: dict[int, Reach] = {}
+    told: set[tuple[int, str]] = set()
+
+    def look(
+        body: FlexibleBody, where: str, place: str, pattern: Array, least: float = 0.0
+    ) -> None:
+        reduced = body.reduced
+        if reduced.source is None or (id(reduced), place) in told:
+            return
+        told.add((id(reduced), place))
+        reach = known.setdefault(id(reduced), Reach(reduced))
+        work = reach.work(_on_part(reach, pattern))
+        if work is None:
+            return
+        whole, held = float(work[0].sum()), float(work[1].sum())
+        if whole - held > max(LEFT * whole, least):
+            warn(
+                where,
+                f"the {reduced.n} modes of body '{body.name}' leave out "
+                f"{100.0 * (whole - held) / whole:.0f} % of the static work of {place}: it bends "
+                f"too little, and its stress is as wrong; {REMEDY}",
+            )
+
+    for force in mechanism.forces:
+        for body, place, pattern in _loads(force):
+            look(body, f"{type(force).__name__} '{force.name}'", place, pattern)
+    if not mechanism.gravity.any():
+        return
+    for moving in mechanism.bodies:
+        if isinstance(moving, FlexibleBody) and moving.reduced.interfaces:
+            g = rotation_matrix(moving.orientation).T @ mechanism.gravity
+            weight = moving.reduced.invariants.mass * float(np.linalg.norm(g))
+            least = SAG * length_scale(moving.reduced.nodes) * weight
+            look(moving, f"body '{moving.name}'", "its weight", g, least)
+
+
+def _loads(force: object) -> Iterator[tuple[FlexibleBody, str, Array]]:
+    """Yield body, place and load: forces (nodes, 3), or [node, 0 or 3 if it is a moment]."""
+    if isinstance(force, ModalLoad):
+        yield force.body, f"pattern '{force.name}'", force.pattern
+        return
+    for name in ("marker", "a", "b"):
+        marker = getattr(force, name, None)
+        if not isinstance(marker, Marker) or not isinstance(marker.body, FlexibleBody):
+            continue
+        reduced, node = marker.body.reduced, marker.node
+        if node is None or any(node in reduced.node_sets[i] for i in reduced.interfaces):
+            continue
+        yield (
+            marker.body,
+            f"a load at node{node + 1}",
+            np.array([node, 3 * isinstance(force, Torque)]),
+        )
+
+
+def _on_part(reach: Reach, load: Array) -> Array:
+    """Return loads (ndof, m): a pattern, weight (3,), or unit forces or moments on a node (2,)."""
+    if load.ndim == 2:
+        return reach.nodal(load)[:, None]
+    if len(load) == 3:
+        return reach.weight(load)[:, None]
+    return reach.unit(int(load[0]), int(load[1]))

@@ -1,0 +1,1 @@
+"""Figures: histories, spectra, hot spots, damage and gauges as plots."""

@@ -1,0 +1,219 @@
+"""Damage over a body: pictures, and files for ParaView."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.colors import LogNorm, Normalize, to_rgb
+from numpy.typing import NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem, suggest
+from jousto.base.files import written
+from jousto.fatigue.miner.damage_field import DamageField
+from jousto.output.figures.painted import extent, mark, paint
+from jousto.output.scenes.scene import UNKNOWN
+from jousto.output.scenes.surface import STRESS_COLORS
+from jousto.output.scenes.view import View, choose_view
+from jousto.output.style import MUTED, PICTURES, Picture, save, styled, target
+from jousto.recovery.shape import find_body
+from jousto.simulation.results.records import BodyShape
+from jousto.simulation.results.solution import Solution
+
+Array = NDArray[np.float64]
+
+WIDTH, LEGEND, GAP, TOP = 7.2, 1.15, 0.2, 0.62  # inch
+DECADES = 8.0  # of damage that the colours show
+QUANTITIES = ("damage", "life", "safety")
+
+
+@explained
+def plot_damage(
+    run: Solution,
+    field: DamageField,
+    path: str | Path | None = None,
+    *,
+    quantity: str = "damage",
+    view: View | str | None = None,
+    marks: int = 3,
+) -> Picture:
+    """Draw damage, life or safety over a body, with the worst places.
+
+    Parameters
+    ----------
+    run : Solution
+        A run with that body, for its shape.
+    field : DamageField
+        From `damage_field`.
+    path : path, optional
+        File to write: png, svg, pdf, jpg, webp or eps.
+    quantity : str
+        "damage", "life" (s; both in decades) or "safety" (to 5).
+    view : View, "xy", "xz" or "yz", optional
+        From where it is looked at, in its own frame.
+    marks : int
+        Worst places that are numbered; those behind the body are faded, in brackets.
+
+    Raises
+    ------
+    InputError
+        If the run has no such body, for an unknown quantity or suffix, or an unwritable path.
+    """
+    out = None if path is None else target(path, PICTURES)
+    if quantity not in QUANTITIES:
+        known = suggest(quantity, QUANTITIES)
+        raise InputError(Problem("plot_damage", f"quantity is {quantity!r}{known}"))
+    shape = find_body(run, field.body)
+    values = node_values(
+        shape, field, getattr(field, quantity), max if quantity == "damage" else min
+    )
+    corners = np.stack([shape.nodes.min(axis=0), shape.nodes.max(axis=0)])
+    eye = choose_view(view, corners, None)
+    with styled():
+        figure = _picture(shape, field, values, quantity, eye, marks)
+        if out is not None:
+            save(figure, out)
+    return figure
+
+
+@explained
+def write_damage(run: Solution, field: DamageField, path: str | Path) -> Path:
+    """Write damage, its decimal logarithm, life and safety at the nodes of a body for ParaView.
+
+    Nodes of which no stress is known are NaN; of several places at a node, such as the points of a
+    beam's section, the worst.
+
+    Parameters
+    ----------
+    run : Solution
+        A run with that body, for its shape.
+    field : DamageField
+    path : path
+        Ends with .vtu.
+
+    Raises
+    ------
+    InputError
+        If the run has no such body, for another ending or an unwritable path.
+    """
+    import meshio
+
+    out = target(path, ("vtu",))
+    shape = find_body(run, field.body)
+    damage = node_values(shape, field, field.damage, max)
+    with np.errstate(divide="ignore"):
+        decades = np.log10(damage)
+    fields = {
+        "damage": damage,
+        "log10 damage": np.where(np.isneginf(decades), -30.0, decades),
+        "life (s)": np.minimum(node_values(shape, field, field.life, min), 1e30),
+        "safety": np.minimum(node_values(shape, field, field.safety, min), 1e30),
+        "largest stress (Pa)": node_values(shape, field, np.abs(field.peak), max),
+    }
+    corners = shape.elements.shape[1] if shape.elements.ndim == 2 else 0
+    kind = {2: "line", 3: "triangle"}.get(corners if len(shape.elements) else 0)
+    cells: Any = (
+        [(kind, shape.elements)] if kind else [("vertex", np.arange(len(shape.nodes))[:, None])]
+    )
+    mesh = meshio.Mesh(shape.nodes, cells, point_data=fields)
+    with written(out) as beside:
+        meshio.write(beside, mesh, file_format="vtu")
+    return out
+
+
+def node_values(
+    shape: BodyShape, field: DamageField, values: Array, worst: Callable[..., Any]
+) -> Array:
+    """Return the worst value at each node (nn,) of a body, nan where none is known."""
+    high = worst is max
+    out = np.full(len(shape.nodes), -np.inf if high else np.inf)
+    known = np.zeros(len(out), dtype=bool)
+    nodes: Any = field.nodes
+    if nodes is None or np.any(nodes < 0):
+        from scipy.spatial import cKDTree  # slow to import and rarely needed
+
+        nearest = cKDTree(shape.nodes).query(field.positions)[1]
+        nodes = nearest if nodes is None else np.where(nodes < 0, nearest, nodes)
+    (np.maximum if high else np.minimum).at(out, nodes, values)
+    known[nodes] = True
+    return np.where(known, out, np.nan)
+
+
+def _norm(values: Array, quantity: str) -> tuple[Any, bool]:
+    """Return the scale of the colours, and whether small values are the bad ones."""
+    known = values[np.isfinite(values)]
+    if quantity == "safety":
+        return Normalize(0.0, 5.0), True
+    positive = known[(known > 0.0) & (known < 1e29)]
+    low = float(positive.min()) if len(positive) else 1e-6
+    high = float(positive.max()) if len(positive) else 1.0
+    if quantity == "life":
+        return LogNorm(low, max(min(high, low * 10.0**DECADES), 10.0 * low)), True
+    return LogNorm(min(max(low, high / 10.0**DECADES), 0.1 * high), high), False
+
+
+def _picture(
+    shape: BodyShape, field: DamageField, values: Array, quantity: str, view: View, marks: int
+) -> Picture:
+    _, size = extent(shape, view)
+    inner = WIDTH - GAP - LEGEND
+    height = float(inner * size[1] / size[0])
+    total = height + TOP + GAP
+    figure = Picture(figsize=(WIDTH, total))
+    ax = figure.add_axes((GAP / WIDTH, GAP / total, inner / WIDTH, height / total))
+    norm, reverse = _norm(values, quantity)
+    shades = STRESS_COLORS.reversed() if reverse else STRESS_COLORS
+
+    def colors(of: Array) -> Array:
+        floor = norm.vmin if not reverse else norm.vmax
+        plain = np.where(np.isfinite(of) & ((of > 0.0) | reverse), of, floor)
+        found = np.asarray(shades(norm(np.clip(plain, norm.vmin, norm.vmax))))[:, :3]
+        found[np.isnan(of)] = to_rgb(UNKNOWN)
+        return found
+
+    paint(ax, shape, view, values, colors, decades=True)
+    near = 0.03 * float(size.max())
+    marked: list[Array] = []
+    for label in field.worst(20 * marks):
+        position = field.positions[field.labels.index(label)]
+        at = view.project(position[None])[0]
+        # the points of one section, or of one notch, are one place in a picture
+        if len(marked) == marks or any(np.hypot(*(at - m)[:2]) < near for m in marked):
+            continue
+        marked.append(at)
+        mark(ax, shape, view, position, len(marked))
+    title = f"{quantity} of {field.body}: {field.sn.name or 'S-N curve'}, {field.criterion}"
+    figure.text(GAP / WIDTH, 1 - 0.2 / total, title, fontsize=10.5, fontweight="bold", va="center")
+    note = f"residue: {field.residue}, survival {100 * field.sn.survival:.5g} %"
+    if quantity == "safety":
+        note = f"{field.safety_of}, {note}"
+    figure.text(GAP / WIDTH, 1 - 0.42 / total, note, color=MUTED, fontsize=8.5, va="center")
+    _bar(figure, norm, shades, quantity, (1 - (LEGEND - 0.15) / WIDTH, GAP / total, height / total))
+    return figure
+
+
+def _bar(
+    figure: Picture, norm: Any, shades: Any, quantity: str, place: tuple[float, float, float]
+) -> None:
+    left, bottom, height = place
+    height = min(height, 2.4 / figure.get_figheight())
+    ax = figure.add_axes((left, bottom, 0.13 / figure.get_figwidth(), height))
+    log = isinstance(norm, LogNorm)
+    edges = (
+        np.geomspace(norm.vmin, norm.vmax, 257) if log else np.linspace(norm.vmin, norm.vmax, 257)
+    )
+    ax.pcolormesh([0.0, 1.0], edges, edges[:-1, None], cmap=shades, norm=norm)
+    if log:
+        ax.set_yscale("log")
+    ax.set_xticks([])
+    ax.yaxis.tick_right()
+    ax.tick_params(length=0, which="both")
+    ax.grid(False)
+    for spine in ax.spines.values():
+        spine.set_visible(False)
+    unit = "life (s)" if quantity == "life" else quantity
+    y = bottom + height + 0.08 / figure.get_figheight()
+    figure.text(left, y, unit, color=MUTED, fontsize=8.5, va="bottom")

@@ -1,0 +1,243 @@
+"""Pictures and ParaView files of hot spots."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+from numpy.typing import NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem
+from jousto.base.files import written
+from jousto.output.figures.painted import extent, mark, paint
+from jousto.output.scenes.scene import UNKNOWN, color_bar
+from jousto.output.scenes.surface import STRESS_COLORS
+from jousto.output.scenes.view import View, choose_view
+from jousto.output.style import COLORS, INK, MUTED, PICTURES, Picture, save, styled, target
+from jousto.recovery.hotspots.spots import HotSpots
+from jousto.recovery.shape import find_body
+from jousto.simulation.results.records import BodyShape
+from jousto.simulation.results.solution import Solution
+
+Array = NDArray[np.float64]
+
+WIDTH, LEGEND, GAP = 7.2, 1.1, 0.2  # inch
+CURVES = 5  # histories in a picture
+VALUES = 2e8  # that the colours are worked out from, at most
+POINTS = 4000  # of a curve
+
+
+@explained
+def plot_hotspots(
+    run: Solution, found: HotSpots, path: str | Path, *, view: View | str | None = None
+) -> Path:
+    """Draw the worst value at every place, the numbered hot spots, and their histories.
+
+    Numbers in brackets are of places behind the body. Of very long runs the colours are those of
+    the instants of the hot spots and of evenly chosen ones, which the picture says; the table is
+    always of all instants.
+
+    Parameters
+    ----------
+    run : Solution
+    found : HotSpots
+        What `hot_spots` found in it.
+    path : path
+        File to write: png, svg, pdf, jpg, webp or eps.
+    view : View, "xy", "xz" or "yz", optional
+        From where bodies are looked at, in their own frame.
+
+    Raises
+    ------
+    InputError
+        For an unknown suffix or an unwritable path, or a run that has no such body.
+    """
+    out = target(path, PICTURES)
+    with styled():
+        save(_picture(run, found, view), out)
+    return out
+
+
+@explained
+def write_hotspots(run: Solution, found: HotSpots, path: str | Path) -> Path:
+    """Write the worst value at every node, when it was, and the ranks of hot spots for ParaView.
+
+    One file holds all bodies, each undeformed in its own frame; the field ``body`` counts them.
+
+    Parameters
+    ----------
+    run : Solution
+    found : HotSpots
+    path : path
+        Ends with .vtu.
+
+    Raises
+    ------
+    InputError
+        For another ending or a path that cannot be written.
+    """
+    import meshio
+
+    out = target(path, ("vtu",))
+    nodes, cells, offset = [], [], 0
+    fields: dict[str, list[Array]] = {}
+    for number, field in enumerate(found.fields, 1):
+        shape = find_body(run, field.name)
+        values, _ = node_values(shape, found, number - 1)
+        ranks = np.zeros(len(shape.nodes))
+        for spot in found:
+            if spot.body == field.name:
+                ranks[_node(shape, spot.node, spot.position)] = spot.rank
+        data = {f"{found.criterion} ({found.unit})": values, "hot spot": ranks}
+        data["body"] = np.full(len(shape.nodes), float(number))
+        for key, column in data.items():
+            fields.setdefault(key, []).append(column)
+        nodes.append(shape.nodes)
+        corners = shape.elements.shape[1] if shape.elements.ndim == 2 else 0
+        if len(shape.elements) and corners in (2, 3):
+            kind = "line" if corners == 2 else "triangle"
+            cells.append((kind, shape.elements + offset))
+        offset += len(shape.nodes)
+    mesh = meshio.Mesh(
+        np.concatenate(nodes),
+        cells or [("vertex", np.arange(offset)[:, None])],
+        point_data={key: np.concatenate(columns) for key, columns in fields.items()},
+    )
+    with written(out) as beside:
+        meshio.write(beside, mesh, file_format="vtu")
+    return out
+
+
+def node_values(shape: BodyShape, found: HotSpots, k: int) -> tuple[Array, int]:
+    """Return the worst ranked value at the nodes (nn,) of a body, and every how many instants.
+
+    nan where it is not known; the larger value of places that share a node.
+    """
+    field = found.fields[k].during(found.start, found.end)
+    every = max(1, int(np.ceil(field.ns * field.nt / VALUES)))
+    if every > 1:
+        own = [spot.time for spot in found if spot.body == field.name]
+        kept = np.zeros(field.nt, dtype=bool)
+        kept[::every] = True
+        kept[np.searchsorted(field.time, own)] = True
+        A = None if field.A is None else field.A[kept]
+        field = replace(field, p=field.p[kept], time=field.time[kept], A=A)
+    envelope = field.envelope(found.criterion)
+    ranked = {
+        "largest": envelope.max,
+        "smallest": -envelope.min,
+        "magnitude": np.maximum(np.abs(envelope.max), np.abs(envelope.min)),
+    }[found.extreme]
+    values = np.full(len(shape.nodes), -np.inf)
+    nodes = field.modes.nodes
+    if nodes is None:
+        nodes = np.array([_node(shape, -1, x) for x in field.positions])
+    np.maximum.at(values, nodes[nodes >= 0], ranked[nodes >= 0])
+    values[~np.isfinite(values)] = np.nan
+    return values, every
+
+
+def _node(shape: BodyShape, node: int, position: Array) -> int:
+    if node >= 0:
+        return node
+    return int(np.argmin(np.linalg.norm(shape.nodes - position, axis=1)))
+
+
+def _picture(run: Solution, found: HotSpots, view: View | str | None) -> Picture:
+    if not found.spots:
+        raise InputError(Problem("plot_hotspots", "there are no hot spots to draw"))
+    names = list(dict.fromkeys(spot.body for spot in found))
+    shapes = [find_body(run, name) for name in names]
+    places = [field.name for field in found.fields]
+    known = [node_values(s, found, places.index(s.name)) for s in shapes]
+    limit = max(float(np.nanmax(values)) for values, _ in known)
+    limit = limit if limit > 0.0 else 1e-300
+    chosen = [_view(shape, view) for shape in shapes]
+    heights = [_height(shape, v) for shape, v in zip(shapes, chosen, strict=True)]
+    below, top = 2.3, 0.5
+    total = sum(heights) + 0.35 * len(shapes) + below + top
+    figure = Picture(figsize=(WIDTH, total))
+    inner = WIDTH - GAP - LEGEND
+    y = total - top
+    for shape, eye, height, (values, _) in zip(shapes, chosen, heights, known, strict=True):
+        y -= height + 0.1
+        ax = figure.add_axes((GAP / WIDTH, y / total, inner / WIDTH, height / total))
+        _body(ax, shape, eye, values / limit, found)
+        if len(shapes) > 1:
+            figure.text(
+                GAP / WIDTH, (y + height) / total, shape.name, color=MUTED, fontsize=8.5, va="top"
+            )
+        y -= 0.25
+    what = str(found.criterion)
+    what = what.replace("-", "-\n", 1) if len(what) > 11 else what
+    what += {"smallest": ",\nnegative", "magnitude": "", "largest": ""}[found.extreme]
+    title = f"{found.criterion}: the worst places of {run.name}"
+    figure.text(GAP / WIDTH, 1 - 0.25 / total, title, fontsize=10.5, fontweight="bold", va="center")
+    first = heights[0]
+    place = (1 - (LEGEND - 0.15) / WIDTH, (total - top - first - 0.1) / total, first / total)
+    factor = 1.0 if found.unit == "Pa" else 1e6
+    color_bar(figure, factor * limit, place, what, "Pa" if found.unit == "Pa" else "µm/m")
+    every = max(step for _, step in known)
+    if every > 1:
+        note = f"colours: every {every}. instant and those of the hot spots"
+        figure.text(GAP / WIDTH, (below - 0.05) / total, note, color=MUTED, fontsize=8)
+    axes = figure.add_axes(
+        (0.62 / WIDTH, 0.5 / total, (WIDTH - 0.62 - LEGEND) / WIDTH, (below - 0.75) / total)
+    )
+    _histories(axes, found)
+    return figure
+
+
+def _view(shape: BodyShape, view: View | str | None) -> View:
+    return choose_view(view, np.stack([shape.nodes.min(axis=0), shape.nodes.max(axis=0)]), None)
+
+
+def _height(shape: BodyShape, view: View) -> float:
+    _, size = extent(shape, view)
+    return float((WIDTH - GAP - LEGEND) * size[1] / size[0])
+
+
+def _body(ax: Axes, shape: BodyShape, view: View, shares: Array, found: HotSpots) -> None:
+    """Draw a body in the colours of its nodes, with its hot spots."""
+    paint(ax, shape, view, shares, _colors)
+    for spot in reversed(found.spots):
+        if spot.body == shape.name:
+            color = COLORS[(spot.rank - 1) % len(COLORS)] if spot.rank <= CURVES else INK
+            mark(ax, shape, view, spot.position, spot.rank, color)
+
+
+def _colors(shares: Array) -> Any:
+    colors = np.asarray(STRESS_COLORS(np.clip(np.nan_to_num(shares), 0.0, 1.0)))[:, :3]
+    colors[np.isnan(shares)] = to_rgb(UNKNOWN)
+    return colors
+
+
+def _histories(ax: Axes, found: HotSpots) -> None:
+    factor, unit = (1e-6, "MPa") if found.unit == "Pa" else (1e6, "µm/m")
+    for spot in found.spots[:CURVES]:
+        field = found.field(spot)
+        values = factor * found.history(spot)
+        color = COLORS[(spot.rank - 1) % len(COLORS)]
+        ax.plot(*_thinned(field.time, values), color=color, linewidth=1.1, label=str(spot.rank))
+        ax.plot(spot.time, factor * spot.value, "o", markersize=4, color=color)
+    ax.set_xlabel("time (s)")
+    ax.set_ylabel(f"{found.criterion} ({unit})")
+    ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), title="hot spot")
+
+
+def _thinned(time: Array, values: Array) -> tuple[Array, Array]:
+    """Return a curve of fewer points that looks the same: the extremes of each piece."""
+    if len(values) <= POINTS:
+        return time, values
+    step = -(-2 * len(values) // POINTS)
+    kept = set()
+    for first in range(0, len(values), step):
+        piece = values[first : first + step]
+        kept |= {first + int(np.argmin(piece)), first + int(np.argmax(piece))}
+    at = np.array(sorted(kept))
+    return time[at], values[at]

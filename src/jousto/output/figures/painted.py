@@ -1,0 +1,119 @@
+"""One body in the colours of values at its nodes, with numbered places: damage and hot spots."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from numpy.typing import NDArray
+
+from jousto.output.scenes.lines import drawn
+from jousto.output.scenes.surface import DARKEST_STRESS, Skin, lit
+from jousto.output.scenes.view import View
+from jousto.output.style import INK, PAPER
+from jousto.simulation.results.records import BodyShape
+
+Array = NDArray[np.float64]
+
+PIECES = 8  # of one element of a line, each of one colour
+FADED = 0.6  # of the ink of a mark behind the body
+
+
+def extent(shape: BodyShape, view: View) -> tuple[Array, Array]:
+    """Return middle and size (2,) of the picture of a body, with a margin, m."""
+    x = view.project(shape.nodes)[:, :2]
+    low, high = x.min(axis=0), x.max(axis=0)
+    size = np.maximum(high - low, 1e-9)
+    size = np.maximum(size, [size[1] / 1.2, size[0] * 0.22]) * 1.1
+    return 0.5 * (low + high), size
+
+
+def paint(
+    ax: Axes,
+    shape: BodyShape,
+    view: View,
+    values: Array,
+    colors: Callable[[Array], Array],
+    *,
+    decades: bool = False,
+) -> None:
+    """Draw a body in the colours of its nodes; lines between them straight or in decades."""
+    middle, size = extent(shape, view)
+    ax.set_xlim(middle[0] - 0.5 * size[0], middle[0] + 0.5 * size[0])
+    ax.set_ylim(middle[1] - 0.5 * size[1], middle[1] + 0.5 * size[1])
+    ax.axis("off")
+    kept, lines = drawn(shape)
+    if lines.surface is not None:
+        skin = Skin()
+        tints = colors(values[lines.surface.nodes])
+        skin.show(*lit(lines.surface, view.project(kept.nodes), tints, DARKEST_STRESS))
+        ax.add_artist(skin)
+        return
+    if not len(shape.elements):
+        return
+    ends = shape.elements[:, :2]
+    x, share = view.project(shape.nodes)[:, :2], np.linspace(0.0, 1.0, PIECES + 1)
+    points = x[ends[:, 0], None] + share[:, None] * (x[ends[:, 1]] - x[ends[:, 0]])[:, None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        known = np.log(np.maximum(values[ends], 1e-300)) if decades else values[ends]
+        middles = known[:, :1] + (share[:-1] + 0.5 / PIECES) * (known[:, 1:] - known[:, :1])
+        between = np.exp(middles) if decades else middles
+    pieces = np.stack([points[:, :-1], points[:, 1:]], axis=2).reshape(-1, 2, 2)
+    tints = colors(between.ravel())
+    ax.add_collection(
+        LineCollection(list(pieces), colors=list(tints), linewidths=6.0, capstyle="round")
+    )
+
+
+def mark(
+    ax: Axes, shape: BodyShape, view: View, position: Array, number: int, color: str = INK
+) -> None:
+    """Mark a place by a numbered point; behind the body it is faded, its number in brackets."""
+    at = view.project(position[None])[0]
+    seen = not hidden(shape, view, position)
+    below = at[1] < extent(shape, view)[0][1]  # the number stands away from the middle
+    ax.plot(
+        at[0],
+        at[1],
+        "o",
+        markersize=4.2,
+        color=PAPER if seen else "none",
+        markeredgecolor=color,
+        alpha=1.0 if seen else FADED,
+        zorder=5,
+    )
+    box = {"boxstyle": "round,pad=0.12", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.8}
+    ax.annotate(
+        str(number) if seen else f"({number})",
+        (at[0], at[1]),
+        xytext=(5, -5 if below else 5),
+        textcoords="offset points",
+        va="top" if below else "bottom",
+        color=color,
+        fontsize=8.5,
+        fontweight="bold" if seen else "normal",
+        alpha=1.0 if seen else FADED,
+        bbox=box if seen else None,
+        zorder=6,
+    )
+
+
+def hidden(shape: BodyShape, view: View, position: Array) -> bool:
+    """Return whether a part of the surface of a body is in front of a place; lines hide nothing."""
+    if shape.elements.ndim != 2 or shape.elements.shape[1] != 3 or not len(shape.elements):
+        return False
+    x, p = view.project(shape.nodes), view.project(position[None])[0]
+    size = float(np.ptp(x, axis=0).max())
+    a, b, c = (x[shape.elements[:, k]] for k in range(3))
+    u, v, w = b - a, c - a, p - a
+    area = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    flat = np.abs(area) < 1e-12 * size**2  # seen from its edge
+    area = np.where(flat, 1.0, area)
+    s = (w[:, 0] * v[:, 1] - w[:, 1] * v[:, 0]) / area
+    t = (u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0]) / area
+    over = ~flat & (s > -1e-9) & (t > -1e-9) & (s + t < 1.0 + 1e-9)
+    # nearness of the triangle there
+    nearer = a[:, 2] + s * u[:, 2] + t * v[:, 2] - p[2]
+    return bool(np.any(over & (nearer > 1e-5 * size)))

@@ -1,0 +1,223 @@
+"""plot: sensors and diagnostics of a run against time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem
+from jousto.output.figures.series import Panel, panels
+from jousto.output.style import (
+    COLORS,
+    DASHES,
+    INK,
+    MUTED,
+    PICTURES,
+    Picture,
+    blend,
+    save,
+    styled,
+    target,
+)
+from jousto.simulation.results.solution import Solution
+
+WIDTH = 8.0  # inch
+PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 3: "k", 6: "M", 9: "G"}
+PREFIXED = ("m", "m/s", "m/s²", "m/m", "N", "N m", "Pa", "J", "rad")
+NONE = (None, None)  # no dashes
+LABELLED = 10  # more lines than this are not named one by one
+
+
+@explained
+def plot(
+    run: Solution | Mapping[str, Solution], *names: str, path: str | Path | None = None
+) -> Picture:
+    """Draw sensors against time, one panel below the other.
+
+    Parameters
+    ----------
+    run : Solution or mapping of str to Solution
+        The results; several runs, each with its label, are drawn over one another: a component has
+        the same colour in all of them, a run the same kind of line in all components.
+    *names : str
+        A sensor ``"middle"``, one component ``"middle.y"`` or ``"middle:y"``, ``"energy"`` for the
+        energy balance or ``"residuals"`` for those of the constraints. None for all sensors.
+    path : path, optional
+        File to write; the suffix chooses the format: png, svg, pdf, jpg, webp or eps.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Not known to pyplot: nothing to close.
+
+    Raises
+    ------
+    InputError
+        With all unknown names and suggestions; for an unknown suffix or an unwritable path.
+
+    Examples
+    --------
+    ``plot(run, "middle.y", "energy", path="pendulum.png")``
+    """
+    out = None if path is None else target(path, PICTURES)
+    runs = {"": run} if isinstance(run, Solution) else dict(run)
+    if not runs:
+        raise InputError(Problem("plot", "there is no run to draw"))
+    with styled():
+        figure = draw(panels(runs, names), tuple(runs))
+    if out is not None:
+        save(figure, out)
+    return figure
+
+
+def draw(rows: list[Panel], labels: tuple[str, ...]) -> Picture:
+    """Return the figure of these panels; `labels` name the runs."""
+    height = 0.75 + (2.9 if len(rows) == 1 else 2.1 if len(rows) < 4 else 1.75) * len(rows)
+    figure = Picture(
+        figsize=(WIDTH, height), layout=ConstrainedLayoutEngine(h_pad=0.09, w_pad=0.09, hspace=0.02)
+    )
+    axes = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
+    for ax, panel in zip(axes, rows, strict=True):
+        _panel(ax, panel, labels)
+    for ax in axes[:-1]:
+        ax.tick_params(labelbottom=False)
+    axes[-1].set_xlabel("time (s)")
+    if len(labels) > 1:
+        alone = all(len({c.name for c in p.curves}) == 1 for p in rows)
+        keys = [
+            Line2D([], [], label=label, **_line(k, len(labels), 0 if alone else None))
+            for k, label in enumerate(labels)
+        ]
+        figure.legend(handles=keys, loc="outside upper right", ncols=min(len(keys), 5))
+    return figure
+
+
+def _panel(ax: Axes, panel: Panel, labels: tuple[str, ...]) -> None:
+    ax.set_title(panel.title, loc="left", fontsize=10.5, fontweight="bold", pad=7)
+    ax.annotate(
+        panel.subtitle,
+        (1, 1),
+        xytext=(0, 7),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        ha="right",
+        va="baseline",
+        color=MUTED,
+        fontsize=8.5,
+    )
+    ax.set_ylabel(panel.unit)
+    if panel.log:
+        ax.set_yscale("log")
+    else:
+        _scale(ax, panel)
+    names = list(dict.fromkeys(curve.name for curve in panel.curves))
+    ends: list[tuple[float, str, str]] = []
+    for curve in panel.curves:
+        k, j = labels.index(curve.run), names.index(curve.name)
+        style = _line(k, len(labels), 0 if len(names) == 1 else j)
+        ax.plot(curve.t, curve.y, **style)
+        if k == 0:
+            known = curve.y[np.isfinite(curve.y)]
+            end = float(known[-1]) if len(known) else 0.0
+            ends.append((end, curve.name, COLORS[j % len(COLORS)]))
+    if len(panel.curves):
+        ax.set_xlim(panel.curves[0].t[0], max(c.t[-1] for c in panel.curves))
+    _widen(ax, panel)
+    if len(names) <= LABELLED:
+        _name_lines(ax, ends)
+    else:
+        ax.annotate(f"{len(names)} components", (1.012, 0.5), xycoords="axes fraction", color=MUTED)
+
+
+def _widen(ax: Axes, panel: Panel) -> None:
+    """Give a line that is constant but for round-off a range in which it looks constant."""
+    if panel.log:
+        return
+    low = min((float(np.nanmin(c.y)) for c in panel.curves), default=0.0)
+    high = max((float(np.nanmax(c.y)) for c in panel.curves), default=0.0)
+    size = max(abs(low), abs(high))
+    if high - low <= 1e-12 * size or size < 1e-300:
+        margin = 0.1 * size if size >= 1e-300 else 1.0
+        ax.set_ylim(low - margin, high + margin)
+
+
+def _line(run: int, runs: int, component: int | None) -> dict[str, Any]:
+    """Return the look of a line; None is the look of a run as such.
+
+    The colour is that of the component in all runs, the kind of line that of the run: the first of
+    several is broad and pale, so that the others over it do not hide it, then come solid, dashed,
+    dotted and dash-dotted lines, and the same again in a paler colour.
+    """
+    color = INK if component is None else COLORS[component % len(COLORS)]
+    if runs == 1:
+        return {"color": color}
+    if run == 0:
+        return {"color": blend(color, 0.35), "linewidth": 4.0}
+    again, kind = divmod(run - 1, len(DASHES))
+    shade = blend(color, max(0.65**again, 0.4))
+    return {"color": shade, "linewidth": 1.4, "dashes": DASHES[kind] or NONE}
+
+
+def _scale(ax: Axes, panel: Panel) -> None:
+    """Choose a decimal prefix of the unit, or a power of ten, that leaves short numbers."""
+    size = max((float(np.nanmax(np.abs(c.y))) for c in panel.curves), default=0.0)
+    power = 0 if size == 0.0 or 1e-2 <= size < 1e4 else 3 * int(np.floor(np.log10(size) / 3.0))
+    if power == 0 or size < 1e-300:
+        return
+    if panel.unit in PREFIXED and power in PREFIXES and not (panel.unit[0] == "m" and power > 0):
+        ax.set_ylabel(PREFIXES[power] + panel.unit)
+    else:
+        superscript = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+        ax.set_ylabel(f"10{superscript} {panel.unit}".rstrip())
+    factor = 10.0**power
+    ax.yaxis.set_major_formatter(lambda y, _: f"{y / factor:.10g}".replace("-", "\u2212"))
+
+
+def _name_lines(ax: Axes, ends: list[tuple[float, str, str]]) -> None:
+    """Write the name of each line at its right end, moved apart where they would overlap."""
+    transform = ax.transScale + ax.transLimits
+    wanted = np.array([transform.transform((1.0, y))[1] for y, _, _ in ends])
+    height = ax.get_position().height * ax.figure.get_figure().get_figheight()  # type: ignore[union-attr]
+    for at, (_, name, color) in zip(spread(wanted, 0.17 / height), ends, strict=True):
+        ax.annotate(
+            name.replace(":", " "),
+            (1.0, at),
+            xytext=(7, 0),
+            xycoords="axes fraction",
+            textcoords="offset points",
+            va="center",
+            ha="left",
+            color=color,
+            fontsize=9,
+            fontweight="bold",
+        )
+
+
+def spread(wanted: NDArray[np.float64], gap: float) -> NDArray[np.float64]:
+    """Return places at least `gap` apart, in the same order and near the wanted ones.
+
+    Examples
+    --------
+    >>> spread(np.array([0.5, 0.1, 0.5]), 0.2)
+    array([0.4, 0.1, 0.6])
+    """
+    order = np.argsort(wanted, kind="stable")
+    # places less k * gap must not fall: the nearest monotone sequence, by pooling neighbours
+    groups: list[tuple[float, int]] = []
+    for value in np.clip(wanted[order], 0.0, 1.0) - gap * np.arange(len(wanted)):
+        groups.append((float(value), 1))
+        while len(groups) > 1 and groups[-2][0] > groups[-1][0]:
+            (a, n), (b, m) = groups[-2:]
+            groups[-2:] = [((a * n + b * m) / (n + m), n + m)]
+    places = np.empty(len(wanted))
+    flat = np.concatenate([np.full(n, value) for value, n in groups]) if groups else np.zeros(0)
+    places[order] = flat + gap * np.arange(len(wanted))
+    return places

@@ -1,0 +1,109 @@
+"""Histories and tables of stress fields."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem
+from jousto.base.files import written
+from jousto.output.figures.plot import draw
+from jousto.output.figures.series import Curve, Panel
+from jousto.output.style import PICTURES, save, styled, target
+from jousto.recovery.fields.criteria import Criterion
+from jousto.recovery.fields.field import StressField
+
+MOST = 10
+
+
+@explained
+def plot_stress(field: StressField, path: str | Path, criterion: Criterion = "von-mises") -> Path:
+    """Draw the history of a criterion at the places of a field.
+
+    Parameters
+    ----------
+    field : StressField
+        Of at most ten places: ``field.only("e1.a.top")``.
+    path : path
+        File to write: png, svg, pdf, jpg, webp or eps.
+    criterion : str or Plane
+        See `jousto.recovery.fields.criteria.evaluate`.
+
+    Raises
+    ------
+    InputError
+        For an unknown suffix, an unwritable path, or too many places.
+    """
+    out = target(path, PICTURES)
+    if field.ns > MOST:
+        message = f"{field.ns} histories cannot be told apart: choose at most {MOST} sites"
+        raise InputError(Problem(f"stress of '{field.name}'", message))
+    values = field.values(criterion)
+    curves = tuple(
+        Curve(label, "", field.time, values[:, k]) for k, label in enumerate(field.labels)
+    )
+    kind = "strain" if field.strain else "stress"
+    title = f"{criterion} {kind} of {field.name}"
+    with styled():
+        save(draw([Panel(title, f"{field.frame} axes", field.unit, curves)], ("",)), out)
+    return out
+
+
+@explained
+def write_stress(
+    field: StressField,
+    path: str | Path,
+    criterion: Criterion = "von-mises",
+    *,
+    time: float | None = None,
+    histories: bool = False,
+) -> Path:
+    """Write a criterion as a table: its envelope at every place, an instant, or histories.
+
+    Parameters
+    ----------
+    field : StressField
+    path : path
+        Ends with .csv.
+    criterion : str or Plane
+        See `jousto.recovery.fields.criteria.evaluate`.
+    time : float, optional
+        The instant, s; the envelope over all instants if not given.
+    histories : bool
+        One row for each instant and one column for each place instead.
+
+    Raises
+    ------
+    InputError
+        For another suffix or an unwritable path.
+    """
+    out = target(path, ("csv",))
+    unit = field.unit
+    with written(out) as beside, beside.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        if histories and time is None:
+            writer.writerow(["time (s)", *(f"{x} {criterion} ({unit})" for x in field.labels)])
+            for instants, _, values in field.blocks(criterion, along="sites", memory=1 << 24):
+                rows = np.column_stack([field.time[instants], values])
+                writer.writerows(rows.tolist())
+            return out
+        head = ["site", "node", "x (m)", "y (m)", "z (m)"]
+        nodes = np.full(field.ns, -1) if field.modes.nodes is None else field.modes.nodes
+        columns: list[Any]
+        if time is not None:
+            head.append(f"{criterion} at {time:g} s ({unit})")
+            columns = [field.values(criterion, times=[time])[0]]
+        else:
+            found = field.envelope(criterion)
+            head += [f"smallest {criterion} ({unit})", "at (s)"]
+            head += [f"largest {criterion} ({unit})", "at (s)"]
+            columns = [found.min, found.min_time, found.max, found.max_time]
+        writer.writerow(head)
+        for i, label in enumerate(field.labels):
+            row = [label, int(nodes[i]), *field.positions[i].tolist()]
+            writer.writerow([*row, *(float(column[i]) for column in columns)])
+    return out

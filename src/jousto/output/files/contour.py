@@ -1,0 +1,130 @@
+"""Stress of a body for ParaView: an envelope, an instant, or a series of instants."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem
+from jousto.base.files import written
+from jousto.output.style import target
+from jousto.recovery.fields.criteria import Criterion
+from jousto.recovery.fields.field import StressField
+from jousto.recovery.shape import find_body, positions
+from jousto.simulation.results.records import BodyShape
+from jousto.simulation.results.solution import Solution
+
+Array = NDArray[np.float64]
+KINDS = {2: "line", 3: "triangle"}
+
+
+@explained
+def write_contour(
+    run: Solution,
+    field: StressField,
+    path: str | Path,
+    criterion: Criterion = "von-mises",
+    *,
+    times: ArrayLike | None = None,
+    scale: float = 1.0,
+) -> Path:
+    """Write a criterion over a body for ParaView.
+
+    Without `times` a .vtu file holds the envelope of all instants of the field: the smallest and
+    the largest value at every node and when they were, on the undeformed body in its own frame.
+    With one instant it holds the value then, on the deformed body where it is in the world. A
+    .pvd file names one such file for each of several instants, which ParaView plays as a film.
+
+    Parameters
+    ----------
+    run : Solution
+        Where the field comes from.
+    field : StressField
+        Of all places of a body, or some of them; the others are nan.
+    path : path
+        Ends with .vtu, or .pvd for a series.
+    criterion : str or Plane
+        See `jousto.recovery.fields.criteria.evaluate`.
+    times : (nt,) array_like, optional
+        Instants, s; of a .pvd file all of the field if not given.
+    scale : float
+        Factor on the deformation.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    InputError
+        For another ending, a path that cannot be written, several instants in a .vtu file, or
+        places that are no nodes.
+
+    Examples
+    --------
+    ``write_contour(run, stress_field(run, "arm"), "arm.pvd", times=np.linspace(0, 1, 51))``
+    """
+    out = target(path, ("vtu", "pvd"))
+    shape = find_body(run, field.name)
+    nodes = field.modes.nodes
+    if nodes is None or not np.any(nodes >= 0):
+        message = "its places are no nodes of the body: there is nothing to colour"
+        raise InputError(Problem(f"stress of '{field.name}'", message))
+    name = f"{criterion} ({field.unit})"
+    if out.suffix == ".vtu" and times is None:
+        found = field.envelope(criterion)
+        high, low = _winners(shape, nodes, found.max), _winners(shape, nodes, -found.min)
+        fields = {
+            f"largest {name}": _nodal(high, found.max),
+            "time of the largest (s)": _nodal(high, found.max_time),
+            f"smallest {name}": _nodal(low, found.min),
+            "time of the smallest (s)": _nodal(low, found.min_time),
+        }
+        return _write(out, shape, shape.nodes, fields)
+    instants = field.time if times is None else np.atleast_1d(np.asarray(times, dtype=np.float64))
+    if out.suffix == ".vtu" and len(instants) != 1:
+        message = f"one instant fits into a .vtu file, not {len(instants)}; write a .pvd file"
+        raise InputError(Problem(str(out), message))
+    digits = len(str(max(len(instants) - 1, 1)))
+    lines = []
+    for k, t in enumerate(instants):
+        values = field.values(criterion, times=[t])[0]
+        x = positions(run, field.name, [t], scale=scale)[0]
+        piece = out if out.suffix == ".vtu" else out.with_name(f"{out.stem}_{k:0{digits}d}.vtu")
+        _write(piece, shape, x, {name: _nodal(_winners(shape, nodes, values), values)})
+        lines.append(f'<DataSet timestep="{t:.15g}" part="0" file={quoteattr(piece.name)}/>')
+    if out.suffix == ".pvd":
+        head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
+        with written(out) as beside:
+            beside.write_text(head + "\n".join(lines) + "\n</Collection>\n</VTKFile>\n", "utf-8")
+    return out
+
+
+def _winners(shape: BodyShape, nodes: NDArray[np.int64], values: Array) -> NDArray[np.intp]:
+    """Return the place (nn,) of the largest value at each node, -1 where none is known."""
+    out = np.full(len(shape.nodes), -1, dtype=np.intp)
+    order = np.argsort(values, kind="stable")
+    order = order[nodes[order] >= 0]
+    out[nodes[order]] = order  # the largest comes last
+    return out
+
+
+def _nodal(winners: NDArray[np.intp], values: Array) -> Array:
+    return np.where(winners >= 0, values[winners], np.nan)
+
+
+def _write(path: Path, shape: BodyShape, x: Array, fields: dict[str, Array]) -> Path:
+    import meshio
+
+    corners = shape.elements.shape[1] if shape.elements.ndim == 2 else 0
+    cells = [("vertex", np.arange(len(x))[:, None])]
+    if len(shape.elements) and corners in KINDS:
+        cells = [(KINDS[corners], shape.elements)]
+    mesh = meshio.Mesh(x, cells, point_data=fields)
+    with written(path) as beside:
+        meshio.write(beside, mesh, file_format="vtu")
+    return path

@@ -1,0 +1,115 @@
+"""What the writers of reduced parts share: the nodes that other programs see, and damping."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.files import written
+from jousto.reduction.reduced import ReducedPart
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+ALL_UP_TO = 500
+"""Nodes of a part that are all written where none are named."""
+
+
+def exposed_nodes(
+    reduced: ReducedPart, nodes: Sequence[str | int] | None, where: str
+) -> tuple[Index, list[str]]:
+    """Return the nodes to write and their names.
+
+    Parameters
+    ----------
+    reduced : ReducedPart
+    nodes : sequence of str or int, optional
+        Node sets or node numbers from 0. If not given all nodes, or, of parts with many, those
+        of interfaces and of sets of one node that have a name of their own.
+    where : str
+        For messages.
+
+    Raises
+    ------
+    InputError
+        If there is no such node, or none is left.
+    """
+    numbered = re.compile(r"(node|n)\d+")
+    own = {
+        members[0]: name
+        for name, members in reversed(list(reduced.node_sets.items()))
+        if len(members) == 1 and not numbered.fullmatch(name)
+    }
+    problems = Problems()
+    chosen: dict[int, None] = {}
+    if nodes is None:
+        if len(reduced.nodes) <= ALL_UP_TO:
+            chosen = dict.fromkeys(range(len(reduced.nodes)))
+        else:
+            held = [i for name in reduced.interfaces for i in reduced.node_sets[name]]
+            chosen = dict.fromkeys(sorted({*held, *own}))
+            if not chosen or len(chosen) > 10 * ALL_UP_TO:
+                problems.add(
+                    where,
+                    f"the part has {len(reduced.nodes)} nodes and {len(chosen)} of them are"
+                    " interfaces or named; say with nodes= which to write",
+                )
+    for item in nodes if nodes is not None else ():
+        if isinstance(item, str) and item not in reduced.node_sets:
+            problems.add(where, f"no node set '{item}'{suggest(item, reduced.node_sets)}")
+        elif isinstance(item, str):
+            chosen |= dict.fromkeys(reduced.node_sets[item])
+        elif not 0 <= int(item) < len(reduced.nodes):
+            problems.add(where, f"no node {item}, must be 0..{len(reduced.nodes) - 1}")
+        else:
+            chosen[int(item)] = None
+    if not chosen and not problems.found:
+        problems.add(where, "no node is to be written; name one at least")
+    problems.raise_if_any()
+    index = np.array(list(chosen), dtype=np.intp)
+    return index, [own.get(int(i), f"node{i + 1}") for i in index]
+
+
+def node_modes(reduced: ReducedPart, nodes: Index) -> tuple[Array, Array]:
+    """Return translations and rotations (nn, 3, n) of nodes; zero where a node does not turn."""
+    turns = np.zeros((len(nodes), 3, reduced.n))
+    for k, i in enumerate(nodes):
+        own = reduced.rotation(int(i))
+        if own is not None:
+            turns[k] = own
+    return reduced.modes[nodes], turns
+
+
+def damping_ratios(reduced: ReducedPart, damping: float | Sequence[float], where: str) -> Array:
+    """Return the damping ratio of each mode.
+
+    Raises
+    ------
+    InputError
+        If a ratio is negative, or their number is wrong.
+    """
+    try:
+        ratios = np.broadcast_to(np.asarray(damping, dtype=np.float64), (reduced.n,))
+    except (TypeError, ValueError):
+        ratios = np.array([np.nan])
+    if not np.all(np.isfinite(ratios)) or np.any(ratios < 0.0):
+        message = f"damping is {damping!r}, must be one ratio or {reduced.n}, zero or positive"
+        raise InputError(Problem(where, message))
+    return np.array(ratios)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written there.
+    """
+    with written(path) as beside:
+        beside.write_text(text, encoding="ascii", errors="replace")

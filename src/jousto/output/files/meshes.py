@@ -1,0 +1,130 @@
+"""write_mesh: a mesh as a file for other programs."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem, warn
+from jousto.base.files import written
+from jousto.mesh.mesh import Mesh
+from jousto.mesh.readers.files import unit_factor
+from jousto.output.style import target
+
+# suffix, meshio's name of the format, and whether it keeps named sets
+FORMATS = {
+    "vtu": ("vtu", True),
+    "vtk": ("vtk", True),
+    "inp": ("abaqus", True),
+    "msh": ("gmsh22", False),
+    "med": ("med", False),
+    "bdf": ("nastran", False),
+    "nas": ("nastran", False),
+    "stl": ("stl", False),
+}
+
+
+@explained
+def write_mesh(mesh: Mesh, path: str | Path, *, unit: str = "m") -> Path:
+    """Write a mesh to a file that other programs read, and `read_mesh`, too.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    path : path
+        Its ending is the format: .vtu (ParaView; sets are data of points and cells), .vtk, .inp
+        (Abaqus, CalculiX; sets keep their names), .msh (Gmsh 2.2), .med, .bdf, .nas, or .stl for
+        the surface alone. The last ones keep no sets.
+    unit : str
+        Unit of length in the file; positions have eleven digits.
+
+    Returns
+    -------
+    Path
+        The file written.
+
+    Raises
+    ------
+    InputError
+        For an unknown ending or unit, or a path that cannot be written.
+
+    Warns
+    -----
+    JoustoWarning
+        If the mesh has sets and the format keeps none.
+    """
+    out = target(path, tuple(FORMATS))
+    suffix = out.suffix.lower().lstrip(".")
+    form, keeps = FORMATS[suffix]
+    factor = unit_factor("write_mesh", unit)
+    if not keeps and (mesh.node_sets or mesh.element_sets) and suffix != "stl":
+        warn(
+            out.name, "this format is written without the sets of the mesh; .vtu and .inp keep them"
+        )
+    try:
+        import meshio
+    except ImportError:
+        raise InputError(
+            Problem(out.name, "writing meshes needs the package meshio: pip install meshio")
+        ) from None
+    # eleven digits: some writers cannot do with long numbers such as 1e-17
+    x = mesh.nodes / factor
+    size = float(np.abs(x).max(initial=1e-300))
+    x = np.round(x, 10 - int(np.floor(np.log10(size)))) + 0.0
+    if suffix == "stl":
+        corners = [(block.corners[:, [0, 1, 2]]) for block in mesh.faces]
+        corners += [b.corners[:, [0, 2, 3]] for b in mesh.faces if b.corners.shape[1] == 4]
+        cells: Any = [("triangle", np.concatenate(corners))]
+        content = meshio.Mesh(x, cells)
+    else:
+        cells = [(block.kind, block.nodes) for block in mesh.cells]
+        content = meshio.Mesh(x, cells, **_sets(mesh, suffix))
+    # meshio prints remarks and may leave the program
+    heard = io.StringIO()
+    try:
+        with (
+            written(out) as beside,
+            contextlib.redirect_stdout(heard),
+            contextlib.redirect_stderr(heard),
+        ):
+            content.write(beside, file_format=form)
+    except (SystemExit, Exception) as error:
+        if isinstance(error, InputError):
+            raise
+        said = " ".join((heard.getvalue() or str(error)).split())[:200]
+        raise InputError(Problem(out.name, f"cannot be written (meshio: {said})")) from None
+    return out
+
+
+def _sets(mesh: Mesh, suffix: str) -> dict[str, Any]:
+    """Return node and element sets as meshio wants them."""
+    starts = np.cumsum([0, *(len(block) for block in mesh.solids)])
+    solids = {
+        id(block): (a, b) for block, a, b in zip(mesh.solids, starts, starts[1:], strict=False)
+    }
+    by_block: dict[str, list[Any]] = {}
+    for name, members in mesh.element_sets.items():
+        rows = []
+        for block in mesh.cells:
+            a, b = solids.get(id(block), (0, 0))
+            inside = members[(members >= a) & (members < b)] - a
+            rows.append(np.isin(np.arange(len(block)), inside))
+        by_block[name] = rows
+    own = {k: v for k, v in mesh.node_sets.items() if k not in mesh.element_sets}
+    if suffix == "inp":
+        return {
+            "point_sets": {name: np.asarray(v) for name, v in own.items()},
+            "cell_sets": {k: [np.flatnonzero(x) for x in rows] for k, rows in by_block.items()},
+        }
+    if suffix not in ("vtu", "vtk"):
+        return {}
+    everyone = np.arange(len(mesh.nodes))
+    return {
+        "point_data": {name: np.isin(everyone, v).astype(np.int32) for name, v in own.items()},
+        "cell_data": {k: [x.astype(np.int32) for x in rows] for k, rows in by_block.items()},
+    }

@@ -1,0 +1,1 @@
+"""Pages: documents for people, such as the certificate of a part."""

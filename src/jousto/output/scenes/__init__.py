@@ -1,0 +1,1 @@
+"""Scenes: bodies, symbols and surfaces of a machine as pictures and films."""

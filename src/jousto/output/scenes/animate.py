@@ -1,0 +1,365 @@
+"""animate: films of the moving, deformed bodies; still: several instants in one picture."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.errors import Problems, warn
+from jousto.base.names import file_name
+from jousto.output.scenes.film import (
+    FILMS,
+    MOST_FRAMES,
+    Pixels,
+    find_ffmpeg,
+    frame_rate,
+    write_film,
+)
+from jousto.output.scenes.scene import (
+    Scene,
+    body_color,
+    body_lines,
+    body_skin,
+    line_width,
+    make_scene,
+    nearness,
+    new_picture,
+    shadow_lines,
+    skin_shadow,
+)
+from jousto.output.scenes.surface import Skin, plain
+from jousto.output.scenes.symbols import SymbolPen, size_of
+from jousto.output.scenes.view import View
+from jousto.output.style import INK, MUTED, PAPER, PICTURES, blend, save, styled, target
+from jousto.simulation.results.solution import Solution
+
+Array = NDArray[np.float64]
+Report = Callable[[int, int], None]
+
+DPI = 100
+AFTERGLOW = 1.0  # s of the film for which a trail stays visible
+INSTANTS = 8
+GLOW_PIECES, GLOW_FINE = 25, 6  # shades of a trail, points of each
+
+
+@explained
+def animate(
+    run: Solution,
+    path: str | Path | None = None,
+    *,
+    fps: float = 25.0,
+    speed: float = 1.0,
+    scale: float = 1.0,
+    view: View | str | None = None,
+    trail: Sequence[str] | str | None = None,
+    stills: int | ArrayLike = INSTANTS,
+    stress: bool | float = False,
+    progress: Report | None = None,
+) -> Path:
+    """Write a film of a run, or a picture of several instants.
+
+    Parameters
+    ----------
+    run : Solution
+        The results.
+    path : path, optional
+        File to write: .gif, .mp4 (needs ffmpeg), .html (a page with a player), or a picture
+        (.png, .svg, .pdf ...), see `still`. None is the mechanism's name as .gif, in the working
+        folder.
+    fps : float
+        Frames per second.
+    speed : float
+        Simulated per shown second; 0.1 is ten times slow motion.
+    scale : float
+        Factor on the deformation of each body in its own moving frame. Other than 1, it also moves
+        the ends of the bodies, so that joints no longer close in the picture.
+    view : View, "xy", "xz" or "yz", optional
+        From where; None looks at the plane of a plane motion, else from the front and above.
+    trail : str or sequence of str, optional
+        Position sensors that leave a trail.
+    stills : int or (k,) array_like
+        Number of instants, or instants in s, for a picture.
+    stress : bool or float
+        Whether solids are coloured by their von Mises stress; a number is the stress of the
+        highest colour in Pa, which else is the largest that is shown.
+    progress : function, optional
+        Called with the number of frames done and their total.
+
+    Returns
+    -------
+    Path
+        The file written.
+
+    Raises
+    ------
+    InputError
+        For an unknown suffix, an unwritable path, a missing ffmpeg, an unknown sensor or view.
+
+    Warns
+    -----
+    JoustoWarning
+        If the film would have too many frames for its format; it is then made faster.
+    """
+    out = target(f"{file_name(run.name)}.gif" if path is None else path, FILMS + PICTURES)
+    suffix = out.suffix.lower().lstrip(".")
+    if suffix in PICTURES:
+        return still(run, out, times=stills, scale=scale, view=view, trail=trail, stress=stress)
+    problems = Problems()
+    problems.positive("animate", "fps", float(fps), "1/s")
+    problems.positive("animate", "speed", float(speed), "")
+    problems.raise_if_any()
+    if suffix == "mp4":
+        find_ffmpeg(out)
+    fps = frame_rate(suffix, float(fps))
+    times, speed = _instants(run, fps, float(speed), MOST_FRAMES[suffix])
+    with styled():
+        scene = make_scene(run, times, scale=scale, view=view, trail=trail, stress=stress)
+        frames = _frames(scene, run.name, _note(speed, scale), fps, speed, progress)
+        write_film(out, frames, len(times), fps)
+    return out
+
+
+@explained
+def still(
+    run: Solution,
+    path: str | Path,
+    *,
+    times: int | ArrayLike = INSTANTS,
+    scale: float = 1.0,
+    view: View | str | None = None,
+    trail: Sequence[str] | str | None = None,
+    stress: bool | float = False,
+) -> Path:
+    """Write one picture with several instants over one another, the first ones pale.
+
+    Parameters
+    ----------
+    run : Solution
+        The results.
+    path : path
+        File to write: png, svg, pdf, jpg, webp or eps.
+    times : int or (k,) array_like
+        Number of instants spread over the run, or instants in s.
+    scale, view, trail, stress
+        As for `animate`.
+
+    Raises
+    ------
+    InputError
+        For an unknown suffix, an unwritable path, an unknown sensor or view, or a time outside
+        the run.
+    """
+    out = target(path, PICTURES)
+    t = run.time
+    if isinstance(times, int):
+        problems = Problems()
+        problems.positive("still", "times", times, "")
+        problems.raise_if_any()
+        instants = np.linspace(t[0], t[-1], times) if times > 1 else t[-1:]
+    else:
+        instants = np.sort(np.atleast_1d(np.asarray(times, dtype=np.float64)))
+    with styled():
+        scene = make_scene(run, instants, scale=scale, view=view, trail=trail, stress=stress)
+        figure, ax = new_picture(scene, run.name, _note(1.0, scale))
+        _overlay(ax, scene)
+        figure.text(
+            ax.get_position().x1,
+            1 - 0.3 / figure.get_figheight(),
+            f"{len(instants)} instants, {instants[0]:g} to {instants[-1]:g} s"
+            if len(instants) > 1
+            else f"t = {instants[0]:g} s",
+            color=MUTED,
+            ha="right",
+            va="center",
+        )
+        save(figure, out)
+    return out
+
+
+def _instants(run: Solution, fps: float, speed: float, most: int) -> tuple[Array, float]:
+    """Return the instants of the frames and the speed, raised if there were too many frames."""
+    start, end = float(run.time[0]), float(run.time[-1])
+    count = max(2, round((end - start) / speed * fps) + 1)
+    if count > most:
+        speed, count = speed * count / most, most
+        warn(
+            "animate",
+            f"the film would have more than {most} frames; it runs at {speed:.3g} times the real "
+            f"speed instead (speed={speed:.3g}; an .mp4 may have {MOST_FRAMES['mp4']} frames)",
+        )
+    return np.minimum(start + np.arange(count) * speed / fps, end), speed
+
+
+def _note(speed: float, scale: float) -> str:
+    words = []
+    if scale != 1.0:
+        words.append(f"deformation × {scale:g}")
+    if speed < 1.0 - 1e-9:
+        words.append(f"{1.0 / speed:.3g} × slow motion")
+    elif speed > 1.0 + 1e-9:
+        words.append(f"{speed:.3g} × real speed")
+    return ", ".join(words)
+
+
+def _overlay(ax: Axes, scene: Scene) -> None:
+    """Draw all instants of the scene into one picture and name some of them."""
+    count, width = len(scene.times), line_width(scene)
+    for k, path in enumerate(scene.trails):
+        ax.plot(*path[:, :2].T, color=blend(body_color(k), 0.55), linewidth=1.0, zorder=2)
+    if not scene.flat:
+        for i in range(count):
+            shadow = LineCollection(shadow_lines(scene, i), colors="#EDEFF2", linewidths=width)
+            shadow.set_capstyle("round")
+            ax.add_collection(shadow)
+            for k in range(len(scene.bodies)):
+                fallen = skin_shadow(scene, k, i)
+                if fallen is not None:
+                    _add_skin(ax, fallen, plain(fallen, "#EDEFF2"), 1.5)
+    for i in range(count):
+        share = 1.0 if count == 1 else 0.22 + 0.78 * (i / (count - 1)) ** 1.3
+        bodies = body_lines(scene, i)
+        for k in nearness(scene, i):
+            skin = body_skin(scene, k, i, share)
+            if skin is not None:
+                _add_skin(ax, *skin, 3.0)
+                continue
+            lines, dots = bodies[k]
+            color = blend(body_color(k), share)
+            for edge, extra in ((PAPER, 2.0), (color, 0.0)):
+                drawn = LineCollection(lines, colors=[edge], linewidths=width + extra)
+                drawn.set_capstyle("round")
+                drawn.set_zorder(3)
+                ax.add_collection(drawn)
+            ax.plot(
+                *dots.T,
+                linestyle="none",
+                marker="o",
+                markersize=width,
+                markerfacecolor=PAPER,
+                markeredgecolor=color,
+                markeredgewidth=1.4,
+                zorder=3.1,
+            )
+        symbols = SymbolPen(ax, scene.symbols, size_of(scene.box), share)
+        symbols.show(i)
+
+
+def _add_skin(ax: Axes, corners: Array, shades: Array, order: float) -> None:
+    skin = Skin()
+    skin.show(corners, shades)
+    skin.set_zorder(order)
+    ax.add_artist(skin)
+
+
+def _frames(
+    scene: Scene, title: str, note: str, fps: float, speed: float, progress: Report | None
+) -> Iterator[Pixels]:
+    """Yield the frames; what does not move is drawn once."""
+    figure, ax = new_picture(scene, title, note)
+    figure.set_dpi(DPI)
+    canvas: Any = FigureCanvasAgg(figure)
+    canvas.draw()
+    background = canvas.copy_from_bbox(figure.bbox)
+    clock = figure.text(
+        ax.get_position().x1,
+        1 - 0.3 / figure.get_figheight(),
+        "",
+        ha="right",
+        va="center",
+        fontsize=10.5,
+        color=INK,
+    )
+    digits = int(np.clip(-np.floor(np.log10(speed / fps)), 0, 6))
+    pens = [_Pen(ax, k, scene) for k in range(len(scene.bodies))]
+    shadow = LineCollection([], colors="#E3E6EA", linewidths=line_width(scene))
+    shadow.set_capstyle("round")
+    trails = [LineCollection([], linewidths=1.6) for _ in scene.trails]
+    for artist in (shadow, *trails):
+        ax.add_collection(artist)
+    fallen = Skin()
+    ax.add_artist(fallen)
+    symbols = SymbolPen(ax, scene.symbols, size_of(scene.box))
+    for i, t in enumerate(scene.times):
+        canvas.restore_region(background)
+        if not scene.flat:
+            shadow.set_segments(shadow_lines(scene, i))
+            ax.draw_artist(shadow)
+            for k in range(len(scene.bodies)):
+                below = skin_shadow(scene, k, i)
+                if below is not None:
+                    fallen.show(below, plain(below, "#E3E6EA"))
+                    ax.draw_artist(fallen)
+        for k, trail in enumerate(trails):
+            _glow(trail, scene, k, float(t), AFTERGLOW * speed)
+            ax.draw_artist(trail)
+        bodies = body_lines(scene, i)
+        for k in nearness(scene, i):
+            skin = body_skin(scene, k, i)
+            if skin is not None:
+                pens[k].fill(*skin)
+            else:
+                pens[k].draw(*bodies[k])
+        symbols.show(i)
+        symbols.draw()
+        clock.set_text(f"{t:.{digits}f} s")
+        figure.draw_artist(clock)
+        yield np.array(canvas.buffer_rgba(), dtype=np.uint8)[:, :, :3].copy()
+        if progress is not None:
+            progress(i + 1, len(scene.times))
+
+
+class _Pen:
+    """Draws one body again and again: a white edge, the lines, the dots at its ends; a surface."""
+
+    def __init__(self, ax: Axes, k: int, scene: Scene) -> None:
+        width, color = line_width(scene), body_color(k)
+        self.ax = ax
+        self.skin = Skin()
+        ax.add_artist(self.skin)
+        self.edge = LineCollection([], colors=PAPER, linewidths=width + 2.0)
+        self.line = LineCollection([], colors=color, linewidths=width)
+        for lines in (self.edge, self.line):
+            lines.set_capstyle("round")
+            lines.set_joinstyle("round")
+            ax.add_collection(lines)
+        (self.dots,) = ax.plot(
+            [],
+            [],
+            linestyle="none",
+            marker="o",
+            markersize=width,
+            markerfacecolor=PAPER,
+            markeredgecolor=color,
+            markeredgewidth=1.4,
+        )
+
+    def fill(self, corners: Array, shades: Array) -> None:
+        self.skin.show(corners, shades)
+        self.ax.draw_artist(self.skin)
+
+    def draw(self, lines: list[Array], dots: Array) -> None:
+        for artist in (self.edge, self.line):
+            artist.set_segments(lines)
+            self.ax.draw_artist(artist)
+        self.dots.set_data(*dots.T)
+        self.ax.draw_artist(self.dots)
+
+
+def _glow(trail: LineCollection, scene: Scene, k: int, t: float, seconds: float) -> None:
+    """Let a trail show the path of the last `seconds`, fading."""
+    times = np.linspace(max(t - seconds, scene.trail_times[0]), t, GLOW_PIECES * GLOW_FINE + 1)
+    path = np.stack(
+        [np.interp(times, scene.trail_times, scene.trails[k][:, i]) for i in range(2)], axis=1
+    )
+    starts = range(0, len(times) - 1, GLOW_FINE)
+    trail.set_segments([path[i : i + GLOW_FINE + 1] for i in starts])
+    ages = [(t - times[i + GLOW_FINE]) / seconds for i in starts]
+    trail.set_color([blend(body_color(k), 0.75 * (1.0 - age)) for age in ages])

@@ -1,0 +1,298 @@
+"""draw: one picture of a mesh, a part or a reduced part, still or in a mode."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgb
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.mesh.mesh import Mesh
+from jousto.output.scenes.lines import drawn
+from jousto.output.scenes.scene import body_color, color_bar
+from jousto.output.scenes.surface import (
+    DARKEST,
+    DARKEST_STRESS,
+    LIGHT,
+    STRESS_COLORS,
+    Skin,
+    face_normals,
+    lit,
+)
+from jousto.output.scenes.view import View, choose_view
+from jousto.output.style import INK, MUTED, PICTURES, Picture, save, styled, target
+from jousto.parts.part import Part
+from jousto.recovery.fields.criteria import von_mises
+from jousto.reduction.reduced import ReducedPart
+from jousto.simulation.results.records import BodyShape
+
+Array = NDArray[np.float64]
+
+WIDTH, LEGEND, GAP = 7.2, 1.35, 0.2  # inch
+MOST_FACES = 40_000  # whose edges are drawn
+AMPLITUDE = 0.08  # largest displacement of a mode in a picture, by the size of the part
+STEEL = "#A9B7C6"
+EDGE = "#44505E"
+# nodes of a face in the order along its edge, by their number
+AROUND = {
+    3: [0, 1, 2],
+    4: [0, 1, 2, 3],
+    6: [0, 3, 1, 4, 2, 5],
+    8: [0, 4, 1, 5, 2, 6, 3, 7],
+}
+METAL = np.array(to_rgb(STEEL))
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """What is drawn: a body, the faces with edges (nf, k), and named nodes."""
+
+    title: str
+    shape: BodyShape
+    faces: tuple[NDArray[np.intp], ...]
+    marks: dict[str, NDArray[np.intp]]
+    values: Array | None = None
+    unit: str = ""
+
+
+@explained
+def draw(
+    thing: Mesh | Part | ReducedPart,
+    path: str | Path,
+    *,
+    sets: tuple[str, ...] | list[str] | str | None = None,
+    mode: int | None = None,
+    scale: float = AMPLITUDE,
+    view: View | str | None = None,
+) -> Path:
+    """Write a picture of a mesh or a part, or of the shape of a mode.
+
+    Meshes are drawn with the edges of their elements and with dots on the nodes of their sets. A
+    mode is drawn deformed, in the colours of its von Mises stress where that is known, else of
+    its displacement.
+
+    Parameters
+    ----------
+    thing : Mesh, Part or ReducedPart
+    path : path
+        File to write: png, svg, pdf, jpg, webp or eps.
+    sets : sequence of str, optional
+        Node sets that get coloured dots; None takes those that interfaces of a part hold, and no
+        set of a mesh.
+    mode : int, optional
+        Which mode of a ReducedPart, from 0.
+    scale : float
+        Largest displacement of the mode in the picture, by the longest side of the part.
+    view : View, "xy", "xz" or "yz", optional
+        From where; None looks from the front right and above.
+
+    Returns
+    -------
+    Path
+        The file written.
+
+    Raises
+    ------
+    InputError
+        For an unknown suffix, an unwritable path, an unknown set or mode, a part without elements.
+    """
+    out = target(path, PICTURES)
+    subject = _subject(thing, sets, mode, scale)
+    with styled():
+        save(_picture(subject, view), out)
+    return out
+
+
+def _subject(thing: Any, sets: Any, mode: int | None, scale: float) -> Subject:
+    """Return what is drawn of a mesh, a part or a reduced part."""
+    if not isinstance(thing, (Mesh, Part, ReducedPart)):
+        message = f"{thing!r} cannot be drawn; give a Mesh, a Part or a ReducedPart"
+        raise InputError(Problem("draw", message))
+    where, problems = f"'{thing.name}'", Problems()
+    problems.positive("draw", "scale", float(scale), "")
+    if mode is not None and not isinstance(thing, ReducedPart):
+        problems.add(where, "has no modes; reduce it first")
+    elif mode is not None and not 0 <= mode < thing.n:  # type: ignore[union-attr]
+        last = thing.n - 1  # type: ignore[union-attr]
+        problems.add(where, f"there are modes 0..{last}, not {mode}")
+    faces: tuple[Any, ...] = ()
+    if isinstance(thing, Mesh):
+        elements: Any = thing.triangles
+        faces = tuple(block.nodes[:, AROUND[block.nodes.shape[1]]] for block in thing.faces)
+    else:
+        elements = thing.elements
+        if isinstance(thing, Part) and thing.mesh is not None and len(thing.mesh.used):
+            new = np.full(len(thing.mesh.nodes), -1)
+            new[thing.mesh.used] = np.arange(len(thing.mesh.used))
+            faces = tuple(
+                new[block.nodes[:, AROUND[block.nodes.shape[1]]]] for block in thing.mesh.faces
+            )
+    if not len(elements):
+        problems.add(where, "has no elements that can be drawn")
+    marks = _marks(thing, sets, where, problems)
+    problems.raise_if_any()
+    still = np.zeros((len(thing.nodes), 3, 0))
+    shape = BodyShape(thing.name, "flexible", 0, 0, 0, thing.nodes, np.asarray(elements), still)
+    title = thing.name
+    if mode is None or not isinstance(thing, ReducedPart):
+        return Subject(title, shape, faces, marks)
+    phi = thing.modes[:, :, mode]
+    moved = np.linalg.norm(phi, axis=1)
+    size = float(np.ptp(thing.nodes, axis=0).max())
+    factor = scale * size / max(float(moved.max()), 1e-300)
+    shape = replace(shape, nodes=thing.nodes + factor * phi)
+    title = f"{thing.name}, mode {mode}: {thing.frequencies[mode]:.5g} Hz"
+    values, unit = moved / max(float(moved.max()), 1e-300), "displacement"
+    stress = _mode_stress(thing, mode)
+    if stress is not None:
+        values, unit = stress / max(float(np.nanmax(stress)), 1e-300), "von Mises"
+    return Subject(title, shape, faces, marks, values, unit)
+
+
+def _marks(
+    thing: Mesh | Part | ReducedPart, sets: Any, where: str, problems: Problems
+) -> dict[str, NDArray[np.intp]]:
+    """Return the nodes that get a dot."""
+    if sets is None:
+        ties = thing.ties if isinstance(thing, Part) else ()
+        return {tie.name: np.asarray(tie.nodes) for tie in ties}
+    names = (sets,) if isinstance(sets, str) else tuple(sets)
+    for name in names:
+        if name not in thing.node_sets:
+            problems.add(where, f"no set '{name}'{suggest(name, thing.node_sets)}")
+    return {
+        name: np.asarray(thing.node_sets[name], dtype=np.intp)
+        for name in names
+        if name in thing.node_sets
+    }
+
+
+def _mode_stress(reduced: ReducedPart, mode: int) -> Array | None:
+    """Return the von Mises stress of a mode at the nodes (nn,), nan where unknown."""
+    if reduced.stress is None:
+        return None
+    places = {tuple(x): k for k, x in enumerate(reduced.nodes)}
+    nodes = np.array([places.get(tuple(x), -1) for x in reduced.stress.positions])
+    known = nodes >= 0
+    if not known.any():
+        return None
+    values = np.full(len(reduced.nodes), np.nan)
+    values[nodes[known]] = von_mises(reduced.stress.modes[known][:, :, mode])
+    return values
+
+
+def _picture(subject: Subject, view: View | str | None) -> Picture:
+    """Return the figure."""
+    nodes = subject.shape.nodes
+    chosen = choose_view(view, np.stack([nodes.min(axis=0), nodes.max(axis=0)]), None)
+    x = chosen.project(nodes)
+    used = np.unique(subject.shape.elements)
+    low, high = x[used, :2].min(axis=0), x[used, :2].max(axis=0)
+    size = np.maximum(high - low, 1e-9)
+    size = np.maximum(size, [size[1] / 1.2, size[0] * 0.3]) * 1.06
+    side = LEGEND if subject.marks or subject.values is not None else GAP
+    inner = WIDTH - GAP - side
+    height = inner * size[1] / size[0]
+    total = height + 0.75
+    figure = Picture(figsize=(WIDTH, total))
+    ax = figure.add_axes((GAP / WIDTH, 0.25 / total, inner / WIDTH, height / total))
+    middle = 0.5 * (low + high)
+    ax.set_xlim(middle[0] - 0.5 * size[0], middle[0] + 0.5 * size[0])
+    ax.set_ylim(middle[1] - 0.5 * size[1], middle[1] + 0.5 * size[1])
+    ax.axis("off")
+    count = sum(len(block) for block in subject.faces)
+    if subject.faces and count <= MOST_FACES and subject.values is None:
+        _net(ax, subject, x)
+    else:
+        _skin(ax, subject, chosen)
+    _dots(ax, subject, x)
+    left = GAP / WIDTH
+    figure.text(left, 1 - 0.3 / total, subject.title, fontsize=10.5, fontweight="bold", va="center")
+    dims = " × ".join(f"{1e3 * d:.4g}" for d in np.ptp(nodes[used], axis=0))
+    if subject.values is None:
+        figure.text(left, 0.13 / total, f"{dims} mm", color=MUTED, fontsize=8.5, va="center")
+    _axes_cross(figure, chosen, total)
+    if subject.values is not None:
+        place = (1 - (side - 0.2) / WIDTH, 0.25 / total, height / total)
+        color_bar(figure, 1.0, place, subject.unit, "of its largest")
+    return figure
+
+
+def _skin(ax: Axes, subject: Subject, view: View) -> None:
+    shape, lines = drawn(subject.shape)
+    x = view.project(shape.nodes)
+    if lines.surface is None:
+        for chain in lines.chains:
+            ax.plot(*(chain.weights @ x[chain.nodes, :2]).T, color=body_color(0), linewidth=3.0)
+        return
+    colors, darkest = METAL, DARKEST
+    if subject.values is not None:
+        values = subject.values[lines.surface.nodes]
+        colors = np.asarray(STRESS_COLORS(np.nan_to_num(values)))[:, :3]
+        colors[np.isnan(values)] = METAL
+        darkest = DARKEST_STRESS
+    skin = Skin()
+    skin.show(*lit(lines.surface, x, colors, darkest))
+    ax.add_artist(skin)
+
+
+def _net(ax: Axes, subject: Subject, x: Array) -> None:
+    """Draw the faces that are seen with the edges of their elements, far ones first."""
+    polygons, depths, shades = [], [], []
+    light = LIGHT / np.linalg.norm(LIGHT)
+    for block in subject.faces:
+        corners = x[block]
+        three = [0, 2, 4] if corners.shape[1] == 6 else [0, corners.shape[1] // 4, -2]
+        normals = face_normals(corners[:, three if corners.shape[1] > 3 else [0, 1, 2]])
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+        seen = normals[:, 2] > 0.0
+        polygons += list(corners[seen, :, :2])
+        depths.append(corners[seen, :, 2].mean(axis=1))
+        shades.append(DARKEST + (1.0 - DARKEST) * np.clip(normals[seen] @ light, 0.0, 1.0))
+    order = np.argsort(np.concatenate(depths), kind="stable")
+    colors = METAL * np.concatenate(shades)[order, None]
+    # thin lines where there are many faces
+    width = float(np.clip(9.0 / np.sqrt(len(order) + 1.0), 0.08, 0.5))
+    ax.add_collection(
+        PolyCollection(
+            [polygons[i] for i in order], facecolors=colors, edgecolors=EDGE, linewidths=width
+        )
+    )
+
+
+def _dots(ax: Axes, subject: Subject, x: Array) -> None:
+    """Draw coloured dots on marked nodes and name them."""
+    keys = []
+    for k, (name, nodes) in enumerate(subject.marks.items()):
+        look = {"marker": "o", "color": body_color(k + 1), "linestyle": "none"}
+        size = float(np.clip(40.0 / np.sqrt(len(nodes) + 1.0), 1.6, 6.0))
+        ax.plot(*x[nodes, :2].T, markersize=size, **look)  # type: ignore[arg-type]
+        label = f"{name}\n{len(nodes)} nodes" if len(nodes) > 1 else name
+        keys.append(Line2D([], [], markersize=6, label=label, **look))  # type: ignore[arg-type]
+    if keys:
+        figure: Any = ax.figure
+        figure.legend(handles=keys, loc="center right", handletextpad=0.2)
+
+
+def _axes_cross(figure: Picture, view: View, total: float) -> None:
+    """Draw the directions of x, y and z in a corner."""
+    size = 0.5
+    ax = figure.add_axes((1 - 0.62 / WIDTH, 1 - 0.62 / total, size / WIDTH, size / total))
+    ax.set_xlim(-1.5, 1.5)
+    ax.set_ylim(-1.5, 1.5)
+    ax.axis("off")
+    for name, axis in zip("xyz", view.axes.T, strict=True):
+        if np.hypot(axis[0], axis[1]) < 0.1:
+            continue
+        ax.plot([0, axis[0]], [0, axis[1]], color=INK, linewidth=1.0)
+        ax.text(
+            1.35 * axis[0], 1.35 * axis[1], name, color=MUTED, fontsize=8, ha="center", va="center"
+        )

@@ -1,0 +1,206 @@
+"""Joints, springs, actuators and ground in the picture of a mechanism."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from jousto.output.scenes.view import View
+from jousto.output.style import INK, MUTED, PAPER, blend
+from jousto.recovery.shape import positions
+from jousto.simulation.results.connections import Connection
+from jousto.simulation.results.records import BodyShape
+from jousto.simulation.results.solution import Solution
+
+Array = NDArray[np.float64]
+Lines = list[Array]
+
+SIZE = 0.018  # of a symbol, by the size of the picture
+COILS = 6  # of a spring
+BARREL = 0.6  # length of an actuator's cylinder by its shortest length
+STEEL = "#5A6472"
+MARKS = {"hinge": "o", "bushing": "o", "slide": "s", "fixed": "s"}
+ALONG = ("rod", "spring", "damper", "actuator")
+MOST_MARKS = 300  # joints of which each still gets a mark
+
+
+@dataclass(frozen=True, eq=False)
+class Symbols:
+    """What joins the bodies of a scene, projected.
+
+    Attributes
+    ----------
+    kinds : tuple of str
+        See `Connection`.
+    ends : (nt, k, 2, 3) array
+        Both points of each at every instant: right, up, nearness, m.
+    grounds : (g, 2) array
+        Points of ground, m.
+    """
+
+    kinds: tuple[str, ...]
+    ends: Array
+    grounds: Array
+
+
+NO_SYMBOLS = Symbols((), np.zeros((1, 0, 2, 3)), np.zeros((0, 2)))
+
+
+def joined_points(
+    run: Solution, found: tuple[Connection, ...], times: Array, scale: float
+) -> Array:
+    """Return both points of each connection in the world, (nt, k, 2, 3) in m."""
+    ends = np.zeros((len(times), len(found), 2, 3))
+    bodies = run.bodies
+    places: dict[int, list[tuple[int, int]]] = {}
+    for k, one in enumerate(found):
+        for side, point in enumerate((one.a, one.b)):
+            places.setdefault(point.body, []).append((k, side))
+    for body, where in places.items():
+        sides = [(found[k].a, found[k].b)[side] for k, side in where]
+        nodes = np.stack([side.u0 for side in sides])
+        if body < 0:
+            moved = np.broadcast_to(nodes, (len(times), *nodes.shape))
+        else:
+            shape = bodies[body]
+            modes = np.stack([side.modes for side in sides])
+            none = np.zeros((0, 2), dtype=np.int64)
+            probe = BodyShape(
+                shape.name, shape.kind, shape.q_offset, shape.v_offset, shape.n, nodes, none, modes
+            )
+            moved = positions(run, probe, times, scale=scale)
+        for j, (k, side) in enumerate(where):
+            ends[:, k, side] = moved[:, j]
+    return ends
+
+
+def make_symbols(found: tuple[Connection, ...], ends: Array, view: View) -> Symbols:
+    """Return the symbols of connections whose points (nt, k, 2, 3) in the world are known, m."""
+    if not found:
+        return NO_SYMBOLS
+    grounded = [
+        side.u0
+        for one in found
+        for side, other in ((one.a, one.b), (one.b, one.a))
+        if side.body < 0 <= other.body
+    ]
+    points = np.unique(np.round(np.array(grounded).reshape(-1, 3), 12), axis=0)
+    return Symbols(
+        tuple(one.kind for one in found), view.project(ends), view.project(points)[:, :2]
+    )
+
+
+def size_of(box: Array) -> float:
+    """Return the size of a symbol in a picture of these corners, m."""
+    return SIZE * float(np.max(box[1] - box[0]))
+
+
+def coil(a: Array, b: Array, size: float) -> Array:
+    """Return the zigzag of a spring between two points (2,), m."""
+    along = b - a
+    length = float(np.hypot(*along))
+    if length < 1e-12:
+        return np.stack([a, b])
+    across = np.array([-along[1], along[0]]) / length
+    t = np.linspace(0.2, 0.8, 2 * COILS + 1)
+    height = np.zeros(len(t))
+    height[1:-1:2], height[2:-1:2] = 1.0, -1.0
+    middle = a + t[:, None] * along + size * height[:, None] * across
+    return np.concatenate([a[None], middle, b[None]])
+
+
+def ground_lines(point: Array, size: float) -> Lines:
+    """Return the support drawn below a point of ground: a triangle on hatched ground."""
+    x, y = point
+    low = y - 1.5 * size
+    base = [(x - 1.5 * size, low), (x + 1.5 * size, low)]
+    triangle = [(x, y), (x - size, low), (x + size, low), (x, y)]
+    hatch = [
+        [(x + s * size, low), (x + (s - 0.5) * size, low - 0.6 * size)]
+        for s in (-1.0, -0.25, 0.5, 1.25)
+    ]
+    return [np.array(line) for line in (triangle, base, *hatch)]
+
+
+def draw_grounds(ax: Axes, symbols: Symbols, size: float) -> None:
+    """Draw the supports; they do not move."""
+    lines = [line for point in symbols.grounds for line in ground_lines(point, size)]
+    if lines:
+        ax.add_collection(LineCollection(lines, colors=MUTED, linewidths=0.9, zorder=1.5))
+
+
+class SymbolPen:
+    """Draws the symbols of one instant after another into the same axes.
+
+    Parameters
+    ----------
+    ax : Axes
+    symbols : Symbols
+    size : float
+        Of a symbol, m.
+    share : float
+        Below 1 mixes the colours with white.
+    order : float
+        Above which other things of the picture they lie.
+    """
+
+    def __init__(
+        self, ax: Axes, symbols: Symbols, size: float, share: float = 1.0, order: float = 3.4
+    ) -> None:
+        self.ax, self.symbols, self.size = ax, symbols, size
+        ink, steel = blend(INK, share), blend(STEEL, share)
+        lengths = np.hypot(
+            *np.moveaxis(symbols.ends[:, :, 1, :2] - symbols.ends[:, :, 0, :2], 2, 0)
+        )
+        self.barrels = BARREL * lengths.min(axis=0, initial=np.inf)
+        self.thin = LineCollection([], colors=[ink], linewidths=1.3, zorder=order)
+        self.thick = LineCollection([], colors=[steel], linewidths=5.0, zorder=order + 0.05)
+        self.artists: list[LineCollection | Line2D] = [self.thin, self.thick]
+        for lines in (self.thin, self.thick):
+            ax.add_collection(lines)
+        self.marks: dict[str, Line2D] = {}
+        kinds = [kind for kind in symbols.kinds if kind in MARKS]
+        for kind in MARKS if len(kinds) <= MOST_MARKS else ():
+            filled = ink if kind == "fixed" else PAPER
+            (mark,) = ax.plot(
+                [],
+                [],
+                linestyle="none",
+                marker=MARKS[kind],
+                markersize=6.5 if kind == "bushing" else 4.5,
+                markerfacecolor=filled,
+                markeredgecolor=ink,
+                markeredgewidth=1.1,
+                zorder=order + 0.1,
+            )
+            self.marks[kind] = mark
+            self.artists.append(mark)
+
+    def show(self, instant: int) -> None:
+        """Put everything where it is at an instant."""
+        thin: Lines = []
+        thick: Lines = []
+        ends = self.symbols.ends[instant, :, :, :2]
+        for k, kind in enumerate(self.symbols.kinds):
+            if kind not in ALONG:
+                continue
+            a, b = ends[k]
+            length = float(np.hypot(*(b - a)))
+            thin.append(coil(a, b, self.size) if kind == "spring" else np.stack([a, b]))
+            if kind in ("damper", "actuator") and length > 2.0 * self.size:
+                thick.append(np.stack([a, a + min(1.0, self.barrels[k] / length) * (b - a)]))
+        self.thin.set_segments(thin)
+        self.thick.set_segments(thick)
+        for kind, mark in self.marks.items():
+            places = [ends[k, 1] for k, one in enumerate(self.symbols.kinds) if one == kind]
+            mark.set_data(*np.array(places).reshape(-1, 2).T)
+
+    def draw(self) -> None:
+        """Draw at once, for films."""
+        for artist in self.artists:
+            self.ax.draw_artist(artist)

@@ -1,0 +1,136 @@
+"""From where a scene is looked at: an orthographic projection onto the picture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.base.errors import InputError, Problem, Problems
+
+Array = NDArray[np.float64]
+
+FLAT = 1e-3  # motion this much smaller in one direction than in the others is plane
+PLANES = {"xy": ((0, 0, 1), (0, 1, 0)), "xz": ((0, -1, 0), (0, 0, 1)), "yz": ((1, 0, 0), (0, 0, 1))}
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class View:
+    """Where the eye is, infinitely far away, and which way is up.
+
+    Parameters
+    ----------
+    direction : (3,) array_like
+        From the scene to the eye, world frame.
+    up : (3,) array_like
+        Upwards in the picture, world frame; need not be perpendicular to the direction.
+
+    Attributes
+    ----------
+    axes : (3, 3) array
+        Rows: the picture's right and up and the direction to the eye, unit vectors, world frame.
+
+    Raises
+    ------
+    InputError
+        If a vector is zero or not finite, or the two are parallel.
+
+    Examples
+    --------
+    >>> View((0, 0, 1), up=(0, 1, 0)).project([[1.0, 2.0, 3.0]])
+    array([[1., 2., 3.]])
+    """
+
+    axes: Array
+
+    def __init__(self, direction: ArrayLike, *, up: ArrayLike = (0.0, 0.0, 1.0)) -> None:
+        problems = Problems()
+        n = problems.array("View", "direction", direction, (3,))
+        u = problems.array("View", "up", up, (3,))
+        for name, vector in (("direction", n), ("up", u)):
+            if vector is not None and not vector.any():
+                problems.add("View", f"{name} is (0, 0, 0), must have a direction")
+        problems.raise_if_any()
+        assert n is not None and u is not None
+        n = n / np.linalg.norm(n)
+        right = np.cross(u / np.linalg.norm(u), n)
+        if np.linalg.norm(right) < 1e-6:
+            raise InputError(Problem("View", "up is parallel to the direction; give another one"))
+        right /= np.linalg.norm(right)
+        axes = np.stack([right, np.cross(n, right), n])
+        axes.setflags(write=False)
+        object.__setattr__(self, "axes", axes)
+
+    @classmethod
+    def on(cls, plane: str) -> View:
+        """Return the view that looks at a coordinate plane: "xy", "xz" or "yz".
+
+        Raises
+        ------
+        InputError
+            If there is no such plane.
+        """
+        if plane not in PLANES:
+            raise InputError(
+                Problem("view", f"is {plane!r}, must be 'xy', 'xz', 'yz' or a View(direction, up=)")
+            )
+        direction, up = PLANES[plane]
+        return cls(direction, up=up)
+
+    @property
+    def plane(self) -> str:
+        """Coordinate plane that is looked at straight on, as "xy"; empty if none is."""
+        if np.abs(self.axes).max(axis=1).min() < 1.0 - 1e-9:
+            return ""
+        return "".join("xyz"[int(np.argmax(np.abs(axis)))] for axis in self.axes[:2])
+
+    @property
+    def up(self) -> int:
+        """Number of the coordinate axis nearest to the picture's up."""
+        return int(np.argmax(np.abs(self.axes[1])))
+
+    def project(self, x: ArrayLike) -> Array:
+        """Return right, up and nearness (..., 3) of world positions (..., 3), m."""
+        return np.asarray(np.asarray(x, dtype=np.float64) @ self.axes.T)
+
+
+def choose_view(view: View | str | None, points: Array, gravity: ArrayLike | None) -> View:
+    """Return the view the user wants, else one that shows the motion well.
+
+    Plane motion is looked at straight on, other motion from the front, the right and above.
+
+    Parameters
+    ----------
+    view : View, "xy", "xz", "yz" or None
+        What the user says.
+    points : (k, 3) array
+        Positions that are in the picture, m.
+    gravity : (3,) array or None
+        Its opposite is up; without it y is up in the xy plane, else z.
+
+    Raises
+    ------
+    InputError
+        If the view is none of these.
+    """
+    if isinstance(view, View):
+        return view
+    if view is not None:
+        return View.on(view)
+    extent = np.ptp(points, axis=0)
+    thin = int(np.argmin(extent))
+    g: Any = np.zeros(3) if gravity is None else np.asarray(gravity, dtype=np.float64)
+    flat = extent[thin] <= FLAT * extent.max()
+    main = int(np.argmax(np.abs(g))) if g.any() else 1 if flat and thin == 2 else 2
+    up = np.zeros(3)
+    up[main] = -np.sign(g[main]) if g.any() else 1.0
+    if flat and thin != main:
+        plane = {0: "yz", 1: "xz", 2: "xy"}[thin]
+        return View(PLANES[plane][0], up=up)
+    # from the front right and above; x to the right
+    front = {0: (0.9, 0.5, 1.0), 1: (0.75, 0.9, 1.0), 2: (0.75, -1.0, 0.9)}[main]
+    direction = np.array(front)
+    direction[main] = 0.55 * up[main]
+    return View(direction, up=up)

@@ -1,0 +1,1 @@
+"""Parts of beam elements: element matrices, members, stress, second order."""

@@ -1,0 +1,245 @@
+"""Straight members, joined into the arrays of a frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arrays import Floats, Ints, some
+from jousto.base.described import described
+from jousto.base.errors import Problems
+from jousto.materials.library import by_name
+from jousto.materials.material import Material
+from jousto.parts.frames.element import default_orientation
+from jousto.sections.section import Section
+
+# of one member or beam: a hundred times more than make sense
+MOST_ELEMENTS = 100_000
+# positions closer than this part of the frame's size are one node
+MERGE = 1e-8
+
+
+def check_elements(problems: Problems, where: str, value: Any) -> bool:
+    """Return whether a number of elements is a whole one that can be computed; note if not."""
+    try:
+        good = not isinstance(value, bool) and value == int(value) and value >= 1
+    except (TypeError, ValueError, OverflowError):
+        good = False
+    if not good:
+        problems.add(where, f"elements is {value!r}, must be a whole number from 1")
+    elif value > MOST_ELEMENTS:
+        problems.add(where, f"elements is {value}, must be at most {MOST_ELEMENTS}")
+        return False
+    return good
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class Member:
+    """A straight member between two nodes, divided into equal beam elements.
+
+    Parameters
+    ----------
+    start, end : (3,) array_like
+        Positions of the end nodes in m, part frame.
+    section : Section
+    material : Material
+    elements : int
+        Number of elements.
+    orientation : (3,) array_like, optional
+        Vector near the section's z axis, part frame. If not given: (0, 0, 1), and (1, 0, 0) for
+        members parallel to z.
+    start_offset, end_offset : (3,) array_like
+        Rigid arms from the end nodes to the ends of the flexible member in m, part frame.
+    name : str
+        Gives the node sets ``name``, ``name.start`` and ``name.end``.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong.
+
+    Examples
+    --------
+    >>> from jousto import Circle
+    >>> rod = Member((0, 0, 0), (3, 4, 0), Circle(0.02), Material(2e11, 0.3, 7850.0), elements=2)
+    >>> rod.length
+    5.0
+    """
+
+    start: Any
+    end: Any
+    section: Section
+    material: Material
+    elements: int = 1
+    orientation: Any = None
+    start_offset: Any = (0.0, 0.0, 0.0)
+    end_offset: Any = (0.0, 0.0, 0.0)
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        where, problems = f"member '{self.name}'" if self.name else "member", Problems()
+        for field in ("start", "end", "start_offset", "end_offset"):
+            object.__setattr__(
+                self, field, problems.array(where, field, getattr(self, field), (3,))
+            )
+        if self.orientation is not None:
+            up = problems.array(where, "orientation", self.orientation, (3,))
+            object.__setattr__(self, "orientation", up)
+        for value, kind in ((self.section, Section), (self.material, Material)):
+            if not isinstance(value, kind):
+                name = kind.__name__
+                how = by_name(value) if kind is Material else ""
+                problems.add(where, f"{name.lower()} is {value!r}, must be a {name}{how}")
+        check_elements(problems, where, self.elements)
+        if not problems.found and self.length == 0.0:
+            problems.add(where, f"has zero length, from {self.start} to {self.end} m with offsets")
+        if not problems.found and self.orientation is not None:
+            along = (self.end + self.end_offset - self.start - self.start_offset) / self.length
+            size = float(np.linalg.norm(self.orientation))
+            if float(np.linalg.norm(np.cross(along, self.orientation))) <= 1e-6 * size:
+                problems.add(
+                    where,
+                    f"orientation {self.orientation.tolist()} is zero or parallel to the member;"
+                    " give a vector across it, near the local z axis",
+                )
+        problems.raise_if_any()
+
+    @property
+    def length(self) -> float:
+        """Flexible length in m."""
+        between = self.end + self.end_offset - self.start - self.start_offset
+        return float(np.linalg.norm(between))
+
+
+@dataclass(frozen=True, eq=False)
+class FrameArrays:
+    """Nodes and elements of joined members."""
+
+    nodes: Floats
+    elements: Ints
+    sections: list[Section]
+    materials: list[Material]
+    orientations: Floats
+    offsets: Floats
+    node_sets: dict[str, tuple[int, ...]]
+
+
+def join_members(name: str, members: Sequence[Member], points: Mapping[str, Any]) -> FrameArrays:
+    """Return the arrays of a frame: ends of members at one position share a node.
+
+    An end also meets an inner node of another member; inner nodes of two members that cross stay
+    apart.
+
+    Raises
+    ------
+    InputError
+        If there are no members, two have one name, or a named point is not at a node.
+    """
+    where, problems = f"part '{name}'", Problems()
+    given: Sequence[object] = members
+    wrong = [f"members[{i}]" for i, m in enumerate(given) if not isinstance(m, Member)]
+    if wrong:
+        problems.add(where, f"{some(wrong)} must be Member objects")
+    if not members:
+        problems.add(where, "has no members")
+    problems.raise_if_any()
+    names = [m.name for m in members if m.name]
+    for double in sorted({n for n in names if names.count(n) > 1}):
+        problems.add(where, f"two members are named '{double}'")
+
+    # all positions; ends first, then the inner nodes
+    ends = np.array([p for m in members for p in (m.start, m.end)])
+    inner = [_inner_nodes(m) for m in members]
+    every = np.concatenate([ends, *inner])
+    size = float(np.ptp(every, axis=0).max())
+    owner = np.arange(len(every))
+    from scipy.spatial import cKDTree  # slow to import and rarely needed
+
+    for i, j in sorted(cKDTree(every).query_pairs(MERGE * size)):
+        if i < len(ends):
+            owner[j] = min(owner[j], owner[i])
+
+    # number them along the members
+    chains = []
+    first = len(ends)
+    for i, nodes in enumerate(inner):
+        between = owner[first : first + len(nodes)]
+        chains.append(np.concatenate([owner[[2 * i]], between, owner[[2 * i + 1]]]))
+        first += len(nodes)
+    order = list(dict.fromkeys(int(x) for chain in chains for x in chain))
+    number = np.zeros(len(every), dtype=np.int64)
+    number[order] = np.arange(len(order))
+    chains = [number[chain] for chain in chains]
+    xyz = every[order]
+
+    offsets = []
+    for member in members:
+        arms = np.zeros((int(member.elements), 2, 3))
+        arms[0, 0], arms[-1, 1] = member.start_offset, member.end_offset
+        offsets.append(arms)
+    sets: dict[str, tuple[int, ...]] = {}
+    for member, chain in zip(members, chains, strict=True):
+        if member.name:
+            sets[member.name] = tuple(dict.fromkeys(int(i) for i in chain))
+            sets[f"{member.name}.start"] = (int(chain[0]),)
+            sets[f"{member.name}.end"] = (int(chain[-1]),)
+    _name_points(problems, where, points, xyz, sets)
+    problems.raise_if_any()
+    return FrameArrays(
+        nodes=xyz,
+        elements=np.concatenate([np.stack([c[:-1], c[1:]], axis=1) for c in chains]),
+        sections=[m.section for m in members for _ in range(m.elements)],
+        materials=[m.material for m in members for _ in range(m.elements)],
+        orientations=np.concatenate([np.tile(_up(m), (m.elements, 1)) for m in members]),
+        offsets=np.concatenate(offsets),
+        node_sets=sets,
+    )
+
+
+def _inner_nodes(member: Member) -> Floats:
+    """Return the nodes between the ends, on the flexible member."""
+    a, b = member.start + member.start_offset, member.end + member.end_offset
+    xi = np.linspace(0.0, 1.0, int(member.elements) + 1)[1:-1, None]
+    nodes: Floats = (1.0 - xi) * a + xi * b
+    return nodes
+
+
+def _up(member: Member) -> Floats:
+    """Return the orientation vector of a member."""
+    if member.orientation is not None:
+        return np.asarray(member.orientation)
+    along: Floats = member.end + member.end_offset - member.start - member.start_offset
+    return np.asarray(default_orientation(along[None])[0])
+
+
+def _name_points(
+    problems: Problems,
+    where: str,
+    points: Mapping[str, Any],
+    xyz: Floats,
+    sets: dict[str, tuple[int, ...]],
+) -> None:
+    """Add a one-node set for each named position."""
+    from scipy.spatial import cKDTree
+
+    tree, size = cKDTree(xyz), float(np.ptp(xyz, axis=0).max())
+    for name, value in points.items():
+        label = f"point '{name}'"
+        place = problems.array(where, label, value, (3,))
+        if place is None:
+            continue
+        distance, node = tree.query(place)
+        if distance > 1e-6 * size:
+            problems.add(
+                where,
+                f"{label} at {place.tolist()} m is not at a node; the nearest is node{node + 1} at"
+                f" {xyz[node].tolist()} m",
+            )
+        elif name in sets:
+            problems.add(where, f"{label}: this name is used by a member")
+        else:
+            sets[name] = (int(node),)

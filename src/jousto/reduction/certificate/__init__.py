@@ -1,0 +1,1 @@
+"""The certificate of a reduction: what was checked, compared and found."""

@@ -1,0 +1,312 @@
+"""The certificate of an imported part: what it weighs, whether it is sound, what its modes hold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, count
+
+if TYPE_CHECKING:
+    from jousto.parts.part import Part
+    from jousto.reduction.files.run import Report
+    from jousto.reduction.reduced import ReducedPart
+
+Array = NDArray[np.float64]
+Status = Literal["ok", "note", "warn", "fail"]
+
+STATUSES = ("ok", "note", "warn", "fail")
+"""From good to bad; a note is worth knowing and no fault."""
+
+MOST_ROWS = 14
+"""Rows of a table that are printed."""
+
+
+@described
+@dataclass(frozen=True)
+class Check:
+    """One thing that was checked.
+
+    Parameters
+    ----------
+    topic : str
+        What was looked at, such as ``"units"``.
+    status : str
+        ``"ok"``, ``"note"`` (worth knowing), ``"warn"`` (probably not what was meant) or
+        ``"fail"`` (results cannot be trusted).
+    value : str
+        What was found, with its unit.
+    limit : str
+        What it is held against; empty where there is no limit.
+    sentence : str
+        What it means, in plain language.
+    remedy : str
+        What to do; empty where nothing is to be done.
+    """
+
+    topic: str
+    status: Status
+    value: str
+    limit: str = ""
+    sentence: str = ""
+    remedy: str = ""
+
+    @property
+    def advice(self) -> str:
+        """The sentence and the remedy, as sentences."""
+        texts = [text for text in (self.sentence, self.remedy) if text]
+        return " ".join(f"{text[0].upper()}{text[1:]}." for text in texts)
+
+    def __post_init__(self) -> None:
+        if self.status not in STATUSES:
+            message = f"status is {self.status!r}, must be one of {', '.join(STATUSES)}"
+            raise InputError(Problem(f"check '{self.topic}'", message))
+
+
+@described
+@dataclass(frozen=True)
+class Table:
+    """Numbers behind the checks, as text.
+
+    Parameters
+    ----------
+    title : str
+    columns : tuple of str
+        Headings, with units.
+    rows : tuple of tuple of str
+    remark : str
+        How to read it.
+    """
+
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    remark: str = ""
+
+    def shown(self, most: int) -> tuple[tuple[str, ...], ...]:
+        """Return the rows, of many the first and the last one."""
+        if len(self.rows) <= most:
+            return self.rows
+        gap = (f"... {len(self.rows) - most} more", *[""] * (len(self.columns) - 1))
+        return (*self.rows[: most - 1], gap, self.rows[-1])
+
+    def lines(self, most: int | None = None) -> list[str]:
+        """Return the table as lines of text, of many rows the first and the last one."""
+        rows = self.rows if most is None else self.shown(most)
+        width = [
+            max(len(row[i]) for row in (self.columns, *rows)) for i in range(len(self.columns))
+        ]
+        text = []
+        for row in (self.columns, *rows):
+            cells = [row[0].ljust(width[0])]
+            cells += [cell.rjust(w) for cell, w in zip(row[1:], width[1:], strict=True)]
+            text.append("  " + "  ".join(cells).rstrip())
+        return text
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class Silhouette:
+    """The shape of the part, for a picture.
+
+    Parameters
+    ----------
+    nodes : (nn, 3) array
+        Undeformed positions, part frame, m.
+    lines : (k, 2) int array
+        Beams and edges.
+    triangles : (m, 3) int array
+        Outer surface of solids.
+    interfaces : tuple of (str, tuple of int)
+        Names and nodes where joints and forces act.
+    """
+
+    nodes: Array
+    lines: NDArray[np.int64]
+    triangles: NDArray[np.int64]
+    interfaces: tuple[tuple[str, tuple[int, ...]], ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """What `certify` found about a part and its modes; ``print`` shows it on one page.
+
+    Parameters
+    ----------
+    name : str
+        Name of the part.
+    facts : tuple of (str, str)
+        Names and values: mass, centre, inertia, size and the like.
+    checks : tuple of Check
+        In the order in which they were made.
+    tables : tuple of Table
+        Numbers behind the checks.
+    silhouette : Silhouette
+        Shape of the part.
+    """
+
+    name: str
+    facts: tuple[tuple[str, str], ...]
+    checks: tuple[Check, ...]
+    tables: tuple[Table, ...]
+    silhouette: Silhouette
+
+    @property
+    def status(self) -> Status:
+        """The worst status of all checks; notes count as ok."""
+        found = {check.status for check in self.checks}
+        return "fail" if "fail" in found else "warn" if "warn" in found else "ok"
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing failed; there may be warnings."""
+        return self.status != "fail"
+
+    def __getitem__(self, topic: str) -> Check:
+        """Return the check of a topic.
+
+        Raises
+        ------
+        KeyError
+            No such topic.
+        """
+        for check in self.checks:
+            if check.topic == topic:
+                return check
+        known = ", ".join(check.topic for check in self.checks)
+        raise KeyError(f"no check of '{topic}'; there are: {known}")
+
+    @property
+    def verdict(self) -> str:
+        """One line: how many checks are fine and how many are not."""
+        number = {
+            status: sum(check.status == status for check in self.checks)
+            for status in ("fail", "warn", "note", "ok")
+        }
+        words = {"fail": "fault", "warn": "warning", "note": "note"}
+        found = [count(number[s], words[s]) for s in words if number[s]]
+        return ", ".join([*found, f"{number['ok']} of {count(len(self.checks), 'check')} ok"])
+
+    def __str__(self) -> str:
+        lines = [f"certificate of part '{self.name}': {self.verdict}"]
+        lines += _columns(self.facts)
+        lines.append("checks")
+        width = max((len(check.topic) for check in self.checks), default=0)
+        for check in self.checks:
+            value = f"{check.value} ({check.limit})" if check.limit else check.value
+            lines.append(f"  {check.status:<4}  {check.topic:<{width}}  {value}")
+            if check.status != "ok":
+                lines += _wrapped(check.advice, " " * (width + 10))
+        for table in self.tables:
+            lines += [table.title, *table.lines(MOST_ROWS)]
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        return f"<Certificate {self.name!r}: {self.verdict}>"
+
+
+def _columns(rows: tuple[tuple[str, str], ...]) -> list[str]:
+    width = max((len(name) for name, _ in rows), default=0)
+    return [f"  {name:<{width}}  {value}" for name, value in rows]
+
+
+def _wrapped(text: str, indent: str, width: int = 100) -> list[str]:
+    import textwrap
+
+    return textwrap.wrap(text, width, initial_indent=indent, subsequent_indent=indent)
+
+
+def certify(
+    part: Part,
+    reduced: ReducedPart | None = None,
+    *,
+    solver: str | None = None,
+    progress: bool | Report | None = None,
+) -> Certificate:
+    """Examine a part and its modes and say what is right, what is doubtful and what to do.
+
+    Mass, centre, inertia and size; the six rigid motions and the strain energy that they must not
+    cost; whether the numbers can be SI units; what is missing (rotary inertia, loose nodes,
+    mechanisms, stress); the mesh, if the part has one. With the reduced part also: whether it is
+    of this part, how well its interfaces hold it, its free-free frequencies against the full
+    model, its modal effective mass, and its answer to every interface load against the full model.
+
+    Parameters
+    ----------
+    part : Part
+        The free part.
+    reduced : ReducedPart, optional
+        Its modes, from `reduce`; without them the part alone is examined.
+    solver : str, optional
+        Library that factorises the stiffness matrix, see `solvers`.
+    progress : bool or function, optional
+        True shows a bar for each stage; a function is called with (stage, part of it that is
+        done, from 0 to 1).
+
+    Returns
+    -------
+    Certificate
+
+    Raises
+    ------
+    InputError
+        The arguments are no part and its reduced part, or have different nodes.
+
+    Examples
+    --------
+    >>> import jousto as jo
+    >>> steel = jo.Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> rod = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.03), 10, steel, name="rod")
+    >>> certificate = certify(rod, jo.reduce(rod, jo.CraigBampton(("start", "end"), modes=6)))
+    >>> certificate.passed
+    True
+    >>> print(certificate["static loads"].sentence)
+    every one of 12 interface loads bends the reduced part as the full model
+    """
+    from jousto.reduction.certificate.certify import examine
+
+    return examine(part, reduced, solver, progress)
+
+
+def number(value: float, digits: int = 4) -> str:
+    """Return a number for people.
+
+    Examples
+    --------
+    >>> number(0.000123456), number(1234567.0)
+    ('0.0001235', '1.235e+06')
+    """
+    return f"{value:.{digits}g}"
+
+
+def vector(values: Any, digits: int = 6, size: float = 0.0) -> str:
+    """Return numbers for people, rounding of zero as zero.
+
+    `size` is how large they might be: what is far below it is rounding.
+
+    Examples
+    --------
+    >>> vector([1000.0, 1e-13, -2.5])
+    '1000, 0, -2.5'
+    """
+    array = np.asarray(values, dtype=float)
+    size = max(size, np.abs(array).max(initial=0.0))
+    return ", ".join(f"{0.0 if abs(x) <= 1e-9 * size else x:.{digits}g}" for x in array)
+
+
+def percent(value: float) -> str:
+    """Return a share for people, rounding as zero.
+
+    Examples
+    --------
+    >>> percent(0.01234), percent(1e-12)
+    ('1.2 %', '0 %')
+    """
+    size = abs(value)
+    if size < 1e-6:
+        return "0 %"
+    return f"{100.0 * value:.2g} %" if size < 0.1 else f"{100.0 * value:.3g} %"

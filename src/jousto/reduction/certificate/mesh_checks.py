@@ -1,0 +1,152 @@
+"""Checks of the mesh a part was made from: parts of the certificate."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from jousto.base.errors import count
+from jousto.reduction.certificate.certificate import Check, Status, Table, number
+from jousto.reduction.certificate.part_checks import hangs_together
+
+if TYPE_CHECKING:
+    from jousto.parts.part import Part
+
+POOR = 0.05
+"""Scaled Jacobian below which an element spoils its neighbourhood."""
+
+STIFF_KINDS = {"tetra": "tetra10", "hexahedron": "hexahedron20", "wedge": "wedge15"}
+"""Elements that are too stiff in bending, and what to take instead."""
+
+WORST = 5
+"""Elements that are named."""
+
+
+def mesh_checks(part: Part) -> tuple[list[Check], list[Table]]:
+    """Return the checks of a part's mesh; nothing for parts without one."""
+    mesh: Any = part.mesh
+    if mesh is None or not hasattr(mesh, "quality"):
+        return [], []
+    checks, table = _quality(mesh)
+    checks.append(_order(mesh))
+    checks.append(_surface(part))
+    # what the mesh knows of itself; the shapes of elements are judged above
+    found = [f for f in mesh.check() if f.kind not in ("jacobian", "sliver")]
+    for finding in found:
+        status: Status = "fail" if finding.severity == "error" else "warn"
+        if finding.kind == "pieces" and hangs_together(part):
+            sentence = "the mesh is of several pieces, rigid interfaces hold them together"
+            checks.append(Check("mesh: pieces", "note", "found", "", sentence))
+            continue
+        value = count(len(finding.ids), "place") if finding.ids else "found"
+        checks.append(Check(f"mesh: {finding.kind}", status, value, "", finding.message))
+    if not found:
+        sentence = "no free or doubled nodes, no overlapping elements, no gaps, one piece"
+        checks.append(Check("mesh", "ok", "nothing found", "", sentence))
+    return checks, [table]
+
+
+def mesh_facts(part: Part) -> list[tuple[str, str]]:
+    """Return volume and mean density of the mesh."""
+    mesh: Any = part.mesh
+    if mesh is None or not hasattr(mesh, "volume"):
+        return []
+    volume = float(mesh.volume)
+    if not volume > 0.0:
+        return []
+    density = part.mass / volume
+    return [
+        ("volume", f"{number(1e9 * volume, 6)} mm3, {number(density, 5)} kg/m3 on average"),
+    ]
+
+
+def _quality(mesh: Any) -> tuple[list[Check], Table]:
+    quality = mesh.quality()
+    s = np.asarray(quality.scaled_jacobian)
+    worst = quality.worst(WORST)
+    aspect = {int(i): float(a) for i, a in zip(quality.ids, quality.aspect, strict=True)}
+    table = Table(
+        "worst elements",
+        ("element", "scaled Jacobian", "longest edge / shortest"),
+        tuple((str(i), number(value, 3), number(aspect[i], 3)) for i, value in worst),
+        "Scaled Jacobian: 1 is the ideal shape, 0 is flat, below 0 is turned inside out.",
+    )
+    value = f"{number(s.min(), 3)} worst, {number(np.median(s), 3)} median of {len(s)}"
+    limit = f"scaled Jacobian at least {POOR:g}"
+    topic = "mesh quality"
+    names = ", ".join(str(i) for i, _ in worst[:3])
+    if len(quality.negative):
+        check = Check(
+            topic,
+            "fail",
+            value,
+            limit,
+            f"{count(len(quality.negative), 'element')} (such as {names}) are folded or inside out",
+            "mesh that region finer or straighten its midside nodes",
+        )
+    elif s.min() < POOR:
+        check = Check(
+            topic,
+            "warn",
+            value,
+            limit,
+            f"{count(int(np.sum(s < POOR)), 'element')} (such as {names}) are nearly flat: stress "
+            "there is of no use and high frequencies suffer",
+            "remove small faces from the geometry or mesh finer there",
+        )
+    else:
+        check = Check(topic, "ok", value, limit, "no element is flat or folded")
+    return [check], table
+
+
+def _order(mesh: Any) -> Check:
+    number_of: dict[str, int] = {}
+    for block in mesh.solids:
+        number_of[block.kind] = number_of.get(block.kind, 0) + len(block.nodes)
+    value = ", ".join(f"{n} {kind}" for kind, n in number_of.items())
+    stiff = [kind for kind in number_of if kind in STIFF_KINDS]
+    if not stiff:
+        return Check("elements", "ok", value, "", "quadratic elements bend as they should")
+    better = " and ".join(STIFF_KINDS[kind] for kind in stiff)
+    return Check(
+        "elements",
+        "warn",
+        value,
+        "quadratic",
+        "linear elements are too stiff in bending and know stress only coarsely",
+        f"take {better} (order=2 when meshing), or refine until frequencies stand still",
+    )
+
+
+def _surface(part: Part) -> Check:
+    """Return whether the outer surface is closed and meets itself nowhere."""
+    triangles = np.asarray(part.elements)
+    pairs = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    edges, times = np.unique(pairs, axis=0, return_counts=True)
+    corners = np.asarray(part.nodes)[triangles]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = 0.5 * float(np.linalg.norm(normal, axis=1).sum())
+    value = f"{count(len(triangles), 'triangle')}, {number(1e6 * area, 5)} mm2"
+    shared = np.flatnonzero(times > 2)
+    if len(shared):
+        a, b = edges[shared[0]] + 1
+        return Check(
+            "surface",
+            "warn",
+            value,
+            "two triangles at each edge",
+            f"at {count(len(shared), 'edge')} (such as node{a} to node{b}) bodies hang together "
+            "like on a hinge",
+            "let them share faces, or keep them apart",
+        )
+    if np.any(times == 1):
+        return Check(
+            "surface",
+            "warn",
+            value,
+            "two triangles at each edge",
+            f"the surface is open at {count(int(np.sum(times == 1)), 'edge')}",
+            "elements of different size or order meet there: mesh touching bodies together",
+        )
+    return Check("surface", "ok", value, "", "the surface is closed")

@@ -1,0 +1,162 @@
+"""Checks of frequencies and vibrating mass of a reduced part: parts of the certificate."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from jousto.base.errors import count
+from jousto.reduction.certificate.certificate import Check, Table, number, percent
+from jousto.reduction.certificate.part_checks import FullModel
+from jousto.reduction.modes.interface_modes import Modes
+from jousto.reduction.modes.rigid import rigid_modes
+
+Array = NDArray[np.float64]
+
+CLOSE = 0.01
+"""Relative error of a frequency that counts as good."""
+
+SHARE = 0.95
+"""Least share of a mode of the full model that the reduced part must hold."""
+
+MASS_SHARE = 0.8
+"""Share of the mass that vibrates with the fixed modes in a direction, of a part well covered."""
+
+MOST_DOFS = 720
+"""Degrees of freedom of all interfaces above which effective masses are not computed."""
+
+
+def frequencies(full: FullModel, modes: Modes) -> tuple[Check, Table] | None:
+    """Return the free-free frequencies of the reduced part beside those of the full model."""
+    f = full.frequencies
+    if not len(f):
+        return None
+    overlap = (modes.X.T @ (full.M @ full.shapes)) ** 2
+    held = overlap.sum(axis=0)
+    best = overlap.argmax(axis=0)
+    error = modes.reduced.frequencies[best] / f - 1.0
+    rows = tuple(
+        (
+            str(k + 1),
+            number(f[k], 6),
+            number(modes.reduced.frequencies[best[k]], 6) if held[k] > 0.3 else "-",
+            percent(error[k]) if held[k] > 0.3 else "-",
+            f"{100.0 * min(held[k], 1.0):.2f} %",
+        )
+        for k in range(len(f))
+    )
+    table = Table(
+        "free-free frequencies",
+        ("mode", "full model (Hz)", "reduced (Hz)", "error", "held"),
+        rows,
+        "Held: how much of the full model's mode shape the reduced part can take on.",
+    )
+    good = (np.abs(error) < CLOSE) & (held > SHARE)
+    first = len(f) if good.all() else int(np.argmin(good))
+    topic = "frequencies"
+    limit = "within 1 %"
+    low = np.flatnonzero((error < -1e-5) & (held > 0.999))
+    if len(low):
+        return Check(
+            topic,
+            "fail",
+            f"mode {low[0] + 1} is {percent(error[low[0]])} too low",
+            limit,
+            "a reduced part can only be stiffer than its full model; this one is softer",
+            "the modes belong to another mass or stiffness matrix: reduce this part again",
+        ), table
+    if first == 0:
+        what = f"mode 1 ({number(f[0])} Hz) is missing"
+        sentence = "the reduced part does not have the lowest mode of the free part"
+        if held[0] > 0.8:
+            what = f"mode 1 ({number(f[0])} Hz) is off by {percent(error[0])}"
+            sentence = "already the lowest mode of the free part is not within 1 %"
+        return Check(
+            topic,
+            "warn",
+            what,
+            limit,
+            sentence,
+            "ask for more modes, unless modes were left out on purpose (in_plane, keep)",
+        ), table
+    value = f"first {count(first, 'mode')} good, to {number(f[first - 1])} Hz"
+    sentence = f"the free body vibrates right up to {number(f[first - 1])} Hz"
+    return Check(topic, "ok", value, limit, sentence), table
+
+
+def effective_mass(full: FullModel, modes: Modes) -> tuple[Check, Table | None] | None:
+    """Return the modal effective mass of the modes of the reduced part, interfaces held.
+
+    In mass-orthonormal coordinates ``z = (a, p)`` of rigid motion and modes the held interface is
+    ``B^T [R X] z = 0`` with the loads B; the modes of what is left have the participation
+    ``L = r^T M phi`` in a unit rigid motion r, and the effective mass ``L^2``. All of them together
+    weigh at most ``r^T M r`` (Wijker 2004, Mechanical Vibrations in Spacecraft Design, chapter 6).
+    """
+    if full.rigid is None or not 0 < len(modes.names) <= MOST_DOFS:
+        return None
+    R, MR = full.rigid.R, full.rigid.MR
+    n = modes.reduced.n
+    C = modes.moved(np.concatenate([R, modes.X], axis=1))
+    size = np.maximum(np.sqrt(np.einsum("ij,ij->j", C, C)), np.finfo(float).tiny)
+    Z = scipy.linalg.null_space(C / size, rcond=1e-10) / size[:, None]
+    if not Z.shape[1]:
+        return Check(
+            "effective mass",
+            "warn",
+            "no mode with interfaces held",
+            "",
+            "the body does not vibrate at all while its interfaces are held: it is condensed "
+            "statically",
+            "ask for fixed-interface modes, unless only slow motion matters",
+        ), None
+    omega2 = (2.0 * np.pi * modes.reduced.frequencies) ** 2
+    stiff = Z.T @ (np.concatenate([np.zeros(6), omega2])[:, None] * Z)
+    values, Y = scipy.linalg.eigh(stiff, Z.T @ Z)
+    places = [modes.reduced.nodes[list(modes.reduced.node_sets[k])] for k, _ in modes.interfaces]
+    about = np.concatenate(places).mean(axis=0)
+    unit = rigid_modes(full.nodes, full.dofs, about)
+    coordinates = MR.T @ unit
+    L = coordinates.T @ (Z @ Y)[:6]
+    total = np.einsum("ij,ij->j", coordinates, coordinates)
+    share = L**2 / np.maximum(total, np.finfo(float).tiny)[:, None]
+    # a direction in which hardly anything can move by inertia has no share
+    share[total <= 1e-9 * np.repeat([full.mass, full.mass * full.length**2], 3)] = np.nan
+    f = np.sqrt(np.maximum(values, 0.0)) / (2.0 * np.pi)
+    shown = min(len(f), 10)
+    rows = [
+        (str(k + 1), number(f[k], 6), *(_share(share[a, k]) for a in range(6)))
+        for k in range(shown)
+    ]
+    if len(f) > shown:
+        rest = share[:, shown:].sum(axis=1)
+        rows.append((f"{shown + 1} to {len(f)}", f"to {number(f[-1])}", *map(_share, rest)))
+    held = share.sum(axis=1)
+    rows.append(("all", "", *map(_share, held)))
+    table = Table(
+        "modal effective mass, interfaces held",
+        ("mode", "Hz", "x", "y", "z", "about x", "about y", "about z"),
+        tuple(rows),
+        "Share of the mass (moment of inertia about the middle of the interfaces) that vibrates "
+        f"in each of {n} modes less what the interfaces hold.",
+    )
+    topic = "effective mass"
+    value = " ".join(f"{x} {_share(h)}" for x, h in zip("xyz", held, strict=False))
+    poor = [x for x, h in zip("xyz", held, strict=False) if not h >= MASS_SHARE]
+    limit = f"at least {100 * MASS_SHARE:.0f} % in each direction"
+    if not poor:
+        sentence = "the modes hold the vibrating mass in every direction"
+        return Check(topic, "ok", value, limit, sentence), table
+    sentence = (
+        f"shaken along {', '.join(poor)} much of the mass only follows its interfaces: what "
+        f"vibrates above {number(f[-1])} Hz is left out"
+    )
+    remedy = (
+        "ask for more fixed-interface modes if excitations there come near it; mass that stands on "
+        "its interfaces, such as bosses, hardly vibrates"
+    )
+    return Check(topic, "note", value, limit, sentence, remedy), table
+
+
+def _share(value: float) -> str:
+    return "-" if not np.isfinite(value) else f"{100.0 * value:.1f} %"

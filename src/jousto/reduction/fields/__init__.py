@@ -1,0 +1,1 @@
+"""What a reduced part keeps beside its modes: invariants, stress modes, stiffening."""

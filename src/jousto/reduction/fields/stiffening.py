@@ -1,0 +1,189 @@
+"""Geometric stiffening: the second-order displacement field of a modal body.
+
+``u = u0 + Phi p + 1/2 chi(p, p)``: a beam that bends draws its ends together, and a force along it
+works on that. With chi the forces of a fast spin and of joints stiffen (or soften) the body.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from jousto.base.errors import InputError, Problem, Problems
+from jousto.parts.frames.second_order import double_turn
+from jousto.reduction.modes.partition import whole_part_basis
+from jousto.reduction.modes.rigid import mass_orthonormal_rigid_modes
+
+if TYPE_CHECKING:
+    from jousto.parts.interface import Tie
+    from jousto.parts.part import Part
+
+Array = NDArray[np.float64]
+
+LARGEST_FIELD = 1 << 30
+"""Largest array of the field, bytes; three of them are needed at a time."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stiffening:
+    """Second-order displacements chi of a body with n modes, ``chi_jk = chi_kj``.
+
+    The rigid motion that chi leaves open is chosen so that it carries no momentum,
+    ``int chi dm = int u0 x chi dm = 0``.
+
+    Parameters
+    ----------
+    second_moment : (n, n, 3, 3) array
+        ``N[j, k] = int u0 chi_jk^T dm``, symmetric; no unit.
+    translations : (nn, 3, n, n) array
+        chi of the nodes, part frame, kg^-1 m^-1.
+    rotations : (nn, 3, n, n) array
+        Second-order rotation vectors of the nodes, kg^-1 m^-2.
+
+    Raises
+    ------
+    InputError
+        Shapes that do not belong together or values that are not finite.
+    """
+
+    second_moment: Array
+    translations: Array
+    rotations: Array
+
+    def __post_init__(self) -> None:
+        problems = Problems()
+        n = int(np.shape(self.second_moment)[0]) if np.ndim(self.second_moment) == 4 else 0
+        nn = int(np.shape(self.translations)[0]) if np.ndim(self.translations) == 4 else 0
+        for name, shape in (
+            ("second_moment", (n, n, 3, 3)),
+            ("translations", (nn, 3, n, n)),
+            ("rotations", (nn, 3, n, n)),
+        ):
+            array = problems.array("Stiffening", name, getattr(self, name), shape)
+            object.__setattr__(self, name, array)
+        problems.raise_if_any()
+
+    @property
+    def n(self) -> int:
+        """Number of modes."""
+        return len(self.second_moment)
+
+    def keep(self, indices: NDArray[np.intp]) -> Stiffening:
+        """Return the field of some of the modes, in the order given."""
+        j, k = np.ix_(indices, indices)
+        return Stiffening(
+            self.second_moment[j, k],
+            self.translations[:, :, j, k],
+            self.rotations[:, :, j, k],
+        )
+
+
+def stiffening(part: Part, X: Array) -> Stiffening:
+    """Return the second-order displacement field of mode shapes (ndof, n) of beams or solids.
+
+    An element stores the energy of ``B d + s(d, d)/2``, see `parts.second_order` and
+    `parts.solids.second_order`. Displacements
+    ``d = X p + chi(p, p)/2`` free of energy of the second order solve
+
+        ``K chi_jk = -sum_e B^T k s(x_j, x_k)``,
+
+    which is the dual of geometric stiffness: ``f . chi(p, p) = -p^T Kg(f) p`` for every load f with
+    the stress state ``K d = f``. The rigid part of chi is chosen such that ``int chi dm`` and
+    ``int u0 x chi dm`` vanish.
+
+    Raises
+    ------
+    InputError
+        If the part is made neither of beams nor of solids, or the field needs too much memory.
+    """
+    where = f"part '{part.name}'"
+    second = part.second_order
+    if second is None:
+        message = (
+            "has no geometric stiffening: it comes from matrices, only parts made of beams "
+            "(Part.beam, Part.frame, Part.from_members) or solids (Part.solid) know their stress; "
+            "reduce with stiffening=False, or cut the part into several bodies"
+        )
+        raise InputError(Problem(where, message))
+    ndof, n = X.shape
+    size = 8.0 * ndof * n * n
+    if size > LARGEST_FIELD:
+        message = (
+            f"stiffening of {n} modes at {len(part.nodes)} nodes needs {3.0 * size / 2**30:.1f} "
+            f"GiB; ask for fewer modes (up to {int(np.sqrt(LARGEST_FIELD / (8.0 * ndof)))}) or "
+            "reduce with stiffening=False"
+        )
+        raise InputError(Problem(where, message))
+    K = sp.csr_array(part.K)
+    basis = whole_part_basis(part, K)
+    assert basis.solve is not None
+    turned = [_turned(part, tie, X) for tie in part.ties]
+    chi = np.empty((ndof, n, n))
+    for j in range(n):
+        # what rigidly tied nodes do beyond the motions that a tie allows to first order
+        beyond = np.zeros((ndof, n - j))
+        for tie, c in zip(part.ties, turned, strict=True):
+            if tie.kind == "rigid":
+                beyond[tie.dofs] += c[:, j, j:]
+        forces = second.forces(X[:, j:], 0)
+        if np.any(beyond):
+            forces = forces + K @ beyond
+        chi[:, j:, j] = beyond + basis.lift(basis.solve(-basis.lower(forces)))
+        chi[:, j, j:] = chi[:, j:, j]
+
+    # int g . chi dm of the twelve affine fields g = a + H x
+    loads = second.field_loads
+    work = np.einsum("df,djk->fjk", loads, chi, optimize=True) + second.work(X)
+
+    # take the rigid motions out, twice for the digits
+    M = sp.csr_array(part.M)
+    rigid = mass_orthonormal_rigid_modes(M, part.nodes, part.dofs_per_node, where).R
+    fields = _affine(rigid, part)
+    gram = fields.T @ (loads.T @ rigid)
+    for _ in range(2):
+        c = np.linalg.solve(gram, np.einsum("fr,fjk->rjk", fields, work).reshape(6, -1))
+        chi -= (rigid @ c).reshape(chi.shape)
+        work -= ((loads.T @ rigid) @ c).reshape(work.shape)
+    N = work[3:].reshape(3, 3, n, n)
+    nodal = chi.reshape(-1, part.dofs_per_node, n, n)
+    translations = nodal[:, :3]
+    rotations = nodal[:, 3:] if part.dofs_per_node == 6 else np.zeros((len(nodal), 3, n, n))
+    if part.ties:
+        # the reference nodes follow what the tied nodes do beyond a finite rotation
+        q = np.stack(
+            [
+                np.einsum("ad,djk->ajk", tie.averaging, chi[tie.dofs] - c)
+                for tie, c in zip(part.ties, turned, strict=True)
+            ]
+        )
+        translations = np.concatenate([translations, q[:, :3]])
+        rotations = np.concatenate([rotations, q[:, 3:]])
+    moment = 0.5 * (N + N.swapaxes(0, 1)).transpose(2, 3, 0, 1)
+    return Stiffening(moment, translations, rotations)
+
+
+def _turned(part: Part, tie: Tie, X: Array) -> Array:
+    """Return ``theta x (theta x s)`` of the tied nodes (k d, n, n), s from the reference point.
+
+    A finite rotation of the reference node moves its nodes so, to the second order.
+    """
+    theta = tie.averaging[3:] @ X[tie.dofs]
+    n, d = X.shape[1], part.dofs_per_node
+    c = np.zeros((len(tie.nodes), d, n, n))
+    c[:, :3] = double_turn(theta, part.nodes[tie.nodes] - tie.at)
+    return c.reshape(-1, n, n)
+
+
+def _affine(rigid: Array, part: Part) -> Array:
+    """Return the coefficients (12, 6) of rigid motions ``a + b x x`` as affine fields."""
+    a, b = np.split(np.linalg.lstsq(part.rigid_modes(), rigid, rcond=None)[0], 2)
+    out = np.zeros((12, 6))
+    out[:3] = a
+    for c in range(3):
+        # b x x = H x with H[d, c] = (b x e_c)_d
+        out[3 + 3 * c : 6 + 3 * c] = np.cross(b.T, np.eye(3)[c]).T
+    return out

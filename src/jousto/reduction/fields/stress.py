@@ -1,0 +1,189 @@
+"""Modal stress: the stress at named places in every mode."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.base.described import described
+from jousto.base.errors import Problems
+from jousto.base.frozen import Frozen
+
+if TYPE_CHECKING:
+    from jousto.reduction.fields.residual_stress import ResidualStress
+    from jousto.reduction.reduced import ReducedPart
+
+Array = NDArray[np.float64]
+
+COMPONENTS = ("s11", "s22", "s33", "s12", "s23", "s13")
+"""Voigt order of the six stress components."""
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class StressModes:
+    """Stress of each mode at ns places; the stress of a moving body is ``modes @ p``.
+
+    Parameters
+    ----------
+    labels : tuple of str
+        Names of the places, such as ``e3.a.top``.
+    positions : (ns, 3) array
+        Where they are, part frame, m.
+    axes : (ns, 3, 3) array
+        Columns are the axes in which the stress is resolved, part frame.
+    modes : (ns, 6, n) array
+        ``[s11, s22, s33, s12, s23, s13]`` of each mode, Pa per unit modal coordinate.
+    elasticity : (ns, 2) array, optional
+        Young's modulus, Pa, and Poisson's ratio at each place; None if they are not known.
+    compliance : (ns, 6, 6) array, optional
+        Strain ``[e11 e22 e33 g12 g23 g13]`` from stress at each place, 1/Pa, in its axes: for
+        materials that Young's modulus and Poisson's ratio do not describe.
+    nodes : (ns,) int array, optional
+        Node of the body at each place, -1 where there is none. Several places may belong to one
+        node: the points of a section of a beam, or the materials that meet there.
+    sets : mapping of str to (k,) int array
+        Named groups of places, by index: those at the nodes of a node set.
+    residual : ResidualStress, optional
+        Stress that the modes leave out.
+    scatter : (ns, r, n) array, optional
+        Of parts of solids: ``|scatter p|`` estimates the error of the stress by the mesh, Pa, as
+        `place_errors` does. None if it is not known.
+
+    Raises
+    ------
+    InputError
+        Lengths that do not belong together, names used twice, or values that are not finite.
+    """
+
+    labels: tuple[str, ...]
+    positions: Array
+    axes: Array
+    modes: Array
+    elasticity: Array | None = None
+    compliance: Array | None = None
+    nodes: NDArray[np.int64] | None = None
+    sets: Mapping[str, NDArray[np.int64]] = field(default_factory=dict)
+    residual: ResidualStress | None = None
+    scatter: Array | None = None
+
+    def __post_init__(self) -> None:
+        problems = Problems()
+        labels = tuple(self.labels)
+        ns = len(labels)
+        n = int(np.shape(self.modes)[-1]) if np.ndim(self.modes) == 3 else 0
+        positions = problems.array("StressModes", "positions", self.positions, (ns, 3))
+        axes = problems.array("StressModes", "axes", self.axes, (ns, 3, 3))
+        modes = problems.array("StressModes", "modes", self.modes, (ns, 6, n))
+        if len(set(labels)) != ns:
+            twice = next(label for label in labels if labels.count(label) > 1)
+            problems.add("StressModes", f"label '{twice}' is used more than once")
+        elasticity = self.elasticity
+        if elasticity is not None:
+            elasticity = problems.array("StressModes", "elasticity", elasticity, (ns, 2))
+        compliance = self.compliance
+        if compliance is not None:
+            compliance = problems.array("StressModes", "compliance", compliance, (ns, 6, 6))
+        nodes = self.nodes
+        if nodes is not None:
+            nodes = np.array(nodes, dtype=np.int64)
+            if nodes.shape != (ns,):
+                problems.add("StressModes", f"nodes has shape {nodes.shape}, must be ({ns},)")
+        scatter = self.scatter
+        if scatter is not None:
+            scatter = problems.array("StressModes", "scatter", scatter, (ns, None, None))
+        sets = {str(k): np.array(v, dtype=np.int64) for k, v in self.sets.items()}
+        for key, members in sets.items():
+            if members.size and not 0 <= members.min() <= members.max() < ns:
+                problems.add("StressModes", f"set '{key}' names places outside 0..{ns - 1}")
+        problems.raise_if_any()
+        object.__setattr__(self, "labels", labels)
+        object.__setattr__(self, "compliance", compliance)
+        object.__setattr__(self, "nodes", nodes)
+        object.__setattr__(self, "scatter", scatter)
+        object.__setattr__(self, "sets", Frozen(sets))
+        object.__setattr__(self, "elasticity", elasticity)
+        object.__setattr__(self, "positions", positions)
+        object.__setattr__(self, "axes", axes)
+        object.__setattr__(self, "modes", modes)
+
+    def nearest(self, point: ArrayLike) -> str:
+        """Return the label of the site nearest to a point of the part frame, m."""
+        away = np.linalg.norm(self.positions - np.asarray(point, dtype=np.float64), axis=1)
+        return self.labels[int(np.argmin(away))]
+
+    def keep(self, indices: NDArray[np.intp]) -> StressModes:
+        """Return the stress of some of the modes, in the order given."""
+        residual = self.residual and self.residual.keep(np.asarray(indices), self.modes)
+        scatter = None if self.scatter is None else self.scatter[:, :, indices]
+        return replace(self, modes=self.modes[:, :, indices], residual=residual, scatter=scatter)
+
+    def combined(self, V: Array) -> StressModes:
+        """Return the stress of the modes ``V`` (n, m) of these modes."""
+        scatter = None if self.scatter is None else self.scatter @ V
+        return replace(self, modes=self.modes @ V, scatter=scatter)
+
+    def mesh_error(self, place: int, p: Array) -> float:
+        """Return the estimated error of the stress at a place by the mesh, Pa; nan if not known."""
+        if self.scatter is None:
+            return float("nan")
+        rows = self.scatter[place]
+        return float(np.linalg.norm(rows @ p[: rows.shape[1]]))
+
+    def select(self, places: NDArray[np.intp]) -> StressModes:
+        """Return some of the places, by index, in the order given."""
+        if np.array_equal(places, np.arange(len(self.labels))):
+            return self
+        where = np.full(len(self.labels), -1, dtype=np.int64)
+        where[places] = np.arange(len(places))
+        found = {key: where[members] for key, members in self.sets.items()}
+        found = {key: members[members >= 0] for key, members in found.items()}
+        return StressModes(
+            tuple(self.labels[i] for i in places),
+            self.positions[places],
+            self.axes[places],
+            self.modes[places],
+            None if self.elasticity is None else self.elasticity[places],
+            None if self.compliance is None else self.compliance[places],
+            None if self.nodes is None else self.nodes[places],
+            {key: members for key, members in found.items() if len(members)},
+            self.residual and replace(self.residual, columns=self.residual.columns[places]),
+            None if self.scatter is None else self.scatter[places],
+        )
+
+
+def located(reduced: ReducedPart) -> StressModes | None:
+    """Return the stress modes of a part with the node and the node sets of every place."""
+    stress = reduced.stress
+    if stress is None or stress.nodes is not None:
+        return stress
+    nodes = _nodes(reduced, stress)
+    at: dict[int, list[int]] = {}
+    for place, node in enumerate(nodes.tolist()):
+        if node >= 0:
+            at.setdefault(node, []).append(place)
+    sets = {
+        key: np.array([i for node in members for i in at.get(node, ())], dtype=np.int64)
+        for key, members in reduced.node_sets.items()
+    }
+    sets = {key: members for key, members in sets.items() if len(members)}
+    return replace(stress, nodes=nodes, sets=sets)
+
+
+def _nodes(reduced: ReducedPart, stress: StressModes) -> NDArray[np.int64]:
+    """Return the node of every place, -1 if it has none."""
+    if reduced.elements.ndim == 2 and reduced.elements.shape[1] == 2:
+        # points of sections stand around the nodes at the ends of beam elements
+        found = np.full(len(stress.labels), -1, dtype=np.int64)
+        for i, label in enumerate(stress.labels):
+            match = re.fullmatch(r"e(\d+)\.([ab])\..*", label)
+            if match and int(match[1]) <= len(reduced.elements):
+                found[i] = reduced.elements[int(match[1]) - 1, "ab".index(match[2])]
+        return found
+    places = {tuple(x): k for k, x in enumerate(reduced.nodes.tolist())}
+    return np.array([places.get(tuple(x), -1) for x in stress.positions.tolist()], dtype=np.int64)

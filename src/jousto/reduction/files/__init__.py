@@ -1,0 +1,1 @@
+"""Reduced parts in files, and the cache of reductions."""

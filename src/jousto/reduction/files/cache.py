@@ -1,0 +1,343 @@
+"""Reductions kept on disk by the content of what they are made of.
+
+A finished reduction is read back instead of computed again; one that was killed goes on after the
+last stage it finished. The key is a hash of the part, the method and the options, so that nothing
+stale is ever found. Every file appears complete or not at all.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import hashlib
+import os
+import re
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, warn
+from jousto.base.files import DAMAGED_NPZ, written
+
+if TYPE_CHECKING:
+    from jousto.reduction.reduced import ReducedPart
+
+Array = NDArray[np.float64]
+
+RECIPE = 2
+"""Raised when the same input gives another result, so that older entries are not found."""
+
+AUTOMATIC = 30_000
+"""Degrees of freedom from which reductions are kept without being asked to."""
+
+FINISHED = "part.h5"
+
+ENTRY = re.compile(r"(mesh-)?[0-9a-f]{40}")
+"""Names of the folders that are ours: a key."""
+
+OWN = re.compile(r"part\.h5|[a-z-]+\.npz|\.[0-9a-f]{32}\.(h5|npz)")
+"""Names of the files in them: the part, its stages, and either while it is written."""
+
+STALE = 86400.0
+"""Seconds after which a file that is still being written belongs to a killed process."""
+
+
+class NotHashable(Exception):
+    """The input holds something whose content is unknown, such as a function."""
+
+
+@described
+@dataclass(frozen=True)
+class ReductionCache:
+    """A folder of finished and interrupted reductions.
+
+    Parameters
+    ----------
+    folder : path, optional
+        Where they are kept. If not given, the folder that the environment variable `JOUSTO_CACHE`
+        names, or the user's cache folder (``~/.cache/jousto/reductions`` on Linux). Whatever else
+        lies in it is left alone.
+    limit : float
+        Bytes in all; the reductions used longest ago are removed above it.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> cache = ReductionCache(tempfile.mkdtemp())
+    >>> cache.size
+    0
+    """
+
+    folder: Path | str | None = None
+    limit: float = 10e9
+
+    def __post_init__(self) -> None:
+        folder: object = self.folder
+        if folder is not None and not isinstance(folder, (str, os.PathLike)):
+            message = f"is {folder!r}, must be True, False, a folder or ReductionCache(folder)"
+            raise InputError(Problem("cache", message))
+
+    @property
+    def path(self) -> Path:
+        """The folder."""
+        if self.folder is not None:
+            return Path(self.folder)
+        if os.environ.get("JOUSTO_CACHE"):
+            return Path(os.environ["JOUSTO_CACHE"])
+        import platformdirs
+
+        return Path(platformdirs.user_cache_dir("jousto", appauthor=False)) / "reductions"
+
+    @property
+    def size(self) -> int:
+        """Bytes that are used."""
+        return sum(_size(entry) for entry in self.entries())
+
+    def entries(self) -> tuple[Path, ...]:
+        """Return the folders of all reductions, the one used longest ago first.
+
+        Folders of other names, and those that hold anything else, are no reductions.
+        """
+        if not self.path.is_dir():
+            return ()
+        return tuple(sorted((p for p in self.path.iterdir() if _is_ours(p)), key=_used))
+
+    def clear(self) -> None:
+        """Remove all reductions."""
+        for entry in self.entries():
+            _remove(entry)
+
+    def entry(self, key: str) -> Entry:
+        """Return the place of one reduction."""
+        return Entry(self, self.path / key)
+
+    def prune(self, keep: Path) -> None:
+        """Remove the reductions used longest ago until the rest fits the limit.
+
+        What killed processes left half written goes first.
+        """
+        entries = self.entries()
+        for entry in entries:
+            _remove_stale(entry)
+        total = sum(_size(entry) for entry in entries)
+        for entry in entries:
+            if total <= self.limit:
+                break
+            if entry != keep:
+                total -= _size(entry)
+                _remove(entry)
+
+
+class Entry:
+    """The files of one reduction: one for each stage it finished, or the reduced part."""
+
+    def __init__(self, cache: ReductionCache, folder: Path) -> None:
+        self.cache = cache
+        self.folder = folder
+        self._full = False
+
+    def finished(self) -> ReducedPart | None:
+        """Return the reduced part if it is there."""
+        from jousto.reduction.reduced import ReducedPart
+
+        path = self.folder / FINISHED
+        if not path.exists():
+            return None
+        try:
+            reduced = ReducedPart.load(path)
+        except InputError:
+            # damaged, or of another version: compute again
+            with contextlib.suppress(OSError):
+                path.unlink()
+            return None
+        with contextlib.suppress(OSError):
+            os.utime(self.folder)
+        return reduced
+
+    def finish(self, reduced: ReducedPart) -> None:
+        """Keep the reduced part and drop what led to it."""
+        if self._full:
+            return
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            reduced.save(self.folder / FINISHED)
+        except (InputError, OSError) as error:
+            self._give_up(error)
+            return
+        for path in _files(self.folder):
+            # what begins with a dot is being written by another thread or process
+            if path.suffix == ".npz" and not path.name.startswith("."):
+                with contextlib.suppress(OSError):
+                    path.unlink()
+        self.cache.prune(self.folder)
+
+    def read(self, stage: str) -> dict[str, NDArray[Any]] | None:
+        """Return the arrays of a stage, or None if they are not there or damaged."""
+        path = self._file(stage)
+        try:
+            with path.open("rb") as raw, np.load(raw, allow_pickle=False) as file:
+                return {name: np.asarray(file[name]) for name in file.files}
+        except FileNotFoundError:
+            return None
+        except DAMAGED_NPZ:
+            with contextlib.suppress(OSError):
+                path.unlink()
+            return None
+
+    def write(self, stage: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Write the arrays of a stage; the file appears when it is complete."""
+        if self._full:
+            return
+        path = self._file(stage)
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            with written(path) as beside, beside.open("wb") as file:
+                np.savez(file, **arrays)  # type: ignore[arg-type]
+                file.flush()
+                os.fsync(file.fileno())
+        except (InputError, OSError) as error:
+            self._give_up(error)
+
+    def _file(self, stage: str) -> Path:
+        return self.folder / f"{stage.replace(' ', '-')}.npz"
+
+    def _give_up(self, error: Exception) -> None:
+        self._full = True
+        warn(
+            "reduce",
+            f"cannot keep results of the reduction in {self.folder} ({error}); it goes on, but "
+            "would start again if it were killed. Free space, name another folder "
+            "(cache=...), or say cache=False",
+        )
+
+
+def choose(cache: ReductionCache | Path | str | bool | None, size: int) -> ReductionCache | None:
+    """Return the cache for a part of `size` degrees of freedom: see `reduce`."""
+    if cache is None:
+        return ReductionCache() if size >= AUTOMATIC else None
+    if isinstance(cache, bool):
+        return ReductionCache() if cache else None
+    return cache if isinstance(cache, ReductionCache) else ReductionCache(cache)
+
+
+def key(*things: object) -> str:
+    """Return a hash of the content of arrays, matrices, dataclasses and plain values.
+
+    Raises
+    ------
+    NotHashable
+        Something whose content is unknown.
+
+    Examples
+    --------
+    >>> key(np.eye(2), {"a": 1}) == key(np.eye(2), {"a": 1}) != key(np.eye(2), {"a": 2})
+    True
+    """
+    digest = hashlib.blake2b(digest_size=20)
+    _add(digest, RECIPE)
+    for thing in things:
+        _add(digest, thing)
+    return digest.hexdigest()
+
+
+def _add(digest: Any, thing: object) -> None:
+    digest.update(type(thing).__qualname__.encode() + b":")
+    if thing is None or isinstance(thing, (bool, int, float, complex, str, Path)):
+        digest.update(repr(thing).encode() + b";")
+    elif isinstance(thing, bytes):
+        digest.update(thing + b";")
+    elif isinstance(thing, (np.ndarray, np.generic)):
+        array = np.asarray(thing)
+        if array.dtype.hasobject:
+            raise NotHashable(f"array of {array.dtype}")
+        digest.update(f"{array.dtype.str}{array.shape};".encode())
+        digest.update(np.ascontiguousarray(array).data)
+    elif sp.issparse(thing):
+        matrix: Any = thing
+        if matrix.format not in ("csr", "csc"):
+            matrix = matrix.tocsr()
+        if not matrix.has_canonical_format:
+            matrix = matrix.copy()
+            matrix.sum_duplicates()
+        for array in (matrix.indptr, matrix.indices):
+            _add(digest, array.astype(np.int64) if array.dtype != np.int32 else array)
+        _add(digest, matrix.data)
+    elif isinstance(thing, Mapping):
+        digest.update(f"{len(thing)};".encode())
+        for name, value in thing.items():
+            _add(digest, name)
+            _add(digest, value)
+    elif isinstance(thing, (tuple, list)):
+        digest.update(f"{len(thing)};".encode())
+        for item in thing:
+            _add(digest, item)
+    elif isinstance(thing, (set, frozenset)):
+        _add(digest, sorted(thing, key=repr))
+    elif dataclasses.is_dataclass(thing) and not isinstance(thing, type):
+        for item in dataclasses.fields(thing):
+            _add(digest, item.name)
+            _add(digest, getattr(thing, item.name))
+    elif callable(thing) or not hasattr(thing, "__dict__"):
+        raise NotHashable(type(thing).__qualname__)
+    else:
+        _add(digest, dict(vars(thing)))
+
+
+def _is_ours(folder: Path) -> bool:
+    """Return whether a folder is a reduction: its name and all it holds are ours."""
+    if not ENTRY.fullmatch(folder.name) or folder.is_symlink() or not folder.is_dir():
+        return False
+    try:
+        with os.scandir(folder) as found:
+            return all(
+                OWN.fullmatch(item.name) and item.is_file(follow_symlinks=False) for item in found
+            )
+    except OSError:
+        return False
+
+
+def _files(folder: Path) -> list[Path]:
+    """Return our files in a folder."""
+    try:
+        return [path for path in folder.iterdir() if OWN.fullmatch(path.name)]
+    except OSError:
+        return []
+
+
+def _remove(folder: Path) -> None:
+    """Remove our files of a reduction and its folder if nothing else is in it."""
+    for path in _files(folder):
+        with contextlib.suppress(OSError):
+            path.unlink()
+    with contextlib.suppress(OSError):
+        folder.rmdir()
+
+
+def _remove_stale(folder: Path) -> None:
+    """Remove what a killed process left half written."""
+    for path in _files(folder):
+        with contextlib.suppress(OSError):
+            if path.name.startswith(".") and time.time() - path.stat().st_mtime > STALE:
+                path.unlink()
+
+
+def _size(folder: Path) -> int:
+    total = 0
+    for path in _files(folder):
+        with contextlib.suppress(OSError):
+            total += path.stat().st_size
+    return total
+
+
+def _used(folder: Path) -> float:
+    try:
+        return folder.stat().st_mtime
+    except OSError:
+        return time.time()

@@ -1,0 +1,125 @@
+"""One reduction on its way: its stages, the solver, and what is kept of it in case it is killed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from jousto.reduction.files.cache import Entry
+from jousto.reduction.sparse import factor
+from jousto.reduction.sparse.memory import machine_memory
+
+Array = NDArray[np.float64]
+Report = Callable[[str, float], None]
+"""Function of (stage, part of it that is done, from 0 to 1)."""
+
+STAGES = (
+    "checks",
+    "factorisation",
+    "constraint modes",
+    "fixed-interface modes",
+    "residual vectors",
+    "free-free modes",
+    "orthonormalisation",
+    "invariants",
+    "stress modes",
+    "residual stress",
+    "stiffening",
+)
+"""Stages in their order; a reduction runs those it needs."""
+
+
+class Run:
+    """What the stages of a reduction share.
+
+    Parameters
+    ----------
+    solver : str, optional
+        Library that factorises; the best if not given.
+    report : callable, optional
+        Called with the stage and how much of it is done.
+    entry : Entry, optional
+        Where results of stages are kept.
+    """
+
+    def __init__(
+        self, solver: str | None = None, report: Report | None = None, entry: Entry | None = None
+    ) -> None:
+        self.solver = solver
+        self.used = ""
+        self.report = report
+        self._entry = entry
+
+    def _use(self, names: str) -> None:
+        """Note the libraries used, each once: a reduction may go on with another one."""
+        known = [*self.used.split(", "), *names.split(", ")]
+        self.used = ", ".join(name for name in dict.fromkeys(known) if name)
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[Report]:
+        """Report the beginning and the end of a stage; yields a function of (name, done)."""
+        report = self.report or (lambda stage, done: None)
+        report(name, 0.0)
+        yield report
+        report(name, 1.0)
+
+    def factorise(
+        self,
+        K: sp.csc_array | sp.csr_array,
+        where: str,
+        dof_name: Callable[[int], str],
+    ) -> factor.Solver:
+        """Factorise a stiffness matrix as a stage of its own; see `factor.factorise`."""
+        with self.stage("factorisation"):
+            solve = factor.factorise(K, where, dof_name, solver=self.solver, limit=machine_memory())
+        self._use(getattr(solve, "name", ""))
+        return solve
+
+    def found(self, stage: str) -> dict[str, Array] | None:
+        """Return what a killed reduction left of this stage, or None."""
+        kept = None if self._entry is None else self._entry.read(stage)
+        if kept is not None and "solver" in kept:
+            self._use(str(kept.pop("solver")))
+        return kept
+
+    def keep(self, stage: str, **arrays: Array) -> None:
+        """Keep the result of a stage until the reduction is finished."""
+        if self._entry is not None:
+            self._entry.write(stage, {**arrays, "solver": np.array(self.used)})
+
+
+@contextmanager
+def reporter(progress: bool | Report | None) -> Iterator[Report | None]:
+    """Yield the function that reports stages.
+
+    `progress` is True for bars on standard error, a function of your own, or None for silence.
+    """
+    if callable(progress):
+        yield progress
+        return
+    if not progress:
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    bars = Progress(
+        SpinnerColumn(finished_text="[green]✓"),
+        TextColumn("{task.description:24}"),
+        BarColumn(bar_width=24),
+        TimeElapsedColumn(),
+        console=Console(stderr=True),
+    )
+    with bars:
+        tasks: dict[str, int] = {}
+
+        def report(stage: str, done: float) -> None:
+            if stage not in tasks:
+                tasks[stage] = bars.add_task(stage, total=1.0)
+            bars.update(tasks[stage], completed=done)  # type: ignore[arg-type]
+
+        yield report

@@ -1,0 +1,1 @@
+"""Eigenproblems: constraint, fixed-interface and free modes, ties and rigid motions."""

@@ -1,0 +1,114 @@
+"""The modes of a reduced part beside its full model, and the unit loads of its interfaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from jousto.reduction.certificate.part_checks import FullModel
+from jousto.reduction.modes.rigid import rigid_modes
+
+if TYPE_CHECKING:
+    from jousto.reduction.reduced import ReducedPart
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+LEAST_HOLD = 1e-6
+"""Least independent motion over the size of the body by which six loads hold it."""
+
+LOADS = ("fx", "fy", "fz", "mx", "my", "mz")
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """The modes of a reduced part on the degrees of freedom of the full model.
+
+    Parameters
+    ----------
+    reduced : ReducedPart
+    X : (ndof, n) array
+        Mass-normalised modes.
+    loads : (ndof, nb) sparse array
+        Nodal loads of unit forces and moments on the interfaces; ``loads^T u`` is how these move.
+    names : tuple of str
+        A name for each load, such as ``end fy``.
+    weights : (nb,) array
+        1 for forces, the size of the body for moments.
+    interfaces : tuple of (str, (k,) int array)
+        Names of the interfaces and numbers of their loads.
+    """
+
+    reduced: ReducedPart
+    X: Array
+    loads: sp.csc_array
+    names: tuple[str, ...]
+    weights: Array
+    interfaces: tuple[tuple[str, Index], ...]
+
+    def moved(self, u: Array) -> Array:
+        """Return how the interfaces move, (nb, m), rotations times the size of the body."""
+        return np.asarray((self.loads.T @ u) * self.weights[:, None])
+
+
+def modes_of(full: FullModel, reduced: ReducedPart) -> Modes:
+    """Return the modes of a reduced part and the loads of its interfaces.
+
+    The load on the node to which a surface is tied spreads over the surface by the transpose of
+    the average that gives its motion.
+    """
+    part, d = full.part, full.dofs
+    nn = len(part.nodes)
+    blocks = [reduced.modes[:nn]]
+    if d == 6 and reduced.rotations is not None:
+        blocks.append(reduced.rotations[:nn])
+    X = np.concatenate(blocks, axis=1).reshape(-1, reduced.n)
+    ties = {tie.name: tie for tie in part.ties}
+    columns: list[Any] = []
+    names: list[str] = []
+    kinds: list[int] = []
+    interfaces = []
+    for name in reduced.interfaces:
+        first = len(names)
+        if name in ties:
+            tie = ties[name]
+            rows, unit = tie.dofs, tie.averaging.T
+            names += [f"{name} {load}" for load in LOADS]
+            kinds += range(6)
+        else:
+            members = part.node_sets[name]
+            rows = (d * np.array(members)[:, None] + np.arange(d)).ravel()
+            unit = np.eye(len(rows))
+            for node in members:
+                place = name if len(members) == 1 else f"{name} (node{node + 1})"
+                names += [f"{place} {load}" for load in LOADS[:d]]
+                kinds += range(d)
+        i, j = np.nonzero(unit)
+        shape = (X.shape[0], unit.shape[1])
+        columns.append(sp.coo_array((unit[i, j], (rows[i], j)), shape=shape))
+        interfaces.append((name, np.arange(first, len(names))))
+    loads = sp.csc_array(sp.hstack(columns)) if columns else sp.csc_array((X.shape[0], 0))
+    weights = np.where(np.array(kinds) < 3, 1.0, full.length)
+    return Modes(reduced, X, loads, tuple(names), weights, tuple(interfaces))
+
+
+def determinate(P: Array) -> Index | None:
+    """Return six loads, rows of their work in rigid motions (nb, 6), that hold the body."""
+    if len(P) < 6:
+        return None
+    r, pivots = scipy.linalg.qr(P.T, mode="r", pivoting=True)
+    if abs(r[5, 5]) < LEAST_HOLD * abs(r[0, 0]):
+        return None
+    return np.asarray(np.sort(pivots[:6]), dtype=np.intp)
+
+
+def scaled_rigid(full: FullModel) -> Array:
+    """Return rigid motions about the middle, rotations over the size of the body."""
+    R = rigid_modes(full.nodes, full.dofs, full.nodes.mean(axis=0))
+    R[:, 3:] /= full.length
+    return R

@@ -1,0 +1,157 @@
+"""Residual vectors: the static response to loads that the modes leave out."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from jousto.base.errors import InputError, Problem, Problems
+
+if TYPE_CHECKING:
+    from jousto.parts.part import Part
+
+Array = NDArray[np.float64]
+
+NEW = 1e-9
+"""Part of a response, in the norm of strain energy, below which the basis holds it already."""
+
+
+class Pattern:
+    """Nodal loads (ndof, m) as part of a method: compared and shown by their content.
+
+    Parameters
+    ----------
+    loads : (ndof, m) array
+        Read-only.
+    """
+
+    def __init__(self, loads: Array) -> None:
+        self.loads = loads
+        self.digest = hashlib.sha256(f"{loads.shape}".encode() + loads.tobytes()).hexdigest()[:16]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Pattern) and self.digest == other.digest
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
+    def __repr__(self) -> str:
+        n = self.loads.shape[1]
+        return f"<{n} load{'s'[: n != 1]} {self.digest}>"
+
+
+def read_residuals(where: str, given: Any, problems: Problems) -> tuple[Pattern | str, ...]:
+    """Return the residuals of a method, or note what is wrong with them."""
+    items = (given,) if isinstance(given, str | np.ndarray | Pattern) else given
+    if not isinstance(items, list | tuple):
+        problems.add(
+            where, f"residuals is {given!r}, must be load patterns (ndof,) or names of stress sites"
+        )
+        return ()
+    found: list[Pattern | str] = []
+    for item in items:
+        if isinstance(item, Pattern | str):
+            found.append(item)
+            continue
+        if not np.ndim(item):
+            problems.add(
+                where, f"residual {item!r} is neither a load pattern (ndof,) nor a stress site"
+            )
+            continue
+        shape = (None,) * min(np.ndim(item), 2)
+        loads = problems.array(where, "load pattern", item, shape)
+        if loads is None:
+            continue
+        loads = np.ascontiguousarray(loads.reshape(len(loads), -1))
+        empty = np.flatnonzero(~np.any(loads, axis=0))
+        if len(empty):
+            problems.add(where, f"load pattern {len(found) + 1} has no load in column {empty[0]}")
+            continue
+        loads.setflags(write=False)
+        found.append(Pattern(loads))
+    return tuple(found)
+
+
+def residual_loads(part: Part, residuals: tuple[Pattern | str, ...]) -> Array:
+    """Return the loads (ndof, m) of residuals on a part.
+
+    A stress site counts with its adjoint: ``s = S u`` is exact for the response u to every load if
+    the basis holds the response to ``S^T``, since both are one inner product of strain energy.
+
+    Raises
+    ------
+    InputError
+        Loads of another part, or stress sites that the part does not have.
+    """
+    where, problems = f"part '{part.name}'", Problems()
+    ndof = part.K.shape[0]
+    columns: list[Array] = []
+    sites: list[str] = []
+    for item in residuals:
+        if isinstance(item, str):
+            sites.append(item)
+        elif len(item.loads) != ndof:
+            problems.add(where, f"a residual load has {len(item.loads)} rows, the part has {ndof}")
+        else:
+            columns.append(item.loads)
+    if sites and part.stress is None:
+        problems.add(
+            where, f"residuals name the stress site '{sites[0]}', but the part knows no stress"
+        )
+    elif sites:
+        assert part.stress is not None
+        try:
+            rows = part.stress.rows(sites)
+            columns.append(np.asarray(rows.toarray().T, dtype=np.float64))
+        except InputError as error:
+            problems.found.extend(Problem(where, p.message) for p in error.problems)
+    problems.raise_if_any()
+    return np.concatenate(columns, axis=1) if columns else np.zeros((ndof, 0))
+
+
+def residual_vectors(responses: Array, loads: Array, basis: Array, K: sp.csr_array) -> Array:
+    """Return what is new in static responses, orthonormal in strain energy.
+
+    Parameters
+    ----------
+    responses : (n, m) array
+        Static responses.
+    loads : (n, m) array
+        What they are the responses to.
+    basis : (n, k) array
+        Vectors held already, ``basis^T K basis = E``.
+    K : (n, n) sparse array
+        Stiffness.
+
+    Returns
+    -------
+    (n, r) array
+        ``X^T K X = E`` and ``basis^T K X = 0``, at most one column for each response.
+    """
+    # a load that the interfaces carry has no response but rounding: compare it with what the load
+    # does where it acts as well
+    diagonal = K.diagonal()
+    near = np.einsum("ij,i,ij->j", loads, 1.0 / np.where(diagonal > 0.0, diagonal, np.inf), loads)
+    norm = np.sqrt(np.maximum(np.einsum("ij,ij->j", loads, responses), near))
+    used = norm > 0.0
+    rest = responses[:, used] / norm[used]
+    found = np.zeros((len(responses), 0))
+    K_found = found
+    while rest.shape[1]:
+        # twice is enough for rounding
+        for _ in range(2):
+            K_rest = np.asarray(K @ rest)
+            rest = rest - basis @ (basis.T @ K_rest) - found @ (K_found.T @ rest)
+        K_rest = np.asarray(K @ rest)
+        size = np.sqrt(np.maximum(np.einsum("ij,ij->j", rest, K_rest), 0.0))
+        k = int(np.argmax(size))
+        if size[k] < NEW:
+            break
+        found = np.column_stack([found, rest[:, k] / size[k]])
+        K_found = np.column_stack([K_found, K_rest[:, k] / size[k]])
+        rest = rest[:, (size >= NEW) & (np.arange(len(size)) != k)]
+    return found

@@ -1,0 +1,1 @@
+"""Sparse matrices: factors, their backends and the memory they need."""

@@ -1,0 +1,298 @@
+"""Factorise a stiffness matrix once, by the best sparse Cholesky factorisation that is installed.
+
+A factorisation is most of a reduction: its libraries differ by a factor of ten in time and memory.
+Every one of them is asked for the same: the factor of a symmetric positive definite matrix whose
+diagonal is scaled to ones, and solutions for blocks of right-hand sides.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, suggest, warn
+from jousto.reduction.sparse import backends
+
+Array = NDArray[np.float64]
+
+SMALL = 6000
+"""Unknowns up to which SuperLU is used whatever is installed: fast enough, the same everywhere."""
+
+LARGE = 60_000
+"""Unknowns above which SuperLU is slow and needs much memory."""
+
+LOOSE = 2e-14
+"""Least eigenvalue of the scaled matrix; below it the body moves without force."""
+
+BLOCK = 16
+"""Right-hand sides solved at a time: libraries copy them."""
+
+EXTRA = "pip install pypardiso, or ngsolve on macOS"
+
+
+class Solver(Protocol):
+    """Solves ``K x = f`` for a held body."""
+
+    def __call__(self, f: Array, /) -> Array:
+        """Return x for right-hand sides f (n,) or (n, m)."""
+        ...
+
+
+@described
+@dataclass(frozen=True)
+class SolverInfo:
+    """One factorisation library.
+
+    Parameters
+    ----------
+    name : str
+        What `reduce(..., solver=name)` takes.
+    library : str
+        The library.
+    licence : str
+        Its licence.
+    installed : bool
+        Whether it can be used here.
+    remark : str
+        Where it comes from and what it is good for.
+    """
+
+    name: str
+    library: str
+    licence: str
+    installed: bool
+    remark: str
+
+    def _facts(self) -> str:
+        return "installed" if self.installed else "not installed"
+
+
+# name -> (module that must be there, how to make it, library, licence, remark), best first
+_KNOWN: dict[str, tuple[str, Callable[..., backends.Backend], str, str, str]] = {
+    "pardiso": (
+        "pypardiso",
+        backends.Pardiso,
+        "PARDISO of Intel MKL by pypardiso",
+        "proprietary, free of charge",
+        "pip install pypardiso (Linux and Windows, x86-64)",
+    ),
+    "cholmod": (
+        "sksparse",
+        backends.Cholmod,
+        "CHOLMOD by scikit-sparse",
+        "GPL (supernodal part)",
+        "conda install scikit-sparse, or built with SuiteSparse and a compiler",
+    ),
+    "ngsolve": (
+        "ngsolve",
+        backends.NGSolve,
+        "sparse Cholesky of NGSolve",
+        "LGPL",
+        "pip install ngsolve (macOS, where pypardiso is not to be had, and elsewhere)",
+    ),
+    "superlu": (
+        "scipy",
+        backends.SuperLU,
+        "SuperLU of scipy",
+        "BSD",
+        f"always there; up to about {LARGE} unknowns",
+    ),
+}
+
+
+def solvers() -> tuple[SolverInfo, ...]:
+    """Return the known factorisation libraries, best first.
+
+    The first that is installed is used for large parts; parts of up to 6000 unknowns are always
+    factorised by SuperLU, which is as fast there.
+
+    Examples
+    --------
+    >>> solvers()[-1].name, solvers()[-1].installed
+    ('superlu', True)
+    """
+    return tuple(
+        SolverInfo(name, library, licence, _installed(module), remark)
+        for name, (module, _, library, licence, remark) in _KNOWN.items()
+    )
+
+
+def _installed(module: str) -> bool:
+    return importlib.util.find_spec(module) is not None
+
+
+def choose(n: int, where: str, solver: str | None = None) -> str:
+    """Return the name of the library for n unknowns: the one asked for, or the best.
+
+    Raises
+    ------
+    InputError
+        An unknown or missing library is asked for.
+
+    Warns
+    -----
+    JoustoWarning
+        Nothing better than SuperLU is installed for a large part.
+    """
+    installed = [known.name for known in solvers() if known.installed]
+    if solver is not None:
+        given: object = solver
+        if not isinstance(given, str) or given not in _KNOWN:
+            raise InputError(Problem(where, f"no solver '{given}'{suggest(given, _KNOWN)}"))
+        if solver not in installed:
+            _, _, library, _, remark = _KNOWN[solver]
+            message = f"solver '{solver}' ({library}) is not installed: {remark}"
+            raise InputError(Problem(where, f"{message}; installed: {', '.join(installed)}"))
+        return solver
+    if n <= SMALL:
+        return "superlu"
+    if installed[0] == "superlu" and n > LARGE:
+        warn(
+            where,
+            f"{n} unknowns are factorised by SuperLU, which takes several times the time and "
+            f"memory of other libraries, more so the larger the part: {EXTRA}",
+        )
+    return installed[0]
+
+
+class Factor:
+    """A factorised stiffness matrix; calling it solves.
+
+    Attributes
+    ----------
+    name : str
+        The library.
+    memory : int
+        Bytes of the factor, as far as the library tells; 0 if it does not.
+    """
+
+    def __init__(self, name: str, backend: backends.Backend, scale: Array) -> None:
+        self.name = name
+        self.memory = backend.memory
+        self._backend = backend
+        self._scale = scale
+
+    def __call__(self, f: Array, /) -> Array:
+        """Return x for right-hand sides f (n,) or (n, m)."""
+        columns = f.reshape(len(f), -1)
+        out = np.empty(columns.shape)
+        for k in range(0, columns.shape[1], BLOCK):
+            part = slice(k, min(k + BLOCK, columns.shape[1]))
+            out[:, part] = self._backend.solve(self._scale[:, None] * columns[:, part])
+        out *= self._scale[:, None]
+        return out.reshape(f.shape)
+
+
+def factorise(
+    K: sp.csc_array | sp.csr_array,
+    where: str,
+    dof_name: Callable[[int], str],
+    *,
+    solver: str | None = None,
+    limit: float = np.inf,
+) -> Solver:
+    """Factorise a sparse symmetric positive definite matrix.
+
+    Parameters
+    ----------
+    K : (n, n) sparse array
+        Stiffness of a held body, both triangles.
+    where : str
+        Name for errors.
+    dof_name : callable
+        Name of a degree of freedom, for errors.
+    solver : str, optional
+        Library, see `solvers`; the best that is installed if not given.
+    limit : float
+        Bytes of memory that there are.
+
+    Raises
+    ------
+    InputError
+        K is not positive definite; `dof_name` names the degree of freedom that is loose. Or the
+        library is not there.
+
+    Warns
+    -----
+    JoustoWarning
+        A large matrix is left to SuperLU.
+    """
+    n = K.shape[0]
+    name = choose(n, where, solver)
+    if n == 0:
+        return lambda f: f
+    diagonal = K.diagonal()
+    if diagonal.min() <= 0.0:
+        raise _not_held(where, dof_name(int(np.argmin(diagonal))))
+    # unit diagonal: translations and rotations become comparable
+    scale = 1.0 / np.sqrt(diagonal)
+    scaled = _scaled(K, scale)
+    make = _KNOWN[name][1]
+    try:
+        backend = make(scaled, limit)
+    except backends.NotPositiveDefinite:
+        raise _not_held(where, dof_name(_loosest(scaled, make))) from None
+    except (MemoryError, RuntimeError, ImportError, OSError) as error:
+        message = (
+            f"{name} could not factorise the stiffness matrix of {n} unknowns: {error}; free "
+            "memory, use a coarser mesh, or ask for another solver (jo.solvers() lists them)"
+        )
+        raise InputError(Problem(where, message)) from error
+    if _is_loose(backend, n):
+        raise _not_held(where, dof_name(_loosest(scaled, make)))
+    return Factor(name, backend, scale)
+
+
+def _scaled(K: sp.csc_array | sp.csr_array, scale: Array) -> sp.csr_array:
+    """Return ``S K S`` for a diagonal S, sharing the pattern of K."""
+    # symmetric: columns may be read as rows
+    data = K.data * scale[K.indices]
+    data *= np.repeat(scale, np.diff(K.indptr))
+    scaled = sp.csr_array((data, K.indices, K.indptr), shape=K.shape)
+    if not scaled.has_canonical_format:
+        scaled = scaled.copy()
+        scaled.sum_duplicates()
+    return scaled
+
+
+def _is_loose(backend: backends.Backend, n: int) -> bool:
+    """Return whether the matrix is singular up to rounding.
+
+    Two inverse iterations: the last quotient bounds the least eigenvalue from above.
+    """
+    x = np.random.default_rng(20070607).standard_normal((n, 1))
+    for _ in range(2):
+        x = backend.solve(x / np.linalg.norm(x))
+        # some libraries divide by a pivot that is zero
+        if not np.all(np.isfinite(x)):
+            return True
+    return bool(np.linalg.norm(x) > 1.0 / LOOSE)
+
+
+def _loosest(scaled: sp.csr_array, make: Callable[..., backends.Backend]) -> int:
+    # a small shift makes the matrix regular; its solution then is the motion without stiffness
+    n = scaled.shape[0]
+    shifted = sp.csr_array(scaled + sp.diags_array(np.full(n, 1e-10)))
+    try:
+        motion = make(shifted).solve(np.random.default_rng(20070607).standard_normal((n, 1)))
+    except backends.NotPositiveDefinite as error:
+        return max(error.row, 0)
+    return int(np.argmax(np.abs(motion)))
+
+
+def _not_held(where: str, dof: str) -> InputError:
+    return InputError(
+        Problem(
+            where,
+            "the stiffness matrix lets the body move without force even where it is held; "
+            f"{dof} moves most: are all elements connected, and does every node have stiffness in "
+            "all its degrees of freedom?",
+        )
+    )

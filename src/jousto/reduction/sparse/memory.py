@@ -1,0 +1,214 @@
+"""How much memory a reduction needs, and how much there is."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem, warn
+from jousto.reduction.methods import CraigBampton, FreeFree
+from jousto.reduction.sparse import factor
+
+if TYPE_CHECKING:
+    from jousto.parts.part import Part
+
+MiB, GiB = 1 << 20, 1 << 30
+
+BASE = 150 * MiB
+"""Python and its libraries."""
+
+COPIES = 2.5
+"""Times that K and M are there: the part's, the interior's, and the triangle for the library."""
+
+BULKY = {"superlu": 300.0}
+"""Bytes of a factor over ``n^(4/3)``, nested dissection of solids; 120 where not named."""
+
+MANY = 200
+"""Modes above which a node set is likely to be the reason."""
+
+FIELDS = 7.0
+"""Copies of the modes in the invariants: the modes, turned about three axes, and M times these."""
+
+PAIRS = 45.0
+"""Numbers for each pair of modes in the invariants: nine bilinear forms, and on the way to them."""
+
+THIN = 20.0
+"""Bytes of a factor over ``n log2 n``, nested dissection of plates and shells: the least."""
+
+
+@dataclass(frozen=True)
+class MemoryEstimate:
+    """Memory of a reduction, in bytes.
+
+    Parameters
+    ----------
+    unknowns : int
+        Degrees of freedom.
+    modes : int
+        Modes at most: of the interfaces, asked for, and residual vectors.
+    solver : str
+        Library that would factorise, see `solvers`.
+    factor : float
+        The factorisation of a bulky part; a thin one needs less.
+    total : float
+        All of it at its largest, with the part.
+    least : float
+        What even a thin part would need.
+    machine : float
+        What the machine has, or what this process may use; infinite if it is not known.
+    """
+
+    unknowns: int
+    modes: int
+    solver: str
+    factor: float
+    total: float
+    least: float
+    machine: float
+
+    def __str__(self) -> str:
+        there = f" of {self.machine / GiB:.1f} GiB" if np.isfinite(self.machine) else ""
+        return (
+            f"{self.unknowns:,} unknowns, {self.modes:,} modes: up to about "
+            f"{_amount(self.total)}{there}, {_amount(self.factor)} of it for the "
+            f"factorisation by {self.solver}"
+        )
+
+
+@explained
+def memory_estimate(
+    part: Part,
+    method: CraigBampton | FreeFree,
+    *,
+    stiffening: bool = False,
+    solver: str | None = None,
+) -> MemoryEstimate:
+    """Return about how much memory the reduction of a part takes, before it starts.
+
+    The factor of a solid of n unknowns grows with ``n^(4/3)``; the m modes are there several times
+    as dense ``n m`` and ``m^2`` arrays, most of it if a node set is an interface.
+
+    Parameters
+    ----------
+    part : Part
+    method : CraigBampton or FreeFree
+    stiffening : bool
+        As for `reduce`.
+    solver : str, optional
+        As for `reduce`.
+
+    Examples
+    --------
+    >>> from jousto import Material, Part, Rectangle
+    >>> beam = Part.beam(1.0, Rectangle(0.1, 0.1), 40, Material(2e11, 0.3, 7850.0))
+    >>> print(memory_estimate(beam, FreeFree(modes=5)).unknowns)
+    246
+    """
+    n = part.K.shape[0]
+    name = factor.choose(n, f"part '{part.name}'", solver)
+    entries = part.K.nnz + part.M.nnz
+    modes = 20 if method.modes is None else method.modes
+    columns = _columns(part, method)
+    m = min(modes + columns, n)
+    # while modes are sought, and while they are made into a body
+    basis = 2 * max(2 * modes + 40, 104)
+    sites = 0 if part.stress is None else len(part.stress.sites)
+    body = m * max(FIELDS * n + PAIRS * m, 2.0 * n + 2.0 * 6 * sites)
+    if stiffening:
+        body = max(body, 3.0 * n * m**2)
+    rest = BASE + COPIES * 12.0 * entries + 8.0 * max(n * (basis + 4.0 * m), body)
+    bulky = BULKY.get(name, 120.0) * n ** (4.0 / 3.0)
+    thin = min(THIN * n * np.log2(max(n, 2)), bulky)
+    return MemoryEstimate(n, m, name, bulky, rest + bulky, rest + thin, machine_memory())
+
+
+def _columns(part: Part, method: CraigBampton | FreeFree) -> int:
+    """Return the number of interface motions, or attachment modes, and residual vectors."""
+    ties = [tie.name for tie in part.ties]
+    names: Collection[str] = method.interfaces
+    if isinstance(method, CraigBampton):
+        names = names or ties
+    # six motions of a tie, all of each node of a set; unknown names are refused later
+    count = sum(
+        6 if name in ties else part.dofs_per_node * len(part.node_sets.get(name, ()))
+        for name in names
+    )
+    for item in method.residuals:
+        count += 6 if isinstance(item, str) else item.loads.shape[1]
+    return count + 6 * (isinstance(method, CraigBampton) and method.inertia_relief)
+
+
+def check_memory(estimate: MemoryEstimate, where: str) -> None:
+    """Refuse what cannot fit.
+
+    Raises
+    ------
+    InputError
+        Even a thin part of this size needs more memory than there is.
+
+    Warns
+    -----
+    JoustoWarning
+        A bulky part of this size needs more memory than there is.
+    """
+    remedy = (
+        "use a coarser mesh (quadratic elements allow it), fewer modes, or a machine with more "
+        "memory"
+    )
+    if estimate.modes > MANY:
+        remedy += (
+            "; an Interface(name, nodes) has 6 modes where a node set has 3 or 6 for each node"
+        )
+    text = (
+        f"the reduction of {estimate.unknowns:,} unknowns to {estimate.modes:,} modes needs {{}} "
+        f"of memory, this machine has {estimate.machine / GiB:.1f} GiB; {remedy}"
+    )
+    if estimate.least > estimate.machine:
+        raise InputError(Problem(where, text.format(f"at least {_amount(estimate.least)}")))
+    if estimate.total > estimate.machine:
+        warn(where, text.format(f"up to about {_amount(estimate.total)}"))
+
+
+def machine_memory() -> float:
+    """Return the bytes of memory of this machine, or of the container this process runs in."""
+    limits = [np.inf]
+    if sys.platform == "win32":
+        limits.append(_windows())
+    else:
+        try:
+            limits.append(float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")))
+        except (ValueError, OSError, AttributeError):
+            pass
+    for path in ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"):
+        try:
+            limits.append(float(Path(path).read_text()))
+        except (OSError, ValueError):
+            # no such file, or "max"
+            continue
+    return min(limits)
+
+
+def _windows() -> float:
+    import ctypes
+
+    class Status(ctypes.Structure):
+        _fields_ = [
+            ("length", ctypes.c_uint32),
+            ("load", ctypes.c_uint32),
+            *((name, ctypes.c_uint64) for name in ("total", "free", "c", "d", "e", "f", "g")),
+        ]
+
+    status = Status(length=ctypes.sizeof(Status))
+    kernel = getattr(ctypes, "windll").kernel32  # noqa: B009
+    return float(status.total) if kernel.GlobalMemoryStatusEx(ctypes.byref(status)) else np.inf
+
+
+def _amount(bytes_: float) -> str:
+    return f"{bytes_ / GiB:.1f} GiB" if bytes_ > 0.95 * GiB else f"{bytes_ / MiB:.0f} MiB"

@@ -1,0 +1,1 @@
+"""Entries of a model file: which keys they have and which values."""

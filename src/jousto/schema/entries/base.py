@@ -1,0 +1,325 @@
+"""Building blocks of the model file: numbers with units, vectors, markers, tagged entries."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Annotated, Any, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
+from pydantic_core import PydanticCustomError, core_schema
+
+from jousto.base.units import KINDS, UnitError, describe, quantity
+
+
+class Entry(BaseModel):
+    """A mapping in the model file; unknown keys are errors, missing ones take Python's defaults."""
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, protected_namespaces=(), defer_build=True
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _note_class(cls, data: Any, info: Any) -> Any:
+        # lets messages name the known keys of the mapping that was read as this class
+        if isinstance(info.context, dict) and isinstance(data, dict):
+            info.context.setdefault(id(data), cls)
+        return data
+
+    @classmethod
+    def keys(cls) -> list[str]:
+        """Return the keys that the mapping may have in the file."""
+        return [key for key, field in cls.model_fields.items() if field.alias is None]
+
+    def given(self, *leave_out: str) -> dict[str, Any]:
+        """Return the values that the file gives, by field; what is not given is left out."""
+        return {
+            key: value
+            for key in type(self).model_fields
+            if key in self.model_fields_set
+            and key not in ("type", *leave_out)
+            and (value := getattr(self, key)) is not None
+        }
+
+
+def fail(message: str) -> PydanticCustomError:
+    """Return an error whose message is shown as it is."""
+    return PydanticCustomError("jousto", "{message}", {"message": message})
+
+
+class Unit:
+    """Annotation of a number that may be a string with a unit; validated to a float in SI."""
+
+    def __init__(self, unit: str, *, positive: bool = False) -> None:
+        self.unit = unit
+        self.positive = positive
+
+    def _validate(self, value: Any) -> float:
+        try:
+            number = quantity(value, self.unit)
+        except UnitError as error:
+            raise fail(str(error)) from None
+        if self.positive and number <= 0:
+            raise fail(f"is {number:g} {self.unit}, must be positive")
+        return number
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Validate with `quantity`."""
+        return core_schema.no_info_plain_validator_function(self._validate)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        """Describe as a number or a string."""
+        text = KINDS[self.unit][0].upper() + KINDS[self.unit][1:]
+        if self.unit != "1":
+            text += f"; a number is in {self.unit}, a string may have another unit"
+        return {"type": ["number", "string"], "description": text}
+
+
+class Vector:
+    """Annotation of a tuple that must be given as a list of so many numbers."""
+
+    def __init__(self, length: int) -> None:
+        self.length = length
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Check the length before the entries."""
+
+        def check(value: Any) -> Any:
+            if not isinstance(value, list | tuple) or len(value) != self.length:
+                raise fail(f"expects a list of {self.length} numbers, got {describe(value)}")
+            return value
+
+        return core_schema.no_info_before_validator_function(check, handler(source))
+
+
+Length: TypeAlias = Annotated[float, Unit("m")]
+Mass: TypeAlias = Annotated[float, Unit("kg")]
+Time: TypeAlias = Annotated[float, Unit("s")]
+Duration: TypeAlias = Annotated[float, Unit("s", positive=True)]
+Angle: TypeAlias = Annotated[float, Unit("rad")]
+Number: TypeAlias = Annotated[float, Unit("1")]
+Velocity: TypeAlias = Annotated[float, Unit("m/s")]
+AngularVelocity: TypeAlias = Annotated[float, Unit("rad/s")]
+Acceleration: TypeAlias = Annotated[float, Unit("m/s2")]
+ForceN: TypeAlias = Annotated[float, Unit("N")]
+TorqueNm: TypeAlias = Annotated[float, Unit("N m")]
+Pressure: TypeAlias = Annotated[float, Unit("Pa")]
+Density: TypeAlias = Annotated[float, Unit("kg/m3")]
+Area: TypeAlias = Annotated[float, Unit("m2")]
+SecondMoment: TypeAlias = Annotated[float, Unit("m4")]
+Inertia: TypeAlias = Annotated[float, Unit("kg m2")]
+Frequency: TypeAlias = Annotated[float, Unit("Hz")]
+Rate: TypeAlias = Annotated[float, Unit("1/s")]
+
+Position: TypeAlias = Annotated[tuple[Length, Length, Length], Vector(3)]
+Velocity3: TypeAlias = Annotated[tuple[Velocity, Velocity, Velocity], Vector(3)]
+AngularVelocity3: TypeAlias = Annotated[
+    tuple[AngularVelocity, AngularVelocity, AngularVelocity], Vector(3)
+]
+Acceleration3: TypeAlias = Annotated[tuple[Acceleration, Acceleration, Acceleration], Vector(3)]
+Force3: TypeAlias = Annotated[tuple[ForceN, ForceN, ForceN], Vector(3)]
+Torque3: TypeAlias = Annotated[tuple[TorqueNm, TorqueNm, TorqueNm], Vector(3)]
+Direction: TypeAlias = Annotated[tuple[Number, Number, Number], Vector(3)]
+
+
+LARGEST = 2**53  # whole numbers up to here are exact as numbers of any kind
+
+
+class _Integer:
+    """Annotation of a whole number; true and false are none."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Accept integers and floats without a fraction."""
+
+        def check(value: Any) -> int:
+            whole = isinstance(value, int) or (isinstance(value, float) and value.is_integer())
+            if isinstance(value, bool) or not whole:
+                raise fail(f"expects a whole number, got {describe(value)}")
+            if abs(value) >= LARGEST:
+                raise fail(f"expects a whole number below 2^53, got {value:.3g}")
+            return int(value)
+
+        return core_schema.no_info_plain_validator_function(check)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        """Describe as an integer."""
+        return {"type": "integer"}
+
+
+class _Flag:
+    """Annotation of true or false; the yes and no, on and off of YAML 1.1 are understood."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Accept booleans and their words."""
+
+        def check(value: Any) -> bool:
+            if isinstance(value, bool):
+                return value
+            word = value.lower() if isinstance(value, str) else None
+            if word in ("yes", "on", "true", "no", "off", "false"):
+                return word in ("yes", "on", "true")
+            raise fail(f"expects true or false, got {describe(value)}")
+
+        return core_schema.no_info_plain_validator_function(check)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        """Describe as a boolean."""
+        return {"type": "boolean"}
+
+
+class _Text:
+    """Annotation of a word; numbers must be quoted, since 1.10 would become 1.1."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Accept strings that are not empty."""
+
+        def check(value: Any) -> str:
+            if isinstance(value, bool | int | float):
+                raise fail(f"expects text, got {describe(value)}; put it in quotes")
+            if not isinstance(value, str):
+                raise fail(f"expects text, got {describe(value)}")
+            if not value.strip():
+                raise fail("is empty")
+            return value
+
+        return core_schema.no_info_plain_validator_function(check)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        """Describe as a string."""
+        return {"type": "string", "minLength": 1}
+
+
+Count: TypeAlias = Annotated[int, _Integer()]
+Flag: TypeAlias = Annotated[bool, _Flag()]
+Text: TypeAlias = Annotated[str, _Text()]
+# number from 0, or name
+Component: TypeAlias = Annotated[
+    Annotated[int, _Integer(), Tag("number")] | Annotated[str, _Text(), Tag("text")],
+    Discriminator(lambda v: "text" if isinstance(v, str) else "number"),
+]
+
+
+InertiaRow: TypeAlias = Annotated[tuple[Inertia, Inertia, Inertia], Vector(3)]
+InertiaPart: TypeAlias = Annotated[
+    Annotated[Inertia, Tag("scalar")] | Annotated[InertiaRow, Tag("list")],
+    Discriminator(lambda v: "list" if isinstance(v, list | tuple) else "scalar"),
+]
+InertiaTensor: TypeAlias = Annotated[tuple[InertiaPart, InertiaPart, InertiaPart], Vector(3)]
+
+
+# -- orientations and markers ---------------------------------------------------------------
+
+
+class _Degrees:
+    """Annotation of an angle in degrees, or a string with a unit."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Convert to degrees; what is written in degrees is kept to the digit."""
+
+        def check(value: Any) -> float:
+            text = f"{value}" if isinstance(value, str) else ""
+            plain = re.fullmatch(r"([-+.\deE]+)\s*(?:deg|°)?", text.strip())
+            try:
+                if plain or not text:
+                    return quantity(plain.group(1) if plain else value, "1")
+                return math.degrees(quantity(value, "rad"))
+            except UnitError as error:
+                raise fail(str(error)) from None
+
+        return core_schema.no_info_plain_validator_function(check)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        """Describe as a number or a string."""
+        text = "An angle; a number is in degrees, a string may have another unit"
+        return {"type": ["number", "string"], "description": text}
+
+
+class RotateEntry(Entry):
+    """A turn about an axis, `Rotate(axis, degrees=angle_deg)`."""
+
+    axis: Direction = Field(description="Direction of the axis")
+    angle_deg: Annotated[float, _Degrees()]
+
+
+class _Orientation:
+    """Annotation of Euler parameters, a rotation matrix or a turn about an axis."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Hand mappings to `RotateEntry`, check the numbers of lists."""
+        rotate = handler(RotateEntry)
+
+        def numbers(value: Any) -> Any:
+            try:
+                if isinstance(value, list) and len(value) == 4:
+                    return tuple(quantity(x, "1") for x in value)
+                if isinstance(value, list) and len(value) == 3:
+                    rows = [row if isinstance(row, list) else [] for row in value]
+                    if all(len(row) == 3 for row in rows):
+                        return tuple(tuple(quantity(x, "1") for x in row) for row in rows)
+            except UnitError as error:
+                raise fail(str(error)) from None
+            raise fail(
+                "expects {axis: [x, y, z], angle_deg: ...}, four Euler parameters (scalar first) "
+                f"or the three rows of a rotation matrix, got {describe(value)}"
+            )
+
+        return core_schema.tagged_union_schema(
+            {"rotate": rotate, "numbers": core_schema.no_info_plain_validator_function(numbers)},
+            discriminator=lambda v: "rotate" if isinstance(v, dict | RotateEntry) else "numbers",
+        )
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        """Describe the three forms."""
+        numbers = {"type": "number"}
+        row = {"type": "array", "items": numbers, "minItems": 3, "maxItems": 3}
+        return {
+            "anyOf": [
+                handler(schema["choices"]["rotate"]),
+                {"type": "array", "items": numbers, "minItems": 4, "maxItems": 4},
+                {"type": "array", "items": row, "minItems": 3, "maxItems": 3},
+            ]
+        }
+
+
+Orientation: TypeAlias = Annotated[Any, _Orientation()]
+
+
+class MarkerEntry(Entry):
+    """A marker with its own axes, or at a position of the ground or a rigid body."""
+
+    body: Text = Field(description="Name of the body, or ground")
+    point: Text | None = Field(None, description="Name of the point")
+    at: Position | None = Field(None, description="Position in the body frame, instead of a point")
+    axes: Orientation | None = Field(None, description="Axes relative to the body frame")
+
+    @model_validator(mode="after")
+    def _one_place(self) -> MarkerEntry:
+        if (self.point is None) == (self.at is None):
+            raise fail("give either point: NAME or at: [x, y, z]")
+        return self
+
+
+class _MarkerText:
+    """Annotation of ``body.point``."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Split at the first dot."""
+
+        def check(value: Any) -> str:
+            body, dot, point = value.partition(".") if isinstance(value, str) else ("", "", "")
+            if not (dot and body.strip() and point.strip()):
+                raise fail(f"expects a marker such as arm.tip or ground.origin, got {value!r}")
+            return str(value)
+
+        return core_schema.no_info_plain_validator_function(check)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        """Describe as a string with a dot."""
+        return {"type": "string", "pattern": r"^[^.]+\..+$", "description": "body.point"}
+
+
+Marker: TypeAlias = Annotated[
+    Annotated[str, _MarkerText(), Tag("text")] | Annotated[MarkerEntry, Tag("mapping")],
+    Discriminator(lambda v: "mapping" if isinstance(v, dict | MarkerEntry) else "text"),
+]

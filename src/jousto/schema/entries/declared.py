@@ -1,0 +1,73 @@
+"""Entries of declared classes, made of their fields: one for each word of a section."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from functools import reduce
+from operator import or_
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import Field as Key, Tag, create_model
+
+from jousto.base.declare import Declared, Field, kinds
+from jousto.schema.entries.base import Direction, Entry, Flag, Marker, Number, Text, Unit
+from jousto.schema.entries.choices import tagged
+from jousto.schema.entries.signals import Amount
+
+Forms: TypeAlias = Mapping[str, Callable[[Any], Any]]
+
+BASIC: Forms = {
+    "text": lambda field: Text,
+    "flag": lambda field: Flag,
+    "number": lambda field: amount(field.unit),
+    "numbers": lambda field: tuple[Number, ...],
+    "choice": lambda field: Literal[field.words],
+    "direction": lambda field: Direction,
+    "marker": lambda field: Marker,
+}
+"""What a field of each form looks like in a model file, as a type that pydantic checks."""
+
+
+def amount(unit: Any) -> Any:
+    """Return the type of a number; a unit that depends on other fields is checked with them."""
+    return Annotated[float, Unit(unit)] if isinstance(unit, str) else Amount
+
+
+def entry_of(cls: type[Declared], forms: Forms) -> type[Entry]:
+    """Return the entry of a class in model files: its word, and a key for each field."""
+    keys: dict[str, Any] = {"type": (Literal[cls.tag], ...)}
+    for name, field in cls.fields.items():
+        if not field.file:
+            continue
+        form = forms[field.form](field)
+        if field.required:
+            keys[name] = (form, Key(description=said(field)))
+        else:
+            keys[name] = (form | None, Key(None, description=said(field)))
+    made = create_model(f"{cls.__name__}Entry", __base__=Entry, **keys)
+    made.__doc__ = f"`{cls.__name__}`: {(inspect.getdoc(cls) or '').partition(chr(10))[0]}"
+    return made
+
+
+def said(field: Field[Any, Any]) -> str | None:
+    """Return what editors show of a field, None if there is nothing to say."""
+    unit = "" if isinstance(field.unit, str) else f", {field.unit}"
+    plain = field.required or field.default is None or isinstance(field.default, bool)
+    default = "" if plain else f"; {field.default} if not given"
+    return f"{field.text}{unit}{default}" or None
+
+
+def one_of(section: str, room: str, forms: Forms = BASIC) -> Any:
+    """Return the type of an entry of a section: one of its classes, by the key ``type``.
+
+    Parameters
+    ----------
+    section, room : str
+        As for `kinds`.
+    forms : mapping
+        Types for each form of a field.
+    """
+    found = kinds(section, room).items()
+    entries = [Annotated[entry_of(cls, forms), Tag(tag)] for tag, cls in found]
+    return Annotated[reduce(or_, entries), tagged()]

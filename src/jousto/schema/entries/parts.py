@@ -1,0 +1,398 @@
+"""Parts in the model file: beams, frames, matrices, their materials, sections and reduction."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import Discriminator, Field, Tag
+
+from jousto.schema.entries.base import (
+    Area,
+    Count,
+    Density,
+    Direction,
+    Entry,
+    Flag,
+    Frequency,
+    InertiaTensor,
+    Length,
+    Mass,
+    Number,
+    Position,
+    Pressure,
+    SecondMoment,
+    Text,
+    Vector,
+)
+from jousto.schema.entries.choices import by_form, tagged
+
+
+class MaterialEntry(Entry):
+    """`Material`: linear elastic, isotropic."""
+
+    E: Pressure = Field(description="Young's modulus")
+    nu: Number = Field(description="Poisson's ratio")
+    rho: Density = Field(description="Density")
+    name: Text | None = None
+    alpha: Number | None = Field(None, description="Thermal expansion, 1/K")
+
+
+MaterialForm: TypeAlias = Annotated[
+    Annotated[Text, Tag("scalar")] | Annotated[MaterialEntry, Tag("mapping")], by_form()
+]
+
+# -- sections -------------------------------------------------------------------------------
+
+
+class RectangleEntry(Entry):
+    """`Rectangle`: solid, width along y and height along z."""
+
+    type: Literal["rectangle"]
+    width: Length
+    height: Length
+
+
+class CircleEntry(Entry):
+    """`Circle`: solid."""
+
+    type: Literal["circle"]
+    diameter: Length
+
+
+class TubeEntry(Entry):
+    """`Tube`: circular and hollow."""
+
+    type: Literal["tube"]
+    outer_diameter: Length
+    wall: Length
+
+
+class BoxEntry(Entry):
+    """`Box`: rectangular and hollow."""
+
+    type: Literal["box"]
+    width: Length
+    height: Length
+    web: Length = Field(description="Thickness of the two walls along z")
+    flange: Length | None = Field(None, description="Thickness of the two walls along y")
+
+
+class IBeamEntry(Entry):
+    """`IBeam`: double symmetric."""
+
+    type: Literal["i-beam"]
+    height: Length
+    width: Length
+    web: Length = Field(description="Thickness of the web")
+    flange: Length = Field(description="Thickness of the flanges")
+    fillet: Length | None = Field(None, description="Radius between web and flange")
+
+
+ShearRow: TypeAlias = Annotated[tuple[Number, Number, Number], Vector(3)]
+
+
+class SectionPointEntry(Entry):
+    """`SectionPoint`: where stress is recovered."""
+
+    name: Text
+    y: Length
+    z: Length
+    shear: Annotated[tuple[ShearRow, ShearRow], Vector(2)] | None = Field(
+        None, description="Rows s12 and s13, columns for unit Vy, Vz (1/m2) and torque (1/m3)"
+    )
+
+
+class GeneralSectionEntry(Entry):
+    """`GeneralSection`: given by its constants."""
+
+    type: Literal["general"]
+    A: Area
+    Iy: SecondMoment
+    Iz: SecondMoment
+    J: SecondMoment = Field(description="Torsion constant")
+    ky: Number | None = Field(None, description="Shear coefficient along y")
+    kz: Number | None = Field(None, description="Shear coefficient along z")
+    points: tuple[SectionPointEntry, ...] | None = None
+
+
+SectionEntry: TypeAlias = Annotated[
+    Annotated[RectangleEntry, Tag("rectangle")]
+    | Annotated[CircleEntry, Tag("circle")]
+    | Annotated[TubeEntry, Tag("tube")]
+    | Annotated[BoxEntry, Tag("box")]
+    | Annotated[IBeamEntry, Tag("i-beam")]
+    | Annotated[GeneralSectionEntry, Tag("general")],
+    tagged(),
+]
+
+# -- how parts are modelled and reduced -----------------------------------------------------
+
+
+class TimoshenkoEntry(Entry):
+    """`Timoshenko`: with shear deformation, the default."""
+
+    type: Literal["timoshenko"]
+    ky: Number | None = None
+    kz: Number | None = None
+
+
+class EulerBernoulliEntry(Entry):
+    """`EulerBernoulli`: without shear deformation."""
+
+    type: Literal["euler-bernoulli"]
+
+
+TheoryEntry: TypeAlias = Annotated[
+    Annotated[TimoshenkoEntry, Tag("timoshenko")]
+    | Annotated[EulerBernoulliEntry, Tag("euler-bernoulli")],
+    tagged(),
+]
+
+
+class PointMassEntry(Entry):
+    """`PointMass`: a rigid mass fixed to a node."""
+
+    node: Text = Field(description="Name of a node such as end or node3")
+    mass: Mass
+    inertia: InertiaTensor | None = Field(
+        None, description="About its own centre, part axes: three moments or a 3 x 3 tensor"
+    )
+    offset: Position | None = Field(None, description="From the node to the centre of the mass")
+
+
+class LoadPatternEntry(Entry):
+    """A force spread evenly over nodes, of any size: its static response is then exact."""
+
+    force: Direction = Field(description="Direction, part frame")
+    nodes: Text = Field(description="A set of nodes")
+
+
+class PressurePatternEntry(Entry):
+    """A pressure on a surface of a solid, of any size: its static response is then exact."""
+
+    pressure: Text = Field(description="A surface, or a set with all nodes of its faces")
+
+
+def _residual_form(value: Any) -> str:
+    if isinstance(value, PressurePatternEntry) or (isinstance(value, dict) and "pressure" in value):
+        return "pressure load"
+    return "scalar" if isinstance(value, str) else "force load"
+
+
+Residual: TypeAlias = Annotated[
+    Annotated[Text, Tag("scalar")]
+    | Annotated[LoadPatternEntry, Tag("force load")]
+    | Annotated[PressurePatternEntry, Tag("pressure load")],
+    Discriminator(_residual_form),
+]
+
+
+class CraigBamptonEntry(Entry):
+    """`CraigBampton`: fixed-interface modes plus constraint modes of the interface nodes."""
+
+    type: Literal["craig-bampton"]
+    interfaces: tuple[Text, ...] | None = Field(
+        None, description="Where joints and forces act: interfaces or node sets; all if none"
+    )
+    modes: Count | None = Field(None, description="Number of fixed-interface modes")
+    frequency_limit: Frequency | None = Field(None, description="Highest frequency kept")
+    residuals: tuple[Residual, ...] | None = Field(
+        None, description="Loads between the interfaces, or stress sites, to be exact in statics"
+    )
+    inertia_relief: Flag | None = Field(
+        None, description="Whether the response to weight and slow acceleration is exact, too"
+    )
+
+
+class FreeFreeEntry(Entry):
+    """`FreeFree`: elastic modes of the whole, unsupported part."""
+
+    type: Literal["free-free"]
+    modes: Count | None = Field(None, description="Number of elastic modes")
+    frequency_limit: Frequency | None = Field(None, description="Highest frequency kept")
+    interfaces: tuple[Text, ...] | None = Field(
+        None, description="Interfaces or node sets that get attachment modes"
+    )
+    residuals: tuple[Residual, ...] | None = Field(
+        None, description="Loads on the accelerated part, or stress sites, to be exact in statics"
+    )
+
+
+MethodEntry: TypeAlias = Annotated[
+    Annotated[CraigBamptonEntry, Tag("craig-bampton")] | Annotated[FreeFreeEntry, Tag("free-free")],
+    tagged(),
+]
+
+
+class ModeChoice(Entry):
+    """Which of the computed modes to keep; at most one of the two."""
+
+    in_plane: Literal["xy", "yz", "xz"] | None = Field(
+        None, description="Keep the modes that move in this plane only"
+    )
+    keep: tuple[Count, ...] | None = Field(None, description="Keep these modes, counted from 0")
+
+
+class FePart(ModeChoice):
+    """What all parts with a mesh have."""
+
+    reduce: MethodEntry
+    residual_stress: Flag | None = Field(
+        None, description="Keep the stress that the modes leave out, for jousto stress --residual"
+    )
+
+
+class BeamOptionsEntry(FePart):
+    """What all parts made of beams have."""
+
+    lumped: Flag | None = Field(None, description="Half of each element's mass at each end")
+    rotary_inertia: Flag | None = Field(None, description="Rotary inertia of the sections")
+    theory: TheoryEntry | None = None
+    stiffening: Flag | None = Field(
+        None, description="Forces along the beams stiffen or soften them"
+    )
+    point_masses: tuple[PointMassEntry, ...] | None = None
+
+
+# -- parts ----------------------------------------------------------------------------------
+
+
+class BeamEntry(BeamOptionsEntry):
+    """`Part.beam`: straight along +x from the origin, with the nodes start and end."""
+
+    type: Literal["beam"]
+    length: Length
+    section: SectionEntry
+    elements: Count = Field(description="Number of elements")
+    material: MaterialForm
+    orientation: Direction | None = Field(None, description="Vector near the section's z axis")
+
+
+class MemberEntry(Entry):
+    """`Member`: a straight member between two points."""
+
+    name: Text | None = None
+    start: Position
+    end: Position
+    section: SectionEntry
+    material: MaterialForm
+    elements: Count | None = Field(None, description="Number of elements, 1 if not given")
+    orientation: Direction | None = Field(None, description="Vector near the section's z axis")
+    start_offset: Position | None = Field(None, description="Rigid arm at the start")
+    end_offset: Position | None = Field(None, description="Rigid arm at the end")
+
+
+class MembersEntry(BeamOptionsEntry):
+    """`Part.from_members`: straight members, joined where their ends meet."""
+
+    type: Literal["members"]
+    members: tuple[MemberEntry, ...]
+    points: dict[Text, Position] | None = Field(None, description="Names for nodes, by position")
+
+
+Pair: TypeAlias = Annotated[tuple[Count, Count], Vector(2)]
+Offsets: TypeAlias = Annotated[tuple[Position, Position], Vector(2)]
+
+
+Sections: TypeAlias = Annotated[
+    Annotated[SectionEntry, Tag("mapping")] | Annotated[tuple[SectionEntry, ...], Tag("list")],
+    by_form(),
+]
+Materials: TypeAlias = Annotated[
+    Annotated[Text, Tag("scalar")]
+    | Annotated[MaterialEntry, Tag("mapping")]
+    | Annotated[tuple[MaterialForm, ...], Tag("list")],
+    by_form(),
+]
+Nodes: TypeAlias = Annotated[
+    Annotated[Text, Tag("scalar")] | Annotated[tuple[Position, ...], Tag("list")], by_form()
+]
+
+
+class FrameEntry(BeamOptionsEntry):
+    """`Part.frame`: beams between nodes given by arrays."""
+
+    type: Literal["frame"]
+    nodes: tuple[Position, ...]
+    elements: tuple[Pair, ...] = Field(description="Two nodes each, counted from 0")
+    sections: Sections = Field(description="One for all elements or one for each")
+    materials: Materials = Field(description="One for all elements or one for each")
+    orientations: tuple[Direction, ...] | None = Field(
+        None, description="Vector near the local z axis of each element"
+    )
+    offsets: tuple[Offsets, ...] | None = Field(None, description="Rigid arms at both ends")
+    node_sets: dict[Text, tuple[Count, ...]] | None = Field(None, description="Counted from 0")
+
+
+class SuperelementEntry(Entry):
+    """`reduce_superelement`: what the other program kept, orthonormal."""
+
+    type: Literal["superelement"]
+    modes: Count | None = Field(None, description="Keep the lowest; all if not given")
+    frequency_limit: Frequency | None = Field(None, description="Highest frequency kept")
+
+
+MatricesMethod: TypeAlias = Annotated[
+    Annotated[CraigBamptonEntry, Tag("craig-bampton")]
+    | Annotated[FreeFreeEntry, Tag("free-free")]
+    | Annotated[SuperelementEntry, Tag("superelement")],
+    tagged(),
+]
+
+
+class SetInterfaceEntry(Entry):
+    """`Interface`: a node set tied to one node that translates and turns."""
+
+    name: Text
+    nodes: Text = Field(description="A node set")
+    kind: Literal["rigid", "average"] | None = Field(
+        None, description="rigid (RBE2, if none): a stiff flange; average (RBE3): a pin with play"
+    )
+    at: Position | None = Field(
+        None, description="Reference point; the axis of a bore or the centroid if none"
+    )
+
+
+class MatricesEntry(ModeChoice):
+    """`Part.from_file`: mass and stiffness from another program."""
+
+    type: Literal["matrices"]
+    reduce: MatricesMethod
+    K: Text = Field(
+        description="File of the stiffness matrix, or of both: .sti, .full, .op4, .pch, .mtx, .npz,"
+        " .npy, .rsa"
+    )
+    M: Text | None = Field(
+        None, description="File of the mass matrix, where it is another one that is not beside K"
+    )
+    nodes: Nodes | None = Field(
+        None,
+        description="Positions: a mesh, a table of x y z or number x y z (.npy, .csv, .txt), or a"
+        " list; found beside the matrices of CalculiX, Ansys and Nastran",
+    )
+    dofs: Text | None = Field(
+        None, description="File with the node and the direction (1..6, 0 modal) of each row"
+    )
+    format: Literal["calculix", "ansys", "op4", "dmig", "abaqus", "plain"] | None = Field(
+        None, description="From the ending and the content if not given"
+    )
+    units: Text | None = Field(
+        None, description="Units of the files, such as SI, mm-t-s, in-lbf-s; SI if not given"
+    )
+    dofs_per_node: Count | None = Field(None, description="3 or 6, from the sizes if not given")
+    node_sets: dict[Text, tuple[Count, ...]] | None = Field(
+        None,
+        description="Numbers of nodes as in the other program; counted from 0 for plain matrices"
+        " without dofs",
+    )
+    interfaces: tuple[SetInterfaceEntry, ...] | None = Field(
+        None, description="Surfaces that follow a node with six directions"
+    )
+    elements: tuple[tuple[Count, ...], ...] | None = Field(None, description="For drawing only")
+
+
+class ReducedEntry(ModeChoice):
+    """`ReducedPart.load`: a part reduced before, in an HDF5 file."""
+
+    type: Literal["reduced"] = "reduced"
+    file: Text

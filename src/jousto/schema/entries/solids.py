@@ -1,0 +1,257 @@
+"""Solid parts in the model file: meshes, picks of nodes, interfaces; the choice of all parts."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from jousto.schema.entries.base import (
+    Count,
+    Density,
+    Direction,
+    Entry,
+    Flag,
+    Length,
+    Mass,
+    Number,
+    Orientation,
+    Position,
+    Pressure,
+    Text,
+    fail,
+)
+from jousto.schema.entries.choices import by_form, tagged
+from jousto.schema.entries.parts import (
+    BeamEntry,
+    FePart,
+    FrameEntry,
+    MaterialEntry,
+    MatricesEntry,
+    MembersEntry,
+    PointMassEntry,
+    ReducedEntry,
+)
+
+# -- materials ------------------------------------------------------------------------------
+
+
+class OrthotropicEntry(Entry):
+    """`Orthotropic`: three planes of symmetry, as of composites, wood and printed parts."""
+
+    type: Literal["orthotropic"] = "orthotropic"
+    E1: Pressure
+    E2: Pressure
+    E3: Pressure
+    nu12: Number = Field(description="Contraction along 2 under a pull along 1")
+    nu13: Number
+    nu23: Number
+    G12: Pressure
+    G13: Pressure
+    G23: Pressure
+    rho: Density
+    axes: Orientation | None = Field(None, description="Material axes 1, 2, 3 in the part frame")
+    name: Text | None = None
+
+
+class IsotropicEntry(MaterialEntry):
+    """`Material`: linear elastic, isotropic."""
+
+    type: Literal["isotropic"] = "isotropic"
+
+
+InlineMaterial: TypeAlias = Annotated[
+    Annotated[IsotropicEntry, Tag("isotropic")] | Annotated[OrthotropicEntry, Tag("orthotropic")],
+    tagged(lambda data: "orthotropic" if "E1" in data else "isotropic"),
+]
+SolidMaterial: TypeAlias = Annotated[
+    Annotated[Text, Tag("scalar")] | Annotated[InlineMaterial, Tag("mapping")], by_form()
+]
+
+# -- meshes ---------------------------------------------------------------------------------
+
+
+class MeshFileEntry(Entry):
+    """`read_mesh`: a mesh in a file, .msh .inp .bdf .nas .med .vtk .vtu or .cdb."""
+
+    file: Text
+    unit: Text | None = Field(None, description="Unit of length in the file such as mm; m if none")
+
+
+class CadEntry(Entry):
+    """`mesh_step`: a CAD file, .step .stp or .brep, meshed with tetrahedra."""
+
+    cad: Text = Field(description="The file")
+    size: Length = Field(description="Length of the elements' edges")
+    order: Count | None = Field(None, description="2 (tetra10, if none) or 1 (tetra4)")
+    curved: Flag | None = Field(None, description="Whether edges follow curved surfaces")
+    per_circle: Count | None = Field(None, description="Elements along a full turn, 12 if none")
+    unit: Text | None = Field(None, description="Unit of length instead of that of the file")
+    refine: dict[Text, Length] | None = Field(
+        None, description="Smaller elements at faces (face12) or groups"
+    )
+
+
+def _mesh_form(value: Any) -> str:
+    if isinstance(value, dict):
+        return "CAD file" if "cad" in value else "mesh file"
+    if isinstance(value, CadEntry):
+        return "CAD file"
+    return "mesh file" if isinstance(value, MeshFileEntry) else "scalar"
+
+
+MeshForm: TypeAlias = Annotated[
+    Annotated[Text, Tag("scalar")]
+    | Annotated[MeshFileEntry, Tag("mesh file")]
+    | Annotated[CadEntry, Tag("CAD file")],
+    Discriminator(_mesh_form),
+]
+
+# -- picks of nodes -------------------------------------------------------------------------
+
+
+class BoxPick(Entry):
+    """The nodes in a box along the axes."""
+
+    low: Position
+    high: Position
+
+
+class CylinderPick(Entry):
+    """The nodes in or on a cylinder: the wall of a bore, if it is the bore's."""
+
+    point: Position = Field(description="On the axis; the middle if there is a length")
+    axis: Direction
+    radius: Length
+    length: Length | None = Field(None, description="Without end if not given")
+
+
+class SpherePick(Entry):
+    """The nodes in a sphere."""
+
+    point: Position
+    radius: Length
+
+
+class PlanePick(Entry):
+    """The nodes on a plane."""
+
+    point: Position
+    normal: Direction
+    tolerance: Length | None = None
+
+
+class NearestPick(Entry):
+    """The nodes nearest to a point."""
+
+    point: Position
+    count: Count | None = Field(None, description="1 if not given")
+
+
+class HolePick(Entry):
+    """The wall of the cylindrical hole whose middle is nearest to a point."""
+
+    near: Position
+    diameter: Length | None = Field(None, description="Of this diameter, within 2 %")
+
+
+class PickEntry(Entry):
+    """Nodes of the surface by where they are: one of these."""
+
+    box: BoxPick | None = None
+    cylinder: CylinderPick | None = None
+    sphere: SpherePick | None = None
+    plane: PlanePick | None = None
+    nearest: NearestPick | None = None
+    hole: HolePick | None = None
+    inside: Flag | None = Field(None, description="Nodes inside of the part, too")
+
+    @model_validator(mode="after")
+    def _one_form(self) -> PickEntry:
+        forms = [key for key in PickEntry.model_fields if key != "inside"]
+        given = [key for key in forms if getattr(self, key) is not None]
+        if len(given) != 1:
+            found = " and ".join(given) or "none"
+            raise fail(f"give one of {', '.join(forms)}; found {found}")
+        return self
+
+
+Pick: TypeAlias = Annotated[
+    Annotated[Text, Tag("scalar")]
+    | Annotated[tuple[Text, ...], Tag("list")]
+    | Annotated[PickEntry, Tag("mapping")],
+    by_form(),
+]
+
+# -- the part -------------------------------------------------------------------------------
+
+
+class InterfaceEntry(Entry):
+    """`Interface`: nodes tied to one node that translates and turns, where a joint may act."""
+
+    name: Text
+    nodes: Pick = Field(description="A set, a list of sets, or a pick such as {hole: ...}")
+    kind: Literal["rigid", "average"] | None = Field(
+        None, description="rigid (RBE2, if none): a stiff flange; average (RBE3): a pin with play"
+    )
+    at: Position | None = Field(
+        None, description="Reference point; the axis of a bore or the centroid if none"
+    )
+
+
+class WeldToeEntry(Entry):
+    """`WeldToe`: a place on the toe of a weld, a stress site of its structural stress."""
+
+    name: Text
+    at: Position = Field(description="On the toe, part frame")
+    away: Direction = Field(description="Along the plate, square to the toe, away from the weld")
+    thickness: Length | None = Field(None, description="Of the plate; not for edges")
+    reading: Literal["fine", "coarse", "quadratic", "edge", "edge-coarse"] | None = Field(
+        None, description="Where the stress is read before the toe, fine if none"
+    )
+
+
+class SolidEntry(FePart):
+    """`Part.solid`: tetrahedra, hexahedra and wedges from a mesh or a CAD file."""
+
+    type: Literal["solid"]
+    mesh: MeshForm = Field(
+        description="A mesh file, {file: ..., unit: mm} or {cad: ..., size: ...}"
+    )
+    material: SolidMaterial | None = Field(None, description="Name in the library, or its values")
+    materials: dict[Text, SolidMaterial] | None = Field(
+        None, description="One for each element set, instead of one for all"
+    )
+    sets: dict[Text, Pick] | None = Field(None, description="Named nodes of the surface")
+    interfaces: tuple[InterfaceEntry, ...] | None = None
+    point_masses: tuple[PointMassEntry, ...] | None = None
+    weighed_mass: Mass | None = Field(None, description="Densities are scaled to this mass")
+    lumped: Flag | None = Field(None, description="Mass lumped at the nodes")
+    stiffening: Flag | None = Field(None, description="Forces along the body stiffen or soften it")
+    stress: Pick | None = Field(
+        None,
+        description="Where stress is kept: surface (if none), skin (free surfaces), all, none, or"
+        " sets",
+    )
+    welds: tuple[WeldToeEntry, ...] | None = Field(
+        None, description="Toes of welds: stress sites besides the others"
+    )
+    solver: Text | None = Field(None, description="Library for the factorisation; the best if none")
+    cache: Flag | None = Field(None, description="Whether the reduction is kept for the next time")
+
+    @model_validator(mode="after")
+    def _one_material(self) -> SolidEntry:
+        if (self.material is None) == (self.materials is None):
+            raise fail("give either material: for the whole part or materials: by element set")
+        return self
+
+
+PartEntry: TypeAlias = Annotated[
+    Annotated[BeamEntry, Tag("beam")]
+    | Annotated[MembersEntry, Tag("members")]
+    | Annotated[FrameEntry, Tag("frame")]
+    | Annotated[SolidEntry, Tag("solid")]
+    | Annotated[MatricesEntry, Tag("matrices")]
+    | Annotated[ReducedEntry, Tag("reduced")],
+    tagged(lambda data: "reduced" if "file" in data else None),
+]

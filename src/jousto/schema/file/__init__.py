@@ -1,0 +1,1 @@
+"""A model file: reading, lines, explaining what is wrong."""

@@ -1,0 +1,86 @@
+"""YAML text to a tree of nodes with lines: by libyaml where it reads as ruamel.yaml does.
+
+ruamel.yaml reads YAML 1.2 and says what is wrong, 2 ms for each body of a model. libyaml, in C,
+reads YAML 1.1, with the same structure for usual text; what plain words mean is decided by the
+rules of ruamel.yaml for 1.2. Unusual text and all text with an error is left to ruamel.yaml.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+from itertools import accumulate
+from typing import Any
+
+# tabs, line ends of YAML 1.1 alone, directives, anchors, aliases, tags, text in blocks, and signs
+# of deep nesting by indentation
+UNUSUAL = re.compile(
+    r"[\t\x85\u2028\u2029\ufeff\x00-\x08\x0b-\x1f]|^%|(?:^|[\s\[\]{},:])[&*!|>?]|^[- :]{300}", re.M
+)
+DEEP = 100  # brackets within brackets; libyaml's tree is made by recursion in C
+
+
+def compose(text: str) -> Any:
+    """Return the root node of the one document of a text, None if it is empty.
+
+    Raises
+    ------
+    ruamel.yaml.error.YAMLError
+        If the text is no YAML.
+    RecursionError
+        If it is nested too deeply.
+    """
+    read = _libyaml()
+    plain = text.replace("\r\n", "\n")
+    if read is not None and UNUSUAL.search(plain) is None and _depth(plain) <= DEEP:
+        import yaml
+
+        try:
+            return read(plain)
+        except yaml.YAMLError:
+            pass  # ruamel.yaml tells what is wrong, or reads it
+    from ruamel.yaml import YAML
+
+    return YAML(typ="rt", pure=True).compose(text)
+
+
+def _depth(text: str) -> int:
+    """Return how deep brackets are nested at the most, those in quotes included."""
+    steps = (1 if sign in "[{" else -1 for sign in re.findall(r"[\[\]{}]", text))
+    return max(accumulate(steps), default=0)
+
+
+@functools.cache
+def _libyaml() -> Any:
+    """Return the function that composes by libyaml, None where there is none."""
+    try:
+        from yaml.cyaml import CParser
+    except ImportError:  # PyYAML without libyaml
+        return None
+    from ruamel.yaml.resolver import implicit_resolvers
+    from yaml.resolver import Resolver
+
+    class Words(Resolver):  # type: ignore[misc]
+        """What plain words mean in YAML 1.2."""
+
+        yaml_implicit_resolvers: dict[str, list[Any]] = {}
+
+    for versions, tag, pattern, first in implicit_resolvers:
+        if (1, 2) in versions:
+            for letter in first:
+                known = Words.yaml_implicit_resolvers.setdefault(letter, [])
+                known.append((tag, re.compile(pattern.pattern, pattern.flags)))
+
+    class Loader(CParser, Words):  # type: ignore[misc]
+        def __init__(self, text: str) -> None:
+            CParser.__init__(self, text)
+            Words.__init__(self)
+
+    def read(text: str) -> Any:
+        loader = Loader(text)
+        try:
+            return loader.get_single_node()
+        finally:
+            loader.dispose()
+
+    return read

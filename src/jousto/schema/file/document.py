@@ -1,0 +1,267 @@
+"""Reading YAML (or JSON): plain data together with the line of every entry."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from jousto.base.errors import InputError, MissingFileError, Problem, Problems
+from jousto.base.files import check_file
+from jousto.schema.file.composer import compose
+
+Loc: TypeAlias = tuple[int | str, ...]
+
+# entries of a file with its aliases written out
+MOST_ENTRIES = 1_000_000
+TOO_DEEP = "is nested too deeply"
+
+
+@dataclass(frozen=True, eq=False)
+class Document:
+    """The content of a model file.
+
+    Parameters
+    ----------
+    name : str
+        File name for messages.
+    text : str
+        The text of the file.
+    data : dict
+        Plain mappings, lists, strings, numbers, booleans and None.
+    lines : dict
+        Line number (from 1) of every entry by its path, such as ``("joints", 0, "b")``.
+    folder : Path
+        Folder against which file names in the document are resolved.
+    """
+
+    name: str
+    text: str
+    data: dict[str, Any]
+    lines: dict[Loc, int]
+    folder: Path = field(default_factory=Path)
+
+    def line(self, loc: Loc) -> int:
+        """Return the line of an entry, or of the innermost existing one around it."""
+        while loc and loc not in self.lines:
+            loc = loc[:-1]
+        return self.lines.get(loc, 1)
+
+    def at(self, loc: Loc) -> Any:
+        """Return the entry at a path, None if there is none."""
+        value: Any = self.data
+        for key in loc:
+            try:
+                value = value[key]
+            except (KeyError, IndexError, TypeError):
+                return None
+        return value
+
+    def where(self, loc: Loc) -> str:
+        """Return the place of an entry for messages, ``boom.yaml:18: joints.0.b``."""
+        path = ".".join(str(key) for key in loc)
+        return f"{self.name}:{self.line(loc)}" + (f": {path}" if path else "")
+
+
+def read_document(path: str | Path) -> Document:
+    """Read a YAML or JSON file.
+
+    Raises
+    ------
+    InputError
+        If there is no such file or it is not text, syntax errors with their line, keys given
+        twice, content that is not a mapping, is nested too deeply or has too many entries.
+    """
+    path = Path(path)
+    check_file(path)
+    if path.is_file() and path.suffix.lower() in (*CAD, *MESHES):
+        raise InputError(Problem(path.name, _geometry(path)))
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise MissingFileError(Problem(str(path), "no such file")) from None
+    except UnicodeDecodeError:
+        hint = " (it looks like HDF5)" if is_hdf5(path) else ""
+        raise InputError(Problem(str(path), f"is not a text file{hint}")) from None
+    except OSError as error:
+        raise InputError(Problem(str(path), f"cannot be read: {error.strerror}")) from None
+    return parse_document(text, name=path.name, folder=path.parent)
+
+
+CAD = (".step", ".stp", ".brep")
+MESHES = (".msh", ".inp", ".bdf", ".nas", ".med", ".vtk", ".vtu", ".cdb")
+
+
+def _geometry(path: Path) -> str:
+    """Return what to do with a CAD file or a mesh in the place of a model file."""
+    if path.suffix.lower() in CAD:
+        what, mesh, look = "a CAD file", f"{{cad: {path.name}, size: 8 mm}}", " --size '8 mm'"
+    else:
+        # VTK files say metres, as jousto writes them; decks leave the unit to who reads them
+        unit = "" if path.suffix.lower() in (".vtu", ".vtk") else ", unit: mm"
+        what, mesh, look = "a mesh", f"{{file: {path.name}{unit}}}", ""
+    return (
+        f"is {what}, not a model or part file: jousto mesh {path.name}{look} shows what is in it. "
+        f"A part file {path.stem}.yaml of it has the lines\n"
+        f"type: solid\nmesh: {mesh}\nmaterial: S355"
+    )
+
+
+def is_hdf5(path: Path) -> bool:
+    """Return whether a file starts like an HDF5 file."""
+    try:
+        with path.open("rb") as file:
+            return file.read(8) == b"\x89HDF\r\n\x1a\n"
+    except OSError:
+        return False
+
+
+def parse_document(text: str, *, name: str = "model", folder: Path | None = None) -> Document:
+    """Parse YAML or JSON text; see `read_document`."""
+    # imported here: it is needed for model files only
+    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+    try:
+        root = compose(text)
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = mark.line + 1 if mark is not None else 1
+        raise InputError(Problem(f"{name}:{line}", syntax_hint(error, text, line))) from None
+    except YAMLError as error:
+        raise InputError(Problem(name, f"cannot be read: {error}")) from None
+    except RecursionError:
+        raise InputError(Problem(name, TOO_DEEP)) from None
+    if root is None:
+        raise InputError(Problem(name, "is empty"))
+    problems = Problems()
+    reader = _Reader(name, problems)
+    try:
+        data = reader.value(root, ())
+    except RecursionError:
+        raise InputError(Problem(name, TOO_DEEP)) from None
+    problems.raise_if_any()
+    if not isinstance(data, dict):
+        raise InputError(
+            Problem(f"{name}:1", "must be a mapping such as 'bodies: ...' at the top level")
+        )
+    return Document(name, text, data, reader.lines, folder or Path())
+
+
+def syntax_hint(error: Any, text: str, line: int) -> str:
+    """Return a YAML syntax error as one sentence."""
+    message = str(error.problem or error.context or "cannot be read")
+    if message.startswith("but found"):
+        message = f"{error.context} {message}"
+    lines = text.splitlines()
+    content = lines[line - 1] if 0 < line <= len(lines) else ""
+    hint = ""
+    if "\\t" in message or "\t" in content[: len(content) - len(content.lstrip())]:
+        hint = "; indent with blanks, not with tabs"
+    elif "mapping values are not allowed" in message:
+        hint = "; check the indentation and put text with a colon in quotes"
+    elif "could not find expected ':'" in message or "expected <block end>" in message:
+        hint = "; check the indentation and the brackets"
+    return f"YAML syntax: {message}{hint}"
+
+
+class _Reader:
+    """Turns a tree of YAML nodes into plain data and notes lines and problems."""
+
+    def __init__(self, name: str, problems: Problems) -> None:
+        self.name = name
+        self.problems = problems
+        self.lines: dict[Loc, int] = {}
+        self.open: set[int] = set()
+        self.count = 0
+
+    def value(self, node: Any, loc: Loc) -> Any:
+        self.count += 1
+        if self.count > MOST_ENTRIES:
+            line = self.lines[loc[:1]]
+            raise InputError(
+                Problem(f"{self.name}:{line}", "too many entries, aliases repeat too often")
+            )
+        self.lines.setdefault(loc, node.start_mark.line + 1)
+        if id(node) in self.open:
+            self.note(node, loc, "refers to itself")
+            return None
+        self.open.add(id(node))
+        try:
+            if node.id == "mapping":
+                return self.mapping(node, loc)
+            if node.id == "sequence":
+                return [self.value(item, (*loc, i)) for i, item in enumerate(node.value)]
+            return self.scalar(node, loc)
+        finally:
+            self.open.discard(id(node))
+
+    def mapping(self, node: Any, loc: Loc) -> dict[str, Any]:
+        data: dict[str, Any] = {}
+        merged: list[dict[str, Any]] = []
+        for key_node, value_node in node.value:
+            line = key_node.start_mark.line + 1
+            if key_node.id != "scalar":
+                self.note(key_node, loc, "a key must be a plain word")
+                continue
+            key = str(key_node.value)
+            if key_node.tag.endswith(":merge"):
+                parts = value_node.value if value_node.id == "sequence" else [value_node]
+                merged += [d for part in parts if isinstance(d := self.value(part, loc), dict)]
+                continue
+            if key in data:
+                first = self.lines[*loc, key]
+                self.note(key_node, (*loc, key), f"given twice, first in line {first}", line)
+                continue
+            self.lines[*loc, key] = line
+            data[key] = self.value(value_node, (*loc, key))
+        for other in merged:
+            data = {**other, **data}
+        return data
+
+    def scalar(self, node: Any, loc: Loc) -> Any:
+        text, kind = str(node.value), str(node.tag).rpartition(":")[2]
+        if node.style in ("'", '"', "|", ">"):
+            # ruamel.yaml marks with a bell where it folded a line
+            return text.replace("\a", "") if node.style == ">" else text
+        if kind == "null":
+            return None
+        if kind == "bool":
+            return text.lower() in ("true", "yes", "on", "y")
+        if kind == "int":
+            return parse_int(text)
+        if kind == "float":
+            return parse_float(text)
+        if not str(node.tag).startswith("tag:yaml.org,2002:"):
+            self.note(node, loc, f"unknown tag {node.tag}")
+        return text
+
+    def note(self, node: Any, loc: Loc, message: str, line: int | None = None) -> None:
+        path = ".".join(str(key) for key in loc)
+        place = f"{self.name}:{line or node.start_mark.line + 1}" + (f": {path}" if path else "")
+        self.problems.add(place, message)
+
+
+def parse_int(text: str) -> int | str:
+    """Return a YAML 1.2 integer, the text itself if Python cannot read it."""
+    try:
+        return int(text.replace("_", ""), 0 if re.match(r"[-+]?0[xob]", text) else 10)
+    except ValueError:
+        return text
+
+
+def parse_float(text: str) -> float | str:
+    """Return a YAML 1.2 float including ``.nan`` and ``.inf``."""
+    plain = text.replace("_", "").lower()
+    if plain.lstrip("+-") in (".nan", ".inf"):
+        plain = plain.replace(".", "")
+    try:
+        return float(plain)
+    except ValueError:
+        return text
+
+
+def join(locs: Sequence[int | str]) -> str:
+    """Return a path as text, ``joints.0.b``."""
+    return ".".join(str(key) for key in locs)

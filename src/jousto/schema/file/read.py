@@ -1,0 +1,377 @@
+"""Model files: read, validate, build; everything that is wrong is reported at once."""
+
+from __future__ import annotations
+
+import inspect
+import warnings
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import InputError, JoustoWarning, Problem, suggest
+from jousto.mechanism.mechanism import Mechanism
+from jousto.schema.entries.choices import WholeSchema
+from jousto.schema.entries.fatigue import Fatigue, build_fatigue, flexible_bodies
+from jousto.schema.entries.model import ModelEntry, SimulationEntry
+from jousto.schema.entries.monitor import build_monitor
+from jousto.schema.entries.parts import ReducedEntry
+from jousto.schema.entries.solids import PartEntry
+from jousto.schema.file.document import Document, Loc, parse_document, read_document
+from jousto.schema.file.explain import explain
+from jousto.schema.make.builder import Builder
+from jousto.schema.make.matrices import is_superelement
+
+PART_TYPES = ("beam", "members", "frame", "solid", "matrices", "reduced")
+LISTS = ("bodies", "joints", "couplings", "forces", "frictions", "initial", "sensors", "events")
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """How the file wants to be simulated: the arguments of `simulate`.
+
+    Parameters
+    ----------
+    t_end : float
+        End time, s.
+    solver : RK4, ROS2, DormandPrince or None
+        The integrator; None for the default of `simulate`.
+    output_step : float or None
+        Distance of the recorded times, s; None for the default of `simulate`.
+    start : str
+        ``"initial"``, ``"rest"`` to start from the `equilibrium` near the initial pose, or
+        ``"settled"`` from `settled`, without vibration.
+    """
+
+    t_end: float
+    solver: Any = None
+    output_step: float | None = None
+    start: str = "initial"
+
+    def given(self, model: Any = None) -> dict[str, Any]:
+        """Return the keyword arguments of `simulate` that the file gives, without `t_end`.
+
+        With the compiled model they hold the state that the run starts from.
+        """
+        values = {"solver": self.solver, "output_step": self.output_step}
+        if model is not None and self.start == "rest":
+            from jousto.simulation.statics.equilibrium import equilibrium
+
+            values["state"] = equilibrium(model)
+        if model is not None and self.start == "settled":
+            from jousto.simulation.statics.settled import settled
+
+            values["state"] = settled(model)
+        return {key: value for key, value in values.items() if value is not None}
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class ModelFile:
+    """What a model file says.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Bodies, joints, forces and sensors.
+    simulation : Simulation or None
+        How to simulate it, if the file says so.
+    text : str
+        The text of the file, to be kept with the results.
+    fatigue : Fatigue or None
+        S-N curves and what is to be checked, if the file says so.
+    monitor : MonitorSettings or None
+        How measured strains are to be watched, if the file says so.
+    """
+
+    mechanism: Mechanism
+    simulation: Simulation | None = None
+    text: str = ""
+    fatigue: Fatigue | None = None
+    monitor: Any = None
+
+
+@explained
+def read_model(
+    path: str | Path, *, rigid: bool = False, trust: bool = False, progress: Any = None
+) -> ModelFile:
+    """Read a YAML or JSON model file.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; file names in it are relative to its folder.
+    rigid : bool
+        Whether flexible bodies are made rigid, with the mass and inertia of their parts: to see
+        what flexibility does, and for `inverse_dynamics`. Sensors of modes and stress are left
+        out.
+    trust : bool
+        Whether Python functions that the file names (forces of type ``user-force``) may run.
+        They can do anything that you can on this computer: only for files whose author you know.
+    progress : bool or function, optional
+        What `reduce` reports to, for parts that take long.
+
+    Raises
+    ------
+    InputError
+        Everything that is wrong with the file, with lines.
+
+    Warns
+    -----
+    JoustoWarning
+        What the constructors warn about, with lines.
+    """
+    document = read_document(path)
+    return build_model(document, rigid=rigid, trust=trust, progress=progress)
+
+
+def parse_model(
+    text: str, *, name: str = "model", folder: Path | None = None, trust: bool = False
+) -> ModelFile:
+    """Read a model from text, see `read_model`.
+
+    Examples
+    --------
+    >>> model = parse_model('''
+    ... bodies: [{name: ball, mass: 500 g, inertia: [1e-4, 1e-4, 1e-4], center: [0, -1 m, 0]}]
+    ... joints: [{type: spherical, name: pivot, a: ground.origin, b: ball.origin}]
+    ... gravity: [0, -9.81, 0]
+    ... ''')
+    >>> model.mechanism
+    <Mechanism 'mechanism': 1 body, 1 joint, 0 forces, 0 sensors>
+    """
+    return build_model(parse_document(text, name=name, folder=folder), trust=trust)
+
+
+def build_model(
+    document: Document, *, rigid: bool = False, trust: bool = False, progress: Any = None
+) -> ModelFile:
+    """Validate and build a document; see `read_model`."""
+    if "bodies" not in document.data and document.data.get("type") in PART_TYPES:
+        message = (
+            f"is a part, not a model: jousto reduce {document.name} makes its modes, "
+            "a model takes it among its parts"
+        )
+        raise InputError(Problem(document.name, message))
+    entry, index, invalid, broken = validate(document)
+    options = {} if progress is None else {"progress": progress}
+    builder = Builder(document, broken, rigid=rigid, trust=trust, options=options)
+    mechanism, simulation, fatigue, monitor = None, None, None, None
+    if entry is not None:
+        mechanism = builder.mechanism(entry, index)
+        if entry.simulation is not None:
+            simulation = build_simulation(builder, entry.simulation)
+        if entry.fatigue is not None:
+            fatigue = build_fatigue(builder, entry.fatigue, flexible_bodies(entry), builder.curves)
+        if entry.monitor is not None and mechanism is not None and not rigid:
+            monitor = build_monitor(builder, entry.monitor, mechanism)
+    finish(document, [*invalid, *builder.found], builder.warnings)
+    assert mechanism is not None
+    return ModelFile(mechanism, simulation, document.text, fatigue, monitor)
+
+
+def finish(document: Document, found: list[tuple[Loc, Problem]], messages: Iterable[str]) -> None:
+    """Issue the warnings, then raise the problems in the order of the file."""
+    for message in messages:
+        warnings.warn(JoustoWarning(message), stacklevel=4)
+    if found:
+        found = sorted(found, key=lambda pair: document.line(pair[0]))
+        raise InputError([problem for _, problem in found])
+
+
+def validate(
+    document: Document,
+) -> tuple[ModelEntry | None, dict[str, list[int]], list[tuple[Loc, Problem]], list[Any]]:
+    """Return what is valid of a document.
+
+    Returns
+    -------
+    entry : ModelEntry or None
+        The file without its invalid entries; None if that cannot be read either.
+    index : dict
+        For each list the places in the file of the entries that are left.
+    problems : list of (path, Problem)
+        What is wrong with the others.
+    broken : list of (section, name)
+        Names of the entries that were left out; None if any name may be missing.
+    """
+    data = document.data
+    lists = {key: data[key] for key in LISTS if isinstance(data.get(key), list)}
+    index = {key: list(range(len(lists.get(key, ())))) for key in LISTS}
+    classes: dict[int, Any] = {}
+    try:
+        return ModelEntry.model_validate(data, context=classes), index, [], []
+    except ValidationError as error:
+        problems = explain(error, document, classes)
+    # leave out what is wrong, so that references and the rest can be checked all the same
+    rest: dict[str, Any] = dict(data)
+    broken: list[Any] = []
+    for path in {loc[:2] for loc, _ in problems if loc}:
+        key: Any = path[0]
+        place: Any = path[1] if len(path) > 1 else None
+        if key == "parts" and place is not None:
+            broken.append((key, place))
+            rest[key] = {k: v for k, v in rest[key].items() if k != place}
+        elif key in lists and place is not None:
+            item = data[key][place]
+            name = item.get("name") if isinstance(item, dict) else None
+            broken.append((key, name if isinstance(name, str) else None))
+            index[key] = [i for i in index[key] if i != place]
+        else:
+            # whatever the section should have defined
+            broken.append((key, None))
+            index[key] = []
+            rest.pop(key, None)
+    for key, items in lists.items():
+        if key in rest:
+            rest[key] = [items[i] for i in index[key]]
+    if "bodies" not in rest:
+        rest["bodies"] = []
+        broken.append(("bodies", None))
+    try:
+        return ModelEntry.model_validate(rest, context=classes), index, problems, broken
+    except ValidationError:
+        return None, index, problems, broken
+
+
+def build_simulation(builder: Builder, entry: SimulationEntry) -> Simulation | None:
+    """Return the settings with a solver object, None if anything is wrong with them."""
+    here: Loc = ("simulation",)
+    before = len(builder.found)
+    solver = None
+    if entry.solver is not None:
+        from jousto.simulation.solvers.explicit import SOLVERS, Baumgarte
+
+        make: Any = {kind.__name__: kind for kind in SOLVERS}[entry.solver.type]
+        values = entry.solver.given()
+        known = inspect.signature(make).parameters
+        for key in [key for key in values if key not in known]:
+            builder.note(
+                (*here, "solver", key),
+                f"{entry.solver.type} has no option {key!r}; it takes {', '.join(known)}",
+            )
+        if entry.solver.baumgarte is not None:
+            place = (*here, "solver", "baumgarte")
+            rates = entry.solver.baumgarte.given()
+            values["baumgarte"] = builder.make(place, Baumgarte, **rates)
+        if len(builder.found) == before:
+            solver = builder.make((*here, "solver"), make, **values)
+    if len(builder.found) > before:
+        return None
+    return Simulation(entry.t_end, solver, entry.output_step, entry.start or "initial")
+
+
+# -- parts alone and the schema -------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class PartFile:
+    """What a file says of one part.
+
+    Parameters
+    ----------
+    name : str
+        Name of the part.
+    part : Part or None
+        The part with its mesh; None if the file names a part that was reduced before.
+    method : CraigBampton, FreeFree or None
+        How it is to be reduced.
+    reduced : ReducedPart or None
+        Its modes; None if they were not asked for.
+    """
+
+    name: str
+    part: Any
+    method: Any
+    reduced: Any
+
+
+def read_part(path: str | Path, name: str | None = None) -> Any:
+    """Return the ReducedPart of a file with one part, or of one entry of a model's parts.
+
+    Parameters
+    ----------
+    path : str or Path
+        YAML file whose top level is a part (``type: beam`` ...), or a model file.
+    name : str, optional
+        Name of the part in a model file; not needed if there is only one.
+
+    Raises
+    ------
+    InputError
+        Everything that is wrong with the part, with lines.
+    """
+    return read_part_file(path, name).reduced
+
+
+def read_part_file(
+    path: str | Path, name: str | None = None, *, reduce: bool = True, **options: Any
+) -> PartFile:
+    """Return the part of a file, how it is to be reduced, and its modes.
+
+    Parameters
+    ----------
+    path, name
+        As in `read_part`.
+    reduce : bool
+        Whether the part is reduced; reading alone is quick.
+    **options
+        Arguments of `reduce` that go before those of the file: solver, cache, progress.
+
+    Raises
+    ------
+    InputError
+        Everything that is wrong with the part, with lines.
+    """
+    document = read_document(path)
+    loc: Loc = ()
+    data: Any = document.data
+    if isinstance(data.get("parts"), dict):
+        names = list(data["parts"])
+        if name is None and len(names) != 1:
+            known = ", ".join(names)
+            raise InputError(Problem(document.where(("parts",)), f"which part? there are: {known}"))
+        name = names[0] if name is None else name
+        if name not in names:
+            raise InputError(
+                Problem(document.where(("parts",)), f"no part {name!r}{suggest(name, names)}")
+            )
+        loc = ("parts", name)
+        data = data["parts"][name]
+    name = Path(path).stem if name is None else name
+    classes: dict[int, Any] = {}
+    builder = Builder(document, options=options)
+    try:
+        entry: Any = TypeAdapter(PartEntry).validate_python(data, context=classes)
+    except ValidationError as error:
+        finish(document, explain(error, document, classes, prefix=loc), [])
+    part: Any = None
+    method: Any = None
+    reduced: Any = None
+    if not builder.part_name(loc, name):
+        pass
+    elif isinstance(entry, ReducedEntry) or is_superelement(entry):
+        reduced = builder.reduced(loc, name, entry)
+    else:
+        part = builder.part(loc, name, entry)
+        method = builder.method(loc, entry, part)
+        if entry.in_plane is not None and entry.keep is not None:
+            builder.note((*loc, "keep"), "give either keep or in_plane, not both")
+        elif reduce:
+            reduced = builder.reduction(loc, entry, part, method)
+    finish(document, builder.found, builder.warnings)
+    return PartFile(name, part, method, reduced)
+
+
+def model_schema() -> dict[str, Any]:
+    """Return the JSON schema of the model file, for editors."""
+    schema = ModelEntry.model_json_schema(by_alias=True, schema_generator=WholeSchema)
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **schema,
+        "title": "jousto model",
+    }

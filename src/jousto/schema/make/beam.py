@@ -1,0 +1,54 @@
+"""From entries to geometrically exact beams."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jousto.mechanism.beams.body import BeamBody, BeamDamping
+from jousto.mechanism.beams.stiffness import BeamSection
+from jousto.schema.entries.beams import BeamBodyEntry, BeamSectionEntry, OffsetSectionEntry
+from jousto.schema.file.document import Loc
+from jousto.sections.points import StressPoint
+
+if TYPE_CHECKING:
+    from jousto.schema.make.builder import Builder
+
+
+def build_beam(builder: Builder, loc: Loc, entry: BeamBodyEntry) -> Any:
+    """Return the BeamBody of an entry, None if anything is wrong with it."""
+    values = builder.orientations(loc, entry.given())
+    before = len(builder.found)
+    values["section"] = builder.each(
+        (*loc, "section"), entry.section, lambda at, e: beam_section(builder, at, e)
+    )
+    if entry.material is not None:
+        values["material"] = builder.material((*loc, "material"), entry.material)
+    if entry.damping is not None:
+        values["damping"] = builder.make((*loc, "damping"), BeamDamping, **entry.damping.given())
+    if len(builder.found) > before:
+        return None
+    return builder.make(loc, BeamBody, **values)
+
+
+def beam_section(builder: Builder, loc: Loc, entry: Any) -> Any:
+    """Return the section of an entry, None if anything is wrong with it."""
+    if isinstance(entry, BeamSectionEntry):
+        values = entry.given()
+        if "points" in values:
+            points = builder.each(
+                (*loc, "points"),
+                entry.points,
+                lambda at, e: builder.make(at, StressPoint, **e.given()),
+            )
+            if any(point is None for point in points):
+                return None
+            values["points"] = points
+        return builder.make(loc, BeamSection, **values)
+    if isinstance(entry, OffsetSectionEntry):
+        values = entry.given()
+        values["section"] = builder.section((*loc, "section"), entry.section)
+        values["material"] = builder.material((*loc, "material"), entry.material)
+        if values["section"] is None or values["material"] is None:
+            return None
+        return builder.make(loc, BeamSection.of, **values)
+    return builder.section(loc, entry)

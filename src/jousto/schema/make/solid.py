@@ -1,0 +1,276 @@
+"""From the entry of a solid part to its mesh, its picks and the Part."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from jousto.base.errors import Problems, count, suggest
+from jousto.schema.entries import solids as ss
+from jousto.schema.file.document import Loc
+from jousto.schema.file.kept import mesh_of_cad
+from jousto.schema.summary import hole_text
+
+if TYPE_CHECKING:
+    from jousto.mesh.mesh import Mesh
+    from jousto.schema.make.builder import Builder
+
+DIAMETER = 0.02  # share by which a hole may differ from the diameter that is asked for
+SHOWN = 6  # holes or sets named in a message
+
+
+def build_solid(builder: Builder, loc: Loc, name: str, entry: ss.SolidEntry) -> Any:
+    """Return the Part of an entry, None if anything is wrong with it."""
+    from jousto.parts.mass import PointMass
+    from jousto.parts.part import Part
+
+    before = len(builder.found)
+    materials = solid_materials(builder, loc, entry)
+    masses = [
+        builder.make((*loc, "point_masses", i), PointMass, **mass.given())
+        for i, mass in enumerate(entry.point_masses or ())
+    ]
+    mesh = read_solid_mesh(builder, loc, entry)
+    if mesh is None:
+        return None
+    for key, value in (entry.sets or {}).items():
+        here = (*loc, "sets", key)
+        if key in mesh.node_sets:
+            builder.note(here, f"the mesh has a set {key!r} already; take another name")
+            continue
+        nodes = picked(builder, here, value, mesh)
+        if nodes is not None:
+            mesh = mesh.with_set(key, nodes)
+    mesh = with_stress_set(builder, loc, entry, mesh)
+    interfaces = [
+        build_interface(builder, (*loc, "interfaces", i), item, mesh)
+        for i, item in enumerate(entry.interfaces or ())
+    ]
+    if len(builder.found) > before:
+        return None
+    values = entry.given(
+        "reduce", "in_plane", "keep", "stiffening", "residual_stress", "mesh", "material",
+        "materials", "sets", "interfaces", "point_masses", "stress", "welds", "solver", "cache",
+    )  # fmt: skip
+    part = builder.make(
+        loc,
+        Part.solid,
+        mesh,
+        materials,
+        **values,
+        point_masses=masses,
+        interfaces=interfaces,
+        name=name,
+    )
+    if part is not None:
+        part = builder.make((*loc, "stress"), with_stress_at, part, entry)
+    return part if part is None or not entry.welds else with_welds(builder, loc, part, entry)
+
+
+def with_welds(builder: Builder, loc: Loc, part: Any, entry: ss.SolidEntry) -> Any:
+    """Return the part with its weld toes as further stress sites, None if one is wrong."""
+    from jousto.fatigue.welds.toes import WeldToe, weld_stress
+
+    toes = [
+        builder.make((*loc, "welds", i), WeldToe, **toe.given())
+        for i, toe in enumerate(entry.welds or ())
+    ]
+    if any(toe is None for toe in toes):
+        return None
+    stress = builder.make((*loc, "welds"), weld_stress, part, toes, add=part.stress)
+    return None if stress is None else part.with_stress(stress)
+
+
+def with_stress_at(part: Any, entry: ss.SolidEntry) -> Any:
+    """Return the part that knows its stress at the nodes that the entry asks for."""
+    chosen = entry.stress or "surface"
+    if chosen == "none":
+        return replace(part, stress=None)
+    if chosen == "all" or part.stress is None:
+        return part
+    if chosen == "skin":
+        return part.with_stress(part.surface_stress())
+    if chosen == "surface":
+        nodes = np.unique(part.elements)
+    else:
+        nodes = np.asarray(part.node_sets[STRESS_SET])
+    return replace(part, stress=part.stress.at(nodes))
+
+
+def solid_materials(builder: Builder, loc: Loc, entry: ss.SolidEntry) -> Any:
+    """Return the material of a solid, or a mapping of them by element set."""
+    if entry.materials is None:
+        return solid_material(builder, (*loc, "material"), entry.material)
+    return {
+        key: solid_material(builder, (*loc, "materials", key), value)
+        for key, value in entry.materials.items()
+    }
+
+
+def solid_material(builder: Builder, loc: Loc, entry: Any) -> Any:
+    """Return the material of a name in the library or of given values."""
+    from jousto.materials.library import material
+    from jousto.materials.material import Material
+    from jousto.materials.orthotropic import Orthotropic
+
+    if isinstance(entry, str):
+        return builder.make(loc, material, entry)
+    values = builder.orientations(loc, entry.given())
+    if not isinstance(entry, ss.OrthotropicEntry):
+        return builder.make(loc, Material, **values)
+    if "axes" in values:
+        values["axes"] = builder.make((*loc, "axes"), material_axes, values["axes"])
+        if values["axes"] is None:
+            return None
+    return builder.make(loc, Orthotropic, **values)
+
+
+def material_axes(value: Any) -> Any:
+    """Return the rotation matrix (3, 3) of any way to write an orientation."""
+    from jousto.base.rotations import parse_orientation, rotation_matrix
+
+    problems = Problems()
+    e = parse_orientation(problems, "axes", "axes", value)
+    problems.raise_if_any()
+    assert e is not None
+    return rotation_matrix(e)
+
+
+def read_solid_mesh(builder: Builder, loc: Loc, entry: ss.SolidEntry) -> Mesh | None:
+    """Return the mesh of an entry, None with the problems noted if it cannot be read."""
+    from jousto.mesh.readers.files import read_mesh
+
+    form, here = entry.mesh, (*loc, "mesh")
+    if isinstance(form, str):
+        return builder.make(here, read_mesh, builder.file(form))
+    values = form.given("file", "cad")
+    if isinstance(form, ss.MeshFileEntry):
+        return builder.make(here, read_mesh, builder.file(form.file), **values)
+    keep = builder.options.get("cache", entry.cache)
+    return builder.make(here, mesh_of_cad, builder.file(form.cad), keep, **values)
+
+
+def build_interface(builder: Builder, loc: Loc, entry: ss.InterfaceEntry, mesh: Mesh) -> Any:
+    """Return the Interface of an entry, None if anything is wrong with it."""
+    from jousto.parts.interface import Interface
+
+    values = entry.given("nodes")
+    if isinstance(entry.nodes, str) and entry.nodes in mesh.node_sets:
+        return builder.make(loc, Interface, **values, nodes=entry.nodes)
+    nodes = picked(builder, (*loc, "nodes"), entry.nodes, mesh)
+    return None if nodes is None else builder.make(loc, Interface, **values, nodes=nodes)
+
+
+def with_stress_set(builder: Builder, loc: Loc, entry: ss.SolidEntry, mesh: Mesh) -> Mesh:
+    """Return the mesh with the nodes of a pick for stress as a set, note what is not there."""
+    if entry.stress is None or entry.stress in STRESS_WORDS:
+        return mesh
+    nodes = picked(builder, (*loc, "stress"), entry.stress, mesh)
+    return mesh if nodes is None else mesh.with_set(STRESS_SET, nodes)
+
+
+STRESS_WORDS = ("surface", "skin", "all", "none")
+STRESS_SET = "stress sites"
+
+
+def unknown_set(name: str, mesh: Mesh, words: tuple[str, ...] = ()) -> str:
+    """Return the sentence on a set that the mesh does not have."""
+    return f"the mesh has no set {name!r}{suggest(name, [*words, *mesh.node_sets])}"
+
+
+# -- picks ----------------------------------------------------------------------------------
+
+
+def picked(builder: Builder, loc: Loc, pick: Any, mesh: Mesh) -> Any:
+    """Return the node indices of a pick, None with the problem noted if there are none."""
+    if isinstance(pick, str):
+        pick = (pick,)
+    if isinstance(pick, tuple):
+        missing = [name for name in pick if name not in mesh.node_sets]
+        if any(name.startswith("hole") for name in missing):
+            mesh = with_holes(mesh)
+            missing = [name for name in pick if name not in mesh.node_sets]
+        for name in missing:
+            words = STRESS_WORDS if loc[-1] == "stress" else ()
+            builder.note(loc, unknown_set(name, mesh, words))
+        if missing:
+            return None
+        return np.unique(np.concatenate([mesh.node_sets[name] for name in pick]))
+    form = next(key for key in ss.PickEntry.model_fields if getattr(pick, key) is not None)
+    values = getattr(pick, form).given()
+    if form == "hole":
+        return hole_nodes(builder, (*loc, "hole"), pick.hole, mesh)
+    if form == "plane":
+        nodes = builder.make((*loc, form), mesh.plane, **values)
+    else:
+        if form == "box":
+            values = {"lo": values["low"], "hi": values["high"]}
+        make = getattr(mesh, form)
+        nodes = builder.make((*loc, form), make, **values, surface=not pick.inside)
+    if form == "nearest" and nodes is not None and len(nodes):
+        away = np.linalg.norm(mesh.nodes[nodes] - values["point"], axis=1)
+        sentence = far_off(values["point"], mesh.nodes[nodes[np.argmin(away)]], mesh)
+        if sentence:
+            builder.note((*loc, form, "point"), sentence)
+            return None
+    if nodes is not None and not len(nodes):
+        low, high = mesh.bounds
+        size = " to ".join(
+            "(" + ", ".join(f"{round(1e3 * x, 3) + 0.0:g}" for x in corner) + ")"
+            for corner in (low, high)
+        )
+        builder.note((*loc, form), f"holds no node of the mesh, which spans {size} mm")
+        return None
+    return nodes
+
+
+def with_holes(mesh: Mesh) -> Mesh:
+    """Return the mesh with the walls of its holes as sets hole1, hole2 ..."""
+    for hole in mesh.holes():
+        if hole.name not in mesh.node_sets:
+            mesh = mesh.with_set(hole.name, hole.nodes)
+    return mesh
+
+
+def hole_nodes(builder: Builder, loc: Loc, entry: ss.HolePick, mesh: Mesh) -> Any:
+    """Return the nodes on the wall of a hole, None with the problem noted if there is none."""
+    holes = mesh.holes()
+    fitting = [
+        hole
+        for hole in holes
+        if entry.diameter is None
+        or abs(2.0 * hole.radius - entry.diameter) <= DIAMETER * entry.diameter
+    ]
+    near = np.asarray(entry.near)
+    nearest = min(fitting, key=lambda h: float(np.linalg.norm(h.point - near)), default=None)
+    if nearest is not None and not far_off(near, nearest.point, mesh):
+        return nearest.nodes
+    found = "; ".join(f"{hole.name}, {hole_text(hole)}" for hole in holes[:SHOWN]) or "none"
+    there = f"the mesh has {count(len(holes), 'hole')}: {found}"
+    if nearest is not None:
+        builder.note((*loc, "near"), f"{far_off(near, nearest.point, mesh)}; {there}")
+    elif entry.diameter is None:
+        builder.note(loc, "the mesh has no cylindrical hole; pick its nodes by a cylinder or box")
+    else:
+        builder.note(loc, f"no hole of {1e3 * entry.diameter:g} mm; {there}")
+    return None
+
+
+def far_off(point: Any, found: Any, mesh: Mesh) -> str:
+    """Return the sentence on a point that cannot be meant, empty if it is near enough.
+
+    Farther from what was found than the longest side of the mesh: numbers without a unit are m.
+    """
+    low, high = mesh.bounds
+    longest = float((high - low).max())
+    point = np.asarray(point, dtype=float)
+    away = float(np.linalg.norm(point - found))
+    if away <= longest:
+        return ""
+    sentence = f"lies {away:.4g} m from the nearest, the mesh is {1e3 * longest:.4g} mm long"
+    if float(np.linalg.norm(1e-3 * point - found)) > longest:
+        return sentence
+    meant = ", ".join(f"{x:g} mm" if x else "0" for x in point)
+    return f"{sentence}; numbers without a unit are m, was [{meant}] meant?"

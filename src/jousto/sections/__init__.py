@@ -1,0 +1,1 @@
+"""Cross sections of beams: areas, moments, stiffness, and the points where stress is wanted."""

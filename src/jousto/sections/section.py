@@ -1,0 +1,453 @@
+"""Cross sections: stiffness constants, and the stress data of named section points.
+
+Axes of a section: y to the left and z up when looking along the member (x forward), through the
+centroid and along the principal axes. ``Iy`` is the second moment for bending about y, in the
+xz plane.
+
+The shear coefficients are those of Cowper, *J. Appl. Mech.* 33 (1966) 335-340, for nu = 0,
+where they agree with the strain-energy definition and belong to the section alone. Give
+``Timoshenko(ky=, kz=)`` or a :class:`GeneralSection` to use others.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from jousto.base.arguments import explained
+from jousto.base.described import described
+from jousto.base.errors import Problems
+
+Shear = tuple[tuple[float, float, float], tuple[float, float, float]]
+NO_SHEAR: Shear = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+
+ROUND = 24
+"""Points around a round section."""
+
+
+@described
+@dataclass(frozen=True)
+class SectionPoint:
+    """A point of a section where stress is recovered.
+
+    Parameters
+    ----------
+    name : str
+        Unique within the section.
+    y, z : float
+        Position in m, section axes.
+    shear : ((float, float, float), (float, float, float))
+        Rows s12 (= xy) and s13 (= xz); columns the stress for a unit shear force Vy and Vz in
+        1/m^2 and for a unit torque in 1/m^3.
+    """
+
+    name: str
+    y: float
+    z: float
+    shear: Shear = NO_SHEAR
+
+
+@runtime_checkable
+class Section(Protocol):
+    """What a beam needs to know of its section; any object with these properties will do.
+
+    Attributes
+    ----------
+    A : float
+        Area in m^2.
+    Iy, Iz : float
+        Second moments of area for bending about y (int z^2 dA) and about z (int y^2 dA) in m^4.
+    J : float
+        Saint-Venant torsion constant in m^4.
+    ky, kz : float or None
+        Shear coefficients: the shear areas are ky A along y and kz A along z.
+    points : tuple of SectionPoint
+        Where stress is recovered.
+    """
+
+    @property
+    def A(self) -> float:
+        """Area in m^2."""
+        ...
+
+    @property
+    def Iy(self) -> float:
+        """Second moment for bending about y in m^4."""
+        ...
+
+    @property
+    def Iz(self) -> float:
+        """Second moment for bending about z in m^4."""
+        ...
+
+    @property
+    def J(self) -> float:
+        """Saint-Venant torsion constant in m^4."""
+        ...
+
+    @property
+    def ky(self) -> float | None:
+        """Shear coefficient along y."""
+        ...
+
+    @property
+    def kz(self) -> float | None:
+        """Shear coefficient along z."""
+        ...
+
+    @property
+    def points(self) -> tuple[SectionPoint, ...]:
+        """Where stress is recovered."""
+        ...
+
+
+def polar_moment(section: Section) -> float:
+    """Return Iy + Iz in m^4, the polar second moment of area about the centroid.
+
+    Examples
+    --------
+    >>> round(polar_moment(Circle(2.0)), 6) == round(math.pi / 2, 6)
+    True
+    """
+    return section.Iy + section.Iz
+
+
+def check_dimensions(section: object, **dimensions: float) -> Problems:
+    """Note every dimension that is not a positive number; returns the collector."""
+    problems = Problems()
+    for name, value in dimensions.items():
+        problems.positive(type(section).__name__, name, value, "m")
+    return problems
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """Solid rectangle.
+
+    Torsion by Saint-Venant's series, Timoshenko and Goodier, *Theory of Elasticity*, art. 109;
+    shear by Jourawski, V Q / (I b); shear coefficients 5/6.
+
+    Parameters
+    ----------
+    width, height : float
+        Sides along y and along z in m.
+
+    Raises
+    ------
+    InputError
+        If a side is not positive.
+
+    Examples
+    --------
+    >>> f"{Rectangle(0.1, 0.1).J:.6e}"
+    '1.405770e-05'
+    """
+
+    width: float
+    height: float
+
+    def __post_init__(self) -> None:
+        check_dimensions(self, width=self.width, height=self.height).raise_if_any()
+
+    @property
+    def A(self) -> float:
+        """Area in m^2."""
+        return self.width * self.height
+
+    @property
+    def Iy(self) -> float:
+        """Second moment for bending about y in m^4."""
+        return self.width * self.height**3 / 12.0
+
+    @property
+    def Iz(self) -> float:
+        """Second moment for bending about z in m^4."""
+        return self.height * self.width**3 / 12.0
+
+    @property
+    def J(self) -> float:
+        """Saint-Venant torsion constant in m^4."""
+        long, short = max(self.width, self.height), min(self.width, self.height)
+        n = np.arange(1, 60, 2)
+        series = float(np.sum(np.tanh(0.5 * n * np.pi * long / short) / n**5))
+        return long * short**3 / 3.0 * (1.0 - 192.0 / np.pi**5 * short / long * series)
+
+    @property
+    def ky(self) -> float:
+        """Shear coefficient along y."""
+        return 5.0 / 6.0
+
+    @property
+    def kz(self) -> float:
+        """Shear coefficient along z."""
+        return 5.0 / 6.0
+
+    def torsion_shear(self) -> tuple[float, float]:
+        """Return the shear at the middle of the long and of the short sides for a unit torque.
+
+        In 1/m^3: the largest shear stress is the first number times the torque. From the stress
+        function of Timoshenko and Goodier, art. 109; its series for the short side is summed with
+        Catalan's constant, so that both converge exponentially.
+        """
+        long, short = max(self.width, self.height), min(self.width, self.height)
+        n = np.arange(1, 60, 2)
+        decay = np.exp(-0.5 * n * np.pi * long / short)
+        signs = np.where(n % 4 == 1, 1.0, -1.0)
+        cosh = float(np.sum(2.0 * decay / (1.0 + decay**2) / n**2))
+        one_minus_tanh = float(np.sum(signs * 2.0 * decay**2 / (1.0 + decay**2) / n**2))
+        catalan = 0.9159655941772190
+        at_long = short * (1.0 - 8.0 / np.pi**2 * cosh)
+        at_short = 8.0 * short / np.pi**2 * (catalan - one_minus_tanh)
+        return at_long / self.J, at_short / self.J
+
+    @property
+    def points(self) -> tuple[SectionPoint, ...]:
+        """Corners, middles of the sides and centre."""
+        y, z, vy, vz = 0.5 * self.width, 0.5 * self.height, 1.5 / self.A, 1.5 / self.A
+        at_long, at_short = self.torsion_shear()
+        at_top, at_left = (at_long, at_short) if y >= z else (at_short, at_long)
+        return (
+            SectionPoint("top", 0.0, z, ((vy, 0.0, -at_top), (0.0, 0.0, 0.0))),
+            SectionPoint("bottom", 0.0, -z, ((vy, 0.0, at_top), (0.0, 0.0, 0.0))),
+            SectionPoint("left", y, 0.0, ((0.0, 0.0, 0.0), (0.0, vz, at_left))),
+            SectionPoint("right", -y, 0.0, ((0.0, 0.0, 0.0), (0.0, vz, -at_left))),
+            SectionPoint("top_left", y, z),
+            SectionPoint("top_right", -y, z),
+            SectionPoint("bottom_left", y, -z),
+            SectionPoint("bottom_right", -y, -z),
+            SectionPoint("centre", 0.0, 0.0, ((vy, 0.0, 0.0), (0.0, vz, 0.0))),
+        )
+
+
+@explained
+@dataclass(frozen=True)
+class Tube:
+    """Circular tube, thick or thin.
+
+    Shear coefficient of the hollow circle, Cowper (1966) with nu = 0; shear by Jourawski.
+
+    Parameters
+    ----------
+    outer_diameter, wall : float
+        Outer diameter and wall thickness in m.
+
+    Raises
+    ------
+    InputError
+        If a dimension is not positive or the wall is thicker than the radius.
+
+    Examples
+    --------
+    >>> tube = Tube(outer_diameter=0.1, wall=0.005)
+    >>> f"{tube.A:.4e} {tube.J:.4e}"
+    '1.4923e-03 3.3762e-06'
+    """
+
+    outer_diameter: float
+    wall: float
+
+    def __post_init__(self) -> None:
+        problems = check_dimensions(self, outer_diameter=self.outer_diameter, wall=self.wall)
+        if self.wall > 0.5 * self.outer_diameter:
+            problems.add(
+                "Tube",
+                f"wall {self.wall:g} m is thicker than the radius {0.5 * self.outer_diameter:g} m",
+            )
+        problems.raise_if_any()
+
+    @property
+    def _radii(self) -> tuple[float, float]:
+        return 0.5 * self.outer_diameter, 0.5 * self.outer_diameter - self.wall
+
+    @property
+    def A(self) -> float:
+        """Area in m^2."""
+        return math.pi * self.wall * (self.outer_diameter - self.wall)
+
+    @property
+    def Iy(self) -> float:
+        """Second moment for bending about y in m^4."""
+        ro, ri = self._radii
+        return 0.25 * self.A * (ro**2 + ri**2)
+
+    @property
+    def Iz(self) -> float:
+        """Second moment for bending about z in m^4."""
+        return self.Iy
+
+    @property
+    def J(self) -> float:
+        """Torsion constant in m^4."""
+        return 2.0 * self.Iy
+
+    @property
+    def ky(self) -> float:
+        """Shear coefficient along y."""
+        ro, ri = self._radii
+        f = (1.0 + (ri / ro) ** 2) ** 2
+        return 6.0 * f / (7.0 * f + 20.0 * (ri / ro) ** 2)
+
+    @property
+    def kz(self) -> float:
+        """Shear coefficient along z."""
+        return self.ky
+
+    @property
+    def points(self) -> tuple[SectionPoint, ...]:
+        """24 points around: top, bottom, left, right, ``deg15`` ... by their angle from left."""
+        ro, ri = self._radii
+        # first moment of the half section over the cut's width 2 wall
+        v = (ro**2 + ro * ri + ri**2) / (3.0 * self.Iy)
+        return _around(ro, v, ro / self.J)
+
+
+@dataclass(frozen=True)
+class Circle:
+    """Solid circle.
+
+    Shear coefficient 6/7, Cowper (1966) with nu = 0; shear by Jourawski, 4/3 of the mean.
+
+    Parameters
+    ----------
+    diameter : float
+        Diameter in m.
+
+    Raises
+    ------
+    InputError
+        If the diameter is not positive.
+
+    Examples
+    --------
+    >>> round(Circle(0.02).A * 1e4, 4)
+    3.1416
+    """
+
+    diameter: float
+
+    def __post_init__(self) -> None:
+        check_dimensions(self, diameter=self.diameter).raise_if_any()
+
+    @property
+    def A(self) -> float:
+        """Area in m^2."""
+        return 0.25 * math.pi * self.diameter**2
+
+    @property
+    def Iy(self) -> float:
+        """Second moment for bending about y in m^4."""
+        return math.pi * self.diameter**4 / 64.0
+
+    @property
+    def Iz(self) -> float:
+        """Second moment for bending about z in m^4."""
+        return self.Iy
+
+    @property
+    def J(self) -> float:
+        """Torsion constant in m^4."""
+        return 2.0 * self.Iy
+
+    @property
+    def ky(self) -> float:
+        """Shear coefficient along y."""
+        return 6.0 / 7.0
+
+    @property
+    def kz(self) -> float:
+        """Shear coefficient along z."""
+        return 6.0 / 7.0
+
+    @property
+    def points(self) -> tuple[SectionPoint, ...]:
+        """24 points around, as of `Tube`, and the centre."""
+        v = 4.0 / (3.0 * self.A)
+        radius = 0.5 * self.diameter
+        return (
+            *_around(radius, v, radius / self.J),
+            SectionPoint("centre", 0.0, 0.0, ((v, 0.0, 0.0), (0.0, v, 0.0))),
+        )
+
+
+@explained
+@described
+@dataclass(frozen=True)
+class GeneralSection:
+    """Section given by its constants, about its principal axes.
+
+    Parameters
+    ----------
+    A : float
+        Area in m^2.
+    Iy, Iz : float
+        Second moments for bending about y and about z in m^4.
+    J : float
+        Saint-Venant torsion constant in m^4.
+    ky, kz : float, optional
+        Shear coefficients; needed by :class:`Timoshenko` only.
+    points : tuple of SectionPoint
+        Where stress is recovered; none by default.
+
+    Raises
+    ------
+    InputError
+        If a constant is not positive, a coefficient is not a positive number, J exceeds Iy + Iz,
+        or two points share a name.
+
+    Examples
+    --------
+    >>> GeneralSection(A=1e-2, Iy=8e-6, Iz=8e-6, J=1.4e-5).ky is None
+    True
+    """
+
+    A: float
+    Iy: float
+    Iz: float
+    J: float
+    ky: float | None = None
+    kz: float | None = None
+    points: tuple[SectionPoint, ...] = ()
+
+    def __post_init__(self) -> None:
+        where, problems = "GeneralSection", Problems()
+        problems.positive(where, "A", self.A, "m^2")
+        for name in ("Iy", "Iz", "J"):
+            problems.positive(where, name, getattr(self, name), "m^4")
+        for name in ("ky", "kz"):
+            if getattr(self, name) is not None:
+                problems.positive(where, name, getattr(self, name), "")
+        if not problems.found and self.J > (self.Iy + self.Iz) * (1.0 + 1e-9):
+            problems.add(
+                where,
+                f"torsion constant J = {self.J:g} m^4 is above Iy + Iz = {self.Iy + self.Iz:g} m^4,"
+                " which no section can reach",
+            )
+        object.__setattr__(self, "points", tuple(self.points))
+        names = [p.name for p in self.points]
+        for name in sorted({n for n in names if names.count(n) > 1}):
+            problems.add(where, f"two points are named '{name}'")
+        problems.raise_if_any()
+
+
+def _around(radius: float, v: float, t: float) -> tuple[SectionPoint, ...]:
+    """Return the points around a round section; at worst bending stands 7.5 degrees from one.
+
+    Shear runs along the edge: ``V v cos(a)`` at the angle a from the plane of bending's neutral
+    line, by Jourawski, and ``T t`` of torsion.
+    """
+    four = {0: "left", 90: "top", 180: "right", 270: "bottom"}
+    found = {}
+    for k in range(ROUND):
+        degrees = 360 * k // ROUND
+        c, s = math.cos(2.0 * math.pi * k / ROUND), math.sin(2.0 * math.pi * k / ROUND)
+        if degrees in four:
+            c, s = float(round(c)), float(round(s))
+        shear = ((v * s * s, -v * s * c, -t * s), (-v * s * c, v * c * c, t * c))
+        name = four.get(degrees, f"deg{degrees}")
+        found[name] = SectionPoint(name, radius * c, radius * s, shear)
+    first = ("top", "bottom", "left", "right")
+    return (*(found.pop(name) for name in first), *found.values())

@@ -1,0 +1,1 @@
+"""Modes of machines: linearised states, spectra, Campbell diagrams."""

@@ -1,0 +1,444 @@
+"""linearise and modes: small motions of a mechanism about a state, in minimal coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem, Problems, warn
+from jousto.base.rotations import rotation_matrix, skew
+from jousto.model.model import Model
+from jousto.model.native.native import IMAGINARY, Engine, displaced
+from jousto.simulation.running.state import State, put
+
+Array = NDArray[np.float64]
+Eigenvalues = NDArray[np.complex128]
+NOTICED = 1e-3  # of the lowest frequency, rad/s: spin that changes a mode by as much
+NOISE = 1e-6  # of the highest frequency: no oscillation
+RANK = 1e-10  # of the largest singular value of the scaled constraint matrix
+
+
+@dataclass(frozen=True, eq=False)
+class LinearModel:
+    """``x' = A x + B u``, ``y = C x + D u`` about a state.
+
+    Attributes
+    ----------
+    A, B, C, D : arrays (2f, 2f), (2f, nu), (ny, 2f), (ny, nu)
+        f = mobility; x = [free positions, free velocities], deviations from the state.
+    input_names, output_names, state_names : tuples of str
+        Inputs by name; sensor components ``sensor.component``; ``y0..`` and ``u0..``.
+    """
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    input_names: tuple[str, ...]
+    output_names: tuple[str, ...]
+    state_names: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        inputs, outputs = ", ".join(self.input_names), ", ".join(self.output_names)
+        return f"<LinearModel: {len(self.A)} states, inputs [{inputs}], outputs [{outputs}]>"
+
+    @property
+    def eigenvalues(self) -> Eigenvalues:
+        """Eigenvalues of A, 1/s."""
+        return np.asarray(np.linalg.eigvals(self.A), dtype=np.complex128)
+
+    def state_space(self) -> Any:
+        """Return the matrices as a scipy.signal.StateSpace."""
+        from scipy.signal import StateSpace
+
+        return StateSpace(self.A, self.B, self.C, self.D)
+
+
+@dataclass(frozen=True, eq=False)
+class MechanismModes:
+    """Natural modes of a mechanism about a state, the slowest first.
+
+    Attributes
+    ----------
+    frequencies : (k,) array
+        Imaginary part of the eigenvalue over 2 pi, Hz; 0 for a motion that does not oscillate.
+    damping : (k,) array
+        Damping ratios ``-Re(lambda) / |lambda|``; 0 where lambda is 0.
+    eigenvalues : (k,) array
+        1/s, of each conjugate pair the one with positive imaginary part.
+    increments : (nv, k) array
+        Shapes as increments of R (body frame), rotation (body frame) and p of every body.
+    shapes : dict
+        Body name to nodal displacements (k, nodes, 3), world frame; largest of a mode is 1.
+    """
+
+    frequencies: Array
+    damping: Array
+    eigenvalues: Eigenvalues
+    increments: NDArray[Any]
+    shapes: dict[str, NDArray[Any]]
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{f:.5g}" for f in self.frequencies[:6])
+        return f"<MechanismModes: {found}{', ...' if len(self.frequencies) > 6 else ''} Hz>"
+
+
+@dataclass(frozen=True, eq=False)
+class Tangent:
+    """First derivatives of the motion at a state, translations resolved in body frames.
+
+    With the free positions y and velocities u: ``dq = N y``, ``dv = P y + N u``,
+    ``y' = drift y + u``, ``u' = Ay y + Au u + Bu input``; P keeps the velocities consistent.
+    """
+
+    N: Array
+    P: Array
+    drift: Array
+    Ay: Array
+    Au: Array
+    Bu: Array
+    Cy: Array
+    Cu: Array
+    Du: Array
+    a: Array
+    lam: Array
+    M: Array
+
+
+def rotations(model: Model, q: Array) -> Array:
+    """Return the orientation matrices (nbody, 3, 3) of the body frames from Euler parameters."""
+    e = [q[body.iq + 3 : body.iq + 7] for body in model.bodies]
+    return np.array([rotation_matrix(x / np.linalg.norm(x)) for x in e]).reshape(-1, 3, 3)
+
+
+def turning(model: Model, q: Array) -> Array:
+    """Return T (nv, nv): increments with body-frame translations to those of the engine."""
+    T = np.eye(model.nv)
+    for body, A in zip(model.bodies, rotations(model, q), strict=True):
+        T[body.iv : body.iv + 3, body.iv : body.iv + 3] = A
+    return T
+
+
+def tangent(model: Model, state: State | None = None) -> Tangent:
+    """Return the exact tangent of the motion at a state, by complex steps of the engine.
+
+    Translations are resolved in the frame of their body, so that the matrices of a steadily
+    turning mechanism are constant. The null space of the constraint matrix gives the free
+    coordinates; repeated rows do no harm.
+
+    Raises
+    ------
+    InputError
+        If a body or joint is singular at the state.
+    """
+    q, v, time = (model.q0, model.v0, 0.0) if state is None else (state.q, state.v, state.time)
+    nv, T = model.nv, turning(model, q)
+    engine, steps = Engine(model), Engine(model, complex_scalars=True)
+    for twin in (engine, steps):
+        put(twin, State(q, v, np.zeros(model.nrow), time) if state is None else state, "linearise")
+    a, lam = (np.array(x) for x in engine.accelerations())
+    M = T.T @ engine.newton_matrix(1.0, 0.0, 0.0)[:nv, :nv] @ T  # of beams between the bodies too
+
+    def slopes(dq: Array, dv: Array, du: Array) -> tuple[Array, Array, Array, Array]:
+        """Directional derivatives of C, C', a (body frames) and sensors."""
+        steps.q[:] = displaced(model, q, 1j * IMAGINARY * (T @ dq))
+        steps.v[:] = v + 1j * IMAGINARY * (T @ dv)
+        steps.input[:] = engine.input + 1j * IMAGINARY * du
+        steps.time[0] = time
+        c, cdot = steps.constraints()
+        acceleration, _ = steps.accelerations()
+        sensors = steps.sensors()
+        parts = (c, cdot, T.T @ acceleration, sensors)
+        return tuple(np.array(part.imag) / IMAGINARY for part in parts)  # type: ignore[return-value]
+
+    nu, unit = len(model.inputs), np.eye(nv)
+    none, still = np.zeros(nv), np.zeros(nu)
+    by_q = [_columns(rows) for rows in zip(*(slopes(e, none, still) for e in unit), strict=True)]
+    by_v = [_columns(rows) for rows in zip(*(slopes(none, e, still) for e in unit), strict=True)]
+    by_u = [slopes(none, none, e) for e in np.eye(nu)]
+    Cq, Cdot = by_q[0], by_q[1]
+    N, pseudo = free_motions(Cq)
+    P = -pseudo @ (Cdot @ N)
+    # rates seen from the turning body frames
+    frames, spins = np.zeros((nv, nv)), np.zeros((nv, nv))
+    for body in model.bodies:
+        W = skew(v[body.iv + 3 : body.iv + 6])
+        for first in (body.iv, body.iv + 3):
+            frames[first : first + 3, first : first + 3] = -W
+        spins[body.iv : body.iv + 3, body.iv : body.iv + 3] = -W
+    aq, av = by_q[2], by_v[2] + spins
+    return Tangent(
+        N=N,
+        P=P,
+        drift=N.T @ frames @ N,
+        Ay=N.T @ (aq @ N + av @ P),
+        Au=N.T @ av @ N,
+        Bu=np.array([N.T @ column[2] for column in by_u]).T.reshape(N.shape[1], nu),
+        Cy=by_q[3] @ N + by_v[3] @ P,
+        Cu=by_v[3] @ N,
+        Du=np.array([column[3] for column in by_u]).T.reshape(model.nout, nu),
+        a=T.T @ a,
+        lam=lam,
+        M=M,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """Stiffness and mass about a state without velocities, translations in body frames.
+
+    The free motions ``dq = N y`` are orthonormal with respect to the mass, ``N^T M N = E``, and
+    ``y'' = -K y`` next to the state: neither holds a quotient by an inertia, so that their digits
+    do not suffer where one is tiny, as the spin of a slender body.
+    """
+
+    N: Array
+    K: Array
+    M: Array
+    a: Array
+    lam: Array
+
+
+def at_rest(model: Model, state: State) -> Rest:
+    """Return stiffness and mass about a state, its velocities set to zero, by complex steps.
+
+    ``K = N^T (dr/dq N + M E)`` with the residual r of the equations of motion at fixed
+    accelerations and multipliers, and ``E = -Cq^+ d(Cq a)/dq N``, what the joints add to the
+    accelerations as they turn.
+
+    Raises
+    ------
+    InputError
+        If a body or joint is singular at the state.
+    """
+    still, T = replace(state, v=np.zeros(model.nv)), turning(model, state.q)
+    engine, twin = Engine(model), Engine(model, complex_scalars=True)
+    for one in (engine, twin):
+        put(one, still, "modes")
+    a, lam = (np.array(x) for x in engine.accelerations())
+    twin.accelerations()  # what depends on the state alone
+    twin.a[:], twin.lam[:] = a, lam
+    M = T.T @ engine.newton_matrix(1.0, 0.0, 0.0)[: model.nv, : model.nv] @ T
+
+    def slopes(move: Array) -> tuple[Array, Array, Array]:
+        """Derivatives of C, r and Cq a along a motion."""
+        twin.q[:] = displaced(model, state.q, 1j * IMAGINARY * (T @ move))
+        twin.v[:] = 0.0
+        c, r = twin.constraints()[0], twin.residual()
+        twin.v[:] = a
+        turned = twin.constraints()[1]
+        return tuple(np.array(x.imag) / IMAGINARY for x in (c, T.T @ r, turned))  # type: ignore[return-value]
+
+    by_q = [_columns(rows) for rows in zip(*(slopes(e) for e in np.eye(model.nv)), strict=True)]
+    # unknowns of unit mass
+    scale = 1.0 / np.sqrt(np.diag(M))
+    root = np.linalg.cholesky(scale[:, None] * M * scale)
+    lift = scale[:, None] * np.linalg.inv(root).T
+    N, pseudo = (lift @ x for x in free_motions(by_q[0] @ lift))
+    return Rest(N, N.T @ (by_q[1] - M @ pseudo @ by_q[2]) @ N, M, T.T @ a, lam)
+
+
+def _columns(rows: Sequence[Array]) -> Array:
+    return np.array(rows).T
+
+
+def free_motions(Cq: Array) -> tuple[Array, Array]:
+    """Return the null space N (nv, f), orthonormal, and the pseudoinverse of Cq."""
+    if not Cq.size:
+        return np.eye(Cq.shape[1]), np.zeros(Cq.shape[::-1])
+    U, s, Vt = np.linalg.svd(Cq)
+    rank = int((s > RANK * s[0]).sum())
+    return Vt[rank:].T, Vt[:rank].T @ (U[:, :rank] / s[:rank]).T
+
+
+@explained
+def linearise(
+    model: Model,
+    state: State | None = None,
+    inputs: Sequence[str] | None = None,
+    outputs: Sequence[str] | None = None,
+) -> LinearModel:
+    """Linearise a mechanism about a state, exactly, in minimal coordinates.
+
+    Parameters
+    ----------
+    model : Model
+        From `compile`.
+    state : State, optional
+        Where; None is the initial state.
+    inputs : names, optional
+        External inputs to keep; None keeps all.
+    outputs : names, optional
+        Sensors to keep; None keeps all.
+
+    Raises
+    ------
+    InputError
+        If a name is not known, or a body or joint is singular at the state.
+    """
+    sensors = [sensor.name for sensor in model.sensors]
+    chosen = _known("input", model.inputs, inputs)
+    kept = _known("sensor", sensors, outputs)
+    t = tangent(model, state)
+    f = t.N.shape[1]
+    places = [model.inputs.index(name) for name in chosen]
+    rows, names = [], []
+    for name in kept:
+        sensor = model.sensors[sensors.index(name)]
+        for k in range(sensor.count):
+            rows.append(sensor.offset + k)
+            part = sensor.components[k] if k < len(sensor.components) else str(k)
+            names.append(name if sensor.count == 1 else f"{name}.{part}")
+    return LinearModel(
+        A=np.block([[t.drift, np.eye(f)], [t.Ay, t.Au]]),
+        B=np.vstack([np.zeros((f, len(places))), t.Bu[:, places]]),
+        C=np.hstack([t.Cy, t.Cu])[rows],
+        D=t.Du[np.ix_(rows, places)],
+        input_names=tuple(chosen),
+        output_names=tuple(names),
+        state_names=tuple([f"y{k}" for k in range(f)] + [f"u{k}" for k in range(f)]),
+    )
+
+
+def _known(kind: str, names: Sequence[str], wanted: Sequence[str] | None) -> list[str]:
+    """Return the wanted names, all if None; refuse those that do not exist."""
+    if wanted is None:
+        return list(names)
+    unknown = [name for name in wanted if name not in names]
+    if unknown:
+        have = ", ".join(names) or "none"
+        raise InputError(Problem("linearise", f"no {kind} {unknown[0]!r}; there are: {have}"))
+    return list(wanted)
+
+
+@explained
+def modes(
+    model: Model, state: State | None = None, *, damped: bool = False, count: int | None = None
+) -> MechanismModes:
+    """Compute the natural modes of a mechanism about a state.
+
+    Undamped: ``K x = omega^2 M x`` in the free coordinates with all velocities zero, where K is
+    the exact derivative of the static forces (gravity, loads and prestress included); where loads
+    follow the bodies K is not symmetric and modes may come as pairs that flutter: one decays, the
+    other grows (damping below 0). Damped:
+    eigenvalues of the linearised motion at the velocities of the state, gyroscopic terms included.
+
+    Parameters
+    ----------
+    model : Model
+        From `compile`.
+    state : State, optional
+        Where, usually from `equilibrium`; None is the initial state. Where forces are not balanced
+        the mechanism accelerates, and how its inertia changes with the position counts in K too:
+        nodes of beams whose mass is off the axis then miss by many per cent.
+    damped : bool
+        Whether damping and velocities count. Without it a state that turns is taken as at rest,
+        and a warning says so.
+    count : int, optional
+        Most modes, the slowest first; None is all, 20 of mechanisms with more than 600 velocities
+        and rows of constraints, which are found by sparse matrices.
+
+    Raises
+    ------
+    InputError
+        If a body or joint is singular at the state.
+    """
+    from jousto.simulation.modes.large import MANY, USUAL, large_modes
+
+    if count is not None:
+        problems = Problems()
+        problems.number("modes", "count", count, "", "1 or more", lambda x: x >= 1)
+        problems.raise_if_any()
+    state = State(model.q0, model.v0, np.zeros(model.nrow)) if state is None else state
+    if model.nv + model.nrow > MANY:
+        found, x = large_modes(model, state, damped, count or USUAL)
+        if not damped:
+            _warn_turning(model, state, found)
+        return _modes(model, state, found, x)
+    if damped:
+        t = tangent(model, state)
+        N, f = t.N, t.N.shape[1]
+        values, vectors = np.linalg.eig(np.block([[t.drift, np.eye(f)], [t.Ay, t.Au]]))
+        keep = values.imag >= 0.0
+        eigenvalues, free = values[keep].astype(np.complex128), vectors[:f, keep]
+    else:
+        rest = at_rest(model, state)
+        N, (squares, free) = rest.N, stiffness_modes(rest)
+        roots = np.sqrt(-squares.astype(np.complex128))
+        eigenvalues = np.where(roots.imag < 0.0, -roots, roots)
+    order = np.argsort(np.abs(eigenvalues), kind="stable")[:count]
+    if not damped:
+        _warn_turning(model, state, eigenvalues)
+    return _modes(model, state, eigenvalues[order], N @ free[:, order])
+
+
+def _warn_turning(model: Model, state: State, eigenvalues: Eigenvalues) -> None:
+    """Warn of turning bodies whose gyroscopic and centrifugal terms modes at rest leave out."""
+    spins = [np.linalg.norm(state.v[b.iv + 3 : b.iv + 6]) for b in model.bodies]
+    fastest = int(np.argmax(spins)) if spins else 0
+    rates = np.abs(eigenvalues.imag)
+    lowest = rates[rates > NOISE * rates.max(initial=0.0)].min(initial=np.inf)
+    if spins and NOTICED * lowest < spins[fastest] and np.isfinite(lowest):
+        warn(
+            f"modes of {model.name!r}",
+            f"body '{model.bodies[fastest].name}' turns with {spins[fastest]:.3g} rad/s, but these "
+            "are the modes at rest in this position: gyroscopic and centrifugal terms are left "
+            "out; damped=True counts them, and damping; set the velocities of the state to zero if "
+            "rest is what you mean",
+        )
+
+
+def _modes(
+    model: Model, state: State, eigenvalues: Eigenvalues, increments: NDArray[Any]
+) -> MechanismModes:
+    size = np.abs(eigenvalues)
+    damping = np.divide(-eigenvalues.real, size, out=np.zeros_like(size), where=size > 0.0)
+    return MechanismModes(
+        np.abs(eigenvalues.imag) / (2 * np.pi),
+        damping,
+        eigenvalues,
+        increments,
+        pictures(model, state.q, increments),
+    )
+
+
+def local(model: Model, q: Array, increments: NDArray[Any]) -> NDArray[Any]:
+    """Return increments (nv, k) of the engine with translations in body frames."""
+    out = np.array(increments)
+    for body, A in zip(model.bodies, rotations(model, q), strict=True):
+        out[body.iv : body.iv + 3] = A.T @ out[body.iv : body.iv + 3]
+    return out
+
+
+def stiffness_modes(rest: Rest) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return omega^2 (f,) and shapes (f, f) of ``K x = omega^2 x``."""
+    from jousto.simulation.modes.spectrum import small_modes
+
+    if not rest.K.size:
+        return np.zeros(0), np.zeros((0, 0))
+    return small_modes(rest.K, np.eye(len(rest.K)))
+
+
+def pictures(model: Model, q: Array, increments: NDArray[Any]) -> dict[str, NDArray[Any]]:
+    """Return nodal displacements (k, nodes, 3) of every body, world, scaled to 1 by mode."""
+    out: dict[str, NDArray[Any]] = {}
+    for body, shape, A in zip(model.bodies, model.shapes, rotations(model, q), strict=True):
+        dx = increments[body.iv : body.iv + 6 + body.n].T
+        u = shape.nodes
+        flexible = np.zeros((len(dx), *u.shape), dtype=dx.dtype)
+        if body.n:
+            u = u + shape.modes @ q[body.iq + 7 : body.iq + 7 + body.n]
+            flexible = np.einsum("icj,kj->kic", shape.modes, dx[:, 6:])
+        local = dx[:, None, :3] + np.cross(dx[:, None, 3:6], u[None]) + flexible
+        out[body.name] = local @ A.T
+    largest = np.zeros(increments.shape[1])
+    for moved in out.values():
+        if moved.size:
+            largest = np.maximum(largest, np.abs(moved).max(axis=(1, 2)))
+    scale = np.where(largest > 0.0, largest, 1.0)
+    return {name: moved / scale[:, None, None] for name, moved in out.items()}

@@ -1,0 +1,1 @@
+"""Results of a run: solution, records in memory and in files, tables."""

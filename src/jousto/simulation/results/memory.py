@@ -1,0 +1,222 @@
+"""Results that stay in memory: nothing is written until somebody asks for a file."""
+
+from __future__ import annotations
+
+import uuid
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.files import unwritable
+from jousto.model.beam_record import BeamShape
+from jousto.model.model import Model
+from jousto.reduction.fields.stress import StressModes
+from jousto.simulation.results.columns import Column, columns
+from jousto.simulation.results.connections import Connection, connections
+from jousto.simulation.results.events import Happening, happenings, joints_of, sources
+from jousto.simulation.results.records import ALL, BodyShape
+from jousto.simulation.results.writer import (
+    EVENT_COLUMNS,
+    EVENTS,
+    FORMAT,
+    FORMAT_VERSION,
+    Facts,
+    ResultsWriter,
+)
+from jousto.simulation.running.state import MEMORY
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class MemoryRecords:
+    """The rows of a run and the model that they are of.
+
+    Attributes
+    ----------
+    model : Model
+        The model.
+    rows : (nt, row_size) array
+        Rows of the engine.
+    happened : (k, 4) array
+        Time, source, change and count of what happened.
+    facts : dict
+        How the run ended: ended, complete, wall_time, real_time_factor.
+    about_run : dict
+        Attributes that were known before it: solver, step ...
+    text : str
+        Text of the model file.
+    """
+
+    model: Model
+    rows: Array
+    happened: Array
+    facts: Facts
+    about_run: dict[str, Any]
+    text: str
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what another process needs: results do not need what pushes (functions)."""
+        forces = tuple(replace(force, function=None) for force in self.model.forces)
+        model = replace(self.model, forces=forces, beams=())
+        return {name: getattr(self, name) for name in self.__dataclass_fields__} | {"model": model}
+
+    @property
+    def where(self) -> str:
+        """Name of the place, for messages."""
+        return f"results of '{self.model.name}'"
+
+    @cached_property
+    def attributes(self) -> dict[str, Any]:
+        """Facts about the run."""
+        return {
+            "format": FORMAT,
+            "format_version": FORMAT_VERSION,
+            "name": self.model.name,
+            **self.facts,
+            **self.about_run,
+        }
+
+    @cached_property
+    def sensors(self) -> tuple[str, ...]:
+        """Names of the sensors."""
+        return tuple(sensor.name for sensor in self.model.sensors)
+
+    @property
+    def length(self) -> int:
+        """Number of instants."""
+        return len(self.rows)
+
+    @cached_property
+    def _columns(self) -> dict[str, Column]:
+        return {column.place: column for column in columns(self.model)}
+
+    def read(self, place: str, rows: slice = ALL, columns: Any = ALL) -> Array:
+        """Return numbers of a piece of the row at some instants."""
+        column = self._columns[place]
+        block = self.rows[rows, column.first : column.first + column.count]
+        return np.array(block[:, 0] if column.width is None else block[:, columns])
+
+    def memory(self) -> tuple[str, ...]:
+        """Return which further arrays of a state are kept."""
+        return tuple(name for name in MEMORY if f"state/{name}" in self._columns)
+
+    def inputs(self) -> tuple[str, ...]:
+        """Return the names of the external inputs."""
+        return self.model.inputs
+
+    def about(self, sensor: str) -> dict[str, Any]:
+        """Return unit, resolved_in, description and components of a sensor."""
+        found = self.model.sensors[self.sensors.index(sensor)]
+        return {
+            "unit": found.unit,
+            "resolved_in": found.resolved_in,
+            "description": found.description,
+            "components": tuple(found.components),
+        }
+
+    def model_text(self) -> str:
+        """Return the text of the model file."""
+        return self.text
+
+    def events(self) -> tuple[Happening, ...]:
+        """Return what happened."""
+        names = sources(self.model)
+        return happenings(self.happened, names, len(self.model.events), joints_of(self.model))
+
+    def bodies(self) -> tuple[BodyShape, ...]:
+        """Return the bodies with what is needed to draw them."""
+        return tuple(
+            BodyShape(
+                body.name,
+                shape.kind,
+                body.iq,
+                body.iv,
+                body.n,
+                np.array(shape.nodes),
+                np.array(shape.elements),
+                np.array(shape.modes),
+            )
+            for body, shape in zip(self.model.bodies, self.model.shapes, strict=True)
+        )
+
+    def places(self) -> dict[str, tuple[int, int, int]]:
+        """Return where each body has its state in q and v, and its number of modes."""
+        return {body.name: (body.iq, body.iv, body.n) for body in self.model.bodies}
+
+    def beams(self) -> tuple[BeamShape, ...]:
+        """Return the beams."""
+        return self.model.beam_shapes
+
+    def connections(self) -> tuple[Connection, ...]:
+        """Return what joins two points, for pictures."""
+        return connections(self.model)
+
+    def beam_places(self) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
+        """Return where the nodes of each beam have their state in q and v."""
+        bodies = self.model.bodies
+        return {
+            beam.name: (
+                np.array([bodies[k].iq for k in beam.bodies]),
+                np.array([bodies[k].iv for k in beam.bodies]),
+            )
+            for beam in self.model.beam_shapes
+        }
+
+    def stressed(self) -> tuple[str, ...]:
+        """Return the names of the bodies and beams whose stress is known."""
+        pairs = zip(self.model.bodies, self.model.shapes, strict=True)
+        names = [body.name for body, shape in pairs if shape.stress is not None]
+        return (*names, *(beam.name for beam in self.model.beam_shapes if beam.stressed))
+
+    def stress_modes(self, body: str) -> StressModes | None:
+        """Return the stress of each mode of a body that there is."""
+        names = [known.name for known in self.model.bodies]
+        return self.model.shapes[names.index(body)].stress
+
+    def save(self, path: Path) -> None:
+        """Write everything into a results file."""
+        writer = ResultsWriter(path, self.model, self.length, self.about_run, self.text)
+        try:
+            writer.append(self.rows)
+            writer.note(self.happened)
+        except OSError as error:
+            writer.discard()
+            raise unwritable(path, error) from error
+        writer.close(bool(self.facts["complete"]), self.facts)
+
+
+class MemoryWriter:
+    """Collects the rows of a run in memory.
+
+    Room for all of them is asked for at once; the system gives it as it is filled.
+    """
+
+    def __init__(self, model: Model, rows: int, attributes: dict[str, Any], text: str) -> None:
+        last = columns(model)[-1]
+        self._model = model
+        self._rows = np.empty((rows, last.first + last.count))
+        self._about = {**attributes, "run": uuid.uuid4().hex}
+        self._text = text
+        self.written = 0
+        self.happened = np.zeros((0, len(EVENT_COLUMNS)))
+
+    def append(self, rows: Array) -> None:
+        """Add rows (k, row_size) of the engine."""
+        self._rows[self.written : self.written + len(rows)] = rows
+        self.written += len(rows)
+
+    def note(self, happened: Array) -> None:
+        """Add what happened (k, 4): time, source, change and count; EVENTS are kept at most."""
+        if len(happened) and len(self.happened) < EVENTS:
+            self.happened = np.vstack([self.happened, happened])[:EVENTS]
+
+    def close(self, complete: bool, facts: Facts) -> MemoryRecords:
+        """Return what was collected."""
+        rows = self._rows[: self.written]
+        known = {"real_time_factor": float("nan"), **facts, "complete": int(complete)}
+        return MemoryRecords(self._model, rows, self.happened, known, self._about, self._text)

@@ -1,0 +1,500 @@
+"""Solution: the results of a run, in memory or in a file."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import weakref
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem, count, suggest
+from jousto.model.beam_record import BeamShape
+from jousto.reduction.fields.stress import StressModes
+from jousto.simulation.results import frames
+from jousto.simulation.results.connections import Connection
+from jousto.simulation.results.events import Happening
+from jousto.simulation.results.naming import Names, named, pick
+from jousto.simulation.results.records import BodyShape, Records
+from jousto.simulation.results.stored import FileRecords
+from jousto.simulation.running.diagnostics import Energy, Residuals, Work
+from jousto.simulation.running.state import State
+
+Array = NDArray[np.float64]
+LONG = 100  # characters of a name that are shown
+WORK = ("dissipated", "friction", "work")
+
+
+class Solution(Mapping[str, Array]):
+    """The results of a run, a mapping from the names of sensors to their values.
+
+    They are kept in memory or in a file. Of a file, arrays are read when asked for; a run that is
+    still going on or was killed is readable up to its last written piece. It can be pickled: the
+    results go with it, or their path if they are in a file of the user's.
+
+    ``run[name]`` are the values of a sensor (nt, k), ``run["hinge.Fx"]`` those of one component
+    (nt,); ``keys``, ``values``, ``items``, ``get``, ``len`` and ``in`` are those of every mapping.
+
+    Parameters
+    ----------
+    source : path or Records
+        The results file, or results in memory.
+    temporary : bool
+        Remove the file's folder with this object.
+
+    Attributes
+    ----------
+    attributes : dict
+        Facts about the run: solver, step, wall_time (s), real_time_factor, ended, complete ...
+    """
+
+    def __init__(self, source: str | Path | Records, *, temporary: bool = False) -> None:
+        self._path = Path(source) if isinstance(source, (str, Path)) else None
+        records = FileRecords(Path(source)) if isinstance(source, (str, Path)) else source
+        self._records: Records = records
+        self._temporary = temporary
+        self.attributes: dict[str, Any] = dict(records.attributes)
+        if temporary and self._path:
+            self._remove_with_this(self._path.parent)
+
+    def _remove_with_this(self, folder: Path) -> None:
+        self._remove = weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
+
+    @property
+    def path(self) -> Path:
+        """The results file; of results in memory a temporary one, which goes with this object."""
+        if self._path is None:
+            folder = Path(tempfile.mkdtemp(prefix="jousto-"))
+            self._remove_with_this(folder)
+            self._records.save(folder / "run.h5")
+            self._path = folder / "run.h5"
+        return self._path
+
+    @property
+    def where(self) -> str:
+        """Name of the place of these results, for messages."""
+        return self._records.where
+
+    @explained
+    def save(self, path: str | Path) -> Path:
+        """Write the results into a file that `load` reads, and return its path.
+
+        Parameters
+        ----------
+        path : path
+            Results file (HDF5), overwritten.
+
+        Raises
+        ------
+        InputError
+            If it cannot be written.
+        """
+        target = Path(path)
+        self._records.save(target)
+        return target
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return how to make this object in another process."""
+        if isinstance(self._records, FileRecords):
+            if not self._temporary:
+                return load, (self._records.path.resolve(),)
+            return _unpacked, (self._records.path.read_bytes(),)
+        return Solution, (self._records,)
+
+    def __repr__(self) -> str:
+        name = self.name if len(self.name) <= LONG else f"{self.name[: LONG - 3]}..."
+        try:
+            end = self._records.read("time", slice(self.nt - 1, None))[0] if self.nt else 0.0
+        except InputError:
+            return f"<Solution {name!r}: its file is gone, overwritten or damaged>"
+        facts = [f"{self.nt} instants to {end:g} s", count(len(self.sensors), "sensor")]
+        first, comma, _ = self._solver.partition(",")
+        facts += [f"{first}, ...)" if comma else first] if first else []
+        if not self.complete:
+            facts.append("incomplete")
+        return f"<Solution {name!r}: {', '.join(facts)}>"
+
+    def __str__(self) -> str:
+        """Return `repr`, the solver and why it was taken, how the run ended, its energy balance."""
+        reason = str(self.attributes.get("chosen", ""))
+        ended = str(self.attributes.get("ended", "still running or killed"))
+        lines = [repr(self)]
+        if self._solver:
+            lines.append(f"solver {self._solver}" + (f", since {reason}" if reason else ""))
+        with suppress(InputError):  # a file that is gone
+            lines.append(f"{ended}; {self.energy.verdict}")
+        return "\n".join(lines)
+
+    @property
+    def _solver(self) -> str:
+        return str(self.attributes.get("solver", ""))
+
+    def __len__(self) -> int:
+        return len(self.sensors)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.sensors)
+
+    def __bool__(self) -> bool:
+        return True  # also without sensors
+
+    def __eq__(self, other: object) -> bool:
+        return self is other  # two runs are compared array by array
+
+    def __hash__(self) -> int:
+        return object.__hash__(self)
+
+    @property
+    def nt(self) -> int:
+        """Number of stored instants."""
+        return self._records.length
+
+    @property
+    def name(self) -> str:
+        """Name of the mechanism."""
+        return str(self.attributes["name"])
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run reached its end."""
+        return bool(self.attributes["complete"])
+
+    @property
+    def time(self) -> Array:
+        """Instants (nt,), s."""
+        return self._records.read("time")
+
+    @property
+    def q(self) -> Array:
+        """Positions (nt, nq): [R e p] body after body."""
+        return self._records.read("state/q")
+
+    @property
+    def v(self) -> Array:
+        """Velocities (nt, nv): [R' w_local p'] body after body."""
+        return self._records.read("state/v")
+
+    @property
+    def multipliers(self) -> Array:
+        """Lagrange multipliers (nt, nrow), N or N m."""
+        return self._records.read("state/multipliers")
+
+    @property
+    def energy(self) -> Energy:
+        """Energy balance."""
+        names = (
+            "kinetic",
+            "strain",
+            "potential",
+            "springs",
+            "dissipated",
+            "friction",
+            "work",
+        )
+        return Energy(**{name: self._records.read(f"diagnostics/{name}") for name in names})
+
+    @property
+    def residuals(self) -> Residuals:
+        """Constraint residuals."""
+        names = ("position", "velocity")
+        return Residuals(*(self._records.read(f"diagnostics/{name}_residual") for name in names))
+
+    @property
+    def work(self) -> Work:
+        """Steps taken and what they cost."""
+        names = ("steps", "rejected", "evaluations", "iterations", "step")
+        return Work(**{name: self._records.read(f"diagnostics/{name}") for name in names})
+
+    @property
+    def events(self) -> tuple[Happening, ...]:
+        """Events and transitions of friction that happened, in their order."""
+        return self._records.events()
+
+    @explained
+    def state(self, time: float = -1.0) -> State:
+        """Return the state at a stored instant, from which `simulate` can go on.
+
+        Parameters
+        ----------
+        time : float
+            A stored instant, s; negative for the last one.
+
+        Raises
+        ------
+        InputError
+            If nothing is stored at that time.
+        """
+        instants = self.time
+        k = len(instants) - 1 if time < 0 else int(np.argmin(np.abs(instants - time)))
+        if time >= 0 and abs(instants[k] - time) > 1e-9 * max(1.0, abs(time)):
+            raise InputError(
+                Problem(
+                    self.where,
+                    f"no instant is stored at {time:g} s, the nearest is {instants[k]:.9g} s",
+                )
+            )
+        here = slice(k, k + 1)
+        read = self._records.read
+        memory: dict[str, Any] = {
+            name: read(f"state/{name}", here)[0] for name in self._records.memory()
+        }
+        if "input" in memory:
+            values = memory.pop("input")
+            memory["inputs"] = dict(zip(self._records.inputs(), map(float, values), strict=True))
+        return State(
+            q=read("state/q", here)[0],
+            v=read("state/v", here)[0],
+            lam=read("state/multipliers", here)[0],
+            time=float(instants[k]),
+            work=np.array([read(f"diagnostics/{name}", here)[0] for name in WORK]),
+            **memory,
+        )
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """Names of the sensors."""
+        return self._records.sensors
+
+    @property
+    def model_text(self) -> str:
+        """Text of the model file, empty if the model was made in Python."""
+        return self._records.model_text()
+
+    def __getitem__(self, name: str) -> Array:
+        """Return the values of a sensor, (nt, k), or of one of its components, (nt,).
+
+        Raises
+        ------
+        InputError
+            For an unknown name; close ones are suggested. A `KeyError`, too.
+        """
+        sensor, columns = pick(self, name)
+        values = self._records.read(f"sensors/{sensor}")
+        if sensor == name:
+            return values
+        return values[:, columns[0]] if len(columns) == 1 else values[:, columns]
+
+    def components(self, sensor: str) -> tuple[str, ...]:
+        """Return the names of the components of a sensor."""
+        return tuple(self._records.about(sensor)["components"])
+
+    def about(self, name: str) -> dict[str, Any]:
+        """Return unit, resolved_in, description and components of a sensor or component."""
+        sensor, columns = pick(self, name)
+        about = self._records.about(sensor)
+        if sensor == name:
+            return about
+        units = frames.component_units(about)
+        return about | {
+            "unit": ", ".join(dict.fromkeys(units[k] for k in columns)),
+            "components": tuple(about["components"][k] for k in columns),
+        }
+
+    @explained
+    def to_csv(self, path: str | Path, *names: Names, sensors: Names = ()) -> Path:
+        """Write time and sensors as a table of text, one row for each instant.
+
+        The first row names each column with its unit, as ``hinge.Fx (N)``; numbers have all their
+        digits.
+
+        Parameters
+        ----------
+        path : path
+            File, overwritten.
+        *names : str or list of str
+            Sensors, or components such as ``hinge.Fx``; all sensors if none is named.
+        sensors : str or list of str
+            The same by keyword.
+
+        Returns
+        -------
+        Path
+            The file written.
+
+        Raises
+        ------
+        InputError
+            For an unknown sensor, or a path that cannot be written.
+        """
+        frames.to_csv(self, Path(path), named(self, names, sensors))
+        return Path(path)
+
+    def to_pandas(self, *names: Names, sensors: Names = ()) -> Any:
+        """Return sensors as a ``pandas.DataFrame`` with the time, s, as its index.
+
+        Needs the extra ``frames``. ``frame.attrs["units"]`` has the unit of each column.
+
+        Parameters
+        ----------
+        *names : str or list of str
+            Sensors, or components such as ``hinge.Fx``; all sensors if none is named.
+        sensors : str or list of str
+            The same by keyword.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A column for each component: ``frame["hinge.Fx"]``.
+
+        Raises
+        ------
+        InputError
+            For an unknown sensor, or if pandas is not installed.
+        """
+        return frames.to_pandas(self, named(self, names, sensors))
+
+    def to_xarray(self, *names: Names, sensors: Names = ()) -> Any:
+        """Return sensors as an ``xarray.Dataset`` over time, s.
+
+        Needs the extra ``frames``. Variables know their units, frame and description.
+
+        Parameters
+        ----------
+        *names : str or list of str
+            Sensors, or components such as ``hinge.Fx``; all sensors if none is named.
+        sensors : str or list of str
+            The same by keyword.
+
+        Returns
+        -------
+        xarray.Dataset
+            A variable for each sensor: ``data["hinge"].sel(hinge_component="Fx")``.
+
+        Raises
+        ------
+        InputError
+            For an unknown sensor, or if xarray is not installed.
+        """
+        return frames.to_xarray(self, named(self, names, sensors))
+
+    @property
+    def bodies(self) -> tuple[BodyShape, ...]:
+        """Bodies with what is needed to draw them."""
+        return self._records.bodies()
+
+    @property
+    def connections(self) -> tuple[Connection, ...]:
+        """What joins two points, joints, springs and actuators, for pictures."""
+        return self._records.connections()
+
+    @property
+    def beams(self) -> tuple[BeamShape, ...]:
+        """Beams: their nodes are bodies, numbered as in `bodies`."""
+        return self._records.beams()
+
+    @explained
+    def beam_states(self, beam: str, rows: slice = slice(None)) -> tuple[Array, Array]:
+        """Return ``[R e]`` (nt, n + 1, 7) and ``[R' w_local]`` (nt, n + 1, 6) of a beam's nodes.
+
+        Parameters
+        ----------
+        beam : str
+            Name of the beam.
+        rows : slice
+            Which instants; all of them if not given.
+
+        Raises
+        ------
+        InputError
+            If there is no such beam.
+        """
+        known = self._records.beam_places()
+        if beam not in known:
+            tail = suggest(beam, known) if known else "; this run has no beams"
+            raise InputError(Problem(self.where, f"no beam '{beam}'{tail}"))
+        found = []
+        for place, width, at in zip(("q", "v"), (7, 6), known[beam], strict=True):
+            first = int(at.min())
+            near = slice(first, int(at.max()) + width)
+            block = self._records.read(f"state/{place}", rows, near)
+            found.append(np.asarray(block[:, (at - first)[:, None] + np.arange(width)]))
+        return found[0], found[1]
+
+    @property
+    def stressed(self) -> tuple[str, ...]:
+        """Names of the bodies and beams whose stress is known."""
+        return self._records.stressed()
+
+    @explained
+    def stress_modes(self, body: str) -> StressModes | None:
+        """Return the stress of each mode of a body, None if it is not known.
+
+        Parameters
+        ----------
+        body : str
+            Name of the body.
+
+        Returns
+        -------
+        StressModes
+            All places of parts made of beams and of parts whose places were chosen
+            (``part.with_stress``); of other solids the nodes of their surface.
+
+        Raises
+        ------
+        InputError
+            If there is no such body.
+        """
+        self._place(body)
+        return self._records.stress_modes(body)
+
+    def _place(self, body: str) -> tuple[int, int, int]:
+        places = self._records.places()
+        if body not in places:
+            raise InputError(Problem(self.where, f"no body '{body}'{suggest(body, places)}"))
+        return places[body]
+
+    @explained
+    def coordinates(self, body: str, rows: slice = slice(None)) -> Array:
+        """Return the coordinates ``[R e p]`` of one body, (nt, 7 + n), at some stored instants.
+
+        Only these are read from the file.
+
+        Parameters
+        ----------
+        body : str
+            Name of the body.
+        rows : slice
+            Which instants; all of them if not given.
+
+        Raises
+        ------
+        InputError
+            If there is no such body.
+        """
+        first, _, modes = self._place(body)
+        return self._records.read("state/q", rows, slice(first, first + 7 + modes))
+
+    def rates(self, body: str, rows: slice = slice(None)) -> Array:
+        """Return the velocities ``[R' w_local p']`` of one body, (nt, 6 + n), see `coordinates`."""
+        _, first, modes = self._place(body)
+        return self._records.read("state/v", rows, slice(first, first + 6 + modes))
+
+
+def _unpacked(content: bytes) -> Solution:
+    """Return the results of a temporary file that came from another process."""
+    folder = Path(tempfile.mkdtemp(prefix="jousto-"))
+    try:
+        (folder / "run.h5").write_bytes(content)
+        return Solution(folder / "run.h5", temporary=True)
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+
+
+@explained
+def load(path: str | Path) -> Solution:
+    """Open a results file.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it is damaged, or it is not a results file.
+    """
+    return Solution(path)

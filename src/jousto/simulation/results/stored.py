@@ -1,0 +1,197 @@
+"""Results in a file, read when asked for."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.errors import InputError, Problem
+from jousto.base.files import written
+from jousto.model.beam_record import BeamShape
+from jousto.reduction.fields.stress import StressModes
+from jousto.simulation.results.beam_records import GROUP, beam_knows_stress, read_beam
+from jousto.simulation.results.connections import GROUP as CONNECTIONS, Connection, read_connections
+from jousto.simulation.results.events import Happening, happenings
+from jousto.simulation.results.reading import examine, open_results
+from jousto.simulation.results.records import ALL, BodyShape
+from jousto.simulation.results.stress import knows_stress, read_stress
+from jousto.simulation.results.writer import EVENT_COLUMNS
+from jousto.simulation.running.state import MEMORY
+
+Array = NDArray[np.float64]
+
+
+class FileRecords:
+    """The results in a file.
+
+    A run that is still going on or was killed is readable up to its last written piece.
+
+    Parameters
+    ----------
+    path : Path
+        The results file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._places: dict[str, tuple[int, int, int]] | None = None
+        self._seal = examine(path)
+        with open_results(path) as file:
+            self.attributes: dict[str, Any] = {
+                key: _plain(value) for key, value in file.attrs.items()
+            }
+            self.sensors = tuple(file["sensors"])
+            self.length = min(int(file["rows"][()]), len(file["time"]))
+
+    @property
+    def where(self) -> str:
+        """Name of the place, for messages."""
+        return str(self.path)
+
+    @contextmanager
+    def _open(self) -> Iterator[Any]:
+        with open_results(self.path) as file:
+            if file.attrs["run"] != self.attributes["run"]:
+                raise InputError(
+                    Problem(
+                        str(self.path),
+                        "was overwritten by another run; open it again, load(path), or give every "
+                        "run its own file",
+                    )
+                )
+            yield file
+
+    def read(self, place: str, rows: slice = ALL, columns: Any = ALL) -> Array:
+        """Return numbers of a piece of the row at some instants."""
+        start, stop, step = rows.indices(self.length)
+        with self._open() as file:
+            dataset = file[place]
+            if self._seal is not None and stop != start:
+                first, last = (start, stop) if step > 0 else (stop + 1, start + 1)
+                offset = dataset.id.get_offset()
+                self._seal.check(offset, place, first, last, self.length)
+            if dataset.ndim == 1:
+                return np.asarray(dataset[start:stop:step])
+            return np.asarray(dataset[start:stop:step, columns])
+
+    def memory(self) -> tuple[str, ...]:
+        """Return which further arrays of a state are kept."""
+        with self._open() as file:
+            return tuple(name for name in MEMORY if f"state/{name}" in file)
+
+    def inputs(self) -> tuple[str, ...]:
+        """Return the names of the external inputs."""
+        with self._open() as file:
+            return tuple(name.decode() for name in file["state/input"].attrs["names"])
+
+    def about(self, sensor: str) -> dict[str, Any]:
+        """Return unit, resolved_in, description and components of a sensor."""
+        with self._open() as file:
+            attrs = file[f"sensors/{sensor}"].attrs
+            return {
+                "unit": str(attrs["unit"]),
+                "resolved_in": str(attrs["resolved_in"]),
+                "description": str(attrs["description"]),
+                "components": tuple(c.decode() for c in file[f"components/{sensor}"][()]),
+            }
+
+    def model_text(self) -> str:
+        """Return the text of the model file."""
+        with self._open() as file:
+            return str(file["model"].asstr()[()])
+
+    def events(self) -> tuple[Happening, ...]:
+        """Return what happened."""
+        with self._open() as file:
+            if "events" not in file:
+                return ()
+            table = file["events"]
+            count = int(table["rows"][()])
+            columns = [table[name][:count] for name, _, _ in EVENT_COLUMNS]
+            names = [name.decode() for name in table["names"][()]]
+            joints = [""] * len(names)
+            if "joints" in table:
+                joints = [name.decode() for name in table["joints"][()]]
+            return happenings(np.stack(columns, axis=1), names, int(table.attrs["events"]), joints)
+
+    def bodies(self) -> tuple[BodyShape, ...]:
+        """Return the bodies with what is needed to draw them."""
+        with self._open() as file:
+            return tuple(
+                BodyShape(
+                    name=name,
+                    kind=str(group.attrs["kind"]),
+                    q_offset=int(group.attrs["q_offset"]),
+                    v_offset=int(group.attrs["v_offset"]),
+                    n=int(group.attrs["modes"]),
+                    nodes=np.asarray(group["nodes"]),
+                    elements=np.asarray(group["elements"]),
+                    modes=np.asarray(group["mode_shapes"]),
+                )
+                for name, group in file["bodies"].items()
+            )
+
+    def places(self) -> dict[str, tuple[int, int, int]]:
+        """Return where each body has its state in q and v, and its number of modes."""
+        if self._places is None:
+            with self._open() as file:
+                self._places = {
+                    name: (
+                        int(group.attrs["q_offset"]),
+                        int(group.attrs["v_offset"]),
+                        int(group.attrs["modes"]),
+                    )
+                    for name, group in file["bodies"].items()
+                }
+        return self._places
+
+    def beams(self) -> tuple[BeamShape, ...]:
+        """Return the beams."""
+        with self._open() as file:
+            if GROUP not in file:
+                return ()
+            return tuple(read_beam(name, group) for name, group in file[GROUP].items())
+
+    def connections(self) -> tuple[Connection, ...]:
+        """Return what joins two points, for pictures."""
+        with self._open() as file:
+            return read_connections(file[CONNECTIONS]) if CONNECTIONS in file else ()
+
+    def beam_places(self) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
+        """Return where the nodes of each beam have their state in q and v."""
+        with self._open() as file:
+            if GROUP not in file:
+                return {}
+            return {name: (beam["iq"][()], beam["iv"][()]) for name, beam in file[GROUP].items()}
+
+    def stressed(self) -> tuple[str, ...]:
+        """Return the names of the bodies and beams whose stress is known."""
+        with self._open() as file:
+            names = [name for name, group in file["bodies"].items() if knows_stress(group)]
+            if GROUP in file:
+                names += [name for name, group in file[GROUP].items() if beam_knows_stress(group)]
+            return tuple(names)
+
+    def stress_modes(self, body: str) -> StressModes | None:
+        """Return the stress of each mode of a body that there is."""
+        with self._open() as file:
+            return read_stress(file["bodies"][body])
+
+    def save(self, path: Path) -> None:
+        """Write everything into a results file."""
+        with self._open():
+            pass  # it is still this run
+        with written(path) as beside:
+            shutil.copyfile(self.path, beside)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, bytes):
+        return value.decode(errors="replace").rstrip()
+    return value.item() if isinstance(value, np.generic) else value

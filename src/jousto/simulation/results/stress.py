@@ -1,0 +1,88 @@
+"""Stress modes in a results file, so that stress follows from the file alone."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from jousto.reduction.fields.residual_stress import ResidualStress
+from jousto.reduction.fields.stress import StressModes
+
+GROUP = "stress"
+
+
+def stress_arrays(stress: StressModes) -> dict[str, Any]:
+    """Return the datasets of stress modes by their place in the group of a body."""
+    ns = len(stress.labels)
+    nodes = np.full(ns, -1, dtype=np.int64) if stress.nodes is None else stress.nodes
+    arrays: dict[str, Any] = {
+        "labels": np.array([label.encode() for label in stress.labels], dtype=np.bytes_),
+        "positions": stress.positions,
+        "axes": stress.axes,
+        "modes": stress.modes,
+        "nodes": nodes,
+    }
+    for name in ("elasticity", "compliance"):
+        if getattr(stress, name) is not None:
+            arrays[name] = getattr(stress, name)
+    if stress.scatter is not None:
+        arrays["scatter"] = stress.scatter.astype(np.float32)
+    if stress.sets:
+        # names may hold any character, so they are no names of datasets
+        members = list(stress.sets.values())
+        arrays["set_names"] = np.array([key.encode() for key in stress.sets], dtype=np.bytes_)
+        arrays["set_ends"] = np.cumsum([len(m) for m in members])
+        arrays["set_members"] = np.concatenate(members)
+    if stress.residual is not None:
+        arrays["residual_names"] = np.array(
+            [name.encode() for name in stress.residual.names], dtype=np.bytes_
+        )
+        arrays["residual"] = stress.residual.columns
+        arrays["residual_static"] = stress.residual.static
+    return {f"{GROUP}/{name}": array for name, array in arrays.items()}
+
+
+def knows_stress(body: Any) -> bool:
+    """Return whether a body (its HDF5 group) has stress modes."""
+    return GROUP in body or "stress_nodes" in body
+
+
+def read_stress(body: Any) -> StressModes | None:
+    """Return the stress modes of a body (its HDF5 group), None if it has none."""
+    if GROUP in body:
+        group = body[GROUP]
+        sets = {}
+        if "set_names" in group:
+            names = [name.decode() for name in group["set_names"][()]]
+            pieces = np.split(group["set_members"][()], group["set_ends"][()][:-1])
+            sets = dict(zip(names, pieces, strict=True))
+        residual = None
+        if "residual" in group:
+            residual = ResidualStress(
+                tuple(name.decode() for name in group["residual_names"][()]),
+                group["residual"][()],
+                group["residual_static"][()],
+            )
+        return StressModes(
+            tuple(label.decode() for label in group["labels"][()]),
+            group["positions"][()],
+            group["axes"][()],
+            group["modes"][()],
+            group["elasticity"][()] if "elasticity" in group else None,
+            group["compliance"][()] if "compliance" in group else None,
+            group["nodes"][()],
+            sets,
+            residual,
+            group["scatter"][()] if "scatter" in group else None,
+        )
+    if "stress_nodes" in body:  # files of older versions: seven digits at the nodes of a surface
+        nodes = body["stress_nodes"][()]
+        return StressModes(
+            tuple(f"node{k + 1}" for k in nodes),
+            body["nodes"][()][nodes],
+            np.broadcast_to(np.eye(3), (len(nodes), 3, 3)),
+            body["stress_modes"][()],
+            nodes=nodes,
+        )
+    return None

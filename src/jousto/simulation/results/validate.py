@@ -1,0 +1,139 @@
+"""What a results file must hold: every field with its type and shape, and times that ascend."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from jousto.base.hdf5 import Group, check_dataset
+from jousto.simulation.results.beam_records import GROUP, read_beam
+from jousto.simulation.results.columns import DIAGNOSTICS
+from jousto.simulation.results.stress import knows_stress, read_stress
+from jousto.simulation.results.writer import EVENT_COLUMNS
+from jousto.simulation.running.state import MEMORY
+
+TEXTS = ("name", "run", "solver")
+NUMBERS = ("complete",)
+
+
+def check_results(file: Group) -> None:
+    """Check the structure of a results file.
+
+    Raises
+    ------
+    ValueError, KeyError, InputError
+        Naming the first field that is missing or not what it should be.
+    """
+    for name in TEXTS:
+        _text(file.attrs, name)
+    for name in NUMBERS:
+        _whole(file.attrs, name)
+    length = int(file.array("rows", (), "iu"))
+    check_dataset(file["time"], (None,))
+    room = len(file["time"])
+    if not 0 <= length <= room:
+        raise ValueError(f"rows is {length}, there is room for {room}")
+    time = file["time"][:length]
+    if not np.isfinite(time).all() or (np.diff(time) < 0.0).any():
+        raise ValueError("time is not finite and ascending")
+    check_dataset(file["model"], (), "OS")
+    for name, _, _ in DIAGNOSTICS:
+        check_dataset(file[f"diagnostics/{name}"], (room,))
+    nq, nv = _bodies(file)
+    check_dataset(file["state/q"], (room, nq))
+    check_dataset(file["state/v"], (room, nv))
+    check_dataset(file["state/multipliers"], (room, None))
+    for name in MEMORY:
+        if f"state/{name}" in file:
+            check_dataset(file[f"state/{name}"], (room, None))
+    if "state/input" in file:
+        names = _names(file["state/input"].attrs["names"], "state/input names")
+        check_dataset(file["state/input"], (room, len(names)))
+    _sensors(file, room)
+    _beams(file, nq, nv)
+    if "events" in file:
+        _events(file)
+
+
+def _bodies(file: Group) -> tuple[int, int]:
+    """Check the bodies and return the numbers of positions and velocities."""
+    nq = nv = 0
+    for name, body in file.groups("bodies"):
+        _text(body.attrs, "kind")
+        n, iq, iv = (_whole(body.attrs, key) for key in ("modes", "q_offset", "v_offset"))
+        if n < 0 or iq < 0 or iv < 0:
+            raise ValueError(f"bodies/{name} has negative offsets or modes")
+        nodes = body.array("nodes", (None, 3), finite=True)
+        elements = body.array("elements", (None, None), "iu")
+        if elements.size and not 0 <= elements.min() <= elements.max() < len(nodes):
+            raise ValueError(f"bodies/{name}/elements names nodes that there are not")
+        body.array("mode_shapes", (len(nodes), 3, n), finite=True)
+        nq, nv = max(nq, iq + 7 + n), max(nv, iv + 6 + n)
+        if knows_stress(body):
+            stress = read_stress(body)
+            if stress is not None and stress.modes.shape[-1] != n:
+                raise ValueError(f"bodies/{name}/stress is not of {n} modes")
+    return nq, nv
+
+
+def _sensors(file: Group, room: int) -> None:
+    known = file.group("components")
+    for name, sensor in file.group("sensors").items():
+        check_dataset(known[name], (None,), "S")
+        _names(known[name][()], f"components/{name}")
+        check_dataset(sensor, (room, known[name].shape[0]))
+        for key in ("unit", "resolved_in", "description"):
+            _text(sensor.attrs, key)
+
+
+def _beams(file: Group, nq: int, nv: int) -> None:
+    if GROUP not in file:
+        return
+    for name, group in file.groups(GROUP):
+        nodes = len(read_beam(name, group).bodies)
+        for key, size, width in (("iq", nq, 7), ("iv", nv, 6)):
+            places = group.array(key, (nodes,), "iu")
+            if not 0 <= places.min() <= places.max() <= size - width:
+                raise ValueError(f"{GROUP}/{name}/{key} is outside of the state")
+
+
+def _events(file: Group) -> None:
+    table = file.group("events")
+    _whole(table.attrs, "events")
+    check_dataset(table["names"], (None,), "S")
+    names = _names(table["names"][()], "events/names")
+    if "joints" in table:
+        check_dataset(table["joints"], (len(names),), "S")
+        _names(table["joints"][()], "events/joints")
+    count = int(table.array("rows", (), "iu"))
+    for name, _, _ in EVENT_COLUMNS:
+        check_dataset(table[name], (None,))
+        if not 0 <= count <= len(table[name]):
+            raise ValueError(f"events/rows is {count}, events/{name} has {len(table[name])}")
+        if not np.isfinite(table[name][:count]).all():
+            raise ValueError(f"events/{name} holds numbers that are not finite")
+    source = table["source"][:count]
+    if count and not 0 <= source.min() <= source.max() < len(names):
+        raise ValueError("events/source names events that there are not")
+
+
+def _text(attrs: Any, name: str) -> str:
+    found = attrs[name] if name in attrs else None
+    if not isinstance(found, str):
+        raise ValueError(f"attribute {name} is missing or no text")
+    return found
+
+
+def _whole(attrs: Any, name: str) -> int:
+    found = attrs[name] if name in attrs else None
+    if not isinstance(found, (int, np.integer)):
+        raise ValueError(f"attribute {name} is missing or no whole number")
+    return int(found)
+
+
+def _names(found: Any, place: str) -> list[str]:
+    try:
+        return [name.decode() for name in found]
+    except (AttributeError, UnicodeDecodeError) as error:
+        raise ValueError(f"{place} holds something other than names") from error

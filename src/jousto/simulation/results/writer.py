@@ -1,0 +1,419 @@
+"""The results file: written in pieces while a run goes on, readable at any moment."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import sys
+import threading
+import uuid
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, BinaryIO
+from weakref import WeakKeyDictionary
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto import __version__
+from jousto.base.errors import InputError, Problem
+from jousto.base.files import create, unwritable
+from jousto.base.seal import Seal
+from jousto.model.model import Model
+from jousto.simulation.results.beam_records import GROUP, beam_arrays
+from jousto.simulation.results.columns import Column, columns
+from jousto.simulation.results.connections import (
+    GROUP as CONNECTIONS,
+    connection_arrays,
+    connections,
+)
+from jousto.simulation.results.events import joints_of, sources
+from jousto.simulation.results.image import SparseImage, reserve
+from jousto.simulation.results.stress import stress_arrays
+
+Array = NDArray[np.float64]
+Facts = dict[str, Any]  # how a run ended: ended, wall_time, real_time_factor
+FORMAT = "jousto results"
+FORMAT_VERSION = 2
+CONTENTS = ("rows", "time", "state", "diagnostics", "sensors", "bodies", "model")
+ENDED = 240  # bytes kept for the sentence that says how a run ended
+EVENTS = 10_000  # that a file keeps
+EVENT_COLUMNS = (
+    ("time", "s", "when"),
+    ("source", "1", "place in events/names"),
+    ("change", "1", "1 rising, -1 falling; of friction its slip from then on, 0 sticks"),
+    ("count", "1", "the first, second, .. time"),
+)
+PIECE_BYTES = 1 << 24
+KEPT_BYTES = 1 << 25  # a larger layout is made anew instead of kept
+
+
+class ResultsWriter:
+    """Streams rows of the engine into an HDF5 file.
+
+    The file is laid out at its full length before the run (a sparse file takes no space for what
+    is not written yet); rows then go to their places with plain writes. So it is valid HDF5 at
+    every moment, also when the run is killed, and a full disk is an exception. The dataset `rows`
+    counts what has been written; a run that ends early is cut to its length.
+    """
+
+    def __init__(
+        self, path: Path, model: Model, rows: int, attributes: dict[str, Any], text: str
+    ) -> None:
+        self.path = path
+        self.written = 0
+        self.happened = np.zeros((0, len(EVENT_COLUMNS)))
+        self._rows = rows
+        self._about = (model, {"run": uuid.uuid4().hex, **attributes}, text)
+        running: Facts = {"ended": "running or killed", "wall_time": np.nan}
+        image = self._begin(rows, running)
+        needed, free = image.size, _free_bytes(path)
+        if needed > free:
+            raise InputError(
+                Problem(
+                    str(path),
+                    f"{rows} instants need {needed / 1e9:.3g} GB and {free / 1e9:.3g} GB are free; "
+                    "give a larger output_step",
+                )
+            )
+        try:
+            with uninterrupted():
+                self._file = self._lay_out(path, image)
+        except OSError as error:
+            raise unwritable(path, error) from error
+
+        self._seal = Seal(image.size, _columns(self._places), rows)
+        self._sealed(self._file, self._seal, image, closed=False)
+        self._laid = image if image.held <= KEPT_BYTES else None
+
+    def _sealed(self, file: BinaryIO, seal: Seal, image: SparseImage, *, closed: bool) -> None:
+        """Write the checksums: of the layout, of a closed file also of its counts and events."""
+        pieces = [(at, len(piece), zlib.crc32(piece)) for at, piece in image.pieces()]
+        if closed:
+            counts = [(self._counter, np.array(self.written, "<i8"))]
+            if self._event_places:
+                happened = [np.array(len(self.happened), "<i8"), *self.happened.T.astype("<f8")]
+                offsets = [place.offset for place in self._event_places]
+                counts += zip(offsets, happened, strict=True)
+            pieces += [(at, x.nbytes, zlib.crc32(x.tobytes())) for at, x in counts]
+        seal.finish(pieces, lambda at, data: _write(file, at, data), closed=closed)
+
+    def _begin(self, rows: int, facts: Facts) -> SparseImage:
+        """Return the layout of the last run of the model if only facts differ, else a new one."""
+        model, attributes, text = self._about
+        kept = _LAID.get(model)
+        if kept is not None and kept.fits(rows, attributes, text):
+            image = kept.image.copy()
+            known = kept.attributes
+            _set(image, {k: x for k, x in attributes.items() if not _same(x, known[k])})
+            self._places, self._event_places = kept.places, kept.event_places
+            self._counter = self._places[0].offset
+            return image
+        image, self._places = self._image(rows, False, facts)
+        if image.held <= KEPT_BYTES:
+            _LAID[model] = _Laid(
+                image.copy(), rows, attributes, text, self._places, self._event_places
+            )
+        return image
+
+    def _image(self, rows: int, complete: bool, facts: Facts) -> tuple[SparseImage, list[Place]]:
+        image = SparseImage()
+        with h5py.File(image, "w") as file:
+            places = _describe(file, rows, complete, facts, *self._about)
+            self._event_places = _describe_events(file, self._about[0])
+        self._counter = places[0].offset
+        return image, places
+
+    @staticmethod
+    def _lay_out(path: Path, image: SparseImage) -> BinaryIO:
+        target = create(path)  # stays open for the run
+        try:
+            target.truncate(image.size)
+            for offset, piece in image.pieces():
+                _write(target, offset, piece)
+        except BaseException:
+            target.close()
+            path.unlink(missing_ok=True)
+            raise
+        return target
+
+    def append(self, rows: Array) -> None:
+        """Add rows (k, row_size) of the engine."""
+        if not len(rows):
+            return
+        blocks = []
+        for place in self._places[1:]:
+            block = rows[:, place.first : place.first + place.width].astype("<f8").tobytes()
+            offset = place.offset + 8 * place.width * self.written
+            _write(self._file, offset, block)
+            blocks.append(block)
+        self._seal.add(blocks, len(rows), lambda at, data: _write(self._file, at, data))
+        self.written += len(rows)
+        self._count(self._file, self._places)
+
+    def note(self, happened: Array) -> None:
+        """Add what happened (k, 4): time, source, change and count; EVENTS are kept at most."""
+        room = EVENTS - len(self.happened)
+        if len(happened) and room > 0:
+            self.happened = np.vstack([self.happened, happened[:room]])
+            self._note_all(self._file)
+
+    def _note_all(self, file: BinaryIO) -> None:
+        if not self._event_places:
+            return
+        for column, place in enumerate(self._event_places[1:]):
+            _write(file, place.offset, self.happened[:, column].astype("<f8").tobytes())
+        _write(file, self._event_places[0].offset, np.array(len(self.happened), "<i8").tobytes())
+
+    def _count(self, file: BinaryIO, places: list[Place]) -> None:
+        _write(file, places[0].offset, np.array(self.written, "<i8").tobytes())
+
+    def discard(self) -> None:
+        """Remove the file."""
+        self._file.close()
+        self.path.unlink(missing_ok=True)
+
+    def close(self, complete: bool, facts: Facts) -> None:
+        """Note how the run ended, cut the file if it ended early, and close it."""
+        with uninterrupted(), self._file:
+            if (not complete or self.written < self._rows) and self._cut(complete, facts):
+                return
+            # the same layout with other values: only they change
+            if self._laid is None:
+                image, _ = self._image(self._rows, complete, facts)
+            else:
+                image = self._laid
+                _set(image, {"complete": int(complete), **_ending(facts)})
+            try:
+                self._file.truncate(self._seal.open_end)  # the old checksums end here
+                for offset, piece in image.pieces():
+                    _write(self._file, offset, piece)
+                self._count(self._file, self._places)
+                self._note_all(self._file)
+                self._sealed(self._file, self._seal, image, closed=True)
+            except OSError:
+                if complete:
+                    raise
+
+    def _cut(self, complete: bool, facts: Facts) -> bool:
+        """Put a file of its own length in place; False if the disk has no room for it."""
+        short = self.path.with_name(self.path.name + ".cut")
+        image, places = self._image(self.written, complete, facts)
+        try:
+            with self._lay_out(short, image) as target, open(self.path, "rb") as source:
+                for new, old in zip(places[1:], self._places[1:], strict=True):
+                    source.seek(old.offset)
+                    left, at = new.width * 8 * self.written, new.offset
+                    while left:
+                        piece = source.read(min(left, PIECE_BYTES))
+                        _write(target, at, piece)
+                        at += len(piece)
+                        left -= len(piece)
+                self._count(target, places)
+                self._note_all(target)
+                seal = self._seal.moved(image.size, _columns(places), self.written)
+                self._sealed(target, seal, image, closed=True)
+            self._file.close()
+            os.replace(short, self.path)
+        except OSError:
+            short.unlink(missing_ok=True)
+            return False
+        return True
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Let Ctrl-C wait for the end of the block (in the main thread, which alone gets it)."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    pressed: list[Any] = []
+    before = signal.signal(signal.SIGINT, lambda *event: pressed.append(event))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if pressed:
+        raise KeyboardInterrupt
+
+
+def _free_bytes(path: Path) -> int:
+    """Return the room on the disk of the file, boundless if the folder does not exist."""
+    try:
+        return shutil.disk_usage(path.parent).free
+    except (OSError, ValueError):
+        return sys.maxsize
+
+
+def _ending(facts: Facts) -> dict[str, Any]:
+    """Return the attributes that say how a run ended; their lengths are always the same."""
+    return {
+        "ended": np.bytes_(str(facts["ended"]).encode()[:ENDED].ljust(ENDED)),
+        "wall_time": float(facts["wall_time"]),
+        "real_time_factor": float(facts.get("real_time_factor", np.nan)),
+    }
+
+
+def _set(image: SparseImage, attributes: dict[str, Any]) -> None:
+    """Give attributes of the file other values of the same kind, in place."""
+    with h5py.File(image, "r+") as file:
+        for name, value in attributes.items():
+            file.attrs.modify(name, value)
+
+
+def _same(x: Any, y: Any) -> bool:
+    return bool(np.array_equal(x, y))
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the rows of a dataset lie in the file, and which columns of the engine they hold."""
+
+    offset: int
+    first: int
+    width: int
+
+
+@dataclass(frozen=True)
+class _Laid:
+    """The layout of a run, to be used again for another of the same length."""
+
+    image: SparseImage
+    rows: int
+    attributes: dict[str, Any]
+    text: str
+    places: list[Place]
+    event_places: list[Place]
+
+    def fits(self, rows: int, attributes: dict[str, Any], text: str) -> bool:
+        """Return whether a run has it but for values of attributes."""
+        return (rows, text, *_kinds(attributes)) == (self.rows, self.text, *_kinds(self.attributes))
+
+
+_LAID: WeakKeyDictionary[Model, _Laid] = WeakKeyDictionary()
+
+
+def _kinds(attributes: dict[str, Any]) -> list[tuple[str, type, tuple[int, ...]]]:
+    return [(name, type(value), np.shape(value)) for name, value in attributes.items()]
+
+
+def _columns(places: list[Place]) -> list[tuple[int, int]]:
+    """Return where the columns are and the bytes of a row of each."""
+    return [(place.offset, 8 * place.width) for place in places[1:]]
+
+
+def _write(file: BinaryIO, offset: int, data: bytes) -> None:
+    file.seek(offset)
+    view = memoryview(data)
+    while view:
+        view = view[file.write(view) :]
+
+
+def _describe_events(file: h5py.File, model: Model) -> list[Place]:
+    """Create the table of what happens; return the places of its length and columns."""
+    names = sources(model)
+    if not names:
+        return []
+    counter = reserve(file, "events/rows", (), "<i8")
+    counter.attrs["description"] = "entries written so far"
+    made = [counter]
+    for name, unit, description in EVENT_COLUMNS:
+        dataset = reserve(file, f"events/{name}", (EVENTS,), "<f8")
+        dataset.attrs["unit"] = unit
+        dataset.attrs["description"] = description
+        made.append(dataset)
+    file["events/names"] = np.array([name.encode() for name in names])
+    file["events/joints"] = np.array([name.encode() for name in joints_of(model)])
+    file["events"].attrs["events"] = len(model.events)  # the names after them are of frictions
+    file.flush()
+    return [Place(dataset.id.get_offset(), 0, 1) for dataset in made]
+
+
+def _describe(
+    file: h5py.File,
+    rows: int,
+    complete: bool,
+    facts: Facts,
+    model: Model,
+    attributes: dict[str, Any],
+    text: str,
+) -> list[Place]:
+    """Create all groups, datasets and attributes; return the places, that of `rows` first."""
+    file.attrs["format"] = FORMAT
+    file.attrs["format_version"] = FORMAT_VERSION
+    file.attrs["complete"] = int(complete)
+    file.attrs["name"] = model.name
+    for about, fact in {**_ending(facts), **attributes}.items():
+        file.attrs[about] = fact
+    file["model"] = text
+    file["model"].attrs["version"] = __version__
+    counter = reserve(file, "rows", (), "<i8")
+    counter.attrs["description"] = "instants written so far"
+    file.create_group("sensors", track_order=True)
+    file.create_group("components", track_order=True)
+    datasets: list[tuple[h5py.Dataset, Column]] = []
+    for column in columns(model):
+        size = (rows,) if column.width is None else (rows, column.width)
+        if column.count:
+            dataset = reserve(file, column.place, size, "<f8")
+            datasets.append((dataset, column))
+        else:  # nothing of this kind in the model
+            dataset = file.create_dataset(column.place, shape=size, dtype="<f8")
+        for key, value in column.facts.items():
+            dataset.attrs[key] = value
+    for sensor in model.sensors:
+        # a dataset, since attributes may not exceed 64 kB
+        names = np.array([c.encode() for c in sensor.components])
+        file.create_dataset(f"components/{sensor.name}", data=names)
+    if model.inputs:
+        file["state/input"].attrs["names"] = np.array([name.encode() for name in model.inputs])
+    bodies = file.create_group("bodies", track_order=True)
+    known: dict[tuple[Any, ...], h5py.Dataset] = {}  # equal arrays of several bodies stand once
+    for body, shape in zip(model.bodies, model.shapes, strict=True):
+        group = bodies.create_group(body.name)
+        group.attrs["kind"] = shape.kind
+        group.attrs["q_offset"] = body.iq
+        group.attrs["v_offset"] = body.iv
+        group.attrs["modes"] = body.n
+        arrays: dict[str, Any] = {
+            "nodes": shape.nodes,
+            "elements": shape.elements,
+            "mode_shapes": shape.modes,
+        }
+        if shape.stress is not None:
+            arrays |= stress_arrays(shape.stress)
+        for name, array in arrays.items():
+            content = (array.shape, array.dtype.str, array.tobytes())
+            if content in known:
+                group[name] = known[content]
+            else:
+                known[content] = group.create_dataset(name, data=array)
+    if model.beam_shapes:
+        beams = file.create_group(GROUP, track_order=True)
+        for beam in model.beam_shapes:
+            group = beams.create_group(beam.name)
+            for name, array in beam_arrays(beam).items():
+                group.create_dataset(name, data=array)
+            # where the states of the nodes are
+            group["iq"] = np.array([model.bodies[k].iq for k in beam.bodies])
+            group["iv"] = np.array([model.bodies[k].iv for k in beam.bodies])
+    connected = connections(model)
+    if connected:
+        group = file.create_group(CONNECTIONS)
+        for name, array in connection_arrays(connected).items():
+            group.create_dataset(name, data=array)
+    joints = file.create_group("joints", track_order=True)
+    for joint in model.joints:
+        group = joints.create_group(joint.name)
+        group.attrs["row"] = joint.row
+        group.attrs["rows"] = joint.rows
+    file.flush()
+    return [
+        Place(counter.id.get_offset(), 0, 0),
+        *(Place(data.id.get_offset(), column.first, column.count) for data, column in datasets),
+    ]

@@ -1,0 +1,1 @@
+"""Running a model: simulate, the simulator, states, inputs, progress."""

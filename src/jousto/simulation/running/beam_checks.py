@@ -1,0 +1,74 @@
+"""What geometrically exact beams ask of a run, before it and after it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jousto.base.errors import warn
+from jousto.mechanism.beams.limits import highest_frequencies
+from jousto.model.model import Model
+from jousto.model.native.native import Engine
+
+MANY_STEPS = 1e6
+FAR = 1.0  # rad that one element bends or twists
+
+
+def fastest_beam(model: Model) -> tuple[str, float]:
+    """Return the beam with the highest frequency of an element and that, rad/s."""
+    if not model.beams:
+        return "", 0.0
+    fastest = highest_frequencies(np.stack([beam.data for beam in model.beams]))
+    worst = int(np.argmax(fastest))
+    return model.beams[worst].body, float(fastest[worst])
+
+
+def beam_steps_warning(model: Model, duration: float) -> str:
+    """Return a sentence if beams force an explicit method to very many steps."""
+    beam, fastest = fastest_beam(model)
+    steps = duration * fastest / 2.0
+    if steps < MANY_STEPS:
+        return ""
+    return (
+        f"elements of beam '{beam}' of up to {fastest / (2 * np.pi):.3g} Hz force an explicit "
+        f"method to about {steps:.2g} steps; GeneralizedAlpha and ROS2 do not mind them"
+    )
+
+
+def warn_bent(engine: Engine) -> None:
+    """Warn once for every beam that an element bent far, or bore more tension than is stable."""
+    model = engine.model
+    bent = np.array(engine.bent)
+    names = np.array([beam.body for beam in model.beams])
+    for name in dict.fromkeys(names.tolist()):
+        mine = np.flatnonzero(names == name)
+        turn, pull = (int(mine[np.argmax(bent[mine, k])]) for k in (0, 1))
+        if bent[turn, 0] > FAR:
+            warn(
+                f"beam '{name}'",
+                f"its element {turn - mine[0]} bent or twisted by {bent[turn, 0]:.3g} rad, which "
+                "is coarse: strains are taken as constant along it; take "
+                f"{_times(bent[turn, 0] / 0.5)} as many elements for half a radian each",
+            )
+        if bent[pull, 1] > 1.0:
+            warn(
+                f"beam '{name}'",
+                tension_sentence(model.beams[pull].data, pull - int(mine[0]), float(bent[pull, 1])),
+            )
+
+
+def tension_sentence(data: np.ndarray, element: int, ratio: float) -> str:
+    """Return what a tension beyond that of stable shear means, and the remedy."""
+    C = data[25:61].reshape(6, 6)
+    limit = 1.0 / float(data[77])
+    return (
+        f"the tension in its element {element} reached {ratio:.3g} times {limit:.3g} N, beyond "
+        "which the linear law of shear and extension is unstable (N > GA/(1 - GA/EA): the section "
+        "turns aside instead of stretching), so that motion beyond is not physical; the axial "
+        f"strain would be {ratio * limit / C[0, 0]:.2g}: check units and loads, give the section a "
+        "shear stiffness GA = EA where shear does not matter, and with bending=True take more "
+        "elements or leave it out"
+    )
+
+
+def _times(factor: float) -> str:
+    return f"{int(np.ceil(factor))} times"

@@ -1,0 +1,141 @@
+"""What a run tells about itself: its energy balance, how far joints opened, what it cost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.described import described
+from jousto.base.errors import count
+
+Array = NDArray[np.float64]
+ROUND_OFF = 1e-12  # share of the largest energy that the balance cannot know
+GOOD, FAIR = 1e-3, 0.05  # shares of the scale of the balance; beyond FAIR a run warns
+STEADY = 1e-3  # share of the largest kinetic energy that the scale is at least
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class Energy:
+    """Energy balance of a run, each (nt,) in J."""
+
+    kinetic: Array
+    strain: Array
+    potential: Array
+    springs: Array
+    dissipated: Array
+    friction: Array
+    work: Array
+
+    def _facts(self) -> str:
+        return f"{count(len(self.work), 'instant')}, {self.verdict.removeprefix('energy ')}"
+
+    @property
+    def total(self) -> Array:
+        """Kinetic, strain and potential energy and that of the springs."""
+        return self.kinetic + self.strain + self.potential + self.springs
+
+    @property
+    def error(self) -> Array:
+        """What the balance misses since the start: total + dissipated + friction - work."""
+        balance = self.total + self.dissipated + self.friction - self.work
+        return np.asarray(balance - balance[:1])
+
+    @property
+    def exchanged(self) -> float:
+        """The largest energy exchanged in the run, J: how far the term that varies most varies."""
+        return max(float(np.ptp(term)) if len(term) else 0.0 for term in self._terms)
+
+    @property
+    def scale(self) -> float:
+        """What errors are compared with, J: `exchanged`, or 0.1 % of the largest kinetic energy.
+
+        A machine that turns steadily exchanges next to nothing, and loses more than that by
+        rounding and by the tolerance of a solver.
+        """
+        return max(self.exchanged, STEADY * float(np.max(self.kinetic, initial=0.0)))
+
+    @property
+    def relative_error(self) -> float:
+        """The largest `error` over `scale`; 0 where only round-off is missing.
+
+        Round-off is 1e-12 of the largest term: of energies that large a run cannot know more.
+        """
+        missed = float(np.abs(self.error).max(initial=0.0))
+        largest = max(float(np.abs(term).max(initial=0.0)) for term in self._terms)
+        if missed <= ROUND_OFF * largest:
+            return 0.0
+        return missed / self.scale if self.scale > 0.0 else np.inf
+
+    @property
+    def verdict(self) -> str:
+        """Whether the balance closes: good below 0.1 % of the scale, fair below 5 %, else poor.
+
+        Examples
+        --------
+        >>> still, falling = np.zeros(3), np.array([2.0, 1.0, 0.0])
+        >>> kinetic = np.array([0.0, 1.0, 2.0 + 4e-7])
+        >>> Energy(kinetic, still, falling, still, still, still, still).verdict
+        'energy balance closes to 2e-07 of the largest energy exchanged: good'
+        """
+        if not all(np.isfinite(term).all() for term in self._terms):
+            return "energy balance not known: work and losses were not followed in this run"
+        share = self.relative_error
+        if share == 0.0:
+            return "energy balance closes to round-off: good"
+        to = f"to {share:.1g} of the largest energy exchanged"
+        if self.scale > self.exchanged:
+            to = f"to {STEADY * share:.1g} of the largest kinetic energy"
+        if share <= GOOD:
+            return f"energy balance closes {to}: good"
+        if share <= FAIR:
+            return f"energy balance closes {to}: fair, a smaller step is more accurate"
+        return f"energy balance closes only {to}: poor, take a smaller step"
+
+    @property
+    def _terms(self) -> tuple[Array, ...]:
+        stored = (self.kinetic, self.strain, self.potential, self.springs)
+        return (*stored, self.dissipated, self.friction, self.work)
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class Residuals:
+    """Largest constraint residuals, each (nt,): ``|C|`` and ``|Cq v|``."""
+
+    position: Array
+    velocity: Array
+
+    def _facts(self) -> str:
+        largest = [float(x.max(initial=0.0)) for x in (self.position, self.velocity)]
+        return (
+            f"{count(len(self.position), 'instant')}, position up to {largest[0]:.2g}, "
+            f"velocity up to {largest[1]:.2g}"
+        )
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class Work:
+    """What a run cost, each (nt,).
+
+    Attributes
+    ----------
+    steps, rejected, evaluations, iterations : array
+        Steps taken, steps tried again with a shorter one, evaluations of the accelerations and
+        iterations of Newton's method, all since the start.
+    step : array
+        Length of the last step, s.
+    """
+
+    steps: Array
+    rejected: Array
+    evaluations: Array
+    iterations: Array
+    step: Array
+
+    def _facts(self) -> str:
+        names = ("steps", "rejected", "evaluations", "iterations")
+        return ", ".join(f"{getattr(self, name)[-1:].sum():.0f} {name}" for name in names)

@@ -1,0 +1,159 @@
+"""Values of external inputs while a run goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.errors import Problems, SimulationError, suggest
+from jousto.mechanism.signals.base import Constant, Input, Signal, leaves
+from jousto.mechanism.signals.switched import Switched
+from jousto.model.inputs import substitute
+from jousto.model.model import Model
+from jousto.model.native.native import Engine
+
+Array = NDArray[np.float64]
+
+
+class InputFailed(SimulationError):
+    """A function of an input raised, or returned no finite number."""
+
+
+@dataclass(frozen=True)
+class Held:
+    """An input whose value is held between instants.
+
+    Attributes
+    ----------
+    name : str
+        Name of the input.
+    place : int
+        Place among the inputs of the engine.
+    every : int
+        Steps between two values.
+    value : callable
+        Value of the k-th interval that begins at time t, s.
+    """
+
+    name: str
+    place: int
+    every: int
+    value: Callable[[int, float], float]
+
+
+class Feed:
+    """Sets the held inputs of an engine before every call."""
+
+    def __init__(self, held: tuple[Held, ...]) -> None:
+        self._held = held
+
+    def ahead(self, done: int) -> int:
+        """Return the steps until the next value is due; `done` steps are behind."""
+        return min((h.every - done % h.every for h in self._held), default=1 << 62)
+
+    def set(self, engine: Engine, done: int) -> None:
+        """Set what is due now.
+
+        Raises
+        ------
+        InputFailed
+            If a function of the user raises or returns something that is no finite number.
+        """
+        time = float(engine.time[0].real)
+        for h in self._held:
+            if done % h.every == 0:
+                engine.input[h.place] = _ask(h, done // h.every, time)
+
+
+def _ask(held: Held, interval: int, time: float) -> float:
+    try:
+        answer: Any = held.value(interval, time)
+    except Exception as error:
+        raise InputFailed(
+            f"input '{held.name}': its function raised {type(error).__name__}: {error}", time=time
+        ) from error
+    try:
+        value = float(answer)
+    except (TypeError, ValueError):
+        value = np.nan
+    if not np.isfinite(value):
+        raise InputFailed(
+            f"input '{held.name}': its function returned {answer!r} at {time:g} s, must be a "
+            "finite number",
+            time=time,
+        )
+    return value
+
+
+def connect(
+    model: Model, inputs: Mapping[str, Any] | None, steps: int, every: int, where: str = "simulate"
+) -> tuple[Model, Feed]:
+    """Return the model with signals in place of inputs, and what feeds the other inputs.
+
+    Parameters
+    ----------
+    model : Model
+        With inputs.
+    inputs : dict, optional
+        Name to Signal, number, function of time or samples.
+    steps, every : int
+        Steps of the run and steps between two rows.
+
+    Raises
+    ------
+    InputError
+        If an input does not exist or its value makes no sense.
+    """
+    problems = Problems()
+    signals: dict[str, Signal] = {}
+    waiting: list[tuple[str, int, Callable[[int, float], float]]] = []
+    for name, value in (inputs or {}).items():
+        place = f"{where}: input {name!r}"
+        if name not in model.inputs:
+            problems.add(where, f"inputs: no input {name!r}{suggest(name, model.inputs)}")
+        elif isinstance(value, Signal):
+            if _uses_outside(value):
+                problems.add(place, "its signal itself needs an input or an event")
+            signals[name] = value
+        elif isinstance(value, bool) or value is None or isinstance(value, str):
+            problems.add(place, f"is {value!r}, {EXPECTED}")
+        elif callable(value):
+            waiting.append((name, 1, _function(value)))
+        elif np.ndim(value) == 0:
+            number = problems.array(place, "value", value, ())
+            if number is not None:
+                signals[name] = Constant(float(number))
+        else:
+            samples = problems.array(place, "samples", value, (None,))
+            rows = steps // every
+            if samples is not None and len(samples) not in (rows, rows + 1):
+                problems.add(
+                    place,
+                    f"has {len(samples)} samples, the run has {rows} intervals between outputs; "
+                    f"give {rows} values, one for each interval, or Table(times, values)",
+                )
+            elif samples is not None:
+                waiting.append((name, every, _samples(samples)))
+    problems.raise_if_any()
+    fed = substitute(model, signals)
+    held = (Held(name, fed.inputs.index(name), each, value) for name, each, value in waiting)
+    return fed, Feed(tuple(held))
+
+
+EXPECTED = "must be a Signal, a number, a function of time or an array of samples"
+
+
+def _uses_outside(signal: Signal) -> bool:
+    return any(isinstance(part, Input | Switched) for part in leaves(signal))
+
+
+def _function(function: Callable[[float], Any]) -> Callable[[int, float], Any]:
+    return lambda interval, time: function(time)
+
+
+def _samples(samples: Array) -> Callable[[int, float], float]:
+    return lambda interval, time: float(samples[min(interval, len(samples) - 1)])

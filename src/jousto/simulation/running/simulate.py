@@ -1,0 +1,458 @@
+"""simulate: step a model through time and keep what it does."""
+
+from __future__ import annotations
+
+import errno
+import logging
+import time as clock
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.errors import JoustoError, SimulationError, warn
+from jousto.model.model import Model
+from jousto.model.native.failures import (
+    EVENT,
+    NO_CONVERGENCE,
+    NOT_FINITE,
+    SINGULAR_BODY,
+    SINGULAR_JOINT,
+    STEP_TOO_SMALL,
+)
+from jousto.model.native.native import Engine
+from jousto.model.rank.redundancy import is_drive
+from jousto.simulation.results.events import Chronicle
+from jousto.simulation.results.keep import Keeper
+from jousto.simulation.results.solution import Solution
+from jousto.simulation.results.writer import EVENTS
+from jousto.simulation.running.beam_checks import warn_bent
+from jousto.simulation.running.inputs import Feed, InputFailed, connect
+from jousto.simulation.running.progress import Report, reporter
+from jousto.simulation.running.state import State, put
+from jousto.simulation.running.watch import Contradiction, RunWatch
+from jousto.simulation.solvers.adaptive import LONGEST, follow, too_many_steps
+from jousto.simulation.solvers.choice import choose
+from jousto.simulation.solvers.explicit import Solver
+from jousto.simulation.solvers.schedule import Schedule, cautions, schedule
+from jousto.simulation.solvers.stability import stability_warning
+
+log = logging.getLogger(__name__)
+
+Record = Callable[[NDArray[np.float64]], None]
+
+WALL_PER_CALL = 0.1  # s between looks at the clock, the bar and Ctrl-C
+BUFFER_BYTES = 4 << 20
+JOLT = 1e-6  # m/s or rad/s, and of the size of the mechanism: velocities that do not fit
+
+
+class RunInterrupted(KeyboardInterrupt):
+    """Ctrl-C during a run; `solution` holds the results up to then."""
+
+    def __init__(self, message: str, solution: Solution) -> None:
+        super().__init__(message)
+        self.solution = solution
+
+    __reduce__ = JoustoError.__reduce__
+
+
+class RunFailed(SimulationError):
+    """A run that could not go on; `solution` holds the results up to then."""
+
+    def __init__(self, message: str, solution: Solution | None, *, time: float, body: str) -> None:
+        super().__init__(message, time=time, body=body)
+        self.solution = solution
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a run ended before its time: what to say, the body that shows it, whether it failed."""
+
+    sentence: str
+    body: str = ""
+    failed: bool = True
+
+
+@explained
+def simulate(
+    model: Model,
+    t_end: float,
+    *,
+    solver: Solver | None = None,
+    output_step: float | None = None,
+    path: str | Path | None = None,
+    progress: bool | Report | None = None,
+    model_text: str = "",
+    state: State | None = None,
+    inputs: Mapping[str, Any] | None = None,
+) -> Solution:
+    """Run a model to time `t_end`, from 0 or the time of a state.
+
+    Results with a `path` are written in pieces while the run goes on: what was computed survives
+    if it is killed. Without one they stay in memory up to 256 MB; longer runs write them into a
+    temporary file, so that the memory does not grow with their length.
+
+    Parameters
+    ----------
+    model : Model
+        From `compile`.
+    t_end : float
+        End of the run, s.
+    solver : RK4, ROS2, GeneralizedAlpha, Newmark or DormandPrince, optional
+        Method and step. None chooses: ``ROS2(step=1e-3)``, with a shorter step for steep friction
+        and dampers; ``GeneralizedAlpha(step=1e-3)`` for exact beams and what is too stiff.
+        ``run.attributes["solver"]`` and ``["chosen"]`` say which and why. A fixed
+        step is shortened, never lengthened, so that outputs and the end fall on steps.
+    output_step : float, optional
+        Time between stored instants, s; None stores every step, or the `output` of an adaptive
+        solver.
+    path : path, optional
+        Results file (HDF5), overwritten; None keeps the results with the returned object, whose
+        ``save(path)`` writes them.
+    progress : bool or function, optional
+        True shows a bar; a function is called about ten times a second with (simulated time,
+        wall time) in s.
+    model_text : str
+        Text of the model file, kept with the results.
+    state : State, optional
+        Where to start, at its own time: from `equilibrium`, or ``run.state()`` to go on with a
+        run. None is the initial state of the model at time 0.
+    inputs : dict, optional
+        External inputs by name. A Signal is evaluated exactly, as if it stood in the model; a
+        number is constant; a function of time, s, is asked at the start of every step and held
+        during it; an array has a value for every interval between outputs, held during it. Inputs
+        that are not named keep their value.
+
+    Returns
+    -------
+    Solution
+        The results. An event with ``stop=True`` ends a run early; ``run.attributes["ended"]``
+        says which and when.
+
+    Raises
+    ------
+    InputError
+        If the input makes no sense or the file cannot be written.
+    RunFailed
+        If the run diverges or the disk is full; the results up to then are kept.
+    RunInterrupted
+        On Ctrl-C; the results up to then are kept.
+
+    Warns
+    -----
+    JoustoWarning
+        Before the run if the step is too large for the highest mode or the velocities of the state
+        do not fit the joints and drives, after it if the energy balance misses more than 5 %.
+    """
+    start, reason = 0.0 if state is None else state.time, ""
+    if solver is None:
+        solver, reason = choose(model, t_end, output_step, start)
+        log.info("%s: %r, since %s", model.name, solver, reason)
+    plan = schedule(model, t_end, solver, output_step, start)
+    model, feed = connect(model, inputs, plan.steps, plan.every)
+    for sentence in cautions(model, solver, plan):
+        warn(f"simulate {model.name!r}", sentence)
+    log.info("%s: %r in %d steps to %g s", model.name, solver, plan.steps, t_end)
+    engine = Engine(model)
+    if state is None:
+        _warn_at_rest(model)
+        _tell_of_ringing(model)
+    else:
+        _start(engine, state)
+        engine.steps_done = plan.before
+    attributes = {
+        "solver": repr(solver),
+        "chosen": reason,
+        "step": plan.step,
+        "t_end": float(t_end),
+        "gravity": model.gravity,
+        "evaluations_per_step": solver.evaluations,
+    }
+    rows = plan.steps // plan.every + 1
+    keeper = Keeper(path, model, rows, attributes, str(model_text))
+    try:
+        return _run(engine, solver, plan, keeper, progress, feed)
+    except BaseException as error:
+        if getattr(error, "solution", None) is None:
+            keeper.discard()
+        raise
+
+
+def _warn_at_rest(model: Model) -> None:
+    """Warn if nothing can start to move."""
+    pushed = any(f.kind != "load" or model.markers[f.a].body >= 0 for f in model.forces)
+    driven = any(is_drive(joint) for joint in model.joints)
+    # beams may start bent
+    bent = any(model.q0[b.iq + 7 : b.iq + 7 + b.n].any() for b in model.bodies)
+    loaded = pushed or driven or model.gravity.any()
+    if not (loaded or bent or model.beams or model.v0.any()):
+        warn(
+            f"simulate {model.name!r}",
+            "no gravity, no force, no drive and no initial velocity: nothing will move",
+        )
+
+
+def _tell_of_ringing(model: Model) -> None:
+    """Say how moving elastic bodies that begin straight are spared their vibration."""
+    elastic = [b for b in model.bodies if b.n]
+    straight = not any(model.q0[b.iq + 7 : b.iq + 7 + b.n].any() for b in elastic)
+    if elastic and straight and model.v0.any():
+        log.info(
+            "%s: elastic bodies move and are straight at the first instant, so that they ring; "
+            "state=jo.settled(model) begins with the shape of the motion, of a machine that turns "
+            "about one axis jo.steady_rotation(model, axis, speed) does",
+            model.name,
+        )
+
+
+def _start(engine: Engine, state: State) -> None:
+    """Put the engine into a state that fits the model."""
+    put(engine, state, "simulate")
+    _, rates = engine.constraints()
+    row = int(np.argmax(np.abs(rates))) if len(rates) else -1
+    if row >= 0 and abs(rates[row]) > JOLT * max(1.0, engine.model.size):
+        joint = next(j for j in engine.model.joints if j.row <= row < j.row + j.rows)
+        warn(
+            f"simulate {engine.model.name!r}",
+            f"the velocities of the state do not fit '{joint.name}' by {abs(rates[row]):.3g} m/s "
+            f"or rad/s at {engine.time[0]:g} s, the run begins with a jolt; let drives start from "
+            "rest, or start with the velocities of the drives: state=jo.settled(model), bent as "
+            "the motion bends it, jo.steady_rotation(model, axis, speed), or no state",
+        )
+
+
+def _run(
+    engine: Engine,
+    solver: Solver,
+    plan: Schedule,
+    keeper: Keeper,
+    progress: bool | Report | None,
+    feed: Feed,
+) -> Solution:
+    """Step, write, and leave a closed file with how it ended whatever happens."""
+    watch = RunWatch(engine.model, projected=solver.projection)
+    chronicle = Chronicle(engine)
+
+    def record(rows: NDArray[np.float64]) -> None:
+        try:
+            keeper.append(rows)
+            keeper.note(chronicle.read())
+        except OSError as error:  # the disk is full or gone
+            raise _DiskError(f"cannot write {keeper.place}: {error}{_remedy(error)}") from error
+        watch.see(rows)
+
+    started = clock.perf_counter()
+
+    def close(ended: str) -> Solution:
+        wall = clock.perf_counter() - started
+        reached = float(engine.time[0].real)
+        factor = (reached - plan.start) / wall if wall > 0 else 0.0
+        facts = {"ended": ended, "wall_time": wall, "real_time_factor": factor}
+        try:
+            return keeper.close(ended.startswith(("completed", "stopped")), facts)
+        except OSError as error:
+            message = f"cannot write {keeper.place}: {error}{_remedy(error)}"
+            raise RunFailed(message, None, time=reached, body="") from error
+
+    ending: Ending | None
+    try:
+        with reporter(progress, plan.start + plan.step * plan.steps) as report:
+            ending = _loop(engine, solver, plan, record, report, feed)
+    except KeyboardInterrupt:
+        solution = close("interrupted")
+        raise RunInterrupted(
+            f"stopped at {engine.time[0]:g} s; the results up to then are in {keeper.place}",
+            solution,
+        ) from None
+    except (_DiskError, Contradiction, InputFailed) as error:
+        ending = Ending(str(error))
+    except BaseException as error:
+        close(f"failed: {type(error).__name__} in the progress function")
+        raise
+    if ending is None or not ending.failed:
+        solution = close("completed" if ending is None else ending.sentence)
+    else:
+        solution = close(f"failed: {ending.sentence}")
+        time = float(engine.time[0].real)
+        sentence = f"the run stopped at {time:.6g} s: {ending.sentence}"
+        raise RunFailed(sentence, solution, time=time, body=ending.body)
+    if keeper.happened == EVENTS:
+        warn(
+            f"simulate {engine.model.name!r}",
+            f"only the first {EVENTS} events are in the results; watch for fewer crossings",
+        )
+    watch.judge()
+    warn_bent(engine)
+    if not watch.rubbed:
+        _warn_idle_friction(engine)
+    if engine.counts[4] and not engine.model.redundant:
+        warn(
+            f"simulate {engine.model.name!r}",
+            "the mechanism passed a position in which its joints repeat one another; beyond it the "
+            "motion may be one of several, and the reactions there are those of least norm",
+        )
+    return solution
+
+
+def _warn_idle_friction(engine: Engine) -> None:
+    """Warn of frictions that slip for nothing."""
+    for i, friction in enumerate(engine.model.frictions):
+        if friction.data[0] > 0.0 and not (friction.sticks and engine.slip[i] == 0):
+            warn(
+                f"friction '{friction.name}'",
+                "took no energy: its joint does not move, or nothing presses it. Forces along the "
+                "axis of a hinge press with collar_radius only, bending moments with "
+                "bearing_length only; preload presses always",
+            )
+
+
+class _DiskError(Exception):
+    """The results could not be written."""
+
+
+def _remedy(error: OSError) -> str:
+    full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+    return "; free some space and run again" if full else ""
+
+
+def _loop(
+    engine: Engine, solver: Solver, plan: Schedule, record: Record, report: Report, feed: Feed
+) -> Ending | None:
+    """Step to the end in calls of about a tenth of a second; return why it ended before."""
+    model = engine.model
+    alpha, beta = (
+        (solver.baumgarte.alpha, solver.baumgarte.beta) if solver.baumgarte else (0.0, 0.0)
+    )
+    native = engine.native_solver(
+        solver.method, plan.step, solver.projection, alpha, beta, **solver.options
+    )
+    capacity = max(2, min(4096, BUFFER_BYTES // (8 * engine.row_size)))
+    rows = np.zeros((capacity, engine.row_size))
+    if solver.adaptive:
+        native.largest = native.largest or LONGEST * plan.step * plan.steps
+        return _adaptive(engine, solver, plan, native, rows, record, report, feed)
+    done = 0
+    feed.set(engine, done)
+    rows[0] = engine.row()
+    record(rows[:1])
+    started = clock.perf_counter()
+    call = 1
+    while done < plan.steps:
+        room = (capacity - 1) * plan.every
+        count = min(call, plan.steps - done, max(room, plan.every), feed.ahead(done))
+        if done:
+            feed.set(engine, done)
+        before, first = clock.perf_counter(), engine.steps_done
+        status, written = engine.run(native, count, plan.every, rows)
+        now = clock.perf_counter()
+        record(rows[:written])
+        if status == EVENT:
+            return stopped(engine)
+        if status:
+            return _cause(model, solver, plan, engine, status)
+        count = engine.steps_done - first  # fewer if the log of events was full
+        done += count
+        report(float(engine.time[0].real), now - started)
+        spent = max(now - before, 1e-6)
+        call = max(1, min(int(count * WALL_PER_CALL / spent), 4 * call))
+    return None
+
+
+def _adaptive(
+    engine: Engine,
+    solver: Solver,
+    plan: Schedule,
+    native: Any,
+    rows: NDArray[np.float64],
+    record: Record,
+    report: Report,
+    feed: Feed,
+) -> Ending | None:
+    """Do the same with error control; it starts anew wherever the value of an input jumps."""
+    done = 0
+    while done < plan.steps:
+        feed.set(engine, done)
+        count = min(plan.steps - done, feed.ahead(done))
+        engine.steps_done = 0  # rows from here
+        seen: Record = record if done == 0 else _without_first(record)
+        status = follow(engine, native, count, rows, seen, report)
+        if status == EVENT:
+            return stopped(engine)
+        if status == STEP_TOO_SMALL:
+            return Ending(*too_many_steps(engine, plan.start + done * plan.step, plan.step))
+        if status:
+            return _cause(engine.model, solver, plan, engine, status)
+        done += count
+    return None
+
+
+def _without_first(record: Record) -> Record:
+    """Return a function that leaves out the first row, which is known."""
+    waiting = [True]
+
+    def rest(rows: NDArray[np.float64]) -> None:
+        skipped = 1 if waiting and len(rows) and waiting.pop() else 0
+        record(rows[skipped:])
+
+    return rest
+
+
+def stopped(engine: Engine) -> Ending:
+    """Return that an event ended the run as it should."""
+    name = engine.model.events[engine.error_index].name
+    return Ending(f"stopped by event '{name}' at {engine.time[0]:.9g} s", failed=False)
+
+
+def _cause(model: Model, solver: Solver, plan: Schedule, engine: Engine, status: int) -> Ending:
+    """Return why the run cannot go on, and which body shows it."""
+    if status == NO_CONVERGENCE:
+        body = model.bodies[engine.error_index].name
+        return Ending(
+            f"{engine.problem(status)}; the step is {plan.step:.3g} s, try {0.5 * plan.step:.3g} s",
+            body,
+        )
+    if status not in (NOT_FINITE, SINGULAR_BODY, SINGULAR_JOINT):
+        return Ending(str(engine.problem(status)))
+    sentence = stability_warning(model, solver, plan.step)
+    gap = engine.residuals()[0]
+    fast = float(np.abs(engine.v).max()) > 1e6 * max(1.0, float(np.abs(model.v0).max(initial=0.0)))
+    diverged = bool(sentence) or not gap < 1e-3 * model.size or fast
+    if status != NOT_FINITE and not diverged:
+        problem = engine.problem(status)
+        return Ending(f"{problem} (it was regular at the start: a singular position was reached)")
+    body = ""
+    if status == NOT_FINITE:
+        body = model.bodies[engine.error_index].name
+    if not sentence:
+        sentence = (
+            f"the step of {plan.step:.3g} s may be too large for this motion, try half; or "
+            "forces, masses or stiffnesses have the wrong unit"
+        )
+        drives = ", ".join(f"'{joint.name}'" for joint in model.joints if is_drive(joint))
+        if drives:
+            sentence += f"; or the lengths do not allow what the drives ({drives}) ask for"
+    what = f"body '{body}'" if body else "the motion"
+    return Ending(f"{what} diverged; likely cause: {sentence}", body)
+
+
+def describe(solution: Solution) -> dict[str, Any]:
+    """Return the facts about a run that are worth printing, by name."""
+    residuals, energy = solution.residuals, solution.energy
+    chosen = str(solution.attributes.get("chosen", ""))
+    return {
+        "instants": solution.nt,
+        "end of the run (s)": float(solution.time[-1]) if solution.nt else 0.0,
+        "ended": solution.attributes.get("ended", "still running or killed"),
+        "solver": solution.attributes["solver"] + (f", since {chosen}" if chosen else ""),
+        "steps": int(solution.work.steps[-1]) if solution.nt else 0,
+        "wall time (s)": solution.attributes.get("wall_time", float("nan")),
+        "real-time factor": solution.attributes.get("real_time_factor", float("nan")),
+        "largest position residual": float(residuals.position.max(initial=0.0)),
+        "largest velocity residual": float(residuals.velocity.max(initial=0.0)),
+        "largest energy error (J)": float(np.abs(energy.error).max(initial=0.0)),
+        "energy": energy.verdict.removeprefix("energy "),
+    }

@@ -1,0 +1,98 @@
+"""RunWatch: what a run missed in its energy balance, its joints and its spins."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.errors import warn
+from jousto.model.model import Model
+from jousto.model.rank.redundancy import disagreement
+from jousto.simulation.running.diagnostics import FAIR, STEADY
+from jousto.simulation.running.spin import Spin
+
+GAP_LIMIT = 1e-9  # of the size of the mechanism, with projection
+OPEN_LIMIT = 1e-4  # the same: where repeated rows contradict one another the run ends
+
+
+class Contradiction(Exception):
+    """Joints, couplings or drives that repeat one another disagree."""
+
+
+class RunWatch:
+    """What the energy balance missed and how far the joints opened so far, in fixed memory."""
+
+    def __init__(self, model: Model, *, projected: bool) -> None:
+        self._model = model
+        self._projected = projected
+        self._first = 1 + model.nq + model.nv + model.nrow
+        self._low = np.full(7, np.inf)
+        self._high = np.full(7, -np.inf)
+        self._start: float | None = None
+        self._missed = 0.0
+        self._gap = 0.0
+        self._open: NDArray[np.float64] | None = None  # the row with the largest gap
+        self._spins = [
+            Spin(model, k) for k, b in enumerate(model.bodies) if b.n and not b.stiffening
+        ]
+
+    def see(self, rows: NDArray[np.float64]) -> None:
+        """Look at rows of the engine."""
+        if not len(rows):
+            return
+        terms = rows[:, self._first : self._first + 7]
+        balance = terms[:, :6].sum(axis=1) - terms[:, 6]
+        if self._start is None:
+            self._start = float(balance[0])
+        self._missed = max(self._missed, float(np.abs(balance - self._start).max()))
+        self._low = np.minimum(self._low, terms.min(axis=0))
+        self._high = np.maximum(self._high, terms.max(axis=0))
+        for spin in self._spins:
+            spin.see(rows)
+        gaps = rows[:, self._first + 7]
+        if gaps.max() > self._gap:
+            self._gap, self._open = float(gaps.max()), rows[int(np.argmax(gaps))].copy()
+        if self._projected and self._model.redundant:
+            limit = OPEN_LIMIT * self._model.size
+            if self._gap > limit:
+                raise Contradiction(self._gaping(rows[int(np.argmax(gaps > limit))]))
+
+    def _gaping(self, row: NDArray[np.float64]) -> str:
+        """Return which joint is open at an instant, and why."""
+        return disagreement(self._model, row[1 : 1 + self._model.nq], float(row[0]))
+
+    @property
+    def rubbed(self) -> bool:
+        """Whether friction took energy, or nothing moved."""
+        return bool(self._high[5] > self._low[5]) or not self._high[0] > 0.0
+
+    def judge(self) -> None:
+        """Warn if the balance misses a noticeable share of the energy exchanged or kinetic."""
+        where = f"simulate {self._model.name!r}"
+        for sentence in filter(None, (spin.sentence for spin in self._spins)):
+            warn(where, sentence)
+        exchanged = float((self._high - self._low)[:4].sum())
+        # shares of what moves only by round-off mean nothing
+        level = np.maximum(np.abs(self._high), np.abs(self._low))
+        mass = sum(float(b.mass[0]) for b in self._model.bodies)
+        weight = mass * np.abs(self._model.gravity).max()
+        small = max(
+            1e-6 * float(level[[0, 1, 3, 4, 5, 6]].max()),
+            1e-12 * float(level[2]),
+            1e-12 * float(weight) * self._model.size,
+            1e-18 * mass,  # a speed of 1 nm/s
+        )
+        scale = max(exchanged, STEADY * float(level[0]))
+        if self._missed > FAIR * scale and self._missed > small:
+            warn(
+                where,
+                f"the energy balance misses {self._missed:.3g} J of {exchanged:.3g} J exchanged "
+                f"({100 * self._missed / max(exchanged, 1e-300):.2g} %); a smaller step is more "
+                "accurate",
+            )
+        if self._projected and self._open is not None and self._gap > GAP_LIMIT * self._model.size:
+            warn(
+                where,
+                f"joints opened by up to {self._gap:.3g} (m, or rad) in spite of the projection, "
+                f"at {self._open[0]:.4g} s {self._gaping(self._open)}; take a smaller step",
+            )

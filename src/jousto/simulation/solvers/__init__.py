@@ -1,0 +1,1 @@
+"""Integration methods and how they are chosen."""

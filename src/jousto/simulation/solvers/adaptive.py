@@ -1,0 +1,163 @@
+"""The adaptive method: steps chosen by the error they make, results at equal times."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.errors import Problems
+from jousto.model.native.native import Engine
+from jousto.simulation.running.progress import Report
+
+WALL_PER_CALL = 0.1  # s between looks at the clock, the bar and Ctrl-C
+LONGEST = 0.1  # of the run: largest step unless told
+
+
+@dataclass(frozen=True)
+class DormandPrince:
+    """Runge-Kutta pair of orders 5 and 4 that chooses its steps by the error it makes.
+
+    Dormand and Prince (J. Comp. Appl. Math. 6, 1980) with the step control and the dense output
+    of order 4 of Hairer, Norsett and Wanner (*Solving Ordinary Differential Equations I*, 1993,
+    II.4 to II.6). Six evaluations a step. The results come at equal times whatever the steps; steps
+    end where a `Step`, `Ramp`, `Table` or `SCurve` jumps or has a kink.
+
+    The method is explicit: stiff springs and modes of high frequency force small steps whether
+    they move or not; then `ROS2` is faster.
+
+    Parameters
+    ----------
+    tolerance : float
+        Largest error of a step: of positions, as a share of the size of the mechanism; of
+        rotations, in rad; of speeds, as a share of the largest speed of the body so far; of
+        modal coordinates and their rates, as a share of the largest so far of the body. What moves
+        less than a thousandth of the mechanism is measured against that thousandth; so is a speed
+        below a thousandth of the size of the mechanism per duration of the run.
+    absolute : float, optional
+        Errors below this do not matter, m and m/s (rad and rad/s times the size of the
+        mechanism); None: they all do.
+    first_step : float, optional
+        First step to try, s; None finds one from the speeds, accelerations and frequencies.
+    max_step : float, optional
+        Largest step, s; None is a tenth of the run. A short push by a `UserForce` is seen for
+        certain only by steps not longer than it.
+    output : float
+        Time between stored instants, s, unless `simulate` is given an `output_step`.
+
+    Examples
+    --------
+    >>> DormandPrince(tolerance=1e-8).tolerance
+    1e-08
+    """
+
+    method: ClassVar[int] = 4
+    order: ClassVar[int] = 5
+    evaluations: ClassVar[int] = 6
+    adaptive: ClassVar[bool] = True
+    projection: ClassVar[bool] = True
+    baumgarte: ClassVar[None] = None
+    most: ClassVar[int] = 100_000  # steps between two outputs
+    tolerance: float = 1e-6
+    absolute: float | None = None
+    first_step: float | None = None
+    max_step: float | None = None
+    output: float = 1e-2
+
+    def __post_init__(self) -> None:
+        problems = Problems()
+        where = "DormandPrince"
+        tolerance: Any = self.tolerance
+        if not _is_number(tolerance) or not 1e-13 <= tolerance <= 0.1:
+            problems.add(where, f"tolerance is {tolerance!r}, must be between 1e-13 and 0.1")
+        for name, unit in (("absolute", "m"), ("first_step", "s"), ("max_step", "s")):
+            value: Any = getattr(self, name)
+            if value is not None and not _is_positive(value):
+                problems.add(where, f"{name} is {value!r}, must be None or positive, {unit}")
+        if not _is_positive(self.output):
+            problems.add(where, f"output is {self.output!r}, must be a positive number of seconds")
+        problems.raise_if_any()
+
+    @property
+    def step(self) -> float:
+        """Time between outputs, s."""
+        return self.output
+
+    @property
+    def options(self) -> dict[str, float | int]:
+        """Fields of the engine's jo_solver."""
+        return {
+            "tolerance": self.tolerance,
+            "absolute": self.absolute or 0.0,
+            "first": self.first_step or 0.0,
+            "largest": self.max_step or 0.0,
+            "iterations": self.most,
+        }
+
+    def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
+        """Return False everywhere: a step that lets errors grow is not accepted."""
+        return np.zeros(len(eigenvalues), dtype=bool)
+
+    def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
+        """Return the growth ``|1 + z + ... + z^5/120 + z^6/600|`` of a step."""
+        sums = z / 5.0  # Horner: every row is one term of the series
+        for k in (5.0, 4.0, 3.0, 2.0, 1.0):
+            sums = z / k * (1.0 + sums)
+        return np.asarray(np.abs(1.0 + sums))
+
+
+def follow(
+    engine: Engine,
+    native: Any,
+    last: int,
+    rows: NDArray[np.float64],
+    record: Callable[[NDArray[np.float64]], None],
+    report: Report,
+) -> int:
+    """Run to row `last` in calls of about a tenth of a second; return 0 or why it ended before."""
+    started = clock.perf_counter()
+    tries = 1
+    while engine.steps_done <= last:  # rows so far
+        before = clock.perf_counter()
+        status, written = engine.follow(native, last, tries, rows)
+        now = clock.perf_counter()
+        record(rows[:written])
+        if status:
+            return status
+        report(float(engine.time[0].real), now - started)
+        spent = max(now - before, 1e-6)
+        tries = max(1, min(int(tries * WALL_PER_CALL / spent), 4 * tries))
+    return 0
+
+
+def too_many_steps(engine: Engine, start: float, output: float) -> tuple[str, str]:
+    """Return why the error control cannot go on, and which body shows it; rows began at `start`."""
+    body = engine.model.bodies[engine.error_index].name
+    time = float(engine.time[0].real)
+    mean = (time - start - (engine.steps_done - 1) * output) / DormandPrince.most
+    if mean > 1e-12 * max(abs(time), output):
+        return (
+            f"it needs steps of about {mean:.2g} s, more than {DormandPrince.most} between two "
+            f"outputs, mostly for body '{body}': something stiff holds it (a mode of high "
+            "frequency, a stiff spring or a strong damper); take ROS2 or GeneralizedAlpha, which "
+            "are made for that, or something softer",
+            body,
+        )
+    return (
+        f"the step became shorter than round-off allows, body '{body}' has the largest error: a "
+        "force on it jumps (let it rise over a short time, or use Step or Table signals, whose "
+        "jumps are known), or it is held by something very stiff (take ROS2 or GeneralizedAlpha)",
+        body,
+    )
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float | np.number) and not isinstance(value, bool)
+
+
+def _is_positive(value: Any) -> bool:
+    return _is_number(value) and bool(np.isfinite(value)) and value > 0.0

@@ -1,0 +1,178 @@
+"""Time integration methods: each an object with its own step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.errors import Problems
+from jousto.simulation.solvers.adaptive import DormandPrince
+from jousto.simulation.solvers.implicit import GeneralizedAlpha, Newmark
+
+
+class Solver(Protocol):
+    """What `simulate` needs to know of a method."""
+
+    method: ClassVar[int]
+    order: ClassVar[int]
+    evaluations: ClassVar[int]
+    adaptive: ClassVar[bool]
+
+    @property
+    def step(self) -> float:
+        """Step size, s; of an adaptive method the time between outputs."""
+
+    @property
+    def options(self) -> dict[str, float | int]:
+        """Further fields of the engine's jo_solver."""
+
+    @property
+    def projection(self) -> bool:
+        """Whether positions and velocities are projected after every step."""
+
+    @property
+    def baumgarte(self) -> Baumgarte | None:
+        """Stabilisation of the acceleration equations, if any."""
+
+    def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
+        """Which linear oscillations ``y' = lambda y`` grow at this step."""
+
+    def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
+        """Growth in a step of terms that the method treats explicitly, z = step * lambda."""
+
+
+@dataclass(frozen=True)
+class Baumgarte:
+    """Constraint stabilisation ``C'' + 2 alpha C' + beta^2 C = 0``.
+
+    Parameters
+    ----------
+    alpha, beta : float
+        1/s; ``alpha = beta`` is critically damped. A good size is 1 / (10 step).
+    """
+
+    alpha: float
+    beta: float
+
+    def __post_init__(self) -> None:
+        problems = Problems()
+        for name in ("alpha", "beta"):
+            value = getattr(self, name)
+            if not _is_number(value) or not np.isfinite(value) or value < 0.0:
+                problems.add("Baumgarte", f"{name} is {value!r}, must be 0 or more, 1/s")
+        problems.raise_if_any()
+
+
+@dataclass(frozen=True)
+class RK4:
+    """Classical Runge-Kutta of order 4 (Rantalainen 2007, chapter 4).
+
+    Four evaluations a step. Stable only while ``step * omega`` stays below 2.83 for the highest
+    modal frequency omega.
+
+    Parameters
+    ----------
+    step : float
+        Step size, s.
+    projection : bool
+        Project positions and velocities onto the constraints after every step.
+    baumgarte : Baumgarte, optional
+        Stabilisation instead of, or besides, projection.
+
+    Examples
+    --------
+    >>> RK4(step=1e-3)
+    RK4(step=0.001, projection=True, baumgarte=None)
+    """
+
+    method: ClassVar[int] = 1
+    order: ClassVar[int] = 4
+    evaluations: ClassVar[int] = 4
+    adaptive: ClassVar[bool] = False
+    step: float = 1e-3
+    projection: bool = True
+    baumgarte: Baumgarte | None = None
+
+    def __post_init__(self) -> None:
+        _check(self)
+
+    @property
+    def options(self) -> dict[str, float | int]:
+        """No further fields."""
+        return {}
+
+    def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
+        """Return where the explicit growth exceeds 1, z = step * eigenvalue."""
+        return np.asarray(self.explicit_growth(step * eigenvalues) > 1.0 + 1e-12)
+
+    def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
+        """Return ``|1 + z + z^2/2 + z^3/6 + z^4/24|``."""
+        return np.asarray(np.abs(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0)))))
+
+
+@dataclass(frozen=True)
+class ROS2:
+    """Linearly implicit W-method of order 2 with the modal stiffness and damping implicit.
+
+    ROS2 of Verwer, Spee, Blom and Hundsdorfer (SIAM J. Sci. Comput. 20, 1999) with
+    gamma = 1 - 1/sqrt 2. Two evaluations a step and no iteration but the projection, which is one
+    correction, rarely more and never more than four: the work of a step is bounded. High modal
+    frequencies do not limit the step; modes that the step cannot resolve are damped.
+
+    Parameters
+    ----------
+    step : float
+        Step size, s.
+    projection : bool
+        Project positions and velocities onto the constraints after every step.
+    baumgarte : Baumgarte, optional
+        Stabilisation instead of, or besides, projection.
+    """
+
+    method: ClassVar[int] = 2
+    order: ClassVar[int] = 2
+    evaluations: ClassVar[int] = 2
+    adaptive: ClassVar[bool] = False
+    step: float = 1e-3
+    projection: bool = True
+    baumgarte: Baumgarte | None = None
+
+    def __post_init__(self) -> None:
+        _check(self)
+
+    @property
+    def options(self) -> dict[str, float | int]:
+        """No further fields."""
+        return {}
+
+    def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
+        """Return False everywhere: the method is L-stable for the modal equations."""
+        return np.zeros(len(eigenvalues), dtype=bool)
+
+    def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
+        """Return ``|1 + z + z^2/2|``, what happens to all but the modal terms."""
+        return np.asarray(np.abs(1.0 + z * (1.0 + z / 2.0)))
+
+
+SOLVERS: tuple[type[Solver], ...] = (RK4, ROS2, GeneralizedAlpha, Newmark, DormandPrince)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float | np.number) and not isinstance(value, bool)
+
+
+def _check(solver: RK4 | ROS2) -> None:
+    where = type(solver).__name__
+    problems = Problems()
+    projection: Any = solver.projection
+    baumgarte: Any = solver.baumgarte
+    if not _is_number(solver.step) or not np.isfinite(solver.step) or solver.step <= 0.0:
+        problems.add(where, f"step is {solver.step!r}, must be a positive number of seconds")
+    if not isinstance(projection, bool):
+        problems.add(where, f"projection is {projection!r}, must be True or False")
+    if not isinstance(baumgarte, Baumgarte | None):
+        problems.add(where, f"baumgarte is {baumgarte!r}, must be Baumgarte(alpha, beta)")
+    problems.raise_if_any()

@@ -1,0 +1,241 @@
+"""Implicit methods with Newton's iteration: generalised alpha and Newmark."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.errors import Problems
+
+TANGENTS = ("exact", "modified")
+
+
+@dataclass(frozen=True)
+class GeneralizedAlpha:
+    """Implicit method of order 2 with numerical damping of what the step does not resolve.
+
+    Generalised alpha (Chung and Hulbert, J. Appl. Mech. 60, 1993) on the Lie group of the poses
+    (Bruels, Cardona and Arnold, Mech. Mach. Theory 48, 2012), with exact derivatives of all
+    forces and joints. Springs, bushings, dampers and modes may be as stiff as they like. With
+    projection the multipliers hold the velocities on the constraints (index 2), and the positions
+    are closed after every step; without it they hold the positions (index 3), and the velocities
+    miss the constraints by the error of the method.
+
+    Parameters
+    ----------
+    step : float
+        Step size, s.
+    rho : float
+        Share of an oscillation much faster than the step that is left after one step, 0 to 1;
+        1 keeps all of its energy.
+    tolerance : float or None
+        Of Newton's iteration: the last change of the accelerations, in the metric of the masses,
+        as a share of the accelerations and elastic forces at work. None: always
+        `max_iterations` iterations, so that the work of a step is bounded.
+    max_iterations : int
+        Most iterations of a step.
+    tangent : "modified" or "exact"
+        Keep the factors, over many steps, as long as the iteration converges fast (a step where
+        it does not converge is tried again with the exact matrix), or factorise the exact matrix
+        at every iteration, as derivatives by complex numbers always do.
+    projection : bool
+        Index 2 with closed positions, or index 3.
+    inertia_tangents : bool
+        How inertia forces change with positions and velocities counts in the exact matrix: the
+        matrices K_acc and C_acc of Makinen, Marjamaki and Pajunen (eq. 13) and the gyroscopic
+        ones. Without them the result is the same, to the tolerance, after more iterations
+        where bodies turn fast; what they save, ``run.work.iterations`` tells.
+
+    Examples
+    --------
+    >>> GeneralizedAlpha(step=1e-3, rho=0.6).rho
+    0.6
+    """
+
+    method: ClassVar[int] = 3
+    order: ClassVar[int] = 2
+    evaluations: ClassVar[int] = 3
+    adaptive: ClassVar[bool] = False
+    baumgarte: ClassVar[None] = None
+    step: float = 1e-3
+    rho: float = 0.8
+    tolerance: float | None = 1e-10
+    max_iterations: int = 10
+    tangent: Literal["exact", "modified"] = "modified"
+    projection: bool = True
+    inertia_tangents: bool = True
+
+    def __post_init__(self) -> None:
+        problems = _problems(self)
+        rho: Any = self.rho
+        if not _is_number(rho) or not 0.0 <= rho <= 1.0:
+            problems.add(
+                "GeneralizedAlpha", f"rho is {rho!r}, must be between 0 (damps most) and 1 (none)"
+            )
+        problems.raise_if_any()
+
+    @property
+    def coefficients(self) -> tuple[float, float, float, float]:
+        """alpha_m, alpha_f, beta and gamma of Chung and Hulbert."""
+        alpha_m = (2.0 * self.rho - 1.0) / (self.rho + 1.0)
+        alpha_f = self.rho / (self.rho + 1.0)
+        gamma = 0.5 + alpha_f - alpha_m
+        return alpha_m, alpha_f, 0.25 * (gamma + 0.5) ** 2, gamma
+
+    @property
+    def options(self) -> dict[str, float | int]:
+        """Further fields of the engine's jo_solver."""
+        return _options(self)
+
+    def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
+        """Return where a linear oscillation grows at this step: nowhere."""
+        return _unstable(self, step, eigenvalues)
+
+    def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
+        """Return 0: nothing is explicit."""
+        return np.zeros(len(z))
+
+
+@dataclass(frozen=True)
+class Newmark:
+    """Newmark's implicit method (J. Eng. Mech. Div. ASCE 85, 1959) with Newton's iteration.
+
+    ``q1 = q0 o exp(h v0 + h^2 ((1/2 - beta) a0 + beta a1))``, ``v1 = v0 + h ((1 - gamma) a0 +
+    gamma a1)``. With 1/4 and 1/2, the trapezoidal rule, a linear oscillator keeps its energy
+    exactly and nothing is damped; gamma above 1/2 damps, at order 1. For numerical damping at
+    order 2 take `GeneralizedAlpha`.
+
+    Parameters
+    ----------
+    step : float
+        Step size, s.
+    beta, gamma : float
+        Weights of the new acceleration; stable at any step if ``2 beta >= gamma >= 1/2``.
+    tolerance, max_iterations, tangent, projection, inertia_tangents
+        As for `GeneralizedAlpha`.
+    """
+
+    method: ClassVar[int] = 3
+    order: ClassVar[int] = 2
+    evaluations: ClassVar[int] = 3
+    adaptive: ClassVar[bool] = False
+    baumgarte: ClassVar[None] = None
+    step: float = 1e-3
+    beta: float = 0.25
+    gamma: float = 0.5
+    tolerance: float | None = 1e-10
+    max_iterations: int = 10
+    tangent: Literal["exact", "modified"] = "modified"
+    projection: bool = True
+    inertia_tangents: bool = True
+
+    def __post_init__(self) -> None:
+        problems = _problems(self)
+        for name, low, high in (("beta", 0.0, 1.0), ("gamma", 0.5, 1.0)):
+            value: Any = getattr(self, name)
+            if not _is_number(value) or not low <= value <= high or value == 0.0:
+                problems.add(
+                    "Newmark",
+                    f"{name} is {value!r}, must be between {low:g} and {high:g}"
+                    + (" and not 0" if low == 0.0 else ""),
+                )
+        problems.raise_if_any()
+
+    @property
+    def coefficients(self) -> tuple[float, float, float, float]:
+        """alpha_m = 0, alpha_f = 0, beta and gamma."""
+        return 0.0, 0.0, self.beta, self.gamma
+
+    @property
+    def options(self) -> dict[str, float | int]:
+        """Further fields of the engine's jo_solver."""
+        return _options(self)
+
+    def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
+        """Return where a linear oscillation grows at this step."""
+        return _unstable(self, step, eigenvalues)
+
+    def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
+        """Return 0: nothing is explicit."""
+        return np.zeros(len(z))
+
+
+Implicit = GeneralizedAlpha | Newmark
+
+
+def spectral_radius(solver: Implicit, z: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Return the growth in a step of the oscillator with eigenvalues lambda, z = step * lambda.
+
+    ``s'' = -2 d w s' - w^2 s`` with ``lambda = w (-d +- i sqrt(1 - d^2))``: the largest magnitude
+    of an eigenvalue of the matrix that takes (s, h s', h^2 a) over a step.
+    """
+    alpha_m, alpha_f, beta, gamma = solver.coefficients
+    z = np.atleast_1d(np.asarray(z, dtype=np.complex128))
+    out = np.zeros(z.shape)
+    for i, x in np.ndenumerate(z):
+        stiffness, damping = abs(x) ** 2, -2.0 * x.real
+        rows = np.array([[1.0, 1.0, 0.5 - beta], [0.0, 1.0, 1.0 - gamma]])  # without a1
+        old = np.array([-stiffness, -damping, 0.0])
+        left = 1.0 - alpha_m + (1.0 - alpha_f) * (stiffness * beta + damping * gamma)
+        right = alpha_f * old - (1.0 - alpha_f) * (stiffness * rows[0] + damping * rows[1])
+        new = (right - np.array([0.0, 0.0, alpha_m])) / left
+        step = np.vstack([rows[0] + beta * new, rows[1] + gamma * new, new])
+        out[i] = np.abs(np.linalg.eigvals(step)).max()
+    return out
+
+
+def _unstable(
+    solver: Implicit, step: float, eigenvalues: NDArray[np.complex128]
+) -> NDArray[np.bool_]:
+    _, _, beta, gamma = solver.coefficients
+    if isinstance(solver, GeneralizedAlpha) or 2.0 * beta >= gamma:
+        return np.zeros(len(eigenvalues), dtype=bool)
+    return np.asarray(spectral_radius(solver, step * eigenvalues) > 1.0 + 1e-9)
+
+
+def _options(solver: Implicit) -> dict[str, float | int]:
+    alpha_m, alpha_f, beta, gamma = solver.coefficients
+    return {
+        "alpha_m": alpha_m,
+        "alpha_f": alpha_f,
+        "newmark_beta": beta,
+        "newmark_gamma": gamma,
+        "tolerance": solver.tolerance or 0.0,
+        "iterations": solver.max_iterations,
+        "modified": int(solver.tangent == "modified"),
+        "plain_inertia": int(not solver.inertia_tangents),
+    }
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float | np.number) and not isinstance(value, bool)
+
+
+def _problems(solver: Implicit) -> Problems:
+    where = type(solver).__name__
+    problems = Problems()
+    step: Any = solver.step
+    tolerance: Any = solver.tolerance
+    most: Any = solver.max_iterations
+    projection: Any = solver.projection
+    inertia: Any = solver.inertia_tangents
+    if not _is_number(step) or not np.isfinite(step) or step <= 0.0:
+        problems.add(where, f"step is {step!r}, must be a positive number of seconds")
+    if tolerance is not None and (not _is_number(tolerance) or not 1e-14 <= tolerance <= 1e-2):
+        problems.add(
+            where,
+            f"tolerance is {tolerance!r}, must be between 1e-14 and 1e-2, or None for "
+            "max_iterations iterations at every step",
+        )
+    if not isinstance(most, int) or isinstance(most, bool) or not 1 <= most <= 1000:
+        problems.add(where, f"max_iterations is {most!r}, must be a whole number from 1 to 1000")
+    if solver.tangent not in TANGENTS:
+        problems.add(where, f"tangent is {solver.tangent!r}, must be 'exact' or 'modified'")
+    if not isinstance(projection, bool):
+        problems.add(where, f"projection is {projection!r}, must be True or False")
+    if not isinstance(inertia, bool):
+        problems.add(where, f"inertia_tangents is {inertia!r}, must be True or False")
+    return problems

@@ -1,0 +1,145 @@
+"""Schedule: which steps a run takes, and what is probably wrong with them."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from jousto.base.errors import InputError, Problem, Problems
+from jousto.model.model import Model
+from jousto.simulation.running.beam_checks import beam_steps_warning
+from jousto.simulation.solvers.explicit import SOLVERS, Solver
+from jousto.simulation.solvers.stability import (
+    damper_warning,
+    friction_warning,
+    many_steps,
+    stability_warning,
+)
+
+logger = logging.getLogger(__name__)
+
+MOST_STEPS = 1e12
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Steps of a run: `steps` of size `step` from `start`, a row every `every` steps.
+
+    Of an adaptive method these are the intervals between rows.
+    """
+
+    step: float
+    steps: int
+    every: int
+    start: float = 0.0
+
+    @property
+    def before(self) -> int:
+        """Steps from time 0 to the start, 0 if it does not lie on a step with a row.
+
+        Counted from 0, the instants of a continued run are those of the whole one to the last bit.
+        """
+        count = round(self.start / self.step)
+        return count if count * self.step == self.start and count % self.every == 0 else 0
+
+
+def schedule(
+    model: Any, t_end: Any, solver: Any, output_step: Any = None, start: float = 0.0
+) -> Schedule:
+    """Return the steps of a run that starts at time `start`, s.
+
+    Raises
+    ------
+    InputError
+        If the model, the solver or the times make no sense.
+    """
+    problems = Problems()
+    where = "simulate"
+    if not isinstance(model, Model):
+        kind = type(model).__name__
+        hint = (
+            "; compile it first: simulate(compile(mechanism), ...)" if kind == "Mechanism" else ""
+        )
+        problems.add(where, f"model is a {kind}, must be a Model{hint}")
+    if not isinstance(solver, SOLVERS):
+        known = ", ".join(s.__name__ for s in SOLVERS)
+        problems.add(where, f"solver is {solver!r}, must be one of {known}, e.g. ROS2(step=1e-3)")
+    times = [("t_end", t_end)] + ([] if output_step is None else [("output_step", output_step)])
+    for name, value in times:
+        if problems.array(where, name, value, ()) is not None:
+            problems.positive(where, name, float(value), "s")
+    problems.raise_if_any()
+    end = float(t_end) - start
+    if not end > 0.0:
+        raise InputError(
+            Problem(where, f"t_end = {t_end:g} s is not after the state's time, {start:.9g} s")
+        )
+    unit = end if output_step is None else float(output_step)
+    if end / min(solver.step, unit) > MOST_STEPS:
+        raise InputError(
+            Problem(
+                where,
+                f"{end:g} s in steps of {solver.step:g} s are {end / solver.step:.3g} steps, more "
+                f"than {MOST_STEPS:g}; check the units of t_end, step and output_step",
+            )
+        )
+    pieces = max(1, int(np.ceil(unit / solver.step * (1.0 - 1e-12))))
+    if solver.adaptive and output_step is not None:
+        pieces = 1  # rows are not tied to steps
+    step = unit / pieces
+    if abs(step - solver.step) <= 1e-12 * solver.step:  # round-off of the end
+        step = solver.step
+    if abs(step - solver.step) > 1e-9 * solver.step and not solver.adaptive:
+        logger.info("step shortened from %g to %g s", solver.step, step)
+    if output_step is None:
+        return Schedule(step, pieces, 1, start)
+    rows = round(end / unit)
+    if rows < 1 or abs(rows * unit - end) > 1e-9 * end:
+        raise InputError(
+            Problem(
+                where,
+                f"{_span(end, start)} is not a multiple of output_step = {unit:g} s; "
+                f"for example t_end = {start + max(rows, 1) * unit:g} s fits",
+            )
+        )
+    return Schedule(step, rows * pieces, pieces, start)
+
+
+def _span(length: float, start: float) -> str:
+    return f"t_end = {length:g} s" if start == 0.0 else f"the run of {length:g} s"
+
+
+def cautions(model: Model, solver: Solver, plan: Schedule) -> list[str]:
+    """Return what is probably wrong with a run, known before it starts."""
+    found = []
+    sentence = stability_warning(model, solver, plan.step)
+    if sentence:
+        found.append(f"the run will probably diverge: {sentence}")
+    if solver.adaptive:
+        duration = plan.step * plan.steps
+        sentences = (many_steps(model, duration), beam_steps_warning(model, duration))
+        return [sentence for sentence in sentences if sentence]
+    both = (friction_warning(model, solver, plan.step), damper_warning(model, solver, plan.step))
+    found += [sentence for sentence in both if sentence]
+    for force in model.forces:
+        if force.signal < 0:
+            continue
+        signal = model.signals[force.signal]
+        if signal.kind == "harmonic" and signal.data[2] * plan.step > 0.2 * np.pi:
+            frequency = signal.data[2] / (2 * np.pi)
+            found.append(
+                f"load '{force.name}' oscillates with {frequency:.4g} Hz, the step of "
+                f"{plan.step:.3g} s does not resolve it; take {0.05 / frequency:.2g} s or less"
+            )
+        elif signal.kind == "table":
+            times = signal.data[: len(signal.data) // 2]
+            shortest = float(np.diff(times).min(initial=np.inf))
+            if shortest < plan.step:
+                found.append(
+                    f"load '{force.name}' has table points {shortest:.3g} s apart, the step of "
+                    f"{plan.step:.3g} s may jump over them; take {shortest:.2g} s or less"
+                )
+    return found

@@ -1,0 +1,269 @@
+"""Is the step small enough? Asked before the run, of the body modes and of the mechanism."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.mechanism.beams.limits import element_matrices
+from jousto.model.model import Model
+from jousto.model.native.native import IMAGINARY, Engine, displaced
+from jousto.simulation.solvers.explicit import Solver
+
+Array = NDArray[np.float64]
+Eigenvalues = NDArray[np.complex128]
+DENSE = 300  # states up to which all eigenvalues are computed
+MANY_STEPS = 1e6
+DIFFERENCE = 1e-6  # relative step of the central differences
+
+
+def body_eigenvalues(model: Model, body: int) -> Eigenvalues:
+    """Return the eigenvalues lambda of a free body's modal motion at p = 0, 1/s.
+
+    ``(lambda^2 M + lambda D + K) y = 0`` with the rigid coordinates eliminated. Joints can only
+    lower the highest of them (Cauchy interlacing), so they are on the safe side.
+    """
+    b = model.bodies[body]
+    if b.n == 0:
+        return np.zeros(0, dtype=np.complex128)
+    S, J = b.S0, b.J0
+    skew = np.array([[0.0, -S[2], S[1]], [S[2], 0.0, -S[0]], [-S[1], S[0], 0.0]])
+    inertia = np.array([[J[0], J[5], J[4]], [J[5], J[1], J[3]], [J[4], J[3], J[2]]])
+    Mrr = np.block([[b.mass[0] * np.eye(3), -skew], [skew, inertia]])
+    Mrp = np.vstack([b.I3, b.B0])
+    M = np.eye(b.n) - Mrp.T @ np.linalg.lstsq(Mrr, Mrp, rcond=None)[0]
+    companion = np.block(
+        [
+            [np.zeros((b.n, b.n)), np.eye(b.n)],
+            [-np.linalg.solve(M, np.diag(b.K)), -np.linalg.solve(M, np.diag(b.D))],
+        ]
+    )
+    return np.asarray(np.linalg.eigvals(companion), dtype=np.complex128)
+
+
+def beam_eigenvalues(model: Model, i: int) -> Eigenvalues:
+    """Return the eigenvalues lambda of one free beam element, 1/s.
+
+    The masses and stiffnesses of a beam are sums over its elements, so that none of its frequencies
+    is above the highest of them (Irons and Treharne 1971); bodies at the nodes only lower them.
+    """
+    data = np.asarray(model.beams[i].data, dtype=np.float64)
+    beta, alpha, share, mass = data[67:71]
+    K, M = element_matrices(data[0], data[25:61].reshape(6, 6), share, mass, data[71:77])
+    if np.linalg.eigvalsh(M)[0] <= 0.0:
+        return np.zeros(0, dtype=np.complex128)
+    A, D = np.linalg.solve(M, K), beta * np.linalg.solve(M, K) + alpha * np.eye(12)
+    companion = np.block([[np.zeros((12, 12)), np.eye(12)], [-A, -D]])
+    return np.asarray(np.linalg.eigvals(companion), dtype=np.complex128)
+
+
+def all_beam_eigenvalues(model: Model) -> list[Eigenvalues]:
+    """Return those of every beam element; equal elements are worked out once."""
+    made: dict[bytes, Eigenvalues] = {}
+    found = []
+    for i, beam in enumerate(model.beams):
+        data = np.asarray(beam.data, dtype=np.float64)
+        # lengths that differ by rounding alone are equal
+        key = np.concatenate([data[:1], data[25:61], data[67:77]]).astype(np.float32).tobytes()
+        if key not in made:
+            made[key] = beam_eigenvalues(model, i)
+        found.append(made[key])
+    return found
+
+
+def mechanism_eigenvalues(model: Model) -> Eigenvalues:
+    """Return the largest eigenvalues of the linearised mechanism at its initial state, 1/s.
+
+    Central differences of the engine's accelerations in the increments of q and v, scaled so that
+    both are of one size. All eigenvalues of small mechanisms, else the four of largest magnitude
+    (Arnoldi iteration).
+    """
+    engine = Engine(model)
+    free = [body_eigenvalues(model, i) for i in range(len(model.bodies))]
+    free += all_beam_eigenvalues(model)
+    scale = max(1.0, *(np.abs(e).max(initial=0.0) for e in free))
+    nv = model.nv
+
+    def rate(x: Array) -> Array:
+        engine.q[:] = displaced(model, model.q0, x[:nv])
+        engine.v[:] = model.v0 + scale * x[nv:]
+        a, _ = engine.accelerations()
+        return np.concatenate([engine.v, a / scale])
+
+    def product(x: Array) -> Array:
+        size = DIFFERENCE / max(float(np.abs(x).max()), 1e-300)
+        return (rate(size * x.ravel()) - rate(-size * x.ravel())) / (2.0 * size)
+
+    if 2 * nv <= DENSE:
+        matrix = np.stack([product(column) for column in np.eye(2 * nv)], axis=1)
+        return np.asarray(np.linalg.eigvals(matrix), dtype=np.complex128)
+    import scipy.sparse.linalg  # slow to import and rarely needed
+
+    operator = scipy.sparse.linalg.LinearOperator((2 * nv, 2 * nv), matvec=product, dtype=float)
+    start = np.random.default_rng(0).normal(size=2 * nv)
+    values = scipy.sparse.linalg.eigs(
+        operator, k=4, ncv=40, v0=start, tol=1e-3, maxiter=100, return_eigenvectors=False
+    )
+    return np.asarray(values, dtype=np.complex128)
+
+
+def stability_warning(model: Model, solver: Solver, step: float) -> str:
+    """Return a sentence if the step is too large for the mechanism's modes, else nothing.
+
+    The modes of the free bodies decide if the step suits them all; otherwise the mechanism itself
+    is asked, since its joints lower the frequencies.
+    """
+    sentence = _baumgarte_warning(solver, step)
+    if sentence:
+        return sentence
+    eigenvalues = [body_eigenvalues(model, i) for i in range(len(model.bodies))]
+    eigenvalues += all_beam_eigenvalues(model)
+    names = [body.name for body in model.bodies] + [beam.body for beam in model.beams]
+    largest = [np.abs(e[solver.unstable(step, e)]).max(initial=0.0) for e in eigenvalues]
+    if not any(largest):
+        return ""
+    body = names[int(np.argmax(largest))]
+    beam = int(np.argmax(largest)) >= len(model.bodies)
+    from scipy.sparse.linalg import ArpackNoConvergence  # slow to import and rarely needed
+
+    try:
+        joined = mechanism_eigenvalues(model)
+    except ArpackNoConvergence:
+        joined = np.concatenate(eigenvalues)  # on the safe side
+    # the undamped motions of a mechanism may grow slowly on their own (an upright pendulum)
+    modes = joined[np.abs(joined) * step > 1.0]
+    bad = modes[solver.unstable(step, modes)]
+    if not len(bad):
+        return ""
+    limit = largest_stable_step(modes, solver, step)
+    return (
+        f"the mechanism has a mode of {np.abs(bad).max() / (2 * np.pi):.4g} Hz (stiffest body "
+        f"'{body}'), for which {type(solver).__name__} needs a step below {limit:.2g} s (it is "
+        f"{step:.3g} s); take a smaller step, fewer {'elements' if beam else 'modes'}, or ROS2"
+    )
+
+
+def friction_warning(model: Model, solver: Solver, step: float) -> str:
+    """Return a sentence if the step is too large for regularised friction, else nothing.
+
+    Near rest such friction is a damper with the rates of ``da/dv``, here at the initial position,
+    at rest; a method that cannot follow them makes the joint chatter.
+    """
+    smooth = tuple(friction for friction in model.frictions if not friction.sticks)
+    if not smooth or 2 * model.nv > DENSE:
+        return ""
+    rates = _braking(replace(model, frictions=smooth), replace(model, frictions=()))
+    limit = _longest(solver, step, rates)
+    if limit == step:
+        return ""
+    names = ", ".join(f"'{friction.name}'" for friction in smooth)
+    fastest = float(np.abs(rates).max())
+    return (
+        f"regularised friction {names} stops the slip at a rate of {fastest:.3g} 1/s, for which "
+        f"{type(solver).__name__} needs a step below {limit:.2g} s (it is {step:.3g} s), or the "
+        "joint chatters; take a smaller step, a larger velocity of the law, or law=StickSlip()"
+    )
+
+
+def damper_warning(model: Model, solver: Solver, step: float) -> str:
+    """Return a sentence if the step is too large for the steepest part of a damper table.
+
+    There the table is a damper of that coefficient, with the rates of ``da/dv`` at the initial
+    position; a method that cannot follow them jumps from one side to the other.
+    """
+    places = [i for i, force in enumerate(model.forces) if force.damper >= 0]
+    if not places or 2 * model.nv > DENSE:
+        return ""
+    with_, without = list(model.forces), list(model.forces)
+    for i in places:
+        bare = replace(model.forces[i], damper=-1)
+        data = bare.data.copy()
+        data[1] += _steepest(model, model.forces[i].damper)
+        without[i], with_[i] = bare, replace(bare, data=data)
+    quiet = replace(model, forces=tuple(without), frictions=())
+    rates = _braking(replace(quiet, forces=tuple(with_)), quiet)
+    limit = _longest(solver, step, rates)
+    if limit == step:
+        return ""
+    names = ", ".join(f"'{model.forces[i].name}'" for i in places)
+    return (
+        f"damper_table of {names} brakes at a rate of up to {float(np.abs(rates).max()):.3g} 1/s "
+        f"where it is steepest, for which {type(solver).__name__} needs a step below {limit:.2g} s "
+        f"(it is {step:.3g} s), or the force chatters; take a smaller step, a less steep table, or "
+        "Friction with law=StickSlip() where the table stands for dry friction"
+    )
+
+
+def _steepest(model: Model, signal: int) -> float:
+    """Return the steepest fall of a table, in N s/m or N m s."""
+    table = model.signals[signal]
+    if table.kind != "table":
+        return 0.0
+    times, values = table.data[: table.count], table.data[table.count : 2 * table.count]
+    return max(0.0, -float((np.diff(values) / np.diff(times)).min(initial=0.0)))
+
+
+def _braking(one: Model, other: Model) -> Eigenvalues:
+    """Return the rates by which two models differ in ``da/dv`` at the initial position, at rest."""
+    slopes = []
+    for model in (one, other):
+        engine = Engine(model, complex_scalars=True)
+        columns = []
+        for j in range(model.nv):
+            engine.v[:] = 0.0
+            engine.v[j] = 1j * IMAGINARY
+            columns.append(engine.accelerations()[0].imag / IMAGINARY)
+        slopes.append(np.stack(columns, axis=1))
+    return np.asarray(np.linalg.eigvals(slopes[0] - slopes[1]), dtype=np.complex128)
+
+
+def _longest(solver: Solver, step: float, rates: Eigenvalues) -> float:
+    """Return a step, at most `step`, in which no motion with these rates grows."""
+    while (solver.explicit_growth(step * rates) > 1.0 + 1e-9).any():
+        step *= 0.9
+    return step
+
+
+def many_steps(model: Model, duration: float) -> str:
+    """Return a sentence if the modes force an explicit method to very many steps, else nothing."""
+    fastest = [
+        float(np.abs(body_eigenvalues(model, i)).max(initial=0.0)) for i in range(len(model.bodies))
+    ]
+    steps = duration * max(fastest, default=0.0) / 2.0
+    if steps < MANY_STEPS:
+        return ""
+    body = model.bodies[int(np.argmax(fastest))].name
+    return (
+        f"modes of body '{body}' up to {max(fastest) / (2 * np.pi):.4g} Hz force an explicit "
+        f"method to about {steps:.2g} steps; ROS2 does not mind them, or take fewer modes"
+    )
+
+
+def _baumgarte_warning(solver: Solver, step: float) -> str:
+    """Return a sentence if ``lambda^2 + 2 alpha lambda + beta^2 = 0`` is too fast for the step."""
+    terms = solver.baumgarte
+    if terms is None:
+        return ""
+    roots = np.roots([1.0, 2.0 * terms.alpha, terms.beta**2]).astype(np.complex128)
+    if not (solver.explicit_growth(step * roots) > 1.0 + 1e-12).any():
+        return ""
+    return (
+        f"{terms} is too stiff for a step of {step:.3g} s; take values of about "
+        f"{0.1 / step:.3g} 1/s, or projection instead"
+    )
+
+
+def largest_stable_step(eigenvalues: Eigenvalues, solver: Solver, step: float) -> float:
+    """Return the largest stable step not above `step`, found by bisection, s."""
+    if not solver.unstable(step, eigenvalues).any():
+        return step
+    low, high = 0.0, step
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if solver.unstable(middle, eigenvalues).any():
+            high = middle
+        else:
+            low = middle
+    return low

@@ -1,0 +1,1 @@
+"""Equilibrium, load paths, buckling and starts without vibration."""

@@ -1,0 +1,367 @@
+"""Balance: forces of a mechanism at rest or in steady rotation, over a parameter."""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.base.errors import Problems, suggest
+from jousto.base.rotations import rotation_matrix, skew
+from jousto.model.model import Model
+from jousto.model.native.native import IMAGINARY, Engine, displaced
+from jousto.simulation.modes.spectrum import blocks
+from jousto.simulation.running.state import State, put
+
+Array = NDArray[np.float64]
+FIXED = 1e-9  # of the size: a rotation that the joints allow
+GRAVITY, TIME, SPEED = "gravity", "time", "speed"
+
+
+class Balance:
+    """``r(q, lam; s) = 0`` and ``C(q; s) = 0``: the equations of rest, or of steady rotation.
+
+    The residual ``M a + Cq^T lam - Q`` is that of the engine with ``v = 0, a = 0``, or with those
+    of a rotation of everything about a fixed axis, ``R' = W x (R - o)``, ``w = A^T W``,
+    ``R'' = W x (W x (R - o))``, ``w' = 0``. Unknowns are increments [dR (world), dtheta (body
+    frame), dp] of every body, then the multipliers; if nothing drives the rotation, one more row
+    holds the azimuth, whose multiplier is the missing torque.
+
+    Parameters
+    ----------
+    model : Model
+    parameter : str
+        Name of an input; "gravity" (a factor), "time" (s), or "speed" (rad/s) with an axis.
+    state : State, optional
+        Where to begin; None is the initial state.
+    axis, point : (3,) arrays, optional
+        Axis of a steady rotation and a point on it, m, world.
+    speed : float
+        rad/s.
+    frictionless : bool
+        Leave friction that sticks out instead of refusing it: at rest it may push or not.
+    """
+
+    def __init__(
+        self,
+        model: Any,
+        parameter: str,
+        state: State | None = None,
+        *,
+        axis: ArrayLike | None = None,
+        point: ArrayLike = (0.0, 0.0, 0.0),
+        speed: float = 0.0,
+        where: str = "load_path",
+        frictionless: bool = False,
+    ) -> None:
+        problems = Problems()
+        kinds = [GRAVITY, TIME] + ([SPEED] if axis is not None else [])
+        if not isinstance(model, Model):
+            problems.add(where, f"model is a {type(model).__name__}, must be a Model from compile")
+            problems.raise_if_any()
+        if parameter not in model.inputs and parameter not in kinds:
+            names = ", ".join([*model.inputs, *kinds])
+            hint = suggest(parameter, [*model.inputs, *kinds]) or f"; there are: {names}"
+            more = (
+                ""
+                if model.inputs
+                else ": the model has no Input, so no load of it can be scaled; give a force or "
+                "drive signal=jo.Input(name)"
+            )
+            problems.add(where, f"no parameter {parameter!r}{hint}{more}")
+        if parameter == GRAVITY and GRAVITY not in model.inputs and not model.gravity.any():
+            problems.add(where, "the mechanism has no gravity to scale; add jo.Gravity")
+        for friction in model.frictions:
+            if friction.sticks and not frictionless:
+                problems.add(
+                    f"friction '{friction.name}'",
+                    "sticks and slips, where rest is not unique; give it law=Regularised()",
+                )
+        unit = None if axis is None else problems.array(where, "axis", axis, (3,))
+        at = problems.array(where, "point", point, (3,))
+        if unit is not None and not np.linalg.norm(unit) > 0.0:
+            problems.add(where, "axis is zero, must be a direction")
+        problems.raise_if_any()
+        self.model, self.parameter = model, parameter
+        self.kind = "input" if parameter in model.inputs else parameter
+        self.engine = Engine(model)
+        self._twin: Engine | None = None
+        if state is not None:
+            put(self.engine, state, where)
+            if frictionless:
+                self._let_go()
+        self.engine.v[:] = 0.0
+        self.engine.a[:] = 0.0
+        self.axis = None if unit is None else np.array(unit / np.linalg.norm(unit), dtype=float)
+        self.point = np.zeros(3) if at is None else np.array(at, dtype=float)
+        self.speed = speed
+        self._rate: Any = np.zeros(3)
+        self.weights = _weights(model)
+        self.gauge = self.axis is not None and self._turns_freely()
+
+    def _let_go(self) -> None:
+        """Forget what sticks and slips; what events locked stays locked."""
+        self.engine.slip[:] = 0
+        self.engine.direction[:] = 0
+        for friction in self.model.frictions:
+            if friction.sticks:
+                self.engine.locked[self.model.joints[friction.lock].lock] = 0
+
+    # -- the parameter ------------------------------------------------------------------------
+
+    @property
+    def value(self) -> float:
+        """The parameter's present value; gravity begins at 0."""
+        if self.kind == "input":
+            return float(self.engine.input[self.model.inputs.index(self.parameter)])
+        if self.kind == TIME:
+            return float(self.engine.time[0])
+        return self.speed if self.kind == SPEED else 0.0
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return int(self.model.nv + self.model.nrow + self.gauge)
+
+    def at(self, q: Any, lam: Any, value: Any, twin: bool = False) -> Engine:
+        """Return the engine, or its complex twin, brought to positions, multipliers, parameter."""
+        engine = self.engine
+        if twin:
+            if self._twin is None:
+                self._twin = Engine(self.model, complex_scalars=True)
+            engine = self._twin
+            self._same(engine)
+        engine.q[:] = q
+        engine.lam[:] = lam[: self.model.nrow]
+        engine.v[:] = engine.a[:] = 0.0
+        speed: Any = self.speed
+        if self.kind == "input":
+            engine.input[self.model.inputs.index(self.parameter)] = value
+        elif self.kind == TIME:
+            engine.time[0] = value
+        elif self.kind == GRAVITY:
+            engine.gravity[:] = value * self.model.gravity
+        elif self.kind == SPEED:
+            speed = value
+        if self.axis is not None:
+            self._rotate(engine, speed)
+        return engine
+
+    def _same(self, engine: Engine) -> None:
+        """Bring another engine to what is neither position nor load: time, inputs, events."""
+        for name in ("time", "input", "turn", "locked", "held", "slip", "direction"):
+            getattr(engine, name)[:] = getattr(self.engine, name)
+        engine.happened[:] = self.engine.happened
+
+    def variant(self, *, beams: bool = True, data: dict[int, Any] | None = None) -> Balance:
+        """Return a balance of the same state without the beams, or with other data of elements.
+
+        Data may be complex: `slope` then is the rate along them too.
+        """
+        out = copy(self)
+        if not beams:
+            out.model = replace(self.model, beams=())
+            out.engine = Engine(out.model)
+            self._same(out.engine)
+        override = {("beam", i, "data"): x for i, x in (data or {}).items()}
+        out._twin = Engine(out.model, complex_scalars=True, override=override)
+        return out
+
+    def _rotate(self, engine: Engine, speed: Any) -> None:
+        """Set velocities and accelerations of the steady rotation."""
+        W = self._rate = speed * self.axis
+        for b in self.model.bodies:
+            V = np.cross(W, engine.q[b.iq : b.iq + 3] - self.point)
+            engine.v[b.iv : b.iv + 3] = V
+            engine.v[b.iv + 3 : b.iv + 6] = turned(engine.q[b.iq + 3 : b.iq + 7]).T @ W
+            engine.a[b.iv : b.iv + 3] = np.cross(W, V)
+
+    def spin(self, q: Array) -> Array:
+        """Return the increments (nv,) of a rotation of everything about the axis by 1 rad."""
+        out = np.zeros(self.model.nv)
+        assert self.axis is not None
+        for b in self.model.bodies:
+            out[b.iv : b.iv + 3] = np.cross(self.axis, q[b.iq : b.iq + 3] - self.point)
+            out[b.iv + 3 : b.iv + 6] = rotation_matrix(q[b.iq + 3 : b.iq + 7]).T @ self.axis
+        return out
+
+    def _turns_freely(self) -> bool:
+        """Whether joints and drives let everything turn, at rest, about the axis."""
+        self.engine.v[:] = self.spin(self.engine.q)
+        moved = self.engine.constraints()[1]
+        self.engine.v[:] = 0.0
+        still = self.engine.constraints()[1]
+        most = np.abs(moved - still).max(initial=0.0)
+        return bool(most <= FIXED * max(1.0, self.model.size))
+
+    # -- residual and matrices ------------------------------------------------------------------
+
+    def residual(self, q: Array, lam: Array, value: float) -> Array:
+        """Return [r, C, 0] (size,)."""
+        engine = self.at(q, lam, value)
+        r = engine.residual()
+        if self.gauge:
+            return np.concatenate([r + lam[-1] * self.spin(q), engine.constraints()[0], [0.0]])
+        return np.concatenate([r, engine.constraints()[0]])
+
+    def push(self, q: Array, lam: Array, value: float) -> Array:
+        """Return the derivative (size,) of the residual with respect to the parameter."""
+        engine = self.at(q, lam, value + 1j * IMAGINARY, twin=True)
+        r = engine.residual().imag / IMAGINARY
+        c = engine.constraints()[0].imag / IMAGINARY
+        return np.concatenate([r, c, np.zeros(int(self.gauge))])
+
+    def matrix(self, q: Array, lam: Array, value: float) -> Any:
+        """Return ``[K, Cq^T; Cq, 0]``, bordered if the azimuth is held, (size, size)."""
+        return self._bordered(self._matrix(self.at(q, lam, value)), q)
+
+    def slope(self, q: Array, lam: Array, value: float, step: Array, rate: float = 1.0) -> Any:
+        """Return the derivative of `matrix` along increments of all unknowns and of the parameter.
+
+        Exact: the engine's formulas at a complex step.
+        """
+        nv = self.model.nv
+        h = 1j * IMAGINARY
+        turned = displaced(self.model, q, h * step[:nv])
+        engine = self.at(turned, lam + h * step[nv:], value + h * rate, twin=True)
+        A = self._matrix(engine)
+        A.data = A.data.imag / IMAGINARY
+        slope = A.astype(np.float64)
+        if not self.gauge:
+            return slope.tocsc()
+        return sp.block_diag([slope, sp.csc_matrix((1, 1))], format="csc")
+
+    def mass(self, q: Array, lam: Array, value: float) -> Any:
+        """Return the mass matrix (nv, nv) in the coordinates of the increments."""
+        nv = self.model.nv
+        return newton_sparse(self.at(q, lam, value), 1.0, 0.0, 0.0)[:nv, :nv].tocsc()
+
+    def metric(self, q: Array, lam: Array, value: float) -> Array:
+        """Return masses (nv,) of all increments, with rotary inertia of the size of neighbours.
+
+        A mass on an arm of the mechanism's size over the number of bodies: spin about a thin axis
+        then counts as other motions do.
+        """
+        out = self.mass(q, lam, value).diagonal()
+        arm = self.model.size / len(self.model.bodies)
+        for b in self.model.bodies:
+            out[b.iv + 3 : b.iv + 6] += out[b.iv : b.iv + 3].max() * arm**2
+        return np.asarray(np.maximum(out, 1e-12 * out.max()))
+
+    def _matrix(self, engine: Engine) -> Any:
+        """``[K, Cq^T; Cq, 0]`` without the border; K with the rates of a steady rotation."""
+        nv = self.model.nv
+        A = newton_sparse(engine, 0.0, 0.0, 1.0).tocsr()
+        K, Ct, rest = A[:nv, :nv], A[:nv, nv:], A[nv:, nv:]
+        if self.axis is not None:
+            D = newton_sparse(engine, 0.0, 1.0, 0.0)[:nv, :nv]
+            M = newton_sparse(engine, 1.0, 0.0, 0.0)[:nv, :nv]
+            O = skew_any(self._rate)
+            rates: list[Any] = []
+            pulls: list[Any] = []
+            for b in self.model.bodies:
+                w = engine.v[b.iv + 3 : b.iv + 6]
+                zero = np.zeros((b.n, b.n))
+                rates += [O, skew_any(w), zero]
+                pulls += [O @ O, np.zeros((3, 3)), zero]
+            K = K + D @ sp.block_diag(rates, format="csr") + M @ sp.block_diag(pulls, format="csr")
+        return blocks([[K, Ct], [Ct.T, rest]], format="csc")
+
+    def _bordered(self, A: Any, q: Array) -> Any:
+        nv, nrow = self.model.nv, self.model.nrow
+        if self.model.redundant and nrow:
+            K = abs(A[:nv, :nv]).max()
+            A = A - sp.block_diag(
+                [sp.csc_matrix((nv, nv)), 1e-10 / max(K, 1e-300) * sp.eye(nrow)], format="csc"
+            )
+        if not self.gauge:
+            return A.tocsc()
+        g = np.concatenate([self.spin(q), np.zeros(nrow)])[:, None]
+        return blocks([[A, g], [g.T, None]], format="csc")
+
+    # -- states -----------------------------------------------------------------------------------
+
+    def moved(self, q: Array, step: Array) -> Array:
+        """Return positions moved by the first nv of the unknowns' increments."""
+        return np.asarray(displaced(self.model, q, step[: self.model.nv]))
+
+    def length(self, step: Array) -> float:
+        """Return the length of increments: mean over the bodies of turn and travel by the size."""
+        x = step[: self.model.nv]
+        return float(np.sqrt(self.weights @ (x * x)))
+
+    def between(self, q0: Array, q: Array) -> Array:
+        """Return the increments (nv,) that lead from q0 to q, rotations as rotation vectors."""
+        out = np.zeros(self.model.nv)
+        for b in self.model.bodies:
+            out[b.iv : b.iv + 3] = q[b.iq : b.iq + 3] - q0[b.iq : b.iq + 3]
+            a, e = q0[b.iq + 3 : b.iq + 7], q[b.iq + 3 : b.iq + 7]
+            s = a @ e
+            v = a[0] * e[1:] - e[0] * a[1:] - np.cross(a[1:], e[1:])
+            if s < 0.0:
+                s, v = -s, -v
+            n = float(np.linalg.norm(v))
+            out[b.iv + 3 : b.iv + 6] = v * (2.0 * np.arctan2(n, s) / n if n > 0.0 else 2.0)
+            out[b.iv + 6 : b.iv + 6 + b.n] = (
+                q[b.iq + 7 : b.iq + 7 + b.n] - q0[b.iq + 7 : b.iq + 7 + b.n]
+            )
+        return out
+
+    def accept(self, q: Array, lam: Array, value: float) -> tuple[State, Array]:
+        """Return the state and its sensor values; angles are counted on from here."""
+        engine = self.at(q, lam, value)
+        if len(engine.turn):  # which counts them
+            engine.assemble(0)
+            engine = self.at(q, lam, value)
+        velocities = np.array(engine.v)
+        engine.row()
+        sensors = np.array(engine.sensors())
+        kept = {name: float(engine.input[i]) for i, name in enumerate(self.model.inputs)}
+        state = State(
+            q=np.array(q),
+            v=velocities,
+            lam=np.array(lam[: self.model.nrow]),
+            time=float(engine.time[0]),
+            turn=np.array(engine.turn),
+            inputs=kept,
+        )
+        return state, sensors
+
+
+def newton_sparse(engine: Engine, ca: float, cv: float, cq: float) -> Any:
+    """Return Newton's matrix of the engine as a sparse one."""
+    made = getattr(engine, "newton_sparse", None)
+    if made is not None:
+        return made(ca, cv, cq)
+    return sp.csr_matrix(engine.newton_matrix(ca, cv, cq))
+
+
+def skew_any(w: Any) -> Any:
+    """Return the cross product matrix of a real or complex vector."""
+    if not np.iscomplexobj(w):
+        return skew(w)
+    return np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
+
+
+def turned(e: Any) -> Any:
+    """Return the rotation matrix of real or complex Euler parameters."""
+    if not np.iscomplexobj(e):
+        return rotation_matrix(e / np.linalg.norm(e))
+    s, v = e[0], skew_any(e[1:])
+    return np.eye(3) + 2.0 * s * v + 2.0 * v @ v
+
+
+def _weights(model: Model) -> Array:
+    """Return what the squares of increments count in the length of a step, (nv,)."""
+    out = np.ones(model.nv)
+    shapes = model.shapes or [None] * len(model.bodies)
+    for b, shape in zip(model.bodies, shapes, strict=True):
+        out[b.iv : b.iv + 3] = 1.0 / model.size**2
+        if b.n and shape is not None and shape.modes.size:
+            modes = (shape.modes**2).sum(axis=1).mean(axis=0)
+            out[b.iv + 6 : b.iv + 6 + b.n] = modes / model.size**2
+    return out / len(model.bodies)

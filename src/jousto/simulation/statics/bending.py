@@ -1,0 +1,85 @@
+"""Bending: the shape of driven elastic bodies that follow their drives without vibration."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.model.model import Model
+from jousto.model.native.native import IMAGINARY, Engine, displaced
+from jousto.simulation.modes.linear import free_motions
+
+Array = NDArray[np.float64]
+ITERATIONS = 40
+CLOSE = 1e-11  # of the size of the mechanism, or rad, or the modal coordinates: converged
+FAR = 1e3  # the same: lost
+
+
+class Bending:
+    """Elastic bodies in equilibrium with the loads and the inertia of a prescribed motion.
+
+    At a time t the positions solve ``C(q, t) = 0`` and ``M a + Cq^T lam = Q``, where the
+    velocities and accelerations are those of the drives with the least elastic part: the bodies
+    bend, but their modes do not vibrate.
+
+    Parameters
+    ----------
+    model : Model
+        Its joints and drives leave no motion free but bending.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._twin = Engine(model, complex_scalars=True)
+        self._modal = np.array(
+            [body.iv + 6 + j for body in model.bodies for j in range(body.n)], dtype=int
+        )
+
+    def settle(self, engine: Engine) -> bool:
+        """Solve at the engine's time, from its q and lam; set q and v. False: no convergence."""
+        Cq, K = self._slopes(engine)
+        N, inverse = free_motions(Cq)
+        bend = np.linalg.pinv(N[self._modal])
+        stiffness = N.T @ K @ N
+        for _ in range(ITERATIONS):
+            v, a = self._motion(engine, N, inverse, bend)
+            engine.v[:], engine.a[:] = v, a
+            r, c = engine.residual(), engine.constraints()[0]
+            closing = -inverse @ c
+            move = closing + N @ np.linalg.solve(stiffness, -N.T @ (r + K @ closing))
+            if not np.abs(move).max(initial=0.0) < FAR * self._scale(engine):
+                return False
+            engine.q[:] = displaced(self._model, engine.q, move)
+            engine.lam[:] -= inverse.T @ (r + K @ move)
+            if np.abs(move).max(initial=0.0) <= CLOSE * self._scale(engine):
+                engine.v[:] = self._motion(engine, N, inverse, bend)[0]
+                return True
+        return False
+
+    def _scale(self, engine: Engine) -> float:
+        modal = [engine.q[b.iq + 7 : b.iq + 7 + b.n] for b in self._model.bodies]
+        return max(self._model.size, *(float(np.abs(p).max(initial=0.0)) for p in modal))
+
+    def _motion(self, engine: Engine, N: Array, inverse: Array, bend: Array) -> tuple[Array, Array]:
+        """Velocities and accelerations that follow the drives, least in the modes."""
+        twin, model = self._twin, self._model
+        twin.q[:], twin.v[:], twin.time[0] = engine.q, 0.0, engine.time[0]
+        v = -inverse @ twin.constraints()[1].real
+        v -= N @ (bend @ v[self._modal])
+        twin.q[:] = displaced(model, engine.q, 1j * IMAGINARY * v)
+        twin.v[:], twin.time[0] = v, engine.time[0] + 1j * IMAGINARY
+        a = -inverse @ (twin.constraints()[1].imag / IMAGINARY)
+        a -= N @ (bend @ a[self._modal])
+        return v, a
+
+    def _slopes(self, engine: Engine) -> tuple[Array, Array]:
+        """Cq (nrow, nv) and the derivative K (nv, nv) of the residual with respect to q."""
+        model, twin = self._model, self._twin
+        for name in ("v", "a", "lam", "time", "input", "turn", "locked", "slip", "happened"):
+            getattr(twin, name)[:] = getattr(engine, name)
+        Cq, K = np.zeros((model.nrow, model.nv)), np.zeros((model.nv, model.nv))
+        for j, move in enumerate(engine.increments().T):
+            twin.q[:] = engine.q + 1j * IMAGINARY * move
+            K[:, j] = twin.residual().imag / IMAGINARY
+            Cq[:, j] = twin.constraints()[0].imag / IMAGINARY
+        return Cq, K

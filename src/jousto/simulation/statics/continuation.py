@@ -1,0 +1,329 @@
+"""Newton's method for points of an equilibrium path, at a load or at a distance along it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import wraps
+from typing import Any, TypeVar
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg as spl
+from numpy.typing import NDArray
+
+from jousto.base.errors import SimulationError
+from jousto.simulation.modes.linear import rotations
+from jousto.simulation.modes.spectrum import Spectrum, nearest
+from jousto.simulation.statics.balance import Balance
+
+Array = NDArray[np.float64]
+SMALL = 1e-10  # length of the last increment
+STALLED = 1e-6  # length of an increment that no longer shrinks: round-off
+NEUTRAL = 1e-13  # of the largest stiffness over its metric: no stiffness
+PUSHED = 1e-3  # length of what forces would move along neutral directions at that stiffness
+TURN = 1.0  # rad or sizes of the mechanism, largest increment of a body
+
+
+class NoConvergenceError(Exception):
+    """Newton's iteration failed; `body` moved most."""
+
+    def __init__(self, message: str, body: str = "") -> None:
+        self.body = body
+        super().__init__(message)
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """Positions, multipliers (and the torque of a held azimuth) and the parameter."""
+
+    q: Array
+    lam: Array
+    value: float
+    iterations: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Rates:
+    """Increments of all unknowns per unit of the path's length, and of the parameter."""
+
+    step: Array
+    value: float
+
+
+T = TypeVar("T")
+
+
+def _steady(solve: Callable[..., T]) -> Callable[..., T]:
+    """Take what the engine cannot do at a trial position for a failure of the iteration."""
+
+    @wraps(solve)
+    def tried(*values: Any, **options: Any) -> T:
+        try:
+            return solve(*values, **options)
+        except SimulationError as error:
+            raise NoConvergenceError(str(error), error.body) from error
+
+    return tried
+
+
+def factor(balance: Balance, point: Point) -> Any:
+    """Return the factors of the tangent matrix.
+
+    Raises
+    ------
+    NoConvergenceError
+        If it is singular.
+    """
+    A = balance.matrix(point.q, point.lam, point.value)
+    try:
+        return spl.splu(A)
+    except RuntimeError as error:
+        raise NoConvergenceError("the tangent matrix is singular") from error
+
+
+def least_step(balance: Balance, point: Point) -> tuple[Array, Array]:
+    """Return Newton's step without, and its part along, neutral directions, (size,) each.
+
+    Spin of a rope about its own axis, say, has no stiffness and takes no force. With
+    ``P = (K + s D)^-1`` under the constraints, D the metric of `Balance.metric` and s at the
+    round-off of K, that part of a step x is ``s P D x``: where K is regular s does nothing, and
+    where it is none everything.
+
+    Raises
+    ------
+    NoConvergenceError
+        If constraints contradict one another, so that the matrix is singular all the same.
+    """
+    nv = balance.model.nv
+    metric = balance.metric(point.q, point.lam, point.value)
+    r = balance.residual(point.q, point.lam, point.value)
+    A = balance.matrix(point.q, point.lam, point.value)
+    fall = float((np.abs(r[:nv]) / metric).max())
+    least = max(least_stiffness(A, metric), NEUTRAL * fall / balance.model.size)  # no stiffness
+    added = np.concatenate([least * metric, np.zeros(len(r) - nv)])
+    try:
+        lu = spl.splu((A + sp.diags(added)).tocsc())
+    except RuntimeError as error:
+        raise NoConvergenceError("the tangent matrix is singular") from error
+    step = whole = -lu.solve(r)
+    for _ in range(3):
+        step = step - lu.solve(added * step)
+    return step, whole - step
+
+
+def least_stiffness(A: Any, metric: Array) -> float:
+    """Return the stiffness, over the metric, that round-off of the tangent matrix leaves."""
+    nv = len(metric)
+    return max(NEUTRAL * float((abs(A[:nv, :nv].diagonal()) / metric).max()), 1e-100)
+
+
+def at_load(balance: Balance, point: Point, value: float, iterations: int = 15) -> Point:
+    """Return the point of rest at a value of the parameter, from one nearby.
+
+    Raises
+    ------
+    NoConvergenceError
+        If Newton's iteration fails.
+    """
+    try:
+        return _at_load(balance, point, value, iterations)
+    except NoConvergenceError:
+        try:
+            return at_least(balance, point, value, iterations)
+        except NoConvergenceError:
+            pass
+        raise
+
+
+@_steady
+def _at_load(balance: Balance, point: Point, value: float, iterations: int) -> Point:
+    q, lam = point.q, point.lam
+    before = np.inf
+    for k in range(iterations):
+        r = balance.residual(q, lam, value)
+        step = -factor(balance, Point(q, lam, value)).solve(r)
+        cut = bounded(balance, step)
+        q, lam = balance.moved(q, cut * step), lam + cut * step[balance.model.nv :]
+        length = balance.length(step)
+        if finished(length, before, cut):
+            return Point(q, lam, value, k + 1)
+        before = _checked(balance, step, length, before, k)
+    raise _failed(balance, step, iterations)
+
+
+@_steady
+def at_least(balance: Balance, point: Point, value: float, iterations: int = 15) -> Point:
+    """Return the point of rest nearby by Newton's steps without their neutral part.
+
+    Raises
+    ------
+    NoConvergenceError
+        If the iteration fails, or forces push along a neutral direction.
+    """
+    q, lam = point.q, point.lam
+    before = np.inf
+    for k in range(iterations):
+        step, free = least_step(balance, Point(q, lam, value))
+        cut = bounded(balance, step)
+        q, lam = balance.moved(q, cut * step), lam + cut * step[balance.model.nv :]
+        length = balance.length(step)
+        if finished(length, before, cut):
+            if balance.length(free) > PUSHED:
+                raise NoConvergenceError(
+                    "it is pushed where nothing holds it", mover(balance, free)
+                )
+            return Point(q, lam, value, k + 1)
+        before = _checked(balance, step, length, before, k)
+    raise _failed(balance, step, iterations)
+
+
+@_steady
+def along(
+    balance: Balance, point: Point, ahead: Rates, length: float, weight: float, iterations: int = 12
+) -> Point:
+    """Return the point at a distance along the path, ``x^T W x + (weight s)^2 = length^2``.
+
+    Newton's method for the unknowns and the parameter together (Riks 1979; Schweizerhof and
+    Wriggers 1986). x are the increments from `point`, rotations as rotation vectors: the
+    derivative of ``|theta|^2`` with body-fixed turns is ``2 theta``, exactly.
+
+    Raises
+    ------
+    NoConvergenceError
+        If Newton's iteration fails.
+    """
+    nv = balance.model.nv
+    q = balance.moved(point.q, length * ahead.step)
+    lam = point.lam + length * ahead.step[nv:]
+    value = point.value + length * ahead.value
+    before = np.inf
+    for k in range(iterations):
+        lu = factor(balance, Point(q, lam, value))
+        free = -lu.solve(balance.residual(q, lam, value))
+        pushed = -lu.solve(balance.push(q, lam, value))
+        x, s = balance.between(point.q, q), value - point.value
+        normal = 2.0 * balance.weights * x
+        gap = float(balance.weights @ (x * x)) + (weight * s) ** 2 - length**2
+        below = float(normal @ pushed[:nv]) + 2.0 * weight**2 * s
+        if below == 0.0:
+            raise NoConvergenceError("the path turns back on itself")
+        change = -(gap + float(normal @ free[:nv])) / below
+        step = free + change * pushed
+        cut = bounded(balance, step)
+        q, lam = balance.moved(q, cut * step), lam + cut * step[nv:]
+        value += cut * change
+        moved = balance.length(step) + abs(weight * change)
+        if finished(moved, before, cut):
+            return Point(q, lam, value, k + 1)
+        before = _checked(balance, step, moved, before, k)
+    raise _failed(balance, step, iterations)
+
+
+@_steady
+def tangent(balance: Balance, point: Point, weight: float, last: Rates | None) -> Rates:
+    """Return the direction of the path of length 1, onwards from the last one.
+
+    Raises
+    ------
+    NoConvergenceError
+        If the tangent matrix is singular.
+    """
+    push = balance.push(point.q, point.lam, point.value)
+    step = -factor(balance, point).solve(push)
+    size = float(np.hypot(balance.length(step), weight))
+    sign = 1.0
+    if last is not None:
+        nv = balance.model.nv
+        onwards = float((balance.weights * last.step[:nv]) @ step[:nv]) + weight**2 * last.value
+        sign = -1.0 if onwards < 0.0 else 1.0
+    return Rates(sign * step / size, sign / size)
+
+
+def spectrum(balance: Balance, point: Point, count: int, *, held: bool = False) -> Spectrum:
+    """Return the modes of the tangent stiffness nearest to 0 at a point of the path.
+
+    Held: neutral directions have the stiffness that round-off leaves, so that they are stable.
+    """
+    nv, nrow = balance.model.nv, balance.model.nrow
+    A = balance.matrix(point.q, point.lam, point.value)
+    M = balance.mass(point.q, point.lam, point.value)
+    C, K = A[nv : nv + nrow + balance.gauge, :nv], A[:nv, :nv]
+    if held:
+        metric = balance.metric(point.q, point.lam, point.value)
+        K = K + sp.diags(least_stiffness(A, metric) * metric)
+    return nearest(K, M, C, count)
+
+
+def neutral_modes(balance: Balance, point: Point, found: Spectrum) -> int:
+    """Return how many modes have no stiffness but round-off, ``|x K x| <= 1000 eps |x||K||x|``."""
+    nv = balance.model.nv
+    K = balance.matrix(point.q, point.lam, point.value)[:nv, :nv]
+    x = np.abs(found.shapes)
+    size = np.einsum("ij,ij->j", x, abs(K) @ x)
+    return int((np.abs(found.squares) <= 1000 * np.finfo(float).eps * size).sum())
+
+
+def free_motion(balance: Balance, point: Point) -> str:
+    """Return which body can move freely, and how, at a point with a singular tangent."""
+    from jousto.simulation.modes.spectrum import nearest
+
+    nv, nrow = balance.model.nv, balance.model.nrow
+    A = balance.matrix(point.q, point.lam, point.value)
+    M = balance.mass(point.q, point.lam, point.value)
+    found = nearest(A[:nv, :nv], M, A[nv : nv + nrow, :nv], 1)
+    if not found.shapes.shape[1]:
+        return "its joints hold everything but contradict one another"
+    x = np.real(found.shapes[:, 0])
+    model = balance.model
+    moves = np.array([np.linalg.norm(x[b.iv : b.iv + 3]) for b in model.bodies]) / model.size
+    turns = np.array([np.linalg.norm(x[b.iv + 3 : b.iv + 6]) for b in model.bodies])
+    k = int(np.argmax(moves + turns))
+    b, R = model.bodies[k], rotations(model, point.q)[k]
+    turning = turns[k] > moves[k]
+    way = R @ x[b.iv + 3 : b.iv + 6] if turning else x[b.iv : b.iv + 3]
+    way = way / np.linalg.norm(way) + 0.0
+    way = np.where(np.abs(way) < 1e-6, 0.0, way)
+    text = ", ".join(f"{c:.3g}" for c in way)
+    return f"body '{b.name}' {'turns freely about' if turning else 'moves freely along'} ({text})"
+
+
+def bounded(balance: Balance, step: Array) -> float:
+    """Return the factor that keeps turns and travels of an iteration within TURN."""
+    size = balance.model.size
+    most = max(
+        max(
+            float(np.abs(step[b.iv : b.iv + 3]).max()) / size,
+            float(np.abs(step[b.iv + 3 : b.iv + 6]).max()),
+        )
+        for b in balance.model.bodies
+    )
+    return float(min(1.0, TURN / max(most, 1e-300)))
+
+
+def finished(length: float, before: float, cut: float) -> bool:
+    """Return whether the increment was the last one."""
+    if cut < 1.0:
+        return False
+    return length <= SMALL or (length <= STALLED and length > 0.3 * before)
+
+
+def _checked(balance: Balance, step: Array, length: float, before: float, k: int) -> float:
+    if not np.isfinite(length) or (k > 3 and length > 10.0 * before):
+        raise _failed(balance, step, k + 1)
+    return length
+
+
+def mover(balance: Balance, step: Array) -> str:
+    """Return the name of the body that an increment moves most."""
+    bodies = balance.model.bodies
+    size = [float(np.linalg.norm(step[b.iv : b.iv + 6])) for b in bodies]
+    return str(bodies[int(np.argmax(np.nan_to_num(size, nan=np.inf)))].name)
+
+
+def _failed(balance: Balance, step: Array, iterations: int) -> NoConvergenceError:
+    body = mover(balance, step)
+    return NoConvergenceError(
+        f"Newton's iteration did not converge in {iterations} iterations, body '{body}' moves most",
+        body,
+    )

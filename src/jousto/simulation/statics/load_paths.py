@@ -1,0 +1,148 @@
+"""What a path of equilibria is: its settings, points, critical points and failure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.errors import Problems, SimulationError, suggest
+from jousto.simulation.running.state import State
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class ArcLength:
+    """Steps along the path, at a fixed distance: passes limit points of load and of displacement.
+
+    Parameters
+    ----------
+    weight : float
+        Of the load in the distance, ``x^T W x + (weight (s - s0) / (to - start))^2``; 1
+        (spherical), 0 (cylindrical, Crisfield 1981). x^T W x is the mean over the bodies of
+        ``|dR|^2 / size^2 + |dtheta|^2``.
+    limit : int
+        Most steps.
+    """
+
+    weight: float
+    limit: int
+
+    def __init__(self, weight: float = 1.0, *, limit: int = 400) -> None:
+        problems = Problems()
+        problems.number("ArcLength", "weight", weight, "", "0 or more", lambda x: x >= 0.0)
+        problems.number("ArcLength", "limit", limit, "", "1 or more", lambda x: x >= 1)
+        problems.raise_if_any()
+        object.__setattr__(self, "weight", float(weight))
+        object.__setattr__(self, "limit", int(limit))
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalPoint:
+    """A point of a path where the tangent stiffness is singular.
+
+    Attributes
+    ----------
+    load : float
+        Value of the parameter.
+    kind : str
+        "limit": the load turns back there; "bifurcation": another path crosses.
+    state : State
+    increments : (nv,) array
+        The critical mode.
+    shape : dict
+        Body name to its nodal displacements (nodes, 3), world; largest 1.
+    after : int
+        Index of the point of the path before it.
+    """
+
+    load: float
+    kind: str
+    state: State
+    increments: Array
+    shape: dict[str, Array]
+    after: int
+
+    def __repr__(self) -> str:
+        return f"<CriticalPoint: {self.kind} at {self.load:.6g}>"
+
+
+@dataclass(frozen=True, eq=False)
+class LoadPath:
+    """Equilibria along a path; ``path["tip"]`` are the values of the sensor there.
+
+    Attributes
+    ----------
+    parameter : str
+    load : (n,) array
+        Values of the parameter.
+    states : tuple of State
+    sensors : dict
+        Sensor name to values (n,) or (n, k).
+    squares : (n,) array
+        Lowest omega^2 of the tangent stiffness, rad2/s2; below 0 the equilibrium is unstable.
+    unstable : (n,) int array
+        How many modes fall away (of the few nearest to zero).
+    iterations : (n,) int array
+        Newton iterations of each point.
+    critical : tuple of CriticalPoint
+    complete : bool
+        Whether the last load is the one asked for.
+    ended : str
+        Why it ends where it does.
+    """
+
+    parameter: str
+    load: Array
+    states: tuple[State, ...]
+    sensors: dict[str, Array]
+    squares: Array
+    unstable: NDArray[np.int64]
+    iterations: NDArray[np.int64]
+    critical: tuple[CriticalPoint, ...]
+    complete: bool
+    ended: str = ""
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in self.sensors:
+            raise KeyError(f"no sensor {name!r}{suggest(name, list(self.sensors))}")
+        return self.sensors[name]
+
+    def __len__(self) -> int:
+        return len(self.load)
+
+    @property
+    def stable(self) -> NDArray[np.bool_]:
+        """Whether each point is a stable equilibrium, (n,)."""
+        return np.asarray(self.unstable == 0)
+
+    @property
+    def limits(self) -> Array:
+        """Loads of the limit points."""
+        return np.array([p.load for p in self.critical if p.kind == "limit"])
+
+    @property
+    def bifurcations(self) -> Array:
+        """Loads of the bifurcations."""
+        return np.array([p.load for p in self.critical if p.kind == "bifurcation"])
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{p.kind} at {p.load:.5g}" for p in self.critical[:4])
+        if len(self.critical) > 4:
+            found += f" and {len(self.critical) - 4} more"
+        return (
+            f"<LoadPath: {len(self)} points over {self.parameter!r}, {self.load[0]:.5g} to "
+            f"{self.load[-1]:.5g}{'; ' + found if found else ''}>"
+        )
+
+
+class PathFailed(SimulationError):
+    """A path could not be followed to its end; `path` holds what was found."""
+
+    def __init__(self, message: str, *, path: LoadPath, body: str = "") -> None:
+        self.path = path
+        super().__init__(message, time=path.states[-1].time if path.states else 0.0, body=body)

@@ -1,0 +1,152 @@
+"""steady_rotation: the shape of a mechanism that turns at constant speed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.errors import Problems, SimulationError
+from jousto.base.rotations import rotation_matrix
+from jousto.model.model import Model
+from jousto.simulation.running.state import State
+from jousto.simulation.statics.balance import SPEED, Balance
+from jousto.simulation.statics.continuation import NoConvergenceError, Point, at_load
+from jousto.simulation.statics.walk import Walk
+
+Array = NDArray[np.float64]
+TORQUE = 1e-9  # of the moments of inertia forces and weight: a torque that is round-off
+NOISE = 64 * float(np.finfo(float).eps)  # of the largest stiffness: forces that are round-off
+SAME = 1e-9  # of the inertia forces: what may change as everything turns on
+FITS = 1e-6  # of the speed times the size: velocities that fit the joints and drives
+
+
+@explained
+def steady_rotation(
+    model: Model,
+    axis: ArrayLike,
+    speed: float,
+    *,
+    point: ArrayLike = (0.0, 0.0, 0.0),
+    state: State | None = None,
+    steps: int = 8,
+) -> State:
+    """Find the relative equilibrium of a mechanism that turns steadily about an axis.
+
+    Everything turns with ``R' = W x (R - o)``; the positions solve ``M a + Cq^T lam = Q`` with the
+    accelerations ``W x (W x (R - o))`` of that motion, by Newton's method with the exact tangent
+    (centrifugal, geometric and gyroscopic terms). Where nothing drives the rotation the azimuth is
+    kept. `modes` with ``damped=True`` about the state gives the frequencies in the turning frame,
+    so that `campbell` draws them over the speed.
+
+    Parameters
+    ----------
+    model : Model
+        From `compile`.
+    axis : (3,) array_like
+        Direction, world.
+    speed : float
+        rad/s; that of the drive, if one drives it.
+    point : (3,) array_like
+        A point of the axis, m, world.
+    state : State, optional
+        Near the equilibrium; None is the initial state.
+    steps : int
+        Steps of the speed, from 0, where the way from the start is too far for one.
+
+    Raises
+    ------
+    InputError
+        If the axis or the speed make no sense.
+    SimulationError
+        If there is no such motion: joints or drives move otherwise, a force is not the same for
+        every azimuth (gravity across the axis), or a torque is missing.
+    """
+    where = "steady_rotation"
+    problems = Problems()
+    problems.number(where, "speed", speed, "rad/s")
+    problems.number(where, "steps", steps, "", "1 or more", lambda x: x >= 1)
+    problems.raise_if_any()
+    balance = Balance(model, SPEED, state, axis=axis, point=point, speed=float(speed), where=where)
+    walk = Walk(balance, 0.0, float(speed) or 1.0, int(steps))
+    nrow = model.nrow + balance.gauge
+    lam = np.concatenate([balance.engine.lam, np.zeros(int(balance.gauge))])[:nrow]
+    guess = Point(np.array(balance.engine.q), lam, float(speed))
+    try:
+        found = at_load(balance, guess, float(speed))
+    except NoConvergenceError:
+        if speed == 0.0:
+            found = walk.begin()
+        else:
+            walk.run()
+            found = walk.points[-1]
+    _check(balance, found)
+    out, _ = balance.accept(found.q, found.lam, float(speed))
+    return replace(out, turn=None if not len(balance.engine.turn) else out.turn)
+
+
+def _check(balance: Balance, at: Point) -> None:
+    """Refuse what does not turn steadily."""
+    model, speed = balance.model, at.value
+    engine = balance.at(at.q, at.lam, speed)
+    gap = engine.constraints()[1]
+    rate = max(abs(speed), 1e-300)
+    if np.abs(gap).max(initial=0.0) > FITS * rate * max(1.0, model.size):
+        row = int(np.argmax(np.abs(gap)))
+        name = next(j.name for j in model.joints if j.row <= row < j.row + j.rows)
+        raise SimulationError(
+            f"joint or drive '{name}' does not move as a rotation of everything with {speed:g} "
+            "rad/s about the axis; give the speed, axis and point of the drive, or a joint that "
+            "lets everything turn",
+            time=float(engine.time[0]),
+            body=name,
+        )
+    assert balance.axis is not None
+    M = balance.mass(at.q, at.lam, speed)
+    noise = NOISE * float(abs(balance.matrix(at.q, at.lam, speed)).max()) * model.size
+    turns = np.concatenate([np.arange(b.iv + 3, b.iv + 6) for b in model.bodies])
+    total = sum(float(np.real(b.mass[0])) for b in model.bodies)
+    if balance.gauge:
+        # work of the missing forces in a turn of everything by 1 rad
+        spin = balance.spin(at.q)
+        torque = -float(at.lam[-1]) * float(spin @ spin)
+        inertia = float(M.diagonal() @ (spin * spin))
+        moments = speed * speed * inertia
+        moments += float(np.linalg.norm(model.gravity)) * float(np.sqrt(inertia * total))
+        if abs(torque) > TORQUE * moments + noise * model.size:
+            raise SimulationError(
+                f"the rotation needs a torque of {torque:.4g} N m to stay steady, and nothing "
+                "drives it; add a Drive with that speed, or take the brake away",
+                time=float(engine.time[0]),
+            )
+    # the same accelerations after a turn of everything?
+    half = 0.5  # rad, half of the turn
+    turn = np.concatenate([[np.cos(half)], np.sin(half) * balance.axis])
+    Q = rotation_matrix(turn)
+    q = np.array(at.q)
+    for b in model.bodies:
+        q[b.iq : b.iq + 3] = balance.point + Q @ (q[b.iq : b.iq + 3] - balance.point)
+        s, v = q[b.iq + 3], q[b.iq + 4 : b.iq + 7].copy()
+        q[b.iq + 3] = turn[0] * s - turn[1:] @ v
+        q[b.iq + 4 : b.iq + 7] = turn[0] * v + s * turn[1:] + np.cross(turn[1:], v)
+    later = balance.at(q, at.lam, speed)
+    wanted, time = np.array(later.a), float(later.time[0])
+    if speed:
+        later.time[0] = time + 2.0 * half / speed
+    found = np.array(later.accelerations()[0])  # a copy: the engine's own changes below
+    later.time[0] = time
+    change = np.abs(balance.mass(q, at.lam, speed) @ (found - wanted))
+    change[turns] /= model.size
+    scale = total * (float(np.abs(wanted).max(initial=0.0)) + float(np.linalg.norm(model.gravity)))
+    if change.max(initial=0.0) > SAME * scale + noise:
+        worst = int(np.argmax(change))
+        body = next(b.name for b in model.bodies if b.iv <= worst < b.iv + 6 + b.n)
+        raise SimulationError(
+            f"no steady rotation: the force on body '{body}' changes as everything turns; take "
+            "away gravity across the axis, loads fixed in space, and springs to the ground beside "
+            "the axis",
+            time=time,
+            body=body,
+        )

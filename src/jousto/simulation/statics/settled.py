@@ -1,0 +1,281 @@
+"""settled: a start from which elastic bodies do not ring."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem, SimulationError
+from jousto.model.model import Model
+from jousto.model.native.native import IMAGINARY, Engine, displaced
+from jousto.model.start import MOST, modal_velocities
+from jousto.simulation.modes.linear import free_motions
+from jousto.simulation.running.state import State, put, take
+
+Array = NDArray[np.float64]
+
+ITERATIONS = 60
+FRESH = 8  # iterations with one set of slopes
+CLOSE = 1e-12  # of the size of the mechanism, rad, or the modal coordinates: converged
+FAR = 1e3  # the same: lost
+SLOW = 0.1  # of the bending: largest change by the inertia of its own rates
+RIGID = 1e-9  # singular values of modal rates below this: a motion without bending
+SHORT = 5e-3  # rad that the fastest body turns between the instants of a difference
+
+
+@explained
+def settled(model: Model, state: State | None = None) -> State:
+    """Find the state in which elastic bodies are bent as the motion bends them, without vibration.
+
+    A machine whose bodies are straight at the first instant rings about the shape that loads and
+    inertia forces ask for, whether drives, motors or given velocities move it. Here the modal
+    coordinates p fulfil ``M a + Cq^T lam = Q`` with p' and p'' that are the slow change of this
+    shape alone, found by differences along the motion. With a motion of the frequency W and modes
+    of the frequency w what is left to ring is of the order ``(W / w)^3`` of the bending.
+
+    Positions and rates of the rigid motions stay; where the pose is free it turns by as little as
+    the bending asks for.
+
+    Parameters
+    ----------
+    model : Model
+        From `compile`, with bodies that are rigid or have modes.
+    state : State, optional
+        Whose pose, velocities, time and inputs count; None is the initial state.
+
+    Returns
+    -------
+    State
+        For ``simulate(model, t_end, state=...)``.
+
+    Raises
+    ------
+    InputError
+        If the mechanism has exact beams or is too large.
+    SimulationError
+        If the bodies are too soft for such a motion without vibration, or something that nothing
+        drives moves about as fast as they vibrate.
+
+    Examples
+    --------
+    ``run = jo.simulate(model, 2.0, state=jo.settled(model))``
+    """
+    if model.beams or model.nv > MOST:
+        why = (
+            "exact beams are not settled; start them from equilibrium or steady_rotation"
+            if model.beams
+            else f"{model.nv} velocities are more than {MOST}; start from rest, slowly"
+        )
+        raise InputError(Problem(f"settled {model.name!r}", why))
+    engine = Engine(model)
+    if state is not None:
+        put(engine, state, "settled")
+    engine.assemble()
+    engine.accelerations()
+    modal = np.flatnonzero(modal_velocities(model))
+    if len(modal):
+        _Slow(model, modal).settle(engine)
+    engine.accelerations()
+    return take(engine)
+
+
+@dataclass(frozen=True)
+class _Motions:
+    """Free motions (nv, f): those that bend nothing and the others, and pseudoinverses."""
+
+    inverse: Array
+    rigid: Array
+    bending: Array
+    follow: Array
+
+
+class _Scaled:
+    """Equations whose rows and columns differ by the square of frequencies, brought to size 1."""
+
+    def __init__(self, A: Array) -> None:
+        self._rows = np.maximum(np.abs(A).max(axis=1, initial=0.0), 1e-300)
+        A = A / self._rows[:, None]
+        self._columns = np.maximum(np.abs(A).max(axis=0, initial=0.0), 1e-300)
+        self._A = A / self._columns
+
+    def solve(self, b: Array) -> Array:
+        """Return x of A x = b."""
+        x = np.linalg.lstsq(self._A, b / self._rows, rcond=None)[0]
+        return np.asarray(x / self._columns)
+
+
+class _Slow:
+    """The slow motion of a mechanism: p follows the rigid motions.
+
+    Parameters
+    ----------
+    model : Model
+    modal : (m,) array
+        Which velocities are modal.
+    """
+
+    def __init__(self, model: Model, modal: NDArray[np.int_]) -> None:
+        self._model, self._modal = model, modal
+        self._twin = Engine(model, complex_scalars=True)
+
+    def settle(self, engine: Engine) -> None:
+        """Bring the engine to the slow motion at its time, from its pose and velocities.
+
+        First as if the shape did not change in time, there and at two instants after it; then
+        with the rates and accelerations that these three shapes give. (Once: noise of the shapes
+        comes back from their second difference larger by ``1 / (w h)^2``.)
+        """
+        v0, time = np.array(engine.v), float(engine.time[0])
+        still = np.zeros(len(self._modal))
+        self._bend(engine, v0, still, still)
+        here, v, a = np.array(engine.q), np.array(engine.v), np.array(engine.a)
+        lam = np.array(engine.lam)
+        h = self._step(v, a)
+        shapes = [self._p(here)]
+        for ahead in (h, 2.0 * h):
+            engine.q[:] = displaced(self._model, here, ahead * v + 0.5 * ahead**2 * a)
+            engine.time[0], engine.lam[:] = time + ahead, lam
+            self._bend(engine, v + ahead * a, still, still)
+            shapes.append(self._p(engine.q))
+        one, two, three = shapes
+        engine.q[:], engine.a[:], engine.lam[:], engine.time[0] = here, a, lam, time
+        rates = (-3.0 * one + 4.0 * two - three) / (2.0 * h)
+        self._bend(engine, v0, rates, (one - 2.0 * two + three) / h**2)
+        self._check_slow(one, self._p(engine.q), time)
+
+    def _check_slow(self, still: Array, settled: Array, time: float) -> None:
+        """Refuse a bending that the inertia of its own change corrects by much.
+
+        Of a slow motion the correction is of the order ``(W / w)^2``, in the norm of the elastic
+        energy; where it is large, so is what it leaves out.
+        """
+        K = np.concatenate([b.K for b in self._model.bodies])
+        energy, other = (float(K @ p**2) for p in (still, settled - still))
+        share = np.sqrt(other / energy) if energy > 0.0 else 0.0
+        if share > SLOW and np.abs(still).max() > CLOSE * max(self._model.size, 1.0):
+            raise SimulationError(
+                "the elastic bodies would have to bend about as fast as they vibrate (the inertia "
+                f"of their bending changes it by {100.0 * share:.3g} %): something that nothing "
+                "drives, such as a hanging chain, swings too fast from this pose. Start from "
+                "equilibrium(model) if the machine begins at rest, with slower drives or "
+                "velocities, or from the initial state",
+                time=time,
+            )
+
+    def _p(self, q: Array) -> Array:
+        """Return the modal coordinates (m,)."""
+        parts = [q[b.iq + 7 : b.iq + 7 + b.n] for b in self._model.bodies]
+        return np.array(np.concatenate(parts))
+
+    def _step(self, v: Array, a: Array) -> float:
+        """Return the time in which the fastest body turns by SHORT, s."""
+        fastest = 1e-3  # 1/s, at rest
+        size = max(self._model.size, 1e-300)
+        for b in self._model.bodies:
+            rigid = slice(b.iv, b.iv + 6)
+            scale = np.array([1.0 / size] * 3 + [1.0] * 3)
+            fastest = max(fastest, float(np.linalg.norm(v[rigid] * scale)))
+            fastest = max(fastest, float(np.sqrt(np.linalg.norm(a[rigid] * scale))))
+        return SHORT / fastest
+
+    def _bend(self, engine: Engine, given: Array, rates: Array, accelerations: Array) -> None:
+        """Solve at the engine's time for q, v, a and lam.
+
+        Moves are ``N_b y`` and what closes the joints, accelerations ``a_c + N_0 alpha``, where
+        N_0 are the free motions that bend nothing and N_b the others.
+        """
+        for iteration in range(ITERATIONS):
+            if iteration % FRESH == 0:
+                free = self._motions(engine)
+                count = free.bending.shape[1]
+                engine.v[:] = self._velocities(engine, free, given, rates)
+                before = np.array(engine.a)
+                engine.a[:] = self._accelerations(engine, free, accelerations)
+                alpha = free.rigid.T @ (before - engine.a)
+                engine.a[:] += free.rigid @ alpha
+                K, M = self._slopes(engine)
+                along = np.hstack([free.bending, free.rigid])
+                system = _Scaled(along.T @ np.hstack([K @ free.bending, M @ free.rigid]))
+            r, c = np.array(engine.residual()), np.array(engine.constraints()[0])
+            closing = -free.inverse @ c
+            solved = system.solve(-along.T @ (r + K @ closing))
+            move = closing + free.bending @ solved[:count]
+            scale = max(self._model.size, float(np.abs(self._p(engine.q)).max()))
+            far = float(np.abs(move).max(initial=0.0)) / scale
+            if not far < FAR:
+                break
+            engine.q[:] = displaced(self._model, engine.q, move)
+            alpha = alpha + solved[count:]
+            left = r + K @ move + M @ (free.rigid @ solved[count:])
+            engine.lam[:] -= free.inverse.T @ left
+            if far <= CLOSE:  # velocities are to fit to round-off
+                drift = free.rigid @ alpha
+                free = self._motions(engine)
+                alpha = free.rigid.T @ drift
+            engine.v[:] = self._velocities(engine, free, given, rates)
+            engine.a[:] = self._accelerations(engine, free, accelerations) + free.rigid @ alpha
+            if far <= CLOSE:
+                return
+        raise SimulationError(
+            "the elastic bodies do not come to rest in their shape: they are too soft for such a "
+            "motion without vibration; start slower, or from the initial state",
+            time=float(engine.time[0]),
+        )
+
+    def _motions(self, engine: Engine) -> _Motions:
+        """Return what the joints leave free at the engine's position."""
+        N, inverse = free_motions(self._jacobian(engine))
+        _, s, Vt = np.linalg.svd(N[self._modal])
+        count = int((s > RIGID).sum())
+        bending = N @ Vt[:count].T
+        return _Motions(inverse, N @ Vt[count:].T, bending, np.linalg.pinv(bending[self._modal]))
+
+    def _velocities(self, engine: Engine, free: _Motions, given: Array, rates: Array) -> Array:
+        """Velocities that fit joints and drives, with the given rigid motion and modal rates."""
+        engine.v[:] = 0.0
+        v = -free.inverse @ engine.constraints()[1]
+        v = v + free.rigid @ (free.rigid.T @ (given - v))
+        return np.asarray(v + free.bending @ (free.follow @ (rates - v[self._modal])))
+
+    def _accelerations(self, engine: Engine, free: _Motions, modal: Array) -> Array:
+        """Accelerations that fit joints and drives, with modal ones and no free rigid ones."""
+        twin, v = self._twin, np.array(engine.v)
+        self._copy(engine)
+        twin.q[:] = displaced(self._model, engine.q, 1j * IMAGINARY * v)
+        twin.v[:], twin.time[0] = v, engine.time[0] + 1j * IMAGINARY
+        a = -free.inverse @ (twin.constraints()[1].imag / IMAGINARY)
+        a = a - free.rigid @ (free.rigid.T @ a)
+        return np.asarray(a + free.bending @ (free.follow @ (modal - a[self._modal])))
+
+    def _copy(self, engine: Engine) -> None:
+        names = ("q", "v", "a", "lam", "time", "input", "turn", "locked", "slip", "happened")
+        for name in names:
+            getattr(self._twin, name)[:] = getattr(engine, name)
+
+    def _jacobian(self, engine: Engine) -> Array:
+        """Cq (nrow, nv)."""
+        model, twin = self._model, self._twin
+        self._copy(engine)
+        Cq = np.zeros((model.nrow, model.nv))
+        for j, move in enumerate(engine.increments().T):
+            twin.q[:] = engine.q + 1j * IMAGINARY * move
+            Cq[:, j] = twin.constraints()[0].imag / IMAGINARY
+        return Cq
+
+    def _slopes(self, engine: Engine) -> tuple[Array, Array]:
+        """Derivatives (nv, nv) of the residual with respect to q and a."""
+        model, twin = self._model, self._twin
+        self._copy(engine)
+        K, M = np.zeros((model.nv, model.nv)), np.zeros((model.nv, model.nv))
+        for j, move in enumerate(engine.increments().T):
+            twin.q[:] = engine.q + 1j * IMAGINARY * move
+            K[:, j] = twin.residual().imag / IMAGINARY
+        twin.q[:] = engine.q
+        for j in range(model.nv):
+            twin.a[j] = engine.a[j] + 1j * IMAGINARY
+            M[:, j] = twin.residual().imag / IMAGINARY
+            twin.a[j] = engine.a[j]
+        return K, M

@@ -1,0 +1,240 @@
+"""One object of nearly every public kind, as a working day leaves them behind."""
+
+from __future__ import annotations
+
+import atexit
+import shutil
+import warnings
+from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any
+
+import numpy as np
+
+import jousto as jo
+from jousto.planar.dynamics import simulate_planar
+from jousto.planar.items import PlanarBeam, PlanarLoad, PlanarSection, PlanarSupport
+from jousto.planar.methods import PlanarGeneralizedAlpha
+from jousto.planar.statics import load_steps
+from measurement.monitor import watched
+from verification.boxes import ring
+from verification.solids import mesh
+
+Objects = dict[str, Any]
+STEEL = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)
+EXAMPLES = Path(__file__).parents[1] / "examples"
+
+
+@cache
+def objects() -> Objects:
+    """Return the objects by name; made once, in some seconds."""
+    found: Objects = {}
+    folder = mkdtemp(prefix="jousto-session-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", jo.JoustoWarning)
+        for stage in (parts, machine, statics, stress, life, contact, twins, planar):
+            found |= stage(found, Path(folder))
+    return found
+
+
+def parts(_: Objects, __: Path) -> Objects:
+    """Parts, meshes and what reduction says of them."""
+    beam = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.04), 4, STEEL, name="bar")
+    reduced = jo.reduce(beam, jo.CraigBampton(("start", "end"), modes=4))
+    pipe = mesh(ring("hexahedron20", (0.04, 0.05), 0.05, (1, 24, 1)))
+    bore = pipe.holes()[0]
+    solid = jo.Part.solid(pipe, STEEL, name="pipe").with_interfaces(
+        jo.Interface("bore", bore.nodes)
+    )
+    return {
+        "beam": beam,
+        "reduced": reduced,
+        "mesh": pipe,
+        "hole": bore,
+        "quality": pipe.quality(),
+        "solid": solid,
+        "reduced solid": jo.reduce(solid, jo.CraigBampton(("bore",), modes=2)),
+        "mesh error": jo.mesh_error(solid, 1e-6 * np.sin(np.arange(solid.M.shape[0]))),
+        "certificate": jo.certify(beam, reduced),
+        "advice": jo.advise(beam, ("start", "end"), frequency_limit=500.0),
+        "memory": jo.memory_estimate(beam, jo.CraigBampton(("start",), modes=4)),
+        "relief": jo.inertia_relief(beam, np.ones((beam.M.shape[0], 1))),
+        "solvers": jo.solvers(),
+        "ground": jo.ground,
+    }
+
+
+def machine(found: Objects, folder: Path) -> Objects:
+    """A swinging bar with sensors of many kinds, its run and what is known of its model."""
+    arm = jo.FlexibleBody("arm", found["reduced"], damping=0.02)
+    ball = jo.RigidBody.sphere("ball", 0.1, mass=1.0, position=(1.0, 0.0, 0.0))
+    hinge = jo.Revolute("hinge", jo.ground["origin"], arm["start"], axis=(0, 1, 0))
+    wrist = jo.Revolute("wrist", arm["end"], ball["origin"], axis=(0, 1, 0))
+    tip = jo.PositionSensor("tip", ball["origin"])
+    grip = jo.Friction("grip", wrist, 0.1, radius=0.02)
+    low = jo.Event("low", hinge.angle, 0.3)
+    mechanism = jo.Mechanism(
+        *(arm, ball, hinge, wrist, grip, low, tip),
+        jo.Gravity((0.0, 0.0, -9.81)),
+        jo.Spring("spring", hinge.angle, 10.0),
+        jo.Force("push", arm["end"], (0.0, 0.0, 1.0), signal=jo.Input("push")),
+        jo.ReactionSensor("pin", hinge),
+        jo.Gauge("top", arm, "e1.a.top"),
+        jo.StressSensor("stress", arm, ("e1.a.top", "e1.a.bottom")),
+        name="swing",
+    )
+    model = jo.compile(mechanism)
+    return {
+        "mechanism": mechanism,
+        "model": model,
+        "engine": jo.Engine(model),
+        "doctor": jo.doctor(model),
+        "run": jo.simulate(model, 0.3, output_step=1e-3),
+        "filed": jo.simulate(model, 0.1, output_step=1e-3, path=folder / "run.h5"),
+        "simulator": jo.Simulator(model),
+        "settled": jo.settled(model),
+        "driven": jo.compile(jo.read_model(EXAMPLES / "four_bar.yaml", rigid=True).mechanism),
+        "file": jo.read_model(EXAMPLES / "flexible_pendulum.yaml"),
+    }
+
+
+def statics(_: Objects, __: Path) -> Objects:
+    """A shallow arch of exact beams: equilibria, modes, buckling, paths, section forces."""
+    angles = np.linspace(0.18, -0.18, 7)
+    points = np.column_stack([np.sin(-angles), np.cos(angles) - np.cos(0.18), 0.0 * angles])
+    arch = jo.BeamBody("arch", points, jo.Rectangle(0.01, 0.03), STEEL, up=(0, 0, 1))
+    left, right = (jo.ground.at(points[k]) for k in (0, -1))
+    model = jo.compile(
+        jo.Mechanism(
+            arch,
+            jo.Revolute("left", left, arch["start"], axis=(0, 0, 1)),
+            jo.Revolute("right", right, arch["end"], axis=(0, 0, 1)),
+            jo.Force("press", arch["node4"], (0, -1, 0), signal=jo.Input("load")),
+            jo.PositionSensor("crown", arch["node4"]),
+        )
+    )
+    rest = jo.equilibrium(model)
+    run = jo.simulate(model, 0.01, state=rest, inputs={"load": 100.0})
+    return {
+        "arch": arch,
+        "beam model": model,
+        "rest": rest,
+        "linear": jo.linearise(model, rest),
+        "modes": jo.modes(model, rest),
+        "buckling": jo.buckling(model, "load", 1),
+        "path": jo.load_path(model, "load", to=1e4, steps=5),
+        "campbell": jo.campbell(lambda _: model, [1.0, 2.0]),
+        "beam run": run,
+        "section forces": jo.section_forces(run, "arch"),
+        "beam field": jo.stress_field(run, "arch"),
+    }
+
+
+def stress(found: Objects, _: Path) -> Objects:
+    """Fields, hot spots, their error, comparison with what was measured."""
+    run = found["run"]
+    field = jo.stress_field(run, "arm")
+    spots = jo.hot_spots(run)
+    return {
+        "field": field,
+        "envelope": field.envelope("von-mises"),
+        "spots": spots,
+        "spot": spots[0],
+        "budget": jo.error_budget(spots),
+        "record": jo.record_of(run),
+        "compared": jo.compare_gauges(run, jo.record_of(run), align=False),
+        "rosette": jo.rosette_state([200e-6, 80e-6, -50e-6], E=210e9, nu=0.3),
+        "friction": jo.friction_stress(run, run, "arm"),
+    }
+
+
+def life(found: Objects, _: Path) -> Objects:
+    """Cycles, damage and life by every method."""
+    field, curve = found["field"], jo.sn_curve("fat71")
+    notch, cycles = jo.strain_life("sae-1045"), jo.rainflow([0.0, 3e8, -1e8, 2e8], residue="half")
+    duty = jo.DutyCycle([(field, 100, "swing")])
+    frequency = np.linspace(1.0, 300.0, 40)
+    response = jo.random_response(
+        found["reduced"], frequency, np.ones(40), base="start", direction=(0, 0, 1)
+    )
+    s = np.zeros((50, 6))
+    s[:, 0] = 1e8 * np.sin(np.arange(50))
+    return {
+        "curve": curve,
+        "notch": notch,
+        "cycles": cycles,
+        "matrix": cycles.matrix(8),
+        "duty": duty,
+        "damage field": jo.damage_field(field, curve, residue="half", required=1e6),
+        "assessment": jo.assess(cycles, curve),
+        "critical plane": jo.critical_plane(s, jo.Findley(0.3)),
+        "multiaxial": jo.multiaxial(field, jo.DangVan.of(1e8, 1.5e8), sites=field.labels[:3]),
+        "plane damage": jo.plane_damage(s, jo.Findley(0.3), curve, residue="half"),
+        "local cycles": jo.local_cycles(s[:, 0], notch, residue="half"),
+        "local path": jo.local_path(s[:, 0], notch),
+        "strain damage": jo.strain_damage(field, notch, residue="half", sites=field.labels[:2]),
+        "response": response,
+        "spectral life": response.damage(curve),
+        "spectral": jo.spectral_damage(frequency, np.full(40, 1e12), curve),
+    }
+
+
+def contact(_: Objects, __: Path) -> Objects:
+    """A wheel that rolls."""
+    hertz = jo.hertz_line(10e3, length=0.03, radius=0.1, material=STEEL)
+    depths = [3e-4, 6e-4]
+    return {
+        "hertz": hertz,
+        "rolling": jo.rolling_contact(hertz, depths),
+        "rolling life": jo.rolling_life(hertz, [8e3], jo.DangVan.of(3e8, 4e8), depths=depths),
+    }
+
+
+def twins(_: Objects, folder: Path) -> Objects:
+    """Estimates from gauges, observer, monitor and its record."""
+    reduced, B = watched.cantilever()
+    t, _p, e = watched.motion(300)
+    twin = jo.Reconstruction(B, noise=1e-6)
+    load = jo.UnknownLoad("node11", "fz", rate=100.0, size=10.0, smooth=True)
+    observer = jo.Observer(reduced, B, loads=[load], step=1e-2, noise=1e-6, damping=0.01)
+    observed = observer.run(t, e)
+    estimate = twin.estimate(e)
+    monitor = watched.monitor(sn=watched.curve())
+    data = watched.written(folder / "d.csv", watched.lines(t, e))
+    return {
+        "twin": twin,
+        "estimate": estimate,
+        "band": jo.stress_band(estimate, reduced, "s11", sites=watched.SPOTS),
+        "placement": jo.place_gauges(reduced, 3),
+        "load": load,
+        "observer": observer,
+        "observed": observed,
+        "innovation": jo.innovation_test(observed),
+        "step": observer.step(0.0, e[0]),
+        "damage band": jo.damage_band(
+            observed, reduced, watched.curve(), residue="half", sites=watched.SPOTS[:1], draws=20
+        ),
+        "monitor": monitor,
+        "watched": jo.watch(monitor, data, folder / "watched.h5"),
+    }
+
+
+def planar(_: Objects, __: Path) -> Objects:
+    """A planar frame, its path and run."""
+    strip = PlanarSection.of(jo.Rectangle(0.002, 0.02), STEEL)
+    frame = jo.PlanarFrame(
+        [(0.25 * i, 0.0) for i in range(5)],
+        [PlanarBeam(i, i + 1, strip) for i in range(4)],
+        supports=[PlanarSupport(0, rotation=True)],
+        loads=[PlanarLoad(4, moment=strip.EI)],
+    )
+    path = load_steps(frame, np.linspace(0, 1, 4))
+    return {
+        "frame": frame,
+        "planar path": path,
+        "planar run": simulate_planar(
+            frame, 0.01, PlanarGeneralizedAlpha(1e-3, rho=0.8), start=path.state()
+        ),
+    }
