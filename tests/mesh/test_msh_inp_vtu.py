@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
+from gmsh_session import opened
 from jousto.base.errors import InputError
 from jousto.mesh.cells import SOLIDS
 from jousto.mesh.readers.library import load_meshio
@@ -23,9 +24,7 @@ meshio = load_meshio()
 def written(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A plate with a hole, meshed by Gmsh and written in all its formats."""
     folder = tmp_path_factory.mktemp("gmsh")
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
+    with opened(gmsh):
         occ = gmsh.model.occ
         plate = occ.addBox(0, 0, 0, 40, 20, 10)
         pin = occ.addCylinder(20, 10, -5, 0, 0, 20, 5)
@@ -53,8 +52,6 @@ def written(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
         gmsh.option.setNumber("Mesh.Binary", 0)
         for suffix in ("inp", "vtk", "med", "bdf"):
             gmsh.write(str(folder / f"plate.{suffix}"))
-    finally:
-        gmsh.finalize()
     return folder
 
 

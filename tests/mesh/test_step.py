@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
+from gmsh_session import opened
 from jousto.base.errors import InputError
 from jousto.mesh.readers.cad import step_unit
 from jousto.mesh.readers.step import _eased
@@ -30,9 +31,7 @@ PLATE = (40 * 20 * 10 - np.pi * 25 * 10) * 1e-9  # m^3
 def cad(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """Geometry in mm: a plate with a hole, two cubes that touch, a face, a pin."""
     folder = tmp_path_factory.mktemp("cad")
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
+    with opened(gmsh):
         occ = gmsh.model.occ
 
         def write(name: str) -> None:
@@ -52,8 +51,6 @@ def cad(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         write("face")
         occ.addCylinder(0, 0, 0, 0, 0, 50, 10)
         write("pin")
-    finally:
-        gmsh.finalize()
     return folder
 
 
@@ -232,9 +229,7 @@ def test_gmsh_is_named_when_it_is_missing(cad: Path, monkeypatch: pytest.MonkeyP
 
 
 def test_an_open_session_stays_as_it_was(cad: Path) -> None:
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
+    with opened(gmsh):
         gmsh.option.setNumber("Mesh.MeshSizeMax", 0.7)
         gmsh.model.add("mine")
         gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
@@ -243,8 +238,6 @@ def test_an_open_session_stays_as_it_was(cad: Path) -> None:
         assert gmsh.model.getCurrent() == "mine"
         assert len(gmsh.model.getEntities(3)) == 1
         assert gmsh.option.getNumber("Mesh.MeshSizeMax") == 0.7
-    finally:
-        gmsh.finalize()
 
 
 def test_folded_elements_get_straighter_edges() -> None:
@@ -282,14 +275,10 @@ def test_a_finer_size_that_is_coarser_is_refused(cad: Path) -> None:
 
 def test_what_is_written_after_a_mesh_is_in_millimetres(cad: Path, tmp_path: Path) -> None:
     jo.mesh_step(cad / "pin.step", size=5e-3)
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
+    with opened(gmsh):
         gmsh.model.occ.addBox(0, 0, 0, 10, 20, 30)
         gmsh.model.occ.synchronize()
         gmsh.write(str(tmp_path / "later.step"))
-    finally:
-        gmsh.finalize()
     mesh = jo.mesh_step(tmp_path / "later.step", size=10e-3)
     np.testing.assert_allclose(np.ptp(mesh.nodes, axis=0), (0.01, 0.02, 0.03), rtol=1e-9)
 

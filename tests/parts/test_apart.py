@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
+from gmsh_session import opened
 from jousto.base.errors import InputError, JoustoWarning
 from jousto.mesh.readers.apart import apart, packed, unpacked
 
@@ -135,14 +136,10 @@ def test_modules_in_the_working_folder_are_not_run(
 @pytest.mark.parametrize("seed", range(3))
 def test_damaged_cad_files_leave_python_alive(seed: int, tmp_path: Path) -> None:
     gmsh = pytest.importorskip("gmsh")
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
+    with opened(gmsh):
         gmsh.model.occ.addCylinder(0, 0, 0, 0, 0, 40, 10)
         gmsh.model.occ.synchronize()
         gmsh.write(str(tmp_path / "good.brep"))
-    finally:
-        gmsh.finalize()
     rng = np.random.default_rng(seed)
     data = bytearray((tmp_path / "good.brep").read_bytes())
     digits = [i for i, byte in enumerate(data) if chr(byte).isdigit() and i > 100]

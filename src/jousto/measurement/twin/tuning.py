@@ -11,6 +11,7 @@ from scipy.optimize import minimize
 from scipy.stats import chi2
 
 from jousto.base.arguments import explained
+from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.measurement.twin.kalman import Gain, first_gain, next_gain
 from jousto.measurement.twin.observed import Observed
@@ -25,6 +26,7 @@ FARTHEST = 8.0
 """Logarithm of the largest factor by which a standard deviation is changed."""
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class InnovationTest:
     """Whether the innovations of a filter are what its noise says.
@@ -53,6 +55,9 @@ class InnovationTest:
     limit: float
     channels: dict[str, float]
     tolerance: float = TOLERANCE
+
+    def _facts(self) -> str:
+        return f"{self.verdict}, {self.ratio:.3g} times, whiteness {self.whiteness:.2g}"
 
     @property
     def ratio(self) -> float:

@@ -138,10 +138,14 @@ def saddle(A: Any, C: Any) -> Any:
         If the matrix is singular.
     """
     n, m = A.shape[0], C.shape[0]
-    lu = spl.splu(blocks([[A, C.T], [C, None if not m else _soft(A, C)]], format="csc"))
+    whole = blocks([[A, C.T], [C, None if not m else _soft(A, C)]], format="csc")
+    lu = spl.splu(whole)
 
     def solve(b: Any) -> Any:
-        return lu.solve(np.concatenate([b, np.zeros(m)]))[:n]
+        b = np.concatenate([b, np.zeros(m)])
+        x = lu.solve(b)
+        # stretch is 1e10 times as stiff as the lowest modes, which lose so many digits of one solve
+        return (x + lu.solve(b - whole @ x))[:n]
 
     return solve
 
