@@ -125,7 +125,7 @@ SINGLE = [
      "sensors.0.sites: body 'arm' has no stress site 'e1.a.topp'; did you mean 'e1.a.top'?"),
     ("t_end: 10 s", "t_end: -10 s", 19, "simulation.t_end: is -10 s, must be positive"),
     ("t_end: 10 s, ", "", 19, "simulation: 't_end' is missing"),
-    ("RK4", "RK5", 19, "simulation.solver.type: no type 'RK5'; did you mean 'RK4'?"),
+    ("RK4", "RK5", 19, "simulation.solver.type: no solver type 'RK5'; did you mean 'RK4'?"),
     ("step: 1e-3", "step: 0", 19, "simulation.solver.step: is 0 s, must be positive"),
     ("step: 1e-3", "step: 1e-3, baumgarte: {alpha: -1, beta: 1}", 19,
      "simulation.solver.baumgarte.alpha: alpha is -1.0, must be 0 or more, 1/s"),

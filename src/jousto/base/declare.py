@@ -18,10 +18,12 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import inspect
+import numbers
 import pkgutil
+import re
 import sys
 from collections.abc import Iterable, Mapping
-from typing import Any, ClassVar, Generic, TypeVar, dataclass_transform, overload
+from typing import Any, ClassVar, Generic, TypeVar, dataclass_transform, get_args, overload
 
 from jousto.base.described import describe
 from jousto.base.errors import Problems
@@ -30,11 +32,19 @@ from jousto.base.numbers import number
 
 In = TypeVar("In")
 Out = TypeVar("Out")
+T = TypeVar("T")
 
 MISSING: Any = dataclasses.MISSING
 
 
-def field(text: str = "", *, default: Any = MISSING, kw_only: bool = False, **facts: Any) -> Any:
+def field(
+    text: str = "",
+    *,
+    default: Any = MISSING,
+    kw_only: bool = False,
+    compare: bool = True,
+    **facts: Any,
+) -> Any:
     """Return what a class says of a field; the annotation beside it says of which type it is.
 
     Parameters
@@ -45,10 +55,12 @@ def field(text: str = "", *, default: Any = MISSING, kw_only: bool = False, **fa
         Value where none is given; without one the field must be given.
     kw_only : bool
         Whether it is given by name only.
+    compare : bool
+        Whether objects that differ in it alone are different, where a class compares values.
     **facts
         Arguments of the type: unit, limits.
     """
-    return _Facts(text, default, kw_only, facts)
+    return _Facts(text, default, kw_only, compare, facts)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -56,6 +68,7 @@ class _Facts:
     text: str
     default: Any
     kw_only: bool
+    compare: bool
     facts: dict[str, Any]
 
 
@@ -70,6 +83,10 @@ class Field(Generic[In, Out]):
         SI unit; empty where there is none.
     file : bool
         Whether model files may give it.
+    label : str
+        What messages call it; its name if empty.
+    wanted : str
+        What a value must be, for messages that show it as it was given.
     """
 
     form: ClassVar[str] = ""
@@ -85,12 +102,16 @@ class Field(Generic[In, Out]):
         kw_only: bool = False,
         unit: Any = "",
         file: bool = True,
+        label: str = "",
+        wanted: str = "",
     ) -> None:
         self.text = text
         self.file = file
         self.default = default
         self.kw_only = kw_only
         self.unit = unit
+        self.label = label
+        self.wanted = wanted
         self.name = ""
 
     def __repr__(self) -> str:
@@ -118,6 +139,12 @@ class Field(Generic[In, Out]):
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return the value as it is kept, or note what is wrong with it."""
         return value
+
+    @property
+    def annotation(self) -> str:
+        """What signatures say of it."""
+        said = self.noun if self.noun.isidentifier() else "Any"
+        return f"{said} | None" if self.default is None else said
 
     def line(self) -> str:
         """Return the head of its parameter in help, ``pitch : float, m``."""
@@ -187,6 +214,10 @@ class _Numeric(Field[In, Out]):
         Smallest value.
     above : float, optional
         What the value must be larger than.
+    most : float, optional
+        Largest value.
+    below : float, optional
+        What the value must be smaller than.
     nonzero : bool
         Whether 0 is wrong.
     remedy : str
@@ -203,6 +234,8 @@ class _Numeric(Field[In, Out]):
         unit: Any = "1",
         least: float | None = None,
         above: float | None = None,
+        most: float | None = None,
+        below: float | None = None,
         nonzero: bool = False,
         remedy: str = "",
         **common: Any,
@@ -210,27 +243,35 @@ class _Numeric(Field[In, Out]):
         super().__init__(text, unit=unit, **common)
         self.least = least
         self.above = above
+        self.most = most
+        self.below = below
         self.nonzero = nonzero
         self.remedy = f"; {remedy}" if remedy else ""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return a finite float within the limits."""
-        found = number(problems, where, self.name, value)
-        if found is None:
-            return None
-        wanted = ""
-        if self.above is not None and not found > self.above:
-            wanted = "must be positive" if self.above == 0 else f"must be above {self.above:g}"
-        elif self.least is not None and not found >= self.least:
-            wanted = (
-                "must not be negative" if self.least == 0 else f"must be {self.least:g} or more"
-            )
-        elif self.nonzero and found == 0.0:
-            wanted = "must not be zero"
-        if wanted:
+        if self.wanted:
+            found = None if isinstance(value, bool) else number(Problems(), "", "", value)
+            if found is None or self.missed(found):
+                problems.add(where, f"{self.label} is {value!r}, must be {self.wanted}")
+            return found
+        found = number(problems, where, self.label, value)
+        if found is not None and (missed := self.missed(found)):
             unit = f" {self.unit}" if isinstance(self.unit, str) and self.unit != "1" else ""
-            problems.add(where, f"{self.name} is {found:g}{unit}, {wanted}{self.remedy}")
+            problems.add(where, f"{self.label} is {found:g}{unit}, {missed}{self.remedy}")
         return found
+
+    def missed(self, x: float) -> str:
+        """Return which limit a number misses, empty if none."""
+        if self.above is not None and not x > self.above:
+            return "must be positive" if self.above == 0 else f"must be above {self.above:g}"
+        if self.least is not None and not x >= self.least:
+            return "must not be negative" if self.least == 0 else f"must be {self.least:g} or more"
+        if self.most is not None and not x <= self.most:
+            return f"must be {self.most:g} or less"
+        if self.below is not None and not x < self.below:
+            return f"must be below {self.below:g}"
+        return "must not be zero" if self.nonzero and x == 0.0 else ""
 
 
 class Number(_Numeric[float, float]):
@@ -239,6 +280,68 @@ class Number(_Numeric[float, float]):
 
 class OptionalNumber(_Numeric["float | None", "float | None"]):
     """A finite number, or None."""
+
+
+class _Seconds(_Numeric[In, Out]):
+    form = "duration"
+    wish = "a positive number of seconds"
+
+    def __init__(self, text: str = "", **common: Any) -> None:
+        super().__init__(text, unit="s", above=0, wanted=self.wish, **common)
+
+
+class Duration(_Seconds[float, float]):
+    """A time above zero."""
+
+
+class OptionalDuration(_Seconds["float | None", "float | None"]):
+    """A time above zero, or None."""
+
+    wish = "None or positive, s"
+
+
+class _Positive(_Numeric[In, Out]):
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return a finite float above zero."""
+        unit = "" if self.unit == "1" else self.unit
+        good = problems.number(where, self.label, value, unit, "a positive number", lambda x: x > 0)
+        return float(value) if good else None
+
+
+class Positive(_Positive[float, float]):
+    """A number above zero."""
+
+
+class OptionalPositive(_Positive["float | None", "float | None"]):
+    """A number above zero, or None."""
+
+
+class Whole(Field[int, int]):
+    """A whole number.
+
+    Parameters
+    ----------
+    text, default, kw_only
+        As for every field.
+    least, most : int
+        Smallest and largest.
+    """
+
+    form = "count"
+    noun = "int"
+
+    def __init__(self, text: str = "", *, least: int, most: int, **common: Any) -> None:
+        super().__init__(text, **common)
+        self.least, self.most = least, most
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return a whole number within the limits."""
+        whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
+        if not (whole and self.least <= value <= self.most):
+            wanted = f"a whole number from {self.least} to {self.most}"
+            problems.add(where, f"{self.label} is {value!r}, must be {wanted}")
+            return None
+        return int(value)
 
 
 class Numbers(Field["float | Iterable[float]", "tuple[float, ...]"]):
@@ -275,6 +378,11 @@ class Choice(Field[str, str]):
         self.words = words
 
     @property
+    def annotation(self) -> str:
+        """The words."""
+        return f"Literal[{', '.join(map(repr, self.words))}]"
+
+    @property
     def noun(self) -> str:  # type: ignore[override]
         """The words."""
         return "{" + ", ".join(f'"{word}"' for word in self.words) + "}"
@@ -285,6 +393,33 @@ class Choice(Field[str, str]):
             *some, last = (repr(word) for word in self.words)
             problems.add(where, f"{self.name} is {value!r}, must be {', '.join(some)} or {last}")
         return value
+
+
+class Item(Field[T, T]):
+    """An object of a declared class; a model file writes a mapping with its keys."""
+
+    form = "item"
+
+    @property
+    def of(self) -> type[Declared]:
+        """The class."""
+        found: type[Declared] = get_args(vars(self)["__orig_class__"])[0]
+        return found
+
+    @property
+    def noun(self) -> str:  # type: ignore[override]
+        """The class."""
+        return self.of.__name__
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return an object of the class."""
+        if not isinstance(value, self.of):
+            problems.add(where, f"{self.label} is {value!r}, must be {self.wanted or self.noun}")
+        return value
+
+
+class OptionalItem(Item[T | None], Generic[T]):
+    """An object of a declared class, or None."""
 
 
 SECTIONS: dict[str, dict[str, type[Declared]]] = {}
@@ -298,17 +433,30 @@ class Declared:
     """Base of every class that is declared by its fields.
 
     Subclasses are made with ``class Kind(Base, tag="kind")``: the word of `tag` names them in model
-    files. A base of several kinds says ``section="joints"`` instead.
+    files. A base of several kinds says ``section="joints"`` instead. With ``by_value=True`` objects
+    of equal fields are equal; with ``kw_only=True`` all fields of the class are given by name.
     """
 
     kind: ClassVar[str] = ""
     """What it is called in messages, before its name: ``joint 'hinge'``."""
     tag: ClassVar[str] = ""
     section: ClassVar[str] = ""
+    by_value: ClassVar[bool] = False
+    """Whether objects with equal fields are equal, and show as the call that makes them."""
     fields: ClassVar[Mapping[str, Field[Any, Any]]] = {}
 
-    def __init_subclass__(cls, *, tag: str = "", section: str = "", **options: Any) -> None:
+    def __init_subclass__(
+        cls,
+        *,
+        tag: str = "",
+        section: str = "",
+        by_value: bool | None = None,
+        kw_only: bool = False,
+        **options: Any,
+    ) -> None:
         super().__init_subclass__(**options)
+        if by_value is not None:
+            cls.by_value = by_value
         said = {key: value for key, value in vars(cls).items() if isinstance(value, _Facts)}
         here = sys._getframe(1)  # where the class is written: its annotations mean names of there
         types = inspect.get_annotations(
@@ -320,24 +468,28 @@ class Declared:
                 facts.text, default=facts.default, kw_only=facts.kw_only, **facts.facts
             )
             made.name = key
+            made.label = made.label or key
             own[key] = made
             keep = {} if made.required else {"default": facts.default}
-            setattr(cls, key, dataclasses.field(kw_only=facts.kw_only, **keep))
+            by_name = facts.kw_only or kw_only
+            setattr(cls, key, dataclasses.field(kw_only=by_name, compare=facts.compare, **keep))
         inherited = [vars(base).get("fields", {}) for base in reversed(cls.__mro__[1:])]
         cls.fields = {key: kind for some in (*inherited, own) for key, kind in some.items()}
-        cls.__annotations__ = {key: types[key] for key in own}
-        dataclasses.dataclass(frozen=True, eq=False, repr=False)(cls)
+        cls.__annotations__ = {key: made.annotation for key, made in own.items()}
+        own_repr = "__repr__" in vars(cls)
+        shown = cls.by_value and not own_repr
+        dataclasses.dataclass(frozen=True, eq=cls.by_value, repr=shown)(cls)
         for key in own:  # defaults live in the constructor alone
             if key in vars(cls):
                 delattr(cls, key)
         if section:
             cls.section = section
-            SECTIONS[section] = {}
+            SECTIONS.setdefault(section, {})
             ROOMS[section] = cls.__module__.rpartition(".")[0]
         cls.tag = tag
         if tag:
             SECTIONS[cls.section][tag] = cls
-            document(cls)
+        document(cls)
 
     def __post_init__(self) -> None:
         problems = Problems()
@@ -366,15 +518,19 @@ class Declared:
 
 def document(cls: type[Declared]) -> None:
     """Append the parameters of a class to its help."""
-    text = inspect.getdoc(cls) or ""
-    if "Parameters\n---" in text:
+    text = inspect.cleandoc(vars(cls).get("__doc__") or "")
+    if "Parameters\n---" in text or not cls.fields:
         return
     rows = []
     for field in cls.fields.values():
         rows.append(field.line())
         unit = f", {field.unit}" if str(field.unit) not in ("", "1") else ""
         rows.append(f"    {field.text}{unit}.")
-    cls.__doc__ = "\n".join([text, "", "Parameters", "----------", *rows])
+    head, *rest = re.split(
+        r"\n\n(?=(?:Attributes|Raises|Warns|See Also|Notes|Examples)\n---)", text
+    )
+    parameters = "\n".join(["Parameters", "----------", *rows])
+    cls.__doc__ = "\n\n".join([head, parameters, *rest])
 
 
 def kinds(section: str, room: str) -> dict[str, type[Declared]]:

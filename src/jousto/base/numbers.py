@@ -18,6 +18,8 @@ def set_fields(target: Any, **values: Any) -> None:
 def number(problems: Problems, where: str, name: str, value: Any) -> float | None:
     """Return a finite float, or note why the value is none."""
     try:
+        if isinstance(value, str):
+            raise TypeError
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         array = np.empty(0)

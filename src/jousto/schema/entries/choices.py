@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, get_args
 
 from pydantic import BaseModel, Discriminator, Tag
@@ -21,10 +21,17 @@ class Tagged:
     ----------
     tag : callable, optional
         Returns the type of a mapping that does not say it.
+    classes : callable, optional
+        Returns the classes by their tags; those of the annotated union if not given.
     """
 
-    def __init__(self, tag: Callable[[dict[str, Any]], str | None] | None = None) -> None:
+    def __init__(
+        self,
+        tag: Callable[[dict[str, Any]], str | None] | None = None,
+        classes: Callable[[], Mapping[str, type[BaseModel]]] | None = None,
+    ) -> None:
         self.tag = tag
+        self.classes = classes
 
     def choose(self, value: Any) -> str | None:
         """Return the tag of a value, None if it has none."""
@@ -39,16 +46,18 @@ class Tagged:
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         """Validate with the class of the tag alone."""
-        classes = {_tag(item): get_args(item)[0] for item in get_args(source)}
+        of_union = {_tag(item): get_args(item)[0] for item in get_args(source)}
+        find = self.classes or (lambda: of_union)
         name = f"{self.choose.__name__}()"
-        expected = ", ".join(f"'{tag}'" for tag in classes)
         prepared: dict[str, SchemaValidator] = {}
 
         def check(value: Any, info: Any) -> Any:
             tag = self.choose(value)
             if tag is None:
                 raise PydanticKnownError("union_tag_not_found", {"discriminator": name})
+            classes = find()
             if tag not in classes:
+                expected = ", ".join(f"'{tag}'" for tag in classes)
                 found = {"discriminator": name, "tag": tag, "expected_tags": expected}
                 raise PydanticKnownError("union_tag_invalid", found)
             if tag not in prepared:
@@ -57,7 +66,7 @@ class Tagged:
             return prepared[tag].validate_python(value, context=info.context)
 
         return core_schema.with_info_plain_validator_function(
-            check, metadata={CHOICES: list(classes.values())}
+            check, metadata={CHOICES: lambda: list(find().values())}
         )
 
 
@@ -81,7 +90,9 @@ class Later:
         def check(value: Any, info: Any) -> Any:
             return source.model_validate(value, context=info.context)
 
-        return core_schema.with_info_plain_validator_function(check, metadata={CHOICES: [source]})
+        return core_schema.with_info_plain_validator_function(
+            check, metadata={CHOICES: lambda: [source]}
+        )
 
 
 def by_form() -> Discriminator:
@@ -145,7 +156,7 @@ def _ref(schema: Any) -> str:
 
 def _classes(schema: Any) -> list[type[BaseModel]]:
     """Return the classes that a core schema of `Tagged` or `Later` chooses from."""
-    return list((schema.get("metadata") or {}).get(CHOICES, ()))
+    return list((schema.get("metadata") or {}).get(CHOICES, list)())
 
 
 def _tag(item: Any) -> str:

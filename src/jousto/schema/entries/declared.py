@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 from collections.abc import Callable, Mapping
-from functools import reduce
-from operator import or_
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Field as Key, Tag, create_model
+from pydantic import Field as Key, create_model
 
 from jousto.base.declare import Declared, Field, kinds
-from jousto.schema.entries.base import Direction, Entry, Flag, Marker, Number, Text, Unit
-from jousto.schema.entries.choices import tagged
+from jousto.schema.entries.base import (
+    Count,
+    Direction,
+    Duration as Seconds,
+    Entry,
+    Flag,
+    Marker,
+    Number,
+    Text,
+    Unit,
+)
+from jousto.schema.entries.choices import Tagged
 from jousto.schema.entries.signals import Amount
 
 Forms: TypeAlias = Mapping[str, Callable[[Any], Any]]
@@ -21,10 +30,13 @@ BASIC: Forms = {
     "text": lambda field: Text,
     "flag": lambda field: Flag,
     "number": lambda field: amount(field.unit),
+    "duration": lambda field: Seconds,
+    "count": lambda field: Count,
     "numbers": lambda field: tuple[Number, ...],
     "choice": lambda field: Literal[field.words],
     "direction": lambda field: Direction,
     "marker": lambda field: Marker,
+    "item": lambda field: entry_of(field.of),
 }
 """What a field of each form looks like in a model file, as a type that pydantic checks."""
 
@@ -34,9 +46,9 @@ def amount(unit: Any) -> Any:
     return Annotated[float, Unit(unit)] if isinstance(unit, str) else Amount
 
 
-def entry_of(cls: type[Declared], forms: Forms) -> type[Entry]:
+def entry_of(cls: type[Declared], forms: Forms = BASIC) -> type[Entry]:
     """Return the entry of a class in model files: its word, and a key for each field."""
-    keys: dict[str, Any] = {"type": (Literal[cls.tag], ...)}
+    keys: dict[str, Any] = {"type": (Literal[cls.tag], ...)} if cls.tag else {}
     for name, field in cls.fields.items():
         if not field.file:
             continue
@@ -61,6 +73,8 @@ def said(field: Field[Any, Any]) -> str | None:
 def one_of(section: str, room: str, forms: Forms = BASIC) -> Any:
     """Return the type of an entry of a section: one of its classes, by the key ``type``.
 
+    The classes are imported and their entries made when a file has one of the section.
+
     Parameters
     ----------
     section, room : str
@@ -68,6 +82,9 @@ def one_of(section: str, room: str, forms: Forms = BASIC) -> Any:
     forms : mapping
         Types for each form of a field.
     """
-    found = kinds(section, room).items()
-    entries = [Annotated[entry_of(cls, forms), Tag(tag)] for tag, cls in found]
-    return Annotated[reduce(or_, entries), tagged()]
+
+    @functools.cache
+    def entries() -> Mapping[str, type[Entry]]:
+        return {tag: entry_of(cls, forms) for tag, cls in kinds(section, room).items()}
+
+    return Annotated[Any, Tagged(classes=entries)]

@@ -10,7 +10,6 @@ from jousto.schema.entries.base import (
     Acceleration3,
     AngularVelocity3,
     Component,
-    Count,
     Density,
     Direction,
     Duration,
@@ -240,35 +239,7 @@ class InitialEntry(Entry):
 # -- simulation and the whole file ----------------------------------------------------------
 
 
-class BaumgarteEntry(Entry):
-    """`Baumgarte`: stabilisation of the constraints."""
-
-    alpha: Rate
-    beta: Rate
-
-
-class SolverEntry(Entry):
-    """A class of solver with its options."""
-
-    type: Literal["RK4", "ROS2", "GeneralizedAlpha", "Newmark", "DormandPrince"]
-    step: Duration | None = Field(None, description="Step size, 1 ms if not given")
-    projection: Flag | None = Field(None, description="Project onto the constraints every step")
-    baumgarte: BaumgarteEntry | None = Field(None, description="RK4, ROS2")
-    rho: Number | None = Field(None, description="GeneralizedAlpha: what is left of fast motion")
-    beta: Number | None = Field(None, description="Newmark, 1/4 if not given")
-    gamma: Number | None = Field(None, description="Newmark, 1/2 if not given")
-    tolerance: Number | None = Field(
-        None, description="Of Newton's iteration; DormandPrince: error of a step, 1e-6"
-    )
-    absolute: Length | None = Field(None, description="DormandPrince: errors of no interest")
-    first_step: Duration | None = Field(None, description="DormandPrince")
-    max_step: Duration | None = Field(None, description="DormandPrince: a tenth of the run")
-    output: Duration | None = Field(None, description="DormandPrince: time between results")
-    max_iterations: Count | None = Field(None, description="Of Newton's iteration")
-    tangent: Literal["exact", "modified"] | None = Field(None, description="Of Newton's iteration")
-    inertia_tangents: Flag | None = Field(
-        None, description="Velocity-dependent inertia in Newton's matrix: yes if not given"
-    )
+SolverEntry: Any = one_of("solvers", "jousto.simulation.solvers")
 
 
 class SimulationEntry(Entry):

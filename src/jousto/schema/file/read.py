@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -24,6 +23,7 @@ from jousto.schema.entries.solids import PartEntry
 from jousto.schema.file.document import Document, Loc, parse_document, read_document
 from jousto.schema.file.explain import explain
 from jousto.schema.make.builder import Builder
+from jousto.schema.make.declared import build_declared
 from jousto.schema.make.matrices import is_superelement
 
 PART_TYPES = ("beam", "members", "frame", "solid", "matrices", "reduced")
@@ -244,22 +244,7 @@ def build_simulation(builder: Builder, entry: SimulationEntry) -> Simulation | N
     before = len(builder.found)
     solver = None
     if entry.solver is not None:
-        from jousto.simulation.solvers.explicit import SOLVERS, Baumgarte
-
-        make: Any = {kind.__name__: kind for kind in SOLVERS}[entry.solver.type]
-        values = entry.solver.given()
-        known = inspect.signature(make).parameters
-        for key in [key for key in values if key not in known]:
-            builder.note(
-                (*here, "solver", key),
-                f"{entry.solver.type} has no option {key!r}; it takes {', '.join(known)}",
-            )
-        if entry.solver.baumgarte is not None:
-            place = (*here, "solver", "baumgarte")
-            rates = entry.solver.baumgarte.given()
-            values["baumgarte"] = builder.make(place, Baumgarte, **rates)
-        if len(builder.found) == before:
-            solver = builder.make((*here, "solver"), make, **values)
+        solver = build_declared(builder, (*here, "solver"), entry.solver, "solvers", {})
     if len(builder.found) > before:
         return None
     return Simulation(entry.t_end, solver, entry.output_step, entry.start or "initial")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from jousto.base.declare import SECTIONS, Field
+from jousto.base.declare import SECTIONS, Declared, Field, Item
 from jousto.base.errors import suggest
 from jousto.schema.entries.base import Entry
 from jousto.schema.file.document import Loc
@@ -31,11 +31,18 @@ def build_declared(builder: Builder, loc: Loc, entry: Any, section: str, known: 
     known : mapping
         What the entry may name.
     """
-    cls = SECTIONS[section][entry.type]
+    return build_one(builder, loc, entry, SECTIONS[section][entry.type], known)
+
+
+def build_one(builder: Builder, loc: Loc, entry: Any, cls: type[Declared], known: Known) -> Any:
+    """Return the object of a class from its entry, None if anything is wrong with it."""
     given = entry.given()
     values: dict[str, Any] = {}
     for key, field in cls.fields.items():
         if key not in given:
+            continue
+        if isinstance(field, Item):
+            values[key] = build_one(builder, (*loc, key), given[key], field.of, known)
             continue
         make = FORMS.get(field.form)
         unit = unit_of(field, values)

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.base.errors import Problems
+from jousto.base.declare import (
+    Declared,
+    Duration,
+    Number,
+    OptionalDuration,
+    OptionalNumber,
+    field,
+)
 from jousto.model.native.native import Engine
 from jousto.simulation.running.progress import Report
 
@@ -18,8 +24,7 @@ WALL_PER_CALL = 0.1  # s between looks at the clock, the bar and Ctrl-C
 LONGEST = 0.1  # of the run: largest step unless told
 
 
-@dataclass(frozen=True)
-class DormandPrince:
+class DormandPrince(Declared, section="solvers", tag="DormandPrince", by_value=True):
     """Runge-Kutta pair of orders 5 and 4 that chooses its steps by the error it makes.
 
     Dormand and Prince (J. Comp. Appl. Math. 6, 1980) with the step control and the dense output
@@ -29,25 +34,6 @@ class DormandPrince:
 
     The method is explicit: stiff springs and modes of high frequency force small steps whether
     they move or not; then `ROS2` is faster.
-
-    Parameters
-    ----------
-    tolerance : float
-        Largest error of a step: of positions, as a share of the size of the mechanism; of
-        rotations, in rad; of speeds, as a share of the largest speed of the body so far; of
-        modal coordinates and their rates, as a share of the largest so far of the body. What moves
-        less than a thousandth of the mechanism is measured against that thousandth; so is a speed
-        below a thousandth of the size of the mechanism per duration of the run.
-    absolute : float, optional
-        Errors below this do not matter, m and m/s (rad and rad/s times the size of the
-        mechanism); None: they all do.
-    first_step : float, optional
-        First step to try, s; None finds one from the speeds, accelerations and frequencies.
-    max_step : float, optional
-        Largest step, s; None is a tenth of the run. A short push by a `UserForce` is seen for
-        certain only by steps not longer than it.
-    output : float
-        Time between stored instants, s, unless `simulate` is given an `output_step`.
 
     Examples
     --------
@@ -62,25 +48,37 @@ class DormandPrince:
     projection: ClassVar[bool] = True
     baumgarte: ClassVar[None] = None
     most: ClassVar[int] = 100_000  # steps between two outputs
-    tolerance: float = 1e-6
-    absolute: float | None = None
-    first_step: float | None = None
-    max_step: float | None = None
-    output: float = 1e-2
-
-    def __post_init__(self) -> None:
-        problems = Problems()
-        where = "DormandPrince"
-        tolerance: Any = self.tolerance
-        if not _is_number(tolerance) or not 1e-13 <= tolerance <= 0.1:
-            problems.add(where, f"tolerance is {tolerance!r}, must be between 1e-13 and 0.1")
-        for name, unit in (("absolute", "m"), ("first_step", "s"), ("max_step", "s")):
-            value: Any = getattr(self, name)
-            if value is not None and not _is_positive(value):
-                problems.add(where, f"{name} is {value!r}, must be None or positive, {unit}")
-        if not _is_positive(self.output):
-            problems.add(where, f"output is {self.output!r}, must be a positive number of seconds")
-        problems.raise_if_any()
+    tolerance: Number = field(
+        "Largest error of a step: of positions, as a share of the size of the mechanism; of "
+        "rotations, in rad; of speeds, as a share of the largest speed of the body so far; of "
+        "modal coordinates and their rates, as a share of the largest so far of the body. What "
+        "moves less than a thousandth of the mechanism is measured against that thousandth; so is "
+        "a speed below a thousandth of the size of the mechanism per duration of the run",
+        least=1e-13,
+        most=0.1,
+        wanted="between 1e-13 and 0.1",
+        default=1e-6,
+    )
+    absolute: OptionalNumber = field(
+        "Errors below this do not matter, m and m/s (rad and rad/s times the size of the "
+        "mechanism); None: they all do",
+        unit="m",
+        above=0,
+        wanted="None or positive, m",
+        default=None,
+    )
+    first_step: OptionalDuration = field(
+        "First step to try; None finds one from the speeds, accelerations and frequencies",
+        default=None,
+    )
+    max_step: OptionalDuration = field(
+        "Largest step; None is a tenth of the run. A short push by a `UserForce` is seen for "
+        "certain only by steps not longer than it",
+        default=None,
+    )
+    output: Duration = field(
+        "Time between stored instants, unless `simulate` is given an `output_step`", default=1e-2
+    )
 
     @property
     def step(self) -> float:
@@ -153,11 +151,3 @@ def too_many_steps(engine: Engine, start: float, output: float) -> tuple[str, st
         "jumps are known), or it is held by something very stiff (take ROS2 or GeneralizedAlpha)",
         body,
     )
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float | np.number) and not isinstance(value, bool)
-
-
-def _is_positive(value: Any) -> bool:
-    return _is_number(value) and bool(np.isfinite(value)) and value > 0.0

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.base.errors import Problems
+from jousto.base.declare import Declared, Duration, Flag, Number, OptionalItem, field
 from jousto.simulation.solvers.adaptive import DormandPrince
 from jousto.simulation.solvers.implicit import GeneralizedAlpha, Newmark
 
@@ -44,43 +43,41 @@ class Solver(Protocol):
         """Growth in a step of terms that the method treats explicitly, z = step * lambda."""
 
 
-@dataclass(frozen=True)
-class Baumgarte:
+class Baumgarte(Declared, by_value=True):
     """Constraint stabilisation ``C'' + 2 alpha C' + beta^2 C = 0``.
 
-    Parameters
-    ----------
-    alpha, beta : float
-        1/s; ``alpha = beta`` is critically damped. A good size is 1 / (10 step).
+    ``alpha = beta`` is critically damped. A good size is 1 / (10 step).
     """
 
-    alpha: float
-    beta: float
-
-    def __post_init__(self) -> None:
-        problems = Problems()
-        for name in ("alpha", "beta"):
-            value = getattr(self, name)
-            if not _is_number(value) or not np.isfinite(value) or value < 0.0:
-                problems.add("Baumgarte", f"{name} is {value!r}, must be 0 or more, 1/s")
-        problems.raise_if_any()
+    alpha: Number = field("Of the velocities", unit="1/s", least=0, wanted="0 or more, 1/s")
+    beta: Number = field("Of the positions", unit="1/s", least=0, wanted="0 or more, 1/s")
 
 
-@dataclass(frozen=True)
-class RK4:
+class Explicit(Declared, section="solvers", by_value=True):
+    """What `RK4` and `ROS2` share."""
+
+    adaptive: ClassVar[bool] = False
+    step: Duration = field("Step size", default=1e-3)
+    projection: Flag = field(
+        "Project positions and velocities onto the constraints after every step", default=True
+    )
+    baumgarte: OptionalItem[Baumgarte] = field(
+        "Stabilisation instead of, or besides, projection",
+        wanted="Baumgarte(alpha, beta)",
+        default=None,
+    )
+
+    @property
+    def options(self) -> dict[str, float | int]:
+        """No further fields."""
+        return {}
+
+
+class RK4(Explicit, tag="RK4"):
     """Classical Runge-Kutta of order 4 (Rantalainen 2007, chapter 4).
 
     Four evaluations a step. Stable only while ``step * omega`` stays below 2.83 for the highest
     modal frequency omega.
-
-    Parameters
-    ----------
-    step : float
-        Step size, s.
-    projection : bool
-        Project positions and velocities onto the constraints after every step.
-    baumgarte : Baumgarte, optional
-        Stabilisation instead of, or besides, projection.
 
     Examples
     --------
@@ -91,18 +88,6 @@ class RK4:
     method: ClassVar[int] = 1
     order: ClassVar[int] = 4
     evaluations: ClassVar[int] = 4
-    adaptive: ClassVar[bool] = False
-    step: float = 1e-3
-    projection: bool = True
-    baumgarte: Baumgarte | None = None
-
-    def __post_init__(self) -> None:
-        _check(self)
-
-    @property
-    def options(self) -> dict[str, float | int]:
-        """No further fields."""
-        return {}
 
     def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
         """Return where the explicit growth exceeds 1, z = step * eigenvalue."""
@@ -113,40 +98,18 @@ class RK4:
         return np.asarray(np.abs(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0)))))
 
 
-@dataclass(frozen=True)
-class ROS2:
+class ROS2(Explicit, tag="ROS2"):
     """Linearly implicit W-method of order 2 with the modal stiffness and damping implicit.
 
     ROS2 of Verwer, Spee, Blom and Hundsdorfer (SIAM J. Sci. Comput. 20, 1999) with
     gamma = 1 - 1/sqrt 2. Two evaluations a step and no iteration but the projection, which is one
     correction, rarely more and never more than four: the work of a step is bounded. High modal
     frequencies do not limit the step; modes that the step cannot resolve are damped.
-
-    Parameters
-    ----------
-    step : float
-        Step size, s.
-    projection : bool
-        Project positions and velocities onto the constraints after every step.
-    baumgarte : Baumgarte, optional
-        Stabilisation instead of, or besides, projection.
     """
 
     method: ClassVar[int] = 2
     order: ClassVar[int] = 2
     evaluations: ClassVar[int] = 2
-    adaptive: ClassVar[bool] = False
-    step: float = 1e-3
-    projection: bool = True
-    baumgarte: Baumgarte | None = None
-
-    def __post_init__(self) -> None:
-        _check(self)
-
-    @property
-    def options(self) -> dict[str, float | int]:
-        """No further fields."""
-        return {}
 
     def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
         """Return False everywhere: the method is L-stable for the modal equations."""
@@ -158,21 +121,3 @@ class ROS2:
 
 
 SOLVERS: tuple[type[Solver], ...] = (RK4, ROS2, GeneralizedAlpha, Newmark, DormandPrince)
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float | np.number) and not isinstance(value, bool)
-
-
-def _check(solver: RK4 | ROS2) -> None:
-    where = type(solver).__name__
-    problems = Problems()
-    projection: Any = solver.projection
-    baumgarte: Any = solver.baumgarte
-    if not _is_number(solver.step) or not np.isfinite(solver.step) or solver.step <= 0.0:
-        problems.add(where, f"step is {solver.step!r}, must be a positive number of seconds")
-    if not isinstance(projection, bool):
-        problems.add(where, f"projection is {projection!r}, must be True or False")
-    if not isinstance(baumgarte, Baumgarte | None):
-        problems.add(where, f"baumgarte is {baumgarte!r}, must be Baumgarte(alpha, beta)")
-    problems.raise_if_any()

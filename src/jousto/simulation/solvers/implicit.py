@@ -2,19 +2,65 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.base.errors import Problems
+from jousto.base.declare import (
+    Choice,
+    Declared,
+    Duration,
+    Flag,
+    Number,
+    OptionalNumber,
+    Whole,
+    field,
+)
 
-TANGENTS = ("exact", "modified")
+STEP: Any = field("Step size", default=1e-3)
+TOLERANCE: Any = field(
+    "Of Newton's iteration: the last change of the accelerations, in the metric of the masses, as "
+    "a share of the accelerations and elastic forces at work. None: always `max_iterations` "
+    "iterations, so that the work of a step is bounded",
+    least=1e-14,
+    most=1e-2,
+    wanted="between 1e-14 and 1e-2, or None for max_iterations iterations at every step",
+    default=1e-10,
+)
+MOST: Any = field("Most iterations of a step", least=1, most=1000, default=10)
+TANGENT: Any = field(
+    "Keep the factors, over many steps, as long as the iteration converges fast (a step where it "
+    "does not converge is tried again with the exact matrix), or factorise the exact matrix at "
+    "every iteration, as derivatives by complex numbers always do",
+    words=("exact", "modified"),
+    default="modified",
+)
+PROJECTION: Any = field("Index 2 with closed positions, or index 3", default=True)
+INERTIA: Any = field(
+    "How inertia forces change with positions and velocities counts in the exact matrix: the "
+    "matrices K_acc and C_acc of Makinen, Marjamaki and Pajunen (eq. 13) and the gyroscopic ones. "
+    "Without them the result is the same, to the tolerance, after more iterations where bodies "
+    "turn fast; what they save, ``run.work.iterations`` tells",
+    default=True,
+)
 
 
-@dataclass(frozen=True)
-class GeneralizedAlpha:
+class Newton(Declared, section="solvers", by_value=True):
+    """What the implicit methods share."""
+
+    method: ClassVar[int] = 3
+    order: ClassVar[int] = 2
+    evaluations: ClassVar[int] = 3
+    adaptive: ClassVar[bool] = False
+    baumgarte: ClassVar[None] = None
+
+    def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
+        """Return 0: nothing is explicit."""
+        return np.zeros(len(z))
+
+
+class GeneralizedAlpha(Newton, tag="GeneralizedAlpha"):
     """Implicit method of order 2 with numerical damping of what the step does not resolve.
 
     Generalised alpha (Chung and Hulbert, J. Appl. Mech. 60, 1993) on the Lie group of the poses
@@ -24,58 +70,26 @@ class GeneralizedAlpha:
     are closed after every step; without it they hold the positions (index 3), and the velocities
     miss the constraints by the error of the method.
 
-    Parameters
-    ----------
-    step : float
-        Step size, s.
-    rho : float
-        Share of an oscillation much faster than the step that is left after one step, 0 to 1;
-        1 keeps all of its energy.
-    tolerance : float or None
-        Of Newton's iteration: the last change of the accelerations, in the metric of the masses,
-        as a share of the accelerations and elastic forces at work. None: always
-        `max_iterations` iterations, so that the work of a step is bounded.
-    max_iterations : int
-        Most iterations of a step.
-    tangent : "modified" or "exact"
-        Keep the factors, over many steps, as long as the iteration converges fast (a step where
-        it does not converge is tried again with the exact matrix), or factorise the exact matrix
-        at every iteration, as derivatives by complex numbers always do.
-    projection : bool
-        Index 2 with closed positions, or index 3.
-    inertia_tangents : bool
-        How inertia forces change with positions and velocities counts in the exact matrix: the
-        matrices K_acc and C_acc of Makinen, Marjamaki and Pajunen (eq. 13) and the gyroscopic
-        ones. Without them the result is the same, to the tolerance, after more iterations
-        where bodies turn fast; what they save, ``run.work.iterations`` tells.
-
     Examples
     --------
     >>> GeneralizedAlpha(step=1e-3, rho=0.6).rho
     0.6
     """
 
-    method: ClassVar[int] = 3
-    order: ClassVar[int] = 2
-    evaluations: ClassVar[int] = 3
-    adaptive: ClassVar[bool] = False
-    baumgarte: ClassVar[None] = None
-    step: float = 1e-3
-    rho: float = 0.8
-    tolerance: float | None = 1e-10
-    max_iterations: int = 10
-    tangent: Literal["exact", "modified"] = "modified"
-    projection: bool = True
-    inertia_tangents: bool = True
-
-    def __post_init__(self) -> None:
-        problems = _problems(self)
-        rho: Any = self.rho
-        if not _is_number(rho) or not 0.0 <= rho <= 1.0:
-            problems.add(
-                "GeneralizedAlpha", f"rho is {rho!r}, must be between 0 (damps most) and 1 (none)"
-            )
-        problems.raise_if_any()
+    step: Duration = STEP
+    rho: Number = field(
+        "Share of an oscillation much faster than the step that is left after one step, 0 to 1; 1 "
+        "keeps all of its energy",
+        least=0,
+        most=1,
+        wanted="between 0 (damps most) and 1 (none)",
+        default=0.8,
+    )
+    tolerance: OptionalNumber = TOLERANCE
+    max_iterations: Whole = MOST
+    tangent: Choice = TANGENT
+    projection: Flag = PROJECTION
+    inertia_tangents: Flag = INERTIA
 
     @property
     def coefficients(self) -> tuple[float, float, float, float]:
@@ -94,55 +108,37 @@ class GeneralizedAlpha:
         """Return where a linear oscillation grows at this step: nowhere."""
         return _unstable(self, step, eigenvalues)
 
-    def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
-        """Return 0: nothing is explicit."""
-        return np.zeros(len(z))
 
-
-@dataclass(frozen=True)
-class Newmark:
+class Newmark(Newton, tag="Newmark"):
     """Newmark's implicit method (J. Eng. Mech. Div. ASCE 85, 1959) with Newton's iteration.
 
     ``q1 = q0 o exp(h v0 + h^2 ((1/2 - beta) a0 + beta a1))``, ``v1 = v0 + h ((1 - gamma) a0 +
     gamma a1)``. With 1/4 and 1/2, the trapezoidal rule, a linear oscillator keeps its energy
     exactly and nothing is damped; gamma above 1/2 damps, at order 1. For numerical damping at
     order 2 take `GeneralizedAlpha`.
-
-    Parameters
-    ----------
-    step : float
-        Step size, s.
-    beta, gamma : float
-        Weights of the new acceleration; stable at any step if ``2 beta >= gamma >= 1/2``.
-    tolerance, max_iterations, tangent, projection, inertia_tangents
-        As for `GeneralizedAlpha`.
     """
 
-    method: ClassVar[int] = 3
-    order: ClassVar[int] = 2
-    evaluations: ClassVar[int] = 3
-    adaptive: ClassVar[bool] = False
-    baumgarte: ClassVar[None] = None
-    step: float = 1e-3
-    beta: float = 0.25
-    gamma: float = 0.5
-    tolerance: float | None = 1e-10
-    max_iterations: int = 10
-    tangent: Literal["exact", "modified"] = "modified"
-    projection: bool = True
-    inertia_tangents: bool = True
-
-    def __post_init__(self) -> None:
-        problems = _problems(self)
-        for name, low, high in (("beta", 0.0, 1.0), ("gamma", 0.5, 1.0)):
-            value: Any = getattr(self, name)
-            if not _is_number(value) or not low <= value <= high or value == 0.0:
-                problems.add(
-                    "Newmark",
-                    f"{name} is {value!r}, must be between {low:g} and {high:g}"
-                    + (" and not 0" if low == 0.0 else ""),
-                )
-        problems.raise_if_any()
+    step: Duration = STEP
+    beta: Number = field(
+        "Weight of the new acceleration in the displacement; stable at any step if "
+        "``2 beta >= gamma >= 1/2``",
+        above=0,
+        most=1,
+        wanted="between 0 and 1 and not 0",
+        default=0.25,
+    )
+    gamma: Number = field(
+        "Weight of the new acceleration in the velocity",
+        least=0.5,
+        most=1,
+        wanted="between 0.5 and 1",
+        default=0.5,
+    )
+    tolerance: OptionalNumber = TOLERANCE
+    max_iterations: Whole = MOST
+    tangent: Choice = TANGENT
+    projection: Flag = PROJECTION
+    inertia_tangents: Flag = INERTIA
 
     @property
     def coefficients(self) -> tuple[float, float, float, float]:
@@ -157,10 +153,6 @@ class Newmark:
     def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
         """Return where a linear oscillation grows at this step."""
         return _unstable(self, step, eigenvalues)
-
-    def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
-        """Return 0: nothing is explicit."""
-        return np.zeros(len(z))
 
 
 Implicit = GeneralizedAlpha | Newmark
@@ -208,34 +200,3 @@ def _options(solver: Implicit) -> dict[str, float | int]:
         "modified": int(solver.tangent == "modified"),
         "plain_inertia": int(not solver.inertia_tangents),
     }
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float | np.number) and not isinstance(value, bool)
-
-
-def _problems(solver: Implicit) -> Problems:
-    where = type(solver).__name__
-    problems = Problems()
-    step: Any = solver.step
-    tolerance: Any = solver.tolerance
-    most: Any = solver.max_iterations
-    projection: Any = solver.projection
-    inertia: Any = solver.inertia_tangents
-    if not _is_number(step) or not np.isfinite(step) or step <= 0.0:
-        problems.add(where, f"step is {step!r}, must be a positive number of seconds")
-    if tolerance is not None and (not _is_number(tolerance) or not 1e-14 <= tolerance <= 1e-2):
-        problems.add(
-            where,
-            f"tolerance is {tolerance!r}, must be between 1e-14 and 1e-2, or None for "
-            "max_iterations iterations at every step",
-        )
-    if not isinstance(most, int) or isinstance(most, bool) or not 1 <= most <= 1000:
-        problems.add(where, f"max_iterations is {most!r}, must be a whole number from 1 to 1000")
-    if solver.tangent not in TANGENTS:
-        problems.add(where, f"tangent is {solver.tangent!r}, must be 'exact' or 'modified'")
-    if not isinstance(projection, bool):
-        problems.add(where, f"projection is {projection!r}, must be True or False")
-    if not isinstance(inertia, bool):
-        problems.add(where, f"inertia_tangents is {inertia!r}, must be True or False")
-    return problems
