@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from jousto.base.arrays import Floats, Ints
 from jousto.base.errors import Problems
+from jousto.mesh.grid import Grid
 from jousto.mesh.picks import NEAR
 from jousto.mesh.surface import face_normals
 
-if TYPE_CHECKING:
-    from jousto.mesh.mesh import Mesh
 
-
-def on_plane(mesh: Mesh, point: Any, normal: Any, tolerance: float | None) -> Ints:
+def on_plane(mesh: Grid, point: Any, normal: Any, tolerance: float | None) -> Ints:
     """Return the nodes near a plane through a point, see :meth:`Mesh.plane`."""
     where, problems = f"mesh '{mesh.name}', plane", Problems()
     p = problems.array(where, "point", point, (3,))
@@ -29,7 +27,7 @@ def on_plane(mesh: Mesh, point: Any, normal: Any, tolerance: float | None) -> In
     return np.flatnonzero(np.abs((mesh.nodes - p) @ n) <= slack)
 
 
-def facing(mesh: Mesh, direction: Any, angle: float) -> Ints:
+def facing(mesh: Grid, direction: Any, angle: float) -> Ints:
     """Return the nodes of outer faces whose normal is near a direction."""
     where, problems = f"mesh '{mesh.name}', normal_to", Problems()
     d = unit_vector(problems, where, "direction", direction)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
@@ -11,10 +10,8 @@ import scipy.sparse as sp
 from jousto.base.arrays import Floats, Ints
 from jousto.base.described import described
 from jousto.mesh.cylinders import Cylinder, cylinder_through
+from jousto.mesh.grid import Grid
 from jousto.mesh.surface import face_normals
-
-if TYPE_CHECKING:
-    from jousto.mesh.mesh import Mesh
 
 # faces belong together if their normals differ by less (degrees)
 SMOOTH = 35.0
@@ -59,7 +56,7 @@ class Hole:
         )
 
 
-def find_holes(mesh: Mesh, radius: tuple[float, float]) -> tuple[Hole, ...]:
+def find_holes(mesh: Grid, radius: tuple[float, float]) -> tuple[Hole, ...]:
     """Return the cylindrical holes of a mesh, the largest first.
 
     Outer faces are gathered into smooth walls and a cylinder is fitted to each. Walls of one
@@ -88,7 +85,7 @@ class _Wall:
     corners: Ints
 
 
-def _walls(mesh: Mesh) -> list[_Wall]:
+def _walls(mesh: Grid) -> list[_Wall]:
     """Return the cylinders that fit smooth walls, normals towards the axis."""
     corners = [block.corners for block in mesh.faces]
     if not corners:
@@ -162,7 +159,7 @@ def _same(a: Cylinder, b: Cylinder) -> bool:
     return float(np.linalg.norm(apart)) < NEAR * a.radius
 
 
-def _joined(mesh: Mesh, walls: list[_Wall]) -> Hole | None:
+def _joined(mesh: Grid, walls: list[_Wall]) -> Hole | None:
     shape = walls[0].shape
     axis = shape.axis * np.sign(shape.axis[np.argmax(np.abs(shape.axis))])
     wall = np.unique(np.concatenate([w.nodes for w in walls]))

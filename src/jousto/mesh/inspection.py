@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 import scipy.sparse as sp
@@ -13,11 +13,9 @@ from jousto.base.arrays import Floats, Ints, some
 from jousto.base.errors import InputError, Problem, count, warn
 from jousto.base.ranking import ranking
 from jousto.mesh.cells import LINES, SURFACES, base, edges, is_quadratic
+from jousto.mesh.grid import Grid
 from jousto.mesh.quality import POOR
 from jousto.mesh.surface import all_faces, match
-
-if TYPE_CHECKING:
-    from jousto.mesh.mesh import Mesh
 
 # diagonals in m outside of which the unit is doubtful
 SMALL, LARGE, HUGE = 2e-3, 8.0, 100.0
@@ -46,18 +44,18 @@ class Finding(Problem):
     ids: tuple[int, ...] = ()
 
 
-def inspect(mesh: Mesh) -> tuple[Finding, ...]:
+def inspect(mesh: Grid) -> tuple[Finding, ...]:
     """Return the findings of a mesh, the errors first."""
     found = list(_all(mesh))
     return tuple(sorted(found, key=lambda finding: finding.severity != "error"))
 
 
-def require(mesh: Mesh, *, tolerate: Iterable[str] = (), silent: Iterable[str] = ()) -> None:
+def require(mesh: Grid, *, tolerate: Iterable[str] = (), silent: Iterable[str] = ()) -> None:
     """Raise InputError with all errors of a mesh, and warn of what is doubtful.
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh : Mesh or Grid
     tolerate : iterable of str
         Kinds of errors that are only warned of.
     silent : iterable of str
@@ -76,7 +74,7 @@ def require(mesh: Mesh, *, tolerate: Iterable[str] = (), silent: Iterable[str] =
         raise InputError(errors)
 
 
-def _all(mesh: Mesh) -> Iterator[Finding]:
+def _all(mesh: Grid) -> Iterator[Finding]:
     where = f"mesh '{mesh.name}'"
     yield from _unsupported(mesh, where)
     if not len(mesh.element_ids):
@@ -96,7 +94,7 @@ def _all(mesh: Mesh) -> Iterator[Finding]:
     yield from _size(mesh, where)
 
 
-def _numbers(mesh: Mesh, where: str) -> Iterator[Finding]:
+def _numbers(mesh: Grid, where: str) -> Iterator[Finding]:
     """Numbers that belong to several solid elements or nodes."""
     for ids, what in ((mesh.element_ids, "element"), (mesh.node_ids, "node")):
         values, number = np.unique(ids, return_counts=True)
@@ -111,7 +109,7 @@ def _numbers(mesh: Mesh, where: str) -> Iterator[Finding]:
             )
 
 
-def _unsupported(mesh: Mesh, where: str) -> Iterator[Finding]:
+def _unsupported(mesh: Grid, where: str) -> Iterator[Finding]:
     for block in mesh.cells:
         if base(block.kind) == "pyramid" and len(block):
             yield Finding(
@@ -124,7 +122,7 @@ def _unsupported(mesh: Mesh, where: str) -> Iterator[Finding]:
             )
 
 
-def _shapes(mesh: Mesh, where: str) -> Iterator[Finding]:
+def _shapes(mesh: Grid, where: str) -> Iterator[Finding]:
     """Collapsed, inverted and flat elements."""
     collapsed = []
     for block in mesh.solids:
@@ -183,7 +181,7 @@ def _shapes(mesh: Mesh, where: str) -> Iterator[Finding]:
         )
 
 
-def _connection(mesh: Mesh, where: str) -> Iterator[Finding]:
+def _connection(mesh: Grid, where: str) -> Iterator[Finding]:
     """Elements one inside the other, linear beside quadratic ones, pieces."""
     blocks = all_faces(mesh.cells)
     group, number = match(blocks)
@@ -251,7 +249,7 @@ def _connection(mesh: Mesh, where: str) -> Iterator[Finding]:
         )
 
 
-def _nodes(mesh: Mesh, where: str) -> Iterator[Finding]:
+def _nodes(mesh: Grid, where: str) -> Iterator[Finding]:
     """Nodes twice at one place, nodes of shells and lines only, nodes of nothing."""
     tolerance = merge_tolerance(mesh)
     pairs = duplicates(mesh, tolerance)
@@ -292,7 +290,7 @@ def _nodes(mesh: Mesh, where: str) -> Iterator[Finding]:
         )
 
 
-def _sets(mesh: Mesh, where: str) -> Iterator[Finding]:
+def _sets(mesh: Grid, where: str) -> Iterator[Finding]:
     named = {
         name
         for group in (mesh.node_sets, mesh.element_sets, mesh.surfaces)
@@ -308,7 +306,7 @@ def _sets(mesh: Mesh, where: str) -> Iterator[Finding]:
         )
 
 
-def _size(mesh: Mesh, where: str) -> Iterator[Finding]:
+def _size(mesh: Grid, where: str) -> Iterator[Finding]:
     low, high = mesh.bounds
     long = float(np.linalg.norm(high - low))
     if not mesh.source or SMALL <= long <= LARGE:
@@ -326,7 +324,7 @@ def _size(mesh: Mesh, where: str) -> Iterator[Finding]:
     yield Finding(where, f"{found}: {guess}", "size")
 
 
-def merge_tolerance(mesh: Mesh) -> float:
+def merge_tolerance(mesh: Grid) -> float:
     """Return the distance in m below which two nodes are taken for one."""
     low, high = mesh.bounds
     limit = 1e-5 * float(np.linalg.norm(high - low))
@@ -340,7 +338,7 @@ def merge_tolerance(mesh: Mesh) -> float:
     return limit
 
 
-def duplicates(mesh: Mesh, tolerance: float) -> Ints:
+def duplicates(mesh: Grid, tolerance: float) -> Ints:
     """Return pairs (m, 2) of nodes of solids within a tolerance in m, sorted, the lower first."""
     from scipy.spatial import cKDTree  # slow to import and rarely needed
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -16,9 +16,7 @@ from jousto.mesh.cylinders import cylinder_middle
 from jousto.mesh.holes import Hole
 from jousto.mesh.picks import Pick
 from jousto.mesh.sets import read_integers
-
-if TYPE_CHECKING:
-    from jousto.parts.part import Part
+from jousto.parts.geometry import Geometry
 
 LOOSE, NARROW = 1e-8, 1e-3
 """Least ratio of the weakest to the strongest of the six motions of the tied nodes."""
@@ -153,13 +151,15 @@ class Tie:
         return np.asarray((self.nodes[:, None] * d + np.arange(d)).ravel())
 
 
-def resolve(problems: Problems, where: str, part: Part) -> tuple[Tie, ...]:
+def resolve(
+    problems: Problems, where: str, part: Geometry, interfaces: Sequence[Interface]
+) -> tuple[Tie, ...]:
     """Return the ties of a part, or note everything that is wrong with its interfaces."""
     nodes, node_sets, d = part.nodes, part.node_sets, part.dofs_per_node
     ties: list[Tie] = []
     owner: dict[int, str] = {}
     names: set[str] = set()
-    for interface in part.interfaces:
+    for interface in interfaces:
         label = f"{where}, interface '{interface.name}'"
         if interface.name in names:
             problems.add(where, f"two interfaces are named '{interface.name}'")
@@ -189,7 +189,7 @@ def resolve(problems: Problems, where: str, part: Part) -> tuple[Tie, ...]:
 
 
 def _nodes(
-    problems: Problems, label: str, interface: Interface, part: Part
+    problems: Problems, label: str, interface: Interface, part: Geometry
 ) -> tuple[Ints, tuple[Ints, ...]] | None:
     """Return the nodes of an interface, in the order given, and its faces if it names those."""
     value, nodes, node_sets = interface.nodes, part.nodes, part.node_sets

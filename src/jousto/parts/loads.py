@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints, times
+from jousto.base.arrays import Floats, Ints, Sparse, times
 from jousto.base.described import described
 from jousto.base.errors import Problems, suggest
 from jousto.mesh.area import area_matrix, face_points
 from jousto.mesh.picks import Pick
 from jousto.mesh.sets import read_integers
-
-if TYPE_CHECKING:
-    from jousto.parts.part import Part
+from jousto.parts.geometry import Geometry
 
 
 @described
@@ -139,7 +137,7 @@ _FIELDS = {
 }
 
 
-def load_vector(part: Part, loads: Sequence[Load]) -> Floats:
+def load_vector(part: Geometry, M: Sparse, loads: Sequence[Load]) -> Floats:
     """Return the nodal forces (ndof,) of loads, see `Part.load`."""
     problems = Problems()
     total = np.zeros((len(part.nodes), part.dofs_per_node))
@@ -159,10 +157,10 @@ def load_vector(part: Part, loads: Sequence[Load]) -> Floats:
             continue
         known = {name: v for name, v in vectors.items() if v is not None}
         if isinstance(load, Weight):
-            total += _inertial(part, np.broadcast_to(known["acceleration"], part.nodes.shape))
+            total += _inertial(part, M, np.broadcast_to(known["acceleration"], part.nodes.shape))
         elif isinstance(load, Spin):
             w, r = known["velocity"], part.nodes - known["centre"]
-            total += _inertial(part, -np.cross(w, np.cross(w, r)))
+            total += _inertial(part, M, -np.cross(w, np.cross(w, r)))
         else:
             nodes = pick_nodes(problems, label, part, load.on)
             if nodes is None:
@@ -189,11 +187,11 @@ def load_vector(part: Part, loads: Sequence[Load]) -> Floats:
     return total.reshape(-1)
 
 
-def _inertial(part: Part, field: Floats) -> Floats:
+def _inertial(part: Geometry, M: Sparse, field: Floats) -> Floats:
     """Return ``int rho field`` of an affine field of accelerations (nn, 3) as nodal forces."""
     a = np.zeros((len(part.nodes), part.dofs_per_node))
     a[:, :3] = field
-    return times(part.M, a.reshape(-1)).reshape(a.shape)
+    return times(M, a.reshape(-1)).reshape(a.shape)
 
 
 def _on_nodes(
@@ -213,7 +211,7 @@ def _on_nodes(
 def _spread(
     problems: Problems,
     label: str,
-    part: Part,
+    part: Geometry,
     faces: list[Ints],
     total: Floats,
     known: dict[str, Floats],
@@ -234,7 +232,7 @@ def _spread(
     total[:, :3] += times(A, t)
 
 
-def pick_nodes(problems: Problems, label: str, part: Part, on: Any) -> Ints | None:
+def pick_nodes(problems: Problems, label: str, part: Geometry, on: Any) -> Ints | None:
     """Return the nodes of a set, of indices or of a pick, or note what is wrong."""
     if isinstance(on, str):
         if on not in part.node_sets:
@@ -258,7 +256,9 @@ def pick_nodes(problems: Problems, label: str, part: Part, on: Any) -> Ints | No
     return array
 
 
-def _faces(problems: Problems, label: str, part: Part, on: Any, nodes: Ints) -> list[Ints] | None:
+def _faces(
+    problems: Problems, label: str, part: Geometry, on: Any, nodes: Ints
+) -> list[Ints] | None:
     """Return the outer faces of a named surface, or those all of whose nodes are among these."""
     if not part.faces:
         problems.add(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -32,6 +32,7 @@ from jousto.parts.frames.frame import BeamOptions, Frame, assemble, check_frame
 from jousto.parts.frames.members import Member, check_elements, join_members
 from jousto.parts.frames.second_order import SecondOrder
 from jousto.parts.frames.stress import StressOperator
+from jousto.parts.geometry import Geometry
 from jousto.parts.interface import Interface, Tie, resolve
 from jousto.parts.loads import Load, load_vector
 from jousto.parts.mass import MassPoints, PointMass
@@ -45,7 +46,7 @@ from jousto.sections.section import Section
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Part:
+class Part(Geometry):
     """A flexible component before reduction, in its own part frame, free of supports.
 
     Made by :meth:`beam`, :meth:`frame`, :meth:`from_members`, :meth:`solid` or
@@ -87,19 +88,13 @@ class Part:
         Rigid masses that stand in M beside the consistent mass of solids.
     """
 
-    name: str
-    nodes: Floats
     elements: Ints
-    dofs_per_node: int
     M: Sparse
     K: Sparse
-    node_sets: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     mass_points: MassPoints | None = None
     stress: StressOperator | SolidStress | None = None
     second_order: SecondOrder | SolidSecondOrder | None = None
     interfaces: Sequence[Interface] = ()
-    faces: Sequence[Ints] = ()
-    surfaces: Mapping[str, Sequence[Ints]] = field(default_factory=dict)
     solids: SolidModel | None = None
     mesh: Mesh | None = None
     attached: MassPoints | None = None
@@ -131,7 +126,7 @@ class Part:
             object.__setattr__(self, "interfaces", interfaces)
             object.__setattr__(self, "faces", faces)
             if not problems.found:
-                ties = resolve(problems, where, self)
+                ties = resolve(problems, where, self, interfaces)
                 object.__setattr__(self, "_ties", ties)
         problems.raise_if_any()
 
@@ -676,7 +671,7 @@ class Part:
         >>> f"{f.reshape(-1, 6)[:, 2].sum():.2f} N, of this {9.81 * beam.mass:.2f} N weight"
         '-106.05 N, of this 6.05 N weight'
         """
-        return load_vector(self, loads)
+        return load_vector(self, self.M, loads)
 
     @cached_property
     def surface_normals(self) -> Floats:
@@ -717,7 +712,7 @@ class Part:
         --------
         >>> part.with_stress(part.surface_stress("fillet"))  # doctest: +SKIP
         """
-        return surface_stress(self, on)
+        return surface_stress(self, self.solids, [tie.nodes for tie in self.ties], on)
 
     def with_stress(self, stress: StressOperator | SolidStress | None) -> Part:
         """Return the part with another stress operator: fewer sites, a free surface, or none."""

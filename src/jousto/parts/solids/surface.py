@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,19 +12,18 @@ from jousto.base.errors import Problems
 from jousto.materials.material import Material
 from jousto.materials.orthotropic import elasticity
 from jousto.parts.frames.stress import StressOperator
+from jousto.parts.geometry import Geometry
 from jousto.parts.loads import pick_nodes
 from jousto.parts.solids.faces import face_operators
 from jousto.parts.solids.model import SolidModel
 from jousto.parts.solids.stress import compliances, labels
 
-if TYPE_CHECKING:
-    from jousto.parts.part import Part
 
-
-def surface_stress(part: Part, on: Any) -> StressOperator:
+def surface_stress(
+    part: Geometry, model: SolidModel | None, ties: Sequence[Ints], on: Any
+) -> StressOperator:
     """Return the stress of free surfaces, see `Part.surface_stress`."""
     where, problems = f"part '{part.name}'", Problems()
-    model = part.solids
     if model is None:
         problems.add(where, "has no surface: only parts of solids (Part.solid) have one")
         problems.raise_if_any()
@@ -32,16 +31,16 @@ def surface_stress(part: Part, on: Any) -> StressOperator:
     if on is None:
         # loads act on interfaces
         chosen = [np.ones(len(face), dtype=bool) for face in model.faces]
-        for tie in part.ties:
+        for nodes in ties:
             tied = np.zeros(len(part.nodes), dtype=bool)
-            tied[tie.nodes] = True
+            tied[nodes] = True
             for mask, face in zip(chosen, model.faces, strict=True):
                 mask &= ~np.all(tied[face], axis=1)
     else:
-        nodes = pick_nodes(problems, where, part, on)
+        picked = pick_nodes(problems, where, part, on)
         problems.raise_if_any()
         inside = np.zeros(len(part.nodes), dtype=bool)
-        inside[nodes] = True
+        inside[picked] = True
         chosen = [np.all(inside[face], axis=1) for face in model.faces]
     if not any(np.any(mask) for mask in chosen):
         problems.add(where, "no outer face has all its nodes there; pick its mid nodes, too")

@@ -1,0 +1,20 @@
+"""Geometry: nodes, named sets and outer faces of a part, as loads and interfaces see it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from jousto.base.arrays import Floats, Ints
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Geometry:
+    """What a `Part` is without its matrices; see there."""
+
+    name: str
+    nodes: Floats
+    dofs_per_node: int
+    node_sets: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    faces: Sequence[Ints] = ()
+    surfaces: Mapping[str, Sequence[Ints]] = field(default_factory=dict)
