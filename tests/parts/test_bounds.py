@@ -20,6 +20,7 @@ from jousto.mechanism.signals.piecewise import read_columns
 from jousto.mesh.readers.cdb import _announced
 from jousto.mesh.readers.files import which
 from jousto.parts.matrices.plain import read_plain
+from jousto.reduction.damping import modal_damping
 from jousto.schema.file.read import read_model
 
 STEEL = jo.Material(2.1e11, 0.3, 7850.0)
@@ -162,9 +163,9 @@ def test_values_beyond_all_materials_and_damping() -> None:
     with pytest.warns(JoustoWarning, match="stiffness is 1000 s: .* ratio 3.14e.03.*it is in s"):
         jo.BeamDamping(stiffness=1e3)
     with pytest.raises(InputError, match="ratio 1000 must be at most 100: 1 is critical"):
-        jo.reduction.damping.modal_damping(1000.0, [1.0, 2.0])
+        modal_damping(1000.0, [1.0, 2.0])
     with pytest.warns(JoustoWarning, match="ratio 2 is above 1 .is it in per cent"):
-        jo.reduction.damping.modal_damping([0.02, 2.0], [1.0, 2.0])
+        modal_damping([0.02, 2.0], [1.0, 2.0])
 
 
 def test_files_that_begin_like_others_are_known(tmp_path: Path) -> None:

@@ -35,6 +35,8 @@ TABLES: dict[str, dict[str, tuple[str | int | None, str]]] = {
     },
     "events": {"time": (0, "f"), "kind": (0, "u"), "text": (None, "u")},
 }
+KINDS = ("start", "channel", "alarm", "garbage", "backwards", "clock", "gap", "resumed", "end")
+"""Kinds of events."""
 WITHOUT_CURVE = ("time", "samples", "blind", "garbage", "backwards", "peak")
 
 
@@ -165,8 +167,6 @@ class MonitorRecord:
     @property
     def events(self) -> tuple[Event, ...]:
         """What happened, in its order."""
-        from jousto.measurement.monitor.watch import KINDS
-
         rows = zip(*(self._read("events", n) for n in ("time", "kind", "text")), strict=True)
         return tuple(
             Event(float(t), KINDS[int(k)], bytes(x).rstrip(b"\0").decode(errors="replace"))
@@ -266,8 +266,6 @@ def duration(seconds: float) -> str:
 
 def _check(file: Group, rows: dict[str, int], channels: int, spots: int) -> None:
     """Raise an error that names the first field of a record that is not as it should be."""
-    from jousto.measurement.monitor.watch import KINDS
-
     for name in ("criterion", "level"):
         wanted = str if name == "criterion" else float
         if not isinstance(file.attrs.get(name), wanted):

@@ -27,7 +27,7 @@ from jousto.measurement.monitor.alarms import Alarm
 from jousto.measurement.monitor.health import STATES, Change
 from jousto.measurement.monitor.monitor import Monitor, Summary, Update
 from jousto.measurement.monitor.record import Column, Layout, Record, Table
-from jousto.measurement.monitor.recorded import MonitorRecord, duration
+from jousto.measurement.monitor.recorded import KINDS, MonitorRecord, duration
 from jousto.measurement.monitor.stream import UNITS, Block, Oddity, Place, Stream, factor
 from jousto.simulation.results.writer import uninterrupted
 
@@ -37,7 +37,6 @@ Show = Callable[["Progress"], None]
 TEXT = 160  # bytes of an event
 MOST_ODDITIES = 1000  # lines that made no sense and are recorded one by one; all are counted
 UNLIKELY = LARGE_STRAIN  # m/m; a channel without unit that is mostly above is not in m/m
-KINDS = ("start", "channel", "alarm", "garbage", "backwards", "clock", "gap", "resumed", "end")
 
 
 @dataclass(frozen=True, eq=False)
