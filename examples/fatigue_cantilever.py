@@ -75,8 +75,8 @@ def main(out: Path) -> int:
         print(f"{'':16s} worst at {found.worst(1)[0]}, safety {found.safety.min():.2f} in stress")
 
     print(found)
-    jo.plot_damage(runs["lift"], found, out / "fatigue_damage.png", view="xz")
-    jo.plot_cycles(found.cycles(duty), CURVE, mean=MEAN, path=out / "fatigue_cycles.png")
+    jo.plot(found, runs["lift"], view="xz", path=out / "fatigue_damage.png")
+    jo.plot(found.cycles(duty), CURVE, mean=MEAN, path=out / "fatigue_cycles.png")
     print("the damage is that of the force" if good else "THE DAMAGE IS WRONG")
     return 0 if good else 1
 

@@ -60,7 +60,7 @@ def main(out: Path) -> int:
     measure(run, path)
     found = jo.compare_gauges(run, jo.read_record(path), max_shift=1.0)
     print(found)
-    jo.plot_gauges(found, path=out / "gauges.png")
+    jo.plot(found, path=out / "gauges.png")
 
     k = int(np.argmax(np.abs(run["top"])))
     state = jo.rosette_state(run["rosette"][k], E=210e9, nu=0.3, noise=NOISE)

@@ -58,7 +58,7 @@ def main(out: Path) -> int:
         print(f"{largest[far].max() / 1e6:.4f} MPa, its bound is {found.bound / 1e6:.4f} MPa\n")
         good &= same and off < 1e-12 and below and found.certified
         name = criterion.replace("-", "_")
-        jo.plot_hotspots(run, found, out / f"hotspots_{name}.png")
+        jo.plot(found, run, path=out / f"hotspots_{name}.png")
     print("the proof holds" if good else "THE PROOF IS WRONG")
     return 0 if good else 1
 

@@ -138,7 +138,7 @@ def main(out: Path) -> int:
         right.set(xlabel="time (s)", ylabel="damage, transfer repeated (1)")
         figure.savefig(out / "lcd_robot.png")
         plt.close(figure)
-    jo.plot_friction_stress(rubbed, path=out / "lcd_robot_friction.png")
+    jo.plot(rubbed, path=out / "lcd_robot_friction.png")
     jo.still(run, out / "lcd_robot_still.png", times=(0.0, 1.3, T_END), trail="glass")
 
     good = abs(still / hand_made - 1) < 0.01 and abs(counted / offline - 1) < 1e-9

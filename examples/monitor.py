@@ -100,7 +100,7 @@ def main(folder: Path) -> None:
         print(record)
         for event in record.events:
             print(f"{event.time:8.2f} s  {event.kind}: {event.text}")
-        jo.plot_monitor(record, path=folder / "monitor.png")
+        jo.plot(record, path=folder / "monitor.png")
         inside = ((record.low <= stress) & (stress <= record.high)).mean(axis=0)
         apart = np.abs(record.stress - stress).max(axis=0) / 1e6
         low, high = record.summary("damage_low")[-1], record.summary("damage_high")[-1]

@@ -12,8 +12,18 @@ from typing import Any
 import numpy as np
 
 import jousto as jo
+from jousto.output.dispatch import implementation
+from jousto.output.plot import BEAM, DRAWN
+from jousto.output.write import WRITTEN
 from measurement.monitor import watched
 from session import EXAMPLES, STEEL, objects
+
+DRAW = {kind: implementation(place) for kind, place in DRAWN.items()}
+WRITE = {
+    f"{kind} {suffix}": implementation(place)
+    for kind, formats in WRITTEN.items()
+    for suffix, place in formats.items()
+}
 
 Call = tuple[Callable[..., Any], dict[str, Any]]
 Made = dict[str, Any]
@@ -198,7 +208,7 @@ def _parts(made: Made, folder: Path) -> list[Call]:
         (mesh.box, {"lo": (0, 0, 0), "hi": (1, 1, 1)}),
         (mesh.with_set, {"name": "s", "nodes": [0, 1]}),
         (mesh.nearest, {"point": (0, 0, 0)}),
-        (jo.read_mesh, {"path": jo.write_mesh(mesh, folder / "m.vtu")}),
+        (jo.read_mesh, {"path": jo.write(mesh, folder / "m.vtu")}),
         (jo.mesh_step, {"path": "x.step", "size": 1.0}),
         (jo.read_matrices, {"K": "x.mtx"}),
         (jo.reduce, {"part": beam, "method": jo.CraigBampton(("start",), modes=2)}),
@@ -265,37 +275,38 @@ def _analyses(made: Made, folder: Path) -> list[Call]:
         (run.stress_modes, {"body": "arm"}),
         (run.coordinates, {"body": "arm"}),
         (made["beam run"].beam_states, {"beam": "arch"}),
-        (jo.plot, {"run": run}),
-        (jo.plot_sn, {"curves": made["curve"]}),
-        (jo.plot_cycles, {"cycles": made["cycles"]}),
-        (jo.plot_damage, {"run": run, "field": made["damage field"], "path": "d.png"}),
-        (jo.plot_beam, {"run": made["beam run"], "beam": "arch"}),
-        (jo.plot_section_forces, {"forces": made["section forces"]}),
-        (jo.plot_campbell, {"data": made["campbell"]}),
-        (jo.plot_root_locus, {"data": made["campbell"]}),
-        (jo.plot_load_path, {"data": made["path"], "sensor": "crown.y"}),
-        (jo.plot_hotspots, {"run": run, "found": made["spots"], "path": "h.png"}),
-        (jo.plot_gauges, {"comparison": few}),
-        (jo.plot_monitor, {"record": made["watched"]}),
-        (jo.plot_band, {"band": made["band"]}),
-        (jo.plot_spectrum, {"response": made["response"], "sites": "e1.a.top"}),
-        (jo.plot_planar, {"run": made["planar run"]}),
-        (jo.plot_friction_stress, {"found": made["friction"]}),
-        (jo.plot_hysteresis, {"series": [0.0, 3e8, -3e8], "material": made["notch"]}),
+        (jo.plot, {"thing": run}),
+        (jo.write, {"thing": run, "path": "w.csv"}),
+        (DRAW["Solution"], {"run": run}),
+        (DRAW["SN"], {"curves": made["curve"]}),
+        (DRAW["Cycles"], {"cycles": made["cycles"]}),
+        (DRAW["DamageField"], {"run": run, "field": made["damage field"], "path": "d.png"}),
+        (implementation(BEAM), {"run": made["beam run"], "beam": "arch"}),
+        (DRAW["SectionForces"], {"forces": made["section forces"]}),
+        (DRAW["Campbell"], {"data": made["campbell"]}),
+        (DRAW["LoadPath"], {"data": made["path"], "sensor": "crown.y"}),
+        (DRAW["HotSpots"], {"run": run, "found": made["spots"], "path": "h.png"}),
+        (DRAW["GaugeComparison"], {"comparison": few}),
+        (DRAW["MonitorRecord"], {"record": made["watched"]}),
+        (DRAW["Band"], {"band": made["band"]}),
+        (DRAW["RandomResponse"], {"response": made["response"], "sites": "e1.a.top"}),
+        (DRAW["PlanarRun"], {"run": made["planar run"]}),
+        (DRAW["FrictionStress"], {"found": made["friction"]}),
+        (DRAW["StrainLife"], {"series": [0.0, 3e8, -3e8], "material": made["notch"]}),
         (jo.still, {"run": run, "path": "s.png"}),
         (jo.animate, {"run": run, "path": "a.gif", "fps": 5.0}),
         (jo.draw, {"thing": made["beam"], "path": "p.png"}),
-        (jo.write_csv, {"run": run, "path": "w.csv"}),
-        (jo.write_vtu, {"reduced": made["reduced"], "path": "r.vtu"}),
-        (jo.write_fem, {"reduced": made["reduced"], "path": "r.fem"}),
-        (jo.write_sid, {"reduced": made["reduced"], "path": "r.SID_FEM"}),
-        (jo.write_mesh, {"mesh": made["mesh"], "path": "m.vtu"}),
-        (jo.write_hotspots, {"run": run, "found": made["spots"], "path": "h.vtu"}),
-        (jo.write_damage, {"run": run, "field": made["damage field"], "path": "d.vtu"}),
-        (jo.write_stress, {"field": made["field"], "path": "s.csv"}),
-        (jo.write_beam, {"run": made["beam run"], "beam": "arch", "path": "b.vtu"}),
-        (jo.write_load_path, {"data": made["path"], "path": "p.csv"}),
-        (jo.write_certificate, {"certificate": made["certificate"], "path": "c.html"}),
+        (WRITE["Solution csv"], {"run": run, "path": "w.csv"}),
+        (WRITE["ReducedPart vtu"], {"reduced": made["reduced"], "path": "r.vtu"}),
+        (WRITE["ReducedPart fem"], {"reduced": made["reduced"], "path": "r.fem"}),
+        (WRITE["ReducedPart sid"], {"reduced": made["reduced"], "path": "r.SID_FEM"}),
+        (WRITE["Mesh vtu"], {"mesh": made["mesh"], "path": "m.vtu"}),
+        (WRITE["HotSpots vtu"], {"run": run, "found": made["spots"], "path": "h.vtu"}),
+        (WRITE["DamageField vtu"], {"run": run, "field": made["damage field"], "path": "d.vtu"}),
+        (WRITE["StressField csv"], {"field": made["field"], "path": "s.csv"}),
+        (WRITE["Solution vtu"], {"run": made["beam run"], "beam": "arch", "path": "b.vtu"}),
+        (WRITE["LoadPath csv"], {"data": made["path"], "path": "p.csv"}),
+        (WRITE["Certificate html"], {"certificate": made["certificate"], "path": "c.html"}),
     ]
 
 
@@ -310,8 +321,8 @@ def _recovery(made: Made, folder: Path) -> list[Call]:
             jo.field_from,
             {"modes": made["reduced"].stress, "p": np.zeros((3, 10)), "time": [0.0, 0.1, 0.2]},
         ),
-        (jo.plot_stress, {"field": field.only("e1.a.top"), "path": "stress.png"}),
-        (jo.write_contour, {"run": run, "field": field, "path": "contour.vtu"}),
+        (DRAW["StressField"], {"field": field.only("e1.a.top"), "path": "stress.png"}),
+        (WRITE["StressField vtu"], {"run": run, "field": field, "path": "contour.vtu"}),
         (jo.hot_spots, {"source": field}),
         (jo.error_budget, {"found": made["spots"]}),
         (jo.friction_stress, {"with_run": run, "without_run": run, "body": "arm"}),

@@ -261,45 +261,10 @@ from .model.model import Model as Model
 from .model.native.meter import DamageMeter as DamageMeter
 from .model.native.native import Engine as Engine
 from .model.rank.doctor import Diagnosis as Diagnosis, doctor as doctor
-from .output.figures.bands import plot_band as plot_band
-from .output.figures.beams import (
-    plot_beam as plot_beam,
-    plot_section_forces as plot_section_forces,
-    write_beam as write_beam,
-)
-from .output.figures.campbell import (
-    plot_campbell as plot_campbell,
-    plot_root_locus as plot_root_locus,
-)
-from .output.figures.cycles import plot_cycles as plot_cycles, plot_sn as plot_sn
-from .output.figures.damage import plot_damage as plot_damage, write_damage as write_damage
-from .output.figures.friction import plot_friction_stress as plot_friction_stress
-from .output.figures.gauges import plot_gauges as plot_gauges
-from .output.figures.hotspots import (
-    plot_hotspots as plot_hotspots,
-    write_hotspots as write_hotspots,
-)
-from .output.figures.hysteresis import (
-    plot_hysteresis as plot_hysteresis,
-    plot_spectrum as plot_spectrum,
-)
-from .output.figures.load_path import (
-    plot_load_path as plot_load_path,
-    write_load_path as write_load_path,
-)
-from .output.figures.monitor import plot_monitor as plot_monitor
-from .output.figures.planar import plot_planar as plot_planar
-from .output.figures.plot import plot as plot
-from .output.figures.stress import plot_stress as plot_stress, write_stress as write_stress
-from .output.files.contour import write_contour as write_contour
-from .output.files.mbdyn import write_fem as write_fem
-from .output.files.meshes import write_mesh as write_mesh
-from .output.files.sid import write_sid as write_sid
-from .output.files.table import write_csv as write_csv
-from .output.files.vtu import write_vtu as write_vtu
-from .output.pages.certificate import write_certificate as write_certificate
+from .output.plot import plot as plot
 from .output.scenes.animate import animate as animate, still as still
 from .output.scenes.draw import draw as draw
+from .output.write import write as write
 from .parts.frames.element import EulerBernoulli as EulerBernoulli, Timoshenko as Timoshenko
 from .parts.frames.members import Member as Member
 from .parts.interface import Interface as Interface

@@ -135,7 +135,7 @@ def test_advise_goes_on_after_the_load_of_an_interface(tmp_path: Path) -> None:
     from schema.plates import plate
     from schema.test_solids import PLATE
 
-    jo.write_mesh(plate(), tmp_path / "plate.vtu")
+    jo.write(plate(), tmp_path / "plate.vtu")
     path = tmp_path / "arm.yml"
     path.write_text(PLATE)
     code, out, err = jousto("advise", path, "--load", "bore.fz", "--frequency-limit", "500")

@@ -27,7 +27,7 @@ def test_results_become_a_table(tmp_path: Path) -> None:
     assert np.array_equal(table[:, 0], run.time)
     assert np.array_equal(table[:, 1:4], run["tip"])
     assert np.array_equal(table[:, 4:], run["tip.speed"])
-    jo.write_csv(run, tmp_path / "b.csv")
+    jo.write(run, tmp_path / "b.csv")
     head = (tmp_path / "b.csv").read_text(encoding="utf-8").splitlines()[0]
     assert "stress.e1.a.top:s11 (Pa)" in head
 
@@ -54,7 +54,7 @@ def test_refuses_clearly(tmp_path: Path) -> None:
 
 
 def test_info_on_a_mesh(tmp_path: Path) -> None:
-    code, text = call("info", jo.write_mesh(plate(), tmp_path / "plate.vtu"))
+    code, text = call("info", jo.write(plate(), tmp_path / "plate.vtu"))
     assert code == 0
     assert "400 x 100 x 20 mm" in text
 

@@ -67,7 +67,7 @@ def test_files_hold_the_same_numbers(tmp_path: Path) -> None:
     mesh = meshio.read(files[3])
     assert np.nanmax(mesh.point_data["s11 (Pa)"]) == pytest.approx(np.abs(1e6 * p).max())
     assert sorted(mesh.point_data["hot spot"])[-3:] == [1, 2, 3]
-    jo.plot_hotspots(run, found, tmp_path / "q.svg", view="xz")
+    jo.plot(found, run, view="xz", path=tmp_path / "q.svg")
     found.write_histories(tmp_path / "h.csv")
     table = np.loadtxt(tmp_path / "h.csv", delimiter=",", skiprows=1)
     assert np.allclose(table[:, 0], run.time)

@@ -21,7 +21,7 @@ def call(*words: str | Path) -> tuple[int, str]:
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
-    return jo.write_mesh(plate(), tmp_path / "plate.inp", unit="mm")
+    return jo.write(plate(), tmp_path / "plate.inp", unit="mm")
 
 
 def test_says_what_is_in_a_mesh(file: Path) -> None:
@@ -62,7 +62,7 @@ def test_a_damaged_mesh_ends_with_code_2(tmp_path: Path) -> None:
     cells = np.array(mesh.cells[0].nodes)
     cells[3] = cells[3][[4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11, 16, 17, 18, 19]]
     bad = jo.Mesh("bad", mesh.nodes, jo.Cells("hexahedron20", cells))
-    code, text = call("mesh", jo.write_mesh(bad, tmp_path / "bad.vtu"))
+    code, text = call("mesh", jo.write(bad, tmp_path / "bad.vtu"))
     assert code == 2
     assert "error: " in text
 

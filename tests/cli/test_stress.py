@@ -101,7 +101,7 @@ def test_files_for_paraview(result: Path, tmp_path: Path) -> None:
     assert at.exit_code == 0, at.output
     many = jo.stress_field(run, "arm")
     with pytest.raises(jo.InputError, match="one instant fits into a .vtu file, not 2"):
-        jo.write_contour(run, many, tmp_path / "two.vtu", times=[0, 1e-4])
+        jo.write(many, tmp_path / "two.vtu", run, times=[0, 1e-4])
 
 
 def test_everything_in_a_file(result: Path, tmp_path: Path) -> None:

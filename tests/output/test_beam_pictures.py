@@ -71,42 +71,42 @@ def test_scene_shows_beams_and_no_nodes(bent: jo.Solution) -> None:
 
 def test_pictures_and_films(bent: jo.Solution, tmp_path: Path) -> None:
     jo.still(bent, tmp_path / "still.png", times=[0.0], stress=True)
-    jo.plot_beam(bent, "beam", [0.0, 1e-9], tmp_path / "shape.png")
+    jo.plot(bent, beam="beam", times=[0.0, 1e-9], path=tmp_path / "shape.png")
     forces = jo.section_forces(bent, "beam")
-    figure = jo.plot_section_forces(forces, tmp_path / "forces.png", times=[0.0, 1e-9])
+    figure = jo.plot(forces, times=[0.0, 1e-9], path=tmp_path / "forces.png")
     labels = [ax.get_ylabel() for ax in figure.axes]
     assert "My (N m)" in labels and "Qz (N)" in labels and "Mx (N m)" not in labels
     line = next(ax for ax in figure.axes if ax.get_ylabel() == "My (N m)").lines[0]
     assert line.get_ydata()[0] == pytest.approx(10.0, rel=1e-4)
-    jo.plot_section_forces(forces, tmp_path / "history.png", components="My", at="start")
-    jo.plot_hotspots(bent, jo.hot_spots(bent, count=2), tmp_path / "spots.png")
+    jo.plot(forces, components="My", at="start", path=tmp_path / "history.png")
+    jo.plot(jo.hot_spots(bent, count=2), bent, path=tmp_path / "spots.png")
     for name in ("still", "shape", "forces", "history", "spots"):
         assert (tmp_path / f"{name}.png").stat().st_size > 2000
 
 
 def test_files_for_paraview(bent: jo.Solution, tmp_path: Path) -> None:
-    jo.write_beam(bent, "beam", tmp_path / "beam.vtu", times=[0.0])
+    jo.write(bent, tmp_path / "beam.vtu", beam="beam", times=[0.0])
     mesh = meshio.read(tmp_path / "beam.vtu")
     # as in the skin: both bending moments at a corner of the clamp
     assert mesh.point_data["von Mises (Pa)"].max() == pytest.approx(3.0e6, rel=1e-4)
     assert np.linalg.norm(mesh.point_data["section y"], axis=1) == pytest.approx(1.0)
-    jo.write_beam(bent, "beam", tmp_path / "film.pvd", times=[0.0, 1e-9])
+    jo.write(bent, tmp_path / "film.pvd", beam="beam", times=[0.0, 1e-9])
     assert (tmp_path / "film_1.vtu").exists()
     field = jo.stress_field(bent, "beam")
-    jo.write_contour(bent, field, tmp_path / "line.vtu")
+    jo.write(field, tmp_path / "line.vtu", bent)
     line = meshio.read(tmp_path / "line.vtu")
     assert len(line.points) == 5 and line.cells[0].type == "line"
-    jo.write_contour(bent, field, tmp_path / "then.vtu", times=[0.0])
+    jo.write(field, tmp_path / "then.vtu", bent, times=[0.0])
     assert meshio.read(tmp_path / "then.vtu").points[-1, 2] < -1e-5
     with pytest.raises(jo.InputError, match="one instant fits"):
-        jo.write_beam(bent, "beam", tmp_path / "beam.vtu", times=[0.0, 1e-9])
+        jo.write(bent, tmp_path / "beam.vtu", beam="beam", times=[0.0, 1e-9])
 
 
 def test_unknown_beams_are_named(bent: jo.Solution, tmp_path: Path) -> None:
     with pytest.raises(jo.InputError, match="did you mean 'beam'"):
-        jo.plot_beam(bent, "bean")
+        jo.plot(bent, beam="bean")
     with pytest.raises(jo.InputError, match="did you mean 'beam'"):
-        jo.write_beam(bent, "bean", tmp_path / "a.vtu")
+        jo.write(bent, tmp_path / "a.vtu", beam="bean")
     with pytest.raises(jo.InputError, match="one beam at least"):
-        jo.plot_beam(bent, [])
+        jo.plot(bent, beam=[])
     assert exponential(np.zeros((1, 3)))[0] == pytest.approx(np.eye(3))

@@ -54,7 +54,7 @@ def same_shape(again: jo.Mesh, mesh: jo.Mesh) -> bool:
 @pytest.mark.parametrize("suffix", ["vtu", "vtk", "inp"])
 def test_written_meshes_are_read_again_with_their_sets(suffix: str, tmp_path: Path) -> None:
     mesh, path = plate(), tmp_path / f"plate.{suffix}"
-    jo.write_mesh(mesh, path, unit="mm")
+    jo.write(mesh, path, unit="mm")
     again = jo.read_mesh(path, unit="mm")
     assert same_shape(again, mesh)
     for name in ("left", "right"):
@@ -66,12 +66,12 @@ def test_written_meshes_are_read_again_with_their_sets(suffix: str, tmp_path: Pa
 def test_meshes_written_without_their_sets_are_read_again(suffix: str, tmp_path: Path) -> None:
     mesh, path = plate(), tmp_path / f"plate.{suffix}"
     with pytest.warns(jo.JoustoWarning, match="written without the sets"):
-        jo.write_mesh(mesh, path, unit="mm")
+        jo.write(mesh, path, unit="mm")
     assert same_shape(jo.read_mesh(path, unit="mm"), mesh)
 
 
 def test_the_surface_as_triangles(tmp_path: Path) -> None:
-    text = jo.write_mesh(plate(), tmp_path / "plate.stl").read_text(encoding="utf-8")
+    text = jo.write(plate(), tmp_path / "plate.stl").read_text(encoding="utf-8")
     vertices = [line.split()[1:] for line in text.splitlines() if "vertex" in line]
     corners = np.array(vertices, dtype=float).reshape(-1, 3, 3)
     six = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum()
@@ -81,6 +81,6 @@ def test_the_surface_as_triangles(tmp_path: Path) -> None:
 
 def test_wrong_endings_are_named(tmp_path: Path) -> None:
     with pytest.raises(jo.InputError, match="'.stp' is not a format to write here"):
-        jo.write_mesh(plate(), tmp_path / "a.stp")
+        jo.write(plate(), tmp_path / "a.stp")
     with pytest.raises(jo.InputError, match="unit is 'mmm'"):
-        jo.write_mesh(plate(), tmp_path / "a.vtu", unit="mmm")
+        jo.write(plate(), tmp_path / "a.vtu", unit="mmm")

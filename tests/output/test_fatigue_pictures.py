@@ -16,7 +16,7 @@ CURVE = jo.SN(S_D=1e6, N_D=1e6, k=5, name="bar")
 
 
 def test_sn_plot_holds_the_curve():
-    figure = jo.plot_sn(jo.SN(S_D=100e6, N_D=1e6, k=5, rule="original"))
+    figure = jo.plot(jo.SN(S_D=100e6, N_D=1e6, k=5, rule="original"))
     N, S = figure.axes[0].lines[0].get_data()
     assert S[np.argmin(np.abs(N - 1e6))] == pytest.approx(100.0, rel=0.02)
     assert S[-1] == pytest.approx(100.0)
@@ -25,7 +25,7 @@ def test_sn_plot_holds_the_curve():
 def test_cycles_plot(tmp_path):
     history = np.random.default_rng(1).normal(size=3000) * 1e6
     cycles = jo.rainflow(history, residue="half")
-    figure = jo.plot_cycles(cycles, CURVE, path=tmp_path / "cycles.svg")
+    figure = jo.plot(cycles, CURVE, path=tmp_path / "cycles.svg")
     assert [ax.get_title(loc="left") for ax in figure.axes if ax.get_title(loc="left")] == [
         "rainflow matrix",
         "level crossings",
@@ -33,25 +33,25 @@ def test_cycles_plot(tmp_path):
     ]
     assert (tmp_path / "cycles.svg").stat().st_size > 1000
     with pytest.raises(jo.InputError, match="there are no cycles"):
-        jo.plot_cycles(jo.rainflow([1.0, 1.0], residue="half"))
+        jo.plot(jo.rainflow([1.0, 1.0], residue="half"))
 
 
 @pytest.mark.parametrize("quantity", ["damage", "life", "safety"])
 def test_damage_of_a_beam(tmp_path, quantity):
     run = swing()
     found = jo.damage_field(jo.stress_field(run, "arm"), CURVE, residue="half")
-    figure = jo.plot_damage(run, found, tmp_path / "d.png", quantity=quantity)
+    figure = jo.plot(found, run, quantity=quantity, path=tmp_path / "d.png")
     texts = [t.get_text() for t in figure.texts]
     assert any(text.startswith(f"{quantity} of arm: bar") for text in texts)
     with pytest.raises(jo.InputError, match="did you mean 'safety'"):
-        jo.plot_damage(run, found, quantity="safty")
+        jo.plot(found, run, quantity="safty")
 
 
 def test_damage_of_a_solid_is_painted_on_its_surface(tmp_path):
     run = swinging_bar()
     field = jo.stress_field(run, "bar", times=np.linspace(0, 0.2, 11))
     found = jo.damage_field(field, jo.SN(S_D=5e5, N_D=1e6, k=5), criterion="s11", residue="half")
-    figure = jo.plot_damage(run, found, tmp_path / "d.png")
+    figure = jo.plot(found, run, path=tmp_path / "d.png")
     skin = next(a for a in figure.axes[0].get_children() if isinstance(a, Skin))
     # stress grows along the bar: red at the far end, blue at the near one
     red = skin.shades[:, :, 0].mean(axis=1) - skin.shades[:, :, 2].mean(axis=1)
@@ -65,7 +65,7 @@ def test_vtu_holds_the_worst_value_of_each_node(tmp_path):
 
     run = swing()
     found = jo.damage_field(jo.stress_field(run, "arm"), CURVE, residue="half")
-    mesh = meshio.read(jo.write_damage(run, found, tmp_path / "d.vtu"))
+    mesh = meshio.read(jo.write(found, tmp_path / "d.vtu", run))
     assert mesh.point_data["damage"].max() == pytest.approx(found.damage.max())
     assert mesh.point_data["life (s)"].min() == pytest.approx(found.life.min())
 
@@ -88,7 +88,7 @@ def test_places_behind_the_body_are_faded(tmp_path):
     found = jo.damage_field(field, jo.SN(S_D=5e5, N_D=1e6, k=5), criterion="s11", residue="half")
     kinds = set()
     for view in (eye, View((-0.9, -0.5, 0.3))):
-        ax = jo.plot_damage(run, found, view=view, marks=8).axes[0]
+        ax = jo.plot(found, run, view=view, marks=8).axes[0]
         for text, dot in zip(ax.texts, ax.lines, strict=True):
             bracket = text.get_text().startswith("(")
             kinds.add(bracket)

@@ -14,7 +14,7 @@ S = 1e6 * np.array([1200.0, -300, 600, -1000, 1200])
 
 def test_loops_pass_through_their_turning_points(tmp_path: Path) -> None:
     m = jo.strain_life("sae-1045")
-    figure = jo.plot_hysteresis(S, m, path=tmp_path / "loops.png")
+    figure = jo.plot(m, S, path=tmp_path / "loops.png")
     line, points = figure.axes[0].lines[:2]
     path = jo.local_path(S, m)
     assert points.get_ydata() == pytest.approx(path.stress / 1e6)
@@ -24,7 +24,7 @@ def test_loops_pass_through_their_turning_points(tmp_path: Path) -> None:
         assert np.abs(drawn - point).sum(axis=1).min() < 1e-6
     assert (tmp_path / "loops.png").stat().st_size > 5000
     with pytest.raises(jo.InputError):
-        jo.plot_hysteresis(S, m, path=tmp_path / "loops.txt")
+        jo.plot(m, S, path=tmp_path / "loops.txt")
 
 
 def test_spectra(tmp_path: Path) -> None:
@@ -33,7 +33,7 @@ def test_spectra(tmp_path: Path) -> None:
     response = jo.random_response(
         reduced, [2.0, 80.0], [3.0, 3.0], base="start", direction=(0, 1, 0)
     )
-    figure = jo.plot_spectrum(response, "e1.a.top_left", path=tmp_path / "psd.png")
+    figure = jo.plot(response, "e1.a.top_left", path=tmp_path / "psd.png")
     (line,) = figure.axes[0].lines
     # the highest point is a natural frequency
     f = line.get_xdata()[int(np.argmax(line.get_ydata()))]

@@ -30,7 +30,7 @@ def frame() -> PlanarFrame:
 
 def test_a_motion(frame: PlanarFrame, tmp_path: Path) -> None:
     run = simulate_planar(frame, 0.05, PlanarNewmark(1e-3))
-    figure = jo.plot_planar(run, path=tmp_path / "run.png")
+    figure = jo.plot(run, path=tmp_path / "run.png")
     assert (tmp_path / "run.png").stat().st_size > 1000
     shapes, energies, work = figure.axes
     assert len(shapes.lines) == 7 * 2
@@ -44,9 +44,9 @@ def test_a_motion(frame: PlanarFrame, tmp_path: Path) -> None:
 
 def test_equilibria(frame: PlanarFrame, tmp_path: Path) -> None:
     path = load_steps(frame, np.linspace(0, 1, 4))
-    figure = jo.plot_planar(path)
+    figure = jo.plot(path)
     curve = figure.axes[1]
     assert curve.get_xlabel() == "displacement of node 2 (m)"
     assert np.array_equal(curve.lines[0].get_ydata(), path.factors)
     with pytest.raises(jo.InputError, match="not a format"):
-        jo.plot_planar(path, path=tmp_path / "path.txt")
+        jo.plot(path, path=tmp_path / "path.txt")

@@ -23,8 +23,8 @@ gravity: [0, 0, -9.81]
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with plate.vtu (m) and plate_mm.inp (mm): 0.4 x 0.1 x 0.02 m, a hole of 50 mm."""
     here = tmp_path_factory.mktemp("plates")
-    jo.write_mesh(plate(), here / "plate.vtu")
-    jo.write_mesh(plate(), here / "plate_mm.inp", unit="mm")
+    jo.write(plate(), here / "plate.vtu")
+    jo.write(plate(), here / "plate_mm.inp", unit="mm")
     return here
 
 

@@ -46,12 +46,12 @@ def test_values_must_be_there():
 
 def test_pictures_show_every_mode_and_order(tmp_path):
     found = jo.campbell(two_rods, [1.5, 0.6], parameter="length (m)")
-    figure = jo.plot_campbell(found, orders=(1.0,), path=tmp_path / "campbell.png")
+    figure = jo.plot(found, orders=(1.0,), path=tmp_path / "campbell.png")
     (ax,) = figure.axes
     assert ax.get_xlabel() == "length (m)"
     np.testing.assert_array_equal(ax.get_lines()[0].get_ydata(), found.frequencies[:, 0])
     np.testing.assert_allclose(ax.get_lines()[2].get_ydata(), np.array([1.5, 0.6]) / (2 * np.pi))
-    locus = jo.plot_root_locus(found, path=tmp_path / "locus.svg")
+    locus = jo.plot(found, kind="root locus", path=tmp_path / "locus.svg")
     np.testing.assert_array_equal(
         locus.axes[0].get_lines()[0].get_ydata(), found.eigenvalues[:, 0].imag
     )

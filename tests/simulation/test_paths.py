@@ -206,12 +206,12 @@ def test_all_that_is_wrong_is_said_at_once():
 
 
 def test_a_path_is_drawn_and_written(snapped, tmp_path):
-    assert jo.plot_load_path(snapped, "apex.y", path=tmp_path / "path.png").axes
+    assert jo.plot(snapped, "apex.y", path=tmp_path / "path.png").axes
     with pytest.raises(jo.InputError, match="say which, as 'apex.y'"):
-        jo.plot_load_path(snapped, "apex")
+        jo.plot(snapped, "apex")
     with pytest.raises(jo.InputError, match="no sensor 'apx'; did you mean 'apex'"):
-        jo.plot_load_path(snapped, "apx.y")
-    file = jo.write_load_path(snapped, tmp_path / "path.csv")
+        jo.plot(snapped, "apx.y")
+    file = jo.write(snapped, tmp_path / "path.csv")
     with file.open() as text:
         rows = list(csv.reader(text))
     assert rows[0][0] == "load"

@@ -83,6 +83,15 @@ def explained(what: F) -> F:
     return typing.cast(F, _watched(what, what.__name__))
 
 
+def explained_as(where: str) -> Callable[[F], F]:
+    """Do the same for a function that users call by another name."""
+
+    def mark(what: F) -> F:
+        return typing.cast(F, _watched(what, where))
+
+    return mark
+
+
 def _watched(function: Callable[..., Any], where: str) -> Callable[..., Any]:
     @functools.wraps(function)
     def call(*given: Any, **named: Any) -> Any:

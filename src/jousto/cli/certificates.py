@@ -50,9 +50,9 @@ def tell_certificate(
         word = line.split()[0] if line.startswith("  ") and line.split() else ""
         say(line, style=STYLES.get(word, ""))
     if page is not None:
-        from jousto.output.pages.certificate import write_certificate
+        from jousto.output.write import write
 
-        write_certificate(certificate, page)
+        write(certificate, page)
         say(f"certificate in {page}", style="green")
     return certificate.passed
 

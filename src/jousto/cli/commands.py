@@ -141,14 +141,14 @@ def plot(
     target = output_path(output, result, ".png")
     if hdf5_format(result) == MONITOR:
         from jousto.measurement.monitor.recorded import MonitorRecord
-        from jousto.output.figures.monitor import plot_monitor
+        from jousto.output.plot import plot
 
         if names:
             raise InputError(Problem(names[0], "the record of a monitoring run has no sensors"))
-        plot_monitor(MonitorRecord(result), path=target)
+        plot(MonitorRecord(result), path=target)
         say(f"plot in {target}", style="green")
         return
-    from jousto.output.figures.plot import plot as draw
+    from jousto.output.plot import plot as draw
     from jousto.simulation.results.solution import load
 
     draw(load(result), *(names or ()), path=target)

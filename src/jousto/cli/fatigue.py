@@ -297,14 +297,14 @@ def _draw(
     run: Solution, field: DamageField, output: Path | None, quantity: str, vtu: Path | None
 ) -> None:
     if output is not None:
-        from jousto.output.figures.damage import plot_damage
+        from jousto.output.plot import plot
 
-        plot_damage(run, field, output, quantity=quantity)
+        plot(field, run, quantity=quantity, path=output)
         say(f"picture in {output}", style="green")
     if vtu is not None:
-        from jousto.output.figures.damage import write_damage
+        from jousto.output.write import write
 
-        say(f"for ParaView in {write_damage(run, field, vtu)}", style="green")
+        say(f"for ParaView in {write(field, vtu, run)}", style="green")
 
 
 def _cycles(field: DamageField, source: DutyCycle, path: Path) -> None:
@@ -313,7 +313,7 @@ def _cycles(field: DamageField, source: DutyCycle, path: Path) -> None:
     if path.suffix.lower() == ".csv":
         counted.to_csv(path)
     else:
-        from jousto.output.figures.cycles import plot_cycles
+        from jousto.output.plot import plot
 
-        plot_cycles(counted, field.sn, mean=field.mean, path=path)
+        plot(counted, field.sn, mean=field.mean, path=path)
     say(f"cycles of {field.worst(1)[0]} in {path}", style="green")

@@ -61,12 +61,12 @@ def forces(
     if suffix == ".csv":
         path = found_forces.to_csv(output, *moments)
     elif suffix in (".vtu", ".pvd"):
-        from jousto.output.figures.beams import write_beam
+        from jousto.output.write import write
 
-        path = write_beam(run, name, output, times=moments or None)
+        path = write(run, output, beam=name, times=moments or None)
     else:
-        from jousto.output.figures.beams import plot_section_forces
+        from jousto.output.plot import plot
 
         path = output
-        plot_section_forces(found_forces, output, times=moments or None)
+        plot(found_forces, times=moments or None, path=output)
     say(f"written to {path}", style="green")

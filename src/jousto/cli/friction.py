@@ -83,10 +83,10 @@ def friction(
             found.to_csv(target)
             say(f"table in {target}", style="green")
         if output is not None:
-            from jousto.output.figures.friction import plot_friction_stress
+            from jousto.output.plot import plot
 
             target = _of(output, name, len(names))
-            plot_friction_stress(found, path=target)
+            plot(found, path=target)
             say(f"picture in {target}", style="green")
 
 

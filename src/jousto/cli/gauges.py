@@ -85,7 +85,7 @@ def gauges(
     if measured is None:
         names = _list_result(run)
         if output is not None:
-            from jousto.output.figures.plot import plot
+            from jousto.output.plot import plot
 
             plot(run, *names, path=output)
             say(f"picture in {output}")
@@ -109,9 +109,9 @@ def gauges(
         found.to_csv(csv)
         say(f"values in {csv}")
     if output is not None:
-        from jousto.output.figures.gauges import plot_gauges
+        from jousto.output.plot import plot
 
-        plot_gauges(found, output)
+        plot(found, path=output)
         say(f"picture in {output}")
 
 

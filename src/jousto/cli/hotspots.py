@@ -117,13 +117,14 @@ def hotspots(
     if histories is not None:
         say(f"histories in {found.write_histories(histories)}", style="green")
     if output is not None:
-        from jousto.output.figures.hotspots import plot_hotspots
+        from jousto.output.plot import plot
 
-        say(f"picture in {plot_hotspots(run, found, output)}", style="green")
+        plot(found, run, path=output)
+        say(f"picture in {output}", style="green")
     if vtu is not None:
-        from jousto.output.figures.hotspots import write_hotspots
+        from jousto.output.write import write
 
-        say(f"for ParaView in {write_hotspots(run, found, vtu)}", style="green")
+        say(f"for ParaView in {write(found, vtu, run)}", style="green")
 
 
 def check_targets(targets: dict[Path | None, tuple[str, ...]]) -> None:

@@ -91,9 +91,9 @@ def mesh(
         found = read_mesh(file, unit=unit or "m")
     findings = describe_mesh(found)
     if output is not None:
-        from jousto.output.files.meshes import write_mesh
+        from jousto.output.write import write
 
-        say(f"mesh in {write_mesh(found, output)}", style="green")
+        say(f"mesh in {write(found, output)}", style="green")
     if picture is not None:
         from jousto.output.scenes.draw import draw
 

@@ -111,11 +111,11 @@ def strain_life_command(
         say(f"table in {found.to_csv(csv)}", style="green")
     if output is not None:
         from jousto.base.ranking import ranking
-        from jousto.output.figures.hysteresis import plot_hysteresis
+        from jousto.output.plot import plot
 
         worst = found.labels[ranking(found.damage, found.labels)[0]]
         series = field.only([worst]).values(criterion)[:, 0]
-        plot_hysteresis(series, curve, rule=options["rule"], path=output)
+        plot(curve, series, rule=options["rule"], path=output)
         say(f"loops of {worst} in {output}", style="green")
 
 

@@ -110,22 +110,19 @@ def export(
     if suffix not in known:
         what = "a reduced part" if kind == REDUCED_PART else "results"
         raise InputError(Problem(str(output), f"must end with {', '.join(known)} to export {what}"))
+    from jousto.output.write import write
+
     output_path(output, file, suffix)
     if kind == RESULTS:
-        from jousto.output.files.table import write_csv
         from jousto.simulation.results.solution import load
 
-        write_csv(load(file), output, *(names or ()))
+        write(load(file), output, *(names or ()))
     else:
-        from jousto.output.files.mbdyn import write_fem
-        from jousto.output.files.sid import write_sid
-        from jousto.output.files.vtu import write_vtu
         from jousto.reduction.reduced import ReducedPart
 
         if names:
             raise InputError(Problem(names[0], "a reduced part has no sensors to name"))
-        write: dict[str, Any] = {".fem": write_fem, ".sid": write_sid, ".vtu": write_vtu}
-        write[suffix](ReducedPart.load(file), output)
+        write(ReducedPart.load(file), output)
     say(f"written to {output}", style="green")
 
 

@@ -44,8 +44,10 @@ def path(
     debug: Debug = False,
 ) -> None:
     """Follow the equilibrium of a model while an input grows; -o draws it over a sensor."""
-    from jousto.output.figures.load_path import plot_load_path, sensor_place, write_load_path
+    from jousto.output.figures.load_path import sensor_place
+    from jousto.output.plot import plot
     from jousto.output.style import PICTURES, target
+    from jousto.output.write import write
     from jousto.schema.file.read import read_model
     from jousto.simulation.statics.paths import load_path
 
@@ -81,9 +83,9 @@ def path(
         rows.append((f"sensor {quantity.name}", f"{text} {quantity.unit}".rstrip()))
     facts(rows, f"{model.name} over {name}")
     if table is not None:
-        say(f"table in {write_load_path(found, table)}", style="green")
+        say(f"table in {write(found, table)}", style="green")
     if output is not None:
-        plot_load_path(found, shown, path=output)
+        plot(found, shown, path=output)
         say(f"picture in {output}", style="green")
     if not found.complete:
         say(f"the path ends before {name} = {to:g}: {found.ended}", style="yellow")

@@ -188,15 +188,16 @@ def write(
     InputError
         For an unknown suffix, or a path that cannot be written.
     """
-    from jousto.output.figures.stress import plot_stress, write_stress
-    from jousto.output.files.contour import write_contour
+    from jousto.output.plot import plot
+    from jousto.output.write import write
 
     suffix = path.suffix.lower()
     if suffix == ".h5":
         return field.write(path, criterion)
     if suffix in (".vtu", ".pvd"):
         times: Any = None if moment is None else [moment]
-        return write_contour(run, field, path, criterion, times=times)
+        return write(field, path, run, criterion=criterion, times=times)
     if suffix == ".csv":
-        return write_stress(field, path, criterion, time=moment, histories=sites)
-    return plot_stress(field, path, criterion)
+        return write(field, path, criterion=criterion, time=moment, histories=sites)
+    plot(field, criterion=criterion, path=path)
+    return path

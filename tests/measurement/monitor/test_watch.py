@@ -454,7 +454,7 @@ def test_a_plot_of_the_record(tmp_path):
     e[100:200, 0] = np.nan
     data = written(tmp_path / "d.csv", lines(t, e))
     found = watch(monitor(sn=curve()), data, tmp_path / "r.h5")
-    picture = jo.plot_monitor(found, path=tmp_path / "r.png")
+    picture = jo.plot(found, path=tmp_path / "r.png")
     # the names of the places stand above the curves, not over their peaks
     top = picture.axes[0]
     assert top.get_legend().get_window_extent().y0 >= top.patch.get_window_extent().y1 - 1.0

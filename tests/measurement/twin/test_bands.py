@@ -165,12 +165,12 @@ def test_table_and_picture(posterior: Posterior, tmp_path: Path, rng: np.random.
     lines = band.to_csv(tmp_path / "band.csv").read_text().splitlines()
     assert lines[0].split(",")[:3] == ["time s", "n0 s11 MPa", "n0 low MPa"]
     assert float(lines[2].split(",")[1]) == pytest.approx(1e-6 * band.value[1, 0], rel=1e-6)
-    picture = jo.plot_band(
-        band, tmp_path / "band.png", sites=("n2", "n0"), truth=band.value[:, [2, 0]]
+    picture = jo.plot(
+        band, sites=("n2", "n0"), truth=band.value[:, [2, 0]], path=tmp_path / "band.png"
     )
     assert (tmp_path / "band.png").stat().st_size > 5000
     assert [ax.get_title() for ax in picture.axes] == ["n2, s11", "n0, s11"]
     with pytest.raises(jo.InputError, match="no place 'n7'"):
-        jo.plot_band(band, sites="n7")
+        jo.plot(band, sites="n7")
     with pytest.raises(jo.InputError, match=r"truth has shape \(6, 1\), must be \(6, 3\)"):
-        jo.plot_band(band, truth=band.value[:, :1])
+        jo.plot(band, truth=band.value[:, :1])

@@ -1,4 +1,4 @@
-"""plot_band: stress with the band in which it lies."""
+"""Stress with the band in which it lies."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.measurement.twin.bands import Band
 from jousto.output.style import COLORS, INK, PICTURES, Picture, save, styled, target
@@ -17,13 +17,13 @@ MOST = 6  # places in a picture
 HEIGHT, WIDTH = 1.9, 7.2  # inch
 
 
-@explained
+@explained_as("plot")
 def plot_band(
     band: Band,
-    path: str | Path | None = None,
     *,
     sites: Sequence[str] | str | None = None,
     truth: ArrayLike | None = None,
+    path: str | Path | None = None,
 ) -> Picture:
     """Draw the stress of some places over time with its band, one panel each.
 
@@ -31,12 +31,12 @@ def plot_band(
     ----------
     band : Band
         From `stress_band`.
-    path : path, optional
-        File to write; the suffix chooses the format.
     sites : sequence of str, optional
         Which places, six at most; the first ones if not given.
     truth : (nt, ns) array_like, optional
         Stress of the same places from elsewhere, Pa: measured there, or simulated.
+    path : path, optional
+        File to write; the suffix chooses the format.
 
     Raises
     ------
@@ -48,15 +48,15 @@ def plot_band(
     problems = Problems()
     for site in given:
         if site not in band.labels:
-            problems.add("plot_band", f"no place '{site}' in the band{suggest(site, band.labels)}")
+            problems.add("plot", f"no place '{site}' in the band{suggest(site, band.labels)}")
     if not 0 < len(given) <= MOST:
-        problems.add("plot_band", f"{len(given)} places, must be 1 to {MOST}")
+        problems.add("plot", f"{len(given)} places, must be 1 to {MOST}")
     problems.raise_if_any()
     true = None if truth is None else np.asarray(truth, dtype=np.float64)
     if true is not None and true.shape != (len(band.time), len(given)):
         raise InputError(
             Problem(
-                "plot_band",
+                "plot",
                 f"truth has shape {true.shape}, must be ({len(band.time)}, {len(given)})",
             )
         )

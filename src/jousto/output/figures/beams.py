@@ -11,7 +11,7 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import written
 from jousto.output.scenes.skins import beam_skin
@@ -28,14 +28,14 @@ TIMES: LinearSegmentedColormap = LinearSegmentedColormap.from_list("times", ("#B
 SHOWN = 9  # instants of a shape if none are given
 
 
-@explained
+@explained_as("plot")
 def plot_section_forces(
     forces: SectionForces,
-    path: str | Path | None = None,
     *,
     components: Sequence[str] | str | None = None,
     times: ArrayLike | None = None,
     at: float | str | None = None,
+    path: str | Path | None = None,
 ) -> Picture:
     """Draw resultants of a beam: along it at some instants with the envelope, or over time.
 
@@ -43,14 +43,14 @@ def plot_section_forces(
     ----------
     forces : SectionForces
         See `section_forces`.
-    path : path, optional
-        File to write; the suffix chooses the format: png, svg, pdf, jpg, webp or eps.
     components : sequence of str, optional
         Some of "N", "Qy", "Qz", "Mx", "My", "Mz"; those that are not zero if not given.
     times : (nt,) array_like, optional
         Instants of the diagrams, s; the last one if not given.
     at : float or str, optional
         Draws the history at this length along the beam, m, or at "start" or "end", instead.
+    path : path, optional
+        File to write; the suffix chooses the format: png, svg, pdf, jpg, webp or eps.
 
     Returns
     -------
@@ -63,7 +63,7 @@ def plot_section_forces(
 
     Examples
     --------
-    ``plot_section_forces(section_forces(run, "cable"), "forces.png", times=[0.1, 0.2])``
+    ``plot(section_forces(run, "cable"), times=[0.1, 0.2], path="forces.png")``
     """
     out = None if path is None else target(path, PICTURES)
     names = [components] if isinstance(components, str) else list(components or _present(forces))
@@ -104,14 +104,14 @@ def _present(forces: SectionForces) -> list[str]:
     return kept or ["N"]
 
 
-@explained
+@explained_as("plot")
 def plot_beam(
     run: Solution,
+    *,
     beam: str | Sequence[str],
     times: ArrayLike | None = None,
-    path: str | Path | None = None,
-    *,
     view: View | str | None = None,
+    path: str | Path | None = None,
 ) -> Picture:
     """Draw the axis of a beam at some instants, from pale to dark, with equal scales.
 
@@ -122,10 +122,10 @@ def plot_beam(
         Names of beams or of bodies made of beams.
     times : (nt,) array_like, optional
         Instants, s; nine over the run if not given.
-    path : path, optional
-        File to write: png, svg, pdf, jpg, webp or eps.
     view : View, "xy", "xz" or "yz", optional
         From where; None chooses.
+    path : path, optional
+        File to write: png, svg, pdf, jpg, webp or eps.
 
     Returns
     -------
@@ -138,12 +138,12 @@ def plot_beam(
 
     Examples
     --------
-    ``plot_beam(run, "cable", [0, 0.5, 1.0])`` as the last line of a notebook cell shows it.
+    ``plot(run, beam="cable", times=[0, 0.5, 1.0])`` as the last line of a notebook cell shows it.
     """
     out = None if path is None else target(path, PICTURES)
     names = (beam,) if isinstance(beam, str) else tuple(beam)
     if not names:
-        raise InputError(Problem("plot_beam", "name one beam at least"))
+        raise InputError(Problem("plot", "name one beam at least"))
     t = run.time
     wanted = np.linspace(float(t[0]), float(t[-1]), SHOWN) if times is None else times
     instants = np.atleast_1d(np.asarray(wanted, dtype=np.float64))
@@ -171,9 +171,9 @@ def plot_beam(
     return figure
 
 
-@explained
+@explained_as("write")
 def write_beam(
-    run: Solution, beam: str, path: str | Path, *, times: ArrayLike | None = None
+    run: Solution, path: str | Path, *, beam: str, times: ArrayLike | None = None
 ) -> Path:
     """Write the swept surface of a beam for ParaView: stress and the axes of its sections.
 
@@ -183,10 +183,10 @@ def write_beam(
     Parameters
     ----------
     run : Solution
-    beam : str
-        Name of the beam.
     path : path
         Ends with .vtu for one instant, or .pvd for a series that ParaView plays.
+    beam : str
+        Name of the beam.
     times : (nt,) array_like, optional
         Instants, s; the last one for .vtu and all stored ones for .pvd if not given.
 

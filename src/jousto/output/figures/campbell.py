@@ -1,83 +1,80 @@
-"""plot_campbell and plot_root_locus: eigenvalues over a parameter."""
+"""Eigenvalues over a parameter: Campbell diagrams and root loci."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
+from matplotlib.axes import Axes
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
+from jousto.base.errors import InputError, Problem, suggest
 from jousto.output.style import COLORS, MUTED, PICTURES, Picture, save, styled, target
 from jousto.simulation.modes.campbell import Campbell
 
 SIZE = (8.0, 4.6)  # inch
+KINDS = ("frequencies", "root locus")
 
 
-@explained
+@explained_as("plot")
 def plot_campbell(
-    data: Campbell, *, orders: Sequence[float] = (), path: str | Path | None = None
+    data: Campbell,
+    *,
+    kind: Literal["frequencies", "root locus"] = "frequencies",
+    orders: Sequence[float] = (),
+    path: str | Path | None = None,
 ) -> Picture:
-    """Draw frequencies over the parameter.
+    """Draw frequencies over the parameter, or the paths of the eigenvalues.
 
     Parameters
     ----------
     data : Campbell
         From `campbell`.
+    kind : {"frequencies", "root locus"}
+        A root locus draws the eigenvalues in the complex plane, a dot at the first value.
     orders : sequence of float
-        Lines ``order * value / (2 pi)`` of excitation by a speed in rad/s.
+        Lines ``order * value / (2 pi)`` of excitation by a speed in rad/s, over frequencies.
     path : path, optional
         File to write; the suffix chooses the format.
 
     Raises
     ------
     InputError
-        For an unknown suffix or an unwritable path.
+        For an unknown kind or suffix, or an unwritable path.
     """
+    if kind not in KINDS:
+        raise InputError(Problem("plot", f"kind is {kind!r}{suggest(str(kind), KINDS)}"))
     out = None if path is None else target(path, PICTURES)
     with styled():
         figure = Picture(figsize=SIZE, layout="constrained")
         ax = figure.subplots()
-        for k, line in enumerate(data.frequencies.T):
-            ax.plot(data.values, line, color=COLORS[k % len(COLORS)])
-        top = float(np.nanmax(data.frequencies)) if data.frequencies.size else 1.0
-        for order in orders:
-            ax.plot(data.values, order * data.values / (2 * np.pi), "--", color=MUTED)
-        ax.set_ylim(0.0, 1.08 * top)
-        ax.set_xlabel(data.parameter)
-        ax.set_ylabel("frequency (Hz)")
+        if kind == "frequencies":
+            _frequencies(ax, data, orders)
+        else:
+            _locus(ax, data)
     if out is not None:
         save(figure, out)
     return figure
 
 
-@explained
-def plot_root_locus(data: Campbell, *, path: str | Path | None = None) -> Picture:
-    """Draw the paths of the eigenvalues in the complex plane, a dot at the first value.
+def _frequencies(ax: Axes, data: Campbell, orders: Sequence[float]) -> None:
+    for k, line in enumerate(data.frequencies.T):
+        ax.plot(data.values, line, color=COLORS[k % len(COLORS)])
+    top = float(np.nanmax(data.frequencies)) if data.frequencies.size else 1.0
+    for order in orders:
+        ax.plot(data.values, order * data.values / (2 * np.pi), "--", color=MUTED)
+    ax.set_ylim(0.0, 1.08 * top)
+    ax.set_xlabel(data.parameter)
+    ax.set_ylabel("frequency (Hz)")
 
-    Parameters
-    ----------
-    data : Campbell
-        From `campbell`.
-    path : path, optional
-        File to write; the suffix chooses the format.
 
-    Raises
-    ------
-    InputError
-        For an unknown suffix or an unwritable path.
-    """
-    out = None if path is None else target(path, PICTURES)
-    with styled():
-        figure = Picture(figsize=SIZE, layout="constrained")
-        ax = figure.subplots()
-        for k, line in enumerate(data.eigenvalues.T):
-            color = COLORS[k % len(COLORS)]
-            ax.plot(line.real, line.imag, color=color)
-            ax.plot(line.real[:1], line.imag[:1], "o", color=color)
-        ax.axvline(0.0, color=MUTED, linewidth=0.8)
-        ax.set_xlabel("real part (1/s)")
-        ax.set_ylabel("imaginary part (1/s)")
-    if out is not None:
-        save(figure, out)
-    return figure
+def _locus(ax: Axes, data: Campbell) -> None:
+    for k, line in enumerate(data.eigenvalues.T):
+        color = COLORS[k % len(COLORS)]
+        ax.plot(line.real, line.imag, color=color)
+        ax.plot(line.real[:1], line.imag[:1], "o", color=color)
+    ax.axvline(0.0, color=MUTED, linewidth=0.8)
+    ax.set_xlabel("real part (1/s)")
+    ax.set_ylabel("imaginary part (1/s)")

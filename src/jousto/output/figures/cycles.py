@@ -12,7 +12,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem
 from jousto.fatigue.cycles.rainflow import Cycles
 from jousto.fatigue.miner.damage import equivalents
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 WIDTH = 7.2  # inch
 
 
-@explained
+@explained_as("plot")
 def plot_sn(
     curves: SN | Sequence[SN],
     cycles: Cycles | None = None,
@@ -58,7 +58,7 @@ def plot_sn(
     out = None if path is None else target(path, PICTURES)
     chosen = (curves,) if isinstance(curves, SN) else tuple(curves)
     if not chosen:
-        raise InputError(Problem("plot_sn", "there is no curve to draw"))
+        raise InputError(Problem("plot", "there is no curve to draw"))
     with styled():
         figure = _figure(3.9)
         _sn(figure.subplots(), chosen, cycles, mean)
@@ -67,7 +67,7 @@ def plot_sn(
     return figure
 
 
-@explained
+@explained_as("plot")
 def plot_cycles(
     cycles: Cycles,
     sn: SN | None = None,
@@ -97,7 +97,7 @@ def plot_cycles(
     """
     out = None if path is None else target(path, PICTURES)
     if not len(cycles):
-        raise InputError(Problem("plot_cycles", "the history is constant: there are no cycles"))
+        raise InputError(Problem("plot", "the history is constant: there are no cycles"))
     with styled():
         figure = _figure(3.1 if sn is None else 6.4)
         if sn is None:

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.colors import LogNorm, Normalize, to_rgb
 from numpy.typing import NDArray
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.base.files import written
 from jousto.fatigue.miner.damage_field import DamageField
@@ -30,32 +30,32 @@ DECADES = 8.0  # of damage that the colours show
 QUANTITIES = ("damage", "life", "safety")
 
 
-@explained
+@explained_as("plot")
 def plot_damage(
-    run: Solution,
     field: DamageField,
-    path: str | Path | None = None,
+    run: Solution,
     *,
     quantity: str = "damage",
     view: View | str | None = None,
     marks: int = 3,
+    path: str | Path | None = None,
 ) -> Picture:
     """Draw damage, life or safety over a body, with the worst places.
 
     Parameters
     ----------
-    run : Solution
-        A run with that body, for its shape.
     field : DamageField
         From `damage_field`.
-    path : path, optional
-        File to write: png, svg, pdf, jpg, webp or eps.
+    run : Solution
+        A run with that body, for its shape.
     quantity : str
         "damage", "life" (s; both in decades) or "safety" (to 5).
     view : View, "xy", "xz" or "yz", optional
         From where it is looked at, in its own frame.
     marks : int
         Worst places that are numbered; those behind the body are faded, in brackets.
+    path : path, optional
+        File to write: png, svg, pdf, jpg, webp or eps.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def plot_damage(
     out = None if path is None else target(path, PICTURES)
     if quantity not in QUANTITIES:
         known = suggest(quantity, QUANTITIES)
-        raise InputError(Problem("plot_damage", f"quantity is {quantity!r}{known}"))
+        raise InputError(Problem("plot", f"quantity is {quantity!r}{known}"))
     shape = find_body(run, field.body)
     values = node_values(
         shape, field, getattr(field, quantity), max if quantity == "damage" else min
@@ -79,8 +79,8 @@ def plot_damage(
     return figure
 
 
-@explained
-def write_damage(run: Solution, field: DamageField, path: str | Path) -> Path:
+@explained_as("write")
+def write_damage(field: DamageField, path: str | Path, run: Solution) -> Path:
     """Write damage, its decimal logarithm, life and safety at the nodes of a body for ParaView.
 
     Nodes of which no stress is known are NaN; of several places at a node, such as the points of a
@@ -88,11 +88,11 @@ def write_damage(run: Solution, field: DamageField, path: str | Path) -> Path:
 
     Parameters
     ----------
-    run : Solution
-        A run with that body, for its shape.
     field : DamageField
     path : path
         Ends with .vtu.
+    run : Solution
+        A run with that body, for its shape.
 
     Raises
     ------

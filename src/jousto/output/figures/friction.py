@@ -1,17 +1,17 @@
-"""plot_friction_stress: stress with and without friction, and what happens at stick and slip."""
+"""Stress with and without friction, and what happens at stick and slip."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.output.style import COLORS, MUTED, PICTURES, Picture, save, styled, target
 from jousto.recovery.friction import FrictionStress
 
 SIZE = (9.5, 5.4)  # inch
 
 
-@explained
+@explained_as("plot")
 def plot_friction_stress(
     found: FrictionStress, *, site: str | None = None, path: str | Path | None = None
 ) -> Picture:

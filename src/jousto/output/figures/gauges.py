@@ -1,4 +1,4 @@
-"""plot_gauges: measured channels over virtual gauges."""
+"""Measured channels over virtual gauges."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem
 from jousto.measurement.gauges.compare import GaugeComparison, shown_unit
 from jousto.output.style import COLORS, INK, MUTED, PICTURES, Picture, blend, save, styled, target
@@ -16,8 +16,8 @@ WIDTH = 8.0  # inch
 MOST = 12  # panels
 
 
-@explained
-def plot_gauges(comparison: GaugeComparison, path: str | Path | None = None) -> Picture:
+@explained_as("plot")
+def plot_gauges(comparison: GaugeComparison, *, path: str | Path | None = None) -> Picture:
     """Draw measured channels and virtual gauges over one another, a panel for each pair.
 
     Parameters
@@ -39,7 +39,7 @@ def plot_gauges(comparison: GaugeComparison, path: str | Path | None = None) -> 
     out = None if path is None else target(path, PICTURES)
     pairs = comparison.pairs
     if len(pairs) > MOST:
-        raise InputError(Problem("plot_gauges", f"{len(pairs)} pairs; a picture holds {MOST}"))
+        raise InputError(Problem("plot", f"{len(pairs)} pairs; a picture holds {MOST}"))
     with styled():
         figure = Picture(
             figsize=(WIDTH, 0.75 + (2.9 if len(pairs) == 1 else 1.75) * len(pairs)),

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import written
 from jousto.output.figures.painted import extent, mark, paint
@@ -32,10 +32,14 @@ VALUES = 2e8  # that the colours are worked out from, at most
 POINTS = 4000  # of a curve
 
 
-@explained
+@explained_as("plot")
 def plot_hotspots(
-    run: Solution, found: HotSpots, path: str | Path, *, view: View | str | None = None
-) -> Path:
+    found: HotSpots,
+    run: Solution,
+    *,
+    view: View | str | None = None,
+    path: str | Path | None = None,
+) -> Picture:
     """Draw the worst value at every place, the numbered hot spots, and their histories.
 
     Numbers in brackets are of places behind the body. Of very long runs the colours are those of
@@ -44,37 +48,41 @@ def plot_hotspots(
 
     Parameters
     ----------
-    run : Solution
     found : HotSpots
-        What `hot_spots` found in it.
-    path : path
-        File to write: png, svg, pdf, jpg, webp or eps.
+        From `hot_spots`.
+    run : Solution
+        Where they were found.
     view : View, "xy", "xz" or "yz", optional
         From where bodies are looked at, in their own frame.
+    path : path, optional
+        File to write: png, svg, pdf, jpg, webp or eps.
 
     Raises
     ------
     InputError
         For an unknown suffix or an unwritable path, or a run that has no such body.
     """
-    out = target(path, PICTURES)
+    out = None if path is None else target(path, PICTURES)
     with styled():
-        save(_picture(run, found, view), out)
-    return out
+        figure = _picture(run, found, view)
+        if out is not None:
+            save(figure, out)
+    return figure
 
 
-@explained
-def write_hotspots(run: Solution, found: HotSpots, path: str | Path) -> Path:
+@explained_as("write")
+def write_hotspots(found: HotSpots, path: str | Path, run: Solution) -> Path:
     """Write the worst value at every node, when it was, and the ranks of hot spots for ParaView.
 
     One file holds all bodies, each undeformed in its own frame; the field ``body`` counts them.
 
     Parameters
     ----------
-    run : Solution
     found : HotSpots
     path : path
         Ends with .vtu.
+    run : Solution
+        Where they were found.
 
     Raises
     ------
@@ -150,7 +158,7 @@ def _node(shape: BodyShape, node: int, position: Array) -> int:
 
 def _picture(run: Solution, found: HotSpots, view: View | str | None) -> Picture:
     if not found.spots:
-        raise InputError(Problem("plot_hotspots", "there are no hot spots to draw"))
+        raise InputError(Problem("plot", "there are no hot spots to draw"))
     names = list(dict.fromkeys(spot.body for spot in found))
     shapes = [find_body(run, name) for name in names]
     places = [field.name for field in found.fields]

@@ -1,4 +1,4 @@
-"""plot_hysteresis and plot_spectrum: local loops at a notch, and random stress."""
+"""Local loops at a notch, and random stress."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.output.style import COLORS, MUTED, PICTURES, Picture, save, styled, target
 
 if TYPE_CHECKING:
@@ -21,10 +21,10 @@ SIZE = (6.4, 4.6)  # inch
 MOST = 80  # turning points that are drawn
 
 
-@explained
+@explained_as("plot")
 def plot_hysteresis(
-    series: ArrayLike,
     material: StrainLife,
+    series: ArrayLike,
     *,
     rule: Rule = "neuber",
     path: str | Path | None = None,
@@ -33,9 +33,9 @@ def plot_hysteresis(
 
     Parameters
     ----------
+    material : StrainLife
     series : (nt,) array_like
         Linear elastic stress, Pa.
-    material : StrainLife
     rule : {"neuber", "glinka", "elastic"}
         Notch rule.
     path : path, optional
@@ -75,7 +75,7 @@ def plot_hysteresis(
     return figure
 
 
-@explained
+@explained_as("plot")
 def plot_spectrum(
     response: RandomResponse,
     sites: Sequence[str] | str,

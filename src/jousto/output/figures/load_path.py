@@ -1,4 +1,4 @@
-"""plot_load_path and write_load_path: equilibria over a load, as a picture and as a table."""
+"""Equilibria over a load, as a picture and as a table."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.base.files import write_table
 from jousto.output.style import COLORS, INK, MUTED, PICTURES, Picture, save, styled, target
@@ -54,7 +54,7 @@ def _column(data: LoadPath, sensor: str) -> tuple[NDArray[np.float64], str]:
     return np.asarray(values), f"{sensor} ({unit})" if unit else sensor
 
 
-@explained
+@explained_as("plot")
 def plot_load_path(data: LoadPath, sensor: str, *, path: str | Path | None = None) -> Picture:
     """Draw the load over a sensor value; unstable equilibria dashed, critical points marked.
 
@@ -125,7 +125,7 @@ def _mark_critical(ax: Axes, data: LoadPath, values: NDArray[np.float64]) -> Non
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handletextpad=0.2)
 
 
-@explained
+@explained_as("write")
 def write_load_path(data: LoadPath, path: str | Path) -> Path:
     """Write a load path as a table: load, unstable modes, lowest omega^2 and all sensors.
 

@@ -1,4 +1,4 @@
-"""plot_monitor: the record of a monitoring run."""
+"""The record of a monitoring run."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.measurement.monitor.health import STATES
 from jousto.output.style import COLORS, MUTED, PICTURES, Picture, save, styled, target
 
@@ -20,7 +20,7 @@ MOST = 4000  # points of a line; more are drawn as smallest and largest of their
 BAD = COLORS[1]
 
 
-@explained
+@explained_as("plot")
 def plot_monitor(record: MonitorRecord, *, path: str | Path | None = None) -> Picture:
     """Draw stress with its band, damage, and the health of the channels over time.
 

@@ -1,4 +1,4 @@
-"""plot_planar: shapes of a planar frame, and its energies or its load path."""
+"""Shapes of a planar frame, and its energies or its load path."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.output.style import COLORS, MUTED, PICTURES, Picture, blend, save, styled, target
 from jousto.planar.results import PlanarPath, PlanarRun
 
 SHAPES = 7  # drawn of a motion
 
 
-@explained
+@explained_as("plot")
 def plot_planar(run: PlanarRun | PlanarPath, *, path: str | Path | None = None) -> Picture:
     """Draw shapes of a frame, the last one darkest, and what goes with them.
 

@@ -8,37 +8,42 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import written
-from jousto.output.figures.plot import draw
+from jousto.output.figures.histories import draw
 from jousto.output.figures.series import Curve, Panel
-from jousto.output.style import PICTURES, save, styled, target
+from jousto.output.style import PICTURES, Picture, save, styled, target
 from jousto.recovery.fields.criteria import Criterion
 from jousto.recovery.fields.field import StressField
 
 MOST = 10
 
 
-@explained
-def plot_stress(field: StressField, path: str | Path, criterion: Criterion = "von-mises") -> Path:
+@explained_as("plot")
+def plot_stress(
+    field: StressField,
+    *,
+    criterion: Criterion = "von-mises",
+    path: str | Path | None = None,
+) -> Picture:
     """Draw the history of a criterion at the places of a field.
 
     Parameters
     ----------
     field : StressField
         Of at most ten places: ``field.only("e1.a.top")``.
-    path : path
-        File to write: png, svg, pdf, jpg, webp or eps.
     criterion : str or Plane
         See `jousto.recovery.fields.criteria.evaluate`.
+    path : path, optional
+        File to write: png, svg, pdf, jpg, webp or eps.
 
     Raises
     ------
     InputError
         For an unknown suffix, an unwritable path, or too many places.
     """
-    out = target(path, PICTURES)
+    out = None if path is None else target(path, PICTURES)
     if field.ns > MOST:
         message = f"{field.ns} histories cannot be told apart: choose at most {MOST} sites"
         raise InputError(Problem(f"stress of '{field.name}'", message))
@@ -49,16 +54,18 @@ def plot_stress(field: StressField, path: str | Path, criterion: Criterion = "vo
     kind = "strain" if field.strain else "stress"
     title = f"{criterion} {kind} of {field.name}"
     with styled():
-        save(draw([Panel(title, f"{field.frame} axes", field.unit, curves)], ("",)), out)
-    return out
+        figure = draw([Panel(title, f"{field.frame} axes", field.unit, curves)], ("",))
+        if out is not None:
+            save(figure, out)
+    return figure
 
 
-@explained
+@explained_as("write")
 def write_stress(
     field: StressField,
     path: str | Path,
-    criterion: Criterion = "von-mises",
     *,
+    criterion: Criterion = "von-mises",
     time: float | None = None,
     histories: bool = False,
 ) -> Path:

@@ -8,7 +8,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import written
 from jousto.output.style import target
@@ -22,13 +22,13 @@ Array = NDArray[np.float64]
 KINDS = {2: "line", 3: "triangle"}
 
 
-@explained
+@explained_as("write")
 def write_contour(
-    run: Solution,
     field: StressField,
     path: str | Path,
-    criterion: Criterion = "von-mises",
+    run: Solution,
     *,
+    criterion: Criterion = "von-mises",
     times: ArrayLike | None = None,
     scale: float = 1.0,
 ) -> Path:
@@ -41,12 +41,12 @@ def write_contour(
 
     Parameters
     ----------
-    run : Solution
-        Where the field comes from.
     field : StressField
         Of all places of a body, or some of them; the others are nan.
     path : path
         Ends with .vtu, or .pvd for a series.
+    run : Solution
+        Where the field comes from.
     criterion : str or Plane
         See `jousto.recovery.fields.criteria.evaluate`.
     times : (nt,) array_like, optional
@@ -66,7 +66,7 @@ def write_contour(
 
     Examples
     --------
-    ``write_contour(run, stress_field(run, "arm"), "arm.pvd", times=np.linspace(0, 1, 51))``
+    ``write(stress_field(run, "arm"), "arm.pvd", run, times=np.linspace(0, 1, 51))``
     """
     out = target(path, ("vtu", "pvd"))
     shape = find_body(run, field.name)

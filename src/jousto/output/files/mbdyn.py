@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.output.files.exposed import Array, damping_ratios, exposed_nodes, node_modes, write_text
 from jousto.reduction.reduced import ReducedPart
 
 
-@explained
+@explained_as("write")
 def write_fem(
     reduced: ReducedPart,
     path: str | Path,

@@ -1,4 +1,4 @@
-"""write_mesh: a mesh as a file for other programs."""
+"""A mesh as a file for other programs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem, warn
 from jousto.base.files import written
 from jousto.mesh.mesh import Mesh
@@ -29,7 +29,7 @@ FORMATS = {
 }
 
 
-@explained
+@explained_as("write")
 def write_mesh(mesh: Mesh, path: str | Path, *, unit: str = "m") -> Path:
     """Write a mesh to a file that other programs read, and `read_mesh`, too.
 
@@ -61,7 +61,7 @@ def write_mesh(mesh: Mesh, path: str | Path, *, unit: str = "m") -> Path:
     out = target(path, tuple(FORMATS))
     suffix = out.suffix.lower().lstrip(".")
     form, keeps = FORMATS[suffix]
-    factor = unit_factor("write_mesh", unit)
+    factor = unit_factor("write", unit)
     if not keeps and (mesh.node_sets or mesh.element_sets) and suffix != "stl":
         warn(
             out.name, "this format is written without the sets of the mesh; .vtu and .inp keep them"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.base.arrays import skew
 from jousto.output.files.exposed import Array, damping_ratios, exposed_nodes, node_modes, write_text
 from jousto.reduction.reduced import ReducedPart
@@ -56,7 +56,7 @@ class Taylor:
         return [indent + line for line in [*lines, f"end {name}"]]
 
 
-@explained
+@explained_as("write")
 def write_sid(
     reduced: ReducedPart,
     path: str | Path,

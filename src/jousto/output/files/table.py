@@ -1,16 +1,16 @@
-"""write_csv: results as a table of text."""
+"""Results as a table of text."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.output.style import target
 from jousto.simulation.results.naming import Names
 from jousto.simulation.results.solution import Solution
 
 
-@explained
+@explained_as("write")
 def write_csv(run: Solution, path: str | Path, *names: Names, sensors: Names = ()) -> Path:
     """Write time and sensors as a table, one row for each instant.
 

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import written
 from jousto.output.files.exposed import Array
+from jousto.output.style import target
 from jousto.reduction.reduced import ReducedPart
 
 KINDS = {
@@ -24,7 +25,7 @@ KINDS = {
 """Cells by their number of nodes; four are a tetrahedron, or a quadrilateral if they lie flat."""
 
 
-@explained
+@explained_as("write")
 def write_vtu(reduced: ReducedPart, path: str | Path, *, stress: bool = True) -> Path:
     """Write nodes, elements, modes and modal stress for ParaView.
 
@@ -52,9 +53,7 @@ def write_vtu(reduced: ReducedPart, path: str | Path, *, stress: bool = True) ->
     """
     import meshio
 
-    target = Path(path)
-    if target.suffix.lower() != ".vtu":
-        raise InputError(Problem(str(target), "the file of modes for ParaView must end with .vtu"))
+    out = target(path, ("vtu",))
     digits = len(str(reduced.n))
     fields: dict[str, Any] = {}
     for j, f in enumerate(reduced.frequencies):
@@ -70,9 +69,9 @@ def write_vtu(reduced: ReducedPart, path: str | Path, *, stress: bool = True) ->
     else:
         cells = [("vertex", np.arange(len(reduced.nodes))[:, None])]
     mesh = meshio.Mesh(reduced.nodes, cells, point_data=fields)
-    with written(target) as beside:
+    with written(out) as beside:
         meshio.write(beside, mesh, file_format="vtu")
-    return target
+    return out
 
 
 def _kind(reduced: ReducedPart) -> str:

@@ -12,7 +12,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.base.files import written
 from jousto.output.style import COLORS, FAINT, INK, MUTED, PAPER, Picture, styled, target
 from jousto.reduction.certificate.certificate import Certificate, Check, Silhouette, Table
@@ -58,7 +58,7 @@ section h2 {{ padding-top: 14px; margin-top: 0; }}
 """
 
 
-@explained
+@explained_as("write")
 def write_certificate(certificate: Certificate, path: str | Path) -> Path:
     """Write a certificate as an HTML page that stands for itself: no network, no script.
 

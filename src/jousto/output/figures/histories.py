@@ -1,4 +1,4 @@
-"""plot: sensors and diagnostics of a run against time."""
+"""Sensors and diagnostics of a run against time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from jousto.base.arguments import explained
+from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem
 from jousto.output.figures.series import Panel, panels
 from jousto.output.style import (
@@ -36,8 +36,8 @@ NONE = (None, None)  # no dashes
 LABELLED = 10  # more lines than this are not named one by one
 
 
-@explained
-def plot(
+@explained_as("plot")
+def plot_run(
     run: Solution | Mapping[str, Solution], *names: str, path: str | Path | None = None
 ) -> Picture:
     """Draw sensors against time, one panel below the other.

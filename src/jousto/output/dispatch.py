@@ -1,0 +1,52 @@
+"""The function that draws or writes a thing: found by the type of the thing, loaded when needed."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from typing import Any, TypeVar
+
+from jousto.base.errors import InputError, Problem
+
+T = TypeVar("T")
+
+
+def found(table: Mapping[str, T], thing: object, verb: str) -> tuple[str, T]:
+    """Return the name of the kind of a thing and its entry in a table.
+
+    Raises
+    ------
+    InputError
+        If the table knows nothing of its kind.
+    """
+    for kind in type(thing).__mro__:
+        if kind.__name__ in table and kind.__module__.startswith("jousto."):
+            return kind.__name__, table[kind.__name__]
+    known = ", ".join(table)
+    raise InputError(Problem(verb, f"of a {type(thing).__name__} is not known; known: {known}"))
+
+
+def implementation(place: str) -> Callable[..., Any]:
+    """Return ``module.function`` of this room."""
+    module, _, name = place.rpartition(".")
+    function: Callable[..., Any] = getattr(import_module(f"jousto.output.{module}"), name)
+    return function
+
+
+def call(place: str, what: str, *given: Any, **options: Any) -> Any:
+    """Call ``module.function`` of this room; `what` is said of wrong arguments.
+
+    Raises
+    ------
+    TypeError
+        If an argument is missing or unknown, with those that there are.
+    """
+    function = implementation(place)
+    signature = inspect.signature(function)
+    try:
+        signature.bind(*given, **options)
+    except TypeError as error:
+        names = ", ".join(list(signature.parameters)[1:])
+        raise TypeError(f"{what}: {error}; it takes {names}") from None
+    return function(*given, **options)

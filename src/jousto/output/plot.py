@@ -1,0 +1,153 @@
+"""plot: one picture of a result, by its type."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, overload
+
+from jousto.base.arguments import explained
+from jousto.output.dispatch import call, found
+from jousto.output.style import Picture
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from jousto.fatigue.cycles.rainflow import Cycles
+    from jousto.fatigue.local.strain_life import Rule
+    from jousto.fatigue.miner.damage_field import DamageField
+    from jousto.fatigue.random.random_response import RandomResponse
+    from jousto.materials.strength.mean_stress import MeanStress
+    from jousto.materials.strength.sn import SN
+    from jousto.materials.strength.strain_life import StrainLife
+    from jousto.measurement.gauges.compare import GaugeComparison
+    from jousto.measurement.monitor.recorded import MonitorRecord
+    from jousto.measurement.twin.bands import Band
+    from jousto.output.scenes.view import View
+    from jousto.planar.results import PlanarPath, PlanarRun
+    from jousto.recovery.beams.forces import SectionForces
+    from jousto.recovery.fields.criteria import Criterion
+    from jousto.recovery.fields.field import StressField
+    from jousto.recovery.friction import FrictionStress
+    from jousto.recovery.hotspots.spots import HotSpots
+    from jousto.simulation.modes.campbell import Campbell
+    from jousto.simulation.results.solution import Solution
+    from jousto.simulation.statics.load_paths import LoadPath
+
+File = str | Path | None
+
+DRAWN = {
+    "Solution": "figures.histories.plot_run",
+    "StressField": "figures.stress.plot_stress",
+    "HotSpots": "figures.hotspots.plot_hotspots",
+    "DamageField": "figures.damage.plot_damage",
+    "SectionForces": "figures.beams.plot_section_forces",
+    "FrictionStress": "figures.friction.plot_friction_stress",
+    "SN": "figures.cycles.plot_sn",
+    "Cycles": "figures.cycles.plot_cycles",
+    "StrainLife": "figures.hysteresis.plot_hysteresis",
+    "RandomResponse": "figures.hysteresis.plot_spectrum",
+    "Campbell": "figures.campbell.plot_campbell",
+    "LoadPath": "figures.load_path.plot_load_path",
+    "GaugeComparison": "figures.gauges.plot_gauges",
+    "Band": "figures.bands.plot_band",
+    "MonitorRecord": "figures.monitor.plot_monitor",
+    "PlanarRun": "figures.planar.plot_planar",
+    "PlanarPath": "figures.planar.plot_planar",
+}
+BEAM = "figures.beams.plot_beam"
+
+
+# fmt: off
+@overload
+def plot(thing: Solution, *, beam: str | Sequence[str], times: ArrayLike | None = ..., view: View | str | None = ..., path: File = ...) -> Picture: ...  # noqa: E501
+@overload
+def plot(thing: Solution | Mapping[str, Solution], *names: str, path: File = ...) -> Picture: ...
+@overload
+def plot(thing: StressField, *, criterion: Criterion = ..., path: File = ...) -> Picture: ...
+@overload
+def plot(thing: HotSpots, run: Solution, *, view: View | str | None = ..., path: File = ...) -> Picture: ...  # noqa: E501
+@overload
+def plot(thing: DamageField, run: Solution, *, quantity: str = ..., view: View | str | None = ..., marks: int = ..., path: File = ...) -> Picture: ...  # noqa: E501
+@overload
+def plot(thing: SectionForces, *, components: Sequence[str] | str | None = ..., times: ArrayLike | None = ..., at: float | str | None = ..., path: File = ...) -> Picture: ...  # noqa: E501
+@overload
+def plot(thing: FrictionStress, *, site: str | None = ..., path: File = ...) -> Picture: ...
+@overload
+def plot(thing: SN | Sequence[SN], cycles: Cycles | None = ..., *, mean: MeanStress | None = ..., path: File = ...) -> Picture: ...  # noqa: E501
+@overload
+def plot(thing: Cycles, sn: SN | None = ..., *, mean: MeanStress | None = ..., bins: int = ..., path: File = ...) -> Picture: ...  # noqa: E501
+@overload
+def plot(thing: StrainLife, series: ArrayLike, *, rule: Rule = ..., path: File = ...) -> Picture: ...  # noqa: E501
+@overload
+def plot(thing: RandomResponse, sites: Sequence[str] | str, *, criterion: str = ..., path: File = ...) -> Picture: ...  # noqa: E501
+@overload
+def plot(thing: Campbell, *, kind: Literal["frequencies", "root locus"] = ..., orders: Sequence[float] = ..., path: File = ...) -> Picture: ...  # noqa: E501
+@overload
+def plot(thing: LoadPath, sensor: str, *, path: File = ...) -> Picture: ...
+@overload
+def plot(thing: Band, *, sites: Sequence[str] | str | None = ..., truth: ArrayLike | None = ..., path: File = ...) -> Picture: ...  # noqa: E501
+@overload
+def plot(thing: GaugeComparison | MonitorRecord | PlanarRun | PlanarPath, *, path: File = ...) -> Picture: ...  # noqa: E501
+# fmt: on
+@explained
+def plot(thing: Any, *what: Any, path: File = None, **options: Any) -> Picture:
+    """Draw a result; its type decides the picture.
+
+    Parameters
+    ----------
+    thing : object
+        ========================  ============================================================
+        thing                     what is drawn, and what else may be said
+        ========================  ============================================================
+        run, or {label: run}      sensors over time: ``"tip.y", "energy", "residuals"``;
+                                  shapes of a beam: ``beam="cable"``, `times`, `view`
+        stress field              history of a `criterion` at its places
+        hot spots                 places and histories; the run, `view`
+        damage field              damage over a body; the run, `quantity`, `view`, `marks`
+        section forces            along a beam or over time: `components`, `times`, `at`
+        friction stress           stress with and without friction at a `site`
+        S-N curve, or several     curves; cycles, `mean`
+        cycles                    rainflow matrix and levels; an S-N curve, `mean`, `bins`
+        strain-life curve         loops at a notch; a history of elastic stress, `rule`
+        random response           spectra at places; sites, `criterion`
+        Campbell data             frequencies with `orders`, or ``kind="root locus"``
+        load path                 load over a sensor's value; the sensor
+        gauge comparison          measured and virtual channels
+        band of a twin            stress with its band: `sites`, `truth`
+        record of a monitor       stress, damage and health of channels
+        planar run or path        shapes with energies or load factors
+        ========================  ============================================================
+    *what
+        What the table names without marks, in that order.
+    path : path, optional
+        File to write; the suffix chooses the format: png, svg, pdf, jpg, webp or eps.
+    **options
+        What the table names in marks.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Not known to pyplot: nothing to close.
+
+    Raises
+    ------
+    InputError
+        For a thing that cannot be drawn, unknown names with suggestions, an unknown suffix or an
+        unwritable path.
+
+    Examples
+    --------
+    ``plot(run, "middle.y", "energy", path="pendulum.png")``, ``plot(damage, run, view="xz")``
+    """
+    if isinstance(thing, list | tuple):
+        kind = "SN"
+        place = DRAWN[kind]
+    elif type(thing).__name__ not in DRAWN and isinstance(thing, Mapping):
+        kind = "Solution"
+        place = DRAWN[kind]
+    else:
+        kind, place = found(DRAWN, thing, "plot")
+    place = BEAM if kind == "Solution" and "beam" in options else place
+    picture: Picture = call(place, f"plot of a {kind}", thing, *what, path=path, **options)
+    return picture

@@ -1,0 +1,120 @@
+"""write: a thing as a file for other programs; its type and the suffix decide the format."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, overload
+
+from jousto.base.arguments import explained
+from jousto.output.dispatch import call, found
+from jousto.output.style import target
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from jousto.fatigue.miner.damage_field import DamageField
+    from jousto.mesh.mesh import Mesh
+    from jousto.recovery.fields.criteria import Criterion
+    from jousto.recovery.fields.field import StressField
+    from jousto.recovery.hotspots.spots import HotSpots
+    from jousto.reduction.certificate.certificate import Certificate
+    from jousto.reduction.reduced import ReducedPart
+    from jousto.simulation.results.naming import Names
+    from jousto.simulation.results.solution import Solution
+    from jousto.simulation.statics.load_paths import LoadPath
+
+File = str | Path
+
+MESHES = ("vtu", "vtk", "inp", "msh", "med", "bdf", "nas", "stl")
+SID, CONTOUR, BEAM = (
+    "files.sid.write_sid",
+    "files.contour.write_contour",
+    "figures.beams.write_beam",
+)
+WRITTEN = {
+    "Solution": {"csv": "files.table.write_csv", "vtu": BEAM, "pvd": BEAM},
+    "StressField": {"csv": "figures.stress.write_stress", "vtu": CONTOUR, "pvd": CONTOUR},
+    "HotSpots": {"vtu": "figures.hotspots.write_hotspots"},
+    "DamageField": {"vtu": "figures.damage.write_damage"},
+    "LoadPath": {"csv": "figures.load_path.write_load_path"},
+    "Mesh": dict.fromkeys(MESHES, "files.meshes.write_mesh"),
+    "ReducedPart": {
+        "fem": "files.mbdyn.write_fem",
+        "sid": SID,
+        "sid_fem": SID,
+        "vtu": "files.vtu.write_vtu",
+    },
+    "Certificate": {"html": "pages.certificate.write_certificate"},
+}
+
+
+# fmt: off
+@overload
+def write(thing: Solution, path: File, *, beam: str, times: ArrayLike | None = ...) -> Path: ...
+@overload
+def write(thing: Solution, path: File, *names: Names, sensors: Names = ...) -> Path: ...
+@overload
+def write(thing: StressField, path: File, *, criterion: Criterion = ..., time: float | None = ..., histories: bool = ...) -> Path: ...  # noqa: E501
+@overload
+def write(thing: StressField, path: File, run: Solution, *, criterion: Criterion = ..., times: ArrayLike | None = ..., scale: float = ...) -> Path: ...  # noqa: E501
+@overload
+def write(thing: HotSpots | DamageField, path: File, run: Solution) -> Path: ...
+@overload
+def write(thing: Mesh, path: File, *, unit: str = ...) -> Path: ...
+@overload
+def write(thing: ReducedPart, path: File, *, nodes: Sequence[str | int] | None = ..., damping: float | Sequence[float] = ..., invariants: bool = ..., stress: bool = ...) -> Path: ...  # noqa: E501
+@overload
+def write(thing: LoadPath | Certificate, path: File) -> Path: ...
+# fmt: on
+@explained
+def write(thing: Any, path: File, *what: Any, **options: Any) -> Path:
+    """Write a mesh, a part or a result for other programs; the suffix decides the format.
+
+    Parameters
+    ----------
+    thing : object
+        ================  ==================  ======================================================
+        thing             suffix              what is written, and what else may be said
+        ================  ==================  ======================================================
+        mesh              .vtu .vtk .inp      cells and sets; `unit` of length
+                          .msh .med .bdf
+                          .nas .stl
+        reduced part      .vtu                modes and their `stress` for ParaView
+                          .fem                MBDyn: `nodes`, `damping`, `invariants`
+                          .sid .SID_FEM       standard input data: `nodes`, `damping`
+        certificate       .html               a page without network or script
+        run               .csv                sensors; their names
+                          .vtu .pvd           the surface of a `beam` at `times`
+        stress field      .csv                envelope of a `criterion`, at a `time`, `histories`
+                          .vtu .pvd           over the body; the run, `criterion`, `times`, `scale`
+        hot spots         .vtu                worst values and ranks; the run
+        damage field      .vtu                damage, life and safety; the run
+        load path         .csv                loads, stability and sensors
+        ================  ==================  ======================================================
+    path : path
+    *what
+        What the table names without marks.
+    **options
+        What the table names in marks.
+
+    Returns
+    -------
+    Path
+        The file written.
+
+    Raises
+    ------
+    InputError
+        For a thing that cannot be written, an unknown suffix or an unwritable path.
+
+    Examples
+    --------
+    ``write(reduced, "arm.fem", damping=0.01)``, ``write(field, "arm.pvd", run, scale=10)``
+    """
+    kind, formats = found(WRITTEN, thing, "write")
+    suffix = Path(path).suffix.lower().lstrip(".")
+    if suffix not in formats:
+        target(path, tuple(formats))
+    done: Path = call(formats[suffix], f".{suffix} of a {kind}", thing, path, *what, **options)
+    return done
