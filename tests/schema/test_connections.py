@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 import jousto as jo
+from jousto.base.declare import SECTIONS, OptionalNumber, field
 from jousto.base.errors import InputError
 from jousto.mechanism.bodies.body import RigidBody, ground
 from jousto.mechanism.forces.friction import Friction, Regularised, StickSlip
 from jousto.mechanism.forces.springs import Bushing, JointForce, Servo, Spring
+from jousto.mechanism.joints.base import PARALLEL, AxisJoint, held
 from jousto.mechanism.joints.coordinate import Distance
 from jousto.mechanism.joints.coupling import Coupling, Drive, Gear, Rack
 from jousto.mechanism.joints.hinges import Cylindrical, Revolute, Screw, Universal
@@ -17,7 +19,7 @@ from jousto.mechanism.joints.points import PointOnLine, PointOnPlane, Rod, Spher
 from jousto.mechanism.joints.slides import ConstantOrientation, Fixed, Planar, Prismatic
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.signals.piecewise import Ramp, SCurve, Table
-from jousto.schema.file.read import parse_model
+from jousto.schema.file.read import model_schema, parse_model
 from schema.models import same
 
 BODIES = "bodies:\n" + "".join(
@@ -268,3 +270,27 @@ def test_mistakes_of_the_start(old: str, new: str, sentence: str) -> None:
     with pytest.raises(InputError) as error:
         parse_model(text)
     assert sentence in str(error.value)
+
+
+def test_a_class_that_a_user_declares_is_an_entry_too():
+    class Bead(AxisJoint, tag="bead"):
+        """A bead on a wire."""
+
+        perpendicular = PARALLEL
+        wire: OptionalNumber = field("Length of the wire", unit="m", above=0, default=None)
+
+        @property
+        def lines(self):
+            return held(self, "x", "y")
+
+    body = "bodies: [{name: b0, mass: 1, inertia: [1, 1, 1]}]\n"
+    text = body + "joints: [{type: bead, name: bead, a: ground.origin, b: b0.origin, wire: 5 cm}]"
+    try:
+        bead = parse_model(text).mechanism.joints[-1]
+        assert isinstance(bead, Bead)
+        assert bead.wire == 0.05
+        assert "BeadEntry" in model_schema()["$defs"]
+        with pytest.raises(InputError, match="wire is -0.05 m, must be positive"):
+            parse_model(text.replace("5 cm", "-5 cm"))
+    finally:
+        del SECTIONS["joints"]["bead"]

@@ -16,6 +16,7 @@ section. What a field reads and shows is the type behind it: ``rod.length`` is a
 from __future__ import annotations
 
 import dataclasses
+import functools
 import importlib
 import inspect
 import numbers
@@ -24,6 +25,9 @@ import re
 import sys
 from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar, Generic, TypeVar, dataclass_transform, get_args, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.described import describe
 from jousto.base.errors import Problems
@@ -360,6 +364,62 @@ class Numbers(Field["float | Iterable[float]", "tuple[float, ...]"]):
         return tuple(found)
 
 
+class Vector(Field[ArrayLike, NDArray[np.float64]]):
+    """Three numbers."""
+
+    form = "vector"
+    noun = "(3,) array_like"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return them as a read-only array."""
+        return problems.array(where, self.label, value, (3,))
+
+
+class Texts(Field["Iterable[str]", "tuple[str, ...]"]):
+    """Words."""
+
+    form = "texts"
+    noun = "sequence of str"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return them as a tuple."""
+        found = () if isinstance(value, str) or not isinstance(value, Iterable) else tuple(value)
+        if not found or not all(isinstance(word, str) for word in found):
+            wanted = self.wanted or "must be a list of words"
+            problems.add(where, f"{self.label} is {value!r}, {wanted}")
+        return found
+
+
+class Reference(Field[In, Out]):
+    """Another object, which a model file calls by its name.
+
+    Attributes
+    ----------
+    section : str
+        The section of a model file that declares it.
+    word : str
+        What messages call it.
+    """
+
+    form = "reference"
+    section: ClassVar[str] = ""
+    word: ClassVar[str] = ""
+
+
+class Nested(Field[In, Out]):
+    """An object that belongs to this one; a model file declares it inside, by its ``type``.
+
+    Attributes
+    ----------
+    section, room : str
+        Its register, and the package that declares its classes.
+    """
+
+    form = "nested"
+    section: ClassVar[str] = ""
+    room: ClassVar[str] = ""
+
+
 class Choice(Field[str, str]):
     """One of a few words.
 
@@ -424,8 +484,6 @@ class OptionalItem(Item[T | None], Generic[T]):
 
 SECTIONS: dict[str, dict[str, type[Declared]]] = {}
 """Classes by their word ``type`` in each section of a model file."""
-ROOMS: dict[str, str] = {}
-"""The package whose modules declare the classes of a section."""
 
 
 @dataclass_transform(field_specifiers=(field,))
@@ -485,7 +543,6 @@ class Declared:
         if section:
             cls.section = section
             SECTIONS.setdefault(section, {})
-            ROOMS[section] = cls.__module__.rpartition(".")[0]
         cls.tag = tag
         if tag:
             SECTIONS[cls.section][tag] = cls
@@ -543,7 +600,13 @@ def kinds(section: str, room: str) -> dict[str, type[Declared]]:
     room : str
         The package whose modules declare them, ``"jousto.mechanism.joints"``.
     """
+    _load(room)
+    return SECTIONS[section]
+
+
+@functools.cache
+def _load(room: str) -> None:
+    """Import every module of a room, which puts its classes into their register."""
     package = importlib.import_module(room)
     for module in pkgutil.iter_modules(package.__path__):
         importlib.import_module(f"{room}.{module.name}")
-    return SECTIONS[section]

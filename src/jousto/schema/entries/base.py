@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, ClassVar, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError, core_schema
@@ -18,6 +18,9 @@ class Entry(BaseModel):
     model_config = ConfigDict(
         extra="forbid", frozen=True, protected_namespaces=(), defer_build=True
     )
+
+    declared: ClassVar[Any] = None
+    """The class of the object that the entry declares, where it is made of its fields."""
 
     @model_validator(mode="before")
     @classmethod

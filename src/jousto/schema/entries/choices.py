@@ -49,7 +49,7 @@ class Tagged:
         of_union = {_tag(item): get_args(item)[0] for item in get_args(source)}
         find = self.classes or (lambda: of_union)
         name = f"{self.choose.__name__}()"
-        prepared: dict[str, SchemaValidator] = {}
+        prepared: dict[tuple[str, type[BaseModel]], SchemaValidator] = {}
 
         def check(value: Any, info: Any) -> Any:
             tag = self.choose(value)
@@ -60,10 +60,11 @@ class Tagged:
                 expected = ", ".join(f"'{tag}'" for tag in classes)
                 found = {"discriminator": name, "tag": tag, "expected_tags": expected}
                 raise PydanticKnownError("union_tag_invalid", found)
-            if tag not in prepared:
-                schema = core_schema.tagged_union_schema({tag: _schema(classes[tag])}, self.choose)
-                prepared[tag] = SchemaValidator(schema)
-            return prepared[tag].validate_python(value, context=info.context)
+            key = tag, classes[tag]
+            if key not in prepared:
+                schema = core_schema.tagged_union_schema({tag: _schema(key[1])}, self.choose)
+                prepared[key] = SchemaValidator(schema)
+            return prepared[key].validate_python(value, context=info.context)
 
         return core_schema.with_info_plain_validator_function(
             check, metadata={CHOICES: lambda: list(find().values())}

@@ -22,7 +22,7 @@ from jousto.schema.entries.base import (
     fail,
 )
 from jousto.schema.entries.choices import by_form, tagged
-from jousto.schema.entries.declared import BASIC, Forms, one_of
+from jousto.schema.entries.declared import FORMS, one_of
 from jousto.schema.entries.signals import Amount, CurveEntry, SignalEntry, SignalOrNumber
 
 # -- coordinates ----------------------------------------------------------------------------
@@ -56,12 +56,13 @@ CoordinateEntry: TypeAlias = Annotated[
     Discriminator(lambda v: "mapping" if isinstance(v, dict | BaseModel) else "scalar"),
 ]
 
-FORMS: Forms = {
-    **BASIC,
-    "coordinate": lambda field: CoordinateEntry,
-    "coordinates": lambda field: tuple[CoordinateEntry, ...],
-    "signal": lambda field: SignalOrNumber,
-}
+FORMS.update(
+    {
+        "coordinate": lambda field: CoordinateEntry,
+        "coordinates": lambda field: tuple[CoordinateEntry, ...],
+        "signal": lambda field: SignalOrNumber,
+    }
+)
 
 # -- force elements -------------------------------------------------------------------------
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import inspect
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal, TypeAlias
@@ -20,25 +19,34 @@ from jousto.schema.entries.base import (
     Number,
     Text,
     Unit,
+    Vector,
 )
 from jousto.schema.entries.choices import Tagged
 from jousto.schema.entries.signals import Amount
 
 Forms: TypeAlias = Mapping[str, Callable[[Any], Any]]
 
-BASIC: Forms = {
+FORMS: dict[str, Callable[[Any], Any]] = {
     "text": lambda field: Text,
+    "texts": lambda field: tuple[Text, ...],
+    "reference": lambda field: Text,
     "flag": lambda field: Flag,
     "number": lambda field: amount(field.unit),
     "duration": lambda field: Seconds,
     "count": lambda field: Count,
     "numbers": lambda field: tuple[Number, ...],
     "choice": lambda field: Literal[field.words],
+    "vector": lambda field: vector(field.unit),
+    "nested": lambda field: one_of(field.section, field.room),
     "direction": lambda field: Direction,
     "marker": lambda field: Marker,
     "item": lambda field: entry_of(field.of),
 }
 """What a field of each form looks like in a model file, as a type that pydantic checks."""
+
+# types that are put together here, which type checkers cannot follow
+NOTED: Any = Annotated
+ROW: Any = tuple
 
 
 def amount(unit: Any) -> Any:
@@ -46,7 +54,13 @@ def amount(unit: Any) -> Any:
     return Annotated[float, Unit(unit)] if isinstance(unit, str) else Amount
 
 
-def entry_of(cls: type[Declared], forms: Forms = BASIC) -> type[Entry]:
+def vector(unit: Any) -> Any:
+    """Return the type of three numbers."""
+    one = amount(unit)
+    return NOTED[ROW[one, one, one], Vector(3)]
+
+
+def entry_of(cls: type[Declared], forms: Forms = FORMS) -> Any:
     """Return the entry of a class in model files: its word, and a key for each field."""
     keys: dict[str, Any] = {"type": (Literal[cls.tag], ...)} if cls.tag else {}
     for name, field in cls.fields.items():
@@ -57,8 +71,9 @@ def entry_of(cls: type[Declared], forms: Forms = BASIC) -> type[Entry]:
             keys[name] = (form, Key(description=said(field)))
         else:
             keys[name] = (form | None, Key(None, description=said(field)))
-    made = create_model(f"{cls.__name__}Entry", __base__=Entry, **keys)
+    made: Any = create_model(f"{cls.__name__}Entry", __base__=Entry, **keys)
     made.__doc__ = f"`{cls.__name__}`: {(inspect.getdoc(cls) or '').partition(chr(10))[0]}"
+    made.declared = cls
     return made
 
 
@@ -70,7 +85,7 @@ def said(field: Field[Any, Any]) -> str | None:
     return f"{field.text}{unit}{default}" or None
 
 
-def one_of(section: str, room: str, forms: Forms = BASIC) -> Any:
+def one_of(section: str, room: str, forms: Forms = FORMS) -> Any:
     """Return the type of an entry of a section: one of its classes, by the key ``type``.
 
     The classes are imported and their entries made when a file has one of the section.
@@ -82,9 +97,13 @@ def one_of(section: str, room: str, forms: Forms = BASIC) -> Any:
     forms : mapping
         Types for each form of a field.
     """
+    made: dict[type[Declared], type[Entry]] = {}
 
-    @functools.cache
     def entries() -> Mapping[str, type[Entry]]:
-        return {tag: entry_of(cls, forms) for tag, cls in kinds(section, room).items()}
+        found = kinds(section, room)  # with those that a user has declared
+        for cls in found.values():
+            if cls not in made:
+                made[cls] = entry_of(cls, forms)
+        return {tag: made[cls] for tag, cls in found.items()}
 
     return Annotated[Any, Tagged(classes=entries)]

@@ -32,7 +32,6 @@ from jousto.schema.entries.base import (
 from jousto.schema.entries.beams import BeamBodyEntry, LineLoadEntry
 from jousto.schema.entries.choices import Later, by_form, tagged
 from jousto.schema.entries.connections import (
-    FORMS,
     BushingEntry,
     CoordinateEntry,
     CoordinateForm,
@@ -257,7 +256,7 @@ class SimulationEntry(Entry):
 
 JOINTS = "jousto.mechanism.joints"
 JointEntry: Any = one_of("joints", JOINTS)
-CouplerEntry: Any = one_of("couplings", JOINTS, FORMS)
+CouplerEntry: Any = one_of("couplings", JOINTS)
 
 
 class ModelEntry(Entry):

@@ -452,7 +452,7 @@ class Builder:
         bodies = listed("bodies", lambda at, e: self.body(at, e, parts))
         by_name = named(bodies)
         made = {"bodies": by_name}
-        joints = listed("joints", lambda at, e: build_declared(self, at, e, "joints", made))
+        joints = listed("joints", lambda at, e: build_declared(self, at, e, made))
         free = made["joints"] = named(joints)
         # sensors of bodies and joints, the events that watch them, then what events switch
         names = [e.name for e in entry.sensors or ()]
@@ -476,9 +476,7 @@ class Builder:
         events = watched(True)
         self.events = named(events)
         self.late_events = {e.name for e in entry.events or () if watches_late(e, late)}
-        couplings = listed(
-            "couplings", lambda at, e: build_declared(self, at, e, "couplings", made)
-        )
+        couplings = listed("couplings", lambda at, e: build_declared(self, at, e, made))
         loads = listed("forces", lambda at, e: build_load(self, at, e, by_name, free))
         initial = listed("initial", lambda at, e: build_initial(self, at, e, by_name, free))
         frictions = listed("frictions", lambda at, e: build_friction(self, at, e, free))

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from jousto.base.declare import SECTIONS, Declared, Field, Item
 from jousto.base.errors import suggest
 from jousto.schema.entries.base import Entry
 from jousto.schema.file.document import Loc
@@ -19,82 +19,119 @@ Known: TypeAlias = Mapping[str, Mapping[str, Any]]
 """For each section the objects made before, by their names."""
 
 
-def build_declared(builder: Builder, loc: Loc, entry: Any, section: str, known: Known) -> Any:
+@dataclass(frozen=True)
+class Place:
+    """Where in a document the value of a field stands, and what it may refer to.
+
+    Parameters
+    ----------
+    builder, loc
+        As everywhere.
+    field : Field
+        What is to be made.
+    known : mapping
+        What the entry may name.
+    values : mapping
+        The fields of the entry that were made before this one.
+    """
+
+    builder: Builder
+    loc: Loc
+    field: Any
+    known: Known
+    values: Mapping[str, Any]
+
+    def at(self, key: Any) -> Place:
+        """Return the place of one item of a value."""
+        return replace(self, loc=(*self.loc, key))
+
+    def unit(self, unit: Any = None) -> str:
+        """Return the SI unit of the field, or of another that depends on its coordinate alike."""
+        unit = self.field.unit if unit is None else unit
+        if isinstance(unit, str):
+            return unit
+        source = self.values[unit.field]
+        units = {unit.of(s) for s in (source if isinstance(source, list) else [source])}
+        return units.pop() if len(units) == 1 else "1"
+
+
+def build_declared(builder: Builder, loc: Loc, entry: Any, known: Known) -> Any:
     """Return the object of an entry, None if anything is wrong with it.
 
     Parameters
     ----------
     builder, loc, entry
         As everywhere.
-    section : str
-        The section of the document.
     known : mapping
         What the entry may name.
     """
-    return build_one(builder, loc, entry, SECTIONS[section][entry.type], known)
-
-
-def build_one(builder: Builder, loc: Loc, entry: Any, cls: type[Declared], known: Known) -> Any:
-    """Return the object of a class from its entry, None if anything is wrong with it."""
     given = entry.given()
     values: dict[str, Any] = {}
-    for key, field in cls.fields.items():
+    for key, field in entry.declared.fields.items():
         if key not in given:
             continue
-        if isinstance(field, Item):
-            values[key] = build_one(builder, (*loc, key), given[key], field.of, known)
-            continue
         make = FORMS.get(field.form)
-        unit = unit_of(field, values)
         if make is None:
             values[key] = given[key]
+        elif values.get(getattr(field.unit, "field", ""), given) is None:
+            values[key] = None  # of no unit, since the coordinate that it depends on is wrong
         else:
-            values[key] = (
-                None if unit is None else make(builder, (*loc, key), given[key], known, unit)
-            )
-    return None if None in values.values() else builder.make(loc, cls, **values)
-
-
-def unit_of(field: Field[Any, Any], values: Mapping[str, Any]) -> str | None:
-    """Return the SI unit of a field, None if the coordinate that it depends on is wrong."""
-    if isinstance(field.unit, str):
-        return field.unit
-    source = values[field.unit.field]
-    if source is None:
+            place = Place(builder, (*loc, key), field, known, values)
+            values[key] = make(place, given[key])
+    if any(value is None for value in values.values()):
         return None
-    units = {field.unit.of(s) for s in (source if isinstance(source, list) else [source])}
-    return units.pop() if len(units) == 1 else "1"
+    return builder.make(loc, entry.declared, **values)
 
 
-def number(builder: Builder, loc: Loc, value: Any, known: Known, unit: str) -> Any:
+def number(place: Place, value: Any) -> Any:
     """Return a number in SI; those of a fixed unit are it already."""
-    return build_amount(builder, loc, value, unit) if isinstance(value, str) else value
+    if not isinstance(value, str):
+        return value
+    return build_amount(place.builder, place.loc, value, place.unit())
 
 
-def marker(builder: Builder, loc: Loc, value: Any, known: Known, unit: str) -> Any:
+def marker(place: Place, value: Any) -> Any:
     """Return the marker that an entry names."""
-    return builder.marker(loc, value, known["bodies"])
+    return place.builder.marker(place.loc, value, place.known["bodies"])
 
 
-def coordinate(builder: Builder, loc: Loc, value: Any, known: Known, unit: str) -> Any:
+def reference(place: Place, name: str) -> Any:
+    """Return the object that an entry names."""
+    section, word = place.field.section, place.field.word
+    found = place.known[section].get(name)
+    if found is None:
+        place.builder.unknown(place.loc, section, word, name, place.known[section])
+    return found
+
+
+def nested(place: Place, value: Any) -> Any:
+    """Return the object that an entry declares inside."""
+    return build_declared(place.builder, place.loc, value, place.known)
+
+
+def coordinate(place: Place, value: Any) -> Any:
     """Return the coordinate that an entry names."""
-    return build_coordinate(builder, loc, value, known["bodies"], known["joints"])
+    known = place.known
+    return build_coordinate(place.builder, place.loc, value, known["bodies"], known["joints"])
 
 
-def coordinates(builder: Builder, loc: Loc, value: Any, known: Known, unit: str) -> Any:
+def coordinates(place: Place, value: Any) -> Any:
     """Return the coordinates of a list, None if one is wrong."""
-    found = [coordinate(builder, (*loc, i), one, known, unit) for i, one in enumerate(value)]
+    found = [coordinate(place.at(i), one) for i, one in enumerate(value)]
     return None if None in found else found
 
 
-def signal(builder: Builder, loc: Loc, value: Any, known: Known, unit: str) -> Any:
+def signal(place: Place, value: Any) -> Any:
     """Return the signal of an entry."""
-    return build_signal(builder, loc, value, unit)
+    return build_signal(place.builder, place.loc, value, place.unit())
 
 
-FORMS: dict[str, Callable[[Builder, Loc, Any, Known, str], Any]] = {
+FORMS: dict[str, Callable[[Place, Any], Any]] = {
     "number": number,
     "marker": marker,
+    "reference": reference,
+    "nested": nested,
+    "item": nested,
     "coordinate": coordinate,
     "coordinates": coordinates,
     "signal": signal,
@@ -107,7 +144,7 @@ def build_coordinate(
 ) -> Any:
     """Return the coordinate that ``hinge.angle`` or a mapping says, None if there is none."""
     if isinstance(entry, Entry):
-        return build_declared(builder, loc, entry, "coordinates", {"bodies": bodies})
+        return build_declared(builder, loc, entry, {"bodies": bodies})
     name, _, key = entry.rpartition(".")
     if name not in joints:
         builder.unknown(loc, "joints", "joint", name, joints)
