@@ -1,0 +1,80 @@
+"""Rooms whose public names stand in a stub beside them and are loaded when they are first used."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Callable
+from importlib import import_module
+from importlib.util import resolve_name
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+
+class Room(ModuleType):
+    """A package that loads a name of its stub when it is first used."""
+
+    _places: dict[str, tuple[str, str]]
+    _gone: Callable[[str], str]
+    __all__: list[str]
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in self._places:
+            where = "" if name.startswith("__") else self._gone(name)
+            message = where or f"module {self.__name__!r} has no attribute {name!r}"
+            raise AttributeError(message, name=name, obj=self)
+        module, own = self._places[name]
+        names = {} if module == self.__name__ else vars(import_module(module))
+        found = names[own] if own in names else import_module(f"{module}.{own}")
+        vars(self)[name] = found
+        return found
+
+    def __setattr__(self, name: str, value: object) -> None:
+        # a file that is imported does not hide the public function of the same name
+        if not (isinstance(value, ModuleType) and name in self._places):
+            super().__setattr__(name, value)
+
+    def __dir__(self) -> list[str]:
+        return list(self.__all__)
+
+
+def open_room(name: str, gone: Callable[[str], str] = lambda _: "") -> None:
+    """Let a package load the names of its ``__init__.pyi`` when they are first used.
+
+    Parameters
+    ----------
+    name : str
+        Name of the package.
+    gone : callable, optional
+        What is said of a name that is not there; nothing special if it is empty.
+    """
+    room = sys.modules[name]
+    stub = Path(str(room.__file__)).with_suffix(".pyi").read_text(encoding="utf-8")
+    places = {}
+    for node in ast.parse(stub).body:
+        if isinstance(node, ast.ImportFrom):
+            module = resolve_name("." * node.level + (node.module or ""), name)
+            for alias in node.names:
+                places[alias.asname or alias.name] = (module, alias.name)
+    public = sorted(key for key in places if not key.startswith("_"))
+    vars(room).update(_places=places, _gone=gone, __all__=public)
+    room.__class__ = Room
+
+
+def public_places() -> dict[str, str]:
+    """Return where each public name is, from that of the package or of one of its rooms.
+
+    Examples
+    --------
+    >>> public_places()["rainflow"], public_places()["simulate"]
+    ('jo.fatigue.rainflow', 'jo.simulate')
+    """
+    top = sys.modules["jousto"]
+    home = Path(str(top.__file__)).parents[1]
+    found = {}
+    for name in top.__all__:
+        path = home.joinpath(*".".join(top._places[name]).split("."), "__init__.pyi")
+        if path.is_file():
+            found |= {inner: f"jo.{name}.{inner}" for inner in getattr(top, name).__all__}
+    return found | {name: f"jo.{name}" for name in top.__all__}
