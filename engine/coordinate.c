@@ -41,20 +41,20 @@ void jo_coordinates(const jo_model *m, jo_data *d, int count)
         jo_set3(r, b->r);
         jo_sub3(r, a->r);
         switch (c->type) {
-        case JO_AXES:
+        case JO_COORDINATE_AXES:
             axis(f, a->A, c->axis_a);
             axis(h, b->A, c->axis_b);
             w->value = jo_dot3(f, h);
             jo_cross(w->turn_a, f, h);
             jo_cross(w->turn_b, h, f);
             break;
-        case JO_ALONG:
+        case JO_COORDINATE_ALONG:
             axis(f, a->A, c->axis_a);
             w->value = jo_dot3(f, r);
             jo_set3(w->along, f);
             jo_cross(w->turn_a, f, r);
             break;
-        case JO_DISTANCE:
+        case JO_COORDINATE_DISTANCE:
             w->value = jo_sqrt(jo_dot3(r, r));
             for (int j = 0; j < 3; j++) w->along[j] = r[j] / w->value;
             break;
@@ -101,12 +101,12 @@ void jo_coordinates_rate(const jo_model *m, jo_data *d, int count)
         jo_to_world(omb, m, d, c->b, b->om);
         w->rate = jo_dot3(w->along, v) + jo_dot3(w->turn_a, oma) + jo_dot3(w->turn_b, omb);
         switch (c->type) {
-        case JO_AXES:
+        case JO_COORDINATE_AXES:
             axis(f, a->A, c->axis_a);
             axis(h, b->A, c->axis_b);
             w->bias = second_order(f, oma, h, omb);
             break;
-        case JO_ALONG: {   /* 2 f' . v + (om x f') . r */
+        case JO_COORDINATE_ALONG: {   /* 2 f' . v + (om x f') . r */
             jo_real fd[3], fdd[3], r[3];
             jo_set3(r, b->r);
             jo_sub3(r, a->r);
@@ -116,7 +116,7 @@ void jo_coordinates_rate(const jo_model *m, jo_data *d, int count)
             w->bias = 2.0 * jo_dot3(fd, v) + jo_dot3(fdd, r);
             break;
         }
-        case JO_DISTANCE:
+        case JO_COORDINATE_DISTANCE:
             w->bias = (jo_dot3(v, v) - w->rate * w->rate) / w->value;
             break;
         default: {   /* (x y'' - y x'' - 2 s' (x x' + y y')) / (x^2 + y^2) */

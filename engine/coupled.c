@@ -99,7 +99,7 @@ static void row_accelerations(const jo_model *m, const jo_data *d, const jo_solv
             jo_marker_acceleration(m, d, c->a, a);
             jo_marker_acceleration(m, d, c->b, b);
             for (int p = 0; p < 3; p++) t[p] = b[p] - a[p];
-            y[row] += line->data[1 + j] * (jo_dot3(x->along, t) + jo_dot3(x->turn_a, a + 3) + jo_dot3(x->turn_b, b + 3) + x->bias);
+            y[row] += line->data->factor[j] * (jo_dot3(x->along, t) + jo_dot3(x->turn_a, a + 3) + jo_dot3(x->turn_b, b + 3) + x->bias);
         }
         if (line->signal >= 0) y[row] -= jo_signal_at(m, d, line->signal, d->time[0] + d->lead).second;
     }

@@ -27,6 +27,6 @@ void jo_element_gradients(const jo_model *m, const jo_data *d, int coordinate, j
 /* a force f along the coordinate, with its derivatives with respect to s and s' */
 void jo_element_along(const jo_data *d, jo_element *e, int coordinate, const jo_gradients *g, jo_real f, jo_real fs,
                       jo_real frate);
-int jo_newton_forces(const jo_model *m, jo_data *d);   /* pushes.c */
+int jo_newton_forces(const jo_model *m, jo_data *d);   /* force.c */
 
 #endif

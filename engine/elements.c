@@ -94,7 +94,7 @@ void jo_element_gradients(const jo_model *m, const jo_data *d, int coordinate, j
         jo_real dr[3] = {0.0}, pa[3] = {0.0}, pb[3] = {0.0}, t[3], u[3], along[3] = {0.0}, ta[3] = {0.0}, tb[3] = {0.0};
         (j < 3 ? dr : j < 6 ? pa : pb)[j % 3] = 1.0;
         switch (c->type) {
-        case JO_AXES:
+        case JO_COORDINATE_AXES:
             axis(f, a->A, c->axis_a);
             axis(h, b->A, c->axis_b);
             jo_cross(t, pa, f);
@@ -104,14 +104,14 @@ void jo_element_gradients(const jo_model *m, const jo_data *d, int coordinate, j
             jo_add3(ta, u);
             for (int i = 0; i < 3; i++) tb[i] = -ta[i];
             break;
-        case JO_ALONG:
+        case JO_COORDINATE_ALONG:
             axis(f, a->A, c->axis_a);
             jo_cross(along, pa, f);
             jo_cross(ta, along, r);
             jo_cross(t, f, dr);
             jo_add3(ta, t);
             break;
-        case JO_DISTANCE: {
+        case JO_COORDINATE_DISTANCE: {
             const jo_real s = jo_dot3(w->along, dr);
             for (int i = 0; i < 3; i++) along[i] = (dr[i] - s * w->along[i]) / w->value;
             break;
@@ -272,9 +272,9 @@ void jo_newton_joint(const jo_model *m, jo_data *d, int i)
             jo_gradients g;
             jo_element_gradients(m, d, s, &g);
             jo_element_start(&e, m->coordinate[s].a, m->coordinate[s].b);
-            jo_element_along(d, &e, s, &g, -line->data[1 + j] * lam[row], 0.0, 0.0);
+            jo_element_along(d, &e, s, &g, -line->data->factor[j] * lam[row], 0.0, 0.0);
             jo_element_finish(m, d, &e);
-            for (int p = 0; p < 24; p++) g.rate[p] *= line->data[1 + j];
+            for (int p = 0; p < 24; p++) g.rate[p] *= line->data->factor[j];
             add_row(m, d, i, row, e.a, e.b, g.rate);
         }
     }
@@ -313,10 +313,10 @@ static void reaction_rate(const jo_model *m, const jo_data *d, const jo_joint *k
             const jo_coordinate_work *c = &d->coordinate[line->coordinate[j]];
             jo_gradients g;
             jo_element_gradients(m, d, line->coordinate[j], &g);
-            l[row] -= line->data[1 + j] * (jo_dot3(force, c->along) + jo_dot3(moment, c->turn_b));
+            l[row] -= line->data->factor[j] * (jo_dot3(force, c->along) + jo_dot3(moment, c->turn_b));
             for (int p = 0; p < 9; p++) {
                 jo_real z = 0.0;
-                for (int q = 0; q < 3; q++) z -= lam[row] * line->data[1 + j] * (force[q] * g.G[q][p] + moment[q] * g.G[6 + q][p]);
+                for (int q = 0; q < 3; q++) z -= lam[row] * line->data->factor[j] * (force[q] * g.G[q][p] + moment[q] * g.G[6 + q][p]);
                 if (p < 3) { x[JO_DR + p] -= z; x[JO_OF_B + JO_DR + p] += z; }
                 else if (p < 6) x[JO_DPHI + p - 3] += z;
                 else x[JO_OF_B + JO_DPHI + p - 6] += z;

@@ -64,12 +64,12 @@ static void bring_back(jo_data *d)
 int jo_needs_accelerations(const jo_sensor *s)
 {
     switch (s->type) {
-    case JO_POSITION: case JO_VELOCITY: case JO_ORIENTATION: case JO_ANGULAR_VELOCITY: case JO_MODAL:
-    case JO_STRESS: case JO_VON_MISES: case JO_PRINCIPAL: case JO_COORDINATE: case JO_RATE: case JO_SIGNAL:
-    case JO_DAMAGE:
-    case JO_BRIDGE:
+    case JO_SENSOR_POSITION: case JO_SENSOR_VELOCITY: case JO_SENSOR_ORIENTATION: case JO_SENSOR_ANGULAR_VELOCITY: case JO_SENSOR_MODAL:
+    case JO_SENSOR_STRESS: case JO_SENSOR_VON_MISES: case JO_SENSOR_PRINCIPAL: case JO_SENSOR_COORDINATE: case JO_SENSOR_RATE: case JO_SENSOR_SIGNAL:
+    case JO_SENSOR_DAMAGE:
+    case JO_SENSOR_BRIDGE:
         return 0;
-    case JO_ENERGY: return s->object >= 4;   /* work: its last step waits for the power at its end */
+    case JO_SENSOR_ENERGY: return s->object >= 4;   /* work: its last step waits for the power at its end */
     default: return 1;
     }
 }

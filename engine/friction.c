@@ -167,7 +167,7 @@ void jo_friction_held(const jo_model *m, const jo_data *d, const jo_friction *f,
 {
     const jo_joint *k = &m->joint[f->lock];
     y[1] = 0.0;
-    for (int r = 0; r < jo_slips(f); r++) y[r] = -d->lam[k->row + r] * m->line[k->line + r].data[1];
+    for (int r = 0; r < jo_slips(f); r++) y[r] = -d->lam[k->row + r] * m->line[k->line + r].data->factor[0];
 }
 
 /* the friction that belongs to given multipliers and velocities */

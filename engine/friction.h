@@ -8,7 +8,7 @@ static inline int jo_slips(const jo_friction *f) { return f->other >= 0 ? 2 : 1;
 static inline int jo_slip_of(const jo_friction *f, int k) { return k ? f->other : f->coordinate; }
 static inline int jo_slip_turns(const jo_model *m, const jo_friction *f, int k)
 {
-    return m->coordinate[jo_slip_of(f, k)].type == JO_ANGLE;
+    return m->coordinate[jo_slip_of(f, k)].type == JO_COORDINATE_ANGLE;
 }
 static inline int jo_sticks(const jo_model *m, const jo_data *d, const jo_friction *f)
 {

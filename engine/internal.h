@@ -331,17 +331,12 @@ void jo_quaternion(jo_real *e, const jo_real *A);   /* scalar first and not nega
 
 /* force.c */
 int jo_apply_forces(const jo_model *m, jo_data *d);
-jo_real jo_stored(const jo_model *m, jo_data *d);   /* in springs, where markers and coordinates stand */
+jo_real jo_stored(const jo_model *m, const jo_data *d);   /* in springs, where markers and coordinates stand */
+
+/* push.c */
+void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T);
 void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f);
 void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f);   /* into y and yp of the bodies */
-void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T);
-const jo_real *jo_moving_piece(const jo_real *x, jo_real s, jo_real *power);
-void jo_moving_shape(jo_real *y, const jo_real *c, const jo_real *power);
-void jo_relative_pose(const jo_data *d, const jo_force *f, jo_real *r, jo_real *R);
-void jo_relative_velocity(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *v, jo_real *w);
-void jo_rotation_vector(jo_real *theta, const jo_real *R);
-void jo_conjugate(jo_real *y, const jo_real *theta, const jo_real *x, double sign);
-int jo_ask(const jo_force *f, jo_real time, const jo_real *x, jo_real *y);
 
 /* beam.c */
 void jo_beam_setup(const jo_model *m, jo_data *d);

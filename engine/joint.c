@@ -44,8 +44,8 @@ double jo_joint_residual(const jo_model *m, jo_data *d)
         }
         for (int l = 0; l < k->nline; l++) {
             const jo_line *line = &m->line[k->line + l];
-            jo_real value = k->lock < 0 ? -line->data[0] : -d->held[2 * k->lock + l];
-            for (int j = 0; j < line->count; j++) value += line->data[1 + j] * d->coordinate[line->coordinate[j]].value;
+            jo_real value = k->lock < 0 ? -line->data->offset : -d->held[2 * k->lock + l];
+            for (int j = 0; j < line->count; j++) value += line->data->factor[j] * d->coordinate[line->coordinate[j]].value;
             if (line->signal >= 0) value -= jo_signal_at(m, d, line->signal, d->time[0]).value;
             c[k->nperp + l] = value;
         }
@@ -85,7 +85,7 @@ double jo_joint_residual_rate(const jo_model *m, jo_data *d)
         for (int l = 0; l < k->nline; l++) {   /* Cq v + C_t */
             const jo_line *line = &m->line[k->line + l];
             jo_real rate = 0.0;
-            for (int j = 0; j < line->count; j++) rate += line->data[1 + j] * d->coordinate[line->coordinate[j]].rate;
+            for (int j = 0; j < line->count; j++) rate += line->data->factor[j] * d->coordinate[line->coordinate[j]].rate;
             if (line->signal >= 0) rate -= jo_signal_at(m, d, line->signal, d->time[0]).rate;
             c[k->nperp + l] = rate;
         }
@@ -149,7 +149,7 @@ static void line_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint
         jo_real f[3] = {0.0, 0.0, 0.0}, g[3] = {0.0, 0.0, 0.0}, c[3], t[3];
         for (int j = 0; j < line->count; j++) {
             const jo_coordinate_work *s = &d->coordinate[line->coordinate[j]];
-            const jo_real factor = line->data[1 + j];
+            const jo_real factor = line->data->factor[j];
             if (side == line->side[j]) {
                 jo_axpy3(f, -factor, s->along);
                 jo_axpy3(g, factor, s->turn_a);
@@ -244,7 +244,7 @@ static void line_acceleration(const jo_model *m, const jo_data *d, const jo_join
             jo_to_world(ta, m, d, c->a, a->a + 3);
             jo_to_world(tb, m, d, c->b, b->a + 3);
             jo_sub3(ab, aa);
-            x[l] += line->data[1 + j] * (jo_dot3(s->along, ab) + jo_dot3(s->turn_a, ta) + jo_dot3(s->turn_b, tb) + s->bias);
+            x[l] += line->data->factor[j] * (jo_dot3(s->along, ab) + jo_dot3(s->turn_a, ta) + jo_dot3(s->turn_b, tb) + s->bias);
         }
         /* the matrix of ROS2 knows the time derivative of the right-hand side as that of the forces */
         if (line->signal >= 0) x[l] -= jo_signal_at(m, d, line->signal, d->time[0] + d->lead).second;

@@ -21,7 +21,7 @@ typedef double jo_real;
 #endif
 
 /* BEGIN */
-enum { JO_ABI = 7 };           /* raised whenever a struct or a meaning below changes */
+enum { JO_ABI = 8 };           /* raised whenever a struct or a meaning below changes */
 enum { JO_PAD = 4 };           /* modal coordinates are padded to a multiple of this */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -42,21 +42,22 @@ typedef enum { JO_OK = 0, JO_NOT_FINITE = 1, JO_SINGULAR_BODY = 2, JO_SINGULAR_J
                JO_BENT = 11               /* a beam element is bent by half a turn; error_index: beam */
 } jo_status;
 typedef enum { JO_RK4 = 1, JO_ROS2 = 2, JO_ALPHA = 3, JO_DOPRI = 4 } jo_method;
-typedef enum { JO_CONSTANT = 0, JO_HARMONIC = 1, JO_TABLE = 2, JO_STEP = 3,
-               JO_PIECES = 4, JO_SUM = 5, JO_PRODUCT = 6, JO_INPUT = 7, JO_SWITCHED = 8,
-               JO_SPEED = 9 } jo_signal_type;
-typedef enum { JO_AXES = 1,        /* (axis_a of a) . (axis_b of b) */
-               JO_ALONG = 2,       /* (axis_a of a) . (r_b - r_a), m */
-               JO_DISTANCE = 3,    /* |r_b - r_a|, m */
-               JO_ANGLE = 4        /* turn of b against a about z of a, rad, without jumps of 2 pi */
+typedef enum { JO_SIGNAL_CONSTANT = 0, JO_SIGNAL_HARMONIC = 1, JO_SIGNAL_TABLE = 2, JO_SIGNAL_STEP = 3,
+               JO_SIGNAL_PIECES = 4, JO_SIGNAL_SUM = 5, JO_SIGNAL_PRODUCT = 6, JO_SIGNAL_INPUT = 7,
+               JO_SIGNAL_SWITCHED = 8, JO_SIGNAL_SPEED = 9 } jo_signal_type;
+typedef enum { JO_COORDINATE_AXES = 1,        /* (axis_a of a) . (axis_b of b) */
+               JO_COORDINATE_ALONG = 2,       /* (axis_a of a) . (r_b - r_a), m */
+               JO_COORDINATE_DISTANCE = 3,    /* |r_b - r_a|, m */
+               JO_COORDINATE_ANGLE = 4        /* turn of b against a about z of a, rad, without jumps of 2 pi */
 } jo_coordinate_type;
-typedef enum { JO_LOAD = 1, JO_ALONG_COORDINATE = 2, JO_BUSHING = 3, JO_MODAL_LOAD = 4, JO_USER = 5,
-               JO_MOVING_LOAD = 6 } jo_force_type;
-typedef enum { JO_POSITION = 1, JO_VELOCITY = 2, JO_ORIENTATION = 3, JO_ANGULAR_VELOCITY = 4,
-               JO_MODAL = 5, JO_REACTION = 6, JO_STRESS = 7, JO_ACCELERATION = 8, JO_ANGULAR_ACCELERATION = 9,
-               JO_COORDINATE = 10, JO_RATE = 11, JO_MULTIPLIER = 12, JO_ELEMENT = 13, JO_ENERGY = 14,
-               JO_SIGNAL = 15, JO_VON_MISES = 16, JO_PRINCIPAL = 17, JO_RUB = 18, JO_DAMAGE = 19,
-               JO_BRIDGE = 21, JO_SECTION = 22 } jo_sensor_type;
+typedef enum { JO_FORCE_LOAD = 1, JO_FORCE_ALONG = 2, JO_FORCE_BUSHING = 3, JO_FORCE_MODAL_LOAD = 4, JO_FORCE_USER = 5,
+               JO_FORCE_MOVING_LOAD = 6 } jo_force_type;
+typedef enum { JO_SENSOR_POSITION = 1, JO_SENSOR_VELOCITY = 2, JO_SENSOR_ORIENTATION = 3, JO_SENSOR_ANGULAR_VELOCITY = 4,
+               JO_SENSOR_MODAL = 5, JO_SENSOR_REACTION = 6, JO_SENSOR_STRESS = 7, JO_SENSOR_ACCELERATION = 8,
+               JO_SENSOR_ANGULAR_ACCELERATION = 9, JO_SENSOR_COORDINATE = 10, JO_SENSOR_RATE = 11,
+               JO_SENSOR_MULTIPLIER = 12, JO_SENSOR_ELEMENT = 13, JO_SENSOR_ENERGY = 14, JO_SENSOR_SIGNAL = 15,
+               JO_SENSOR_VON_MISES = 16, JO_SENSOR_PRINCIPAL = 17, JO_SENSOR_FRICTION = 18, JO_SENSOR_DAMAGE = 19,
+               JO_SENSOR_BRIDGE = 21, JO_SENSOR_SECTION = 22 } jo_sensor_type;
 typedef enum { JO_RESIDUE_HALF = 0, JO_RESIDUE_REPEAT = 1, JO_RESIDUE_IGNORE = 2 } jo_residue;
 typedef enum { JO_MEAN_NONE = 0, JO_MEAN_LINE = 1, JO_MEAN_GERBER = 2, JO_MEAN_WALKER = 3, JO_MEAN_FKM = 4,
                JO_MEAN_WELD = 5, JO_MEAN_COMPRESSION = 6 } jo_mean;
@@ -111,13 +112,14 @@ typedef struct {
     int turn;               /* ANGLE: its place among the counted turns, else -1 */
 } jo_coordinate;
 
-/* One row: sum over i of factor_i coordinate_i - offset - signal(t) = 0. */
+/* One row: sum over i of factor_i coordinate_i - offset - signal(t) = 0; optional joints hold the offsets of jo_data_held(). */
+typedef struct { jo_real offset, factor[2]; } jo_line_data;
 typedef struct {
     int count;              /* 1 or 2 coordinates */
     int coordinate[2];
     int side[2];            /* side of the joint that is marker a of the coordinate; b is the next */
     int signal;             /* -1: none */
-    const jo_real *data;    /* (3) offset factor_0 factor_1; optional joints hold the offsets of jo_data_held() */
+    const jo_line_data *data;
 } jo_line;
 
 /* Constraint rows. The first three, if coincident, are r_b - r_a = 0 between sides 0 and 1; then nperp rows
@@ -169,22 +171,28 @@ typedef struct {
  * velocity (3), angular velocity (3)] of b against a, resolved in a. Returns 0, or not 0 for an error. */
 typedef int (*jo_callback)(double time, const double *x, double *y, void *user);
 
-/* Where something pushes. Data:
- * LOAD, at b:        (6) force torque, in the world or following b, times signal
- * ALONG_COORDINATE:  (5) stiffness damping free preload limit: f = stiffness (reference - s) + damping (reference' - s')
- *                    + preload signal(t) + spring(s) + damper(s'), reference = free + its signal; limited to +-limit if limit > 0
- * BUSHING:           (78) K (36), D (36), preload (6): [force, torque] on b, resolved in a, from [r_b - r_a, rotation vector]
- * MODAL_LOAD:        (6 + np) on [R, w, p] of the body, local, times signal
- * USER:              callback
- * MOVING_LOAD:       count n, force (3) in the world or following the body, s.. (count), then (count - 1) pieces (1 + n) x 3 x 4:
- *                    (s - s_k)^0..3 of the position and of each mode; at s = reference(t), times signal; nothing beyond the ends */
+/* Data of forces by their kind. */
+/* LOAD, at b: in the world or following b, times signal */
+typedef struct { jo_real force[3], torque[3]; } jo_load_data;
+/* ALONG: f = stiffness (reference - s) + damping (reference' - s') + preload signal(t) + spring(s) + damper(s'),
+ * reference = free + its signal; limited to +-limit if limit > 0 */
+typedef struct { jo_real stiffness, damping, free, preload, limit; } jo_along_data;
+/* BUSHING: [force, torque] on b, resolved in a, from [r_b - r_a, rotation vector]; matrices by rows */
+typedef struct { jo_real K[36], D[36], preload[6]; } jo_bushing_data;
+/* MODAL_LOAD: on the body's frame, local, then (np) on its modes; times signal */
+typedef struct { jo_real force[3], torque[3]; } jo_modal_data;
+/* MOVING_LOAD: a force in the world or following the body; then s.. (count), then (count - 1) pieces (1 + modes) x 3 x 4:
+ * (s - s_k)^0..3 of the position and of each mode; at s = reference(t), times signal; nothing beyond the ends */
+typedef struct { jo_real count, modes, force[3]; } jo_moving_data;
+
+/* Where something pushes. */
 typedef struct {
     int type;               /* jo_force_type */
     int a, b;               /* markers, -1 where not used */
     int coordinate, body;   /* -1 where not used */
     int follow, active;     /* active: its power counts as work, nothing as stored or dissipated */
     int signal, reference, spring, damper;   /* signals, -1: none; spring and damper take s and s' instead of time */
-    const jo_real *data;
+    const jo_real *data;    /* of its kind; USER: none, it calls its function */
     jo_callback function;
     void *user;
 } jo_force;

@@ -46,8 +46,8 @@ void jo_reaction_of(const jo_model *m, const jo_data *d, int joint, const jo_rea
         for (int j = 0; j < line->count; j++) {
             if (line->side[j]) continue;   /* a coupling reacts here with its first coordinate only */
             const jo_coordinate_work *c = &d->coordinate[line->coordinate[j]];
-            jo_axpy3(y, -lam[l] * line->data[1 + j], c->along);
-            jo_axpy3(y + 3, -lam[l] * line->data[1 + j], c->turn_b);
+            jo_axpy3(y, -lam[l] * line->data->factor[j], c->along);
+            jo_axpy3(y + 3, -lam[l] * line->data->factor[j], c->turn_b);
         }
     }
 }
@@ -153,7 +153,7 @@ static void orientation(const jo_data *d, const jo_sensor *s, jo_real *y)
     resolve(d, s->frame, y + 1);
 }
 
-static int is_acceleration(const jo_sensor *s) { return s->type == JO_ACCELERATION || s->type == JO_ANGULAR_ACCELERATION; }
+static int is_acceleration(const jo_sensor *s) { return s->type == JO_SENSOR_ACCELERATION || s->type == JO_SENSOR_ANGULAR_ACCELERATION; }
 
 static void marker_sensor(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
 {
@@ -166,10 +166,10 @@ static void marker_sensor(const jo_model *m, const jo_data *d, const jo_sensor *
         observe(&of, &from);
     }
     const jo_real *x = of.r;
-    if (s->type == JO_VELOCITY) x = of.v;
-    if (s->type == JO_ACCELERATION) x = of.a;
-    if (s->type == JO_ANGULAR_VELOCITY) x = of.om;
-    if (s->type == JO_ANGULAR_ACCELERATION) x = of.al;
+    if (s->type == JO_SENSOR_VELOCITY) x = of.v;
+    if (s->type == JO_SENSOR_ACCELERATION) x = of.a;
+    if (s->type == JO_SENSOR_ANGULAR_VELOCITY) x = of.om;
+    if (s->type == JO_SENSOR_ANGULAR_ACCELERATION) x = of.al;
     jo_set3(y, x);
     resolve(d, s->frame, y);
 }
@@ -224,7 +224,7 @@ static void principal(jo_real *y, const jo_real *s)
 
 static void stress(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
 {
-    if (s->type == JO_STRESS) {
+    if (s->type == JO_SENSOR_STRESS) {
         modal_rows(m, d, s, 0, s->count, y);
         if (s->other >= 0) {   /* apparent strain */
             const jo_real e = jo_signal_at(m, d, s->other, d->time[0]).value;
@@ -232,11 +232,11 @@ static void stress(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_r
         }
         return;
     }
-    const int each = s->type == JO_PRINCIPAL ? 3 : 1;
+    const int each = s->type == JO_SENSOR_PRINCIPAL ? 3 : 1;
     for (int k = 0; k < s->count / each; k++) {
         jo_real x[6];
         modal_rows(m, d, s, 6 * k, 6, x);
-        if (s->type == JO_PRINCIPAL) principal(y + 3 * k, x);
+        if (s->type == JO_SENSOR_PRINCIPAL) principal(y + 3 * k, x);
         else y[k] = von_mises(x);
     }
 }
@@ -280,7 +280,7 @@ static void multiplier(const jo_model *m, const jo_data *d, const jo_sensor *s, 
 {
     const jo_joint *k = &m->joint[s->object];
     const jo_real lam = d->lam[k->row + k->nrow - k->nline];
-    for (int j = 0; j < s->count; j++) y[j] = -lam * m->line[k->line].data[1 + j];
+    for (int j = 0; j < s->count; j++) y[j] = -lam * m->line[k->line].data->factor[j];
 }
 
 /* some of the strains and resultants of a beam element: count of the 24, from `other` */
@@ -309,36 +309,36 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
         const jo_sensor *s = &m->sensor[i];
         jo_real *y = out + s->offset;
         switch (s->type) {
-        case JO_POSITION:
-        case JO_VELOCITY:
-        case JO_ACCELERATION:
-        case JO_ANGULAR_VELOCITY:
-        case JO_ANGULAR_ACCELERATION: marker_sensor(m, d, s, y); break;
-        case JO_ORIENTATION: orientation(d, s, y); break;
-        case JO_MODAL: modal(m, d, s->object, y); break;
-        case JO_MULTIPLIER: multiplier(m, d, s, y); break;
-        case JO_COORDINATE: y[0] = d->coordinate[s->object].value; break;
-        case JO_RATE: y[0] = d->coordinate[s->object].rate; break;
-        case JO_ENERGY: energy(m, d, s->object, y); break;
-        case JO_SIGNAL: y[0] = jo_signal_at(m, d, s->object, d->time[0]).value; break;
-        case JO_ELEMENT:   /* `other`: the first of its components */
+        case JO_SENSOR_POSITION:
+        case JO_SENSOR_VELOCITY:
+        case JO_SENSOR_ACCELERATION:
+        case JO_SENSOR_ANGULAR_VELOCITY:
+        case JO_SENSOR_ANGULAR_ACCELERATION: marker_sensor(m, d, s, y); break;
+        case JO_SENSOR_ORIENTATION: orientation(d, s, y); break;
+        case JO_SENSOR_MODAL: modal(m, d, s->object, y); break;
+        case JO_SENSOR_MULTIPLIER: multiplier(m, d, s, y); break;
+        case JO_SENSOR_COORDINATE: y[0] = d->coordinate[s->object].value; break;
+        case JO_SENSOR_RATE: y[0] = d->coordinate[s->object].rate; break;
+        case JO_SENSOR_ENERGY: energy(m, d, s->object, y); break;
+        case JO_SENSOR_SIGNAL: y[0] = jo_signal_at(m, d, s->object, d->time[0]).value; break;
+        case JO_SENSOR_ELEMENT:   /* `other`: the first of its components */
             for (int j = 0; j < s->count; j++) y[j] = d->force[s->object].y[s->other + j];
             for (int j = 0; j + 3 <= s->count; j += 3) resolve(d, s->frame, y + j);
             break;
-        case JO_RUB:   /* along one or two coordinates */
+        case JO_SENSOR_FRICTION:   /* along one or two coordinates */
             for (int j = 0; j < s->count; j++) y[j] = d->rub[2 * s->object + j];
             break;
-        case JO_REACTION:
+        case JO_SENSOR_REACTION:
             jo_reaction(m, d, s->object, y);
             resolve(d, s->frame, y);
             resolve(d, s->frame, y + 3);
             break;
-        case JO_STRESS:
-        case JO_VON_MISES:
-        case JO_PRINCIPAL: stress(m, d, s, y); break;
-        case JO_DAMAGE: jo_damage(m, d, s, y); break;
-        case JO_BRIDGE: bridge(m, d, s, y); break;
-        case JO_SECTION: section(m, d, s, y); break;
+        case JO_SENSOR_STRESS:
+        case JO_SENSOR_VON_MISES:
+        case JO_SENSOR_PRINCIPAL: stress(m, d, s, y); break;
+        case JO_SENSOR_DAMAGE: jo_damage(m, d, s, y); break;
+        case JO_SENSOR_BRIDGE: bridge(m, d, s, y); break;
+        case JO_SENSOR_SECTION: section(m, d, s, y); break;
         default: break;
         }
     }

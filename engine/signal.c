@@ -21,17 +21,17 @@ jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_
     const double t = JO_RE(time);
     jo_signal_work y = {0.0, 0.0, 0.0};
     switch (s->type) {
-    case JO_CONSTANT: y.value = x[0]; break;
-    case JO_SPEED: y.value = x[0] + x[1] * time; y.rate = x[1]; break;
-    case JO_HARMONIC: {
+    case JO_SIGNAL_CONSTANT: y.value = x[0]; break;
+    case JO_SIGNAL_SPEED: y.value = x[0] + x[1] * time; y.rate = x[1]; break;
+    case JO_SIGNAL_HARMONIC: {
         const jo_real sine = jo_sin(x[2] * time + x[3]), cosine = jo_cos(x[2] * time + x[3]);
         y.value = x[0] + x[1] * sine;
         y.rate = x[1] * x[2] * cosine;
         y.second = -x[1] * x[2] * x[2] * sine;
         break;
     }
-    case JO_STEP: y.value = t < JO_RE(x[0]) ? x[1] : x[2]; break;
-    case JO_TABLE: {
+    case JO_SIGNAL_STEP: y.value = t < JO_RE(x[0]) ? x[1] : x[2]; break;
+    case JO_SIGNAL_TABLE: {
         const jo_real *f = x + s->count;
         if (t <= JO_RE(x[0])) { y.value = f[0]; break; }
         if (t >= JO_RE(x[s->count - 1])) { y.value = f[s->count - 1]; break; }
@@ -40,7 +40,7 @@ jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_
         y.value = f[k] + y.rate * (time - x[k]);
         break;
     }
-    case JO_PIECES: {   /* Horner, outside held at the ends */
+    case JO_SIGNAL_PIECES: {   /* Horner, outside held at the ends */
         const int order = s->degree + 1, before = t < JO_RE(x[0]), after = t >= JO_RE(x[s->count - 1]);
         const int k = before ? 0 : interval(x, s->count, t);
         const jo_real *c = x + s->count + k * order;
@@ -53,22 +53,22 @@ jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_
         if (before || after) y.rate = y.second = 0.0;
         break;
     }
-    case JO_SUM: {
+    case JO_SIGNAL_SUM: {
         const jo_signal_work a = jo_signal_at(m, d, s->child[0], time), b = jo_signal_at(m, d, s->child[1], time);
         y.value = a.value + b.value;
         y.rate = a.rate + b.rate;
         y.second = a.second + b.second;
         break;
     }
-    case JO_PRODUCT: {
+    case JO_SIGNAL_PRODUCT: {
         const jo_signal_work a = jo_signal_at(m, d, s->child[0], time), b = jo_signal_at(m, d, s->child[1], time);
         y.value = a.value * b.value;
         y.rate = a.rate * b.value + a.value * b.rate;
         y.second = a.second * b.value + 2.0 * a.rate * b.rate + a.value * b.second;
         break;
     }
-    case JO_INPUT: y.value = d->input[s->count]; break;
-    case JO_SWITCHED: return jo_signal_at(m, d, s->child[d->happened[s->count] > 0], time);
+    case JO_SIGNAL_INPUT: y.value = d->input[s->count]; break;
+    case JO_SIGNAL_SWITCHED: return jo_signal_at(m, d, s->child[d->happened[s->count] > 0], time);
     default: break;
     }
     return y;

@@ -50,7 +50,7 @@ void jo_react(const jo_model *m, jo_data *d)
         }
         for (int r = 0; r < k->nline; r++, lam++) {
             const jo_line *l = &m->line[k->line + r];
-            for (int j = 0; j < l->count; j++) pull(m, d, l->coordinate[j], l->data[1 + j] * lam[0]);
+            for (int j = 0; j < l->count; j++) pull(m, d, l->coordinate[j], l->data->factor[j] * lam[0]);
         }
     }
 }

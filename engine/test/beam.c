@@ -118,7 +118,7 @@ int main(int argc, char **argv)
     jo_model m;
     memset(&m, 0, sizeof m);
     memset(sensor, 0, sizeof sensor);
-    sensor[0].type = JO_SECTION; sensor[0].count = 12;
+    sensor[0].type = JO_SENSOR_SECTION; sensor[0].count = 12;
     m.nbody = 2; m.nbeam = 1; m.nnode = 2; m.nnewton = 192; m.nq = 14; m.nv = 12; m.nsensor = 1; m.nout = 12;
     m.size = 1.0; m.gravity = zero; m.body = body; m.beam = beam; m.node = node; m.branch = branch; m.fill = fill_in;
     m.fill_first = fill_first; m.place = places; m.sensor = sensor;

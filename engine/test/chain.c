@@ -200,15 +200,15 @@ int main(void)
     jo_update update[] = {{2, 3, 3, 6, 6}, {2, 4, 4, 6, 6}};
     int update_first[] = {0, 1, 2, 2};
     static const double harmonic[4] = {1, 2, 3, 0.5}, table[6] = {0, 0.5, 2, 0, 1, 0.5}, jump[3] = {5, 1, 2};
-    jo_signal signal[] = {{JO_HARMONIC, 0, 0, {0, 0}, harmonic}, {JO_TABLE, 3, 0, {0, 0}, table}, {JO_STEP, 0, 0, {0, 0}, jump}};
+    jo_signal signal[] = {{JO_SIGNAL_HARMONIC, 0, 0, {0, 0}, harmonic}, {JO_SIGNAL_TABLE, 3, 0, {0, 0}, table}, {JO_SIGNAL_STEP, 0, 0, {0, 0}, jump}};
     jo_force force[] = {
-        {JO_LOAD, -1, 6, -1, -1, 0, 0, 0, -1, -1, -1, push, 0, 0},     {JO_LOAD, -1, 6, -1, -1, 1, 0, 1, -1, -1, -1, screw, 0, 0},
-        {JO_LOAD, -1, 4, -1, -1, 0, 0, 2, -1, -1, -1, push, 0, 0},     {JO_LOAD, -1, 6, -1, -1, 0, 0, -1, -1, -1, -1, twist, 0, 0},
+        {JO_FORCE_LOAD, -1, 6, -1, -1, 0, 0, 0, -1, -1, -1, push, 0, 0},     {JO_FORCE_LOAD, -1, 6, -1, -1, 1, 0, 1, -1, -1, -1, screw, 0, 0},
+        {JO_FORCE_LOAD, -1, 4, -1, -1, 0, 0, 2, -1, -1, -1, push, 0, 0},     {JO_FORCE_LOAD, -1, 6, -1, -1, 0, 0, -1, -1, -1, -1, twist, 0, 0},
     };
     jo_sensor sensor[] = {
-        {JO_POSITION, 7, -1, -1, 0, 3, 0},          {JO_VELOCITY, 7, -1, -1, 3, 3, 0},   {JO_ORIENTATION, 7, -1, -1, 6, 4, 0},
-        {JO_ANGULAR_VELOCITY, 7, -1, -1, 10, 3, 0}, {JO_MODAL, 2, -1, -1, 13, 2 * N, 0}, {JO_REACTION, 1, -1, -1, 23, 6, 0},
-        {JO_STRESS, 0, -1, -1, 29, 6, rows},
+        {JO_SENSOR_POSITION, 7, -1, -1, 0, 3, 0},          {JO_SENSOR_VELOCITY, 7, -1, -1, 3, 3, 0},   {JO_SENSOR_ORIENTATION, 7, -1, -1, 6, 4, 0},
+        {JO_SENSOR_ANGULAR_VELOCITY, 7, -1, -1, 10, 3, 0}, {JO_SENSOR_MODAL, 2, -1, -1, 13, 2 * N, 0}, {JO_SENSOR_REACTION, 1, -1, -1, 23, 6, 0},
+        {JO_SENSOR_STRESS, 0, -1, -1, 29, 6, rows},
     };
     static const double breaks[4] = {0, 0.5, 2, 5};   /* of the table and the jump */
     jo_model m;

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -11,46 +12,10 @@ from numpy.typing import NDArray
 
 from jousto.model.model import Model
 from jousto.model.native.callback import callback
+from jousto.model.native.header import kinds, packed
 from jousto.model.native.meter import meter_size, native_rule
 from jousto.model.newton import newton_pattern
 
-SIGNALS = {
-    "constant": 0,
-    "harmonic": 1,
-    "table": 2,
-    "step": 3,
-    "pieces": 4,
-    "sum": 5,
-    "product": 6,
-    "input": 7,
-    "switched": 8,
-    "speed": 9,
-}
-COORDINATES = {"axes": 1, "along": 2, "distance": 3, "angle": 4}
-FORCES = {"load": 1, "along": 2, "bushing": 3, "modal load": 4, "user": 5, "moving load": 6}
-SENSORS = {
-    "position": 1,
-    "velocity": 2,
-    "orientation": 3,
-    "angular velocity": 4,
-    "modal": 5,
-    "reaction": 6,
-    "stress": 7,
-    "acceleration": 8,
-    "angular acceleration": 9,
-    "coordinate": 10,
-    "rate": 11,
-    "multiplier": 12,
-    "element": 13,
-    "energy": 14,
-    "signal": 15,
-    "von mises": 16,
-    "principal": 17,
-    "friction": 18,
-    "damage": 19,
-    "bridge": 21,
-    "section": 22,
-}
 CHUNK = 4096  # scalars that are allocated together
 
 
@@ -242,12 +207,27 @@ class Layout:
         model.signal = self._signals()
         model.force = self._forces()
         model.friction = self._frictions()
-        model.event = self._fill(
-            "jo_event", [(e.output, e.direction, int(e.stop), e.threshold) for e in m.events]
-        )
+        model.event = self._copied("jo_event", m.events)
         model.sensor = self._sensors()
         model.meter = self._meters()
         return model
+
+    def _copied(self, kind: str, objects: Sequence[Any]) -> Any:
+        """Return structs with the numbers of the same name in the objects, their type by kind."""
+        array = self._structs(kind, len(objects))
+        fields = self._ffi.typeof(kind).fields
+        names = [
+            name
+            for name, field in fields
+            if field.type.kind == "primitive" and objects and hasattr(objects[0], name)
+        ]
+        types = kinds(f"{kind}_type") if fields[0][0] == "type" else {}
+        for s, source in zip(array, objects, strict=False):
+            for name in names:
+                setattr(s, name, getattr(source, name))
+            if types:
+                s.type = types[source.kind]
+        return array
 
     def _fill(self, kind: str, values: list[Any]) -> Any:
         array = self._structs(kind, len(values))
@@ -276,10 +256,9 @@ class Layout:
         pad, rows_d, rows_b, dense = (
             getattr(self._library, name) for name in ("JO_PAD", "JO_ROW_D", "JO_ROW_B", "JO_DENSE")
         )
-        structs = self._structs("jo_body", len(self._source.bodies))
+        structs = self._copied("jo_body", self._source.bodies)
         for i, body in enumerate(self._source.bodies):
             b = structs[i]
-            b.n, b.iq, b.iv, b.alpha = body.n, body.iq, body.iv, body.alpha
             b.np = np_ = -(-body.n // pad) * pad
             for name in ("mass", "S0", "J0"):
                 setattr(b, name, self._constant(getattr(body, name), ("body", i, name)))
@@ -296,18 +275,15 @@ class Layout:
         return structs
 
     def _beams(self) -> Any:
-        structs = self._structs("jo_beam", len(self._source.beams))
+        structs = self._copied("jo_beam", self._source.beams)
         for i, beam in enumerate(self._source.beams):
-            structs[i].a, structs[i].b = beam.a, beam.b
             structs[i].data = self._constant(beam.data, ("beam", i, "data"))
         return structs
 
     def _markers(self) -> Any:
-        structs = self._structs("jo_marker", len(self._source.markers))
+        structs = self._copied("jo_marker", self._source.markers)
         for i, marker in enumerate(self._source.markers):
             s = structs[i]
-            s.body = marker.body
-            s.turns = int(marker.turns)
             np_ = 0
             if marker.body >= 0:
                 n, pad = self._source.bodies[marker.body].n, self._library.JO_PAD
@@ -324,64 +300,56 @@ class Layout:
         return structs
 
     def _coordinates(self) -> Any:
-        structs = self._structs("jo_coordinate", len(self._source.coordinates))
+        structs = self._copied("jo_coordinate", self._source.coordinates)
         turn = 0
         for s, coordinate in zip(structs, self._source.coordinates, strict=False):
-            s.type, s.a, s.b = COORDINATES[coordinate.kind], coordinate.a, coordinate.b
-            s.axis_a, s.axis_b, s.turn = coordinate.axis_a, coordinate.axis_b, -1
+            s.turn = -1
             if coordinate.kind == "angle":
                 s.turn, turn = turn, turn + 1
         return structs
 
     def _lines(self) -> Any:
         lines = [(joint, line) for joint in self._source.joints for line in joint.lines]
-        structs = self._structs("jo_line", len(lines))
+        structs = self._copied("jo_line", [line for _, line in lines])
         for i, (joint, line) in enumerate(lines):
             s = structs[i]
-            s.count, s.signal = len(line.coordinates), line.signal
+            s.count = len(line.coordinates)
             for k, index in enumerate(line.coordinates):
                 coordinate = self._source.coordinates[index]
                 s.coordinate[k] = index
                 pairs = list(zip(joint.sides[::2], joint.sides[1::2], strict=True))
                 s.side[k] = 2 * pairs.index((coordinate.a, coordinate.b))
-            data = np.zeros(3)
-            data[0] = line.offset
-            data[1 : 1 + len(line.factors)] = line.factors
-            s.data = self._constant(data, ("line", i, "data"))
+            factor = (*line.factors, 0.0)[:2]
+            data = packed("jo_line_data", offset=line.offset, factor=factor)
+            s.data = self._ffi.cast("jo_line_data *", self._constant(data, ("line", i, "data")))
         return structs
 
     def _joints(self) -> Any:
-        structs = self._structs("jo_joint", len(self._source.joints))
+        structs = self._copied("jo_joint", self._source.joints)
         line = 0
         for i, joint in enumerate(self._source.joints):
             s = structs[i]
-            s.nside, s.coincident = len(joint.sides), int(joint.coincident)
+            s.nside, s.nperp, s.nrow = len(joint.sides), len(joint.perpendicular), joint.rows
             for k, marker in enumerate(joint.sides):
                 s.side[k] = marker
-            s.nperp, s.nrow, s.row = len(joint.perpendicular), joint.rows, joint.row
-            s.nline, s.line, s.lock = len(joint.lines), line, joint.lock
+            s.nline, s.line = len(joint.lines), line
             line += len(joint.lines)
             for r, (a, b) in enumerate(joint.perpendicular):
                 s.perp_a[r], s.perp_b[r] = a, b
         return structs
 
     def _signals(self) -> Any:
-        structs = self._structs("jo_signal", len(self._source.signals))
+        structs = self._copied("jo_signal", self._source.signals)
         for i, signal in enumerate(self._source.signals):
             s = structs[i]
-            s.type, s.count, s.degree = SIGNALS[signal.kind], signal.count, signal.degree
             s.child[0], s.child[1] = signal.children
             s.data = self._constant(signal.data, ("signal", i, "data"))
         return structs
 
     def _forces(self) -> Any:
-        structs = self._structs("jo_force", len(self._source.forces))
+        structs = self._copied("jo_force", self._source.forces)
         for i, force in enumerate(self._source.forces):
             s = structs[i]
-            s.type, s.a, s.b = FORCES[force.kind], force.a, force.b
-            s.coordinate, s.body = force.coordinate, force.body
-            s.follow, s.active, s.signal = int(force.follow), int(force.active), force.signal
-            s.reference, s.spring, s.damper = force.reference, force.spring, force.damper
             data = force.data
             if force.kind == "modal load":  # padded like the modes
                 n, pad = self._source.bodies[force.body].n, self._library.JO_PAD
@@ -393,24 +361,19 @@ class Layout:
         return structs
 
     def _frictions(self) -> Any:
-        structs = self._structs("jo_friction", len(self._source.frictions))
+        structs = self._copied("jo_friction", self._source.frictions)
         for i, friction in enumerate(self._source.frictions):
             s = structs[i]
-            s.joint, s.coordinate, s.other = friction.joint, friction.coordinate, friction.other
-            s.law, s.lock = int(friction.sticks), friction.lock
+            s.law = int(friction.sticks)
             s.data = self._constant(friction.data, ("friction", i, "data"))
         return structs
 
     def _sensors(self) -> Any:
-        structs = self._structs("jo_sensor", len(self._source.sensors))
+        structs = self._copied("jo_sensor", self._source.sensors)
         for i, sensor in enumerate(self._source.sensors):
-            s = structs[i]
-            s.type, s.object = SENSORS[sensor.kind], sensor.object
-            s.other, s.frame = sensor.other, sensor.frame
-            s.offset, s.count = sensor.offset, sensor.count
             if sensor.rows is not None:
                 n, pad = self._source.bodies[sensor.object].n, self._library.JO_PAD
-                s.rows = self._constant(_padded(sensor.rows, -(-n // pad) * pad))
+                structs[i].rows = self._constant(_padded(sensor.rows, -(-n // pad) * pad))
         return structs
 
     def _meters(self) -> Any:

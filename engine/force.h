@@ -1,0 +1,23 @@
+/* force.h - one file and one row of the table in force.c for each kind of force. */
+#ifndef JO_FORCE_H
+#define JO_FORCE_H
+
+#include "element.h"
+
+typedef struct {
+    /* pushes on the bodies, fills y and adds to the power that is lost (d->power[0]) or done by forces (d->power[2]) */
+    int (*apply)(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work *y);
+    jo_real (*stored)(const jo_data *d, const jo_force *f);   /* energy, J; 0: none */
+    /* adds how the force that stands in y changes to Newton's matrix, and y to the loads of its markers */
+    int (*tangent)(const jo_model *m, jo_data *d, const jo_force *f, const jo_force_work *y);
+} jo_force_kind;
+
+extern const jo_force_kind jo_force_load, jo_force_along, jo_force_bushing, jo_force_modal, jo_force_user, jo_force_moving;
+
+/* relative.c: motion of b against a, resolved in a */
+void jo_relative_pose(const jo_data *d, const jo_force *f, jo_real *r, jo_real *R);
+void jo_relative_velocity(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *v, jo_real *w);
+void jo_push_between(const jo_model *m, jo_data *d, const jo_force *f, const jo_real *y, jo_force_work *out);
+void jo_newton_between(const jo_model *m, jo_data *d, const jo_force *f, const jo_real *y, jo_real (*X)[12]);
+
+#endif
