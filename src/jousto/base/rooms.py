@@ -72,7 +72,7 @@ def public_places() -> dict[str, str]:
     """
     top = sys.modules["jousto"]
     home = Path(str(top.__file__)).parents[1]
-    found = {}
+    found: dict[str, str] = {}
     for name in top.__all__:
         path = home.joinpath(*".".join(top._places[name]).split("."), "__init__.pyi")
         if path.is_file():
