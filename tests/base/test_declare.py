@@ -23,7 +23,6 @@ from jousto.base.declare import (
     kinds,
 )
 from jousto.base.errors import InputError, Problems
-from jousto.schema.entries.connections import FORMS
 from jousto.schema.entries.declared import entry_of
 
 
@@ -125,9 +124,9 @@ def test_help_lists_every_field_with_its_unit():
 
 
 def test_the_entry_of_a_file_has_the_same_keys():
-    entry = entry_of(Fish, FORMS)
+    entry = entry_of(Fish)
     assert set(entry.model_fields) == {"type", "name", "tame", "voice", "scales"}
-    schema = entry_of(Cat, FORMS).model_json_schema()
+    schema = entry_of(Cat).model_json_schema()
     assert schema["required"] == ["type", "name", "mass"]
     assert "How heavy it is" in schema["properties"]["mass"]["description"]
     assert schema["properties"]["colour"]["anyOf"][0]["enum"] == ["black", "grey"]

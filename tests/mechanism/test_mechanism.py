@@ -40,7 +40,6 @@ from jousto.mechanism.sensors.temperature import Temperature
 from jousto.mechanism.signals.base import Signal
 from jousto.mechanism.signals.event import Event
 from jousto.mechanism.signals.harmonic import Harmonic
-from jousto.mechanism.signals.kinds import SIGNALS
 from jousto.mechanism.signals.piecewise import Step, Table
 
 G = Gravity((0, -9.81, 0))
@@ -105,7 +104,8 @@ def test_every_joint_load_sensor_and_signal_is_exported_and_in_its_tuple():
     classes = {k: v for k, v in public.items() if getattr(v, "__module__", "").startswith(rooms)}
     room = "jousto.mechanism.joints"
     declared = [*kinds("joints", room).values(), *kinds("couplings", room).values()]
-    tuples = (*declared, *SENSORS, *SIGNALS, *ELEMENTS, *LOADS)
+    signals = kinds("signals", "jousto.mechanism.signals").values()
+    tuples = (*declared, *SENSORS, *signals, *ELEMENTS, *LOADS)
     for cls in tuples:
         assert classes[cls.__name__] is cls
     found = {c for c in classes.values() if isinstance(c, type)}

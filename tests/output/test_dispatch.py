@@ -72,9 +72,7 @@ def test_arguments_that_are_missing_or_unknown(tmp_path: Path) -> None:
         jo.plot(made["damage field"])
     with pytest.raises(TypeError, match="unexpected keyword argument 'site'; it takes sites, crit"):
         jo.plot(made["response"], "e1.a.top", site="e1.a.top")
-    with pytest.raises(
-        TypeError, match=".vtu of a StressField: missing a .* 'run'"
-    ):
+    with pytest.raises(TypeError, match=".vtu of a StressField: missing a .* 'run'"):
         jo.write(made["field"], tmp_path / "field.vtu")
     with pytest.raises(jo.InputError, match="'.txt' is not a format .* known: .csv, .vtu, .pvd"):
         jo.write(made["run"], tmp_path / "run.txt")

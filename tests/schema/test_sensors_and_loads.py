@@ -7,6 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 import jousto as jo
+from jousto.base.declare import SECTIONS, Number, field
 from jousto.base.errors import InputError
 from jousto.base.rotations import Rotate
 from jousto.mechanism.bodies.body import ground
@@ -39,9 +40,9 @@ from jousto.mechanism.sensors.readings import (
 from jousto.mechanism.sensors.rosette import Rosette
 from jousto.mechanism.sensors.section import SectionSensor
 from jousto.mechanism.sensors.temperature import Temperature
-from jousto.mechanism.signals.base import Constant
+from jousto.mechanism.signals.base import USE, Constant, Signal
 from jousto.mechanism.signals.piecewise import Step, Table
-from jousto.schema.file.read import parse_model, read_model
+from jousto.schema.file.read import model_schema, parse_model, read_model
 from jousto.schema.make.sense import SENSORS
 from schema.models import same
 
@@ -376,3 +377,27 @@ fatigue:
         parse_model(text.replace("sensor: root", "sensor: rot"))
     with pytest.raises(jo.InputError, match="no S-N curve 'weldd'; did you mean 'welded'"):
         parse_model(text.replace("sn: welded", "sn: weldd"))
+
+
+def test_a_class_that_is_declared_later_is_known_to_files():
+    parse_model(MODEL)
+
+    class Square(Signal, tag="square-of-time"):
+        """The square of time, times a factor in the unit of its use."""
+
+        factor: Number = field("Value at 1 s", unit=USE)
+
+        def jet(self, t):
+            """Return value, rate and acceleration."""
+            return self.factor * t**2, 2 * self.factor * t, 0 * t + 2 * self.factor
+
+    try:
+        text = "sensors:\n  - {type: signal, name: s, signal: {type: square-of-time, factor: 3}}\n"
+        (sensor,) = parse_model(MODEL + text).mechanism.sensors
+        assert isinstance(sensor.signal, Square)
+        assert sensor.signal(2.0) == 12.0
+        assert "SquareEntry" in model_schema()["$defs"]
+        with pytest.raises(InputError, match="sensors.0.signal: 'factor' is missing"):
+            parse_model(MODEL + text.replace(", factor: 3", ""))
+    finally:
+        del SECTIONS["signals"]["square-of-time"]

@@ -97,6 +97,8 @@ class Field(Generic[In, Out]):
     """How model files write it; `jousto.schema` knows how to read each form."""
     noun: ClassVar[str] = ""
     """What it is called in help."""
+    spread: ClassVar[bool] = False
+    """Whether the constructor takes its items one after the other, ``Sum(a, b, c)``."""
 
     def __init__(
         self,
@@ -152,8 +154,8 @@ class Field(Generic[In, Out]):
 
     def line(self) -> str:
         """Return the head of its parameter in help, ``pitch : float, m``."""
-        head = f"{self.name} : {self.noun}" + (", optional" if not self.required else "")
-        return head
+        star, optional = "*" * self.spread, "" if self.required else ", optional"
+        return f"{star}{self.name} : {self.noun}{optional}"
 
 
 class Text(Field[str, str]):

@@ -6,7 +6,6 @@ At a jump or kink all three are those just after it.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -14,9 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.base.declare import Field
+from jousto.base.declare import Declared, Field, Name, Number, field
 from jousto.base.errors import InputError, Problem, Problems
-from jousto.base.names import check_name
 from jousto.base.numbers import number, set_fields
 from jousto.base.rotations import Array
 
@@ -24,7 +22,26 @@ from jousto.base.rotations import Array
 Jet = tuple[Array, Array, Array]
 
 
-class Signal(ABC):
+@dataclass(frozen=True)
+class Use:
+    """The unit of what a signal is used for, which model files know.
+
+    Parameters
+    ----------
+    rate : bool
+        Whether it is that of its rate.
+    """
+
+    rate: bool = False
+
+    def __str__(self) -> str:
+        return ""
+
+
+USE, RATE_OF_USE = Use(), Use(rate=True)
+
+
+class Signal(Declared, section="signals"):
     """A scalar function of time: a factor on a force, the value of a drive, an input.
 
     Signals add, subtract and multiply, also with numbers:
@@ -38,9 +55,9 @@ class Signal(ABC):
     # numpy leaves products of its numbers with signals to this class
     __array_ufunc__ = None
 
-    @abstractmethod
     def jet(self, t: Array) -> Jet:
         """Return value, rate and acceleration at times t, s, each of the shape of t."""
+        raise NotImplementedError
 
     def __call__(self, t: ArrayLike) -> Array:
         """Return the value at time t, s."""
@@ -91,8 +108,46 @@ class Signal(ABC):
         return Product(-1.0, self)
 
 
-@dataclass(frozen=True, init=False)
-class Constant(Signal):
+class SignalField(Field["Signal | float", Signal]):
+    """A signal, or a number for a constant one."""
+
+    form = "signal"
+    noun = "Signal or float"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the signal."""
+        return check_signal(problems, where, self.name, value)
+
+
+class SignalsField(Field["tuple[Signal | float, ...]", "tuple[Signal, ...]"]):
+    """Signals or numbers, which the constructor takes one after the other.
+
+    Parameters
+    ----------
+    text, unit, default, kw_only
+        As for every field.
+    rest : object, optional
+        Unit of all but the first; None for the same.
+    """
+
+    form = "signals"
+    noun = "Signal or float"
+    spread = True
+
+    def __init__(self, text: str = "", *, rest: Any = None, **common: Any) -> None:
+        super().__init__(text, **common)
+        self.rest = rest
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the signals."""
+        if not value:
+            problems.add(where, f"{self.name} is empty, must have at least one signal")
+        return tuple(
+            check_signal(problems, where, f"{self.name}[{i}]", item) for i, item in enumerate(value)
+        )
+
+
+class Constant(Signal, tag="constant", by_value=True):
     """The same value at all times.
 
     Examples
@@ -101,13 +156,7 @@ class Constant(Signal):
     array([2.5, 2.5])
     """
 
-    value: float
-
-    def __init__(self, value: float) -> None:
-        problems = Problems()
-        found = number(problems, "Constant", "value", value)
-        problems.raise_if_any()
-        set_fields(self, value=found)
+    value: Number = field("The value; a number alone is the same", unit=USE)
 
     def jet(self, t: Array) -> Jet:
         """Return value, rate and acceleration."""
@@ -115,19 +164,11 @@ class Constant(Signal):
         return zero + self.value, zero, zero
 
 
-@dataclass(frozen=True, init=False)
-class ConstantSpeed(Signal):
+class ConstantSpeed(Signal, tag="constant-speed", by_value=True):
     """A straight line without end, ``offset + speed t``: a drive at constant speed from the start.
 
     The velocities of the mechanism fit it from t = 0 on, and closed loops follow: no ramp is
     needed.
-
-    Parameters
-    ----------
-    speed : float
-        Rate of what follows the signal: rad/s for an angle, m/s for a displacement.
-    offset : float
-        Value at t = 0.
 
     Examples
     --------
@@ -135,17 +176,11 @@ class ConstantSpeed(Signal):
     array([-4.,  1., 11.])
     """
 
-    speed: float
-    offset: float
-
-    def __init__(self, speed: float, offset: float = 0.0) -> None:
-        problems = Problems()
-        values = {
-            "speed": number(problems, "ConstantSpeed", "speed", speed),
-            "offset": number(problems, "ConstantSpeed", "offset", offset),
-        }
-        problems.raise_if_any()
-        set_fields(self, **values)
+    speed: Number = field(
+        "Rate of what follows the signal: rad/s (in files also rpm) of an angle, m/s of a length",
+        unit=RATE_OF_USE,
+    )
+    offset: Number = field("Value at t = 0", unit=USE, default=0.0)
 
     def jet(self, t: Array) -> Jet:
         """Return value, rate and acceleration."""
@@ -153,8 +188,24 @@ class ConstantSpeed(Signal):
         return self.offset + self.speed * t, zero + self.speed, zero
 
 
-@dataclass(frozen=True, init=False)
-class Sum(Signal):
+class Combined(Signal):
+    """What is made of several signals."""
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Take those of the same kind apart."""
+        (key,) = self.fields
+        found = [p.parts if type(p) is type(self) else (p,) for p in self.__dict__[key]]
+        set_fields(self, **{key: tuple(p for some in found for p in some)})
+
+    @property
+    def parts(self) -> tuple[Signal, ...]:
+        """The signals."""
+        (key,) = self.fields
+        found: tuple[Signal, ...] = self.__dict__[key]
+        return found
+
+
+class Sum(Combined, tag="sum", by_value=True):
     """The sum of signals and numbers: ``a + b``.
 
     Examples
@@ -163,15 +214,11 @@ class Sum(Signal):
     np.float64(6.0)
     """
 
-    terms: tuple[Signal, ...]
+    terms: SignalsField = field("The signals, or numbers", unit=USE)
 
     def __init__(self, *terms: Signal | float) -> None:
-        set_fields(self, terms=gather(Sum, "terms", terms))
-
-    @property
-    def parts(self) -> tuple[Signal, ...]:
-        """The terms."""
-        return self.terms
+        set_fields(self, terms=terms)
+        self.__post_init__()
 
     def jet(self, t: Array) -> Jet:
         """Return value, rate and acceleration: each the sum of those of the terms."""
@@ -192,8 +239,7 @@ class Sum(Signal):
         return merged(term.kinks for term in self.terms)
 
 
-@dataclass(frozen=True, init=False)
-class Product(Signal):
+class Product(Combined, tag="product", by_value=True):
     """The product of signals and numbers: ``a * b``.
 
     Examples
@@ -202,15 +248,15 @@ class Product(Signal):
     np.float64(6.0)
     """
 
-    factors: tuple[Signal, ...]
+    factors: SignalsField = field(
+        "The signals, or numbers; in files the first may have a unit, the others have none",
+        unit=USE,
+        rest="1",
+    )
 
     def __init__(self, *factors: Signal | float) -> None:
-        set_fields(self, factors=gather(Product, "factors", factors))
-
-    @property
-    def parts(self) -> tuple[Signal, ...]:
-        """The factors."""
-        return self.factors
+        set_fields(self, factors=factors)
+        self.__post_init__()
 
     def jet(self, t: Array) -> Jet:
         """Return value, rate and acceleration by the product rule."""
@@ -243,30 +289,16 @@ class Product(Signal):
         return bool(abs(after - before) > 1e-12 * max(1.0, abs(before), abs(after)))
 
 
-@dataclass(frozen=True, init=False)
-class Input(Signal):
+class Input(Signal, tag="input", by_value=True):
     """A value that comes from outside while the engine runs: an actuator command, an FMU input.
 
     It is held between two steps, so its rate and acceleration are zero. It has no value as a
     function of time and cannot be called.
-
-    Parameters
-    ----------
-    name : str
-        Name; inputs of one name are one input.
-    initial : float
-        Value until another one is set.
     """
 
-    name: str
-    initial: float
-
-    def __init__(self, name: str, initial: float = 0.0) -> None:
-        problems = Problems()
-        where = check_name(problems, "input", name)
-        value = number(problems, where, "initial", initial)
-        problems.raise_if_any()
-        set_fields(self, name=name, initial=value)
+    kind = "input"
+    name: Name = field("Name; inputs of one name are one input")
+    initial: Number = field("Value until another one is set", unit=USE, default=0.0)
 
     def jet(self, t: Array) -> Jet:
         """Raise InputError: the value is not known as a function of time."""
@@ -291,34 +323,9 @@ def negative(value: Any) -> Any:
     return -value if isinstance(value, int | float | np.number) else value
 
 
-def gather(kind: type[Signal], name: str, items: tuple[Any, ...]) -> tuple[Signal, ...]:
-    """Return the signals of a sum or product; those of the same kind are taken apart."""
-    problems = Problems()
-    found: list[Signal] = []
-    if not items:
-        problems.add(kind.__name__, f"{name} is empty, must have at least one signal")
-    for i, item in enumerate(items):
-        signal = check_signal(problems, kind.__name__, f"{name}[{i}]", item)
-        if signal is not None:
-            found.extend(signal.parts if isinstance(signal, kind) else (signal,))
-    problems.raise_if_any()
-    return tuple(found)
-
-
 def merged(times: Iterator[tuple[float, ...]] | Any) -> tuple[float, ...]:
     """Return all times in order, each once."""
     return tuple(sorted({t for some in times for t in some}))
-
-
-class SignalField(Field["Signal | float", Signal]):
-    """A signal, or a number for a constant one."""
-
-    form = "signal"
-    noun = "Signal or float"
-
-    def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the signal."""
-        return check_signal(problems, where, self.name, value)
 
 
 def check_signal(problems: Problems, where: str, name: str, value: Any) -> Signal | None:

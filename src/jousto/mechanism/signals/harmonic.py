@@ -2,28 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from jousto.base.errors import InputError, Problem
+from jousto.base.declare import Number, field
 from jousto.base.rotations import Array
-from jousto.mechanism.signals.base import Jet, Signal
-from jousto.mechanism.signals.piecewise import set_numbers
+from jousto.mechanism.signals.base import USE, Jet, Signal
 
 
-@dataclass(frozen=True, init=False)
-class Harmonic(Signal):
+class Harmonic(Signal, tag="harmonic", by_value=True):
     """A sine: ``offset + amplitude sin(2 pi frequency t + phase)``.
-
-    Parameters
-    ----------
-    frequency : float
-        Frequency, Hz.
-    amplitude, offset : float
-        In the unit of what the signal is used for; factors on forces are dimensionless.
-    phase : float
-        Phase, rad.
 
     Examples
     --------
@@ -31,19 +18,15 @@ class Harmonic(Signal):
     np.float64(-2.0)
     """
 
-    amplitude: float
-    frequency: float
-    phase: float
-    offset: float
-
-    def __init__(
-        self, *, frequency: float, amplitude: float = 1.0, phase: float = 0.0, offset: float = 0.0
-    ) -> None:
-        set_numbers(self, amplitude=amplitude, frequency=frequency, phase=phase, offset=offset)
-        if self.frequency < 0:
-            raise InputError(
-                Problem("Harmonic", f"frequency is {self.frequency:g} Hz, must not be negative")
-            )
+    frequency: Number = field("Frequency", unit="Hz", least=0, kw_only=True)
+    amplitude: Number = field(
+        "In the unit of what the signal is used for; factors on forces have none",
+        unit=USE,
+        default=1.0,
+        kw_only=True,
+    )
+    phase: Number = field("Phase", unit="rad", default=0.0, kw_only=True)
+    offset: Number = field("As the amplitude", unit=USE, default=0.0, kw_only=True)
 
     def jet(self, t: Array) -> Jet:
         """Return value, rate and acceleration."""

@@ -7,25 +7,31 @@ and after the last it is constant.
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.base.described import described
+from jousto.base.declare import Choice, Field, Number, field
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.files import check_file
-from jousto.base.numbers import number, set_fields
 from jousto.base.rotations import Array
-from jousto.mechanism.signals.base import Jet, Signal
-
-INTERPOLATIONS = ("linear", "cubic")
+from jousto.mechanism.signals.base import USE, Jet, Signal
 
 
-@dataclass(frozen=True, init=False)
-class Step(Signal):
+class Series(Field[ArrayLike, Array]):
+    """Numbers one after the other."""
+
+    form = "series"
+    noun = "(k,) array_like"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return a read-only array."""
+        return problems.array(where, self.name, value, (None,))
+
+
+class Step(Signal, tag="step", by_value=True):
     """A jump: `before` for t < time, `after` from then on.
 
     Examples
@@ -34,12 +40,9 @@ class Step(Signal):
     array([0., 1.])
     """
 
-    time: float
-    before: float
-    after: float
-
-    def __init__(self, time: float, before: float = 0.0, after: float = 1.0) -> None:
-        set_numbers(self, time=time, before=before, after=after)
+    time: Number = field("When it jumps", unit="s")
+    before: Number = field("Value until then", unit=USE, default=0.0)
+    after: Number = field("Value from then on", unit=USE, default=1.0)
 
     def jet(self, t: Array) -> Jet:
         """Return value, rate and acceleration; the last two are zero."""
@@ -52,18 +55,10 @@ class Step(Signal):
         return () if self.before == self.after else (self.time,)
 
 
-@dataclass(frozen=True, init=False)
-class Ramp(Signal):
+class Ramp(Signal, tag="ramp", by_value=True):
     """A straight line from `before` at the time start to `after` at the time end.
 
     It is constant before and after.
-
-    Parameters
-    ----------
-    start, end : float
-        Times, s; end after start.
-    before, after : float
-        Values until start and from end on.
 
     Examples
     --------
@@ -71,17 +66,15 @@ class Ramp(Signal):
     array([ 0.,  5., 10.])
     """
 
-    start: float
-    end: float
-    before: float
-    after: float
+    start: Number = field("Time", unit="s")
+    end: Number = field("Time after start", unit="s")
+    before: Number = field("Value until start", unit=USE, default=0.0)
+    after: Number = field("Value from end on", unit=USE, default=1.0)
 
-    def __init__(self, start: float, end: float, before: float = 0.0, after: float = 1.0) -> None:
-        set_numbers(self, start=start, end=end, before=before, after=after)
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note an end before the start."""
         if self.end <= self.start:
-            raise InputError(
-                Problem("Ramp", f"end is {self.end:g} s, must be after start, {self.start:g} s")
-            )
+            problems.add(where, f"end is {self.end:g} s, must be after start, {self.start:g} s")
 
     def jet(self, t: Array) -> Jet:
         """Return value, rate and acceleration."""
@@ -98,20 +91,30 @@ class Ramp(Signal):
         return () if self.before == self.after else (self.start, self.end)
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class Table(Signal):
-    """Interpolation between points, held constant before the first and after the last.
+class Points(Signal):
+    """What is given by points."""
 
-    Parameters
-    ----------
-    times : (k,) array_like
-        Strictly increasing times, s.
-    values : (k,) array_like
-        Values at these times.
-    interpolation : {"linear", "cubic"}
-        Straight lines, or a cubic spline whose third derivative is continuous at the second
-        and the last but one point; the cubic has two continuous derivatives between the ends.
+    times: Series = field("Strictly increasing times", unit="s")
+    values: Series = field("Values at these times", unit=USE)
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note times that do not increase, and other numbers of values."""
+        t, y = self.times, self.values
+        if len(t) == 0:
+            problems.add(where, "times is empty, must have at least one point")
+        elif len(t) != len(y):
+            problems.add(where, f"{len(t)} times but {len(y)} values, must be as many")
+        back = np.flatnonzero(np.diff(t) <= 0)
+        if len(back):
+            i = int(back[0])
+            problems.add(
+                where,
+                f"times must increase: times[{i}] = {t[i]:g} s, times[{i + 1}] = {t[i + 1]:g} s",
+            )
+
+
+class Table(Points, tag="table"):
+    """Interpolation between points, held constant before the first and after the last.
 
     Examples
     --------
@@ -121,19 +124,12 @@ class Table(Signal):
     np.float64(15.625)
     """
 
-    times: Array
-    values: Array
-    interpolation: str
-
-    def __init__(self, times: ArrayLike, values: ArrayLike, interpolation: str = "linear") -> None:
-        problems = Problems()
-        t, y = points(problems, "Table", times, values)
-        if interpolation not in INTERPOLATIONS:
-            problems.add(
-                "Table", f"interpolation is {interpolation!r}, must be 'linear' or 'cubic'"
-            )
-        problems.raise_if_any()
-        set_fields(self, times=t, values=y, interpolation=interpolation)
+    interpolation: Choice = field(
+        "Straight lines, or a cubic spline whose third derivative is continuous at the second "
+        "and the last but one point; the cubic has two continuous derivatives between the ends",
+        words=("linear", "cubic"),
+        default="linear",
+    )
 
     @classmethod
     def from_csv(
@@ -201,21 +197,12 @@ class Table(Signal):
         return tuple(float(x) for x in self.times[np.abs(right - left) > 1e-9 * scale])
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class SCurve(Signal):
+class SCurve(Points, tag="s-curve"):
     """Smooth moves between points, at rest at each of them: the usual motion of a machine axis.
 
     ``y_i + (y_i+1 - y_i) (10 s^3 - 15 s^4 + 6 s^5)`` with ``s = (t - t_i) / (t_i+1 - t_i)``:
     rate and acceleration are zero at every point, so both are continuous everywhere. The
     largest rate is 15/8 of the mean one, the largest acceleration 10/sqrt(3) dy/dt^2.
-
-    Parameters
-    ----------
-    times : (k,) array_like
-        Strictly increasing times, s.
-    values : (k,) array_like
-        Values at these times.
 
     Examples
     --------
@@ -224,16 +211,11 @@ class SCurve(Signal):
     (array([0. , 0.5, 1. ]), np.float64(0.9375))
     """
 
-    times: Array
-    values: Array
-
-    def __init__(self, times: ArrayLike, values: ArrayLike) -> None:
-        problems = Problems()
-        t, y = points(problems, "SCurve", times, values)
-        if t is not None and len(t) == 1:
-            problems.add("SCurve", "has one point, must have at least two")
-        problems.raise_if_any()
-        set_fields(self, times=t, values=y)
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note points that make no move."""
+        super().consistent(problems, where)
+        if len(self.times) == 1:
+            problems.add(where, "has one point, must have at least two")
 
     @property
     def coefficients(self) -> Array:
@@ -273,37 +255,6 @@ def piecewise(times: Array, values: Array, c: Array, t: Array) -> Jet:
             df = df * x + f
             f = f * x + row[i]
     return np.where(inside, f, held), np.where(inside, df, 0.0), np.where(inside, ddf, 0.0)
-
-
-def set_numbers(target: Signal, **values: float) -> None:
-    """Check that all values are finite numbers and set them as fields."""
-    problems = Problems()
-    kind = type(target).__name__
-    found = {key: number(problems, kind, key, value) for key, value in values.items()}
-    problems.raise_if_any()
-    set_fields(target, **found)
-
-
-def points(
-    problems: Problems, kind: str, times: ArrayLike, values: ArrayLike
-) -> tuple[Array | None, Array | None]:
-    """Return times that increase and as many values, or note what is wrong."""
-    t = problems.array(kind, "times", times, (None,))
-    y = problems.array(kind, "values", values, (None,))
-    if t is None:
-        return t, y
-    if len(t) == 0:
-        problems.add(kind, "times is empty, must have at least one point")
-    elif y is not None and len(t) != len(y):
-        problems.add(kind, f"{len(t)} times but {len(y)} values, must be as many")
-    back = np.flatnonzero(np.diff(t) <= 0)
-    if len(back):
-        i = int(back[0])
-        problems.add(
-            kind,
-            f"times must increase: times[{i}] = {t[i]:g} s, times[{i + 1}] = {t[i + 1]:g} s",
-        )
-    return t, y
 
 
 def read_columns(

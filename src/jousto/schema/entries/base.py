@@ -79,6 +79,33 @@ class Unit:
         return {"type": ["number", "string"], "description": text}
 
 
+class _Amount:
+    """Annotation of a number, or a string whose unit is checked where its use is known."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Keep strings as they are."""
+
+        def check(value: Any) -> float | str:
+            if isinstance(value, str):
+                return value
+            try:
+                return quantity(value, "1")
+            except UnitError as error:
+                raise fail(str(error)) from None
+
+        return core_schema.no_info_plain_validator_function(check)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        """Describe as a number or a string."""
+        return {
+            "type": ["number", "string"],
+            "description": "A number in SI, or a string with a unit of what the value is used for",
+        }
+
+
+Amount: TypeAlias = Annotated[float | str, _Amount()]
+
+
 class Vector:
     """Annotation of a tuple that must be given as a list of so many numbers."""
 

@@ -44,30 +44,38 @@ class Tagged:
             given = self.tag(value)
         return None if given is None else str(given)
 
+    def known(self, source: Any) -> Callable[[], Mapping[str, Any]]:
+        """Return what finds the kinds of a union by their tags."""
+        classes = {_tag(item): get_args(item)[0] for item in get_args(source)}
+        return lambda: classes
+
+    def entry(self, kind: Any) -> type[BaseModel]:
+        """Return the class that reads a kind."""
+        return kind  # type: ignore[no-any-return]
+
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         """Validate with the class of the tag alone."""
-        of_union = {_tag(item): get_args(item)[0] for item in get_args(source)}
-        find = self.classes or (lambda: of_union)
+        known = self.known(source)
         name = f"{self.choose.__name__}()"
-        prepared: dict[tuple[str, type[BaseModel]], SchemaValidator] = {}
+        prepared: dict[Any, SchemaValidator] = {}
 
         def check(value: Any, info: Any) -> Any:
-            tag = self.choose(value)
+            tag, kinds = self.choose(value), known()
             if tag is None:
                 raise PydanticKnownError("union_tag_not_found", {"discriminator": name})
-            classes = find()
-            if tag not in classes:
-                expected = ", ".join(f"'{tag}'" for tag in classes)
+            if tag not in kinds:
+                expected = ", ".join(f"'{tag}'" for tag in kinds)
                 found = {"discriminator": name, "tag": tag, "expected_tags": expected}
                 raise PydanticKnownError("union_tag_invalid", found)
-            key = tag, classes[tag]
+            key = (tag, kinds[tag])
             if key not in prepared:
-                schema = core_schema.tagged_union_schema({tag: _schema(key[1])}, self.choose)
+                schema = _schema(self.entry(kinds[tag]))
+                schema = core_schema.tagged_union_schema({tag: schema}, self.choose)
                 prepared[key] = SchemaValidator(schema)
             return prepared[key].validate_python(value, context=info.context)
 
         return core_schema.with_info_plain_validator_function(
-            check, metadata={CHOICES: lambda: list(find().values())}
+            check, metadata={CHOICES: lambda: [self.entry(kind) for kind in known().values()]}
         )
 
 
@@ -157,7 +165,8 @@ def _ref(schema: Any) -> str:
 
 def _classes(schema: Any) -> list[type[BaseModel]]:
     """Return the classes that a core schema of `Tagged` or `Later` chooses from."""
-    return list((schema.get("metadata") or {}).get(CHOICES, list)())
+    found = (schema.get("metadata") or {}).get(CHOICES)
+    return found() if found else []
 
 
 def _tag(item: Any) -> str:

@@ -9,6 +9,7 @@ from pydantic_core import core_schema
 
 from jousto.base.units import describe
 from jousto.schema.entries.base import (
+    Amount,
     Entry,
     Flag,
     Force3,
@@ -23,7 +24,7 @@ from jousto.schema.entries.base import (
 )
 from jousto.schema.entries.choices import by_form, tagged
 from jousto.schema.entries.declared import FORMS, one_of
-from jousto.schema.entries.signals import Amount, CurveEntry, SignalEntry, SignalOrNumber
+from jousto.schema.entries.signals import CurveEntry, SignalEntry, SignalOrNumber
 
 # -- coordinates ----------------------------------------------------------------------------
 
@@ -56,13 +57,8 @@ CoordinateEntry: TypeAlias = Annotated[
     Discriminator(lambda v: "mapping" if isinstance(v, dict | BaseModel) else "scalar"),
 ]
 
-FORMS.update(
-    {
-        "coordinate": lambda field: CoordinateEntry,
-        "coordinates": lambda field: tuple[CoordinateEntry, ...],
-        "signal": lambda field: SignalOrNumber,
-    }
-)
+FORMS["coordinate"] = lambda field: CoordinateEntry
+FORMS["coordinates"] = lambda field: tuple[CoordinateEntry, ...]
 
 # -- force elements -------------------------------------------------------------------------
 

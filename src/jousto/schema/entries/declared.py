@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 from collections.abc import Callable, Mapping
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal
 
 from pydantic import Field as Key, create_model
 
-from jousto.base.declare import Declared, Field, kinds
+from jousto.base.declare import SECTIONS, Declared, Field, kinds
 from jousto.schema.entries.base import (
+    Amount,
     Count,
     Direction,
     Duration as Seconds,
@@ -22,9 +24,6 @@ from jousto.schema.entries.base import (
     Vector,
 )
 from jousto.schema.entries.choices import Tagged
-from jousto.schema.entries.signals import Amount
-
-Forms: TypeAlias = Mapping[str, Callable[[Any], Any]]
 
 FORMS: dict[str, Callable[[Any], Any]] = {
     "text": lambda field: Text,
@@ -35,14 +34,20 @@ FORMS: dict[str, Callable[[Any], Any]] = {
     "duration": lambda field: Seconds,
     "count": lambda field: Count,
     "numbers": lambda field: tuple[Number, ...],
+    "series": lambda field: ROW[amount(field.unit), ...],
     "choice": lambda field: Literal[field.words],
     "vector": lambda field: vector(field.unit),
     "nested": lambda field: one_of(field.section, field.room),
     "direction": lambda field: Direction,
     "marker": lambda field: Marker,
-    "item": lambda field: entry_of(field.of),
+    "item": lambda field: item(field),
+    "event": lambda field: Text,
 }
-"""What a field of each form looks like in a model file, as a type that pydantic checks."""
+"""What a field of each form looks like in a model file, as a type that pydantic checks; files that
+declare other types add theirs."""
+
+SPECIAL: dict[type[Declared], type[Entry]] = {}
+"""Entries of the few classes that files write in other ways than their fields say."""
 
 # types that are put together here, which type checkers cannot follow
 NOTED: Any = Annotated
@@ -60,13 +65,21 @@ def vector(unit: Any) -> Any:
     return NOTED[ROW[one, one, one], Vector(3)]
 
 
-def entry_of(cls: type[Declared], forms: Forms = FORMS) -> Any:
+def item(field: Any) -> Any:
+    """Return the entry of the class of a field."""
+    return entry_of(field.of)
+
+
+@functools.cache
+def entry_of(cls: type[Declared]) -> Any:
     """Return the entry of a class in model files: its word, and a key for each field."""
+    if cls in SPECIAL:
+        return SPECIAL[cls]
     keys: dict[str, Any] = {"type": (Literal[cls.tag], ...)} if cls.tag else {}
     for name, field in cls.fields.items():
         if not field.file:
             continue
-        form = forms[field.form](field)
+        form = FORMS[field.form](field)
         if field.required:
             keys[name] = (form, Key(description=said(field)))
         else:
@@ -79,31 +92,47 @@ def entry_of(cls: type[Declared], forms: Forms = FORMS) -> Any:
 
 def said(field: Field[Any, Any]) -> str | None:
     """Return what editors show of a field, None if there is nothing to say."""
-    unit = "" if isinstance(field.unit, str) else f", {field.unit}"
+    unit = "" if isinstance(field.unit, str) else f", {field.unit}".removesuffix(", ")
     plain = field.required or field.default is None or isinstance(field.default, bool)
     default = "" if plain else f"; {field.default} if not given"
     return f"{field.text}{unit}{default}" or None
 
 
-def one_of(section: str, room: str, forms: Forms = FORMS) -> Any:
-    """Return the type of an entry of a section: one of its classes, by the key ``type``.
+class Declarations(Tagged):
+    """Annotation of an entry of a section: one of its classes, by the key ``type``.
 
-    The classes are imported and their entries made when a file has one of the section.
+    The classes are imported and their entries made when a file has one of the section; those that
+    are declared later are known, too.
 
     Parameters
     ----------
     section, room : str
         As for `kinds`.
-    forms : mapping
-        Types for each form of a field.
     """
-    made: dict[type[Declared], type[Entry]] = {}
 
-    def entries() -> Mapping[str, type[Entry]]:
-        found = kinds(section, room)  # with those that a user has declared
-        for cls in found.values():
-            if cls not in made:
-                made[cls] = entry_of(cls, forms)
-        return {tag: made[cls] for tag, cls in found.items()}
+    def __init__(self, section: str, room: str) -> None:
+        super().__init__()
+        self.section = section
+        self.room = room
+        self.imported = False
 
-    return Annotated[Any, Tagged(classes=entries)]
+    def known(self, source: Any) -> Callable[[], Mapping[str, Any]]:
+        """Return what finds the classes of the section by their words."""
+
+        def find() -> Mapping[str, Any]:
+            if not self.imported:
+                kinds(self.section, self.room)
+                self.imported = True
+            return SECTIONS[self.section]
+
+        return find
+
+    def entry(self, kind: Any) -> type[Entry]:
+        """Return the entry of a class."""
+        found: type[Entry] = entry_of(kind)
+        return found
+
+
+def one_of(section: str, room: str) -> Any:
+    """Return the type of an entry of a section: one of its classes, by the key ``type``."""
+    return Annotated[Any, Declarations(section, room)]

@@ -8,6 +8,7 @@ from pydantic import Field, Tag
 
 from jousto.schema.entries.base import (
     Acceleration3,
+    Amount,
     AngularVelocity3,
     Component,
     Density,
@@ -47,7 +48,7 @@ from jousto.schema.entries.declared import one_of
 from jousto.schema.entries.fatigue import FatigueEntry
 from jousto.schema.entries.monitor import MonitorEntry
 from jousto.schema.entries.sensors import SensorEntry
-from jousto.schema.entries.signals import Amount, SignalEntry
+from jousto.schema.entries.signals import SignalEntry
 from jousto.schema.entries.solids import PartEntry
 
 # -- bodies ---------------------------------------------------------------------------------

@@ -7,10 +7,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jousto.base.errors import suggest
+from jousto.mechanism.signals.base import Use
+from jousto.mechanism.signals.piecewise import Table
 from jousto.schema.entries.base import Entry
 from jousto.schema.file.document import Loc
-from jousto.schema.make.amounts import build_amount
-from jousto.schema.make.signals import build_signal
+from jousto.schema.make.amounts import build_amount, per_second
+from jousto.schema.make.tables import build_table
 
 if TYPE_CHECKING:
     from jousto.schema.make.builder import Builder
@@ -33,6 +35,8 @@ class Place:
         What the entry may name.
     values : mapping
         The fields of the entry that were made before this one.
+    use : str
+        SI unit of what a signal is used for.
     """
 
     builder: Builder
@@ -40,6 +44,7 @@ class Place:
     field: Any
     known: Known
     values: Mapping[str, Any]
+    use: str = "1"
 
     def at(self, key: Any) -> Place:
         """Return the place of one item of a value."""
@@ -50,12 +55,14 @@ class Place:
         unit = self.field.unit if unit is None else unit
         if isinstance(unit, str):
             return unit
+        if isinstance(unit, Use):
+            return per_second(self.use) if unit.rate else self.use
         source = self.values[unit.field]
         units = {unit.of(s) for s in (source if isinstance(source, list) else [source])}
         return units.pop() if len(units) == 1 else "1"
 
 
-def build_declared(builder: Builder, loc: Loc, entry: Any, known: Known) -> Any:
+def build_declared(builder: Builder, loc: Loc, entry: Any, known: Known, use: str = "1") -> Any:
     """Return the object of an entry, None if anything is wrong with it.
 
     Parameters
@@ -64,10 +71,16 @@ def build_declared(builder: Builder, loc: Loc, entry: Any, known: Known) -> Any:
         As everywhere.
     known : mapping
         What the entry may name.
+    use : str
+        SI unit of what a signal is used for.
     """
+    cls = entry.declared
+    if cls in SPECIAL:
+        return SPECIAL[cls](builder, loc, entry, use)
     given = entry.given()
     values: dict[str, Any] = {}
-    for key, field in entry.declared.fields.items():
+    items: tuple[Any, ...] = ()
+    for key, field in cls.fields.items():
         if key not in given:
             continue
         make = FORMS.get(field.form)
@@ -76,17 +89,24 @@ def build_declared(builder: Builder, loc: Loc, entry: Any, known: Known) -> Any:
         elif values.get(getattr(field.unit, "field", ""), given) is None:
             values[key] = None  # of no unit, since the coordinate that it depends on is wrong
         else:
-            place = Place(builder, (*loc, key), field, known, values)
+            place = Place(builder, (*loc, key), field, known, values, use)
             values[key] = make(place, given[key])
     if any(value is None for value in values.values()):
         return None
-    return builder.make(loc, entry.declared, **values)
+    for key in [key for key in values if cls.fields[key].spread]:
+        items = values.pop(key)
+    return builder.make(loc, cls, *items, **values)
 
 
 def number(place: Place, value: Any) -> Any:
     """Return a number in SI; those of a fixed unit are it already."""
     if not isinstance(value, str):
         return value
+    return build_amount(place.builder, place.loc, value, place.unit())
+
+
+def series(place: Place, value: Any) -> Any:
+    """Return numbers in SI, None if one is wrong."""
     return build_amount(place.builder, place.loc, value, place.unit())
 
 
@@ -126,6 +146,22 @@ def signal(place: Place, value: Any) -> Any:
     return build_signal(place.builder, place.loc, value, place.unit())
 
 
+def signals(place: Place, value: Any) -> Any:
+    """Return the signals of a list, None if one is wrong."""
+    rest = place.field.rest
+    units = [place.unit(rest if i and rest else None) for i in range(len(value))]
+    found = [
+        build_signal(place.builder, (*place.loc, i), one, unit)
+        for i, (one, unit) in enumerate(zip(value, units, strict=True))
+    ]
+    return None if None in found else found
+
+
+def event(place: Place, value: Any) -> Any:
+    """Return the event that an entry names."""
+    return place.builder.event(place.loc, value)
+
+
 FORMS: dict[str, Callable[[Place, Any], Any]] = {
     "number": number,
     "marker": marker,
@@ -134,9 +170,36 @@ FORMS: dict[str, Callable[[Place, Any], Any]] = {
     "item": nested,
     "coordinate": coordinate,
     "coordinates": coordinates,
+    "series": series,
     "signal": signal,
+    "signals": signals,
+    "event": event,
 }
 """How a value of each form becomes an object; those of other forms stay as they are."""
+
+
+def build_signal(builder: Builder, loc: Loc, entry: Any, unit: str) -> Any:
+    """Return the signal of an entry or the number it is, None if anything is wrong with it.
+
+    Parameters
+    ----------
+    builder, loc, entry
+        As everywhere.
+    unit : str
+        SI unit of its values.
+    """
+    if not isinstance(entry, Entry):
+        return build_amount(builder, loc, entry, unit)
+    return build_declared(builder, loc, entry, {}, unit)
+
+
+def build_times(builder: Builder, loc: Loc, entry: Any, unit: str) -> Any:
+    """Return the table of a signal."""
+    return build_table(builder, loc, entry, "s", unit)
+
+
+SPECIAL: dict[Any, Callable[[Builder, Loc, Any, str], Any]] = {Table: build_times}
+"""How the few classes are made that files write in other ways than their fields say."""
 
 
 def build_coordinate(

@@ -19,8 +19,7 @@ from jousto.schema.file.document import Loc
 from jousto.schema.file.files import read_points
 from jousto.schema.make.amounts import build_amount
 from jousto.schema.make.connect import with_markers
-from jousto.schema.make.declared import build_coordinate
-from jousto.schema.make.signals import build_signal
+from jousto.schema.make.declared import build_coordinate, build_signal
 from jousto.schema.make.tables import build_table
 
 if TYPE_CHECKING:

@@ -37,8 +37,7 @@ from jousto.mechanism.signals.base import Constant
 from jousto.schema.entries.base import Entry
 from jousto.schema.entries.curves import build_curve, build_mean
 from jousto.schema.file.document import Loc
-from jousto.schema.make.declared import build_coordinate
-from jousto.schema.make.signals import build_signal
+from jousto.schema.make.declared import build_coordinate, build_signal
 
 if TYPE_CHECKING:
     from jousto.schema.make.builder import Builder
