@@ -98,7 +98,7 @@ docs: $(VENV)/.docs  ## documentation in build/docs, warnings are errors
 
 # ---- checks ----------------------------------------------------------------------------------------
 
-.PHONY: test lint types layers sanitize unit slow old-processor format
+.PHONY: test quick lint types layers sanitize unit slow old-processor format
 test: lint types layers sanitize unit  ## every check except the slow verification runs
 
 lint: $(VENV)/.dev
@@ -113,6 +113,12 @@ layers: $(VENV)/.dev
 
 # neighbours stay in one process, which makes what they share once, until another is idle
 PYTEST := $(PY) -m pytest -q -n auto --dist worksteal
+
+# a third of the tests, those of the rooms that need no meshes and no long runs
+QUICK := $(addprefix tests/,base materials sections mechanism model schema) \
+  $(addprefix --ignore=tests/schema/,test_kept_meshes.py test_solids.py)
+quick: lint  ## layout and the fast third of the tests: 40 s on two cores
+	@$(PYTEST) $(PYTEST_ARGS) $(QUICK)
 
 # tests, doctests and examples
 unit: $(VENV)/.dev

@@ -39,6 +39,8 @@ WIDTHS = {  # pixels
     "trolley.png": 800,
     "work_precision.png": 700,
     "orders.png": 1200,
+    "solvers.png": 1200,
+    "controllers.png": 1000,
     "solids.png": 1200,
     "statics.png": 1200,
     "beam_dynamics.png": 1000,
@@ -105,7 +107,14 @@ def main() -> int:
         for script in sorted(EXAMPLES.glob("*.py")):
             more = ["--long"] if script.name == "offset_boom.py" else []
             subprocess.run([sys.executable, str(script), folder, *more], check=True)
-        for name in ("orders.py", "solids.py", "statics.py", "beam_dynamics.py"):
+        for name in (
+            "orders.py",
+            "solvers.py",
+            "controllers.py",
+            "solids.py",
+            "statics.py",
+            "beam_dynamics.py",
+        ):
             subprocess.run([sys.executable, str(HERE / name), folder], check=True)
         # the arch of the page on statics is its own first example
         block = re.search(
