@@ -64,6 +64,7 @@ WIDTHS = {  # pixels
     "split_still.png": 900,
     "split.png": 900,
     "link_arm.png": 1100,
+    "link_arm.gif": 520,
     "link_arm_mesh.png": 800,
     "link_arm_mode.png": 800,
     "link_arm_still.png": 800,
@@ -72,6 +73,7 @@ WIDTHS = {  # pixels
 
 
 SMOOTH = (
+    "link_arm.gif",
     "link_arm_still.png",
     "link_arm_mesh.png",
     "link_arm_mode.png",
@@ -116,6 +118,12 @@ def main() -> int:
             "beam_dynamics.py",
         ):
             subprocess.run([sys.executable, str(HERE / name), folder], check=True)
+        # the film of the page in front, by the command line
+        for words in (
+            ["run", str(EXAMPLES / "link_arm.yaml"), "-o", "arm.h5"],
+            ["animate", "arm.h5", "--stress", "--fps", "16", "-o", "link_arm.gif"],
+        ):
+            subprocess.run([sys.executable, "-m", "jousto", *words], cwd=folder, check=True)
         # the arch of the page on statics is its own first example
         block = re.search(
             r"```python\n(.*?)```", (HERE.parent / "statics.md").read_text("utf-8"), re.S
