@@ -14,11 +14,12 @@ import sys
 import tempfile
 from pathlib import Path
 
-from PIL import Image, ImageSequence
+from PIL import Image, ImageOps, ImageSequence
 
 HERE = Path(__file__).parent
 EXAMPLES = HERE.parent.parent / "examples"
 COLOURS = 128
+THUMB = (220, 150)  # pixels
 WIDTHS = {  # pixels
     "pendulum.png": 1000,
     "pendulum_still.png": 700,
@@ -103,6 +104,21 @@ def shrink(source: Path, target: Path, width: int) -> None:
             frames[0].save(target, optimize=True)
 
 
+def thumbs() -> None:
+    """Make the small pictures in the table of the gallery, from those that are shown below it."""
+    folder = HERE / "thumbs"
+    folder.mkdir(exist_ok=True)
+    for name in re.findall(r"thumbs/(\w+\.png)", (HERE.parent / "gallery.md").read_text("utf-8")):
+        with Image.open(HERE / name) as image:
+            # of several plots side by side the first
+            width = min(image.width, round(1.7 * image.height))
+            first = image.convert("RGB").crop((0, 0, width, image.height))
+            small = ImageOps.pad(first, THUMB, Image.Resampling.LANCZOS, color="white")
+            small.quantize(64, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(
+                folder / name, optimize=True
+            )
+
+
 def main() -> int:
     """Run the examples and keep what is shown."""
     with tempfile.TemporaryDirectory() as folder:
@@ -133,6 +149,7 @@ def main() -> int:
         (Path(folder) / "arch.png").rename(Path(folder) / "arch_path.png")
         for name, width in WIDTHS.items():
             shrink(Path(folder) / name, HERE / name, width)
+    thumbs()
     sizes = {path.name: path.stat().st_size for path in HERE.iterdir() if path.name in WIDTHS}
     for name, size in sizes.items():
         print(f"{name:24}{size / 1000:8.0f} kB")
