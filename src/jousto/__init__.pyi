@@ -109,7 +109,7 @@ from .materials.strength.strain_life import (
     strain_lives as strain_lives,
 )
 from .materials.strength.welds import fat_class as fat_class, thickness_factor as thickness_factor
-from .measurement.gauges.align import Alignment as Alignment
+from .measurement.gauges.align import Alignment as Alignment, align as align
 from .measurement.gauges.compare import (
     GaugeComparison as GaugeComparison,
     GaugePair as GaugePair,
@@ -296,11 +296,8 @@ from .recovery.friction import (
     friction_stress as friction_stress,
     without_friction as without_friction,
 )
-from .recovery.hotspots.spots import (
-    HotSpot as HotSpot,
-    HotSpots as HotSpots,
-    hot_spots as hot_spots,
-)
+from .recovery.hotspots.found import HotSpot as HotSpot
+from .recovery.hotspots.spots import HotSpots as HotSpots, hot_spots as hot_spots
 from .reduction.certificate.advice import Advice as Advice, advise as advise
 from .reduction.certificate.certificate import (
     Certificate as Certificate,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from jousto.mechanism.initial import Initial
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate, Distance
 from jousto.mechanism.joints.coupling import Coupler, Drive
+from jousto.mechanism.members import Members
 from jousto.mechanism.sensors.body import ModalSensor, SiteSensor
 from jousto.mechanism.sensors.bridge import Bridge
 from jousto.mechanism.sensors.damage import DamageSensor
@@ -32,9 +33,6 @@ from jousto.mechanism.sensors.section import SectionSensor
 from jousto.mechanism.signals.base import Signal, leaves
 from jousto.mechanism.signals.event import Event
 from jousto.mechanism.signals.switched import Switched
-
-if TYPE_CHECKING:
-    from jousto.mechanism.mechanism import Mechanism
 
 # largest gap at a joint, relative to the size of the mechanism, that projection may close
 GAP_TOLERANCE = 1e-6
@@ -94,7 +92,7 @@ def check_items(problems: Problems, items: tuple[Any, ...]) -> None:
         problems.add("mechanism", "has no bodies")
 
 
-def check_names(problems: Problems, mechanism: Mechanism) -> None:
+def check_names(problems: Problems, mechanism: Members) -> None:
     """Note names that several items of a kind share."""
     groups: dict[str, tuple[Any, ...]] = {
         "bodies": whole_bodies(mechanism),
@@ -116,7 +114,7 @@ def check_names(problems: Problems, mechanism: Mechanism) -> None:
                 problems.add(where(item), f"{count} {plural} have this name, names must differ")
 
 
-def whole_bodies(mechanism: Mechanism) -> tuple[Any, ...]:
+def whole_bodies(mechanism: Members) -> tuple[Any, ...]:
     """Return the bodies of a mechanism, beams as one each."""
     return tuple(x for x in mechanism.items if isinstance(x, RigidBody | FlexibleBody | BeamBody))
 
@@ -144,7 +142,7 @@ def markers_of(item: Any) -> Iterator[tuple[str, Marker]]:
         yield s.name, s.b
 
 
-def check_members(problems: Problems, mechanism: Mechanism) -> None:
+def check_members(problems: Problems, mechanism: Members) -> None:
     """Note items that refer to bodies or joints that are not in the mechanism."""
     bodies = {body.name: body for body in whole_bodies(mechanism)}
     ids = {id(body) for body in (*mechanism.bodies, *mechanism.beams)}
@@ -205,7 +203,7 @@ def signals_of(item: Any) -> Iterator[Signal]:
             yield from leaves(signal)
 
 
-def check_events(problems: Problems, mechanism: Mechanism) -> None:
+def check_events(problems: Problems, mechanism: Members) -> None:
     """Note events that watch what is not measured, and signals of events that are not there."""
     sensors = [sensor.name for sensor in mechanism.sensors]
     for event in mechanism.events:
@@ -234,7 +232,7 @@ def check_events(problems: Problems, mechanism: Mechanism) -> None:
                 )
 
 
-def used_joints(mechanism: Mechanism) -> set[int]:
+def used_joints(mechanism: Members) -> set[int]:
     """Return the ids of the joints whose coordinates something else uses.
 
     Drives, couplings, springs, motors, controllers, sensors, events and friction do; without the
@@ -247,7 +245,7 @@ def used_joints(mechanism: Mechanism) -> set[int]:
     return used | {id(friction.joint) for friction in mechanism.frictions}
 
 
-def check_joints(problems: Problems, mechanism: Mechanism) -> None:
+def check_joints(problems: Problems, mechanism: Members) -> None:
     """Note joints that connect nothing and joints that are open at the initial pose."""
     tolerance = GAP_TOLERANCE * mechanism.size
     for joint in mechanism.joints:
@@ -267,7 +265,7 @@ def check_joints(problems: Problems, mechanism: Mechanism) -> None:
             check_gap(problems, joint, tolerance)
 
 
-def check_drives(problems: Problems, mechanism: Mechanism) -> None:
+def check_drives(problems: Problems, mechanism: Members) -> None:
     """Note drives on one coordinate."""
     drives = [item for item in mechanism.couplings if isinstance(item, Drive)]
     for i, drive in enumerate(drives):
@@ -280,7 +278,7 @@ def check_drives(problems: Problems, mechanism: Mechanism) -> None:
                 )
 
 
-def check_initials(problems: Problems, mechanism: Mechanism) -> None:
+def check_initials(problems: Problems, mechanism: Members) -> None:
     """Note starts that are given twice or by a drive, and those of exact beams."""
     drives = [item for item in mechanism.couplings if isinstance(item, Drive)]
     for i, initial in enumerate(mechanism.initials):
@@ -302,7 +300,7 @@ def check_initials(problems: Problems, mechanism: Mechanism) -> None:
             )
 
 
-def check_distances(problems: Problems, mechanism: Mechanism) -> None:
+def check_distances(problems: Problems, mechanism: Members) -> None:
     """Note distances between points that coincide: they have no direction."""
     users = (*mechanism.couplings, *mechanism.forces, *mechanism.sensors, *mechanism.initials)
     for item in users:
@@ -315,7 +313,7 @@ def check_distances(problems: Problems, mechanism: Mechanism) -> None:
                 )
 
 
-def check_frictions(problems: Problems, mechanism: Mechanism) -> None:
+def check_frictions(problems: Problems, mechanism: Members) -> None:
     """Note joints with two frictions and joints that cannot stick since they are driven."""
     for i, friction in enumerate(mechanism.frictions):
         for other in mechanism.frictions[:i]:
@@ -338,7 +336,7 @@ def check_frictions(problems: Problems, mechanism: Mechanism) -> None:
                 )
 
 
-def warn_jumps(mechanism: Mechanism) -> None:
+def warn_jumps(mechanism: Members) -> None:
     """Warn about drives whose signal jumps."""
     for item in mechanism.couplings:
         if isinstance(item, Drive) and item.signal.jumps:
@@ -407,7 +405,7 @@ def turning(item: Any) -> Iterator[tuple[str, Marker]]:
             yield s.name, s.b
 
 
-def check_rotations(problems: Problems, mechanism: Mechanism) -> None:
+def check_rotations(problems: Problems, mechanism: Members) -> None:
     """Note items that need the rotation of a node whose part has translations only."""
     items = (*mechanism.joints, *mechanism.couplings, *mechanism.forces, *mechanism.sensors)
     for item in (*items, *mechanism.frictions, *mechanism.initials):
@@ -431,7 +429,7 @@ def check_rotations(problems: Problems, mechanism: Mechanism) -> None:
                 )
 
 
-def warn_unconnected(mechanism: Mechanism) -> None:
+def warn_unconnected(mechanism: Members) -> None:
     """Warn about bodies without a joint."""
     elements = (x for x in mechanism.forces if not isinstance(x, (*LOADS, UserForce)))
     connections = (*mechanism.joints, *mechanism.couplings, *elements)
@@ -442,7 +440,7 @@ def warn_unconnected(mechanism: Mechanism) -> None:
             warn(where(body), "is not connected to anything, it moves freely")
 
 
-def warn_interfaces(mechanism: Mechanism) -> None:
+def warn_interfaces(mechanism: Members) -> None:
     """Warn about joints, drives and springs on nodes that are no interfaces of their part."""
     elements = (x for x in mechanism.forces if not isinstance(x, (*LOADS, UserForce)))
     for item in (*mechanism.joints, *mechanism.couplings, *elements):
@@ -462,7 +460,7 @@ def warn_interfaces(mechanism: Mechanism) -> None:
                 )
 
 
-def warn_ground_loads(mechanism: Mechanism) -> None:
+def warn_ground_loads(mechanism: Members) -> None:
     """Warn about forces and torques on the ground."""
     for load in mechanism.forces:
         if isinstance(load, LOADS) and isinstance(load.marker.body, Ground):

@@ -2,32 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from jousto.base.errors import Problems
 from jousto.base.names import check_name
-from jousto.base.numbers import set_fields
 from jousto.base.rotations import Array, readonly, rotation_matrix
 from jousto.mechanism import checks
-from jousto.mechanism.beams.body import BeamBody, BeamNode
-from jousto.mechanism.bodies.body import Body, FlexibleBody, MovingBody, RigidBody
+from jousto.mechanism.beams.body import BeamBody
+from jousto.mechanism.bodies.body import Body, FlexibleBody, RigidBody
 from jousto.mechanism.checks import where as where
-from jousto.mechanism.forces.friction import Friction
-from jousto.mechanism.forces.loads import LOADS, Gravity, Load
-from jousto.mechanism.forces.springs import ELEMENTS, Element
-from jousto.mechanism.initial import Initial
-from jousto.mechanism.joints.base import Joint
-from jousto.mechanism.joints.coupling import Coupler
-from jousto.mechanism.sensors.kinds import SENSORS, Sensor
-from jousto.mechanism.signals.event import Event
+from jousto.mechanism.members import Members
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class Mechanism:
+class Mechanism(Members):
     """Bodies, joints, forces and sensors that belong together.
 
     Parameters
@@ -70,39 +60,8 @@ class Mechanism:
     <Mechanism 'pendulum': 1 body, 1 joint, 0 forces, 0 sensors>
     """
 
-    name: str
-    items: tuple[Any, ...]
-    bodies: tuple[MovingBody, ...]
-    beams: tuple[BeamBody, ...]
-    joints: tuple[Joint, ...]
-    couplings: tuple[Coupler, ...]
-    forces: tuple[Load | Element, ...]
-    frictions: tuple[Friction, ...]
-    events: tuple[Event, ...]
-    sensors: tuple[Sensor, ...]
-    initials: tuple[Initial, ...]
-    gravity: Array
-
     def __init__(self, *items: Any, name: str = "mechanism") -> None:
-        fields = {
-            "bodies": tuple(flattened(items)),
-            "beams": tuple(x for x in items if isinstance(x, BeamBody)),
-            "joints": tuple(x for x in items if isinstance(x, Joint)),
-            "couplings": tuple(x for x in items if isinstance(x, Coupler)),
-            "forces": tuple(x for x in items if isinstance(x, (*LOADS, *ELEMENTS))),
-            "frictions": tuple(x for x in items if isinstance(x, Friction)),
-            "events": tuple(x for x in items if isinstance(x, Event)),
-            "sensors": tuple(x for x in items if isinstance(x, SENSORS)),
-            "initials": tuple(x for x in items if isinstance(x, Initial)),
-        }
-        gravity = [x.acceleration for x in items if isinstance(x, Gravity)]
-        set_fields(
-            self,
-            name=name,
-            items=items,
-            gravity=gravity[0] if gravity else readonly(np.zeros(3)),
-            **fields,
-        )
+        super().__init__(*items, name=name)
         self.check()
 
     def __repr__(self) -> str:
@@ -129,16 +88,6 @@ class Mechanism:
             Euler parameters, scalar first.
         """
         return body.position, readonly(rotation_matrix(body.orientation)), body.orientation
-
-    @property
-    def size(self) -> float:
-        """Diagonal of the box around all bodies and joints at the initial pose, m."""
-        points = [body_points(x) for x in self.bodies if not isinstance(x, BeamNode)]
-        points += [beam_points(beam) for beam in self.beams]
-        points += [marker.r[None] for joint in self.joints for marker in (joint.a, joint.b)]
-        cloud = np.vstack(points) if points else np.zeros((1, 3))
-        size = float(np.linalg.norm(cloud.max(axis=0) - cloud.min(axis=0)))
-        return size if size > 0 else 1.0
 
     @property
     def mobility(self) -> int:
@@ -169,26 +118,3 @@ class Mechanism:
         checks.warn_interfaces(self)
         checks.warn_jumps(self)
         checks.warn_ground_loads(self)
-
-
-def flattened(items: Sequence[Any]) -> Iterator[MovingBody]:
-    """Yield the bodies, the nodes of a beam in its place."""
-    for item in items:
-        if isinstance(item, BeamBody):
-            yield from item.bodies
-        elif isinstance(item, RigidBody | FlexibleBody):
-            yield item
-
-
-def beam_points(beam: BeamBody) -> Array:
-    """Return the world positions (n + 1, 3) of a beam's nodes."""
-    return np.asarray(beam.position + beam.nodes @ rotation_matrix(beam.orientation).T)
-
-
-def body_points(body: MovingBody) -> Array:
-    """Return the world positions (k, 3) of a body's nodes or named points, undeformed."""
-    if isinstance(body, FlexibleBody):
-        points = np.asarray(body.reduced.nodes, dtype=np.float64)
-    else:
-        points = np.stack([np.zeros(3), body.center, *body.markers.values()])
-    return np.asarray(body.position + points @ rotation_matrix(body.orientation).T)

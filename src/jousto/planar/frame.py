@@ -9,10 +9,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jousto.base.described import described
 from jousto.base.errors import Problems, suggest, warn
+from jousto.planar.element import mass_matrix, shape_matrix
+from jousto.planar.elimination import Arms, Blocks, Chain, Elimination, Function, Linear, Map
 from jousto.planar.items import (
     FunctionLink,
     LinearLink,
@@ -24,8 +25,9 @@ from jousto.planar.items import (
     PlanarMass,
     PlanarSupport,
     RigidLink,
+    vector,
 )
-from jousto.planar.system import System, assemble
+from jousto.planar.system import Array, System
 
 WHERE = "PlanarFrame"
 
@@ -214,7 +216,7 @@ class PlanarFrame:
                 text = f"node {support.node!r} is a slave of links[{owner[support.node]}]"
                 problems.add(f"supports[{i}]", f"{text}; hold its master instead")
 
-    def ends(self, i: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def ends(self, i: int) -> tuple[Array, Array]:
         """Return both ends of an element's axis in the unloaded frame, m."""
         beam = self.beams[i]
         a = np.add(self.nodes[beam.a], beam.offset_a)
@@ -229,3 +231,112 @@ class PlanarFrame:
 
 def _masters(link: Link) -> tuple[Node, ...]:
     return (link.master,) if isinstance(link, RigidLink) else tuple(link.masters)
+
+
+def assemble(frame: PlanarFrame) -> System:
+    """Return the equations of a frame."""
+    names = list(frame.nodes)
+    place = {key: i for i, key in enumerate(names)}
+    count = len(names)
+    where = np.array([frame.nodes[key] for key in names])
+
+    # displacements u: nodes first, then each different end of an offset beam
+    ends: dict[tuple[int, float, float], int] = {}
+    dofs = np.zeros((len(frame.beams), 6), dtype=int)
+    for e, beam in enumerate(frame.beams):
+        for k, (key, offset) in enumerate(((beam.a, beam.offset_a), (beam.b, beam.offset_b))):
+            X, Y = float(offset[0]), float(offset[1])
+            index = place[key]
+            if X or Y:
+                index = ends.setdefault((index, X, Y), count + len(ends))
+            dofs[e, 3 * k : 3 * k + 3] = 3 * index + np.arange(3)
+    size = 3 * (count + len(ends))
+
+    coupling, unknowns = _links(frame, place, where)
+    if ends:
+        master = np.array([k[0] for k in ends])
+        arms = np.array([k[1:] for k in ends])
+        # a node itself is an end with no arm
+        every = np.concatenate([np.arange(count), master])
+        offsets: Map = Arms(count, every, np.concatenate([np.zeros((count, 2)), arms]))
+        coupling = offsets if coupling is None else Chain(offsets, coupling)
+    if coupling is None:
+        coupling = Linear(np.eye(3 * count))
+
+    # elements
+    a = np.array([frame.ends(e)[0] for e in range(len(frame.beams))])
+    b = np.array([frame.ends(e)[1] for e in range(len(frame.beams))])
+    d = b - a
+    length = np.hypot(d[:, 0], d[:, 1])
+    sections = [beam.section for beam in frame.beams]
+    z0 = np.zeros((len(a), 4))
+    z0[:, :2] = d / length[:, None]
+    z0[:, 2] = np.arctan2(d[:, 1], d[:, 0])
+    M = mass_matrix(
+        length * [s.mass for s in sections], length * [s.rotary for s in sections], dofs, size
+    )
+    for item in frame.masses:
+        k = 3 * place[item.node]
+        M[range(k, k + 3), range(k, k + 3)] += (item.mass, item.mass, item.inertia)
+    g = np.zeros(size)
+    g[0::3], g[1::3] = frame.gravity
+
+    held = set()
+    label = [f"{'xyr'[c]} of node {names[i]!r}" for i in range(count) for c in range(3)]
+    column = {name: i for i, name in enumerate(unknowns)}
+    for support in frame.supports:
+        for c, hold in enumerate((support.x, support.y, support.rotation)):
+            if hold:
+                held.add(column[label[3 * place[support.node] + c]])
+    return System(
+        elimination=Elimination(coupling),
+        free=np.array([i for i in range(len(unknowns)) if i not in held], dtype=int),
+        names=tuple(unknowns),
+        T=shape_matrix(length, dofs, size),
+        z0=z0.ravel(),
+        length=length,
+        D=np.array([(s.EA, s.GA, s.EI) for s in sections]),
+        M=M,
+        loads=tuple((load, 3 * place[load.node]) for load in frame.loads),
+        weight=M @ g,
+        alpha=frame.damping.mass,
+        beta=frame.damping.stiffness,
+        count=count,
+    )
+
+
+def _links(frame: PlanarFrame, place: dict[Any, int], where: Array) -> tuple[Map | None, list[str]]:
+    """Return the map from unknowns to displacements of nodes, and the names of the unknowns."""
+    names = list(frame.nodes)
+    label = [f"{'xyr'[c]} of node {key!r}" for key in names for c in range(3)]
+    if not frame.links:
+        return None, label
+    slaves: set[int] = set()
+    for link in frame.links:
+        width = 2 if isinstance(link, RigidLink) and not link.rotation else 3
+        slaves |= {3 * place[key] + c for key in link.nodes for c in range(width)}
+    kept = [i for i in range(len(label)) if i not in slaves]
+    column = {i: k for k, i in enumerate(kept)}
+    unknowns = [label[i] for i in kept]
+    blocks: list[tuple[Array, Array, Map]] = []
+    identity = np.eye(len(kept))
+    blocks.append((np.array(kept), np.arange(len(kept)), Linear(identity)))
+    for i, link in enumerate(frame.links):
+        masters = (link.master,) if isinstance(link, RigidLink) else link.masters
+        columns = [column[3 * place[key] + c] for key in masters for c in range(3)]
+        width = 2 if isinstance(link, RigidLink) and not link.rotation else 3
+        rows = np.array([3 * place[key] + c for key in link.nodes for c in range(width)])
+        part: Map
+        if isinstance(link, RigidLink):
+            arms = np.array([where[place[k]] - where[place[link.master]] for k in link.nodes])
+            part = Arms(1, np.zeros(len(arms), dtype=int), arms, link.rotation)
+        elif isinstance(link, LinearLink):
+            part = Linear(vector(link.T), 0.0 if link.u0 is None else vector(link.u0))
+        else:
+            own = [f"{name} of links[{i}]" for name in link.coordinates]
+            columns += [len(unknowns) + k for k in range(len(own))]
+            unknowns += own
+            part = Function(link.function, len(rows), len(columns))
+        blocks.append((rows, np.array(columns), part))
+    assert all(isinstance(x, (RigidLink, LinearLink, FunctionLink)) for x in frame.links)
+    return Blocks((len(label), len(unknowns)), blocks), unknowns

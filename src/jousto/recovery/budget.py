@@ -15,8 +15,9 @@ from jousto.parts.solids.error import place_errors
 from jousto.parts.solids.stress import SolidStress
 from jousto.recovery.fields.build import stress_field
 from jousto.recovery.fields.field import StressField
+from jousto.recovery.hotspots.found import HotSpot
 from jousto.recovery.hotspots.measures import RANKS
-from jousto.recovery.hotspots.spots import HotSpot, HotSpots
+from jousto.recovery.hotspots.spots import HotSpots
 from jousto.simulation.results.solution import Solution
 
 if TYPE_CHECKING:

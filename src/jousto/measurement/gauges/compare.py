@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from jousto.base.arguments import explained
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
-from jousto.measurement.gauges.align import Alignment
+from jousto.measurement.gauges.align import Alignment, align as align_records
 from jousto.measurement.gauges.record import Record, record_of
 from jousto.measurement.gauges.units import STRAIN
 from jousto.mechanism.sensors.bridge import quarter_bridge_strain
@@ -157,7 +157,7 @@ def compare_gauges(
     align : str or bool
         Channel by which to align in time; True takes the first pair, False leaves the clocks.
     level, max_shift : float, optional
-        As of `Record.align`.
+        As of `align`.
     gauge_factor : float
         For channels in V/V beside a strain: quarter bridges.
 
@@ -188,7 +188,7 @@ def compare_gauges(
         by = next(iter(chosen)) if align is True else str(align)
         if by not in chosen:
             raise InputError(Problem("align", f"no channel '{by}'{suggest(by, chosen)}"))
-        alignment = record.align(virtual, by, chosen[by], level=level, max_shift=max_shift)
+        alignment = align_records(record, virtual, by, chosen[by], level=level, max_shift=max_shift)
         record = alignment.record
     at = virtual.resample(times=record.time, gap=1e9, antialias=False)
     inside = (record.time >= virtual.time[0]) & (record.time <= virtual.time[-1])

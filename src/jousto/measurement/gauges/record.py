@@ -22,10 +22,10 @@ from jousto.base.errors import (
     suggest,
 )
 from jousto.base.files import write_table
+from jousto.measurement.gauges.resample import resample
 from jousto.measurement.gauges.units import STRAIN
 
 if TYPE_CHECKING:
-    from jousto.measurement.gauges.align import Alignment
     from jousto.simulation.results.solution import Solution
 
 Array = NDArray[np.float64]
@@ -255,9 +255,9 @@ class Record:
         InputError
             Rate or times that are no use.
         """
-        from jousto.measurement.gauges.resample import resample
-
-        return resample(self, rate, times, gap, antialias)
+        data = self.time, self.channels
+        wanted, channels = resample(self.name, *data, rate, times, gap, antialias)
+        return replace(self, time=wanted, channels=channels)
 
     def crossings(self, channel: str, level: float, direction: int = 1) -> Array:
         """Return when a channel crosses a level, s, interpolated between samples.
@@ -276,20 +276,6 @@ class Record:
         hit = up | down if direction == 0 else up if direction > 0 else down
         i = np.flatnonzero(hit)
         return np.asarray(self.time[i] + (self.time[i + 1] - self.time[i]) * a[i] / (a[i] - b[i]))
-
-    def align(
-        self,
-        other: Record | Solution,
-        channel: str,
-        other_channel: str | None = None,
-        *,
-        level: float | None = None,
-        max_shift: float | None = None,
-    ) -> Alignment:
-        """Return how this record must be shifted to fit another one, see `align`."""
-        from jousto.measurement.gauges.align import align
-
-        return align(self, other, channel, other_channel, level=level, max_shift=max_shift)
 
     def to_csv(self, path: str | Path) -> Path:
         """Write time and channels with their units, as ``g1 (m/m)``; missing values are empty."""

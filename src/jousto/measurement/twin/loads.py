@@ -320,7 +320,8 @@ def identify_payload(
     if not axes:
         problems.add("identify_payload", f"no unknown force fx, fy or fz at '{place}'")
     problems.raise_if_any()
-    u = observer.reduced.nodes[observer.reduced.node(place)]
+    reduced = observer.system.reduced
+    u = reduced.nodes[reduced.node(place)]
     s = []
     for t in observed.time:
         a, w, dw = STILL if observer.reference is None else observer.reference.at(float(t))

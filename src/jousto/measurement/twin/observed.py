@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.described import described
-from jousto.measurement.twin.kalman import Gain
+from jousto.measurement.twin.kalman import Channels, Gain
 from jousto.measurement.twin.posterior import Posterior
+from jousto.measurement.twin.reference import Reference
 from jousto.measurement.twin.system import System
-
-if TYPE_CHECKING:
-    from jousto.measurement.twin.observer import Observer
 
 Array = NDArray[np.float64]
 
@@ -89,6 +87,19 @@ class Step:
         return np.asarray(self.gain.P[self.system.places, self.system.places])
 
 
+class Follower(Protocol):
+    """What a record uses of the observer that made it."""
+
+    system: System
+    channels: Channels
+    errors: Array | None
+    reference: Reference | None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the measured channels."""
+
+
 @described
 @dataclass(frozen=True, eq=False)
 class Observed(Posterior):
@@ -114,7 +125,7 @@ class Observed(Posterior):
         What each error of the gauges that stays moves p by, for standard deviations of 1.
     """
 
-    observer: Observer
+    observer: Follower
     states: Array
     P: Array
     forces: Array
@@ -125,7 +136,7 @@ class Observed(Posterior):
     moved: Array | None = None
 
     @classmethod
-    def collect(cls, observer: Observer, steps: list[Step]) -> Observed:
+    def collect(cls, observer: Follower, steps: list[Step]) -> Observed:
         """Return steps as one record."""
         system = observer.system
         known: dict[int, int] = {}

@@ -17,7 +17,15 @@ from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.ranking import ranking
 from jousto.model.native.recover import LANES, Recovery
-from jousto.recovery.fields.criteria import Criterion, check_criterion, principal, turned, weights
+from jousto.recovery.fields.criteria import (
+    STRAIN_COMPONENTS,
+    STRESS_COMPONENTS,
+    Criterion,
+    check_criterion,
+    principal,
+    turned,
+    weights,
+)
 from jousto.recovery.fields.kernels import kernel, world_weights
 from jousto.recovery.fields.planes import CriticalPlane, critical_plane
 from jousto.recovery.fields.store import write_field
@@ -513,7 +521,23 @@ class StressField:
         """
         if criterion is not None:
             check_criterion(criterion, self.strain)
-        return write_field(self, path, criterion, memory)
+        names = STRAIN_COMPONENTS if self.strain else STRESS_COMPONENTS
+        quantity = "strain" if self.strain else "stress"
+        data = {
+            "labels": np.array([label.encode() for label in self.labels], dtype=np.bytes_),
+            "positions": self.positions,
+            "axes": self.modes.axes,
+            **({} if self.modes.nodes is None else {"nodes": self.modes.nodes}),
+            "time": self.time,
+        }
+        return write_field(
+            path,
+            {"body": self.name, "frame": self.frame, "quantity": quantity},
+            data,
+            names if criterion is None else (criterion,),
+            self.unit,
+            lambda what: self.blocks(what, memory=memory, along="sites"),
+        )
 
     # -- planes -------------------------------------------------------------------------------
 

@@ -2,84 +2,98 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import Any, BinaryIO
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
 from jousto import __version__
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import create, unwritable
-from jousto.recovery.fields.criteria import STRAIN_COMPONENTS, STRESS_COMPONENTS, Criterion
+from jousto.recovery.fields.criteria import Criterion
 from jousto.simulation.results.image import SparseImage, reserve
 
-if TYPE_CHECKING:
-    from jousto.recovery.fields.field import StressField
-
+Array = NDArray[np.float64]
 FORMAT = "jousto stress field"
 VERSION = 1
 
 
 def write_field(
-    field: StressField, path: str | Path, criterion: Criterion | None, memory: int
+    path: str | Path,
+    facts: Mapping[str, str],
+    data: Mapping[str, Any],
+    criteria: Sequence[Criterion],
+    unit: str,
+    blocks: Callable[[Criterion], Iterable[tuple[slice, slice, Array]]],
 ) -> Path:
-    """Write a criterion, or all components; see `StressField.write`."""
+    """Write criteria at all places and instants; see `StressField.write`.
+
+    Parameters
+    ----------
+    path : path
+        Ends with .h5.
+    facts : mapping of str to str
+        Attributes of the file.
+    data : mapping of str to array
+        Datasets: labels, positions, axes, nodes and time.
+    criteria : sequence of str or Plane
+        What is written; of a single one the rows so far are known at every moment.
+    unit : str
+        Of the values.
+    blocks : callable
+        Returns the instants, places and values of a criterion, piece by piece.
+    """
     out = Path(path)
     if out.suffix.lower() not in (".h5", ".hdf5"):
         raise InputError(
             Problem(str(out), "a field is written as HDF5: the name must end with .h5")
         )
-    image, places = _image(field, criterion)
-    names = STRAIN_COMPONENTS if field.strain else STRESS_COMPONENTS
+    nt, ns = len(data["time"]), len(data["labels"])
+    image, places = _image(facts, data, criteria, unit)
     try:
         with create(out) as file:
             # laid out at its full length: HDF5 never writes again, so that it is always valid
             file.truncate(image.size)
             for offset, piece in image.pieces():
                 _write(file, offset, piece)
-            for what in names if criterion is None else (criterion,):
+            for what in criteria:
                 offset = places[f"values/{what}"]
-                for instants, sites, values in field.blocks(what, memory=memory, along="sites"):
-                    if len(range(*sites.indices(field.ns))) == field.ns:
-                        start = 8 * instants.start * field.ns
+                for instants, sites, values in blocks(what):
+                    if len(range(*sites.indices(ns))) == ns:
+                        start = 8 * instants.start * ns
                         _write(file, offset + start, np.ascontiguousarray(values, "<f8").data)
                     else:
                         for i, row in enumerate(values):
-                            start = 8 * ((instants.start + i) * field.ns + sites.start)
+                            start = 8 * ((instants.start + i) * ns + sites.start)
                             _write(file, offset + start, np.ascontiguousarray(row, "<f8").data)
-                    if criterion is not None and sites.stop == field.ns:
+                    if len(criteria) == 1 and sites.stop == ns:
                         _write(file, places["rows"], np.array(instants.stop, "<i8").tobytes())
-            _write(file, places["rows"], np.array(field.nt, "<i8").tobytes())
+            _write(file, places["rows"], np.array(nt, "<i8").tobytes())
     except OSError as error:
         raise unwritable(out, error) from error
     return out
 
 
-def _image(field: StressField, criterion: Criterion | None) -> tuple[SparseImage, dict[str, int]]:
+def _image(
+    facts: Mapping[str, str], data: Mapping[str, Any], criteria: Sequence[Criterion], unit: str
+) -> tuple[SparseImage, dict[str, int]]:
     image = SparseImage()
-    names = STRAIN_COMPONENTS if field.strain else STRESS_COMPONENTS
     with h5py.File(image, "w") as file:
-        file.attrs["format"] = FORMAT
-        file.attrs["format_version"] = VERSION
-        file.attrs["version"] = __version__
-        file.attrs["body"] = field.name
-        file.attrs["frame"] = field.frame
-        file.attrs["quantity"] = "strain" if field.strain else "stress"
-        file["labels"] = np.array([label.encode() for label in field.labels], dtype=np.bytes_)
-        file["positions"] = field.positions
+        file.attrs.update({"format": FORMAT, "format_version": VERSION, "version": __version__})
+        file.attrs.update(facts)
+        for name, values in data.items():
+            file[name] = values
         file["positions"].attrs["unit"] = "m"
-        file["axes"] = field.modes.axes
-        if field.modes.nodes is not None:
-            file["nodes"] = field.modes.nodes
-        file["time"] = field.time
         file["time"].attrs["unit"] = "s"
         made = {"rows": reserve(file, "rows", (), "<i8")}
         made["rows"].attrs["description"] = "instants written so far"
-        for what in names if criterion is None else (criterion,):
+        for what in criteria:
             key = f"values/{what}"
-            made[key] = reserve(file, key, (field.nt, field.ns), "<f8")
-            made[key].attrs["unit"] = field.unit
+            made[key] = reserve(file, key, (len(data["time"]), len(data["labels"])), "<f8")
+            made[key].attrs["unit"] = unit
         file.flush()
         places = {key: int(dataset.id.get_offset()) for key, dataset in made.items()}
     return image, places

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from jousto.base.arguments import explained
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
-from jousto.base.ranking import TIE, ranking
+from jousto.base.ranking import ranking
 from jousto.recovery.fields.build import stress_field
 from jousto.recovery.fields.criteria import Criterion, evaluate, tensor, turned, weights
 from jousto.recovery.fields.field import StressField
 from jousto.recovery.hotspots.between import Between, between, largest_between
 from jousto.recovery.hotspots.every import every
+from jousto.recovery.hotspots.found import Found, HotSpot
 from jousto.recovery.hotspots.measures import Measure, measure
 from jousto.recovery.hotspots.search import Proof, search
 from jousto.recovery.hotspots.words import certificate_lines, head, row, shown_value
@@ -27,60 +28,10 @@ from jousto.simulation.results.solution import Solution
 
 Array = NDArray[np.float64]
 
-EARLY = 0.05  # share of the time in which a largest value may belong to the start
-
 
 @described
 @dataclass(frozen=True, eq=False)
-class HotSpot:
-    """One place and the instant at which its criterion is largest.
-
-    Attributes
-    ----------
-    rank : int
-        1 for the worst place.
-    body, site : str
-        Where: name of the body and label of the place, such as ``e1.a.top``.
-    node : int
-        Number of the node from 0, -1 if it is not known.
-    position : (3,) array
-        Undeformed, part frame, m.
-    time : float
-        When, s.
-    value : float
-        The criterion with its sign, Pa or m/m.
-    tensor : (6,) array
-        Stress (strain) then, ``[11 22 33 12 23 13]`` in the axes of the field.
-    normal : (3,) array
-        Normal of the critical plane then: that of the largest normal stress by magnitude.
-    between : float
-        What the criterion may reach there between stored instants, with its sign, Pa or m/m; nan
-        if that is not known.
-    mesh : float
-        Estimated error of the stress by the mesh, Pa: by how much the elements around the place
-        disagree then, see `place_errors`; nan if it is not known (beams have no mesh of solids).
-    """
-
-    rank: int
-    body: str
-    site: str
-    node: int
-    position: Array
-    time: float
-    value: float
-    tensor: Array
-    normal: Array
-    between: float = np.nan
-    mesh: float = np.nan
-
-    def _facts(self) -> str:
-        at = f"{self.site} of {self.body!r}, {self.time:g} s"
-        return f"{self.value:.6g} at {at}, rank {self.rank}"
-
-
-@described
-@dataclass(frozen=True, eq=False)
-class HotSpots:
+class HotSpots(Found):
     """The worst places of a run, the worst first, and what proves it.
 
     Attributes
@@ -101,16 +52,6 @@ class HotSpots:
         Of each body: what may be between them; None where that is not known.
     """
 
-    spots: tuple[HotSpot, ...]
-    criterion: Criterion
-    extreme: str
-    separation: float
-    start: float
-    end: float
-    fields: tuple[StressField, ...]
-    certificates: dict[str, Proof]
-    gaps: dict[str, Between | None]
-
     def _facts(self) -> str:
         named = self.criterion if isinstance(self.criterion, str) else "plane"
         facts = [f"{len(self.spots)} places by {named}"]
@@ -119,84 +60,6 @@ class HotSpots:
             value = shown_value(worst.value, self.unit)
             facts.append(f"worst {value} at {worst.site} of {worst.body!r}, {worst.time:g} s")
         return ", ".join([*facts, "certified" if self.certified else "not certified"])
-
-    def __len__(self) -> int:
-        return len(self.spots)
-
-    def __iter__(self) -> Iterator[HotSpot]:
-        return iter(self.spots)
-
-    def __getitem__(self, index: int) -> HotSpot:
-        return self.spots[index]
-
-    @property
-    def unit(self) -> str:
-        """Pa or m/m."""
-        return self.fields[0].unit
-
-    @property
-    def pruned(self) -> int:
-        """Places that were never looked at: the bound over the whole run leaves them out."""
-        return sum(c.pruned for c in self.certificates.values())
-
-    @property
-    def visited(self) -> int:
-        """Places that were looked at, most of them only window by window."""
-        return sum(c.visited for c in self.certificates.values())
-
-    @property
-    def bound(self) -> float:
-        """Nothing but the hot spots and their neighbours exceeds this, -inf if nothing is left.
-
-        Ranked as the hot spots are: of the smallest values it is minus the value.
-        """
-        return max((c.bound for c in self.certificates.values()), default=-np.inf)
-
-    @property
-    def bound_between(self) -> float:
-        """No listed place exceeds this between stored instants, nan if that is not known.
-
-        Ranked as `bound` is. It holds for motion that is smooth from one stored instant to the
-        next, see `between`.
-        """
-        known = [gap.bound for gap in self.gaps.values() if gap is not None]
-        return max(known) if known and len(known) == len(self.gaps) else np.nan
-
-    @property
-    def certified(self) -> bool:
-        """Whether nothing left out exceeds the last hot spot by more than round-off, 1e-9."""
-        ranked = [self._ranked(spot.value) for spot in self.spots]
-        margin = max((c.margin for c in self.certificates.values()), default=0.0)
-        return not ranked or self.bound <= min(ranked) + margin + TIE * abs(min(ranked))
-
-    @property
-    def early(self) -> float | None:
-        """End of the first part of the time in which most of them lie, s; None if they do not.
-
-        They may then belong to the start of the run instead of the motion.
-        """
-        limit = self.start + EARLY * (self.end - self.start)
-        soon = sum(spot.time <= limit for spot in self.spots)
-        return limit if self.end > self.start and 2 * soon > len(self.spots) else None
-
-    def _ranked(self, value: float) -> float:
-        return {"largest": value, "smallest": -value, "magnitude": abs(value)}[self.extreme]
-
-    def field(self, spot: HotSpot) -> StressField:
-        """Return the field at one hot spot, over the whole run."""
-        return next(f for f in self.fields if f.name == spot.body).only(spot.site)
-
-    def history(self, spot: HotSpot | int, criterion: Criterion | None = None) -> Array:
-        """Return a criterion over the whole run at a hot spot (or at ``self[k]``), (nt,).
-
-        Parameters
-        ----------
-        spot : HotSpot or int
-        criterion : str or Plane, optional
-            Another one than the spots were sought by.
-        """
-        chosen = self.spots[spot] if isinstance(spot, int) else spot
-        return self.field(chosen).values(criterion or self.criterion)[:, 0]
 
     def to_csv(self, path: str | Path) -> Path:
         """Write the table with all digits, a row for each hot spot; SI units.

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-if TYPE_CHECKING:
-    from jousto.recovery.hotspots.spots import HotSpot, HotSpots
+from jousto.recovery.hotspots.found import Found, HotSpot
 
 
 def shown_value(value: float, unit: str) -> str:
@@ -15,7 +12,7 @@ def shown_value(value: float, unit: str) -> str:
     return f"{value / 1e6:.6g} MPa" if unit == "Pa" else f"{1e6 * value:.6g} um/m"
 
 
-def head(found: HotSpots, several: bool) -> list[str]:
+def head(found: Found, several: bool) -> list[str]:
     """Return the head of the table."""
     unit = "MPa" if found.unit == "Pa" else "um/m"
     body = ["body"] if several else []
@@ -24,7 +21,7 @@ def head(found: HotSpots, several: bool) -> list[str]:
     return ["", *body, "site", *names]
 
 
-def row(found: HotSpots, spot: HotSpot, several: bool) -> list[str]:
+def row(found: Found, spot: HotSpot, several: bool) -> list[str]:
     """Return a row of the table."""
     factor = 1e-6 if found.unit == "Pa" else 1e6
     body = [spot.body] if several else []
@@ -36,7 +33,7 @@ def row(found: HotSpots, spot: HotSpot, several: bool) -> list[str]:
     return [str(spot.rank), *body, spot.site, value, mesh, gap, f"{spot.time:.6g}", *place, normal]
 
 
-def certificate_lines(found: HotSpots) -> list[str]:
+def certificate_lines(found: Found) -> list[str]:
     """Return what the search proves."""
     lines = []
     for name, c in found.certificates.items():
@@ -76,7 +73,7 @@ def certificate_lines(found: HotSpots) -> list[str]:
     return [*lines, _between(found), _mesh(found)]
 
 
-def _mesh(found: HotSpots) -> str:
+def _mesh(found: Found) -> str:
     """Return what is known of the error by the mesh."""
     if found.fields[0].strain:
         return "error of the mesh: not known of strain; ask for the stress"
@@ -89,7 +86,7 @@ def _mesh(found: HotSpots) -> str:
     return f"error of the mesh: {why}" if len(blind) == len(found.fields) else f"{text}; {why}"
 
 
-def _between(found: HotSpots) -> str:
+def _between(found: Found) -> str:
     """Return what may be between the stored instants."""
     bound = found.bound_between
     if not np.isfinite(bound):
@@ -105,5 +102,5 @@ def _between(found: HotSpots) -> str:
     return f"{text}: the instants are too far apart for the vibrations, store more (output_step)"
 
 
-def _bound(found: HotSpots, ranked: float) -> str:
+def _bound(found: Found, ranked: float) -> str:
     return shown_value(-ranked if found.extreme == "smallest" else ranked, found.unit)

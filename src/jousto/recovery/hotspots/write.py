@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import write_table, written
-
-if TYPE_CHECKING:
-    from jousto.recovery.hotspots.spots import HotSpots
+from jousto.recovery.hotspots.found import Found
+from jousto.recovery.hotspots.words import certificate_lines
 
 STRESS = ("s11", "s22", "s33", "s12", "s23", "s13")
 STRAIN = ("e11", "e22", "e33", "g12", "g23", "g13")
 
 
-def write_spots(found: HotSpots, path: str | Path) -> Path:
+def write_spots(found: Found, path: str | Path) -> Path:
     """Write the table of hot spots."""
     target = _target(path, (".csv",))
     unit = found.unit
@@ -40,7 +39,7 @@ def write_spots(found: HotSpots, path: str | Path) -> Path:
     return target
 
 
-def write_histories(found: HotSpots, path: str | Path) -> Path:
+def write_histories(found: Found, path: str | Path) -> Path:
     """Write the histories of hot spots."""
     target = _target(path, (".csv", ".h5"))
     if target.suffix.lower() == ".h5":
@@ -60,7 +59,7 @@ def write_histories(found: HotSpots, path: str | Path) -> Path:
     return target
 
 
-def _write_hdf5(found: HotSpots, target: Path) -> Path:
+def _write_hdf5(found: Found, target: Path) -> Path:
     import h5py
 
     with written(target) as beside, h5py.File(beside, "w") as file:
@@ -70,7 +69,7 @@ def _write_hdf5(found: HotSpots, target: Path) -> Path:
         file.attrs["separation"] = found.separation
         file.attrs["certified"] = int(found.certified)
         file.attrs["bound"] = found.bound
-        file.attrs["certificate"] = found.certificate()
+        file.attrs["certificate"] = "\n".join(certificate_lines(found))
         for spot in found:
             group = file.create_group(str(spot.rank))
             field = found.field(spot)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +12,9 @@ from numpy.typing import NDArray
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import write_table
 
-if TYPE_CHECKING:
-    from jousto.simulation.results.solution import Solution
-
 Array = NDArray[np.float64]
+Column = tuple[str, dict[str, Any], Array]
+"""Name, ``solution.about(name)`` and values of a sensor or component."""
 
 
 def component_units(about: dict[str, Any]) -> tuple[str, ...]:
@@ -36,13 +36,12 @@ def component_units(about: dict[str, Any]) -> tuple[str, ...]:
     return tuple(units[k * len(units) // count] for k in range(count))
 
 
-def table(run: Solution, names: tuple[str, ...]) -> tuple[list[str], list[str], Array]:
+def table(time: Array, columns: Sequence[Column]) -> tuple[list[str], list[str], Array]:
     """Return names, units and numbers (nt, k) of the columns, without time."""
     heads: list[str] = []
     units: list[str] = []
-    blocks = [np.zeros((run.nt, 0))]
-    for name in names:
-        about, values = run.about(name), run[name]
+    blocks = [np.zeros((len(time), 0))]
+    for name, about, values in columns:
         parts = about["components"]
         heads += [f"{name}.{part}" for part in parts] if len(parts) > 1 else [name]
         units += component_units(about)
@@ -50,40 +49,39 @@ def table(run: Solution, names: tuple[str, ...]) -> tuple[list[str], list[str], 
     return heads, units, np.concatenate(blocks, axis=1)
 
 
-def to_csv(run: Solution, path: Path, names: tuple[str, ...]) -> None:
+def to_csv(time: Array, columns: Sequence[Column], path: Path) -> None:
     """Write time and sensors as text, see `Solution.to_csv`."""
-    heads, units, values = table(run, names)
+    heads, units, values = table(time, columns)
     first = [
         "time (s)",
         *(f"{h} ({u})" if u != "1" else h for h, u in zip(heads, units, strict=True)),
     ]
-    rows = np.concatenate([run.time[:, None], values], axis=1)
+    rows = np.concatenate([time[:, None], values], axis=1)
     write_table(path, first, rows.tolist())
 
 
-def to_pandas(run: Solution, names: tuple[str, ...]) -> Any:
+def to_pandas(time: Array, columns: Sequence[Column]) -> Any:
     """Return a DataFrame, see `Solution.to_pandas`."""
     try:
         import pandas
     except ImportError as error:
         raise _missing("to_pandas", "pandas") from error
-    heads, units, values = table(run, names)
-    index = pandas.Index(run.time, name="time")
+    heads, units, values = table(time, columns)
+    index = pandas.Index(time, name="time")
     frame = pandas.DataFrame(values, index=index, columns=heads)
     frame.attrs["units"] = {"time": "s", **dict(zip(heads, units, strict=True))}
     return frame
 
 
-def to_xarray(run: Solution, names: tuple[str, ...]) -> Any:
+def to_xarray(time: Array, columns: Sequence[Column], run: dict[str, str]) -> Any:
     """Return a Dataset, see `Solution.to_xarray`."""
     try:
         import xarray
     except ImportError as error:
         raise _missing("to_xarray", "xarray") from error
     variables: dict[str, Any] = {}
-    coordinates: dict[str, Any] = {"time": ("time", run.time, {"units": "s"})}
-    for name in names:
-        about, values = run.about(name), run[name]
+    coordinates: dict[str, Any] = {"time": ("time", time, {"units": "s"})}
+    for name, about, values in columns:
         facts = {
             "units": about["unit"],
             "long_name": about["description"],
@@ -97,8 +95,7 @@ def to_xarray(run: Solution, names: tuple[str, ...]) -> Any:
             coordinates[f"{name}_unit"] = (along, list(component_units(about)))
         else:
             variables[name] = ("time", values.reshape(len(values)), facts)
-    about_run = {"name": run.name, "solver": str(run.attributes.get("solver", ""))}
-    return xarray.Dataset(variables, coordinates, about_run)
+    return xarray.Dataset(variables, coordinates, run)
 
 
 def _missing(function: str, package: str) -> InputError:

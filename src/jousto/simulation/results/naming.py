@@ -3,17 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from jousto.base.errors import InputError, Problem, Problems, UnknownNameError, suggest
-
-if TYPE_CHECKING:
-    from jousto.simulation.results.solution import Solution
 
 Names = str | Sequence[str]
 
 
-def pick(run: Solution, name: Any, more: Iterable[str] = ()) -> tuple[str, list[int]]:
+class Sensed(Protocol):
+    """What has sensors: a run."""
+
+    @property
+    def where(self) -> str:
+        """Name for messages."""
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """Names of the sensors."""
+
+    def components(self, sensor: str) -> tuple[str, ...]:
+        """Return the names of the components of a sensor."""
+
+
+def pick(run: Sensed, name: Any, more: Iterable[str] = ()) -> tuple[str, list[int]]:
     """Return the sensor and the numbers of its components that a name means.
 
     ``middle`` is all of a sensor, ``middle.y`` and ``middle:y`` are one component of it,
@@ -50,7 +62,7 @@ def pick(run: Solution, name: Any, more: Iterable[str] = ()) -> tuple[str, list[
     raise UnknownNameError(Problem(run.where, said))
 
 
-def named(run: Solution, names: Sequence[Any], sensors: Any) -> tuple[str, ...]:
+def named(run: Sensed, names: Sequence[Any], sensors: Any) -> tuple[str, ...]:
     """Return the sensors and components that are named, all sensors if none is.
 
     Raises

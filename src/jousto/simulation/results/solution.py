@@ -296,6 +296,9 @@ class Solution(Mapping[str, Array]):
             "components": tuple(about["components"][k] for k in columns),
         }
 
+    def _columns(self, names: tuple[Names, ...], sensors: Names) -> list[frames.Column]:
+        return [(name, self.about(name), self[name]) for name in named(self, names, sensors)]
+
     @explained
     def to_csv(self, path: str | Path, *names: Names, sensors: Names = ()) -> Path:
         """Write time and sensors as a table of text, one row for each instant.
@@ -322,7 +325,7 @@ class Solution(Mapping[str, Array]):
         InputError
             For an unknown sensor, or a path that cannot be written.
         """
-        frames.to_csv(self, Path(path), named(self, names, sensors))
+        frames.to_csv(self.time, self._columns(names, sensors), Path(path))
         return Path(path)
 
     def to_pandas(self, *names: Names, sensors: Names = ()) -> Any:
@@ -347,7 +350,7 @@ class Solution(Mapping[str, Array]):
         InputError
             For an unknown sensor, or if pandas is not installed.
         """
-        return frames.to_pandas(self, named(self, names, sensors))
+        return frames.to_pandas(self.time, self._columns(names, sensors))
 
     def to_xarray(self, *names: Names, sensors: Names = ()) -> Any:
         """Return sensors as an ``xarray.Dataset`` over time, s.
@@ -371,7 +374,8 @@ class Solution(Mapping[str, Array]):
         InputError
             For an unknown sensor, or if xarray is not installed.
         """
-        return frames.to_xarray(self, named(self, names, sensors))
+        facts = {"name": self.name, "solver": self._solver}
+        return frames.to_xarray(self.time, self._columns(names, sensors), facts)
 
     @property
     def bodies(self) -> tuple[BodyShape, ...]:
