@@ -57,7 +57,7 @@ def printed_modes(part: jo.Part) -> jo.ReducedPart:
     for j in (0, 1):
         for dof, name in ((0, "x"), (1, "y"), (5, "rz")):
             modes[:, dof, j] = np.nan_to_num(TABLE[f"mode{j + 1}_{name}"])
-    return jo.ReducedPart.from_modes(part, modes.reshape(30, 2), FREQUENCIES)
+    return jo.from_modes(part, modes.reshape(30, 2), FREQUENCIES)
 
 
 def simulate(rod: jo.ReducedPart, t_end: float) -> jo.Solution:

@@ -299,18 +299,15 @@ from .recovery.friction import (
 from .recovery.hotspots.found import HotSpot as HotSpot
 from .recovery.hotspots.spots import HotSpots as HotSpots, hot_spots as hot_spots
 from .reduction.certificate.advice import Advice as Advice, advise as advise
-from .reduction.certificate.certificate import (
-    Certificate as Certificate,
-    Check as Check,
-    certify as certify,
-)
+from .reduction.certificate.certificate import Certificate as Certificate, Check as Check
+from .reduction.certificate.certify import certify as certify
 from .reduction.clamp import clamp as clamp
 from .reduction.damping import Rayleigh as Rayleigh
 from .reduction.files.cache import ReductionCache as ReductionCache
 from .reduction.methods import CraigBampton as CraigBampton, FreeFree as FreeFree
 from .reduction.modes.relief import InertiaRelief as InertiaRelief, inertia_relief as inertia_relief
 from .reduction.reduced import ReducedPart as ReducedPart
-from .reduction.reducer import reduce as reduce
+from .reduction.reducer import from_modes as from_modes, reduce as reduce
 from .reduction.sparse.factor import SolverInfo as SolverInfo, solvers as solvers
 from .reduction.sparse.memory import (
     MemoryEstimate as MemoryEstimate,

@@ -14,7 +14,8 @@ from jousto.base.errors import InputError
 from jousto.materials.material import Material
 from jousto.output.pages.certificate import write_certificate
 from jousto.parts.part import Part
-from jousto.reduction.certificate.certificate import Certificate, Silhouette, certify
+from jousto.reduction.certificate.certificate import Certificate, Silhouette
+from jousto.reduction.certificate.certify import certify
 from jousto.reduction.methods import CraigBampton
 from jousto.reduction.reducer import reduce
 from jousto.sections.section import Rectangle

@@ -14,12 +14,11 @@ from jousto.mesh.cells import Cells
 from jousto.mesh.mesh import Mesh
 from jousto.parts.interface import Interface
 from jousto.parts.part import Part
-from jousto.reduction.certificate.certificate import Check, certify
-from jousto.reduction.certificate.certify import full_model
+from jousto.reduction.certificate.certificate import Check
+from jousto.reduction.certificate.certify import certify, full_model
 from jousto.reduction.certificate.part_checks import speed_of_sound
 from jousto.reduction.methods import CraigBampton, FreeFree
-from jousto.reduction.reduced import ReducedPart
-from jousto.reduction.reducer import reduce
+from jousto.reduction.reducer import from_modes, reduce
 from jousto.sections.section import Rectangle
 from mesh.blocks import block
 from reduction.bodies import STEEL, bent, lattice, pendulum
@@ -296,7 +295,7 @@ def test_printed_modes_with_few_digits() -> None:
     exact = reduce(part, FreeFree(modes=3))
     assert exact.rotations is not None
     X = np.concatenate([exact.modes, exact.rotations], axis=1).reshape(-1, 3)
-    short = ReducedPart.from_modes(part, X * 1.0001, exact.frequencies)
+    short = from_modes(part, X * 1.0001, exact.frequencies)
     expect(certify(part, short)["modes"], "warn", "not the orthonormal modes", "all the digits")
 
 

@@ -9,7 +9,7 @@ from jousto.base.errors import JoustoWarning
 from jousto.parts.part import Part
 from jousto.reduction.methods import CraigBampton
 from jousto.reduction.reduced import ReducedPart
-from jousto.reduction.reducer import reduce
+from jousto.reduction.reducer import from_modes, reduce
 from reduction.bodies import dofs, pendulum
 
 # Table 1; the modulus printed there (2.08e8) does not give them, that of annex 1 (2.07e8) does
@@ -75,7 +75,7 @@ def test_table_as_given_modes() -> None:
     modes = np.zeros((5, 6, 2))
     modes[:, [0, 1, 5], 0] = MODE_1
     modes[:, [1, 5], 1] = MODE_2
-    reduced = ReducedPart.from_modes(part, modes.reshape(30, 2), FREQUENCIES)
+    reduced = from_modes(part, modes.reshape(30, 2), FREQUENCIES)
     assert reduced.invariants.I6 == pytest.approx(np.eye(2), abs=1e-6)
     assert reduced.frequencies == pytest.approx(FREQUENCIES)
     assert reduced.in_plane("xy") == (0, 1)
@@ -86,4 +86,4 @@ def test_given_modes_must_be_mass_orthonormal() -> None:
     modes = np.zeros((5, 6, 1))
     modes[:, 1, 0] = MODE_1[:, 1] * 1.01
     with pytest.warns(JoustoWarning, match=r"not mass-orthonormal.*mode 0.*off by 0\.02"):
-        ReducedPart.from_modes(pendulum(), modes.reshape(30, 1), FREQUENCIES[:1])
+        from_modes(pendulum(), modes.reshape(30, 1), FREQUENCIES[:1])

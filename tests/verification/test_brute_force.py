@@ -50,7 +50,7 @@ def flexible(lumped, rotary, rng, **options):
         theory=jo.EulerBernoulli(),
     )
     X = random_modes(part.M, rng)
-    reduced = jo.ReducedPart.from_modes(part, X, rng.uniform(1, 5, N))
+    reduced = jo.from_modes(part, X, rng.uniform(1, 5, N))
     return jo.FlexibleBody("frame", reduced, damping=list(rng.uniform(0, 0.3, N)), **options)
 
 
@@ -130,7 +130,7 @@ def test_matrices_of_another_program_give_the_same_body():
     )
     foreign = jo.Part.from_matrices(part.M, part.K, NODES, dofs_per_node=6)
     X = np.concatenate([own.reduced.modes, own.reduced.rotations], axis=1).reshape(-1, N)
-    body = jo.FlexibleBody("frame", jo.ReducedPart.from_modes(foreign, X, own.reduced.frequencies))
+    body = jo.FlexibleBody("frame", jo.from_modes(foreign, X, own.reduced.frequencies))
     M = particles_of(own, False, False).mass_matrix(np.zeros(N))
     found = jo.Engine(jo.compile(jo.Mechanism(body))).mass_matrix(0)
     np.testing.assert_allclose(found, M, rtol=0, atol=1e-12 * np.abs(M).max())

@@ -356,7 +356,7 @@ def tangent(part):
     M, K = part.M.toarray(), part.K.toarray()
     w2, X = scipy.linalg.eigh(K[6:, 6:], M[6:, 6:])
     X = np.vstack([np.zeros((6, X.shape[1])), X])
-    return jo.ReducedPart.from_modes(part, X, np.sqrt(w2) / (2 * np.pi))
+    return jo.from_modes(part, X, np.sqrt(w2) / (2 * np.pi))
 
 
 def test_complete_bases_of_both_reductions_are_the_same_body():

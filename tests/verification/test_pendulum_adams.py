@@ -46,7 +46,7 @@ def printed() -> jo.ReducedPart:
     for j in (0, 1):
         for dof, name in ((0, "x"), (1, "y"), (5, "rz")):
             X[dof::6, j] = np.nan_to_num(table[f"mode{j + 1}_{name}"])  # illegible: zero
-    return jo.ReducedPart.from_modes(part(2.07e8), X, FREQUENCIES)
+    return jo.from_modes(part(2.07e8), X, FREQUENCIES)
 
 
 def pendulum(rod: jo.ReducedPart) -> jo.Model:

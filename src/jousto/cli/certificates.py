@@ -43,7 +43,7 @@ def tell_certificate(
     if file.part is None:
         say("no certificate: the part was reduced before, its mesh is not in the file")
         return True
-    from jousto.reduction.certificate.certificate import certify
+    from jousto.reduction.certificate.certify import certify
 
     certificate = certify(file.part, file.reduced, solver=solver, progress=progress)
     for line in str(certificate).splitlines():

@@ -3,30 +3,27 @@
 from __future__ import annotations
 
 import importlib.metadata
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
-from jousto.base.errors import InputError, Problem, Problems, suggest
-from jousto.base.frozen import Frozen
-from jousto.reduction.fields.invariants import Invariants
-from jousto.reduction.fields.stiffening import Stiffening
+from jousto.base.errors import InputError, Problem, suggest
+from jousto.reduction.content import Content
 from jousto.reduction.fields.stress import StressModes
+from jousto.reduction.files.storage import load, save
 from jousto.reduction.modes.rigid import length_scale
-
-if TYPE_CHECKING:
-    from jousto.parts.part import Part
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class ReducedPart:
+class ReducedPart(Content):
     """A flexible body described by n modes in its floating frame.
 
     The frame is that of the part's nodes. Modes are mass-normalised, so that the modal mass matrix
@@ -73,91 +70,6 @@ class ReducedPart:
     InputError
         Arrays that do not belong together or are not finite; all problems at once.
     """
-
-    name: str
-    nodes: Array
-    elements: NDArray[np.intp]
-    node_sets: Mapping[str, tuple[int, ...]]
-    modes: Array
-    rotations: Array | None
-    frequencies: Array
-    invariants: Invariants
-    stress: StressModes | None = None
-    interfaces: tuple[str, ...] = ()
-    provenance: Mapping[str, str] = field(default_factory=dict)
-    stiffening: Stiffening | None = None
-    rotation_nodes: NDArray[np.intp] | None = None
-    faces: tuple[NDArray[np.intp], ...] = ()
-    source: Part | None = field(default=None, repr=False)
-
-    def __post_init__(self) -> None:
-        where = f"reduced part '{self.name}'"
-        problems = Problems()
-        nodes = problems.array(where, "nodes", self.nodes, (None, 3))
-        nn = 0 if nodes is None else len(nodes)
-        f = problems.array(where, "frequencies", self.frequencies, (None,))
-        n = 0 if f is None else len(f)
-        modes = problems.array(where, "modes", self.modes, (nn, 3, n))
-        rotations = self.rotations
-        turning = self.rotation_nodes
-        if turning is not None:
-            turning = np.array(turning, dtype=np.intp)
-            if turning.ndim != 1 or np.any(np.diff(turning) <= 0):
-                problems.add(where, "rotation_nodes are not node numbers in ascending order")
-            elif len(turning) and not (0 <= turning[0] and turning[-1] < nn):
-                problems.add(where, f"rotation_nodes name nodes outside 0..{nn - 1}")
-            if rotations is None:
-                problems.add(where, "rotation_nodes are given without rotations")
-            turning.setflags(write=False)
-        if rotations is not None:
-            count = nn if turning is None else len(turning)
-            rotations = problems.array(where, "rotations", rotations, (count, 3, n))
-        if f is not None and n == 0:
-            problems.add(where, "there are no modes; use a RigidBody")
-        if f is not None and n and f.min() <= 0.0:
-            problems.add(where, f"a frequency is {f.min():g} Hz, must be positive")
-        if self.invariants.n != n:
-            problems.add(where, f"invariants are of {self.invariants.n} modes, frequencies of {n}")
-        if self.stress is not None and self.stress.modes.shape[2] != n:
-            problems.add(where, f"stress is of {self.stress.modes.shape[2]} modes, must be {n}")
-        if self.stiffening is not None:
-            found = self.stiffening.translations.shape
-            if found != (nn, 3, n, n):
-                problems.add(where, f"stiffening is of {found[0]} nodes and {found[3]} modes")
-
-        # node numbers of elements and sets
-        elements = np.array(self.elements, dtype=np.intp)
-        if elements.ndim != 2:
-            problems.add(where, f"elements has shape {elements.shape}, must be (any, any)")
-        elif elements.size and not (0 <= elements.min() and elements.max() < nn):
-            problems.add(where, f"elements name nodes outside 0..{nn - 1}")
-        faces = tuple(np.array(face, dtype=np.intp) for face in self.faces)
-        for face in faces:
-            if face.ndim != 2 or face.shape[1] not in (3, 4, 6, 8):
-                problems.add(where, f"faces have shape {face.shape}, must be (any, 3, 4, 6 or 8)")
-            elif face.size and not (0 <= face.min() and face.max() < nn):
-                problems.add(where, f"faces name nodes outside 0..{nn - 1}")
-            face.setflags(write=False)
-        sets = {str(k): tuple(int(i) for i in v) for k, v in self.node_sets.items()}
-        for key, members in sets.items():
-            if any(not 0 <= i < nn for i in members):
-                problems.add(where, f"node set '{key}' names nodes outside 0..{nn - 1}")
-        for key in self.interfaces:
-            if key not in sets:
-                problems.add(where, f"interface '{key}' is not a node set{suggest(key, sets)}")
-        problems.raise_if_any()
-
-        elements.setflags(write=False)
-        object.__setattr__(self, "nodes", nodes)
-        object.__setattr__(self, "elements", elements)
-        object.__setattr__(self, "node_sets", Frozen(sets))
-        object.__setattr__(self, "modes", modes)
-        object.__setattr__(self, "rotations", rotations)
-        object.__setattr__(self, "rotation_nodes", turning)
-        object.__setattr__(self, "faces", faces)
-        object.__setattr__(self, "frequencies", f)
-        object.__setattr__(self, "interfaces", tuple(self.interfaces))
-        object.__setattr__(self, "provenance", Frozen(dict(self.provenance)))
 
     def __repr__(self) -> str:
         known = ", ".join(f"{f:.5g}" for f in self.frequencies[:4])
@@ -291,8 +203,6 @@ class ReducedPart:
         InputError
             The file cannot be written there.
         """
-        from jousto.reduction.files.storage import save
-
         save(self, Path(path))
 
     @classmethod
@@ -304,39 +214,39 @@ class ReducedPart:
         InputError
             No such file, not a reduced part, another version of the format, or damaged.
         """
-        from jousto.reduction.files.storage import load
+        return load(Path(path), cls)
 
-        return load(Path(path))
 
-    @classmethod
-    def from_modes(cls, part: Part, modes: ArrayLike, frequencies: ArrayLike) -> ReducedPart:
-        """Return a reduced part with given mode shapes, such as a printed table.
+def located(reduced: ReducedPart) -> StressModes | None:
+    """Return the stress modes of a part with the node and the node sets of every place."""
+    stress = reduced.stress
+    if stress is None or stress.nodes is not None:
+        return stress
+    nodes = _nodes(reduced, stress)
+    at: dict[int, list[int]] = {}
+    for place, node in enumerate(nodes.tolist()):
+        if node >= 0:
+            at.setdefault(node, []).append(place)
+    sets = {
+        key: np.array([i for node in members for i in at.get(node, ())], dtype=np.int64)
+        for key, members in reduced.node_sets.items()
+    }
+    sets = {key: members for key, members in sets.items() if len(members)}
+    return replace(stress, nodes=nodes, sets=sets)
 
-        The modal mass matrix is taken as the identity whatever the digits of the table; degrees of
-        freedom that are not known may be zero.
 
-        Parameters
-        ----------
-        part : Part
-            Where nodes, mass and stress come from.
-        modes : (ndof, n) array
-            Mode shapes, mass-normalised, in the part's order of degrees of freedom.
-        frequencies : (n,) array
-            Hz.
-
-        Raises
-        ------
-        InputError
-            Wrong shapes or values.
-
-        Warns
-        -----
-        JoustoWarning
-            The modes are not mass-orthonormal within 1e-3.
-        """
-        from jousto.reduction.reducer import from_modes
-
-        return from_modes(part, modes, frequencies)
+def _nodes(reduced: ReducedPart, stress: StressModes) -> NDArray[np.int64]:
+    """Return the node of every place, -1 if it has none."""
+    if reduced.elements.ndim == 2 and reduced.elements.shape[1] == 2:
+        # points of sections stand around the nodes at the ends of beam elements
+        found = np.full(len(stress.labels), -1, dtype=np.int64)
+        for i, label in enumerate(stress.labels):
+            match = re.fullmatch(r"e(\d+)\.([ab])\..*", label)
+            if match and int(match[1]) <= len(reduced.elements):
+                found[i] = reduced.elements[int(match[1]) - 1, "ab".index(match[2])]
+        return found
+    places = {tuple(x): k for k, x in enumerate(reduced.nodes.tolist())}
+    return np.array([places.get(tuple(x), -1) for x in stress.positions.tolist()], dtype=np.int64)
 
 
 def package_versions() -> dict[str, str]:

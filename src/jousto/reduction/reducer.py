@@ -271,7 +271,30 @@ def _check_orthonormal(X: Array, M: sp.csr_array, where: str) -> None:
 
 
 def from_modes(part: Part, modes: ArrayLike, frequencies: ArrayLike) -> ReducedPart:
-    """See `ReducedPart.from_modes`."""
+    """Return a reduced part with given mode shapes, such as a printed table.
+
+    The modal mass matrix is taken as the identity whatever the digits of the table; degrees of
+    freedom that are not known may be zero.
+
+    Parameters
+    ----------
+    part : Part
+        Where nodes, mass and stress come from.
+    modes : (ndof, n) array
+        Mode shapes, mass-normalised, in the part's order of degrees of freedom.
+    frequencies : (n,) array
+        Hz.
+
+    Raises
+    ------
+    InputError
+        Wrong shapes or values.
+
+    Warns
+    -----
+    JoustoWarning
+        The modes are not mass-orthonormal within 1e-3.
+    """
     where = f"part '{part.name}'"
     problems = Problems()
     M = sp.csr_array(part.M)

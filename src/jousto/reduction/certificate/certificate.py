@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, count
-
-if TYPE_CHECKING:
-    from jousto.parts.part import Part
-    from jousto.reduction.files.run import Report
-    from jousto.reduction.reduced import ReducedPart
 
 Array = NDArray[np.float64]
 Status = Literal["ok", "note", "warn", "fail"]
@@ -218,58 +213,6 @@ def _wrapped(text: str, indent: str, width: int = 100) -> list[str]:
     import textwrap
 
     return textwrap.wrap(text, width, initial_indent=indent, subsequent_indent=indent)
-
-
-def certify(
-    part: Part,
-    reduced: ReducedPart | None = None,
-    *,
-    solver: str | None = None,
-    progress: bool | Report | None = None,
-) -> Certificate:
-    """Examine a part and its modes and say what is right, what is doubtful and what to do.
-
-    Mass, centre, inertia and size; the six rigid motions and the strain energy that they must not
-    cost; whether the numbers can be SI units; what is missing (rotary inertia, loose nodes,
-    mechanisms, stress); the mesh, if the part has one. With the reduced part also: whether it is
-    of this part, how well its interfaces hold it, its free-free frequencies against the full
-    model, its modal effective mass, and its answer to every interface load against the full model.
-
-    Parameters
-    ----------
-    part : Part
-        The free part.
-    reduced : ReducedPart, optional
-        Its modes, from `reduce`; without them the part alone is examined.
-    solver : str, optional
-        Library that factorises the stiffness matrix, see `solvers`.
-    progress : bool or function, optional
-        True shows a bar for each stage; a function is called with (stage, part of it that is
-        done, from 0 to 1).
-
-    Returns
-    -------
-    Certificate
-
-    Raises
-    ------
-    InputError
-        The arguments are no part and its reduced part, or have different nodes.
-
-    Examples
-    --------
-    >>> import jousto as jo
-    >>> steel = jo.Material(E=210e9, nu=0.3, rho=7850.0)
-    >>> rod = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.03), 10, steel, name="rod")
-    >>> certificate = certify(rod, jo.reduce(rod, jo.CraigBampton(("start", "end"), modes=6)))
-    >>> certificate.passed
-    True
-    >>> print(certificate["static loads"].sentence)
-    every one of 12 interface loads bends the reduced part as the full model
-    """
-    from jousto.reduction.certificate.certify import examine
-
-    return examine(part, reduced, solver, progress)
 
 
 def number(value: float, digits: int = 4) -> str:

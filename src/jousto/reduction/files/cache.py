@@ -16,7 +16,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -25,9 +25,7 @@ from numpy.typing import NDArray
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, warn
 from jousto.base.files import DAMAGED_NPZ, written
-
-if TYPE_CHECKING:
-    from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.reduced import ReducedPart
 
 Array = NDArray[np.float64]
 
@@ -145,8 +143,6 @@ class Entry:
 
     def finished(self) -> ReducedPart | None:
         """Return the reduced part if it is there."""
-        from jousto.reduction.reduced import ReducedPart
-
         path = self.folder / FINISHED
         if not path.exists():
             return None

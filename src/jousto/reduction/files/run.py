@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from typing import Any, Protocol
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from jousto.reduction.files.cache import Entry
 from jousto.reduction.sparse import factor
 from jousto.reduction.sparse.memory import machine_memory
 
@@ -33,6 +33,16 @@ STAGES = (
 """Stages in their order; a reduction runs those it needs."""
 
 
+class Keeper(Protocol):
+    """Where results of stages are kept, such as an entry of the cache."""
+
+    def read(self, stage: str) -> dict[str, NDArray[Any]] | None:
+        """Return the arrays of a stage, or None if they are not there."""
+
+    def write(self, stage: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Write the arrays of a stage."""
+
+
 class Run:
     """What the stages of a reduction share.
 
@@ -47,7 +57,7 @@ class Run:
     """
 
     def __init__(
-        self, solver: str | None = None, report: Report | None = None, entry: Entry | None = None
+        self, solver: str | None = None, report: Report | None = None, entry: Keeper | None = None
     ) -> None:
         self.solver = solver
         self.used = ""

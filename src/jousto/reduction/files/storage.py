@@ -8,7 +8,7 @@ import os
 import uuid
 import zlib
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import h5py
 import numpy as np
@@ -18,11 +18,11 @@ from jousto.base.errors import InputError, MissingFileError, Problem
 from jousto.base.files import written
 from jousto.base.hdf5 import DAMAGE, Group
 from jousto.base.seal import Seal, sealed
+from jousto.reduction.content import Content
 from jousto.reduction.fields.invariants import Invariants
 from jousto.reduction.fields.residual_stress import ResidualStress
 from jousto.reduction.fields.stiffening import Stiffening
 from jousto.reduction.fields.stress import StressModes
-from jousto.reduction.reduced import ReducedPart
 
 FORMAT = "jousto reduced part"
 VERSION = 3
@@ -51,9 +51,10 @@ UNITS = {
 }
 
 Arrays = dict[str, NDArray[Any]]
+P = TypeVar("P", bound=Content)
 
 
-def save(part: ReducedPart, path: Path) -> None:
+def save(part: Content, path: Path) -> None:
     """Write a reduced part; see `ReducedPart.save`."""
     arrays = _arrays(part)
     about = {
@@ -94,7 +95,7 @@ def save(part: ReducedPart, path: Path) -> None:
         os.fsync(target.fileno())
 
 
-def load(path: Path) -> ReducedPart:
+def load(path: Path, kind: type[P]) -> P:
     """Read a reduced part; see `ReducedPart.load`."""
     where = str(path)
     if path.is_dir():
@@ -114,14 +115,14 @@ def load(path: Path) -> ReducedPart:
     except PermissionError as error:
         raise InputError(Problem(where, f"cannot be read: {error.strerror}")) from error
     except OSError as error:
-        kind = "damaged or cut short" if _looks_like_hdf5(path) else "not an HDF5 file"
-        raise InputError(Problem(where, f"is {kind} ({_short(error)}); {AGAIN}")) from error
+        state = "damaged or cut short" if _looks_like_hdf5(path) else "not an HDF5 file"
+        raise InputError(Problem(where, f"is {state} ({_short(error)}); {AGAIN}")) from error
     except DAMAGE as error:
         raise InputError(
             Problem(where, f"is incomplete or damaged ({_short(error)}); {AGAIN}")
         ) from error
     try:
-        part = _part(header, arrays)
+        part = _part(header, arrays, kind)
     except InputError as error:
         raise InputError(
             [Problem(where, f"{problem.message}; {AGAIN}") for problem in error.problems]
@@ -137,7 +138,7 @@ def load(path: Path) -> ReducedPart:
     return part
 
 
-def _arrays(part: ReducedPart) -> Arrays:
+def _arrays(part: Content) -> Arrays:
     v = part.invariants
     arrays: Arrays = {
         "nodes": part.nodes,
@@ -176,7 +177,7 @@ def _arrays(part: ReducedPart) -> Arrays:
     return arrays
 
 
-def _part(header: str, arrays: Arrays) -> ReducedPart:
+def _part(header: str, arrays: Arrays, kind: type[P]) -> P:
     text = json.loads(header)
     stress = residual = None
     if text.get("residual"):
@@ -203,7 +204,7 @@ def _part(header: str, arrays: Arrays) -> ReducedPart:
             arrays["stiffening/translations"],
             arrays["stiffening/rotations"],
         )
-    return ReducedPart(
+    return kind(
         name=text["name"],
         nodes=arrays["nodes"],
         elements=arrays["elements"].astype(np.intp),
