@@ -501,7 +501,7 @@ class FlexibleBody:
             drop_invariants=frozenset(dropped),
             **values,
         )
-        check_mass(self)
+        check_mass(name, reduced.invariants, self.modal_coordinates)
 
     __iter__: ClassVar[None] = None
 

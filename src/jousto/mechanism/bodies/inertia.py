@@ -11,7 +11,6 @@ from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.rotations import Array, readonly, skew
 
 if TYPE_CHECKING:
-    from jousto.mechanism.bodies.body import FlexibleBody
     from jousto.reduction.fields.invariants import Invariants
     from jousto.reduction.reduced import ReducedPart
 
@@ -67,13 +66,13 @@ def damping_diagonal(
         return None
 
 
-def rigid_mass(body: FlexibleBody) -> Array:
+def rigid_mass(invariants: Invariants, p: Array) -> Array:
     """Return the mass (6, 6) of the rigid rows after the modes are eliminated.
 
     ``Z = M_rr - M_rp M_pp^-1 M_pr`` at the initial modal coordinates, resolved in the body
     frame, with ``M_pp = E`` (mass-normalised modes).
     """
-    I, p = body.reduced.invariants, body.modal_coordinates
+    I = invariants
     S = I.first_moment + I.I3 @ p
     # second moment of the deformed body, int u u^T dm, and int u phi_j^T dm
     N = I.N0 + np.einsum("k,kjab->jab", p, I.E)
@@ -95,10 +94,10 @@ def principal_inertia(invariants: Invariants) -> tuple[Array, Array]:
     return np.maximum(moments, 0.0), axes
 
 
-def check_mass(body: FlexibleBody) -> None:
+def check_mass(name: str, invariants: Invariants, p: Array) -> None:
     """Raise an error if the body has no inertia for some rigid motion."""
-    Z = rigid_mass(body)
-    mass = float(body.reduced.invariants.mass)
+    Z = rigid_mass(invariants, p)
+    mass = float(invariants.mass)
     # compare rotations with translations at the body's own size
     size = np.sqrt(max(float(np.trace(Z[3:, 3:])) / 2 / mass, np.finfo(float).tiny))
     scale = np.array([1, 1, 1, 1 / size, 1 / size, 1 / size])
@@ -110,7 +109,7 @@ def check_mass(body: FlexibleBody) -> None:
     text = ", ".join(f"{x:.3g}" for x in axis + 0.0)
     raise InputError(
         Problem(
-            f"body {body.name!r}",
+            f"body {name!r}",
             f"the mass matrix is singular: no inertia about the body axis ({text}), because all "
             "mass lies on one line; use rotary_inertia=True in the part, or point masses beside "
             "the line",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -11,8 +11,25 @@ from jousto.base.declare import Field
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.rotations import Array, exp_rotation, parse_orientation, readonly, rotation_matrix
 
-if TYPE_CHECKING:
-    from jousto.mechanism.bodies.body import Body
+
+class Placed(Protocol):
+    """What a marker uses of its body."""
+
+    @property
+    def name(self) -> str:
+        """Name of the body."""
+
+    @property
+    def position(self) -> Array:
+        """Initial position of its frame, m."""
+
+    @property
+    def orientation(self) -> Array:
+        """Initial Euler parameters of its frame."""
+
+    @property
+    def modal_coordinates(self) -> Array:
+        """Initial modal coordinates."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +53,7 @@ class Marker:
         A_0, columns are the marker's axes in the (undeformed) body frame.
     """
 
-    body: Body
+    body: Placed
     point: str
     position_local: Array
     node: int | None
