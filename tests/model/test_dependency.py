@@ -127,3 +127,44 @@ def test_a_long_list_of_joints_is_cut() -> None:
     text = str(caught[-1].message)
     assert "36 of the constraint rows of 'foot0', " in text
     assert ", 13 more repeat the others" in text
+
+
+# -- long chains: as many free motions as hinges, at any length --------------------------------
+
+
+def chain(count: int, bend: float = 0.0, closed: bool = False) -> jo.Mechanism:
+    """Bars of 1 m and 1 kg on hinges along z, the first on the ground, if `closed` the last too."""
+    items: list[object] = []
+    end, tip = jo.ground["origin"], np.zeros(3)
+    for k in range(count):
+        turn = bend * np.sin(0.31 * k)
+        bar = jo.RigidBody(
+            f"bar{k}",
+            1.0,
+            (1e-2, 1e-2, 1e-2),
+            markers={"start": (0, 0, 0), "end": (1, 0, 0)},
+            position=tip,
+            orientation=jo.Rotate(Z, radians=turn),
+        )
+        items += [bar, jo.Revolute(f"pin{k}", end, bar["start"], Z)]
+        end, tip = bar["end"], tip + [np.cos(turn), np.sin(turn), 0.0]
+    if closed:
+        items.append(jo.Revolute("last", end, jo.ground.at(tip), Z))
+    return jo.Mechanism(*items)
+
+
+@pytest.mark.parametrize("bend", [0.0, 0.7])
+@pytest.mark.parametrize("count", [1500, pytest.param(30_000, marks=pytest.mark.slow)])
+def test_long_chains_are_regular_and_turn_at_every_hinge(count: int, bend: float) -> None:
+    model = jo.compile(chain(count, bend))
+    assert not model.redundant
+    assert model.nv - model.nrow == count
+    assert jo.doctor(model).moving == tuple(body.name for body in model.bodies)
+
+
+@pytest.mark.parametrize("count", [40, 200])
+def test_a_closed_chain_repeats_three_rows_at_any_length(count: int) -> None:
+    """Its hinges are parallel: one translation and two rotations are held twice."""
+    found = repeated_rows(compiled(chain(count, 0.9, closed=True)))
+    assert found is not None
+    assert (found.count, found.mobility, len(found.joints)) == (3, count - 2, count + 1)

@@ -79,6 +79,13 @@ def test_a_chain_is_eliminated_from_both_ends() -> None:
     assert found.order[:4] == (0, 10, 1, 9)
 
 
+def test_a_long_chain_is_eliminated_from_the_ground_to_its_free_end() -> None:
+    count = ordering.LONG + 2
+    bodies = [(k, k + 1) for k in range(count - 1)]
+    for free in (count - 1, 0):
+        assert eliminate([5] * count, [*bodies, (free,)]).order[-1] == free
+
+
 # -- what is too dense ----------------------------------------------------------------------
 
 

@@ -141,7 +141,7 @@ def turn_onto(A: ArrayLike, axis: ArrayLike) -> Array:
     A = np.asarray(A, dtype=np.float64)
     h = unit_vector(axis)
     z = A[:, 2]
-    cross = np.cross(z, h)
+    cross = skew(z) @ h
     sine, cosine = float(np.linalg.norm(cross)), float(z @ h)
     if sine < 1e-12:
         # parallel: nothing to do; opposite: half a turn about x

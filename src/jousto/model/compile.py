@@ -363,9 +363,10 @@ def _check_reachable(model: Model) -> None:
 
 
 def _changed(model: Model, given: Array, tolerance: float) -> str:
+    change = np.abs(model.v0 - given)
     names: Iterable[str] = (
         f"'{body.name}'"
         for body in model.bodies
-        if np.abs((model.v0 - given)[body.iv : body.iv + 6 + body.n]).max() > tolerance
+        if change[body.iv : body.iv + 6 + body.n].max() > tolerance
     )
     return ", ".join(names)

@@ -11,6 +11,9 @@ from jousto.base.described import described
 
 MOST = 15_000_000
 """Products of blocks in one factorisation; their list alone takes a gigabyte and more."""
+LONG = 1000
+"""Joints up to which chains are eliminated from both ends; of longer ones the last pivot would
+vanish, since what a held half leaves to a free one falls with the third power of its length."""
 
 
 class TooDense(Exception):
@@ -99,11 +102,18 @@ def eliminate(
     """
     count = len(rows)
     near: list[set[int]] = [set() for _ in range(count)]
+    shared, single = [0] * count, [0] * count  # cliques of several joints, and of one
     for clique in cliques:
         if (products := len(clique) ** 3 / 6) > most:
             raise TooDense(products, clique)
         for i in clique:
-            near[i].update(j for j in clique if j != i)
+            near[i].update(clique)
+            if len(clique) > 1:
+                shared[i] += 1
+            else:
+                single[i] += 1
+    for i in range(count):
+        near[i].discard(i)
     entries = sum(len(n) for n in near) // 2
 
     def missing(i: int) -> int:
@@ -115,11 +125,16 @@ def eliminate(
     for i, before in waits.items():
         for j in before:
             awaited.setdefault(j, []).append(i)
-    known = [missing(i) for i in range(count)]
+    # within one clique all touch one another
+    known = [missing(i) if shared[i] > 1 else 0 for i in range(count)]
     # the longest unchanged first: a chain is eliminated from both ends in turn, two short
-    # sequences of dependent operations that the processor overlaps
-    turn = 0
-    heap = [(known[i], len(near[i]), turn, i) for i in range(count) if not waits.get(i)]
+    # sequences of dependent operations that the processor overlaps; a long one goes on where it
+    # is, from the ground to its free end
+    turn, step = 0, 1
+    sides = [0] * count
+    if count > LONG:
+        step, sides = -1, [a + b for a, b in zip(shared, single, strict=True)]
+    heap = [(known[i], len(near[i]), sides[i], i) for i in range(count) if not waits.get(i)]
     heapq.heapify(heap)
     order: list[int] = []
     later: list[list[int]] = []
@@ -148,7 +163,7 @@ def eliminate(
                 touched.add(a)
         for a in sorted(touched):
             known[a] = missing(a) if known[a] or fills else 0
-            turn += 1
+            turn += step
             if not waits.get(a):
                 heapq.heappush(heap, (known[a], len(near[a]), turn, a))
     place = {joint: c for c, joint in enumerate(order)}

@@ -115,8 +115,8 @@ class Marker:
     @property
     def carrier(self) -> Array:
         """``A exp((Psi p)~)`` (3, 3) at the initial state: the marker's frame without A_0."""
-        A = rotation_matrix(self.body.orientation)
-        return np.asarray(A @ exp_rotation(self.Psi @ self.body.modal_coordinates))
+        A, Psi = rotation_matrix(self.body.orientation), self.Psi
+        return np.asarray(A @ exp_rotation(Psi @ self.body.modal_coordinates)) if Psi.size else A
 
     @property
     def A(self) -> Array:

@@ -26,16 +26,35 @@ class Front:
         Bodies that they see.
     rows : tuple of arrays
         For each body (r, 6 + n).
-    parts : array (r, k)
-        The rows as combinations of original ones.
-    origin : array (k,)
-        Which these are.
+    count : int
+        How many they are.
     """
 
     bodies: tuple[int, ...]
     rows: tuple[Array, ...]
-    parts: Array
-    origin: NDArray[np.intp]
+    count: int
+
+
+@dataclass(frozen=True)
+class Turn:
+    """What the elimination of one body makes of the rows that see it, one under another.
+
+    Attributes
+    ----------
+    fronts : dict of int to int
+        Which they are and how many rows each has.
+    vanishing : array (d, r)
+        Combinations of them that vanish.
+    kept : array (k, r)
+        Those that go on, as a new front.
+    new : int
+        The number of that front.
+    """
+
+    fronts: dict[int, int]
+    vanishing: Array
+    kept: Array
+    new: int
 
 
 def bodies_of(model: Model, joint: JointModel) -> tuple[int, ...]:
@@ -90,14 +109,8 @@ def joint_fronts(model: Model, engine: Engine, rows: int) -> list[Front]:
             block[:] = np.linalg.solve(factors[body], block.T).T
             square += np.sum(block**2, axis=1)
         length = np.sqrt(np.where(square > 0.0, square, 1.0))[:, None]
-        fronts.append(
-            Front(
-                tuple(found),
-                tuple(block / length for block in found.values()),
-                np.eye(joint.rows),
-                np.arange(joint.row, joint.row + joint.rows),
-            )
-        )
+        blocks_of = tuple(block / length for block in found.values())
+        fronts.append(Front(tuple(found), blocks_of, joint.rows))
     return fronts
 
 
@@ -117,47 +130,64 @@ def dependencies(fronts: Sequence[Front], bodies: int, tolerance: float) -> Arra
     tolerance : float
         Singular values of unit rows below this are zero.
     """
-    count = sum(len(front.origin) for front in fronts)
-    found: list[tuple[NDArray[np.intp], Array]] = []
     order = eliminate([6] * bodies, [front.bodies for front in fronts]).order
     at: list[set[int]] = [set() for _ in range(bodies)]
     alive = dict(enumerate(fronts))
+    turns: list[Turn] = []
     for k, front in alive.items():
         for body in front.bodies:
             at[body].add(k)
         if not front.bodies:  # both sides on ground
-            found.append((front.origin, front.parts))
+            every = np.eye(front.count)
+            turns.append(Turn({k: front.count}, every, every[:0], -1))
+    new = len(fronts)
     for body in order:
         touching = sorted(at[body])
         if not touching:
             continue
+        seen = {k: alive[k].count for k in touching}
         merged = _merge([alive.pop(k) for k in touching], body)
         U, s, _ = np.linalg.svd(merged.rows[0])
-        rank = int((s > tolerance).sum())
-        rest = U[:, rank:].T
+        rest = U[:, int((s > tolerance).sum()) :].T
         widths = np.cumsum([block.shape[1] for block in merged.rows[1:]])
         left = rest @ np.hstack(merged.rows[1:]) if len(widths) else np.zeros((len(rest), 0))
-        parts = rest @ merged.parts
         # what sees no other body either depends; fewer rows go on
         U, s, _ = np.linalg.svd(left) if left.size else (np.eye(len(left)), np.zeros(0), None)
         rank = int((s > tolerance).sum())
-        found.append((merged.origin, U[:, rank:].T @ parts))
+        go = U[:, :rank].T
+        turns.append(Turn(seen, U[:, rank:].T @ rest, go @ rest, new))
         others = merged.bodies[1:]
-        for k in touching:
-            for other in others:
-                at[other].discard(k)
+        for other in others:
+            at[other].difference_update(touching)
         if rank:
-            go = U[:, :rank].T
-            new = max(alive, default=0) + len(fronts) + 1
-            blocks = tuple(np.hsplit(go @ left, widths[:-1]))
-            alive[new] = Front(others, blocks, go @ parts, merged.origin)
+            alive[new] = Front(others, tuple(np.hsplit(go @ left, widths[:-1])), rank)
             for other in others:
                 at[other].add(new)
-    Y = np.zeros((count, sum(len(parts) for _, parts in found)))
-    column = 0
-    for origin, parts in found:
-        Y[origin, column : column + len(parts)] = parts.T
-        column += len(parts)
+            new += 1
+    return _combined(turns, [front.count for front in fronts])
+
+
+def _combined(turns: Sequence[Turn], counts: Sequence[int]) -> Array:
+    """Return what vanishes as combinations of the original rows, from the last turn back."""
+    start = np.cumsum([0, *counts])
+    column = sum(len(turn.vanishing) for turn in turns)
+    Y = np.zeros((start[-1], column))
+    shares: dict[int, tuple[NDArray[np.intp], Array]] = {}
+    for turn in reversed(turns):
+        own = len(turn.vanishing)
+        column -= own
+        none = np.zeros(0, np.intp), np.zeros((len(turn.kept), 0))
+        later, share = shares.pop(turn.new, none)
+        columns = np.concatenate([np.arange(column, column + own), later])
+        share = np.hstack([turn.vanishing.T, turn.kept.T @ share])
+        r = 0
+        for k, count in turn.fronts.items() if len(columns) else ():
+            part = share[r : r + count]
+            if k < len(counts):
+                Y[start[k] : start[k + 1], columns] = part
+            else:
+                shares[k] = columns, part
+            r += count
     return Y
 
 
@@ -169,15 +199,11 @@ def _merge(fronts: Sequence[Front], body: int) -> Front:
         for front in fronts
         for b, block in zip(front.bodies, front.rows, strict=True)
     }
-    total = sum(len(front.parts) for front in fronts)
+    total = sum(front.count for front in fronts)
     rows = {b: np.zeros((total, width[b])) for b in bodies}
-    origin = np.concatenate([front.origin for front in fronts])
-    parts = np.zeros((total, len(origin)))
-    r = k = 0
+    r = 0
     for front in fronts:
-        here = slice(r, r + len(front.parts))
         for b, block in zip(front.bodies, front.rows, strict=True):
-            rows[b][here] = block
-        parts[here, k : k + len(front.origin)] = front.parts
-        r, k = r + len(front.parts), k + len(front.origin)
-    return Front(bodies, tuple(rows.values()), parts, origin)
+            rows[b][r : r + front.count] = block
+        r += front.count
+    return Front(bodies, tuple(rows.values()), total)

@@ -298,6 +298,8 @@ def check_closed(model: Model, engine: Engine, found: Redundancy | None) -> None
     for joint in model.joints:
         rows = slice(joint.row, joint.row + joint.rows)
         gap, rate = np.abs(c[rows]).max(initial=0.0), np.abs(cdot[rows]).max(initial=0.0)
+        if gap <= 1e-8 * model.size and rate <= 1e-8 * speed:
+            continue
         names = [f"'{name}'" for name in (found.joints if found else ()) if name != joint.name]
         others = ", ".join(names) or "the others"
         where = place(joint)
@@ -312,7 +314,7 @@ def check_closed(model: Model, engine: Engine, found: Redundancy | None) -> None
                 "another or stand the wrong way; change a length or an axis of the loop, or start "
                 "nearer to the closed position",
             )
-        elif not rate <= 1e-8 * speed:
+        else:
             problems.add(
                 where,
                 f"contradicts {others}: a rate of {rate:.3g} (m/s or rad/s) remains; drive each "
