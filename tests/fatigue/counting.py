@@ -1,5 +1,7 @@
 """Rainflow counting straight from the text of ASTM E1049-85, 5.4.4, in plain Python."""
 
+import numpy as np
+
 
 def reversals(series):
     """Return peaks and valleys, the first and the last point among them."""
@@ -44,3 +46,29 @@ def simplified(series):
     counted = astm(reversals(points[top:] + points[: top + 1]))
     halves = sorted((r, m) for r, m, c in counted if c == 0.5)
     return [x for x in counted if x[2] == 1.0] + [(r, m, 1.0) for r, m in halves[::2]]
+
+
+def pairs(S, residue):
+    """Return first and last turning point of every cycle, and how often it counts (four points)."""
+    stack: list[int] = []
+    found: list[tuple[int, int, float]] = []
+    for k in range(len(S)):
+        stack.append(k)
+        while len(stack) >= 4:
+            a, b, c, d = S[stack[-4:]]
+            if min(a, d) <= min(b, c) and max(b, c) <= max(a, d):
+                found.append((stack[-3], stack[-2], 1.0))
+                del stack[-3:-1]
+            else:
+                break
+    ends = [(a, b) for a, b in zip(stack, stack[1:], strict=False) if S[a] != S[b]]
+    if residue == "half":
+        found += [(a, b, 0.5) for a, b in ends]
+    elif residue == "repeat" and len(ends) >= 2:
+        # between the two equal ends only the largest loop is left
+        found.append((stack[0], stack[1], 1.0))
+    if not found:
+        none = np.zeros(0, dtype=np.intp)
+        return none, none, np.zeros(0)
+    i, j, count = zip(*found, strict=True)
+    return np.array(i, dtype=np.intp), np.array(j, dtype=np.intp), np.array(count)

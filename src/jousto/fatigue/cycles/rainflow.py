@@ -357,27 +357,9 @@ def close(first: Array, second: Array) -> tuple[Ints, Ints]:
     rest : (nr,) int array
         Places that remain.
     """
-    values = np.concatenate([first, second]).tolist()
-    stack: list[int] = []
-    pairs: list[tuple[int, int]] = []
-    for i, value in enumerate(values):
-        # at the seam the last point may not be a turning point any more
-        if stack and values[stack[-1]] == value:
-            continue
-        if (
-            len(stack) > 1
-            and (values[stack[-1]] - values[stack[-2]]) * (value - values[stack[-1]]) > 0.0
-        ):
-            stack.pop()
-        stack.append(i)
-        while len(stack) >= 4:
-            s1, s2, s3, s4 = (values[k] for k in stack[-4:])
-            if min(s1, s4) <= min(s2, s3) and max(s2, s3) <= max(s1, s4):
-                pairs.append((stack[-3], stack[-2]))
-                del stack[-3:-1]
-            else:
-                break
-    return np.array(pairs, dtype=np.int64).reshape(-1, 2), np.array(stack, dtype=np.int64)
+    values, index = turning_points(np.concatenate([first, second]))
+    pairs, rest = count_turning(values)
+    return index[pairs], index[rest]
 
 
 def count_turning(values: Array) -> tuple[Ints, Ints]:

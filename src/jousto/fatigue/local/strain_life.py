@@ -20,6 +20,7 @@ from jousto.base.arguments import explained
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.ranking import ranking
+from jousto.fatigue.cycles.rainflow import count_turning, turning_points
 from jousto.materials.strength.strain_life import FORMS, Form, StrainLife
 
 Array = NDArray[np.float64]
@@ -88,19 +89,6 @@ def _notch(stress: ArrayLike, material: StrainLife, share: float) -> tuple[Array
     return np.asarray(s), material.strain(s)
 
 
-def turning_points(series: ArrayLike) -> NDArray[np.intp]:
-    """Return the indices of the first and last sample and of every reversal between them."""
-    x = np.asarray(series, dtype=np.float64)
-    if len(x) < 2:
-        return np.arange(len(x))
-    # plateaus count once, by their first sample
-    kept = np.concatenate([[0], np.flatnonzero(np.diff(x) != 0.0) + 1])
-    rises = np.diff(x[kept]) > 0.0
-    turns = np.flatnonzero(rises[1:] != rises[:-1]) + 1
-    ends = [0] if len(kept) == 1 else [0, len(kept) - 1]
-    return np.asarray(kept[np.unique(np.concatenate([ends, turns]))], dtype=np.intp)
-
-
 @described
 @dataclass(frozen=True, eq=False)
 class LocalPath:
@@ -114,7 +102,7 @@ class LocalPath:
         Linear elastic and local stress in Pa, local strain in m/m.
     """
 
-    index: NDArray[np.intp]
+    index: NDArray[np.int64]
     elastic: Array
     stress: Array
     strain: Array
@@ -138,8 +126,7 @@ def local_path(series: ArrayLike, material: StrainLife, *, rule: Rule = "neuber"
         Empty or not finite history, unknown rule.
     """
     x = _checked(series, rule)
-    index = turning_points(x)
-    S = x[index]
+    S, index = turning_points(x)
     start = np.full(len(S), -1, dtype=np.intp)  # the turning point a branch comes from, -1 virgin
     stack: list[int] = []
     largest = 0.0
@@ -324,7 +311,7 @@ def local_cycles(
         turn = int(np.argmax(np.abs(x)))
         x = np.concatenate([x[turn:], x[: turn + 1]])
     path = local_path(x, material, rule=rule)
-    i, j, count = pairs(path.elastic, residue)
+    i, j, count = loops(path.elastic, residue)
     strain = 0.5 * np.abs(path.strain[i] - path.strain[j])
     mean = 0.5 * (path.stress[i] + path.stress[j])
     return LocalCycles(
@@ -455,27 +442,14 @@ def strain_damage(
     return StrainDamage(tuple(few.labels), loops, criterion)
 
 
-def pairs(S: Array, residue: str) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
-    """Return first and last turning point of every cycle, and how often it counts (four points)."""
-    stack: list[int] = []
-    found: list[tuple[int, int, float]] = []
-    for k in range(len(S)):
-        stack.append(k)
-        while len(stack) >= 4:
-            a, b, c, d = S[stack[-4:]]
-            if min(a, d) <= min(b, c) and max(b, c) <= max(a, d):
-                found.append((stack[-3], stack[-2], 1.0))
-                del stack[-3:-1]
-            else:
-                break
-    ends = [(a, b) for a, b in zip(stack, stack[1:], strict=False) if S[a] != S[b]]
+def loops(S: Array, residue: str) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+    """Return first and last turning point of every cycle, and how often it counts."""
+    found, rest = count_turning(S)
+    count = np.ones(len(found))
+    ends = np.stack([rest[:-1], rest[1:]], axis=1)[S[rest[:-1]] != S[rest[1:]]]
     if residue == "half":
-        found += [(a, b, 0.5) for a, b in ends]
+        found, count = np.concatenate([found, ends]), np.append(count, np.full(len(ends), 0.5))
     elif residue == "repeat" and len(ends) >= 2:
         # between the two equal ends only the largest loop is left
-        found.append((stack[0], stack[1], 1.0))
-    if not found:
-        none = np.zeros(0, dtype=np.intp)
-        return none, none, np.zeros(0)
-    i, j, count = zip(*found, strict=True)
-    return np.array(i, dtype=np.intp), np.array(j, dtype=np.intp), np.array(count)
+        found, count = np.concatenate([found, rest[None, :2]]), np.append(count, 1.0)
+    return found[:, 0], found[:, 1], count
