@@ -17,8 +17,7 @@ from jousto.mechanism.beams.stiffness import BeamSection
 from jousto.mechanism.bodies.body import FlexibleBody, Ground, RigidBody, ground
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.forces.friction import Friction, Regularised, StickSlip
-from jousto.mechanism.forces.loads import LOADS, Force, Gravity, Torque
-from jousto.mechanism.forces.springs import ELEMENTS
+from jousto.mechanism.forces.loads import Force, Gravity, Torque
 from jousto.mechanism.initial import Initial
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Angle, Coordinate, Displacement, Distance, Line
@@ -105,7 +104,8 @@ def test_every_joint_load_sensor_and_signal_is_exported_and_in_its_tuple():
     room = "jousto.mechanism.joints"
     declared = [*kinds("joints", room).values(), *kinds("couplings", room).values()]
     signals = kinds("signals", "jousto.mechanism.signals").values()
-    tuples = (*declared, *SENSORS, *signals, *ELEMENTS, *LOADS)
+    forces = kinds("forces", "jousto.mechanism.forces").values()
+    tuples = (*declared, *SENSORS, *signals, *forces)
     for cls in tuples:
         assert classes[cls.__name__] is cls
     found = {c for c in classes.values() if isinstance(c, type)}

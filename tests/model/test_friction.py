@@ -373,7 +373,7 @@ def bad(**changes):
         ({"mu_kinetic": -0.1}, "mu_kinetic is -0.1, must not be negative"),
         ({"mu_kinetic": 0.0}, "never acts; leave the friction out"),
         ({"mu_static": 0.1}, "mu_static is 0.1, must not be below mu_kinetic, 0.2"),
-        ({"preload": -3.0}, "preload is -3, must not be negative"),
+        ({"preload": -3.0}, "preload is -3 N, must not be negative"),
         ({"bearing_length": np.nan}, "bearing_length"),
         ({"law": "stick"}, r"must be Regularised\(velocity\) or StickSlip\(\)"),
     ],

@@ -288,6 +288,10 @@ class OptionalNumber(_Numeric["float | None", "float | None"]):
     """A finite number, or None."""
 
 
+class DefaultNumber(_Numeric["float | None", float]):
+    """A finite number, or None for one that the object finds itself."""
+
+
 class _Seconds(_Numeric[In, Out]):
     form = "duration"
     wish = "a positive number of seconds"

@@ -11,11 +11,12 @@ from jousto.base.errors import Problems, suggest, warn
 from jousto.mechanism.beams.body import BeamBody, BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, Ground, RigidBody
 from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.forces.base import ForceElement
 from jousto.mechanism.forces.friction import Friction, StickSlip
 from jousto.mechanism.forces.line_load import LineLoad
-from jousto.mechanism.forces.loads import LOADS, Gravity, Torque
+from jousto.mechanism.forces.loads import Gravity, PointLoad
 from jousto.mechanism.forces.moving import MovingLoad
-from jousto.mechanism.forces.springs import ELEMENTS, Bushing, ModalLoad, UserForce
+from jousto.mechanism.forces.springs import ModalLoad
 from jousto.mechanism.initial import Initial
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate, Distance
@@ -40,7 +41,7 @@ GAP_TOLERANCE = 1e-6
 # all that may be given to a mechanism
 ITEMS = (
     *(RigidBody, FlexibleBody, BeamBody, Joint, Coupler, Gravity, Friction, Event, Initial),
-    *(*LOADS, *ELEMENTS, *SENSORS),
+    *(ForceElement, *SENSORS),
 )
 
 
@@ -50,12 +51,7 @@ def kind_of(item: Any) -> str:
         return "beam"
     if isinstance(item, RigidBody | FlexibleBody):
         return "body"
-    if isinstance(item, (Joint, Coupler, Friction, Event, Initial, *ELEMENTS)):
-        kind: str = item.kind  # type: ignore[attr-defined]
-        return kind
-    if isinstance(item, LOADS):
-        return "torque" if isinstance(item, Torque) else "force"
-    return "sensor"
+    return getattr(item, "kind", "sensor")
 
 
 def where(item: Any) -> str:
@@ -127,17 +123,10 @@ def coordinates_of(item: Any) -> tuple[Coordinate, ...]:
 
 def markers_of(item: Any) -> Iterator[tuple[str, Marker]]:
     """Yield the markers an item uses with the name of the argument."""
-    if isinstance(item, Joint):
-        yield "a", item.a
-        yield "b", item.b
-        return
-    for key in ("marker", "reference", "relative_to", "resolved_in"):
-        if isinstance(getattr(item, key, None), Marker):
-            yield key, getattr(item, key)
-    if isinstance(item, Bushing):
-        yield "a", item.a
-        yield "b", item.b
-    for s in coordinates_of(item):
+    for key, value in vars(item).items():
+        if isinstance(value, Marker):
+            yield key, value
+    for s in () if isinstance(item, Joint) else coordinates_of(item):
         yield s.name, s.a
         yield s.name, s.b
 
@@ -197,10 +186,9 @@ def check_member(problems: Problems, item: Any, used: Any, known: tuple[Any, ...
 
 def signals_of(item: Any) -> Iterator[Signal]:
     """Yield the signals an item uses and all signals they are made of."""
-    for key in ("signal", "reference", "position"):
-        signal = getattr(item, key, None)
-        if isinstance(signal, Signal):
-            yield from leaves(signal)
+    for value in vars(item).values():
+        if isinstance(value, Signal):
+            yield from leaves(value)
 
 
 def check_events(problems: Problems, mechanism: Members) -> None:
@@ -392,12 +380,8 @@ def turning(item: Any) -> Iterator[tuple[str, Marker]]:
             for key, marker, turns in zip("ab", (item.a, item.b), item.turns, strict=True)
             if turns
         )
-    elif isinstance(item, Bushing | UserForce):
-        yield from markers_of(item)
-    elif isinstance(item, MotionSensor | ReactionSensor | ForceSensor):
+    elif isinstance(item, ForceElement | MotionSensor | ReactionSensor | ForceSensor):
         yield from item.turning
-    elif isinstance(item, Torque) or (isinstance(item, LOADS) and item.follow):
-        yield "marker", item.marker
     for s in () if isinstance(item, Joint) else coordinates_of(item):
         if s.turns_a:
             yield s.name, s.a
@@ -431,7 +415,7 @@ def check_rotations(problems: Problems, mechanism: Members) -> None:
 
 def warn_unconnected(mechanism: Members) -> None:
     """Warn about bodies without a joint."""
-    elements = (x for x in mechanism.forces if not isinstance(x, (*LOADS, UserForce)))
+    elements = (x for x in mechanism.forces if x.ties)
     connections = (*mechanism.joints, *mechanism.couplings, *elements)
     joined = {id(marker.body) for item in connections for _, marker in markers_of(item)}
     for body in whole_bodies(mechanism):
@@ -442,7 +426,7 @@ def warn_unconnected(mechanism: Members) -> None:
 
 def warn_interfaces(mechanism: Members) -> None:
     """Warn about joints, drives and springs on nodes that are no interfaces of their part."""
-    elements = (x for x in mechanism.forces if not isinstance(x, (*LOADS, UserForce)))
+    elements = (x for x in mechanism.forces if x.ties)
     for item in (*mechanism.joints, *mechanism.couplings, *elements):
         for marker in {id(m): m for _, m in markers_of(item)}.values():
             reduced = getattr(marker.body, "reduced", None)
@@ -463,5 +447,5 @@ def warn_interfaces(mechanism: Members) -> None:
 def warn_ground_loads(mechanism: Members) -> None:
     """Warn about forces and torques on the ground."""
     for load in mechanism.forces:
-        if isinstance(load, LOADS) and isinstance(load.marker.body, Ground):
+        if isinstance(load, PointLoad) and isinstance(load.marker.body, Ground):
             warn(where(load), "acts on the ground, it has no effect")

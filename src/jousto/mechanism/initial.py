@@ -2,39 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
-
 import numpy as np
 
+from jousto.base.declare import Declared, OptionalNumber, field
 from jousto.base.errors import Problems
-from jousto.base.numbers import number, set_fields
-from jousto.mechanism.joints.coordinate import Angle, Coordinate, Distance, check_coordinate
+from jousto.mechanism.joints.coordinate import RATE, VALUE, Angle, CoordinateField, Distance
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class Initial:
+class Initial(Declared, section="initial"):
     """Value and rate of one coordinate at time 0; what hangs on it follows.
 
     `compile` moves the mechanism from the pose it is given in until the coordinate has the value,
     in small steps and as rigid bodies, so that loops stay on their branch, and finds velocities
     that fit joints, drives and all such rates. What they leave free takes the velocities given to
     the bodies, changed as little as possible in the metric of kinetic energy.
-
-    Parameters
-    ----------
-    coordinate : Coordinate
-        What starts there, such as ``crank.angle`` (rad) or ``slide.displacement`` (m).
-    value : float, optional
-        Value, rad or m, as a `CoordinateSensor` reads it: angles of joints count from the pose
-        that the bodies are given in. Angles within half a turn. None keeps the given pose.
-    rate : float, optional
-        Rate, rad/s or m/s; None leaves it to what else is given.
-
-    Raises
-    ------
-    InputError
-        If neither is given or one is no finite number.
 
     Examples
     --------
@@ -45,34 +26,39 @@ class Initial:
     <Initial 'axle.angle': rate 5.24 rad/s>
     """
 
-    kind: ClassVar[str] = "initial"
-    coordinate: Coordinate
-    value: float | None
-    rate: float | None
+    kind = "initial"
+    coordinate: CoordinateField = field(
+        "What starts there, such as ``crank.angle`` or ``slide.displacement``"
+    )
+    value: OptionalNumber = field(
+        "Value as a `CoordinateSensor` reads it: angles of joints count from the pose that the "
+        "bodies are given in, within half a turn. None keeps the given pose",
+        unit=VALUE,
+        default=None,
+        kw_only=True,
+    )
+    rate: OptionalNumber = field(
+        "Rate; None leaves it to what else is given", unit=RATE, default=None, kw_only=True
+    )
 
-    def __init__(
-        self, coordinate: Coordinate, *, value: float | None = None, rate: float | None = None
-    ) -> None:
-        problems = Problems()
-        where = f"initial {getattr(coordinate, 'name', '')!r}"
-        found = check_coordinate(problems, where, "coordinate", coordinate)
-        numbers: dict[str, Any] = {"value": value, "rate": rate}
-        for key, given in numbers.items():
-            numbers[key] = None if given is None else number(problems, where, key, given)
-        if value is None and rate is None:
+    def place(self, problems: Problems) -> str:
+        """Return what messages say first, ``initial 'crank.angle'``."""
+        return f"initial {getattr(self.coordinate, 'name', '')!r}"
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note what gives nothing, angles of more than half a turn and distances that are none."""
+        at = self.value
+        if at is None and self.rate is None:
             problems.add(where, "gives neither a value nor a rate")
-        at = numbers["value"]
-        if at is not None and isinstance(found, Angle) and abs(at) > np.pi:
+        if at is not None and isinstance(self.coordinate, Angle) and abs(at) > np.pi:
             near = np.degrees(np.arctan2(np.sin(at), np.cos(at)))
             problems.add(
                 where,
                 f"value is {np.degrees(at):.6g} deg, must be within half a turn, from which angles "
                 f"are counted; give {near:.6g} deg",
             )
-        if at is not None and isinstance(found, Distance) and at <= 0.0:
+        if at is not None and isinstance(self.coordinate, Distance) and at <= 0.0:
             problems.add(where, f"value is {at:g} m, a distance must be positive")
-        problems.raise_if_any()
-        set_fields(self, coordinate=coordinate, **numbers)
 
     @property
     def name(self) -> str:

@@ -10,19 +10,8 @@ from numpy.typing import NDArray
 
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.forces.base import ForceElement, Push
 from jousto.mechanism.forces.friction import Friction, Regularised, StickSlip
-from jousto.mechanism.forces.line_load import LineLoad
-from jousto.mechanism.forces.loads import Force, Load, Torque
-from jousto.mechanism.forces.moving import MovingLoad
-from jousto.mechanism.forces.springs import (
-    Bushing,
-    Element,
-    JointForce,
-    ModalLoad,
-    Servo,
-    Spring,
-    UserForce,
-)
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Angle, Coordinate, Displacement, Line
 from jousto.mechanism.joints.coupling import Coupler
@@ -220,110 +209,28 @@ class Builder:
         self.signals.append(signal)
         return len(self.signals) - 1
 
-    def force(self, load: Load | Element) -> int:
-        """Return the index of what pushes, of the first of several."""
-        self.force_places[id(load)] = place = len(self.forces)
-        if isinstance(load, LineLoad):
-            self.forces += self._line(load)
-        else:
-            self.forces.append(self._force(load))
+    def force(self, force: ForceElement) -> int:
+        """Return the index of what pushes, of the first of several laws."""
+        self.force_places[id(force)] = place = len(self.forces)
+        self.forces += [self._push(force.name, push) for push in force.pushes]
         return place
 
-    def _line(self, load: LineLoad) -> list[ForceModel]:
-        """Return the loads at a beam's nodes."""
-        signal = self.signal(load.signal)
-        return [
-            ForceModel(
-                name=load.name,
-                kind="load",
-                data=np.concatenate([force, torque]),
-                b=self.marker(marker, load.follow or bool(np.any(torque))),
-                follow=load.follow,
-                signal=signal,
-            )
-            for marker, force, torque in load.loads
-        ]
-
-    def _force(self, load: Load | Element) -> ForceModel:
-        if isinstance(load, Force | Torque):
-            zero = np.zeros(3)
-            force, torque = (load.vector, zero) if isinstance(load, Force) else (zero, load.vector)
-            return ForceModel(
-                name=load.name,
-                kind="load",
-                data=np.concatenate([force, torque]),
-                b=self.marker(load.marker, load.follow or not isinstance(load, Force)),
-                follow=load.follow,
-                signal=self.signal(load.signal),
-            )
-        if isinstance(load, Bushing):
-            return ForceModel(
-                name=load.name,
-                kind="bushing",
-                data=np.concatenate([load.stiffness.ravel(), load.damping.ravel(), load.preload]),
-                a=self.marker(load.a, True),
-                b=self.marker(load.b, True),
-            )
-        if isinstance(load, ModalLoad):
-            return ForceModel(
-                name=load.name,
-                kind="modal load",
-                data=load.load,
-                body=self._bodies[id(load.body)],
-                signal=self.signal(load.signal),
-            )
-        if isinstance(load, MovingLoad):
-            head = (len(load.points), load.pieces.shape[1] - 1)
-            return ForceModel(
-                name=load.name,
-                kind="moving load",
-                data=np.concatenate([head, load.vector, load.lengths, load.pieces.ravel()]),
-                body=self._bodies[id(load.body)],
-                follow=load.follow,
-                signal=self.signal(load.signal),
-                reference=self.signal(load.position),
-            )
-        if isinstance(load, UserForce):
-            return ForceModel(
-                name=load.name,
-                kind="user",
-                data=np.zeros(1),
-                a=self.marker(load.reference, True),
-                b=self.marker(load.marker, True),
-                function=load.function,
-            )
-        assert not isinstance(load, LineLoad)
-        return self._along(load)
-
-    def _along(self, load: Spring | JointForce | Servo) -> ForceModel:
-        """Return a force along a coordinate: stiffness, damping, free value, preload and limit."""
-        place = self.declared(load.coordinate)
-        if isinstance(load, Spring):
-            values = (load.stiffness, load.damping, load.free_value, load.preload, 0.0)
-            return ForceModel(
-                name=load.name,
-                kind="along",
-                data=np.array(values),
-                coordinate=place,
-                spring=self.signal(load.table),
-                damper=self.signal(load.damper_table),
-            )
-        if isinstance(load, JointForce):
-            return ForceModel(
-                name=load.name,
-                kind="along",
-                data=np.array([0.0, 0.0, 0.0, 1.0, 0.0]),
-                coordinate=place,
-                active=True,
-                signal=self.signal(load.signal),
-            )
+    def _push(self, name: str, push: Push) -> ForceModel:
         return ForceModel(
-            name=load.name,
-            kind="along",
-            data=np.array([load.kp, load.kd, 0.0, 0.0, load.limit or 0.0]),
-            coordinate=place,
-            active=True,
-            reference=self.signal(load.reference),
+            name=name,
+            kind=push.kind,
+            data=np.array(push.data, dtype=float),
+            coordinate=-1 if push.coordinate is None else self.declared(push.coordinate),
+            a=-1 if push.a is None else self.marker(push.a, True),
+            b=-1 if push.b is None else self.marker(push.b, push.turns),
+            body=-1 if push.body is None else self._bodies[id(push.body)],
+            follow=push.follow,
+            active=push.active,
+            spring=self.signal(push.spring),
+            damper=self.signal(push.damper),
+            signal=self.signal(push.signal),
+            reference=self.signal(push.reference),
+            function=push.function,
         )
 
 

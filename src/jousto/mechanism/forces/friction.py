@@ -2,49 +2,46 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
-from jousto.base.described import described
-from jousto.base.errors import InputError, Problem, Problems
-from jousto.base.names import check_name
-from jousto.base.numbers import number, set_fields
-from jousto.mechanism.forces.springs import positive
+from jousto.base.declare import (
+    Declared,
+    DefaultNumber,
+    Name,
+    Nested,
+    Number,
+    OptionalPositive,
+    Positive,
+    Reference,
+    field,
+)
+from jousto.base.errors import Problems
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.joints.hinges import Cylindrical, Revolute
 from jousto.mechanism.joints.slides import Prismatic
 
 
-@dataclass(frozen=True, init=False)
-class Regularised:
+class Law(Declared, section="laws", by_value=True):
+    """What friction does at low speed."""
+
+
+class Regularised(Law, tag="regularised"):
     """Friction is a smooth function of the slip speed: no events, but what sticks creeps.
 
     ``mu(w) = mu_static w (15 - 10 w^2 + 3 w^4) / 8`` with ``w = speed / velocity`` up to w = 1;
     from there mu falls to mu_kinetic at w = 2 and stays. Explicit methods need a step below about
     ``velocity m / (mu_static N)``, m the mass that slips; `simulate` warns if it is larger.
-
-    Parameters
-    ----------
-    velocity : float
-        Speed at which friction is full, m/s; a joint that sticks creeps with less than this.
     """
 
-    velocity: float
-
-    def __init__(self, velocity: float = 1e-3) -> None:
-        problems = Problems()
-        value = number(problems, "Regularised", "velocity", velocity)
-        problems.raise_if_any()
-        if value is not None and value <= 0:
-            raise InputError(
-                Problem("Regularised", f"velocity is {value:g} m/s, must be a positive number")
-            )
-        set_fields(self, velocity=value)
+    velocity: Positive = field(
+        "Speed at which friction is full; a joint that sticks creeps with less than this",
+        unit="m/s",
+        default=1e-3,
+    )
 
 
-@dataclass(frozen=True)
-class StickSlip:
+class StickSlip(Law, tag="stick-slip"):
     """Joints stick by a constraint whose multiplier is limited by mu_static N; no creep.
 
     A joint at rest sticks as long as it can, then slips under mu_kinetic N until its speed passes
@@ -52,9 +49,38 @@ class StickSlip:
     """
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class Friction:
+class LawField(Nested["Regularised | StickSlip | None", "Regularised | StickSlip"]):
+    """A law of friction, or None for Regularised()."""
+
+    section = "laws"
+    room = "jousto.mechanism.forces"
+    noun = "Regularised or StickSlip"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the law."""
+        if not isinstance(value, Regularised | StickSlip):
+            problems.add(where, f"law is {value!r}, must be Regularised(velocity) or StickSlip()")
+        return value
+
+
+class RubbingJoint(Reference[Joint, Joint]):
+    """A joint that may rub; a model file gives its name."""
+
+    section = "joints"
+    word = "joint"
+    noun = "Revolute, Prismatic or Cylindrical"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the joint."""
+        if not isinstance(value, Revolute | Prismatic | Cylindrical):
+            problems.add(
+                where,
+                f"joint is {value!r}, friction acts on Revolute, Prismatic and Cylindrical joints",
+            )
+        return value
+
+
+class Friction(Declared, section="frictions"):
     """Coulomb friction of a joint, pressed by the joint's own reaction (Altarriba 2010, S37-S40).
 
     The reaction of the joint on marker b, forces F and moments M about its origin, resolved in the
@@ -67,106 +93,65 @@ class Friction:
       the axis and a torque about it.
 
     It acts on the elastic modes of flexible bodies as the reactions do.
-
-    Parameters
-    ----------
-    name : str
-        Name, unique among the forces.
-    joint : Revolute, Prismatic or Cylindrical
-        The joint.
-    mu_kinetic, mu_static : float
-        Coefficients; mu_static is not below mu_kinetic, None for the same.
-    radius : float, optional
-        Pin radius, m; needed where the joint turns.
-    bearing_length : float, optional
-        Length over which the bearing carries bending moments, m; None: they do not press.
-    collar_radius : float, optional
-        Radius of the thrust collar of a revolute joint, or arm at which the guide of a prismatic
-        joint carries the moment about its axis, m; None: these do not press.
-    preload : float
-        Normal force that is always there, N.
-    law : Regularised or StickSlip, optional
-        The law at low speed; None for Regularised().
     """
 
-    kind: ClassVar[str] = "friction"
-    name: str
-    joint: Joint
-    mu_kinetic: float
-    mu_static: float
-    radius: float | None
-    bearing_length: float | None
-    collar_radius: float | None
-    preload: float
-    law: Regularised | StickSlip
+    kind = "friction"
+    name: Name = field("Unique among the forces")
+    joint: RubbingJoint = field("The joint")
+    mu_kinetic: Number = field("Coefficient of a joint that slips", least=0)
+    mu_static: DefaultNumber = field(
+        "Coefficient of a joint that sticks, not below mu_kinetic; None for the same",
+        least=0,
+        default=None,
+    )
+    radius: OptionalPositive = field(
+        "Pin radius, needed where the joint turns", unit="m", default=None, kw_only=True
+    )
+    bearing_length: OptionalPositive = field(
+        "Length over which the bearing carries bending moments; None: they do not press",
+        unit="m",
+        default=None,
+        kw_only=True,
+    )
+    collar_radius: OptionalPositive = field(
+        "Radius of the thrust collar of a revolute joint, or arm at which the guide of a prismatic "
+        "joint carries the moment about its axis; None: these do not press",
+        unit="m",
+        default=None,
+        kw_only=True,
+    )
+    preload: Number = field(
+        "Normal force that is always there", unit="N", least=0, default=0.0, kw_only=True
+    )
+    law: LawField = field(
+        "The law at low speed; None for Regularised()", default=None, kw_only=True
+    )
 
-    def __init__(
-        self,
-        name: str,
-        joint: Joint,
-        mu_kinetic: float,
-        mu_static: float | None = None,
-        *,
-        radius: float | None = None,
-        bearing_length: float | None = None,
-        collar_radius: float | None = None,
-        preload: float = 0.0,
-        law: Regularised | StickSlip | None = None,
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, self.kind, name)
-        if not isinstance(joint, Revolute | Prismatic | Cylindrical):
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note lengths that the joint has no use for; fill in what follows from others."""
+        static: float | None = self.mu_static
+        law: Law | None = self.law
+        object.__setattr__(self, "mu_static", self.mu_kinetic if static is None else static)
+        object.__setattr__(self, "law", Regularised() if law is None else law)
+        if isinstance(self.joint, Prismatic):
+            if self.radius is not None:
+                problems.add(where, "radius is given, but a prismatic joint does not turn")
+        elif self.radius is None:
+            problems.add(where, "radius is missing: the pin radius, m, of a joint that turns")
+        if isinstance(self.joint, Cylindrical) and self.collar_radius is not None:
             problems.add(
                 where,
-                f"joint is {joint!r}, friction acts on Revolute, Prismatic and Cylindrical joints",
+                "collar_radius is given, but a cylindrical joint carries no force along its "
+                "axis that could press a collar",
             )
-        elif isinstance(joint, Prismatic):
-            if radius is not None:
-                problems.add(where, "radius is given, but a prismatic joint does not turn")
-        else:
-            if radius is None:
-                problems.add(where, "radius is missing: the pin radius, m, of a joint that turns")
-            if isinstance(joint, Cylindrical) and collar_radius is not None:
-                problems.add(
-                    where,
-                    "collar_radius is given, but a cylindrical joint carries no force along its "
-                    "axis that could press a collar",
-                )
-        kinetic = positive(problems, where, "mu_kinetic", mu_kinetic)
-        static = kinetic
-        if mu_static is not None:
-            static = positive(problems, where, "mu_static", mu_static)
-        if kinetic == 0.0 and static == 0.0:
+        if self.mu_kinetic == 0.0 and self.mu_static == 0.0:
             problems.add(where, "mu_kinetic is 0, it never acts; leave the friction out")
-        if kinetic is not None and static is not None and static < kinetic:
+        if self.mu_static < self.mu_kinetic:
             problems.add(
-                where, f"mu_static is {static:g}, must not be below mu_kinetic, {kinetic:g}"
+                where,
+                f"mu_static is {self.mu_static:g}, must not be below mu_kinetic, "
+                f"{self.mu_kinetic:g}",
             )
-        lengths: dict[str, float | None] = {}
-        for key, value in (
-            ("radius", radius),
-            ("bearing_length", bearing_length),
-            ("collar_radius", collar_radius),
-        ):
-            lengths[key] = None if value is None else number(problems, where, key, value)
-            found = lengths[key]
-            if found is not None and found <= 0:
-                problems.add(where, f"{key} is {found:g} m, must be a positive number")
-        normal = positive(problems, where, "preload", preload)
-        chosen: Any = Regularised() if law is None else law
-        if not isinstance(chosen, Regularised | StickSlip):
-            problems.add(where, f"law is {law!r}, must be Regularised(velocity) or StickSlip()")
-        problems.raise_if_any()
-        set_fields(
-            self,
-            name=name,
-            joint=joint,
-            mu_kinetic=kinetic,
-            mu_static=static,
-            preload=normal,
-            law=chosen,
-            **lengths,
-        )
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:

@@ -2,25 +2,49 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jousto.base.declare import Field, Flag, Reference, field
 from jousto.base.errors import Problems
-from jousto.base.names import check_name
-from jousto.base.numbers import set_fields
 from jousto.base.rotations import Array, readonly
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.bodies.marker import Marker
-from jousto.mechanism.signals.base import Signal, check_signal
+from jousto.mechanism.forces.base import ForceElement, Push
+from jousto.mechanism.signals.base import OptionalSignal
 
 EVEN = 1e-12  # of a couple: those of two neighbours cancel
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class LineLoad:
+class BeamField(Reference[BeamBody, BeamBody]):
+    """An exact beam; a model file gives its name."""
+
+    section = "bodies"
+    word = "beam"
+    noun = "BeamBody"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the beam."""
+        if not isinstance(value, BeamBody):
+            problems.add(where, f"{self.label} is {value!r}, must be a BeamBody")
+        return value
+
+
+class Rows(Field[ArrayLike, Array]):
+    """Three numbers, or three for every node of a beam."""
+
+    form = "rows"
+    noun = "(3,) or (n + 1, 3) array_like"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return them as an array."""
+        shape = (None, 3) if np.ndim(value) == 2 else (3,)
+        return problems.array(where, self.name, value, shape)
+
+
+class LineLoad(ForceElement, tag="line"):
     """A force and a torque per length along a beam.
 
     They act on the section axis between its nodes with linear shape functions: on an element of
@@ -29,27 +53,6 @@ class LineLoad:
     ``L (3 q_a + q_b)/8``, ``L (q_a + 3 q_b)/8`` act a sixth of L inside them: the moments
     ``q L^2/12`` of the cubic, which turn with the beam. Gravity needs no load, it acts on the mass
     by itself; such moments of weight come with ``mass="corrected"``.
-
-    Parameters
-    ----------
-    name : str
-        Name, unique among the forces.
-    beam : BeamBody
-        The beam.
-    force : (3,) or (n + 1, 3) array_like
-        Force per unstressed length, N/m, everywhere or at every node: in the world frame, or in
-        section axes if `follow`.
-    torque : (3,) or (n + 1, 3) array_like
-        Torque per unstressed length, N m/m, in the same axes.
-    follow : bool
-        Whether the load turns with the sections, as pressure does.
-    signal : Signal or float, optional
-        Factor on the load as a function of time; None for 1.
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong.
 
     Examples
     --------
@@ -61,52 +64,58 @@ class LineLoad:
     [6.0, 12.0, 12.0, 6.0]
     """
 
-    kind: ClassVar[str] = "line load"
-    name: str
-    beam: BeamBody
-    force: Array
-    torque: Array
-    follow: bool
-    signal: Signal | None
+    kind = "line load"
+    beam: BeamField = field("The beam")
+    force: Rows = field(
+        "Force per unstressed length everywhere, or at every node: in the world frame, or in "
+        "section axes if `follow`",
+        unit="N/m",
+        default=(0.0, 0.0, 0.0),
+    )
+    torque: Rows = field(
+        "Torque per unstressed length, in the same axes",
+        unit="N m/m",
+        default=(0.0, 0.0, 0.0),
+        kw_only=True,
+    )
+    follow: Flag = field(
+        "Whether the load turns with the sections, as pressure does", default=False, kw_only=True
+    )
+    signal: OptionalSignal = field(
+        "Factor on the load as a function of time; None for 1",
+        unit="1",
+        default=None,
+        kw_only=True,
+    )
 
-    def __init__(
-        self,
-        name: str,
-        beam: BeamBody,
-        force: ArrayLike = (0.0, 0.0, 0.0),
-        *,
-        torque: ArrayLike = (0.0, 0.0, 0.0),
-        follow: bool = False,
-        signal: Signal | float | None = None,
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, self.kind, name)
-        checked: Any = beam
-        if not isinstance(checked, BeamBody):
-            problems.add(where, f"beam is {checked!r}, must be a BeamBody")
-            problems.raise_if_any()
-        n = beam.n
-        q, m = (
-            problems.array(where, key, value, (n + 1, 3) if np.ndim(value) == 2 else (3,))
-            for key, value in (("force", force), ("torque", torque))
-        )
-        factor = None if signal is None else check_signal(problems, where, "signal", signal)
-        if q is not None and m is not None and not (np.any(q) or np.any(m)):
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Keep a row for every node; note rows of another number and what is no load."""
+        shape = (self.beam.n + 1, 3)
+        for key in ("force", "torque"):
+            rows = getattr(self, key)
+            if rows.ndim == 2 and problems.array(where, key, rows, shape) is None:
+                return
+            object.__setattr__(self, key, readonly(np.broadcast_to(rows, shape)))
+        if not (np.any(self.force) or np.any(self.torque)):
             problems.add(where, "force and torque are zero; give force=(x, y, z) in N/m")
-        problems.raise_if_any()
-        assert q is not None and m is not None
-        set_fields(
-            self,
-            name=name,
-            beam=beam,
-            force=readonly(np.broadcast_to(q, (n + 1, 3))),
-            torque=readonly(np.broadcast_to(m, (n + 1, 3))),
-            follow=bool(follow),
-            signal=factor,
-        )
 
     def __repr__(self) -> str:
         return f"<LineLoad {self.name!r}: on {self.beam.name}>"
+
+    @property
+    def pushes(self) -> tuple[Push, ...]:
+        """A load at every node that is loaded."""
+        return tuple(
+            Push(
+                "load",
+                np.concatenate([force, torque]),
+                b=marker,
+                turns=self.follow or bool(np.any(torque)),
+                follow=self.follow,
+                signal=self.signal,
+            )
+            for marker, force, torque in self.loads
+        )
 
     @property
     def loads(self) -> tuple[tuple[Marker, Array, Array], ...]:

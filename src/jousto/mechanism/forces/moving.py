@@ -4,114 +4,78 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from jousto.base.arguments import explained
-from jousto.base.described import described
+from jousto.base.declare import Flag, Texts, Vector, field
 from jousto.base.errors import InputError, Problems
-from jousto.base.names import check_name
-from jousto.base.numbers import set_fields
 from jousto.base.rotations import Array, readonly
 from jousto.mechanism.bodies.body import FlexibleBody, MovingBody, RigidBody
-from jousto.mechanism.signals.base import Signal, check_signal
+from jousto.mechanism.bodies.reference import MovingBodyField
+from jousto.mechanism.forces.base import ForceElement, Push
+from jousto.mechanism.signals.base import OptionalSignal, SignalField
 
 NEAR = 1e-6  # of the length of a line: nodes that count as on it
 
+TWO = "must name two nodes or more, such as start and end"
 
-@explained
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class MovingLoad:
+
+class MovingLoad(ForceElement, tag="moving-load"):
     """A force whose point of attack travels along a body, such as a wheel on a rail.
 
     Between two nodes a flexible body is followed by cubics through their displacements and slopes,
     as the elements of a beam do: ``Q_p = Phi(s)^T A^T F`` at the path length s(t). The force has
-    no mass, and acts only while s is on the path.
-
-    Parameters
-    ----------
-    name : str
-        Name, unique among the forces.
-    body : FlexibleBody or RigidBody
-        The body; the part of a flexible one has rotations at its nodes.
-    path : sequence of str
-        Names of two nodes or markers or more: the corners of the path. It goes straight from one
-        to the next, through all nodes that lie between; s is counted from the first, m.
-    vector : (3,) array_like
-        Force F, N: in the world frame, or in the body frame if `follow`.
-    position : Signal or float
-        s(t), m.
-    follow : bool
-        Whether the force turns with the body.
-    signal : Signal or float, optional
-        Factor on the force as a function of time; None for 1.
+    no mass, and acts only while s is on the path. It goes straight from one corner to the next,
+    through all nodes that lie between.
     """
 
-    kind: ClassVar[str] = "moving load"
-    name: str
-    body: MovingBody
-    path: tuple[str, ...]
-    vector: Array
-    position: Signal
-    follow: bool
-    signal: Signal | None
-    nodes: tuple[int, ...]
-    points: Array
+    kind = "moving load"
+    body: MovingBodyField = field("The body; the part of a flexible one has rotations at its nodes")
+    path: Texts = field(
+        "Corners of the path: names of two nodes or markers or more; s is counted from the first",
+        wanted=TWO,
+    )
+    vector: Vector = field(
+        "Force F: in the world frame, or in the body frame if `follow`", unit="N"
+    )
+    position: SignalField = field("Path length s(t)", unit="m")
+    follow: Flag = field("Whether the force turns with the body", default=False, kw_only=True)
+    signal: OptionalSignal = field(
+        "Factor on the force as a function of time; None for 1",
+        unit="1",
+        default=None,
+        kw_only=True,
+    )
 
-    def __init__(
-        self,
-        name: str,
-        body: MovingBody,
-        path: Sequence[str],
-        vector: ArrayLike,
-        position: Signal | float,
-        *,
-        follow: bool = False,
-        signal: Signal | float | None = None,
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, self.kind, name)
-        nodes: tuple[int, ...] = ()
-        points = np.zeros((0, 3))
-        checked: Any = body
-        names: Any = () if isinstance(path, str) else tuple(path)
-        if not isinstance(checked, FlexibleBody | RigidBody):
-            problems.add(where, f"body is {checked!r}, must be a flexible or a rigid body")
-        elif len(names) < 2:
-            text = "must name two nodes or more, such as start and end"
-            problems.add(where, f"path is {path!r}, {text}")
-        elif isinstance(body, RigidBody):
-            points = corners_of(problems, where, body, names)
-        else:
-            points = corners_of(problems, where, body, names)
-            nodes = nodes_on(body, points)
-            points = np.asarray(body.reduced.nodes)[list(nodes)]
-            if any(body.reduced.rotation(k) is None for k in nodes):
-                problems.add(
-                    where,
-                    f"body {body.name!r} knows no rotations of its nodes, so that the way between "
-                    "them is unknown; use a part made of beams, or forces at its nodes",
-                )
-        F = problems.array(where, "vector", vector, (3,))
-        s = check_signal(problems, where, "position", position)
-        factor = None if signal is None else check_signal(problems, where, "signal", signal)
-        problems.raise_if_any()
-        set_fields(
-            self,
-            name=name,
-            body=body,
-            path=tuple(path),
-            vector=F,
-            position=s,
-            follow=bool(follow),
-            signal=factor,
-            nodes=nodes,
-            points=readonly(points),
-        )
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note a path that is none, and nodes that do not turn."""
+        if len(self.path) < 2:
+            problems.add(where, f"path is {list(self.path)!r}, {TWO}")
+            return
+        corners = corners_of(problems, where, self.body, self.path)
+        if isinstance(self.body, RigidBody) or not len(corners):
+            return
+        if any(self.body.reduced.rotation(k) is None for k in nodes_on(self.body, corners)):
+            problems.add(
+                where,
+                f"body {self.body.name!r} knows no rotations of its nodes, so that the way between "
+                "them is unknown; use a part made of beams, or forces at its nodes",
+            )
+
+    @cached_property
+    def nodes(self) -> tuple[int, ...]:
+        """The nodes of the path; none on a rigid body."""
+        if isinstance(self.body, RigidBody):
+            return ()
+        return nodes_on(self.body, corners_of(Problems(), "", self.body, self.path))
+
+    @cached_property
+    def points(self) -> Array:
+        """Places (k, 3) of the nodes or corners of the path, body frame, m."""
+        if isinstance(self.body, RigidBody):
+            return readonly(corners_of(Problems(), "", self.body, self.path))
+        return readonly(np.asarray(self.body.reduced.nodes)[list(self.nodes)])
 
     @property
     def lengths(self) -> Array:
@@ -144,6 +108,22 @@ class MovingLoad:
             (first + last - 2 * rise) / h**2,
         ]
         return readonly(np.concatenate([position, np.stack(powers, -1).swapaxes(1, 2)], axis=1))
+
+    @property
+    def pushes(self) -> tuple[Push, ...]:
+        """The force along its path."""
+        pieces = self.pieces
+        head = (len(self.points), pieces.shape[1] - 1)
+        return (
+            Push(
+                "moving load",
+                np.concatenate([head, self.vector, self.lengths, pieces.ravel()]),
+                body=self.body,
+                follow=self.follow,
+                signal=self.signal,
+                reference=self.position,
+            ),
+        )
 
 
 def corners_of(problems: Problems, where: str, body: MovingBody, names: Sequence[str]) -> Array:

@@ -2,89 +2,83 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.base.described import described
+from jousto.base.declare import Field, Number, OptionalNumber, field
 from jousto.base.errors import Problems
-from jousto.base.names import check_name
-from jousto.base.numbers import number, set_fields
 from jousto.base.rotations import Array, readonly
-from jousto.mechanism.bodies.body import FlexibleBody, ground
-from jousto.mechanism.bodies.marker import Marker, check_marker
-from jousto.mechanism.forces.line_load import LineLoad
-from jousto.mechanism.forces.moving import MovingLoad
-from jousto.mechanism.joints.coordinate import Coordinate, Distance, check_coordinate
-from jousto.mechanism.signals.base import Signal, check_signal
+from jousto.mechanism.bodies.body import ground
+from jousto.mechanism.bodies.marker import Marker, MarkerField
+from jousto.mechanism.bodies.reference import FlexibleField
+from jousto.mechanism.forces.base import ForceElement, Push
+from jousto.mechanism.joints.coordinate import (
+    DAMPING,
+    FORCE,
+    RATE,
+    STIFFNESS,
+    VALUE,
+    CoordinateField,
+    Distance,
+)
+from jousto.mechanism.signals.base import OptionalSignal, SignalField
 from jousto.mechanism.signals.piecewise import Table
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class Spring:
+class CurveField(Field["Table | None", "Table | None"]):
+    """A table of a force over a coordinate or its rate, or None.
+
+    Parameters
+    ----------
+    text, default, unit
+        As for every field.
+    at : Along
+        Unit of what the force depends on.
+    """
+
+    form = "curve"
+    noun = "Table"
+
+    def __init__(self, text: str = "", *, at: Any, **common: Any) -> None:
+        super().__init__(text, **common)
+        self.at = at
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the table."""
+        if not isinstance(value, Table):
+            problems.add(where, f"{self.name} is {value!r}, must be a Table or None")
+        return value
+
+
+class Spring(ForceElement, tag="spring"):
     """A spring and damper along a coordinate.
 
     ``f = -k (s - free) - c s' + preload + table(s) + damper_table(s')``, along +s on the body
     of marker b and against it on that of a.
-
-    Parameters
-    ----------
-    name : str
-        Name, unique among the forces.
-    coordinate : Coordinate
-        A distance or displacement (N, m) or an angle (N m, rad).
-    stiffness, damping : float
-        k, N/m or N m/rad, and c, N s/m or N m s/rad; not negative.
-    free : float, optional
-        Value without force; None for that of the initial pose.
-    preload : float
-        Constant force along +s.
-    table, damper_table : Table, optional
-        Force along +s as a function of s and of s'; held beyond its ends.
     """
 
-    kind: ClassVar[str] = "spring"
-    name: str
-    coordinate: Coordinate
-    stiffness: float
-    damping: float
-    free: float | None
-    preload: float
-    table: Table | None
-    damper_table: Table | None
-
-    def __init__(
-        self,
-        name: str,
-        coordinate: Coordinate,
-        stiffness: float = 0.0,
-        damping: float = 0.0,
-        free: float | None = None,
-        preload: float = 0.0,
-        table: Table | None = None,
-        damper_table: Table | None = None,
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, self.kind, name)
-        check_coordinate(problems, where, "coordinate", coordinate)
-        values = {
-            "stiffness": positive(problems, where, "stiffness", stiffness),
-            "damping": positive(problems, where, "damping", damping),
-            "free": None if free is None else number(problems, where, "free", free),
-            "preload": number(problems, where, "preload", preload),
-        }
-        tables: tuple[tuple[str, Any], ...] = (("table", table), ("damper_table", damper_table))
-        for key, value in tables:
-            if not (value is None or isinstance(value, Table)):
-                problems.add(where, f"{key} is {value!r}, must be a Table or None")
-        problems.raise_if_any()
-        set_fields(
-            self, name=name, coordinate=coordinate, table=table, damper_table=damper_table, **values
-        )
+    kind = "spring"
+    coordinate: CoordinateField = field("A distance or displacement (N, m) or an angle (N m, rad)")
+    stiffness: Number = field("k", unit=STIFFNESS, least=0, default=0.0)
+    damping: Number = field("c", unit=DAMPING, least=0, default=0.0)
+    free: OptionalNumber = field(
+        "Value without force; None for that of the initial pose", unit=VALUE, default=None
+    )
+    preload: Number = field("Constant force along +s", unit=FORCE, default=0.0)
+    table: CurveField = field(
+        "Force along +s as a function of s, held beyond its ends",
+        unit=FORCE,
+        at=VALUE,
+        default=None,
+    )
+    damper_table: CurveField = field(
+        "Force along +s as a function of s', held beyond its ends",
+        unit=FORCE,
+        at=RATE,
+        default=None,
+    )
 
     @classmethod
     def between(cls, name: str, a: Marker, b: Marker, *args: Any, **kwargs: Any) -> Spring:
@@ -96,176 +90,150 @@ class Spring:
         """Value of the coordinate without force, m or rad."""
         return self.coordinate.initial if self.free is None else self.free
 
+    @property
+    def pushes(self) -> tuple[Push, ...]:
+        """The spring along its coordinate."""
+        data = (self.stiffness, self.damping, self.free_value, self.preload, 0.0)
+        return (
+            Push(
+                "along",
+                data,
+                coordinate=self.coordinate,
+                spring=self.table,
+                damper=self.damper_table,
+            ),
+        )
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class Bushing:
+
+class Matrix6(Field[ArrayLike, Array]):
+    """A symmetric, positive semi-definite (6, 6) matrix, six numbers of its diagonal, or 0.
+
+    Parameters
+    ----------
+    text, default
+        As for every field.
+    units : ((str, str), (str, str))
+        SI units of the blocks: force and torque against translation and turn.
+    """
+
+    form = "matrix6"
+    noun = "(6,) or (6, 6) array_like or 0"
+
+    def __init__(self, text: str = "", *, units: Any, **common: Any) -> None:
+        super().__init__(text, **common)
+        self.units = units
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the matrix."""
+        return matrix6(problems, where, self.name, value)
+
+
+class Wrench(Field["ArrayLike | None", Array]):
+    """Force and torque, six numbers; None for none."""
+
+    form = "wrench"
+    noun = "(6,) array_like"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return them as an array."""
+        return problems.array(where, self.name, value, (6,))
+
+
+class Bushing(ForceElement, tag="bushing"):
     """A linear support: ``[F, T] = -K [d, theta] - D [d', theta'] + preload`` on b.
 
     d = r_b - r_a and the rotation vector theta of b against a are resolved in a.
-
-    Parameters
-    ----------
-    name : str
-        Name, unique among the forces.
-    a, b : Marker
-        The frames.
-    stiffness, damping : (6,) or (6, 6) array_like or 0
-        K and D, translation then rotation; symmetric and not negative. Six numbers are the
-        diagonal.
-    preload : (6,) array_like, optional
-        Force, N, and torque, N m, on b, resolved in a.
     """
 
-    kind: ClassVar[str] = "bushing"
-    name: str
-    a: Marker
-    b: Marker
-    stiffness: Array
-    damping: Array
-    preload: Array
+    kind = "bushing"
+    a: MarkerField = field("Frame a")
+    b: MarkerField = field("Frame b")
+    stiffness: Matrix6 = field(
+        "K, translation then rotation: symmetric and not negative, six numbers are the diagonal",
+        units=(("N/m", "N/rad"), ("N", "N m/rad")),
+    )
+    damping: Matrix6 = field(
+        "D, as the stiffness",
+        units=(("N s/m", "N s/rad"), ("N s", "N m s/rad")),
+        default=0.0,
+    )
+    preload: Wrench = field(
+        "Force, N, and torque, N m, on b, resolved in a; None for none", default=None
+    )
 
-    def __init__(
-        self,
-        name: str,
-        a: Marker,
-        b: Marker,
-        stiffness: ArrayLike,
-        damping: ArrayLike = 0.0,
-        preload: ArrayLike | None = None,
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, self.kind, name)
-        check_marker(problems, where, "a", a)
-        check_marker(problems, where, "b", b)
-        K = matrix6(problems, where, "stiffness", stiffness)
-        D = matrix6(problems, where, "damping", damping)
-        P = problems.array(where, "preload", np.zeros(6) if preload is None else preload, (6,))
-        problems.raise_if_any()
-        set_fields(self, name=name, a=a, b=b, stiffness=K, damping=D, preload=P)
+    def __post_init__(self) -> None:
+        given: Any = self.preload
+        if given is None:
+            object.__setattr__(self, "preload", np.zeros(6))
+        super().__post_init__()
 
-
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class JointForce:
-    """A force or torque along a coordinate: ``f = signal(t)``; with `Input` an actuator.
-
-    Parameters
-    ----------
-    name : str
-        Name, unique among the forces.
-    coordinate : Coordinate
-        It acts along +s on the body of marker b.
-    signal : Signal or float
-        N, or N m along an angle.
-    """
-
-    kind: ClassVar[str] = "joint force"
-    name: str
-    coordinate: Coordinate
-    signal: Signal
-
-    def __init__(self, name: str, coordinate: Coordinate, signal: Signal | float) -> None:
-        problems = Problems()
-        where = check_name(problems, self.kind, name)
-        check_coordinate(problems, where, "coordinate", coordinate)
-        value = check_signal(problems, where, "signal", signal)
-        problems.raise_if_any()
-        set_fields(self, name=name, coordinate=coordinate, signal=value)
+    @property
+    def pushes(self) -> tuple[Push, ...]:
+        """The support."""
+        data = np.concatenate([self.stiffness.ravel(), self.damping.ravel(), self.preload])
+        return (Push("bushing", data, a=self.a, b=self.b),)
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class Servo:
-    """A controlled force: ``f = clamp(kp (ref - s) + kd (ref' - s'), +-limit)``.
+class JointForce(ForceElement, tag="joint-force"):
+    """A force or torque along a coordinate: ``f = signal(t)``; with `Input` an actuator."""
 
-    Parameters
-    ----------
-    name : str
-        Name, unique among the forces.
-    coordinate : Coordinate
-        What is controlled.
-    reference : Signal or float
-        Wanted value, m or rad.
-    kp, kd : float
-        Gains, N/m and N s/m or N m/rad and N m s/rad; not negative.
-    limit : float, optional
-        Largest force, N or N m, more than zero; None for no limit.
-    """
+    kind = "joint force"
+    coordinate: CoordinateField = field("It acts along +s on the body of marker b")
+    signal: SignalField = field("Force as a function of time", unit=FORCE)
 
-    kind: ClassVar[str] = "servo"
-    name: str
-    coordinate: Coordinate
-    reference: Signal
-    kp: float
-    kd: float
-    limit: float | None
-
-    def __init__(
-        self,
-        name: str,
-        coordinate: Coordinate,
-        reference: Signal | float,
-        kp: float,
-        kd: float = 0.0,
-        limit: float | None = None,
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, self.kind, name)
-        check_coordinate(problems, where, "coordinate", coordinate)
-        values = {
-            "reference": check_signal(problems, where, "reference", reference),
-            "kp": positive(problems, where, "kp", kp),
-            "kd": positive(problems, where, "kd", kd),
-            "limit": None if limit is None else positive(problems, where, "limit", limit),
-        }
-        if values["limit"] == 0.0:
-            problems.add(where, "limit is 0, must be more; None is no limit")
-        problems.raise_if_any()
-        set_fields(self, name=name, coordinate=coordinate, **values)
+    @property
+    def pushes(self) -> tuple[Push, ...]:
+        """The force along its coordinate."""
+        s, f = self.coordinate, self.signal
+        return (Push("along", (0.0, 0.0, 0.0, 1.0, 0.0), coordinate=s, active=True, signal=f),)
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class ModalLoad:
-    """A pattern of nodal forces that follows a flexible body, such as a pressure.
+class Servo(ForceElement, tag="servo"):
+    """A controlled force: ``f = clamp(kp (ref - s) + kd (ref' - s'), +-limit)``."""
 
-    Parameters
-    ----------
-    name : str
-        Name, unique among the forces.
-    body : FlexibleBody
-        The body.
-    pattern : (nodes, 3) array_like
-        Force on every node, N, body frame.
-    signal : Signal or float, optional
-        Factor as a function of time; None for 1.
-    """
+    kind = "servo"
+    coordinate: CoordinateField = field("What is controlled")
+    reference: SignalField = field("Wanted value", unit=VALUE)
+    kp: Number = field("Gain on the error", unit=STIFFNESS, least=0)
+    kd: Number = field("Gain on the rate of the error", unit=DAMPING, least=0, default=0.0)
+    limit: OptionalNumber = field(
+        "Largest force; None for no limit",
+        unit=FORCE,
+        above=0,
+        remedy="None is no limit",
+        default=None,
+    )
 
-    kind: ClassVar[str] = "modal load"
-    name: str
-    body: FlexibleBody
-    pattern: Array
-    signal: Signal | None
+    @property
+    def pushes(self) -> tuple[Push, ...]:
+        """A spring and damper to the reference."""
+        data = (self.kp, self.kd, 0.0, 0.0, self.limit or 0.0)
+        s = self.coordinate
+        return (Push("along", data, coordinate=s, active=True, reference=self.reference),)
 
-    def __init__(
-        self,
-        name: str,
-        body: FlexibleBody,
-        pattern: ArrayLike,
-        signal: Signal | float | None = None,
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, self.kind, name)
-        checked: Any = body
-        F = None
-        if not isinstance(checked, FlexibleBody):
-            problems.add(where, f"body is {checked!r}, must be a flexible body")
-        else:
-            F = problems.array(where, "pattern", pattern, (len(body.reduced.nodes), 3))
-        factor = None if signal is None else check_signal(problems, where, "signal", signal)
-        problems.raise_if_any()
-        set_fields(self, name=name, body=body, pattern=F, signal=factor)
+
+class PatternField(Field[ArrayLike, Array]):
+    """A force on every node of a body."""
+
+    form = "pattern"
+    noun = "(nodes, 3) array_like"
+
+
+class ModalLoad(ForceElement, tag="modal-load"):
+    """A pattern of nodal forces that follows a flexible body, such as a pressure."""
+
+    kind = "modal load"
+    body: FlexibleField = field("The body")
+    pattern: PatternField = field("Force on every node, body frame", unit="N")
+    signal: OptionalSignal = field(
+        "Factor as a function of time; None for 1", unit="1", default=None
+    )
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Keep the pattern as an array; note one that is not of the body."""
+        shape = (len(self.body.reduced.nodes), 3)
+        found = problems.array(where, "pattern", self.pattern, shape)
+        object.__setattr__(self, "pattern", found)
 
     @property
     def load(self) -> Array:
@@ -275,39 +243,54 @@ class ModalLoad:
         moment = np.cross(nodes, self.pattern).sum(axis=0)
         return np.concatenate([self.pattern.sum(axis=0), moment, modal])
 
+    @property
+    def pushes(self) -> tuple[Push, ...]:
+        """The generalised load."""
+        return (Push("modal load", self.load, body=self.body, signal=self.signal),)
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class UserForce:
-    """A force and torque at a marker by a function of the user.
 
-    Parameters
-    ----------
-    name : str
-        Name, unique among the forces.
-    marker : Marker
-        Where it acts, frame b of the function.
-    function : callable, LowLevelCallable, numba cfunc or ctypes function
-        Called as ``y = function(t, x)`` several times in a step, t in s. x is an array (18,), how
-        `marker` stands and moves against `reference`, everything resolved in the axes of
-        `reference`:
+class OptionalMarker(Field["Marker | None", Marker]):
+    """A marker, or None for the origin of the world."""
 
-        ============ ============================================================ =====
-        ``x[0:3]``   position of the marker, r_b - r_a                            m
-        ``x[3:12]``  its orientation, ``x[3:12].reshape(3, 3)``: columns are axes
-        ``x[12:15]`` its velocity as seen from the turning reference              m/s
-        ``x[15:18]`` its angular velocity against the reference                   rad/s
-        ============ ============================================================ =====
+    form = "marker"
+    noun = "Marker"
+    check = MarkerField.check
 
-        It returns six numbers y: the force ``y[0:3]``, N, and torque ``y[3:6]``, N m, on the body
-        of `marker`, at the marker and resolved in the axes of `reference`. The body of the
-        reference gets the opposite of both. Values that are not finite and exceptions stop the
-        run with their message. It must not remember earlier calls: solvers try steps and repeat
-        them. Compiled functions run at the speed of C and have the signature
-        ``int f(double t, const double *x, double *y, void *user)`` (``jo_callback`` in jousto.h):
-        they write y and return 0, or another number for an error.
-    reference : Marker
-        Frame a; the world by default, then positions and forces are in world axes.
+
+class FunctionField(Field[Any, Any]):
+    """A function of Python or a compiled one; a model file writes ``file.py:name``."""
+
+    form = "function"
+    noun = "callable, LowLevelCallable, numba cfunc or ctypes function"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the function."""
+        # a scipy.LowLevelCallable is a tuple that cannot be called
+        if not (callable(value) or isinstance(value, tuple)):
+            problems.add(where, f"{self.name} is {value!r}, must be callable or compiled")
+        return value
+
+
+class UserForce(ForceElement, tag="user-force"):
+    """A force and torque at a marker by a function of the user, ``y = function(t, x)``.
+
+    It is called several times in a step, t in s. x is an array (18,), how `marker` stands and
+    moves against `reference`, everything resolved in the axes of `reference`:
+
+    ============ ============================================================ =====
+    ``x[0:3]``   position of the marker, r_b - r_a                            m
+    ``x[3:12]``  its orientation, ``x[3:12].reshape(3, 3)``: columns are axes
+    ``x[12:15]`` its velocity as seen from the turning reference              m/s
+    ``x[15:18]`` its angular velocity against the reference                   rad/s
+    ============ ============================================================ =====
+
+    It returns six numbers y: the force ``y[0:3]``, N, and torque ``y[3:6]``, N m, on the body
+    of `marker`, at the marker and resolved in the axes of `reference`. The body of the
+    reference gets the opposite of both. Values that are not finite and exceptions stop the
+    run with their message. It must not remember earlier calls: solvers try steps and repeat
+    them. Compiled functions run at the speed of C and have the signature
+    ``int f(double t, const double *x, double *y, void *user)`` (``jo_callback`` in jousto.h):
+    they write y and return 0, or another number for an error.
 
     Examples
     --------
@@ -322,50 +305,24 @@ class UserForce:
     >>> drag = UserForce("drag", ball["origin"], air)
     """
 
-    kind: ClassVar[str] = "user force"
-    name: str
-    marker: Marker
-    function: Any
-    reference: Marker
+    kind = "user force"
+    ties = False
+    marker: MarkerField = field("Where it acts, frame b of the function")
+    function: FunctionField = field("Force and torque")
+    reference: OptionalMarker = field(
+        "Frame a; None for the world, with positions and forces in world axes", default=None
+    )
 
-    def __init__(
-        self,
-        name: str,
-        marker: Marker,
-        function: Callable[..., Any] | Any,
-        reference: Marker | None = None,
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, self.kind, name)
-        frame = ground["origin"] if reference is None else reference
-        check_marker(problems, where, "marker", marker)
-        check_marker(problems, where, "reference", frame)
-        # a scipy.LowLevelCallable is a tuple that cannot be called
-        if not (callable(function) or isinstance(function, tuple)):
-            problems.add(where, f"function is {function!r}, must be callable or compiled")
-        problems.raise_if_any()
-        set_fields(self, name=name, marker=marker, function=function, reference=frame)
+    def __post_init__(self) -> None:
+        given: Any = self.reference
+        if given is None:
+            object.__setattr__(self, "reference", ground["origin"])
+        super().__post_init__()
 
-
-Element = Spring | Bushing | JointForce | Servo | ModalLoad | MovingLoad | UserForce | LineLoad
-ELEMENTS: tuple[type[Element], ...] = (
-    Spring,
-    Bushing,
-    JointForce,
-    Servo,
-    ModalLoad,
-    MovingLoad,
-    UserForce,
-    LineLoad,
-)
-
-
-def positive(problems: Problems, where: str, name: str, value: Any) -> float | None:
-    """Return a finite number that is not negative, or note why it is none."""
-    found = number(problems, where, name, value)
-    if found is not None and found < 0:
-        problems.add(where, f"{name} is {found:g}, must not be negative")
-    return found
+    @property
+    def pushes(self) -> tuple[Push, ...]:
+        """The function."""
+        return (Push("user", [0.0], a=self.reference, b=self.marker, function=self.function),)
 
 
 def matrix6(problems: Problems, where: str, name: str, value: Any) -> Array | None:

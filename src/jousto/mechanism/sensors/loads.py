@@ -10,19 +10,12 @@ from jousto.base.errors import Problems
 from jousto.base.names import check_name
 from jousto.base.numbers import set_fields
 from jousto.mechanism.bodies.marker import Marker, check_marker
+from jousto.mechanism.forces.base import ForceElement
 from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.forces.line_load import LineLoad
-from jousto.mechanism.forces.loads import LOADS, Force, Load, Torque
+from jousto.mechanism.forces.loads import Force, Torque
 from jousto.mechanism.forces.moving import MovingLoad
-from jousto.mechanism.forces.springs import (
-    ELEMENTS,
-    Bushing,
-    Element,
-    JointForce,
-    ModalLoad,
-    Servo,
-    Spring,
-)
+from jousto.mechanism.forces.springs import ModalLoad
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.joints.coupling import Coupler
@@ -145,16 +138,16 @@ class ForceSensor:
     """
 
     name: str
-    force: Load | Element | Friction
+    force: ForceElement | Friction
     resolved_in: Marker | None
 
     def __init__(
-        self, name: str, force: Load | Element | Friction, *, resolved_in: Marker | None = None
+        self, name: str, force: ForceElement | Friction, *, resolved_in: Marker | None = None
     ) -> None:
         problems = Problems()
         where = check_name(problems, "sensor", name)
         checked: Any = force
-        if not isinstance(checked, (*LOADS, *ELEMENTS, Friction)):
+        if not isinstance(checked, ForceElement | Friction):
             problems.add(where, f"force is {checked!r}, must be a force element such as a Spring")
         elif isinstance(checked, LineLoad):
             problems.add(
@@ -224,14 +217,12 @@ class ForceSensor:
 
 def along(force: Any) -> tuple[Coordinate, ...]:
     """Return the coordinates that a force acts along, none if it acts at a marker."""
-    if isinstance(force, Friction):
-        return force.coordinates
-    return (force.coordinate,) if isinstance(force, Spring | JointForce | Servo) else ()
+    return force.coordinates if isinstance(force, ForceElement | Friction) else ()
 
 
 def pushed(force: Any) -> Marker:
     """Return the marker at which a force acts."""
-    marker: Marker = force.b if isinstance(force, Bushing) else force.marker
+    marker: Marker = force.b if hasattr(force, "b") else force.marker
     return marker
 
 

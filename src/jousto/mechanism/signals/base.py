@@ -119,6 +119,14 @@ class SignalField(Field["Signal | float", Signal]):
         return check_signal(problems, where, self.name, value)
 
 
+class OptionalSignal(Field["Signal | float | None", "Signal | None"]):
+    """A signal, a number for a constant one, or None."""
+
+    form = "signal"
+    noun = "Signal or float"
+    check = SignalField.check
+
+
 class SignalsField(Field["tuple[Signal | float, ...]", "tuple[Signal, ...]"]):
     """Signals or numbers, which the constructor takes one after the other.
 

@@ -2,81 +2,86 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, TypeAlias
 
+from jousto.base.declare import Choice, Declared, Field, Flag, Name, Number, field
 from jousto.base.errors import Problems, suggest
-from jousto.base.names import check_name
-from jousto.base.numbers import number, set_fields
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.sensors.kinds import SENSORS, Sensor
 
 DIRECTIONS = ("both", "rising", "falling")
+Measurable: TypeAlias = Sensor | Coordinate
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class Event:
+class Watched(Field[Measurable, Measurable]):
+    """A sensor, which a model file gives by its name, or a coordinate."""
+
+    form = "watched"
+    noun = "Sensor or Coordinate"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return what is watched."""
+        if not isinstance(value, (*SENSORS, Coordinate)):
+            problems.add(where, f"watch is {value!r}, must be a sensor or a coordinate")
+        return value
+
+
+class Component(Field["int | str | None", int]):
+    """The component of a sensor that has several."""
+
+    form = "component"
+    noun = "int or str"
+
+
+class Threshold(Number):
+    """A value in the unit of what is watched."""
+
+    form = "threshold"
+
+
+class Direction(Choice):
+    """Which crossings count."""
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return one of the words."""
+        if value not in self.words:
+            problems.add(where, f"direction is {value!r}{suggest(value, self.words)}")
+        return value
+
+
+class Event(Declared, section="events"):
     """A zero crossing: the watched value passes the threshold.
 
     `simulate` locates it in time by repeating the step with other lengths, to 1e-12 s; a value that
     comes back within one step is not seen. Who starts at the threshold has not crossed it.
-
-    Parameters
-    ----------
-    name : str
-        Name, unique among the events.
-    watch : Sensor or Coordinate
-        What is watched.
-    threshold : float
-        Value that is passed, in the unit of what is watched.
-    direction : {"both", "rising", "falling"}
-        Which crossings count.
-    stop : bool
-        Whether the run ends there. A `Switched` signal refers to the event instead.
-    component : int or str, optional
-        Number from 0 or name of the component of a sensor that has several.
     """
 
-    kind: ClassVar[str] = "event"
-    name: str
-    watch: Sensor | Coordinate
-    threshold: float
-    direction: str
-    stop: bool
-    component: int
+    kind = "event"
+    name: Name = field("Unique among the events")
+    watch: Watched = field("What is watched: a sensor, or a coordinate such as ``hinge.angle``")
+    component: Component = field(
+        "Number from 0 or name of the component of a sensor that has several",
+        default=None,
+        kw_only=True,
+    )
+    threshold: Threshold = field(
+        "Value that is passed, in the unit of what is watched", default=0.0
+    )
+    direction: Direction = field("Which crossings count", words=DIRECTIONS, default="both")
+    stop: Flag = field(
+        "Whether the run ends there; a `Switched` signal refers to the event instead",
+        default=False,
+    )
 
-    def __init__(
-        self,
-        name: str,
-        watch: Sensor | Coordinate,
-        threshold: float = 0.0,
-        direction: str = "both",
-        stop: bool = False,
-        *,
-        component: int | str | None = None,
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, self.kind, name)
-        value = number(problems, where, "threshold", threshold)
-        if direction not in DIRECTIONS:
-            problems.add(where, f"direction is {direction!r}{suggest(direction, DIRECTIONS)}")
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Keep the number of the component; note one that does not exist."""
+        given: int | str | None = self.component
         index = 0
-        if isinstance(watch, SENSORS):
-            index = component_of(problems, where, watch, component)
-        elif not isinstance(watch, Coordinate):
-            problems.add(where, f"watch is {watch!r}, must be a sensor or a coordinate")
-        elif component is not None:
-            problems.add(where, f"component is {component!r}: {watch.name} is one number")
-        problems.raise_if_any()
-        set_fields(
-            self,
-            name=name,
-            watch=watch,
-            threshold=value,
-            direction=direction,
-            stop=bool(stop),
-            component=index,
-        )
+        if not isinstance(self.watch, Coordinate):
+            index = component_of(problems, where, self.watch, given)
+        elif given is not None:
+            problems.add(where, f"component is {given!r}: {self.watch.name} is one number")
+        object.__setattr__(self, "component", index)
 
     def __repr__(self) -> str:
         mark = {"both": "crosses", "rising": "rises above", "falling": "falls below"}

@@ -37,12 +37,9 @@ from jousto.schema.entries.parts import (
     SectionEntry,
     TubeEntry,
 )
-from jousto.schema.entries.signals import SignalEntry
 
 MassPerLength: TypeAlias = Annotated[float, Unit("kg/m")]
 InertiaPerLength: TypeAlias = Annotated[float, Unit("kg m")]
-ForcePerLength: TypeAlias = Annotated[float, Unit("N/m")]
-TorquePerLength: TypeAlias = Annotated[float, Unit("N m/m")]
 Place2: TypeAlias = Annotated[tuple[Length, Length], Vector(2)]
 
 
@@ -189,36 +186,6 @@ class BeamBodyEntry(Entry):
     orientation: Orientation | None = None
     velocity: Velocity3 | None = Field(None, description="Of the body frame's origin")
     angular_velocity: AngularVelocity3 | None = None
-
-
-ForceRow: TypeAlias = Annotated[tuple[ForcePerLength, ForcePerLength, ForcePerLength], Vector(3)]
-TorqueRow: TypeAlias = Annotated[
-    tuple[TorquePerLength, TorquePerLength, TorquePerLength], Vector(3)
-]
-
-
-class LineLoadEntry(Entry):
-    """`LineLoad`: a load per length along a beam."""
-
-    type: Literal["line"]
-    name: Text
-    beam: Text = Field(description="Name of a body of type beam")
-    force: (
-        Annotated[
-            Annotated[ForceRow, Tag("one")] | Annotated[tuple[ForceRow, ...], Tag("rows")],
-            Discriminator(_rows),
-        ]
-        | None
-    ) = Field(None, description="N/m everywhere, or at each node")
-    torque: (
-        Annotated[
-            Annotated[TorqueRow, Tag("one")] | Annotated[tuple[TorqueRow, ...], Tag("rows")],
-            Discriminator(_rows),
-        ]
-        | None
-    ) = Field(None, description="N m/m everywhere, or at each node")
-    follow: Flag | None = Field(None, description="Whether it turns with the sections")
-    signal: SignalEntry | None = Field(None, description="Factor as a function of time")
 
 
 def _at(value: Any) -> str:

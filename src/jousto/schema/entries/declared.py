@@ -23,7 +23,7 @@ from jousto.schema.entries.base import (
     Unit,
     Vector,
 )
-from jousto.schema.entries.choices import Tagged
+from jousto.schema.entries.choices import Later, Tagged
 
 FORMS: dict[str, Callable[[Any], Any]] = {
     "text": lambda field: Text,
@@ -96,6 +96,11 @@ def said(field: Field[Any, Any]) -> str | None:
     plain = field.required or field.default is None or isinstance(field.default, bool)
     default = "" if plain else f"; {field.default} if not given"
     return f"{field.text}{unit}{default}" or None
+
+
+def alone(cls: type[Declared]) -> Any:
+    """Return the type of an entry of a section with one class, whose ``type`` nobody says."""
+    return Annotated[entry_of(cls), Later()]
 
 
 class Declarations(Tagged):

@@ -6,20 +6,19 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, Tag
 
+from jousto.mechanism.forces.friction import Friction
+from jousto.mechanism.initial import Initial
+from jousto.mechanism.signals.event import Event
+from jousto.schema.entries import connections as connections
 from jousto.schema.entries.base import (
     Acceleration3,
-    Amount,
     AngularVelocity3,
-    Component,
     Density,
     Direction,
     Duration,
     Entry,
-    Flag,
-    Force3,
     InertiaTensor,
     Length,
-    Marker,
     Mass,
     Number,
     Orientation,
@@ -27,28 +26,14 @@ from jousto.schema.entries.base import (
     Rate,
     Text,
     Time,
-    Torque3,
     Velocity3,
 )
-from jousto.schema.entries.beams import BeamBodyEntry, LineLoadEntry
+from jousto.schema.entries.beams import BeamBodyEntry
 from jousto.schema.entries.choices import Later, by_form, tagged
-from jousto.schema.entries.connections import (
-    BushingEntry,
-    CoordinateEntry,
-    CoordinateForm,
-    FrictionEntry,
-    JointForceEntry,
-    ModalLoadEntry,
-    MovingLoadEntry,
-    ServoEntry,
-    SpringEntry,
-    UserForceEntry,
-)
-from jousto.schema.entries.declared import one_of
+from jousto.schema.entries.declared import alone, one_of
 from jousto.schema.entries.fatigue import FatigueEntry
 from jousto.schema.entries.monitor import MonitorEntry
 from jousto.schema.entries.sensors import SensorEntry
-from jousto.schema.entries.signals import SignalEntry
 from jousto.schema.entries.solids import PartEntry
 
 # -- bodies ---------------------------------------------------------------------------------
@@ -165,77 +150,6 @@ BodyEntry: TypeAlias = Annotated[
     tagged(_kind_of_body),
 ]
 
-# -- forces ---------------------------------------------------------------------------------
-
-
-class ForceEntry(Entry):
-    """`Force` at a marker."""
-
-    type: Literal["force"]
-    name: Text
-    marker: Marker
-    vector: Force3
-    follow: Flag | None = Field(None, description="Whether it turns with the marker")
-    signal: SignalEntry | None = Field(None, description="Factor as a function of time")
-
-
-class TorqueEntry(Entry):
-    """`Torque` at a marker."""
-
-    type: Literal["torque"]
-    name: Text
-    marker: Marker
-    vector: Torque3
-    follow: Flag | None = Field(None, description="Whether it turns with the marker")
-    signal: SignalEntry | None = Field(None, description="Factor as a function of time")
-
-
-LoadEntry: TypeAlias = Annotated[
-    Annotated[ForceEntry, Tag("force")]
-    | Annotated[TorqueEntry, Tag("torque")]
-    | Annotated[SpringEntry, Tag("spring")]
-    | Annotated[BushingEntry, Tag("bushing")]
-    | Annotated[JointForceEntry, Tag("joint-force")]
-    | Annotated[MovingLoadEntry, Tag("moving-load")]
-    | Annotated[ServoEntry, Tag("servo")]
-    | Annotated[ModalLoadEntry, Tag("modal-load")]
-    | Annotated[UserForceEntry, Tag("user-force")]
-    | Annotated[LineLoadEntry, Tag("line")],
-    tagged(),
-]
-
-# -- events ---------------------------------------------------------------------------------
-
-
-class EventEntry(Entry):
-    """`Event`: what is watched passes a threshold."""
-
-    name: Text
-    watch: Annotated[
-        Annotated[Text, Tag("scalar")] | Annotated[CoordinateForm, Tag("mapping")], by_form()
-    ] = Field(description="Name of a sensor, or a coordinate such as hinge.angle")
-    threshold: Amount | None = Field(None, description="In the unit of what is watched; 0 if none")
-    direction: Literal["both", "rising", "falling"] | None = Field(None, description="Both if none")
-    stop: Flag | None = Field(None, description="Whether the run ends there")
-    component: Component | None = Field(None, description="Of a sensor with several")
-
-
-# -- start ----------------------------------------------------------------------------------
-
-
-class InitialEntry(Entry):
-    """`Initial`: value and rate of a coordinate at time 0."""
-
-    coordinate: CoordinateEntry = Field(description="Such as crank.angle")
-    value: Amount | None = Field(None, description="That of the given pose if not given")
-    rate: Amount | None = Field(None, description="Such as 5.24 rad/s, 50 rpm or 0.2 m/s")
-
-    @property
-    def name(self) -> str:
-        """What the coordinate is called."""
-        return str(self.coordinate)
-
-
 # -- simulation and the whole file ----------------------------------------------------------
 
 
@@ -258,6 +172,10 @@ class SimulationEntry(Entry):
 JOINTS = "jousto.mechanism.joints"
 JointEntry: Any = one_of("joints", JOINTS)
 CouplerEntry: Any = one_of("couplings", JOINTS)
+FrictionEntry: Any = alone(Friction)
+InitialEntry: Any = alone(Initial)
+EventEntry: Any = alone(Event)
+ForceEntry: Any = one_of("forces", "jousto.mechanism.forces")
 
 
 class ModelEntry(Entry):
@@ -269,12 +187,12 @@ class ModelEntry(Entry):
     bodies: tuple[BodyEntry, ...]
     joints: tuple[JointEntry, ...] | None = None
     couplings: tuple[CouplerEntry, ...] | None = None
-    forces: tuple[LoadEntry, ...] | None = None
-    frictions: tuple[Annotated[FrictionEntry, Later()], ...] | None = None
-    initial: tuple[Annotated[InitialEntry, Later()], ...] | None = None
+    forces: tuple[ForceEntry, ...] | None = None
+    frictions: tuple[FrictionEntry, ...] | None = None
+    initial: tuple[InitialEntry, ...] | None = None
     gravity: Acceleration3 | None = None
     sensors: tuple[SensorEntry, ...] | None = None
-    events: tuple[Annotated[EventEntry, Later()], ...] | None = None
+    events: tuple[EventEntry, ...] | None = None
     simulation: Annotated[SimulationEntry, Later()] | None = None
     fatigue: Annotated[FatigueEntry, Later()] | None = None
     monitor: Annotated[MonitorEntry, Later()] | None = None

@@ -23,10 +23,9 @@ from jousto.schema.entries.fatigue import build_curves
 from jousto.schema.entries.solids import SolidEntry
 from jousto.schema.file.document import Document, Loc
 from jousto.schema.make.beam import build_beam
-from jousto.schema.make.connect import build_friction, build_initial
-from jousto.schema.make.declared import build_declared
-from jousto.schema.make.elements import build_load
-from jousto.schema.make.happen import build_event, is_late, watches_late
+from jousto.schema.make.declared import FORMS, build_declared
+from jousto.schema.make.elements import FORMS as OF_FORCES
+from jousto.schema.make.happen import is_late, watches_late
 from jousto.schema.make.matrices import build_matrices, build_superelement, is_superelement
 from jousto.schema.make.sense import FLEXIBLE_ONLY, build_sensor
 from jousto.schema.make.solid import build_solid
@@ -73,6 +72,8 @@ class Builder:
         self.events: dict[str, Any] = {}
         self.curves: dict[str, Any] = {}
         self.late_events: set[str] = set()
+        self.forms = {**FORMS, **OF_FORCES}
+        self.sensors: list[str] = []  # names of all sensors of the file
 
     # -- placing problems -------------------------------------------------------------------
 
@@ -86,7 +87,7 @@ class Builder:
     def make(self, loc: Loc, make: Callable[..., T], /, *args: Any, **kwargs: Any) -> T | None:
         """Return ``make(*args, **kwargs)``; None with the problems noted if it fails."""
         own = {str(loc[-1]).lower() if loc else "", make.__name__.lower(), make.__qualname__}
-        name = kwargs.get("name", args[0] if args else None)
+        name = kwargs.get("name", args[0] if args else kwargs.get("coordinate"))
         name = getattr(name, "name", name)
         result, errors = None, None
         with warnings.catch_warnings(record=True) as caught:
@@ -407,7 +408,7 @@ class Builder:
         for i, entry in zip(index, entries or (), strict=True):
             item = build((key, i), entry)
             if item is None:
-                self.broken.add((key, entry.name))
+                self.broken.add((key, getattr(entry, "name", None)))
             else:
                 items.append(((key, i), item))
         return items
@@ -455,7 +456,7 @@ class Builder:
         joints = listed("joints", lambda at, e: build_declared(self, at, e, made))
         free = made["joints"] = named(joints)
         # sensors of bodies and joints, the events that watch them, then what events switch
-        names = [e.name for e in entry.sensors or ()]
+        self.sensors = [e.name for e in entry.sensors or ()]
         late = {e.name for e in entry.sensors or () if is_late(e, free)}
         self.curves = build_curves(self, entry.fatigue)
         known = {"bodies": by_name, "joints": free, "couplings": {}, "forces": {}}
@@ -467,7 +468,7 @@ class Builder:
         def watched(early: bool) -> list[tuple[Loc, Any]]:
             return listed(
                 "events",
-                lambda at, e: build_event(self, at, e, known, names),
+                lambda at, e: build_declared(self, at, e, known),
                 lambda e: watches_late(e, late) != early,
             )
 
@@ -477,9 +478,9 @@ class Builder:
         self.events = named(events)
         self.late_events = {e.name for e in entry.events or () if watches_late(e, late)}
         couplings = listed("couplings", lambda at, e: build_declared(self, at, e, made))
-        loads = listed("forces", lambda at, e: build_load(self, at, e, by_name, free))
-        initial = listed("initial", lambda at, e: build_initial(self, at, e, by_name, free))
-        frictions = listed("frictions", lambda at, e: build_friction(self, at, e, free))
+        loads = listed("forces", lambda at, e: build_declared(self, at, e, made))
+        initial = listed("initial", lambda at, e: build_declared(self, at, e, made))
+        frictions = listed("frictions", lambda at, e: build_declared(self, at, e, made))
         known |= {"couplings": named(couplings), "forces": named(loads)}
         known["frictions"] = named(frictions)
         stacked = ("damage", "bridge")

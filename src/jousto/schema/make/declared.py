@@ -83,7 +83,7 @@ def build_declared(builder: Builder, loc: Loc, entry: Any, known: Known, use: st
     for key, field in cls.fields.items():
         if key not in given:
             continue
-        make = FORMS.get(field.form)
+        make = builder.forms.get(field.form)
         if make is None:
             values[key] = given[key]
         elif values.get(getattr(field.unit, "field", ""), given) is None:

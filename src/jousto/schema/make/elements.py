@@ -1,170 +1,91 @@
-"""From entries to forces and torques, springs, bushings, servos and other force elements."""
+"""What forces and events are made of, from what model files write."""
 
 from __future__ import annotations
 
 import importlib
 import importlib.util
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from jousto.base.errors import InputError, MissingFileError, Problem, suggest
+from jousto.base.units import KINDS
 from jousto.mechanism.bodies.body import FlexibleBody
-from jousto.mechanism.forces.line_load import LineLoad
-from jousto.mechanism.forces.loads import Force, Torque
-from jousto.mechanism.forces.moving import MovingLoad
-from jousto.mechanism.forces.springs import Bushing, JointForce, ModalLoad, Servo, Spring, UserForce
-from jousto.schema.entries.signals import CurveEntry
-from jousto.schema.file.document import Loc
+from jousto.schema.entries.base import Entry
 from jousto.schema.file.files import read_points
 from jousto.schema.make.amounts import build_amount
-from jousto.schema.make.connect import with_markers
-from jousto.schema.make.declared import build_coordinate, build_signal
+from jousto.schema.make.declared import Place, build_coordinate
 from jousto.schema.make.tables import build_table
 
 if TYPE_CHECKING:
     from jousto.schema.make.builder import Builder
 
-LOADS = {"force": Force, "torque": Torque}
-ELEMENTS = {
-    "spring": Spring,
-    "bushing": Bushing,
-    "joint-force": JointForce,
-    "moving-load": MovingLoad,
-    "servo": Servo,
-    "modal-load": ModalLoad,
-    "user-force": UserForce,
-    "line": LineLoad,
-}
 
-# units of stiffness and damping along a length and along an angle
-STIFFNESS = {"m": "N/m", "rad": "N m/rad"}
-DAMPING = {"m": "N s/m", "rad": "N m s/rad"}
-RATES = {"m": "m/s", "rad": "rad/s"}
-# of the blocks of a 6 x 6 matrix: force and torque against translation and turn
-BLOCKS = {
-    "stiffness": (("N/m", "N/rad"), ("N", "N m/rad")),
-    "damping": (("N s/m", "N s/rad"), ("N s", "N m s/rad")),
-}
+def curve(place: Place, value: Any) -> Any:
+    """Return the table of a force over a coordinate or its rate."""
+    at = place.unit(place.field.at)
+    return build_table(place.builder, place.loc, value, at, place.unit())
 
 
-def build_load(
-    builder: Builder, loc: Loc, entry: Any, bodies: dict[str, Any], joints: dict[str, Any]
-) -> Any:
-    """Return the force of an entry, None if anything is wrong with it."""
-    values = entry.given()
-    for key in ("marker", "reference"):  # the reference of a servo is a signal
-        if key in values and "coordinate" not in values:
-            values[key] = builder.marker((*loc, key), values[key], bodies)
-    if entry.type == "bushing":
-        values = bushing(builder, loc, entry, bodies)
-    elif "coordinate" in values:
-        along(builder, loc, values, bodies, joints)
-    else:
-        for key, unit in (("position", "m"), ("signal", "1")):
-            if key in values:
-                values[key] = build_signal(builder, (*loc, key), values[key], unit)
-    for key in ("body", "beam"):
-        if key in values:
-            name = values[key]
-            values[key] = bodies.get(name)
-            if values[key] is None:
-                builder.unknown((*loc, key), "bodies", key, name, bodies)
-    if entry.type == "modal-load":
-        values["pattern"] = pattern(builder, (*loc, "pattern"), entry.pattern, values["body"])
-    if entry.type == "user-force":
-        values["function"] = function(builder, (*loc, "function"), entry.function)
-    if any(value is None for value in values.values()):
+def matrix6(place: Place, value: Any) -> Any:
+    """Return six numbers, or six rows of them, in the units of the blocks of a bushing."""
+    found: list[Any] = []
+    for i, row in enumerate(value):
+        units = place.field.units[i // 3]
+        for j, x in enumerate(row if isinstance(row, tuple) else (row,)):
+            at, unit = ((i, j), units[j // 3]) if isinstance(row, tuple) else ((i,), units[i // 3])
+            found.append(build_amount(place.builder, (*place.loc, *at), x, unit))
+    if any(x is None for x in found):
         return None
-    return builder.make(loc, {**LOADS, **ELEMENTS}[entry.type], **values)
+    return np.array(found).reshape(-1, 6).squeeze()
 
 
-def along(
-    builder: Builder,
-    loc: Loc,
-    values: dict[str, Any],
-    bodies: dict[str, Any],
-    joints: dict[str, Any],
-) -> None:
-    """Replace the entries of a force along a coordinate by values in its units."""
-    s = build_coordinate(builder, (*loc, "coordinate"), values["coordinate"], bodies, joints)
-    values["coordinate"] = s
-    if s is None:
-        return
-    stiffness, damping, force = STIFFNESS[s.unit], DAMPING[s.unit], s.force_unit
-    units = {
-        "stiffness": stiffness, "kp": stiffness, "damping": damping, "kd": damping,
-        "free": s.unit, "reference": s.unit, "preload": force, "limit": force, "signal": force,
-    }  # fmt: skip
-    for key, unit in units.items():
-        if key in values:
-            values[key] = build_signal(builder, (*loc, key), values[key], unit)
-    for key, unit in (("table", s.unit), ("damper_table", RATES[s.unit])):
-        if isinstance(values.get(key), CurveEntry):
-            values[key] = build_table(builder, (*loc, key), values[key], unit, force)
+def wrench(place: Place, value: Any) -> Any:
+    """Return three forces and three torques."""
+    found = [
+        build_amount(place.builder, (*place.loc, i), x, ("N", "N m")[i // 3])
+        for i, x in enumerate(value)
+    ]
+    return None if None in found else tuple(found)
 
 
-def bushing(builder: Builder, loc: Loc, entry: Any, bodies: dict[str, Any]) -> dict[str, Any]:
-    """Return the values of a bushing; matrices are six numbers or six rows."""
-    values = with_markers(builder, loc, entry, bodies) or {"a": None}
-    for key, blocks in BLOCKS.items():
-        if key not in values:
-            continue
-        rows = values[key]
-        found: list[Any] = []
-        for i, row in enumerate(rows):
-            units = blocks[i // 3]
-            if isinstance(row, tuple):
-                found += [
-                    build_amount(builder, (*loc, key, i, j), x, units[j // 3])
-                    for j, x in enumerate(row)
-                ]
-            else:
-                found.append(build_amount(builder, (*loc, key, i), row, units[i // 3]))
-        values[key] = None if None in found else np.array(found).reshape(-1, 6).squeeze()
-    if "preload" in values:
-        found = [
-            build_amount(builder, (*loc, "preload", i), x, ("N", "N m")[i // 3])
-            for i, x in enumerate(values["preload"])
-        ]
-        values["preload"] = None if None in found else tuple(found)
-    return values
-
-
-def pattern(builder: Builder, loc: Loc, value: Any, body: Any) -> Any:
+def pattern(place: Place, value: Any) -> Any:
     """Return nodal forces (nodes, 3) N of a file, of rows, or of named nodes."""
+    body = place.values["body"]
+    if not isinstance(body, FlexibleBody):  # the constructor says so, unless it was made rigid
+        return None if place.builder.rigid or body is None else value
     if isinstance(value, str):
-        return builder.make(loc, read_points, builder.file(value))
+        return place.builder.make(place.loc, read_points, place.builder.file(value))
     if not isinstance(value, dict):
         return value
-    if not isinstance(body, FlexibleBody):
-        return None
     sets = body.reduced.node_sets
     forces = np.zeros((len(body.reduced.nodes), 3))
     for name, force in value.items():
         if name not in sets:
-            builder.note(
-                (*loc, name), f"body {body.name!r} has no node set {name!r}{suggest(name, sets)}"
+            place.builder.note(
+                (*place.loc, name),
+                f"body {body.name!r} has no node set {name!r}{suggest(name, sets)}",
             )
             return None
         forces[list(sets[name])] += force
     return forces
 
 
-def function(builder: Builder, loc: Loc, text: str) -> Any:
+def function(place: Place, text: str) -> Any:
     """Return the function that ``module:name`` or ``file.py:name`` means.
 
     It is imported only if the user trusts the model file: importing runs its code.
     """
-    place, _, name = text.rpartition(":")
-    if not builder.trust:
-        builder.note(
-            loc,
+    module, _, name = text.rpartition(":")
+    if not place.builder.trust:
+        place.builder.note(
+            place.loc,
             f"{text!r} is Python code, which may do anything on this computer; if you trust this "
             "file, run it with --trust (in Python: read_model(path, trust=True))",
         )
         return None
-    return builder.make(loc, load_function, builder, place, name)
+    return place.builder.make(place.loc, load_function, place.builder, module, name)
 
 
 def load_function(builder: Builder, place: str, name: str) -> Any:
@@ -198,3 +119,59 @@ def load_function(builder: Builder, place: str, name: str) -> Any:
         known = [key for key, value in vars(module).items() if callable(value) and key[0] != "_"]
         raise InputError(Problem("", f"{place!r} has no function {name!r}{suggest(name, known)}"))
     return found
+
+
+# -- events ---------------------------------------------------------------------------------
+
+
+def watched(place: Place, value: Any) -> Any:
+    """Return the sensor that an event names, or the coordinate."""
+    builder, known = place.builder, place.known
+    if isinstance(value, str) and value in builder.sensors:
+        found = known["sensors"].get(value)
+        if found is None and ("sensors", value) not in builder.broken:
+            builder.note(
+                place.loc,
+                f"sensor {value!r} belongs to a flexible body, which rigid=True makes rigid; leave "
+                "the event out or watch something else",
+            )
+        return found
+    if isinstance(value, Entry) or "." in value:
+        return build_coordinate(builder, place.loc, value, known["bodies"], known["joints"])
+    builder.note(
+        place.loc,
+        f"no sensor {value!r}{suggest(value, builder.sensors)}; or a coordinate such as "
+        "hinge.angle",
+    )
+    return None
+
+
+def threshold(place: Place, value: Any) -> Any:
+    """Return a number in the unit of what is watched."""
+    watch = place.values["watch"]
+    if watch is None:
+        return None
+    unit = unit_of(watch, place.values.get("component"))
+    return build_amount(place.builder, place.loc, value, unit)
+
+
+def unit_of(watch: Any, component: Any) -> str:
+    """Return the SI unit of what an event watches; "1" where it is not one the file knows."""
+    units = [unit.strip() for unit in watch.unit.split(",")]
+    names = getattr(watch, "components", ())
+    unit = units[0]
+    if len(units) == 2 and component is not None:  # forces, then moments
+        at = component if isinstance(component, int) else list(names).index(component)
+        unit = units[1] if at >= len(names) // 2 else units[0]
+    return unit if unit in KINDS else "1"
+
+
+FORMS: dict[str, Callable[[Place, Any], Any]] = {
+    "curve": curve,
+    "matrix6": matrix6,
+    "wrench": wrench,
+    "pattern": pattern,
+    "function": function,
+    "watched": watched,
+    "threshold": threshold,
+}

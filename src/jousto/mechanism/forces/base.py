@@ -1,0 +1,93 @@
+"""What all force elements share: markers and coordinates they act at, and their law's numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from numpy.typing import ArrayLike
+
+from jousto.base.declare import Declared, Name, field
+from jousto.mechanism.bodies.body import MovingBody
+from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.joints.coordinate import Coordinate
+from jousto.mechanism.signals.base import Signal
+
+
+@dataclass(frozen=True, eq=False)
+class Push:
+    """A law of the engine with its numbers, and what it acts at.
+
+    Parameters
+    ----------
+    kind : str
+        Name of the law; ``jousto.h`` says what its data are.
+    data : array_like
+        Its numbers.
+    a, b : Marker, optional
+        It acts on the body of b, and against it on that of a.
+    turns : bool
+        Whether the orientation of b matters.
+    coordinate : Coordinate, optional
+        What it acts along.
+    body : FlexibleBody or RigidBody, optional
+        What it acts on as a whole.
+    follow : bool
+        Whether it turns with the marker or the body.
+    active : bool
+        Whether its power counts as work done from outside; if not, it is stored or dissipated.
+    signal, reference, spring, damper : Signal, optional
+        Functions of time, and of the coordinate and its rate.
+    function : callable, optional
+        Function of the user.
+    """
+
+    kind: str
+    data: ArrayLike
+    a: Marker | None = None
+    b: Marker | None = None
+    turns: bool = True
+    coordinate: Coordinate | None = None
+    body: MovingBody | None = None
+    follow: bool = False
+    active: bool = False
+    signal: Signal | None = None
+    reference: Signal | None = None
+    spring: Signal | None = None
+    damper: Signal | None = None
+    function: Any = None
+
+
+class ForceElement(Declared, section="forces"):
+    """What pushes.
+
+    A new force element is one class: its fields, and the laws of the engine it consists of.
+
+    Attributes
+    ----------
+    ties : bool
+        Whether it holds bodies to each other, as springs do and loads do not.
+    pushes : tuple of Push
+        The laws that act, often one.
+    """
+
+    kind = "force"
+    ties: ClassVar[bool] = True
+    name: Name = field("Unique among the forces")
+
+    @property
+    def pushes(self) -> tuple[Push, ...]:
+        """The laws that act."""
+        raise NotImplementedError
+
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The coordinates that it acts along; none if it acts at markers or on a body."""
+        found = (getattr(self, key) for key in self.fields)
+        return tuple(value for value in found if isinstance(value, Coordinate))
+
+    @property
+    def turning(self) -> tuple[tuple[str, Marker], ...]:
+        """The markers whose orientation matters, with the name of the argument."""
+        found = ((key, getattr(self, key)) for key in self.fields)
+        return tuple((key, value) for key, value in found if isinstance(value, Marker))
