@@ -508,6 +508,8 @@ class Declared:
     by_value: ClassVar[bool] = False
     """Whether objects with equal fields are equal, and show as the call that makes them."""
     fields: ClassVar[Mapping[str, Field[Any, Any]]] = {}
+    together: ClassVar[tuple[str, ...]] = ()
+    """The fields that `consistent` needs, where it does not need all of them."""
 
     def __init_subclass__(
         cls,
@@ -557,12 +559,16 @@ class Declared:
     def __post_init__(self) -> None:
         problems = Problems()
         where = self.place(problems)
+        wrong = {"name"} if problems.found else set()
         for key, field in self.fields.items():
             value = getattr(self, key)
             if value is None and field.default is None:
                 continue
+            before = len(problems.found)
             object.__setattr__(self, key, field.check(problems, where, value))
-        if not problems.found:
+            if len(problems.found) > before:
+                wrong.add(key)
+        if wrong.isdisjoint(self.together or self.fields):
             self.consistent(problems, where)
         problems.raise_if_any()
 

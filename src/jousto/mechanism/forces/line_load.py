@@ -65,6 +65,7 @@ class LineLoad(ForceElement, tag="line"):
     """
 
     kind = "line load"
+    together = ("beam", "force", "torque")
     beam: BeamField = field("The beam")
     force: Rows = field(
         "Force per unstressed length everywhere, or at every node: in the world frame, or in "

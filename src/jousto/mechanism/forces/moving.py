@@ -31,6 +31,7 @@ class MovingLoad(ForceElement, tag="moving-load"):
     """
 
     kind = "moving load"
+    together = ("body", "path")
     body: MovingBodyField = field("The body; the part of a flexible one has rotations at its nodes")
     path: Texts = field(
         "Corners of the path: names of two nodes or markers or more; s is counted from the first",

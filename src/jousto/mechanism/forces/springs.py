@@ -223,6 +223,7 @@ class ModalLoad(ForceElement, tag="modal-load"):
     """A pattern of nodal forces that follows a flexible body, such as a pressure."""
 
     kind = "modal load"
+    together = ("body",)
     body: FlexibleField = field("The body")
     pattern: PatternField = field("Force on every node, body frame", unit="N")
     signal: OptionalSignal = field(

@@ -98,7 +98,7 @@ def said(field: Field[Any, Any]) -> str | None:
     return f"{field.text}{unit}{default}" or None
 
 
-def alone(cls: type[Declared]) -> Any:
+def alone(cls: Any) -> Any:
     """Return the type of an entry of a section with one class, whose ``type`` nobody says."""
     return Annotated[entry_of(cls), Later()]
 
