@@ -12,9 +12,9 @@ from jousto.base.numbers import set_fields
 from jousto.base.rotations import Array, readonly, rotation_matrix
 from jousto.mechanism.beams.body import BeamBody, BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, MovingBody, RigidBody
+from jousto.mechanism.forces.base import ForceElement
 from jousto.mechanism.forces.friction import Friction
-from jousto.mechanism.forces.loads import LOADS, Gravity, Load
-from jousto.mechanism.forces.springs import ELEMENTS, Element
+from jousto.mechanism.forces.loads import Gravity
 from jousto.mechanism.initial import Initial
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coupling import Coupler
@@ -32,7 +32,7 @@ class Members:
     beams: tuple[BeamBody, ...]
     joints: tuple[Joint, ...]
     couplings: tuple[Coupler, ...]
-    forces: tuple[Load | Element, ...]
+    forces: tuple[ForceElement, ...]
     frictions: tuple[Friction, ...]
     events: tuple[Event, ...]
     sensors: tuple[Sensor, ...]
@@ -45,7 +45,7 @@ class Members:
             "beams": tuple(x for x in items if isinstance(x, BeamBody)),
             "joints": tuple(x for x in items if isinstance(x, Joint)),
             "couplings": tuple(x for x in items if isinstance(x, Coupler)),
-            "forces": tuple(x for x in items if isinstance(x, (*LOADS, *ELEMENTS))),
+            "forces": tuple(x for x in items if isinstance(x, ForceElement)),
             "frictions": tuple(x for x in items if isinstance(x, Friction)),
             "events": tuple(x for x in items if isinstance(x, Event)),
             "sensors": tuple(x for x in items if isinstance(x, SENSORS)),
