@@ -90,7 +90,9 @@ class Field(Generic[In, Out]):
     label : str
         What messages call it; its name if empty.
     wanted : str
-        What a value must be, for messages that show it as it was given.
+        What a value must be, in messages.
+    plain : bool
+        Whether messages show the value as it was given, without its unit.
     """
 
     form: ClassVar[str] = ""
@@ -110,6 +112,7 @@ class Field(Generic[In, Out]):
         file: bool = True,
         label: str = "",
         wanted: str = "",
+        plain: bool = False,
     ) -> None:
         self.text = text
         self.file = file
@@ -118,6 +121,7 @@ class Field(Generic[In, Out]):
         self.unit = unit
         self.label = label
         self.wanted = wanted
+        self.plain = plain
         self.name = ""
 
     def __repr__(self) -> str:
@@ -188,6 +192,13 @@ class OptionalText(Field["str | None", str]):
         return value
 
 
+class Label(Field[str, str]):
+    """A text for tables and messages; it may be empty."""
+
+    form = "text"
+    noun = "str"
+
+
 class Name(Field[str, str]):
     """The name of the object; it was checked before all other fields."""
 
@@ -256,6 +267,13 @@ class _Numeric(Field[In, Out]):
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return a finite float within the limits."""
+        unit = self.unit if isinstance(self.unit, str) and self.unit != "1" else ""
+        if self.wanted and not self.plain:
+            wanted = self.wanted
+            good = problems.number(
+                where, self.label, value, unit, wanted, lambda x: not self.missed(x)
+            )
+            return float(value) if good else None
         if self.wanted:
             found = None if isinstance(value, bool) else number(Problems(), "", "", value)
             if found is None or self.missed(found):
@@ -263,8 +281,8 @@ class _Numeric(Field[In, Out]):
             return found
         found = number(problems, where, self.label, value)
         if found is not None and (missed := self.missed(found)):
-            unit = f" {self.unit}" if isinstance(self.unit, str) and self.unit != "1" else ""
-            problems.add(where, f"{self.label} is {found:g}{unit}, {missed}{self.remedy}")
+            shown = f"{found:g} {unit}".rstrip()
+            problems.add(where, f"{self.label} is {shown}, {missed}{self.remedy}")
         return found
 
     def missed(self, x: float) -> str:
@@ -297,7 +315,7 @@ class _Seconds(_Numeric[In, Out]):
     wish = "a positive number of seconds"
 
     def __init__(self, text: str = "", **common: Any) -> None:
-        super().__init__(text, unit="s", above=0, wanted=self.wish, **common)
+        super().__init__(text, unit="s", above=0, wanted=self.wish, plain=True, **common)
 
 
 class Duration(_Seconds[float, float]):
@@ -311,11 +329,8 @@ class OptionalDuration(_Seconds["float | None", "float | None"]):
 
 
 class _Positive(_Numeric[In, Out]):
-    def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return a finite float above zero."""
-        unit = "" if self.unit == "1" else self.unit
-        good = problems.number(where, self.label, value, unit, "a positive number", lambda x: x > 0)
-        return float(value) if good else None
+    def __init__(self, text: str = "", **common: Any) -> None:
+        super().__init__(text, above=0, wanted="a positive number", **common)
 
 
 class Positive(_Positive[float, float]):
@@ -488,6 +503,55 @@ class OptionalItem(Item[T | None], Generic[T]):
     """An object of a declared class, or None."""
 
 
+class Items(Field[Iterable[T], tuple[T, ...]]):
+    """Objects of a declared class; a model file writes a list of mappings."""
+
+    form = "items"
+
+    @property
+    def of(self) -> type[Declared]:
+        """The class."""
+        found: type[Declared] = get_args(vars(self)["__orig_class__"])[0]
+        return found
+
+    @property
+    def noun(self) -> str:  # type: ignore[override]
+        """What they are."""
+        return f"sequence of {self.of.__name__}"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return them as a tuple."""
+        return problems.several(where, self.label, value, self.of)
+
+
+class Values(Field[ArrayLike, NDArray[np.float64]]):
+    """An array of numbers.
+
+    Parameters
+    ----------
+    text, unit, default, kw_only
+        As for every field.
+    shape : tuple
+        Lengths along its axes, None for any.
+    """
+
+    form = "array"
+
+    def __init__(self, text: str = "", *, shape: tuple[int | None, ...], **common: Any) -> None:
+        super().__init__(text, **common)
+        self.shape = shape
+
+    @property
+    def noun(self) -> str:  # type: ignore[override]
+        """The shape."""
+        sizes = ", ".join("n" if n is None else str(n) for n in self.shape)
+        return f"({sizes}{',' * (len(self.shape) == 1)}) array_like"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return a read-only array of this shape."""
+        return problems.array(where, self.label, value, self.shape)
+
+
 SECTIONS: dict[str, dict[str, type[Declared]]] = {}
 """Classes by their word ``type`` in each section of a model file."""
 
@@ -574,9 +638,11 @@ class Declared:
 
     def place(self, problems: Problems) -> str:
         """Return what messages say first, ``joint 'hinge'``; note what is wrong with the name."""
-        if "name" not in self.fields:
-            return self.kind or type(self).__name__
-        return check_name(problems, self.kind, getattr(self, "name", None))
+        kind = self.kind or type(self).__name__
+        name = getattr(self, "name", "") if "name" in self.fields else ""
+        if isinstance(self.fields.get("name"), Name):
+            return check_name(problems, kind, name)
+        return f"{kind} '{name}'" if name else kind
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Note what is wrong between fields that are right by themselves."""

@@ -2,35 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field
-
-from jousto.base.arguments import explained
+from jousto.base.declare import Declared, Label, Number, OptionalNumber, Positive, field
 from jousto.base.errors import Problems, warn
 
 # Pa, a thousand times diamond: stiffer ones leave no digits for the rest of a model
 STIFFEST = 1e15
 
 
-@explained
-@dataclass(frozen=True)
-class Material:
+class Material(Declared, section="materials", tag="isotropic", by_value=True):
     """Linear elastic, isotropic material.
-
-    Parameters
-    ----------
-    E : float
-        Young's modulus in Pa.
-    nu : float
-        Poisson's ratio, above -1 and at most 0.5.
-    rho : float
-        Density in kg/m^3; zero makes a massless member.
-    name : str
-        Shown in messages.
-    source : str
-        Where the values come from; the materials of :func:`material` say it.
-    alpha : float, optional
-        Coefficient of thermal expansion in 1/K, for the temperature of strain gauges.
 
     Raises
     ------
@@ -49,32 +29,50 @@ class Material:
     80.77
     """
 
-    E: float
-    nu: float
-    rho: float
-    name: str = ""
-    source: str = field(default="", compare=False)
-    alpha: float | None = field(default=None, compare=False)
+    kind = "material"
+    E: Positive = field("Young's modulus", unit="Pa", label="Young's modulus E")
+    nu: Number = field(
+        "Poisson's ratio, above -1 and at most 0.5",
+        above=-1,
+        most=0.5,
+        label="Poisson's ratio nu",
+        wanted="in (-1, 0.5]",
+    )
+    rho: Number = field(
+        "Density; zero makes a massless member",
+        unit="kg/m^3",
+        least=0,
+        label="density rho",
+        wanted="zero or positive",
+    )
+    name: Label = field("Shown in messages", default="")
+    source: Label = field(
+        "Where the values come from; the materials of :func:`material` say it",
+        default="",
+        compare=False,
+        file=False,
+    )
+    alpha: OptionalNumber = field(
+        "Coefficient of thermal expansion, for the temperature of strain gauges",
+        unit="1/K",
+        default=None,
+        compare=False,
+    )
 
-    def __post_init__(self) -> None:
-        where = f"material '{self.name}'" if self.name else "material"
-        problems = Problems()
-        problems.positive(where, "Young's modulus E", self.E, "Pa")
-        if not problems.found and self.E > STIFFEST:
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note values that no material has, warn of those that look like another unit."""
+        if self.E > STIFFEST:
             problems.add(
                 where,
                 f"Young's modulus E is {self.E:g} Pa, must be below {STIFFEST:g} Pa: nothing is as"
                 " stiff, and too few digits are left for the rest of the model",
             )
-        if not -1.0 < self.nu <= 0.5:
-            problems.add(where, f"Poisson's ratio nu is {self.nu:g}, must be in (-1, 0.5]")
-        if not (math.isfinite(self.rho) and self.rho >= 0.0):
-            problems.add(where, f"density rho is {self.rho:g} kg/m^3, must be zero or positive")
         if self.alpha is not None and not abs(self.alpha) < 0.01:
             problems.add(
                 where, f"alpha is {self.alpha:g} 1/K; was it meant in 1e-6/K? Give it as 12e-6"
             )
-        problems.raise_if_any()
+        if problems.found:
+            return
 
         # values that are legal numbers but most likely in other units
         hints = []

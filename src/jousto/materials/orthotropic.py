@@ -2,42 +2,45 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from jousto.base.arrays import Floats
-from jousto.base.described import described
+from jousto.base.declare import Declared, Field, Label, Number, Positive, field
 from jousto.base.errors import Problems
+from jousto.base.rotations import Rotate, parse_orientation, rotation_matrix
 from jousto.materials.material import Material
 
 
-@described
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Orthotropic:
+class Axes(Field[Any, Floats]):
+    """Three directions of a material: the columns of a matrix, or an orientation."""
+
+    form = "orientation"
+    noun = "(3, 3) array_like or orientation"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return an orthonormal right-handed matrix (3, 3)."""
+        if isinstance(value, Rotate) or np.shape(value) == (4,):
+            e = parse_orientation(problems, where, self.label, value)
+            return None if e is None else rotation_matrix(e)
+        given = np.eye(3) if value is None else value
+        axes = problems.array(where, self.label, given, (3, 3))
+        if axes is None:
+            return None
+        if np.abs(axes.T @ axes - np.eye(3)).max() > 1e-6:
+            problems.add(where, "axes: the columns must be unit vectors normal to each other")
+        elif np.linalg.det(axes) < 0.0:
+            problems.add(where, "axes: the columns must be right-handed; turn the sign of one")
+        return axes
+
+
+class Orthotropic(Declared, section="materials", tag="orthotropic", kw_only=True):
     """Linear elastic material with three planes of symmetry: composites, wood, printed parts.
 
     Strains along the material axes: ``e1 = s1/E1 - nu12 s2/E1 - nu13 s3/E1``,
     ``e2 = -nu12 s1/E1 + s2/E2 - nu23 s3/E2``, ``e3 = -nu13 s1/E1 - nu23 s2/E2 + s3/E3``,
     ``g12 = s12/G12`` and so on: ``nu12`` is the contraction along 2 under a pull along 1.
-
-    Parameters
-    ----------
-    E1, E2, E3 : float
-        Young's moduli along the material axes in Pa.
-    nu12, nu13, nu23 : float
-        Poisson's ratios.
-    G12, G13, G23 : float
-        Shear moduli in Pa.
-    rho : float
-        Density in kg/m^3.
-    axes : (3, 3) array_like, optional
-        Columns are the material axes 1, 2, 3, resolved in the part frame; those of the part if not
-        given.
-    name : str
-        Shown in messages.
 
     Raises
     ------
@@ -53,38 +56,28 @@ class Orthotropic:
     (6, 6)
     """
 
-    E1: float
-    E2: float
-    E3: float
-    nu12: float
-    nu13: float
-    nu23: float
-    G12: float
-    G13: float
-    G23: float
-    rho: float
-    axes: Any = None
-    name: str = ""
+    kind = "material"
+    E1: Positive = field("Young's modulus along the material axis 1", unit="Pa")
+    E2: Positive = field("Young's modulus along the material axis 2", unit="Pa")
+    E3: Positive = field("Young's modulus along the material axis 3", unit="Pa")
+    nu12: Number = field("Poisson's ratio, contraction along 2 under a pull along 1")
+    nu13: Number = field("Poisson's ratio, contraction along 3 under a pull along 1")
+    nu23: Number = field("Poisson's ratio, contraction along 3 under a pull along 2")
+    G12: Positive = field("Shear modulus in the plane of the axes 1 and 2", unit="Pa")
+    G13: Positive = field("Shear modulus in the plane of the axes 1 and 3", unit="Pa")
+    G23: Positive = field("Shear modulus in the plane of the axes 2 and 3", unit="Pa")
+    rho: Number = field(
+        "Density", unit="kg/m^3", least=0, label="density rho", wanted="zero or positive"
+    )
+    axes: Axes = field(
+        "Columns are the material axes 1, 2, 3, resolved in the part frame; those of the part if "
+        "not given",
+        default=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+    )
+    name: Label = field("Shown in messages", default="")
 
-    def __post_init__(self) -> None:
-        where = f"material '{self.name}'" if self.name else "orthotropic material"
-        problems = Problems()
-        for name in ("E1", "E2", "E3", "G12", "G13", "G23"):
-            problems.positive(where, name, getattr(self, name), "Pa")
-        for name in ("nu12", "nu13", "nu23"):
-            if not math.isfinite(getattr(self, name)):
-                problems.add(where, f"{name} is {getattr(self, name)}, must be finite")
-        if not (math.isfinite(self.rho) and self.rho >= 0.0):
-            problems.add(where, f"density rho is {self.rho:g} kg/m^3, must be zero or positive")
-        given = np.eye(3) if self.axes is None else self.axes
-        axes = problems.array(where, "axes", given, (3, 3))
-        if axes is not None:
-            if np.abs(axes.T @ axes - np.eye(3)).max() > 1e-6:
-                problems.add(where, "axes: the columns must be unit vectors normal to each other")
-            elif np.linalg.det(axes) < 0.0:
-                problems.add(where, "axes: the columns must be right-handed; turn the sign of one")
-        problems.raise_if_any()
-        object.__setattr__(self, "axes", axes)
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note a material that would release energy."""
         lowest = float(np.linalg.eigvalsh(self._scaled_compliance()).min())
         if lowest <= 1e-12:
             problems.add(
@@ -94,7 +87,6 @@ class Orthotropic:
                 " sqrt(E2/E3), and all three together smaller still; nu_ij is the contraction along"
                 " j under a pull along i (perhaps nu_ji was given)",
             )
-        problems.raise_if_any()
 
     def _scaled_compliance(self) -> Floats:
         E = np.sqrt([self.E1, self.E2, self.E3])

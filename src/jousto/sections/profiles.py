@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from functools import cached_property
 
-from jousto.base.arguments import explained
-from jousto.sections.section import SectionPoint, check_dimensions
+from jousto.base.declare import Declared, Number, OptionalPositive, Positive, field
+from jousto.base.errors import Problems
+from jousto.sections.section import SectionPoint
 
 
 def _web_shear_coefficient(
@@ -35,9 +36,7 @@ def _web_shear_coefficient(
     return inertia**2 / (area * energy)
 
 
-@explained
-@dataclass(frozen=True)
-class IBeam:
+class IBeam(Declared, section="sections", tag="i-beam", by_value=True):
     """Doubly symmetric I section; the web stands along z.
 
     Area and second moments are exact for the outline, root fillets included. Torsion constant
@@ -45,15 +44,6 @@ class IBeam:
     formulae: ``2/3 (b - 0.63 tf) tf^3 + 1/3 (h - 2 tf) tw^3 + 2 (tw/tf) (0.145 + 0.1 r/tf) D^4``,
     ``D = ((r + tw/2)^2 + (r + tf)^2 - r^2) / (2 r + tf)``. Shear coefficient along z by the
     strain energy of the thin-walled section (Cowper 1966, nu = 0), along y 5/6 of the flanges.
-
-    Parameters
-    ----------
-    height, width : float
-        Overall sizes along z and along y in m.
-    web, flange : float
-        Thicknesses in m.
-    fillet : float
-        Root radius in m, zero for a welded section.
 
     Raises
     ------
@@ -69,31 +59,32 @@ class IBeam:
     '28.5 1943 142 6.98'
     """
 
-    height: float
-    width: float
-    web: float
-    flange: float
-    fillet: float = 0.0
+    height: Positive = field("Overall size along z", unit="m")
+    width: Positive = field("Overall size along y", unit="m")
+    web: Positive = field("Thickness of the web", unit="m")
+    flange: Positive = field("Thickness of the flanges", unit="m")
+    fillet: Number = field(
+        "Root radius, zero for a welded section",
+        unit="m",
+        least=0,
+        wanted="zero or positive",
+        default=0.0,
+    )
 
-    def __post_init__(self) -> None:
-        problems = check_dimensions(
-            self, height=self.height, width=self.width, web=self.web, flange=self.flange
-        )
-        if not (math.isfinite(self.fillet) and self.fillet >= 0.0):
-            problems.add("IBeam", f"fillet is {self.fillet:g} m, must be zero or positive")
-        elif not problems.found and 2.0 * (self.flange + self.fillet) >= self.height:
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note plates that do not fit."""
+        if 2.0 * (self.flange + self.fillet) >= self.height:
             problems.add(
-                "IBeam",
+                where,
                 f"flanges and fillets (2 x {self.flange + self.fillet:g} m) fill the whole height"
                 f" {self.height:g} m",
             )
-        if not problems.found and self.web + 2.0 * self.fillet > self.width:
+        elif self.web + 2.0 * self.fillet > self.width:
             problems.add(
-                "IBeam",
+                where,
                 f"web and fillets ({self.web + 2.0 * self.fillet:g} m) are wider than the width"
                 f" {self.width:g} m",
             )
-        problems.raise_if_any()
 
     @property
     def A(self) -> float:
@@ -146,7 +137,7 @@ class IBeam:
             self.height - self.flange, self.width, (1, self.web), self.flange
         )
 
-    @property
+    @cached_property
     def points(self) -> tuple[SectionPoint, ...]:
         """Flange tips and middles outside, both faces of the web at its ends and at mid-height."""
         h, b, tw, tf = self.height, self.width, self.web, self.flange
@@ -178,23 +169,12 @@ class IBeam:
         )
 
 
-@explained
-@dataclass(frozen=True)
-class Box:
+class Box(Declared, section="sections", tag="box", by_value=True):
     """Rectangular hollow section with sharp corners.
 
     Torsion by Bredt's formula with the wall's own share, as in EN 10210-2:2006:
     ``J = 4 Am^2 / oint ds/t + 1/3 oint t^3 ds``. Shear coefficients by the strain energy of the
     thin-walled section (Cowper 1966, nu = 0).
-
-    Parameters
-    ----------
-    width, height : float
-        Outer sizes along y and along z in m.
-    web : float
-        Thickness of the two walls along z in m.
-    flange : float, optional
-        Thickness of the two walls along y in m; as the web if not given.
 
     Raises
     ------
@@ -208,24 +188,23 @@ class Box:
     '45.44 2306 758'
     """
 
-    width: float
-    height: float
-    web: float
-    flange: float | None = None
+    width: Positive = field("Outer size along y", unit="m")
+    height: Positive = field("Outer size along z", unit="m")
+    web: Positive = field("Thickness of the two walls along z", unit="m")
+    flange: OptionalPositive = field(
+        "Thickness of the two walls along y; as the web if not given", unit="m", default=None
+    )
 
-    def __post_init__(self) -> None:
-        problems = check_dimensions(
-            self, width=self.width, height=self.height, web=self.web, flange=self._tf
-        )
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note walls that do not fit."""
         for wall, size, names in (
             (self.web, self.width, ("webs", "width")),
             (self._tf, self.height, ("flanges", "height")),
         ):
-            if wall > 0.0 and size > 0.0 and 2.0 * wall >= size:
+            if 2.0 * wall >= size:
                 problems.add(
-                    "Box", f"{names[0]} (2 x {wall:g} m) fill the whole {names[1]} {size:g} m"
+                    where, f"{names[0]} (2 x {wall:g} m) fill the whole {names[1]} {size:g} m"
                 )
-        problems.raise_if_any()
 
     @property
     def _tf(self) -> float:
@@ -272,7 +251,7 @@ class Box:
         b, h = self.width - self.web, self.height - self._tf
         return _web_shear_coefficient(h, b, (2, self.web), self._tf)
 
-    @property
+    @cached_property
     def points(self) -> tuple[SectionPoint, ...]:
         """Middles of the walls outside and the outer corners (shear of the webs' ends)."""
         y, z, tw, tf = 0.5 * self.width, 0.5 * self.height, self.web, self._tf

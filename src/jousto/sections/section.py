@@ -12,13 +12,22 @@ where they agree with the strain-energy definition and belong to the section alo
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from functools import cached_property
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from jousto.base.arguments import explained
-from jousto.base.described import described
+from jousto.base.declare import (
+    Declared,
+    Field,
+    Items,
+    Label,
+    Number,
+    OptionalPositive,
+    Positive,
+    field,
+)
+from jousto.base.described import describe
 from jousto.base.errors import Problems
 
 Shear = tuple[tuple[float, float, float], tuple[float, float, float]]
@@ -29,26 +38,31 @@ ROUND = 24
 """Points around a round section."""
 
 
-@described
-@dataclass(frozen=True)
-class SectionPoint:
-    """A point of a section where stress is recovered.
+class ShearField(Field[Shear, Shear]):
+    """Two rows of three numbers, kept as tuples."""
 
-    Parameters
-    ----------
-    name : str
-        Unique within the section.
-    y, z : float
-        Position in m, section axes.
-    shear : ((float, float, float), (float, float, float))
-        Rows s12 (= xy) and s13 (= xz); columns the stress for a unit shear force Vy and Vz in
-        1/m^2 and for a unit torque in 1/m^3.
-    """
+    form = "array"
+    shape = (2, 3)
 
-    name: str
-    y: float
-    z: float
-    shear: Shear = NO_SHEAR
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the rows."""
+        found = problems.array(where, self.label, value, self.shape)
+        return None if found is None else tuple(map(tuple, found.tolist()))
+
+
+class SectionPoint(Declared, by_value=True):
+    """A point of a section where stress is recovered."""
+
+    name: Label = field("Unique within the section")
+    y: Number = field("Position along y, section axes", unit="m")
+    z: Number = field("Position along z, section axes", unit="m")
+    shear: ShearField = field(
+        "Rows s12 (= xy) and s13 (= xz); columns the stress for a unit shear force Vy and Vz in "
+        "1/m^2 and for a unit torque in 1/m^3",
+        default=NO_SHEAR,
+    )
+
+    __repr__ = describe
 
 
 @runtime_checkable
@@ -116,25 +130,11 @@ def polar_moment(section: Section) -> float:
     return section.Iy + section.Iz
 
 
-def check_dimensions(section: object, **dimensions: float) -> Problems:
-    """Note every dimension that is not a positive number; returns the collector."""
-    problems = Problems()
-    for name, value in dimensions.items():
-        problems.positive(type(section).__name__, name, value, "m")
-    return problems
-
-
-@dataclass(frozen=True)
-class Rectangle:
+class Rectangle(Declared, section="sections", tag="rectangle", by_value=True):
     """Solid rectangle.
 
     Torsion by Saint-Venant's series, Timoshenko and Goodier, *Theory of Elasticity*, art. 109;
     shear by Jourawski, V Q / (I b); shear coefficients 5/6.
-
-    Parameters
-    ----------
-    width, height : float
-        Sides along y and along z in m.
 
     Raises
     ------
@@ -147,11 +147,8 @@ class Rectangle:
     '1.405770e-05'
     """
 
-    width: float
-    height: float
-
-    def __post_init__(self) -> None:
-        check_dimensions(self, width=self.width, height=self.height).raise_if_any()
+    width: Positive = field("Side along y", unit="m")
+    height: Positive = field("Side along z", unit="m")
 
     @property
     def A(self) -> float:
@@ -204,7 +201,7 @@ class Rectangle:
         at_short = 8.0 * short / np.pi**2 * (catalan - one_minus_tanh)
         return at_long / self.J, at_short / self.J
 
-    @property
+    @cached_property
     def points(self) -> tuple[SectionPoint, ...]:
         """Corners, middles of the sides and centre."""
         y, z, vy, vz = 0.5 * self.width, 0.5 * self.height, 1.5 / self.A, 1.5 / self.A
@@ -223,17 +220,10 @@ class Rectangle:
         )
 
 
-@explained
-@dataclass(frozen=True)
-class Tube:
+class Tube(Declared, section="sections", tag="tube", by_value=True):
     """Circular tube, thick or thin.
 
     Shear coefficient of the hollow circle, Cowper (1966) with nu = 0; shear by Jourawski.
-
-    Parameters
-    ----------
-    outer_diameter, wall : float
-        Outer diameter and wall thickness in m.
 
     Raises
     ------
@@ -247,17 +237,16 @@ class Tube:
     '1.4923e-03 3.3762e-06'
     """
 
-    outer_diameter: float
-    wall: float
+    outer_diameter: Positive = field("Outer diameter", unit="m")
+    wall: Positive = field("Thickness of the wall", unit="m")
 
-    def __post_init__(self) -> None:
-        problems = check_dimensions(self, outer_diameter=self.outer_diameter, wall=self.wall)
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note a wall that does not fit."""
         if self.wall > 0.5 * self.outer_diameter:
             problems.add(
-                "Tube",
+                where,
                 f"wall {self.wall:g} m is thicker than the radius {0.5 * self.outer_diameter:g} m",
             )
-        problems.raise_if_any()
 
     @property
     def _radii(self) -> tuple[float, float]:
@@ -296,7 +285,7 @@ class Tube:
         """Shear coefficient along z."""
         return self.ky
 
-    @property
+    @cached_property
     def points(self) -> tuple[SectionPoint, ...]:
         """24 points around: top, bottom, left, right, ``deg15`` ... by their angle from left."""
         ro, ri = self._radii
@@ -305,16 +294,10 @@ class Tube:
         return _around(ro, v, ro / self.J)
 
 
-@dataclass(frozen=True)
-class Circle:
+class Circle(Declared, section="sections", tag="circle", by_value=True):
     """Solid circle.
 
     Shear coefficient 6/7, Cowper (1966) with nu = 0; shear by Jourawski, 4/3 of the mean.
-
-    Parameters
-    ----------
-    diameter : float
-        Diameter in m.
 
     Raises
     ------
@@ -327,10 +310,7 @@ class Circle:
     3.1416
     """
 
-    diameter: float
-
-    def __post_init__(self) -> None:
-        check_dimensions(self, diameter=self.diameter).raise_if_any()
+    diameter: Positive = field("Diameter", unit="m")
 
     @property
     def A(self) -> float:
@@ -362,7 +342,7 @@ class Circle:
         """Shear coefficient along z."""
         return 6.0 / 7.0
 
-    @property
+    @cached_property
     def points(self) -> tuple[SectionPoint, ...]:
         """24 points around, as of `Tube`, and the centre."""
         v = 4.0 / (3.0 * self.A)
@@ -373,24 +353,8 @@ class Circle:
         )
 
 
-@explained
-@described
-@dataclass(frozen=True)
-class GeneralSection:
+class GeneralSection(Declared, section="sections", tag="general", by_value=True):
     """Section given by its constants, about its principal axes.
-
-    Parameters
-    ----------
-    A : float
-        Area in m^2.
-    Iy, Iz : float
-        Second moments for bending about y and about z in m^4.
-    J : float
-        Saint-Venant torsion constant in m^4.
-    ky, kz : float, optional
-        Shear coefficients; needed by :class:`Timoshenko` only.
-    points : tuple of SectionPoint
-        Where stress is recovered; none by default.
 
     Raises
     ------
@@ -404,33 +368,29 @@ class GeneralSection:
     True
     """
 
-    A: float
-    Iy: float
-    Iz: float
-    J: float
-    ky: float | None = None
-    kz: float | None = None
-    points: tuple[SectionPoint, ...] = ()
+    A: Positive = field("Area", unit="m^2")
+    Iy: Positive = field("Second moment for bending about y", unit="m^4")
+    Iz: Positive = field("Second moment for bending about z", unit="m^4")
+    J: Positive = field("Saint-Venant torsion constant", unit="m^4")
+    ky: OptionalPositive = field(
+        "Shear coefficient along y; needed by :class:`Timoshenko` only", default=None
+    )
+    kz: OptionalPositive = field("Shear coefficient along z", default=None)
+    points: Items[SectionPoint] = field("Where stress is recovered; none by default", default=())
 
-    def __post_init__(self) -> None:
-        where, problems = "GeneralSection", Problems()
-        problems.positive(where, "A", self.A, "m^2")
-        for name in ("Iy", "Iz", "J"):
-            problems.positive(where, name, getattr(self, name), "m^4")
-        for name in ("ky", "kz"):
-            if getattr(self, name) is not None:
-                problems.positive(where, name, getattr(self, name), "")
-        if not problems.found and self.J > (self.Iy + self.Iz) * (1.0 + 1e-9):
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note a torsion constant that no section has, and points of one name."""
+        if self.J > (self.Iy + self.Iz) * (1.0 + 1e-9):
             problems.add(
                 where,
                 f"torsion constant J = {self.J:g} m^4 is above Iy + Iz = {self.Iy + self.Iz:g} m^4,"
                 " which no section can reach",
             )
-        object.__setattr__(self, "points", tuple(self.points))
         names = [p.name for p in self.points]
         for name in sorted({n for n in names if names.count(n) > 1}):
             problems.add(where, f"two points are named '{name}'")
-        problems.raise_if_any()
+
+    __repr__ = describe
 
 
 def _around(radius: float, v: float, t: float) -> tuple[SectionPoint, ...]:

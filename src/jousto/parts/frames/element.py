@@ -11,29 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from jousto.base.arrays import Floats, skew, transposed
+from jousto.base.declare import Declared, OptionalPositive, field
 from jousto.base.described import described
-from jousto.base.errors import Problems
 
 
-@dataclass(frozen=True)
-class EulerBernoulli:
-    """Slender-beam theory: sections stay normal to the axis, no shear deformation.
-
-    Examples
-    --------
-    >>> EulerBernoulli()
-    EulerBernoulli()
-    """
-
-
-@dataclass(frozen=True)
-class Timoshenko:
+class Timoshenko(Declared, section="theories", tag="timoshenko", by_value=True):
     """Beam theory with shear deformation.
-
-    Parameters
-    ----------
-    ky, kz : float, optional
-        Shear coefficients used for every section instead of the section's own.
 
     Raises
     ------
@@ -46,15 +29,24 @@ class Timoshenko:
     Timoshenko(ky=0.85, kz=0.85)
     """
 
-    ky: float | None = None
-    kz: float | None = None
+    ky: OptionalPositive = field(
+        "Shear coefficient along y, used for every section instead of its own",
+        label="shear coefficient ky",
+        default=None,
+    )
+    kz: OptionalPositive = field(
+        "Shear coefficient along z, as ky", label="shear coefficient kz", default=None
+    )
 
-    def __post_init__(self) -> None:
-        problems = Problems()
-        for name, value in (("ky", self.ky), ("kz", self.kz)):
-            if value is not None:
-                problems.positive("Timoshenko", f"shear coefficient {name}", value, "")
-        problems.raise_if_any()
+
+class EulerBernoulli(Declared, section="theories", tag="euler-bernoulli", by_value=True):
+    """Slender-beam theory: sections stay normal to the axis, no shear deformation.
+
+    Examples
+    --------
+    >>> EulerBernoulli()
+    EulerBernoulli()
+    """
 
 
 Theory = EulerBernoulli | Timoshenko

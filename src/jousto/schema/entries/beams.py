@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Discriminator, Field, Tag
@@ -26,17 +27,9 @@ from jousto.schema.entries.base import (
     Vector,
     Velocity3,
 )
-from jousto.schema.entries.choices import by_form, tagged
-from jousto.schema.entries.parts import (
-    BoxEntry,
-    CircleEntry,
-    GeneralSectionEntry,
-    IBeamEntry,
-    MaterialForm,
-    RectangleEntry,
-    SectionEntry,
-    TubeEntry,
-)
+from jousto.schema.entries.choices import by_form
+from jousto.schema.entries.declared import one_of
+from jousto.schema.entries.parts import MaterialForm, SectionEntry
 
 MassPerLength: TypeAlias = Annotated[float, Unit("kg/m")]
 InertiaPerLength: TypeAlias = Annotated[float, Unit("kg m")]
@@ -105,17 +98,8 @@ class OffsetSectionEntry(Entry):
     fibres: Flag | None = Field(None, description="Whether twist stretches the fibres (true)")
 
 
-AnySection: TypeAlias = Annotated[
-    Annotated[RectangleEntry, Tag("rectangle")]
-    | Annotated[CircleEntry, Tag("circle")]
-    | Annotated[TubeEntry, Tag("tube")]
-    | Annotated[BoxEntry, Tag("box")]
-    | Annotated[IBeamEntry, Tag("i-beam")]
-    | Annotated[GeneralSectionEntry, Tag("general")]
-    | Annotated[BeamSectionEntry, Tag("stiffness")]
-    | Annotated[OffsetSectionEntry, Tag("offset")],
-    tagged(),
-]
+OWN: Mapping[str, type[Entry]] = {"stiffness": BeamSectionEntry, "offset": OffsetSectionEntry}
+AnySection: Any = one_of("sections", "jousto.sections", others=OWN)
 
 
 class BeamDampingEntry(Entry):

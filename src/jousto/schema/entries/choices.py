@@ -21,17 +21,10 @@ class Tagged:
     ----------
     tag : callable, optional
         Returns the type of a mapping that does not say it.
-    classes : callable, optional
-        Returns the classes by their tags; those of the annotated union if not given.
     """
 
-    def __init__(
-        self,
-        tag: Callable[[dict[str, Any]], str | None] | None = None,
-        classes: Callable[[], Mapping[str, type[BaseModel]]] | None = None,
-    ) -> None:
+    def __init__(self, tag: Callable[[dict[str, Any]], str | None] | None = None) -> None:
         self.tag = tag
-        self.classes = classes
 
     def choose(self, value: Any) -> str | None:
         """Return the tag of a value, None if it has none."""

@@ -5,11 +5,13 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable, Mapping
-from typing import Annotated, Any, Literal
+from types import MappingProxyType
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field as Key, create_model
 
 from jousto.base.declare import SECTIONS, Declared, Field, kinds
+from jousto.base.units import KINDS
 from jousto.schema.entries.base import (
     Amount,
     Count,
@@ -19,11 +21,16 @@ from jousto.schema.entries.base import (
     Flag,
     Marker,
     Number,
+    Orientation,
     Text,
     Unit,
     Vector,
 )
 from jousto.schema.entries.choices import Later, Tagged
+
+Implied: TypeAlias = Callable[[dict[str, Any]], str | None] | None
+Others: TypeAlias = Mapping[str, type[Entry]]
+NO_OTHERS: Others = MappingProxyType({})
 
 FORMS: dict[str, Callable[[Any], Any]] = {
     "text": lambda field: Text,
@@ -42,6 +49,9 @@ FORMS: dict[str, Callable[[Any], Any]] = {
     "marker": lambda field: Marker,
     "item": lambda field: item(field),
     "event": lambda field: Text,
+    "items": lambda field: several(item(field)),
+    "array": lambda field: array(field.unit, field.shape),
+    "orientation": lambda field: Orientation,
 }
 """What a field of each form looks like in a model file, as a type that pydantic checks; files that
 declare other types add theirs."""
@@ -56,7 +66,10 @@ ROW: Any = tuple
 
 def amount(unit: Any) -> Any:
     """Return the type of a number; a unit that depends on other fields is checked with them."""
-    return Annotated[float, Unit(unit)] if isinstance(unit, str) else Amount
+    if not isinstance(unit, str):
+        return Amount
+    unit = unit.replace("^", "")
+    return Annotated[float, Unit(unit if unit in KINDS else "1")]
 
 
 def vector(unit: Any) -> Any:
@@ -70,12 +83,34 @@ def item(field: Any) -> Any:
     return entry_of(field.of)
 
 
+def array(unit: str, shape: tuple[int | None, ...]) -> Any:
+    """Return the type of an array, lists in lists."""
+    item: Any = amount(unit or "1")
+    for n in reversed(shape):
+        row: Any = (item,) * (n or 0)
+        item = several(item) if n is None else NOTED[ROW[row], Vector(n)]
+    return item
+
+
+def several(item: Any) -> Any:
+    """Return the type of a list."""
+    return ROW[item, ...]
+
+
 @functools.cache
-def entry_of(cls: type[Declared]) -> Any:
-    """Return the entry of a class in model files: its word, and a key for each field."""
+def entry_of(cls: type[Declared], implied: bool = False) -> Any:
+    """Return the entry of a class in model files: its word, and a key for each field.
+
+    Parameters
+    ----------
+    cls : type
+    implied : bool
+        Whether its word may be left out.
+    """
     if cls in SPECIAL:
         return SPECIAL[cls]
-    keys: dict[str, Any] = {"type": (Literal[cls.tag], ...)} if cls.tag else {}
+    word = (Literal[cls.tag], cls.tag if implied else ...)
+    keys: dict[str, Any] = {"type": word} if cls.tag else {}
     for name, field in cls.fields.items():
         if not field.file:
             continue
@@ -92,7 +127,8 @@ def entry_of(cls: type[Declared]) -> Any:
 
 def said(field: Field[Any, Any]) -> str | None:
     """Return what editors show of a field, None if there is nothing to say."""
-    unit = "" if isinstance(field.unit, str) else f", {field.unit}".removesuffix(", ")
+    known = isinstance(field.unit, str) and field.unit.replace("^", "") in ("", *KINDS)
+    unit = "" if known else f", {field.unit}".removesuffix(", ")
     plain = field.required or field.default is None or isinstance(field.default, bool)
     default = "" if plain else f"; {field.default} if not given"
     return f"{field.text}{unit}{default}" or None
@@ -113,10 +149,17 @@ class Declarations(Tagged):
     ----------
     section, room : str
         As for `kinds`.
+    implied : callable, optional
+        Returns the type of a mapping that does not say it.
+    others : mapping, optional
+        Entries of other words.
     """
 
-    def __init__(self, section: str, room: str) -> None:
-        super().__init__()
+    def __init__(
+        self, section: str, room: str, implied: Implied = None, others: Others = NO_OTHERS
+    ) -> None:
+        super().__init__(implied)
+        self.others = others
         self.section = section
         self.room = room
         self.imported = False
@@ -128,16 +171,18 @@ class Declarations(Tagged):
             if not self.imported:
                 kinds(self.section, self.room)
                 self.imported = True
-            return SECTIONS[self.section]
+            return (
+                {**SECTIONS[self.section], **self.others} if self.others else SECTIONS[self.section]
+            )
 
         return find
 
     def entry(self, kind: Any) -> type[Entry]:
         """Return the entry of a class."""
-        found: type[Entry] = entry_of(kind)
+        found: type[Entry] = kind if issubclass(kind, Entry) else entry_of(kind, bool(self.tag))
         return found
 
 
-def one_of(section: str, room: str) -> Any:
-    """Return the type of an entry of a section: one of its classes, by the key ``type``."""
-    return Annotated[Any, Declarations(section, room)]
+def one_of(section: str, room: str, implied: Implied = None, others: Others = NO_OTHERS) -> Any:
+    """Return the type of an entry of a section; for its arguments see `Declarations`."""
+    return Annotated[Any, Declarations(section, room, implied, others)]

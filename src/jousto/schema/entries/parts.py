@@ -6,10 +6,9 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Discriminator, Field, Tag
 
+from jousto.materials.material import Material
 from jousto.schema.entries.base import (
-    Area,
     Count,
-    Density,
     Direction,
     Entry,
     Flag,
@@ -17,136 +16,19 @@ from jousto.schema.entries.base import (
     InertiaTensor,
     Length,
     Mass,
-    Number,
     Position,
-    Pressure,
-    SecondMoment,
     Text,
     Vector,
 )
 from jousto.schema.entries.choices import by_form, tagged
+from jousto.schema.entries.declared import entry_of, one_of
 
-
-class MaterialEntry(Entry):
-    """`Material`: linear elastic, isotropic."""
-
-    E: Pressure = Field(description="Young's modulus")
-    nu: Number = Field(description="Poisson's ratio")
-    rho: Density = Field(description="Density")
-    name: Text | None = None
-    alpha: Number | None = Field(None, description="Thermal expansion, 1/K")
-
-
+MaterialEntry: Any = entry_of(Material, implied=True)
 MaterialForm: TypeAlias = Annotated[
     Annotated[Text, Tag("scalar")] | Annotated[MaterialEntry, Tag("mapping")], by_form()
 ]
-
-# -- sections -------------------------------------------------------------------------------
-
-
-class RectangleEntry(Entry):
-    """`Rectangle`: solid, width along y and height along z."""
-
-    type: Literal["rectangle"]
-    width: Length
-    height: Length
-
-
-class CircleEntry(Entry):
-    """`Circle`: solid."""
-
-    type: Literal["circle"]
-    diameter: Length
-
-
-class TubeEntry(Entry):
-    """`Tube`: circular and hollow."""
-
-    type: Literal["tube"]
-    outer_diameter: Length
-    wall: Length
-
-
-class BoxEntry(Entry):
-    """`Box`: rectangular and hollow."""
-
-    type: Literal["box"]
-    width: Length
-    height: Length
-    web: Length = Field(description="Thickness of the two walls along z")
-    flange: Length | None = Field(None, description="Thickness of the two walls along y")
-
-
-class IBeamEntry(Entry):
-    """`IBeam`: double symmetric."""
-
-    type: Literal["i-beam"]
-    height: Length
-    width: Length
-    web: Length = Field(description="Thickness of the web")
-    flange: Length = Field(description="Thickness of the flanges")
-    fillet: Length | None = Field(None, description="Radius between web and flange")
-
-
-ShearRow: TypeAlias = Annotated[tuple[Number, Number, Number], Vector(3)]
-
-
-class SectionPointEntry(Entry):
-    """`SectionPoint`: where stress is recovered."""
-
-    name: Text
-    y: Length
-    z: Length
-    shear: Annotated[tuple[ShearRow, ShearRow], Vector(2)] | None = Field(
-        None, description="Rows s12 and s13, columns for unit Vy, Vz (1/m2) and torque (1/m3)"
-    )
-
-
-class GeneralSectionEntry(Entry):
-    """`GeneralSection`: given by its constants."""
-
-    type: Literal["general"]
-    A: Area
-    Iy: SecondMoment
-    Iz: SecondMoment
-    J: SecondMoment = Field(description="Torsion constant")
-    ky: Number | None = Field(None, description="Shear coefficient along y")
-    kz: Number | None = Field(None, description="Shear coefficient along z")
-    points: tuple[SectionPointEntry, ...] | None = None
-
-
-SectionEntry: TypeAlias = Annotated[
-    Annotated[RectangleEntry, Tag("rectangle")]
-    | Annotated[CircleEntry, Tag("circle")]
-    | Annotated[TubeEntry, Tag("tube")]
-    | Annotated[BoxEntry, Tag("box")]
-    | Annotated[IBeamEntry, Tag("i-beam")]
-    | Annotated[GeneralSectionEntry, Tag("general")],
-    tagged(),
-]
-
-# -- how parts are modelled and reduced -----------------------------------------------------
-
-
-class TimoshenkoEntry(Entry):
-    """`Timoshenko`: with shear deformation, the default."""
-
-    type: Literal["timoshenko"]
-    ky: Number | None = None
-    kz: Number | None = None
-
-
-class EulerBernoulliEntry(Entry):
-    """`EulerBernoulli`: without shear deformation."""
-
-    type: Literal["euler-bernoulli"]
-
-
-TheoryEntry: TypeAlias = Annotated[
-    Annotated[TimoshenkoEntry, Tag("timoshenko")]
-    | Annotated[EulerBernoulliEntry, Tag("euler-bernoulli")],
-    tagged(),
-]
+SectionEntry: Any = one_of("sections", "jousto.sections")
+TheoryEntry: Any = one_of("theories", "jousto.parts.frames")
 
 
 class PointMassEntry(Entry):

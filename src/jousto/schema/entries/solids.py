@@ -8,25 +8,21 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from jousto.schema.entries.base import (
     Count,
-    Density,
     Direction,
     Entry,
     Flag,
     Length,
     Mass,
-    Number,
-    Orientation,
     Position,
-    Pressure,
     Text,
     fail,
 )
 from jousto.schema.entries.choices import by_form, tagged
+from jousto.schema.entries.declared import one_of
 from jousto.schema.entries.parts import (
     BeamEntry,
     FePart,
     FrameEntry,
-    MaterialEntry,
     MatricesEntry,
     MembersEntry,
     PointMassEntry,
@@ -36,34 +32,11 @@ from jousto.schema.entries.parts import (
 # -- materials ------------------------------------------------------------------------------
 
 
-class OrthotropicEntry(Entry):
-    """`Orthotropic`: three planes of symmetry, as of composites, wood and printed parts."""
-
-    type: Literal["orthotropic"] = "orthotropic"
-    E1: Pressure
-    E2: Pressure
-    E3: Pressure
-    nu12: Number = Field(description="Contraction along 2 under a pull along 1")
-    nu13: Number
-    nu23: Number
-    G12: Pressure
-    G13: Pressure
-    G23: Pressure
-    rho: Density
-    axes: Orientation | None = Field(None, description="Material axes 1, 2, 3 in the part frame")
-    name: Text | None = None
-
-
-class IsotropicEntry(MaterialEntry):
-    """`Material`: linear elastic, isotropic."""
-
-    type: Literal["isotropic"] = "isotropic"
-
-
-InlineMaterial: TypeAlias = Annotated[
-    Annotated[IsotropicEntry, Tag("isotropic")] | Annotated[OrthotropicEntry, Tag("orthotropic")],
-    tagged(lambda data: "orthotropic" if "E1" in data else "isotropic"),
-]
+InlineMaterial: Any = one_of(
+    "materials",
+    "jousto.materials",
+    implied=lambda data: "orthotropic" if "E1" in data else "isotropic",
+)
 SolidMaterial: TypeAlias = Annotated[
     Annotated[Text, Tag("scalar")] | Annotated[InlineMaterial, Tag("mapping")], by_form()
 ]

@@ -244,7 +244,7 @@ def build_simulation(builder: Builder, entry: SimulationEntry) -> Simulation | N
     before = len(builder.found)
     solver = None
     if entry.solver is not None:
-        solver = build_declared(builder, (*here, "solver"), entry.solver, {})
+        solver = build_declared(builder, (*here, "solver"), entry.solver)
     if len(builder.found) > before:
         return None
     return Simulation(entry.t_end, solver, entry.output_step, entry.start or "initial")

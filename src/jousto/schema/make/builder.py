@@ -239,7 +239,6 @@ class Builder:
 
     def beams(self, loc: Loc, values: dict[str, Any]) -> None:
         """Replace the entries in the arguments of a part made of beams by objects."""
-        from jousto.parts.frames.element import EulerBernoulli, Timoshenko
         from jousto.parts.mass import PointMass
 
         for key, value in values.items():
@@ -249,9 +248,7 @@ class Builder:
             elif key in ("material", "materials"):
                 values[key] = self.each(here, value, self.material)
             elif key == "theory":
-                timoshenko = isinstance(value, sp.TimoshenkoEntry)
-                theory: Any = Timoshenko if timoshenko else EulerBernoulli
-                values[key] = self.make(here, theory, **value.given())
+                values[key] = build_declared(self, here, value)
             elif key == "point_masses":
                 values[key] = self.each(
                     here, value, lambda at, e: self.make(at, PointMass, **e.given())
@@ -265,37 +262,17 @@ class Builder:
             return build(loc, value)
         return [build((*loc, i), item) for i, item in enumerate(value)]
 
-    def material(self, loc: Loc, entry: sp.MaterialEntry | str) -> Any:
-        """Return the Material of an entry or of a name in the library."""
+    def material(self, loc: Loc, entry: Any) -> Any:
+        """Return the material of an entry or of a name in the library."""
         from jousto.materials.library import material
-        from jousto.materials.material import Material
 
         if isinstance(entry, str):
             return self.make(loc, material, entry)
-        return self.make(loc, Material, **entry.given())
+        return build_declared(self, loc, entry)
 
     def section(self, loc: Loc, entry: Any) -> Any:
-        """Return the section of an entry."""
-        from jousto.sections.profiles import Box, IBeam
-        from jousto.sections.section import Circle, GeneralSection, Rectangle, SectionPoint, Tube
-
-        values = entry.given()
-        if "points" in values:
-            points = self.each(
-                (*loc, "points"),
-                values["points"],
-                lambda at, e: self.make(at, SectionPoint, **e.given()),
-            )
-            values["points"] = tuple(points)
-        makers: dict[type, Any] = {
-            sp.RectangleEntry: Rectangle,
-            sp.CircleEntry: Circle,
-            sp.TubeEntry: Tube,
-            sp.BoxEntry: Box,
-            sp.IBeamEntry: IBeam,
-            sp.GeneralSectionEntry: GeneralSection,
-        }
-        return self.make(loc, makers[type(entry)], **values)
+        """Return the cross section of an entry."""
+        return build_declared(self, loc, entry)
 
     def member(self, loc: Loc, entry: sp.MemberEntry) -> Any:
         """Return the Member of an entry."""
@@ -346,10 +323,15 @@ class Builder:
     def orientations(self, loc: Loc, values: dict[str, Any]) -> dict[str, Any]:
         """Replace turns about an axis by `Rotate` objects."""
         for key in ("orientation", "axes"):
-            if isinstance(values.get(key), RotateEntry):
-                entry = values[key]
-                values[key] = self.make((*loc, key), Rotate, entry.axis, degrees=entry.angle_deg)
+            if key in values:
+                values[key] = self.orientation((*loc, key), values[key])
         return values
+
+    def orientation(self, loc: Loc, entry: Any) -> Any:
+        """Return an orientation; a turn about an axis becomes a `Rotate`."""
+        if not isinstance(entry, RotateEntry):
+            return entry
+        return self.make(loc, Rotate, entry.axis, degrees=entry.angle_deg)
 
     def unknown(
         self, loc: Loc, section: str | tuple[str, ...], kind: str, name: str, known: Iterable[str]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jousto.base.errors import suggest
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 Known: TypeAlias = Mapping[str, Mapping[str, Any]]
 """For each section the objects made before, by their names."""
+NOTHING: Known = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,9 @@ class Place:
         return units.pop() if len(units) == 1 else "1"
 
 
-def build_declared(builder: Builder, loc: Loc, entry: Any, known: Known, use: str = "1") -> Any:
+def build_declared(
+    builder: Builder, loc: Loc, entry: Any, known: Known = NOTHING, use: str = "1"
+) -> Any:
     """Return the object of an entry, None if anything is wrong with it.
 
     Parameters
@@ -162,6 +166,17 @@ def event(place: Place, value: Any) -> Any:
     return place.builder.event(place.loc, value)
 
 
+def items(place: Place, value: Any) -> Any:
+    """Return the objects that an entry declares in a list, None if one is wrong."""
+    found = [nested(place.at(i), one) for i, one in enumerate(value)]
+    return None if None in found else found
+
+
+def orientation(place: Place, value: Any) -> Any:
+    """Return an orientation; turns about an axis become `Rotate`."""
+    return place.builder.orientation(place.loc, value)
+
+
 FORMS: dict[str, Callable[[Place, Any], Any]] = {
     "number": number,
     "marker": marker,
@@ -172,6 +187,8 @@ FORMS: dict[str, Callable[[Place, Any], Any]] = {
     "coordinates": coordinates,
     "series": series,
     "signal": signal,
+    "items": items,
+    "orientation": orientation,
     "signals": signals,
     "event": event,
 }

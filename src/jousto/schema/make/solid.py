@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from jousto.base.errors import Problems, count, suggest
+from jousto.base.errors import count, suggest
 from jousto.schema.entries import solids as ss
 from jousto.schema.file.document import Loc
 from jousto.schema.file.kept import mesh_of_cad
@@ -102,40 +102,11 @@ def with_stress_at(part: Any, entry: ss.SolidEntry) -> Any:
 def solid_materials(builder: Builder, loc: Loc, entry: ss.SolidEntry) -> Any:
     """Return the material of a solid, or a mapping of them by element set."""
     if entry.materials is None:
-        return solid_material(builder, (*loc, "material"), entry.material)
+        return builder.material((*loc, "material"), entry.material)
     return {
-        key: solid_material(builder, (*loc, "materials", key), value)
+        key: builder.material((*loc, "materials", key), value)
         for key, value in entry.materials.items()
     }
-
-
-def solid_material(builder: Builder, loc: Loc, entry: Any) -> Any:
-    """Return the material of a name in the library or of given values."""
-    from jousto.materials.library import material
-    from jousto.materials.material import Material
-    from jousto.materials.orthotropic import Orthotropic
-
-    if isinstance(entry, str):
-        return builder.make(loc, material, entry)
-    values = builder.orientations(loc, entry.given())
-    if not isinstance(entry, ss.OrthotropicEntry):
-        return builder.make(loc, Material, **values)
-    if "axes" in values:
-        values["axes"] = builder.make((*loc, "axes"), material_axes, values["axes"])
-        if values["axes"] is None:
-            return None
-    return builder.make(loc, Orthotropic, **values)
-
-
-def material_axes(value: Any) -> Any:
-    """Return the rotation matrix (3, 3) of any way to write an orientation."""
-    from jousto.base.rotations import parse_orientation, rotation_matrix
-
-    problems = Problems()
-    e = parse_orientation(problems, "axes", "axes", value)
-    problems.raise_if_any()
-    assert e is not None
-    return rotation_matrix(e)
 
 
 def read_solid_mesh(builder: Builder, loc: Loc, entry: ss.SolidEntry) -> Mesh | None:

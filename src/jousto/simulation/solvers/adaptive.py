@@ -57,6 +57,7 @@ class DormandPrince(Declared, section="solvers", tag="DormandPrince", by_value=T
         least=1e-13,
         most=0.1,
         wanted="between 1e-13 and 0.1",
+        plain=True,
         default=1e-6,
     )
     absolute: OptionalNumber = field(
@@ -65,6 +66,7 @@ class DormandPrince(Declared, section="solvers", tag="DormandPrince", by_value=T
         unit="m",
         above=0,
         wanted="None or positive, m",
+        plain=True,
         default=None,
     )
     first_step: OptionalDuration = field(

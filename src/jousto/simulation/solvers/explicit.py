@@ -49,8 +49,12 @@ class Baumgarte(Declared, by_value=True):
     ``alpha = beta`` is critically damped. A good size is 1 / (10 step).
     """
 
-    alpha: Number = field("Of the velocities", unit="1/s", least=0, wanted="0 or more, 1/s")
-    beta: Number = field("Of the positions", unit="1/s", least=0, wanted="0 or more, 1/s")
+    alpha: Number = field(
+        "Of the velocities", unit="1/s", least=0, wanted="0 or more, 1/s", plain=True
+    )
+    beta: Number = field(
+        "Of the positions", unit="1/s", least=0, wanted="0 or more, 1/s", plain=True
+    )
 
 
 class Explicit(Declared, section="solvers", by_value=True):

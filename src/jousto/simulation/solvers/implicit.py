@@ -26,6 +26,7 @@ TOLERANCE: Any = field(
     least=1e-14,
     most=1e-2,
     wanted="between 1e-14 and 1e-2, or None for max_iterations iterations at every step",
+    plain=True,
     default=1e-10,
 )
 MOST: Any = field("Most iterations of a step", least=1, most=1000, default=10)
@@ -83,6 +84,7 @@ class GeneralizedAlpha(Newton, tag="GeneralizedAlpha"):
         least=0,
         most=1,
         wanted="between 0 (damps most) and 1 (none)",
+        plain=True,
         default=0.8,
     )
     tolerance: OptionalNumber = TOLERANCE
@@ -125,6 +127,7 @@ class Newmark(Newton, tag="Newmark"):
         above=0,
         most=1,
         wanted="between 0 and 1 and not 0",
+        plain=True,
         default=0.25,
     )
     gamma: Number = field(
@@ -132,6 +135,7 @@ class Newmark(Newton, tag="Newmark"):
         least=0.5,
         most=1,
         wanted="between 0.5 and 1",
+        plain=True,
         default=0.5,
     )
     tolerance: OptionalNumber = TOLERANCE
