@@ -151,5 +151,5 @@ def test_refusals_all_at_once() -> None:
         "load 6: is 3.0, must be one of Pressure",
     ):
         assert sentence in message
-    with pytest.raises(InputError, match="only Part.solid knows them"):
+    with pytest.raises(InputError, match="only Part.solid has them"):
         Part.beam(2.0, Circle(0.01), 4, STEEL).load(Pressure("end", 1.0))

@@ -116,5 +116,5 @@ def test_refusals(run: jo.Solution, reduced: jo.ReducedPart) -> None:
         reduced.frequencies,
         reduced.invariants,
     )
-    with pytest.raises(jo.InputError, match="knows no stress"):
+    with pytest.raises(jo.InputError, match="has no stress data"):
         stress(run, bare, "beam")

@@ -1,4 +1,4 @@
-"""The command check, and what is told of a model."""
+"""The command check, and what it prints of a model."""
 
 from __future__ import annotations
 

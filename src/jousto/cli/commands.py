@@ -41,7 +41,7 @@ def run(
     trust: Trust = False,
     debug: Debug = False,
 ) -> None:
-    """Simulate a model; the results go to MODEL.h5 unless -o says otherwise."""
+    """Simulate a model; the results go to MODEL.h5 unless -o names another file."""
     from jousto.schema.file.read import read_model
     from jousto.schema.targets import RESULTS, output_path
 
@@ -135,7 +135,7 @@ def plot(
     output: Output = None,
     debug: Debug = False,
 ) -> None:
-    """Plot sensors over time; the picture goes to RESULT.png unless -o says otherwise."""
+    """Plot sensors over time; the picture goes to RESULT.png unless -o names another file."""
     from jousto.schema.targets import MONITOR, hdf5_format, output_path
 
     target = output_path(output, result, ".png")
@@ -183,9 +183,9 @@ def animate(
     ] = None,
     debug: Debug = False,
 ) -> None:
-    """Film the motion; it goes to RESULT.gif unless -o says otherwise.
+    """Film the motion; it goes to RESULT.gif unless -o names another file.
 
-    The ending of the file says what is made: .gif, .mp4 or .html films, .png, .svg or .pdf
+    The ending of the file selects the format: .gif, .mp4 or .html films, .png, .svg or .pdf
     pictures of several instants. Modal beams are lines, exact beams and solids are
     surfaces.
     """

@@ -1,4 +1,4 @@
-"""The command that says how long a part lives: fatigue."""
+"""The command that computes the life of parts: fatigue."""
 
 from __future__ import annotations
 

@@ -79,7 +79,7 @@ def hotspots(
     """Rank the places with the largest stress at stored instants and prove that no other is worse.
 
     -o draws the largest stress on the surface with the hot spots and their histories. The error
-    budget of the first says what its stress may be wrong by; finer runs tell more of it.
+    error budget of the first estimates the error of its stress; finer runs complete it.
     """
     from jousto.recovery.budget import error_budget
     from jousto.recovery.fields.build import stress_field

@@ -48,8 +48,9 @@ def monitor(
 ) -> None:
     """Watch measured strains: stress at hot spots, damage, remaining life, alarms.
 
-    The model's block monitor says what is watched. The record goes to MODEL.monitor.h5 unless -o
-    says otherwise; it is whole at every moment, and --resume goes on with it. Ctrl-C ends it.
+    The model's block monitor defines what is watched. The record is written to MODEL.monitor.h5
+    unless -o names another file; it is complete at every moment, and --resume continues it. Ctrl-C
+    ends it.
     """
     from dataclasses import replace
 

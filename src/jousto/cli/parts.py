@@ -51,9 +51,9 @@ def reduce_part(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")] = False,
     debug: Debug = False,
 ) -> None:
-    """Reduce a part to modes; it goes to NAME.h5 next to the file unless -o says otherwise.
+    """Reduce a part to modes; it goes to NAME.h5 next to the file unless -o names another file.
 
-    A reduction that was killed goes on after its last finished stage when it is started again.
+    A reduction that was killed continues after its last finished stage when it is started again.
 
     Ends with the certificate: what the part weighs, whether it is sound, and how its modes compare
     with the full model.
@@ -94,7 +94,7 @@ def export(
     ] = None,
     debug: Debug = False,
 ) -> None:
-    """Write a reduced part or results for other programs; the ending says for which.
+    """Write a reduced part or results for other programs; the ending selects which.
 
     Reduced parts: .vtu (ParaView, with modes and modal stress), .fem (MBDyn), .sid (standard
     input data). Results: .csv (time and sensors).

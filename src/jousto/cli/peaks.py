@@ -1,4 +1,4 @@
-"""The command that says how large things became in a run: peaks."""
+"""The command that lists the largest values of a run: peaks."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def sensor_peaks(
 def worst_places(
     run: Solution, start: float | None = None, end: float | None = None
 ) -> list[HotSpots]:
-    """Return the place of the largest von Mises stress of each body that knows its stress."""
+    """Return the place of the largest von Mises stress of each body that has stress data."""
     from jousto.recovery.hotspots.spots import hot_spots
 
     return [hot_spots(run, bodies=name, count=1, start=start, end=end) for name in run.stressed]

@@ -145,9 +145,7 @@ def only_body(run: Solution) -> str:
     """Return the only body of a run whose stress is known."""
     names = list(run.stressed)
     if len(names) != 1:
-        found = (
-            f"name one of the bodies {', '.join(names)}" if names else "no body knows its stress"
-        )
+        found = f"name one of the bodies {', '.join(names)}" if names else "no body has stress data"
         raise InputError(Problem(run.where, found))
     return names[0]
 

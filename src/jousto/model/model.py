@@ -43,7 +43,7 @@ class BodyModel:
     K, D : arrays (n,)
         omega^2 in rad2/s2 and 2 zeta omega in 1/s.
     stiffening : bool
-        Whether the field goes on to second order in p.
+        Whether the field includes second order in p.
     alpha : float
         Damping of the momenta, forces -alpha M v, in 1/s; of bodies without modes only.
     """
@@ -99,7 +99,7 @@ class BeamModel:
 class MarkerModel:
     """A frame on body `body` (-1: ground); mode shapes (3, n) or None where rigid.
 
-    `turns` tells that its orientation matters in every evaluation, not only for sensors; `chi`
+    `turns` means that its orientation matters in every evaluation, not only for sensors; `chi`
     (6, n, n) is its second-order translation and rotation, with stiffening.
     """
 

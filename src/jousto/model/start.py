@@ -27,7 +27,7 @@ def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None
     the rigid mechanism can follow, and of these the one of least kinetic energy ``dv^T M dv``. The
     nearest velocities in the mass metric alone would be those after a blow: the modes would ring
     from the start. Mechanisms of more than `MOST` velocities or rows of constraints keep the
-    nearest velocities, and a warning says so.
+    nearest velocities, with a warning.
 
     Parameters
     ----------

@@ -262,7 +262,7 @@ def _faces(
     """Return the outer faces of a named surface, or those all of whose nodes are among these."""
     if not part.faces:
         problems.add(
-            label, "needs a surface, but the part has no outer faces: only Part.solid knows them"
+            label, "needs a surface, but the part has no outer faces: only Part.solid has them"
         )
         return None
     named = part.surfaces.get(on) if isinstance(on, str) else None

@@ -163,7 +163,7 @@ def simulate_planar(
         Whether Newton's matrix has the velocity-dependent tangents K_acc and C_acc of eq. 13. They
         change the number of iterations, not the result.
     start : PlanarState, optional
-        Unloaded and at rest by default; ``run.state()`` goes on from a run.
+        Unloaded and at rest by default; ``run.state()`` continues a run.
     partial : bool
         Return what there is if a step does not converge, instead of an error.
 

@@ -27,7 +27,7 @@ class PlanarState:
     time : float
         s.
     a, s : (n,) array, optional
-        Accelerations, and those of the method, of a run that goes on.
+        Accelerations, and those of the method, of a run that continues.
     """
 
     q: Array
@@ -168,7 +168,7 @@ class PlanarRun:
     last_residuals : tuple of float
         Of Newton's iteration in the last step.
     method_accelerations : (n,) array or None
-        What the method needs to go on.
+        What the method needs to continue.
     """
 
     frame: PlanarFrame
@@ -219,7 +219,7 @@ class PlanarRun:
         return _node(self.frame, name)
 
     def state(self, k: int = -1) -> PlanarState:
-        """Return the state at a step to go on from, exactly where it is the last one."""
+        """Return the state at a step to continue from, exactly where it is the last one."""
         last = k in (-1, self.steps)
         s = self.method_accelerations if last else None
         return PlanarState(self.q[k], self.v[k], float(self.time[k]), self.a[k], s)
@@ -243,7 +243,7 @@ class PlanarPath:
         eps, gam, kap (1/m).
     negative : (nt,) array of int
         Number of negative eigenvalues of the tangent: 0 where the equilibrium is stable under
-        conservative loads; a change tells a limit or a branching point.
+        conservative loads; a change indicates a limit or a branching point.
     residuals : tuple of tuples of float
         Of Newton's iteration at each point.
     """

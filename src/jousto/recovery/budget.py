@@ -31,8 +31,8 @@ HOW = {
     "instants": "store velocities, or instants closer together",
     "step": "compare with a run of half the step",
     "modes": "compare with a run of more modes, or with the residual stress",
-    "mesh": "the part has no mesh of solids that tells it (or was reduced by an older version): "
-    "compare with a run of a finer mesh",
+    "mesh": "the part has no mesh of solids to estimate it from (or was reduced by an older "
+    "version): compare with a run of a finer mesh",
 }
 """The terms, and how one that is not known becomes known."""
 

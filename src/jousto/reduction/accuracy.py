@@ -1,4 +1,4 @@
-"""How well the mesh knows the stress of a part's modes and loads, for the certificate."""
+"""Error of the stress of a part's modes and loads by its mesh, for the certificate."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def clamp(reduced: ReducedPart, node: str) -> ReducedPart:
 
     Examples
     --------
-    A steel cantilever of 20 x 10 mm; slender beam theory says 8.3552 Hz:
+    A steel cantilever of 20 x 10 mm; slender beam theory gives 8.3552 Hz:
 
     >>> import jousto as jo
     >>> steel = jo.Material(E=2.1e11, nu=0.3, rho=7850)

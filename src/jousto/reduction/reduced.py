@@ -48,7 +48,7 @@ class ReducedPart(Content):
     invariants : Invariants
         Mass integrals.
     stress : StressModes or None
-        Stress of each mode at the places the part knows.
+        Stress of each mode at the places of the part.
     interfaces : tuple of str
         Node sets whose static deformation the modes hold exactly.
     provenance : mapping of str to str

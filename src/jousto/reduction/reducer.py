@@ -101,7 +101,7 @@ def reduce(
         not given. What is kept of another library is not taken if one is named.
     cache : ReductionCache, path or bool, optional
         Where the result is kept for the next time, and the stages of a reduction that may be
-        killed: asked for again, it goes on after the last stage that was finished. True is the
+        killed: asked for again, it continues after the last stage that was finished. True is the
         user's cache folder, False keeps nothing; by default parts of 30,000 degrees of freedom and
         more are kept.
     progress : bool or function, optional

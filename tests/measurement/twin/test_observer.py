@@ -209,7 +209,7 @@ def test_tuning_finds_the_noise_and_passes_the_test(record: Shaken) -> None:
     wrong = twin(noise=4e-6)
     before = innovation_test(wrong.run(record.time, record.e))
     assert not before.passed and before.size < 0.2
-    assert "not as the noise says" in str(before)
+    assert "not in agreement with the noise" in str(before)
     right = tune(wrong, record.time[:600], record.e[:600])
     # standard errors of 600 samples of four gauges 1.4 %, of the size of all innovations 1 %
     np.testing.assert_allclose(np.sqrt(np.diag(right.noise)), 1e-6, rtol=0.05)
@@ -248,7 +248,7 @@ def test_long_records_do_not_fail_good_twins() -> None:
     # really wrong in size, or in colour
     for size, correlation in ((1.4, 0.0), (0.7, 0.0), (1.0, 0.35)):
         bad = innovation_test(innovations(4000, size, correlation))
-        assert not bad.passed and "not as the noise says" in str(bad)
+        assert not bad.passed and "not in agreement with the noise" in str(bad)
     # short records of right twins pass whatever chance does
     few = [innovation_test(innovations(40, 1.0, 0.0, seed)).passed for seed in range(200)]
     assert np.mean(few) > 0.9

@@ -168,7 +168,7 @@ def test_section_without_points_says_what_to_do() -> None:
     assert run.stressed == ()
     with pytest.raises(jo.InputError, match=r"BeamSection\(..., points=\[StressPoint"):
         jo.stress_field(run, "beam")
-    with pytest.raises(jo.InputError, match="no body of this run knows its stress"):
+    with pytest.raises(jo.InputError, match="no body of this run has stress data"):
         jo.hot_spots(run)
 
 

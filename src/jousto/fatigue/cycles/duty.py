@@ -110,7 +110,7 @@ class DutyCycle:
     Raises
     ------
     InputError
-        If transitions are not said, or the events do not fit together.
+        If transitions are not given, or the events do not fit together.
 
     Examples
     --------

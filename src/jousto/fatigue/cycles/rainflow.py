@@ -1,4 +1,4 @@
-"""Rainflow counting by the engine, with a residue rule that must be said."""
+"""Rainflow counting by the engine, with a residue rule that must be given."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ RESIDUES = ("half", "repeat", "ignore")
 
 _EXPLAIN = (
     'say what counts of the cycles that the history leaves open: "half" (half cycles, ASTM E1049),'
-    ' "repeat" (the history goes on from its beginning, as in a duty cycle) or "ignore" (for'
+    ' "repeat" (the history starts again from its beginning, as in a duty cycle) or "ignore" (for'
     " pieces of a longer history whose residues are counted later); of one random walk they give"
     " damages of 3.6e-6, 5.1e-6 and 5.1e-7, a factor of ten"
 )

@@ -3,7 +3,7 @@
 The stress of a modal body is linear elastic. Where it exceeds the cyclic yield stress the true one
 is lower and the strain higher: Neuber's rule ``s e = S^2/E`` or Glinka's equal strain energy give
 both. Hysteresis branches are the cyclic curve doubled (Masing), and a branch that closes a loop
-goes on along the curve it left (material memory), so that every loop gets its own mean stress.
+continues along the curve it left (material memory), so that every loop gets its own mean stress.
 """
 
 from __future__ import annotations

@@ -292,7 +292,7 @@ def damage_field(
 
     Places whose largest stress is below the endurance limit or cut-off of the curve are not
     counted: no amplitude, corrected for its mean, is larger than the largest stress. Most of them
-    are told by the bounds of `hot_spots`, without working out their stress.
+    are found by the bounds of `hot_spots`, without working out their stress.
 
     Parameters
     ----------

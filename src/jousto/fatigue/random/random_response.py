@@ -68,7 +68,7 @@ class RandomResponse:
         stress = self.reduced.stress
         where = f"part '{self.reduced.name}'"
         if stress is None:
-            raise InputError(Problem(where, "no stress modes; the part knows no stress"))
+            raise InputError(Problem(where, "no stress modes; the part has no stress data"))
         known = {label: i for i, label in enumerate(stress.labels)}
         wanted = tuple(known) if sites is None else (sites,) if isinstance(sites, str) else sites
         problems = Problems()

@@ -252,7 +252,7 @@ def _site(
 class OnSurface:
     """A place on an outer face: nodes, their weights, outward normal and distance, m.
 
-    `edge` tells that another face, which meets this one at an angle, is as near.
+    `edge` means that another face, which meets this one at an angle, is as near.
     """
 
     nodes: Ints

@@ -39,7 +39,7 @@ class SN:
         Slope above the knee, larger than 1; Basquin's exponent is ``b = -1/k``.
     rule : str
         "original", "elementary" or "haibach". The default, elementary, is the careful one: under
-        loads of varying amplitude small cycles go on with the cracks that large ones began.
+        loads of varying amplitude small cycles extend the cracks that large ones began.
     k2 : float, optional
         Slope below the knee with the rule "haibach"; 2 k - 1 if None.
     N_cut : float, optional
@@ -56,7 +56,7 @@ class SN:
     survival : float
         Probability of survival for which the curve holds, 0.5 for the mean of tests.
     S_u : float, optional
-        Tensile strength, Pa: larger stresses are told.
+        Tensile strength, Pa: larger stresses are reported.
     name, source : str
         For tables, and where the values come from.
 

@@ -285,7 +285,7 @@ _COMMITTEE: dict[str, tuple[float, float, float, float, float]] = {
 
 
 def strain_lives() -> tuple[str, ...]:
-    """Return the names of the materials that `strain_life` knows."""
+    """Return the names of the materials of `strain_life`."""
     return (*_TABLE, *_COMMITTEE)
 
 

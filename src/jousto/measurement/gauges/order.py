@@ -111,7 +111,7 @@ def restarts(t: Array) -> list[int]:
 
 
 def _midnights(t: Array) -> NDArray[np.intp]:
-    """Return the samples after which a time of day goes on with the next day."""
+    """Return the samples after which a time of day continues with the next day."""
     steps = np.diff(t)
     if not np.any(steps > 0.0) or t.min() < 0.0 or t.max() >= DAY + 1.0:
         return np.empty(0, dtype=np.intp)

@@ -124,7 +124,7 @@ def rosette_state(
     Raises
     ------
     InputError
-        With everything that is wrong; strains above 0.5 m/m, likely um/m, are told.
+        With everything that is wrong; strains above 0.5 m/m, likely um/m, are reported.
 
     Warns
     -----

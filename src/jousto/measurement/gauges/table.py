@@ -38,9 +38,9 @@ class Table:
     names : tuple of str
         Heads of the columns without units.
     labels : tuple of str or None
-        Units as the file says them.
+        Units as in the file.
     values : (nt, nc) array
-        Numbers; nan where a field is empty or says that nothing was measured. Times of day and
+        Numbers; nan where a field is empty or marked as not measured. Times of day and
         dates are seconds.
     lines : (nt,) int array
         Line of each row, from 1.

@@ -21,12 +21,12 @@ PAUSE = 10.0  # usual steps of time from which on a gap is no watched time
 @described
 @dataclass(frozen=True, eq=False)
 class Life:
-    """Damage so far and remaining life if it goes on as it did.
+    """Damage so far and remaining life at the same rate.
 
     Attributes
     ----------
     watched : float
-        Time that was watched, s: without pauses and without samples that told nothing.
+        Time that was watched, s: without pauses and without samples that determine nothing.
     damage, damage_low, damage_high : (ns,) array
         Miner's sum with the ends of its band.
     remaining, remaining_low, remaining_high : (ns,) array

@@ -145,7 +145,7 @@ class Monitor:
         self.estimator: Estimator = estimator_of(twin)
         known = modes.stress if isinstance(modes, ReducedPart) else modes
         if known is None:
-            raise InputError(Problem(where, "the part knows no stress; use part.with_stress"))
+            raise InputError(Problem(where, "the part has no stress data; use part.with_stress"))
         spots = (spots,) if isinstance(spots, str) else tuple(spots)
         if not spots:
             problems.add(where, "no hot spot is named; spots are labels of stress sites")

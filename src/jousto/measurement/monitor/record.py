@@ -104,7 +104,7 @@ class Record:
     Parameters
     ----------
     path : Path
-        File; `create` overwrites it, `resume` goes on with it.
+        File; `create` overwrites it, `resume` continues it.
     layout : Layout
         What it holds.
     """
@@ -142,7 +142,7 @@ class Record:
 
     @classmethod
     def resume(cls, path: Path, layout: Layout) -> tuple[Record, dict[str, Array]]:
-        """Return a record that goes on, and the memory of its last checkpoint.
+        """Return a record that continues, and the memory of its last checkpoint.
 
         Rows after the checkpoint are written anew. The memory is empty if the record was given up
         before its first checkpoint.

@@ -61,7 +61,7 @@ class Event:
 
 @explained
 class MonitorRecord:
-    """The record of a monitoring run; also of one that goes on or was killed.
+    """The record of a monitoring run; also of one that still runs or was killed.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a model says of its monitoring, and the monitor that follows from it."""
+"""The monitoring block of a model, and the monitor that follows from it."""
 
 from __future__ import annotations
 

@@ -119,7 +119,7 @@ class Block:
 
 @dataclass
 class Place:
-    """How far a stream was read; with it reading goes on exactly.
+    """How far a stream was read; with it reading continues exactly.
 
     Attributes
     ----------
@@ -181,9 +181,9 @@ class Stream:
     name : str
         For messages.
     place : Place, optional
-        Where reading goes on; the source must stand at ``place.offset``.
+        Where reading continues; the source must stand at ``place.offset``.
     header : Header, optional
-        Of the beginning, when reading goes on; read from the source if not given.
+        Of the beginning, when reading continues; read from the source if not given.
 
     Raises
     ------
@@ -469,7 +469,7 @@ class Stream:
             place.shift = before + step - agreed[0].time
             place.clock += 1
             self._odd(
-                "clock", f"the clock was set back by {back:.6g} s; time goes on", agreed[0].line
+                "clock", f"the clock was set back by {back:.6g} s; time continues", agreed[0].line
             )
         for one in agreed:
             self._take(one, one.time + place.shift, rows)

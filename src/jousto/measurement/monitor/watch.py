@@ -75,7 +75,7 @@ def watch(
 ) -> MonitorRecord:
     """Read measured strains to their end and record what a monitor makes of them.
 
-    The record is whole at every moment; after a kill `resume` goes on where the last block ended.
+    The record is whole at every moment; after a kill `resume` continues where the last block ended.
     A file is then read on from its place; of a pipe that starts again from the beginning what was
     seen is skipped. Ctrl-C ends the watch and closes the record.
 
@@ -93,7 +93,7 @@ def watch(
     unit : str, optional
         Unit of columns that name none: "m/m", "um/m", "mm/m" or "%".
     resume : bool
-        Go on with the record at `path`; if there is none, a new one begins and a warning says so.
+        Continue the record at `path`; if there is none, a new one begins, with a warning.
     show : callable, optional
         Called with a `Progress` after every block.
     text : str
@@ -118,7 +118,7 @@ def watch(
             warn(stream.name, f"columns that no gauge uses: {', '.join(unused)}")
         layout = _layout(monitor, text)
         if resume and not path.exists():
-            warn(str(path), "no such record to go on with; a new one begins")
+            warn(str(path), "no such record to continue; a new one begins")
             resume = False
         if resume:
             record, memory = Record.resume(path, layout)

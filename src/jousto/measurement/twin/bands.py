@@ -313,7 +313,7 @@ def _pick(
     where = "stress_band"
     known = modes.stress if isinstance(modes, ReducedPart) else modes
     if known is None:
-        raise InputError(Problem(where, "the part knows no stress; use part.with_stress"))
+        raise InputError(Problem(where, "the part has no stress data; use part.with_stress"))
     n = estimate.p.shape[1]
     if known.modes.shape[2] != n:
         problems.add(where, f"stress of {known.modes.shape[2]} modes, the estimate has {n}")

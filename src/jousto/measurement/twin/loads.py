@@ -80,7 +80,7 @@ def identify_fourier(
     harmonics: int | None = None,
     limit: float | None = None,
 ) -> FourierLoads:
-    """Return the modal loads that a window of strains tells, by its Fourier series.
+    """Return the modal loads that a window of strains determines, by its Fourier series.
 
     ``f_0 = W2 B^+ e_0``, ``f_j - i s_j = (W2 - j^2 w^2 + 2 i j w Z W) B^+ (e_j - i k_j)``: exact
     for strains that repeat with the window; the response before it must have died away or repeat.

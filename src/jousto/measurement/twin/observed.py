@@ -1,4 +1,4 @@
-"""What an observer knows: after one step, and over a whole record."""
+"""What an observer estimates: after one step, and over a whole record."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ class Observed(Posterior):
     states : (nt, nx) array
         States.
     P : (m, nx, nx) array
-        Their different covariances; `which` tells which holds.
+        Their different covariances; `which` gives the one of each sample.
     forces : (nt, n) array
         Known modal forces, kg^0.5 m/s2.
     innovations, scores : (nt, ny) arrays

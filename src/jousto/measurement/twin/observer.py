@@ -485,7 +485,7 @@ class Observer:
     def _offset(self, motion: Motion, f: Array, x: Array) -> Array:
         """Return what the channels show of known forces and motion alone (ny,).
 
-        The state so far tells how far the deformation moves the loads: they act on the bent body.
+        The state so far gives how far the deformation moves the loads: they act on the bent body.
         """
         system, reduced = self.system, self.reduced
         static = np.where(system.dynamic, 0.0, f / reduced.stiffness)
@@ -513,7 +513,7 @@ class Observer:
     # -- whole records ------------------------------------------------------------------------
 
     def run(self, time: Any, e: ArrayLike | None = None) -> Observed:
-        """Return what a whole record tells, from its start; the observer itself stays as it is.
+        """Return the estimate of a whole record, from its start; the observer does not change.
 
         Parameters
         ----------

@@ -281,7 +281,7 @@ def _candidates(candidates: Any) -> tuple[Array, tuple[str, ...], Array | None]:
         if stress is None or stress.elasticity is None:
             raise InputError(
                 Problem(
-                    "place_gauges", "the part knows no stress, or no modulus; give rows instead"
+                    "place_gauges", "the part has no stress data, or no modulus; give rows instead"
                 )
             )
         E, nu = stress.elasticity.T

@@ -1,4 +1,4 @@
-"""What a twin knows of the modal coordinates: values and covariances over time."""
+"""The estimate of the modal coordinates: values and covariances over time."""
 
 from __future__ import annotations
 

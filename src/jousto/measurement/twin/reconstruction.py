@@ -19,11 +19,11 @@ from jousto.measurement.twin.signals import LARGEST, read_noise, read_strain, re
 
 Array = NDArray[np.float64]
 NOISE = 1e-6
-"""Standard deviation of a gauge if nothing is said, m/m."""
+"""Default standard deviation of a gauge, m/m."""
 CONDITION = 1e4
-"""Condition number from which on a basis without prior is told to amplify the noise."""
+"""Condition number from which on a basis without prior is reported to amplify the noise."""
 FAR_OFF = 10.0
-"""Score of most gauges from which on the estimate is told to be doubtful; 1 is right."""
+"""Score of most gauges from which on the estimate is reported as doubtful; 1 is right."""
 PARALLEL = 1e-9
 """How near to 1 the cosine of the rows of two gauges is if they say the same."""
 
@@ -31,7 +31,7 @@ PARALLEL = 1e-9
 @described
 @dataclass(frozen=True, eq=False)
 class Estimate(Told):
-    """Modal coordinates from gauges, with what tells whether to trust them.
+    """Modal coordinates from gauges, with measures of their quality.
 
     Attributes
     ----------
@@ -269,7 +269,7 @@ class Reconstruction:
             warn(
                 "Reconstruction.estimate",
                 f"at {count(blind, 'instant')} of {len(strain)} too few gauges are left to tell "
-                f"{count(self.n, 'mode')}; p is nan there, give a prior to go on",
+                f"{count(self.n, 'mode')}; p is nan there, give a prior to continue",
             )
         residual = strain - p @ self.B.T
         found = Estimate(
@@ -307,7 +307,7 @@ class Reconstruction:
         Raises
         ------
         InputError
-            As `estimate`; also if no gauge can be told from the others.
+            As `estimate`; also if no gauge can be distinguished from the others.
         """
         scaled = self
         for _ in range(20):  # the prior does not scale along, so the factor is found by repetition
@@ -319,8 +319,8 @@ class Reconstruction:
                 raise InputError(
                     Problem(
                         "Reconstruction.calibrated",
-                        "no gauge can be told from the others, so the noise cannot be seen; add "
-                        "gauges or give a prior",
+                        "no gauge can be distinguished from the others, so the noise "
+                        "cannot be estimated; add gauges or give a prior",
                     )
                 )
             factor = float(np.sqrt(np.mean(good**2)))

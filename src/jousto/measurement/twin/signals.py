@@ -1,4 +1,4 @@
-"""Checks of measured signals and of the noise that is said to be in them."""
+"""Checks of measured signals and of the noise given for them."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def read_strain(
         problems.add(
             where,
             f"strain of '{names[worst]}' reaches {size[worst]:.4g} m/m, "
-            f"{100 * size[worst]:.4g} %, which nothing elastic bears; it looks like "
+            f"{100 * size[worst]:.4g} %, which no elastic part can have; it looks like "
             f"{strain_remedy(float(size[worst]))}",
         )
         return None

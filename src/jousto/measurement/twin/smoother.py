@@ -1,4 +1,4 @@
-"""smooth and draw: what a whole record tells of every instant, and histories that it allows."""
+"""smooth and draw: estimates of every instant from a whole record, and histories that it allows."""
 
 from __future__ import annotations
 

@@ -29,12 +29,12 @@ FARTHEST = 8.0
 @described
 @dataclass(frozen=True, eq=False)
 class InnovationTest:
-    """Whether the innovations of a filter are what its noise says.
+    """Whether the innovations of a filter agree with its noise.
 
     Attributes
     ----------
     size : float
-        Mean square of the independent innovations; 1 is right, more says that bands are too
+        Mean square of the independent innovations; 1 is right, more means that bands are too
         narrow, less that they are too wide.
     low, high : float
         Where `size` lies with a probability of 95 % if all is right.
@@ -94,9 +94,9 @@ class InnovationTest:
     def verdict(self) -> str:
         """What it means for the bands."""
         if not self.passed:
-            return "not as the noise says"
+            return "not in agreement with the noise"
         near = any(self.significant)
-        return "close enough to what the noise says" if near else "as the noise says"
+        return "close enough to the noise" if near else "in agreement with the noise"
 
     def __str__(self) -> str:
         lines = [
@@ -183,7 +183,7 @@ def tune(observer: Observer, time: Any, e: ArrayLike, *, rounds: int = 2) -> Obs
     ----------
     observer : Observer
         With noise and rates to start from, right within a factor of some hundred, and the balance
-        as it is: the loads are free to fulfil it, so that the record says nothing of it.
+        as it is: the loads are free to fulfil it, so that the record contains no information on it.
     time : (nt,) array_like
         Instants, s; some hundred samples with typical motion.
     e : (nt, ny) array_like

@@ -629,7 +629,7 @@ def _shape(
     if not np.all(np.isfinite(ends)):
         problems.add(
             where,
-            "up is parallel to the beam, so that it tells nothing of its sections; give a "
+            "up is parallel to the beam, so that it does not orient its sections; give a "
             "direction across it, up=(x, y, z)",
         )
     frames = np.concatenate([ends[:, 0], ends[-1:, 1]])

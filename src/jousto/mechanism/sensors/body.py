@@ -163,12 +163,12 @@ def known_sites(where: str, body: FlexibleBody) -> tuple[str, ...]:
     Raises
     ------
     InputError
-        If its part knows no stress.
+        If its part has no stress data.
     """
     stress: Any = getattr(body.reduced, "stress", None)
     if stress is None:
         raise InputError(
-            Problem(where, f"body {body.name!r} has no stress modes; its part knows no stress")
+            Problem(where, f"body {body.name!r} has no stress modes; its part has no stress data")
         )
     return tuple(stress.labels)
 

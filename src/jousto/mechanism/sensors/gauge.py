@@ -291,7 +291,7 @@ def known_stress(where: str, reduced: ReducedPart) -> StressModes:
     Raises
     ------
     InputError
-        If it knows no stress.
+        If it has no stress data.
     """
     if reduced.stress is None:
         raise InputError(

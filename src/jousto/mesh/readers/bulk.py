@@ -110,7 +110,7 @@ class _Card:
 
 
 def read_bulk(path: Path) -> RawMesh:
-    """Return what a Nastran bulk data file says about its mesh.
+    """Return the mesh of a Nastran bulk data file as it is written there.
 
     Read are GRID in coordinate systems CORD1R/C/S and CORD2R/C/S, CTETRA, CHEXA, CPENTA and CPYRAM
     with or without all their midside nodes, shells and lines for drawing, SET1, and the nodes of

@@ -46,7 +46,7 @@ def cad_scale(path: Path, unit: str | None) -> float:
 
 
 def step_unit(data: bytes) -> float:
-    """Return the unit of length of a STEP file in m; mm if it says none.
+    """Return the unit of length of a STEP file in m; mm if it names none.
 
     Examples
     --------

@@ -44,7 +44,7 @@ class Format:
         return any(re.search(sign, head, re.MULTILINE | re.IGNORECASE) for sign in self.signs)
 
     def read(self, path: Path) -> RawMesh:
-        """Return what a file of the format says."""
+        """Return the content of a file of the format."""
         module, function = self.reader.split(".")
         reader: Callable[[Path], RawMesh] = getattr(
             import_module(f"jousto.mesh.readers.{module}"), function
@@ -119,7 +119,7 @@ def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None
     Raises
     ------
     InputError
-        If the file is missing, empty, cut off, damaged, of another kind than its suffix says, or
+        If the file is missing, empty, cut off, damaged, of another kind than its suffix, or
         holds elements that are not read.
 
     Warns

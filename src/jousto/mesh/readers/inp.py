@@ -55,7 +55,7 @@ class _Block:
 
 
 def read_inp(path: Path) -> RawMesh:
-    """Return what an Abaqus or CalculiX input file says about its mesh.
+    """Return the mesh of an Abaqus or CalculiX input file as it is written there.
 
     The own parser keeps what general libraries drop: numbers of nodes and elements, surfaces by
     element faces, sets of sets, names regardless of case, ``*SOLID SECTION``.

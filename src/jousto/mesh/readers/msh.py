@@ -49,7 +49,7 @@ def vtk_order(kind: str, nodes: Ints) -> Ints:
 
 
 def read_msh(path: Path) -> RawMesh:
-    """Return what a Gmsh mesh file says.
+    """Return the content of a Gmsh mesh file.
 
     The own parser keeps the numbers of nodes and elements, which general libraries drop. Physical
     groups keep their names: volumes as element sets, surfaces as surfaces, curves and points as

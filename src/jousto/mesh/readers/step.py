@@ -63,7 +63,7 @@ def mesh_step(
     order : {2, 1}
         2 for tetrahedra of 10 nodes; those of 4 nodes (1) are far too stiff in bending.
     unit : {"m", "mm", "cm", "in", "ft", "um"}, optional
-        Unit of the numbers in the file. A STEP file says it itself (mostly mm) and is converted to
+        Unit of the numbers in the file. A STEP file contains it (mostly mm) and is converted to
         m; give it to overrule the file. A BREP file does not say, so it must be given.
     curved : bool
         Whether midside nodes lie on curved faces; straight edges shift frequencies by up to 0.5 %.

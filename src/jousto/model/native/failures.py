@@ -39,8 +39,8 @@ def failure(model: Model, status: int, index: int, cause: BaseException | None =
     if status == SINGULAR_JOINT:
         return Problem(
             f"joint '{model.joints[index].name}'",
-            "its constraints cannot be told from those of other joints: a body is lighter than "
-            "its neighbours by a factor of 1e12 or more; join it with one of them",
+            "its constraints cannot be distinguished from those of other joints: a body is "
+            "lighter than its neighbours by a factor of 1e12 or more; join it with one of them",
         )
     if status == CALLBACK_FAILED:
         where = f"force '{model.forces[index].name}'"
@@ -92,7 +92,7 @@ def failure(model: Model, status: int, index: int, cause: BaseException | None =
         return Problem(
             f"friction '{model.frictions[index - len(model.events)].name}'",
             "sticks and slips again and again within one step; take a smaller step, or "
-            "law=Regularised(velocity), which knows no such instants",
+            "law=Regularised(velocity), which has no such instants",
         )
     if status == ENDLESS:
         name = model.events[index].name if index < len(model.events) else ""

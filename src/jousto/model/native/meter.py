@@ -64,8 +64,8 @@ class DamageMeter:
     A meter remembers `depth` turning points. While the ranges of the residue grow, the oldest point
     can leave without harm: it is half a cycle, as in ASTM E1049. A residue that shrinks and is
     longer than that (a free vibration that decays for dozens of cycles) is closed by force from its
-    small end: `forced` says how many cycles were, `largest_forced` the largest of their ranges, and
-    the damage is never below the exact one. With ``residue="ignore"`` forced cycles count as well,
+    small end: `forced` is their number, `largest_forced` the largest of their ranges, and the
+    damage is never below the exact one. With ``residue="ignore"`` forced cycles count as well,
     although a decay closes none: read it with more depth. With a `resolution` no two of the growing
     or shrinking points fall into one class: ``depth >= 2 (max - min) / resolution + 4`` never
     forces any. With ``residue="repeat"`` oldest points that left count as full cycles, also the
@@ -76,7 +76,7 @@ class DamageMeter:
     sn : SN
         S-N curve, amplitudes in Pa.
     residue : str
-        "half": half cycles, as in ASTM E1049. "repeat": the history goes on with itself.
+        "half": half cycles, as in ASTM E1049. "repeat": the history starts again.
         "ignore": not at all.
     mean : MeanStress, optional
         Mean stress correction, such as ``Goodman(S_u=..)``; None leaves amplitudes as they are.
@@ -284,7 +284,7 @@ class DamageMeter:
     # -- checkpoints ------------------------------------------------------------------------
 
     def save(self) -> Array:
-        """Return all that the meter remembers, (n, size); `load` goes on from it.
+        """Return all that the meter remembers, (n, size); `load` continues from it.
 
         The last numbers of each row are curve, mean stress correction and resolution.
         """

@@ -50,8 +50,8 @@ class Redundancy:
     driven : int
         Rows of all drives: motions that they take from those that the joints leave free.
     weak : str
-        The body whose inertias differ so much that the other rows are hardly told from repeated
-        ones, with the remedy; empty if none does.
+        The body whose inertias differ so much that the other rows hardly differ from repeated ones,
+        with the remedy; empty if none does.
     """
 
     joints: tuple[str, ...]
@@ -70,7 +70,7 @@ class Redundancy:
         if self.only_here:
             return (
                 f"the initial position is singular: {self.count} of the constraint rows of {names} "
-                "repeat the others there, and the motion may go on in more than one way; start "
+                "repeat the others there, and the motion may continue in more than one way; start "
                 "from another position or give initial velocities that choose one"
             )
         free = self.mobility + self.driven

@@ -178,7 +178,7 @@ def write_beam(
     """Write the swept surface of a beam for ParaView: stress and the axes of its sections.
 
     Point data: ``section x``, ``section y``, ``section z`` (unit vectors, world) and, where the
-    section knows its stress, ``von Mises (Pa)`` and ``s11 (Pa)``.
+    section has stress data, ``von Mises (Pa)`` and ``s11 (Pa)``.
 
     Parameters
     ----------

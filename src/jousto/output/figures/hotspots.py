@@ -43,7 +43,7 @@ def plot_hotspots(
     """Draw the worst value at every place, the numbered hot spots, and their histories.
 
     Numbers in brackets are of places behind the body. Of very long runs the colours are those of
-    the instants of the hot spots and of evenly chosen ones, which the picture says; the table is
+    the instants of the hot spots and of evenly chosen ones, which the picture notes; the table is
     always of all instants.
 
     Parameters

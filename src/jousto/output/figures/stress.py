@@ -45,7 +45,7 @@ def plot_stress(
     """
     out = None if path is None else target(path, PICTURES)
     if field.ns > MOST:
-        message = f"{field.ns} histories cannot be told apart: choose at most {MOST} sites"
+        message = f"{field.ns} histories cannot be distinguished: choose at most {MOST} sites"
         raise InputError(Problem(f"stress of '{field.name}'", message))
     values = field.values(criterion)
     curves = tuple(

@@ -26,7 +26,7 @@ def read_plain(path: Path) -> Sparse:
     Raises
     ------
     InputError
-        If there is no such file, or its content is not what its ending says.
+        If there is no such file, or its content does not fit its ending.
     """
     if not path.is_file():
         raise MissingFileError(Problem(path.name, f"no such file {str(path)!r}"))
@@ -66,7 +66,7 @@ def read_plain(path: Path) -> Sparse:
 
 
 def _check_header(path: Path) -> None:
-    """Refuse a Matrix Market file that says it is larger than what it holds."""
+    """Refuse a Matrix Market file that announces more than it contains."""
     size = path.stat().st_size
     with path.open("rb") as file:
         kind = file.readline(1024).lower()

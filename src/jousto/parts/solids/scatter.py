@@ -33,7 +33,7 @@ def place_scatter(stress: SolidStress, X: Floats, s: Floats, size: Floats) -> Fl
 
     It is that of `place_errors`, the root mean square of the von Mises stress of ``s_e - s*`` over
     the elements around a place, ``p^T Q p`` with ``Q = sum A_e^T A_e / count``; of Q the r largest
-    eigenvalues are kept, at shapes as large as `size` says.
+    eigenvalues are kept, at shapes of the size `size`.
 
     Parameters
     ----------

@@ -55,7 +55,7 @@ def skin_stress(
 ) -> StressOperator:
     """Return the stress at the nodes of outer faces on which no load acts.
 
-    Each face knows the strain of its own plane, ``grad_t u``, at its nodes; the rest of the strain
+    Each face gives the strain of its own plane, ``grad_t u``, at its nodes; the rest of the strain
     follows from ``s n = 0``: with ``A = n . C . n`` and the stress ``t = s n`` of the tangential
     strain alone, ``s <- s - C : (A^-1 t) n``. The mean over the faces of one material around a node
     is its stress. No value is continued from inside the body.

@@ -93,7 +93,7 @@ def stress_field(
     if reduced is None:
         modes = run.stress_modes(body)
         if modes is None:
-            kind = "a rigid body" if shape.kind == "rigid" else "its part knows no stress"
+            kind = "a rigid body" if shape.kind == "rigid" else "its part has no stress data"
             raise InputError(Problem(where, f"no stress modes in {run.where}: {kind}"))
     else:
         modes = stress_of(reduced)
@@ -211,14 +211,14 @@ def stress_of(reduced: ReducedPart) -> StressModes:
     Raises
     ------
     InputError
-        If it knows no stress.
+        If it has no stress data.
     """
     modes = located(reduced)
     if modes is None:
         raise InputError(
             Problem(
                 f"part '{reduced.name}'",
-                "no stress modes; the part it was made of knows no stress",
+                "no stress modes; the part it was made of has no stress data",
             )
         )
     return modes

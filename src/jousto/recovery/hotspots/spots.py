@@ -274,7 +274,7 @@ def _fields(
             raise InputError(
                 Problem(
                     source.where,
-                    "no body of this run knows its stress; parts of beams and of solids do, rigid "
+                    "no body of this run has stress data; parts of beams and of solids do, rigid "
                     "bodies and parts from matrices do not",
                 )
             )

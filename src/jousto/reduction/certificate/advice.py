@@ -83,7 +83,7 @@ def advise(
 
     Frequencies: every free-free mode of the full part up to the limit must be met to the accuracy.
     They are computed of the full part and of the reduced one with 0, 1, 2 ... fixed-interface
-    modes. Loads: the static displacement, and the stress where the part knows it, under each load
+    modes. Loads: the static displacement, and the stress where the part has it, under each load
     while the interfaces are held, must be met to the accuracy; where that takes more modes than
     there are loads, residual vectors are proposed, which make it exact.
 

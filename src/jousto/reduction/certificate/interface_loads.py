@@ -28,7 +28,7 @@ def static_loads(full: FullModel, modes: Modes) -> tuple[list[Check], Table] | N
     Each interface degree of freedom gets a unit force or moment. First balanced by the statically
     determinate supports of the interfaces: the modes must give the full model's displacements
     ``K^-1 F`` exactly. Then on the free body, which it accelerates (inertia relief,
-    ``F - M R R^T F``): here the error tells whether there are vibration modes enough.
+    ``F - M R R^T F``): here the error shows whether there are enough vibration modes.
     """
     if full.held is None or full.held.solve is None or full.rigid is None or not modes.names:
         return None

@@ -1,6 +1,6 @@
 """Reductions kept on disk by the content of what they are made of.
 
-A finished reduction is read back instead of computed again; one that was killed goes on after the
+A finished reduction is read back instead of computed again; one that was killed continues after the
 last stage it finished. The key is a hash of the part, the method and the options, so that nothing
 stale is ever found. Every file appears complete or not at all.
 """
@@ -208,7 +208,7 @@ class Entry:
         self._full = True
         warn(
             "reduce",
-            f"cannot keep results of the reduction in {self.folder} ({error}); it goes on, but "
+            f"cannot keep results of the reduction in {self.folder} ({error}); it continues, but "
             "would start again if it were killed. Free space, name another folder "
             "(cache=...), or say cache=False",
         )

@@ -100,7 +100,7 @@ def residual_loads(part: Part, residuals: tuple[Pattern | str, ...]) -> Array:
             columns.append(item.loads)
     if sites and part.stress is None:
         problems.add(
-            where, f"residuals name the stress site '{sites[0]}', but the part knows no stress"
+            where, f"residuals name the stress site '{sites[0]}', but the part has no stress data"
         )
     elif sites:
         assert part.stress is not None

@@ -170,7 +170,7 @@ class Factor:
     name : str
         The library.
     memory : int
-        Bytes of the factor, as far as the library tells; 0 if it does not.
+        Bytes of the factor, as far as the library reports it; 0 if it does not.
     """
 
     def __init__(self, name: str, backend: backends.Backend, scale: Array) -> None:

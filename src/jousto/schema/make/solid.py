@@ -84,7 +84,7 @@ def with_welds(builder: Builder, loc: Loc, part: Any, entry: ss.SolidEntry) -> A
 
 
 def with_stress_at(part: Any, entry: ss.SolidEntry) -> Any:
-    """Return the part that knows its stress at the nodes that the entry asks for."""
+    """Return the part that has stress data at the nodes that the entry asks for."""
     chosen = entry.stress or "surface"
     if chosen == "none":
         return replace(part, stress=None)

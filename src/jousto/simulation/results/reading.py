@@ -20,7 +20,7 @@ AGAIN = "run the model again, or restore a copy of the file"
 def open_results(path: Path) -> Iterator[Group]:
     """Open a results file for reading, also one whose run is going on or was killed.
 
-    What its reader stumbles over in the block is told as damage of the file.
+    What its reader stumbles over in the block is reported as damage of the file.
 
     Raises
     ------

@@ -218,7 +218,7 @@ class Solution(Mapping[str, Array]):
 
     @explained
     def state(self, time: float = -1.0) -> State:
-        """Return the state at a stored instant, from which `simulate` can go on.
+        """Return the state at a stored instant, from which `simulate` can continue.
 
         Parameters
         ----------

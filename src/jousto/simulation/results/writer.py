@@ -1,4 +1,4 @@
-"""The results file: written in pieces while a run goes on, readable at any moment."""
+"""The results file: written in pieces during a run, readable at any moment."""
 
 from __future__ import annotations
 

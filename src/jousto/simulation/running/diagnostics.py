@@ -1,4 +1,4 @@
-"""What a run tells about itself: its energy balance, how far joints opened, what it cost."""
+"""Diagnostics of a run: its energy balance, how far joints opened, what it cost."""
 
 from __future__ import annotations
 

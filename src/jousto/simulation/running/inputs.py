@@ -1,4 +1,4 @@
-"""Values of external inputs while a run goes on."""
+"""Values of external inputs during a run."""
 
 from __future__ import annotations
 

@@ -61,7 +61,7 @@ class RunInterrupted(KeyboardInterrupt):
 
 
 class RunFailed(SimulationError):
-    """A run that could not go on; `solution` holds the results up to then."""
+    """A run that could not continue; `solution` contains the results up to then."""
 
     def __init__(self, message: str, solution: Solution | None, *, time: float, body: str) -> None:
         super().__init__(message, time=time, body=body)
@@ -92,7 +92,7 @@ def simulate(
 ) -> Solution:
     """Run a model to time `t_end`, from 0 or the time of a state.
 
-    Results with a `path` are written in pieces while the run goes on: what was computed survives
+    Results with a `path` are written in pieces during the run: what was computed survives
     if it is killed. Without one they stay in memory up to 256 MB; longer runs write them into a
     temporary file, so that the memory does not grow with their length.
 
@@ -119,7 +119,7 @@ def simulate(
     model_text : str
         Text of the model file, kept with the results.
     state : State, optional
-        Where to start, at its own time: from `equilibrium`, or ``run.state()`` to go on with a
+        Where to start, at its own time: from `equilibrium`, or ``run.state()`` to continue a
         run. None is the initial state of the model at time 0.
     inputs : dict, optional
         External inputs by name. A Signal is evaluated exactly, as if it stood in the model; a

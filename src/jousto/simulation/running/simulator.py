@@ -122,7 +122,7 @@ class Simulator:
         Raises
         ------
         SimulationError
-            If the motion diverges or the engine cannot go on.
+            If the motion diverges or the engine cannot continue.
         """
         engine = self._engine
         self.stopped = ""
@@ -162,6 +162,6 @@ class Simulator:
         return self._known[sensor.offset : sensor.offset + sensor.count]
 
     def state(self) -> State:
-        """Return all that is needed to go on from here, with `simulate` or another simulator."""
+        """Return all that is needed to continue from here, with `simulate` or another simulator."""
         self._engine.row()
         return take(self._engine)

@@ -1,4 +1,4 @@
-"""State: all that a run needs to go on from an instant."""
+"""State: all that a run needs to continue from an instant."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class State:
     """Where a mechanism stands at an instant, and what it remembers.
 
     Positions and velocities suffice to start a run there. What follows them is what the mechanism
-    remembers of the way it came; with all of it a run goes on as if it had not been interrupted.
+    remembers of the way it came; with all of it a run continues as if it had not been interrupted.
 
     Attributes
     ----------

@@ -42,7 +42,7 @@ INERTIA: Any = field(
     "How inertia forces change with positions and velocities counts in the exact matrix: the "
     "matrices K_acc and C_acc of Makinen, Marjamaki and Pajunen (eq. 13) and the gyroscopic ones. "
     "Without them the result is the same, to the tolerance, after more iterations where bodies "
-    "turn fast; what they save, ``run.work.iterations`` tells",
+    "turn fast; ``run.work.iterations`` shows what they save",
     default=True,
 )
 

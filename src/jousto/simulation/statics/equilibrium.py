@@ -47,7 +47,7 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
     Raises
     ------
     SimulationError
-        If there is none, or it is not found: the message says which, and names the body.
+        If there is none, or it is not found; the message distinguishes both and names the body.
     InputError
         If a body or joint is singular at some position on the way.
 

@@ -141,7 +141,7 @@ class LoadPath:
 
 
 class PathFailed(SimulationError):
-    """A path could not be followed to its end; `path` holds what was found."""
+    """A path could not be followed to its end; `path` contains what was found."""
 
     def __init__(self, message: str, *, path: LoadPath, body: str = "") -> None:
         self.path = path

@@ -74,7 +74,7 @@ def load_path(
     InputError
         If the parameter does not exist or the values make no sense.
     PathFailed
-        If no equilibrium is found; it holds the path so far and says which body moves.
+        If no equilibrium is found; it has the path so far and names the body that moves.
     """
     problems = Problems()
     where = "load_path"
