@@ -121,7 +121,7 @@ def test_everything_in_a_file(result: Path, tmp_path: Path) -> None:
         (["--site", "e1.a.tob"], "did you mean 'e1.a.top'"),
         (["--frame", "globe"], "frame is 'globe', must be 'site', 'body' or 'world'"),
         (["--at", "9"], "outside the run"),
-        (["-o", "all.png"], "histories cannot be told apart"),
+        (["-o", "all.png"], "histories cannot be distinguished"),
         (["-o", "all.xyz"], "is not a format"),
     ],
 )
