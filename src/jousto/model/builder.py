@@ -29,6 +29,7 @@ from jousto.model.model import (
     MarkerModel,
     SignalModel,
 )
+from jousto.model.native.header import packed
 
 
 class Builder:
@@ -216,10 +217,11 @@ class Builder:
         return place
 
     def _push(self, name: str, push: Push) -> ForceModel:
+        struct = f"jo_{push.kind.partition(' ')[0]}_data"
         return ForceModel(
             name=name,
             kind=push.kind,
-            data=np.array(push.data, dtype=float),
+            data=packed(struct, *push.rest, **push.data) if push.data else np.zeros(1),
             coordinate=-1 if push.coordinate is None else self.declared(push.coordinate),
             a=-1 if push.a is None else self.marker(push.a, True),
             b=-1 if push.b is None else self.marker(push.b, push.turns),

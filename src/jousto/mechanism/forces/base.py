@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -21,9 +22,11 @@ class Push:
     Parameters
     ----------
     kind : str
-        Name of the law; ``jousto.h`` says what its data are.
-    data : array_like
-        Its numbers.
+        Name of the law in the header of the engine, ``jousto.h``.
+    data : mapping of str to array_like
+        Its numbers by their names in the header.
+    rest : tuple of array_like
+        Numbers that follow, as many as there are.
     a, b : Marker, optional
         It acts on the body of b, and against it on that of a.
     turns : bool
@@ -43,7 +46,8 @@ class Push:
     """
 
     kind: str
-    data: ArrayLike
+    data: Mapping[str, ArrayLike]
+    rest: tuple[ArrayLike, ...] = ()
     a: Marker | None = None
     b: Marker | None = None
     turns: bool = True

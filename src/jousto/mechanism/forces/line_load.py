@@ -109,7 +109,7 @@ class LineLoad(ForceElement, tag="line"):
         return tuple(
             Push(
                 "load",
-                np.concatenate([force, torque]),
+                {"force": force, "torque": torque},
                 b=marker,
                 turns=self.follow or bool(np.any(torque)),
                 follow=self.follow,

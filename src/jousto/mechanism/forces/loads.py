@@ -55,7 +55,7 @@ class Force(PointLoad, tag="force"):
     @property
     def pushes(self) -> tuple[Push, ...]:
         """The force alone."""
-        data = np.concatenate([self.vector, np.zeros(3)])
+        data = {"force": self.vector, "torque": np.zeros(3)}
         turns = self.follow
         return (Push("load", data, b=self.marker, turns=turns, follow=turns, signal=self.signal),)
 
@@ -79,5 +79,5 @@ class Torque(PointLoad, tag="torque"):
     @property
     def pushes(self) -> tuple[Push, ...]:
         """The torque alone."""
-        data = np.concatenate([np.zeros(3), self.vector])
+        data = {"force": np.zeros(3), "torque": self.vector}
         return (Push("load", data, b=self.marker, follow=self.follow, signal=self.signal),)

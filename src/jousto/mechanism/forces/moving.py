@@ -114,11 +114,12 @@ class MovingLoad(ForceElement, tag="moving-load"):
     def pushes(self) -> tuple[Push, ...]:
         """The force along its path."""
         pieces = self.pieces
-        head = (len(self.points), pieces.shape[1] - 1)
+        count, modes = len(self.points), pieces.shape[1] - 1
         return (
             Push(
                 "moving load",
-                np.concatenate([head, self.vector, self.lengths, pieces.ravel()]),
+                {"count": count, "modes": modes, "force": self.vector},
+                (self.lengths, pieces),
                 body=self.body,
                 follow=self.follow,
                 signal=self.signal,

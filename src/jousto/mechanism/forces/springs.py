@@ -93,16 +93,9 @@ class Spring(ForceElement, tag="spring"):
     @property
     def pushes(self) -> tuple[Push, ...]:
         """The spring along its coordinate."""
-        data = (self.stiffness, self.damping, self.free_value, self.preload, 0.0)
-        return (
-            Push(
-                "along",
-                data,
-                coordinate=self.coordinate,
-                spring=self.table,
-                damper=self.damper_table,
-            ),
-        )
+        data = along(self.stiffness, self.damping, self.free_value, self.preload)
+        s, table, damper = self.coordinate, self.table, self.damper_table
+        return (Push("along", data, coordinate=s, spring=table, damper=damper),)
 
 
 class Matrix6(Field[ArrayLike, Array]):
@@ -170,7 +163,7 @@ class Bushing(ForceElement, tag="bushing"):
     @property
     def pushes(self) -> tuple[Push, ...]:
         """The support."""
-        data = np.concatenate([self.stiffness.ravel(), self.damping.ravel(), self.preload])
+        data = {"K": self.stiffness, "D": self.damping, "preload": self.preload}
         return (Push("bushing", data, a=self.a, b=self.b),)
 
 
@@ -185,7 +178,7 @@ class JointForce(ForceElement, tag="joint-force"):
     def pushes(self) -> tuple[Push, ...]:
         """The force along its coordinate."""
         s, f = self.coordinate, self.signal
-        return (Push("along", (0.0, 0.0, 0.0, 1.0, 0.0), coordinate=s, active=True, signal=f),)
+        return (Push("along", along(preload=1.0), coordinate=s, active=True, signal=f),)
 
 
 class Servo(ForceElement, tag="servo"):
@@ -207,7 +200,7 @@ class Servo(ForceElement, tag="servo"):
     @property
     def pushes(self) -> tuple[Push, ...]:
         """A spring and damper to the reference."""
-        data = (self.kp, self.kd, 0.0, 0.0, self.limit or 0.0)
+        data = along(self.kp, self.kd, limit=self.limit or 0.0)
         s = self.coordinate
         return (Push("along", data, coordinate=s, active=True, reference=self.reference),)
 
@@ -247,7 +240,9 @@ class ModalLoad(ForceElement, tag="modal-load"):
     @property
     def pushes(self) -> tuple[Push, ...]:
         """The generalised load."""
-        return (Push("modal load", self.load, body=self.body, signal=self.signal),)
+        load = self.load
+        data = {"force": load[:3], "torque": load[3:6]}
+        return (Push("modal load", data, (load[6:],), body=self.body, signal=self.signal),)
 
 
 class OptionalMarker(Field["Marker | None", Marker]):
@@ -323,7 +318,24 @@ class UserForce(ForceElement, tag="user-force"):
     @property
     def pushes(self) -> tuple[Push, ...]:
         """The function."""
-        return (Push("user", [0.0], a=self.reference, b=self.marker, function=self.function),)
+        return (Push("user", {}, a=self.reference, b=self.marker, function=self.function),)
+
+
+def along(
+    stiffness: float = 0.0,
+    damping: float = 0.0,
+    free: float = 0.0,
+    preload: float = 0.0,
+    limit: float = 0.0,
+) -> dict[str, float]:
+    """Return the numbers of a force along a coordinate."""
+    return {
+        "stiffness": stiffness,
+        "damping": damping,
+        "free": free,
+        "preload": preload,
+        "limit": limit,
+    }
 
 
 def matrix6(problems: Problems, where: str, name: str, value: Any) -> Array | None:
