@@ -605,7 +605,9 @@ class Declared:
             setattr(cls, key, dataclasses.field(kw_only=by_name, compare=facts.compare, **keep))
         inherited = [vars(base).get("fields", {}) for base in reversed(cls.__mro__[1:])]
         cls.fields = {key: kind for some in (*inherited, own) for key, kind in some.items()}
-        cls.__annotations__ = {key: made.annotation for key, made in own.items()}
+        # dataclasses look words up in the module, which code that is only executed has not
+        words = cls.__module__ in sys.modules
+        cls.__annotations__ = {key: made.annotation if words else Any for key, made in own.items()}
         own_repr = "__repr__" in vars(cls)
         shown = cls.by_value and not own_repr
         dataclasses.dataclass(frozen=True, eq=cls.by_value, repr=shown)(cls)
