@@ -121,6 +121,28 @@ def write_table(path: str | Path, head: Iterable[Any], rows: Iterable[Iterable[A
     return target
 
 
+Rows = tuple[Iterable[Any], Iterable[Iterable[Any]]]
+"""The head and the rows of a table."""
+
+
+class Tabular:
+    """What can be written as a table."""
+
+    def _csv(self) -> Rows:
+        """Return the head and the rows."""
+        raise NotImplementedError
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write it as a table, whose head names the units.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written.
+        """
+        return write_table(path, *self._csv())
+
+
 def create(path: Path) -> BinaryIO:
     """Open a new file for plain writes; whoever has the old one open keeps it.
 

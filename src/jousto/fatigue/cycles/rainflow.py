@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
-from jousto.base.files import write_table
+from jousto.base.files import Rows, Tabular
 from jousto.model.native.meter import count_cycles
 
 Array = NDArray[np.float64]
@@ -77,7 +76,7 @@ class RainflowMatrix:
 
 @described
 @dataclass(frozen=True, eq=False)
-class Cycles:
+class Cycles(Tabular):
     """Cycles counted in a history.
 
     Attributes
@@ -209,14 +208,8 @@ class Cycles:
         """Return the cycles counted so many times over."""
         return replace(self, count=self.count * repeats)
 
-    def to_csv(self, path: str | Path) -> Path:
-        """Write range, mean, count and samples of each cycle.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written.
-        """
+    def _csv(self) -> Rows:
+        """Return range, mean, count and samples of each cycle."""
         head = ("range (Pa)", "mean (Pa)", "count", "from", "to", f"residue: {self.residue}")
         rows = zip(
             self.range.tolist(),
@@ -226,7 +219,7 @@ class Cycles:
             self.to_index.tolist(),
             strict=True,
         )
-        return write_table(path, head, rows)
+        return head, rows
 
     def __str__(self) -> str:
         lines = [

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -19,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from jousto.base.arguments import explained
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
+from jousto.base.files import Rows, Tabular
 from jousto.base.ranking import ranking
 from jousto.fatigue.cycles.rainflow import count_turning, turning_points
 from jousto.materials.strength.strain_life import FORMS, Form, StrainLife
@@ -174,7 +174,7 @@ def _checked(series: ArrayLike, rule: str) -> Array:
 
 @described
 @dataclass(frozen=True, eq=False)
-class LocalCycles:
+class LocalCycles(Tabular):
     """Closed hysteresis loops at a notch, and the damage each of them does.
 
     Attributes
@@ -234,20 +234,12 @@ class LocalCycles:
         ]
         return "\n".join(lines)
 
-    def to_csv(self, path: str | Path) -> Path:
-        """Write every loop.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written.
-        """
-        from jousto.base.files import write_table
-
+    def _csv(self) -> Rows:
+        """Return every loop."""
         head = ("strain amplitude", "stress amplitude (Pa)", "mean (Pa)", "count", "cycles")
         columns = (self.strain, self.stress, self.mean, self.count, self.cycles)
         rows = zip(*(column.tolist() for column in columns), strict=True)
-        return write_table(path, (*head, f"residue: {self.residue}"), rows)
+        return (*head, f"residue: {self.residue}"), rows
 
     def __str__(self) -> str:
         return self.table()
@@ -329,7 +321,7 @@ def local_cycles(
 
 @described
 @dataclass(frozen=True, eq=False)
-class StrainDamage:
+class StrainDamage(Tabular):
     """Strain life at several places of a body.
 
     Attributes
@@ -375,19 +367,11 @@ class StrainDamage:
             )
         return "\n".join(lines)
 
-    def to_csv(self, path: str | Path) -> Path:
-        """Write damage and life of every place.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written.
-        """
-        from jousto.base.files import write_table
-
+    def _csv(self) -> Rows:
+        """Return damage and life of every place."""
         rows = zip(self.labels, self.damage.tolist(), self.life.tolist(), strict=True)
         residue = f"residue: {self.loops[0].residue}"
-        return write_table(path, ("site", "damage", "life (passes)", residue), rows)
+        return ("site", "damage", "life (passes)", residue), rows
 
     def __str__(self) -> str:
         return self.table()

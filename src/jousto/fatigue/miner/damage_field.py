@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 from jousto.base.arguments import explained
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
-from jousto.base.files import write_table
+from jousto.base.files import Rows, Tabular
 from jousto.base.ranking import ranking
 from jousto.fatigue.cycles.duty import DutyCycle, check_duty, count_duty
 from jousto.fatigue.cycles.rainflow import Cycles, check_residue
@@ -48,7 +47,7 @@ SHOWN = 10  # places in a table
 
 @described
 @dataclass(frozen=True, eq=False)
-class DamageField:
+class DamageField(Tabular):
     """Damage, life and safety at every place of a body.
 
     Attributes
@@ -211,14 +210,8 @@ class DamageField:
         ]
         return "\n".join(lines)
 
-    def to_csv(self, path: str | Path) -> Path:
-        """Write every place with its damage, life and safety.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written.
-        """
+    def _csv(self) -> Rows:
+        """Return every place with its damage, life and safety."""
         head = ["site", "node", "x (m)", "y (m)", "z (m)", "peak (Pa)", "damage", "life (s)"]
         head += [self.safety_of, "counted"]
         head += [f"{self.criterion}; residue: {self.residue}; S-N: {self.sn.name or self.sn}"]
@@ -234,7 +227,7 @@ class DamageField:
             self.counted.astype(int).tolist(),
             strict=True,
         )
-        return write_table(path, head, rows)
+        return head, rows
 
 
 def half_sphere(count: int) -> Array:

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from itertools import islice
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 from jousto.base.arguments import explained
 from jousto.base.described import described
 from jousto.base.errors import Problems
-from jousto.base.files import write_table
+from jousto.base.files import Rows, Tabular
 from jousto.base.ranking import ranking
 from jousto.fatigue.local.strain_life import RESIDUES, Residue
 from jousto.fatigue.multiaxial.planes import (
@@ -41,7 +40,7 @@ AT_ONCE = 64
 
 @described
 @dataclass(frozen=True, eq=False)
-class PlaneDamage:
+class PlaneDamage(Tabular):
     """Damage on the worst plane of every place.
 
     Attributes
@@ -83,17 +82,11 @@ class PlaneDamage:
             )
         return "\n".join(lines)
 
-    def to_csv(self, path: str | Path) -> Path:
-        """Write damage, life and plane of every place.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written.
-        """
+    def _csv(self) -> Rows:
+        """Return damage, life and plane of every place."""
         columns = (self.damage.tolist(), self.life.tolist(), *self.normal.T.tolist())
         head = ("site", "damage", "life (passes)", "n1", "n2", "n3", f"residue: {self.residue}")
-        return write_table(path, head, zip(self.labels, *columns, strict=True))
+        return head, zip(self.labels, *columns, strict=True)
 
     def __str__(self) -> str:
         return self.table()

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
@@ -19,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from jousto.base.arguments import explained
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, warn
-from jousto.base.files import write_table
+from jousto.base.files import Rows, Tabular
 from jousto.base.ranking import largest, ranking
 from jousto.fatigue.multiaxial.enclosing import enclosing_ball, enclosing_circles
 from jousto.materials.strength.strain_life import StrainLife
@@ -398,7 +397,7 @@ def _dang_van(s: Array, criterion: DangVan) -> CriticalPlane:
 
 @described
 @dataclass(frozen=True, eq=False)
-class Multiaxial:
+class Multiaxial(Tabular):
     """A multiaxial criterion at several places, the worst first in its table.
 
     Attributes
@@ -459,20 +458,14 @@ class Multiaxial:
             )
         return "\n".join(head + lines)
 
-    def to_csv(self, path: str | Path) -> Path:
-        """Write value and plane of every place.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written.
-        """
+    def _csv(self) -> Rows:
+        """Return value and plane of every place."""
         head = ("site", "value", "shear (Pa)", "normal stress (Pa)", "n1", "n2", "n3", "sample")
         rows = [
             (label, p.value, p.shear, p.normal_stress, *p.normal.tolist(), p.index)
             for label, p in zip(self.labels, self.planes, strict=True)
         ]
-        return write_table(path, (*head, f"{self.criterion}"), rows)
+        return (*head, f"{self.criterion}"), rows
 
     def __str__(self) -> str:
         return self.table()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from jousto.base.arguments import explained
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
-from jousto.base.files import write_table
+from jousto.base.files import Rows, Tabular
 from jousto.base.ranking import ranking
 from jousto.fatigue.random.spectral import (
     METHODS,
@@ -191,7 +190,7 @@ class RandomResponse:
 
 @described
 @dataclass(frozen=True, eq=False)
-class SpectralLife:
+class SpectralLife(Tabular):
     """Random fatigue at several places.
 
     Attributes
@@ -234,20 +233,14 @@ class SpectralLife:
             )
         return "\n".join(lines)
 
-    def to_csv(self, path: str | Path) -> Path:
-        """Write every place.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written.
-        """
+    def _csv(self) -> Rows:
+        """Return every place."""
         head = ("site", "rms (Pa)", "crossings (1/s)", "peaks (1/s)", "damage (1/s)", "life (s)")
         rows = [
             (label, r.rms, r.crossings, r.peaks, r.damage, r.life)
             for label, r in zip(self.labels, self.rows, strict=True)
         ]
-        return write_table(path, (*head, f"criterion: {self.criterion}"), rows)
+        return (*head, f"criterion: {self.criterion}"), rows
 
     def __str__(self) -> str:
         return self.table()

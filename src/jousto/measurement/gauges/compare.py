@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from jousto.base.arguments import explained
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
+from jousto.base.files import Rows, Tabular
 from jousto.measurement.gauges.align import Alignment, align as align_records
 from jousto.measurement.gauges.record import Record, record_of
 from jousto.measurement.gauges.units import STRAIN
@@ -57,7 +57,7 @@ class GaugePair:
 
 @described
 @dataclass(frozen=True, eq=False)
-class GaugeComparison:
+class GaugeComparison(Tabular):
     """Measured channels beside the gauges of a run.
 
     Attributes
@@ -102,9 +102,9 @@ class GaugeComparison:
                 units[f"{p.channel} {word}"] = p.unit
         return Record(self.time, channels, units, name="comparison")
 
-    def to_csv(self, path: str | Path) -> Path:
-        """Write both over time, see `Record.to_csv`."""
-        return self.record().to_csv(path)
+    def _csv(self) -> Rows:
+        """Return both over time, as of a `Record`."""
+        return self.record()._csv()
 
 
 def likely_unit(pair: GaugePair) -> str:

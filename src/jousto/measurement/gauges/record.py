@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +20,7 @@ from jousto.base.errors import (
     likely_strain_unit,
     suggest,
 )
-from jousto.base.files import write_table
+from jousto.base.files import Rows, Tabular
 from jousto.measurement.gauges.resample import resample
 from jousto.measurement.gauges.units import STRAIN
 
@@ -35,7 +34,7 @@ GAP = 1.5
 
 
 @dataclass(frozen=True, eq=False)
-class Record:
+class Record(Tabular):
     """Channels over time, measured or from a run, in SI units.
 
     Parameters
@@ -277,12 +276,12 @@ class Record:
         i = np.flatnonzero(hit)
         return np.asarray(self.time[i] + (self.time[i + 1] - self.time[i]) * a[i] / (a[i] - b[i]))
 
-    def to_csv(self, path: str | Path) -> Path:
-        """Write time and channels with their units, as ``g1 (m/m)``; missing values are empty."""
+    def _csv(self) -> Rows:
+        """Return time and channels with their units, as ``g1 (m/m)``; missing values are empty."""
         heads = ["time (s)"]
         heads += [f"{k} ({self.units[k]})" if self.units[k] else k for k in self.channels]
         rows = np.column_stack([self.time, self.matrix()]).tolist()
-        return write_table(path, heads, (["" if x != x else x for x in row] for row in rows))
+        return heads, (["" if x != x else x for x in row] for row in rows)
 
 
 def too_large(name: str, values: Array) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +14,7 @@ from scipy.stats import qmc
 from jousto.base.arguments import explained
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
-from jousto.base.files import write_table
+from jousto.base.files import Rows, Tabular
 from jousto.measurement.twin.posterior import Posterior
 from jousto.recovery.fields.criteria import Criterion, check_criterion, evaluate, weights
 from jousto.reduction.fields.stress import StressModes
@@ -32,7 +31,7 @@ is sampled instead of linearised."""
 
 @described
 @dataclass(frozen=True, eq=False)
-class Band:
+class Band(Tabular):
     """Values over time with the band in which they lie.
 
     Attributes
@@ -65,14 +64,14 @@ class Band:
         within = (self.low <= truth) & (truth <= self.high) & good
         return np.asarray(within.sum(axis=0) / np.maximum(good.sum(axis=0), 1))
 
-    def to_csv(self, path: str | Path) -> Path:
-        """Write time, value, low and high of every site, s and MPa."""
+    def _csv(self) -> Rows:
+        """Return time, value, low and high of every site, s and MPa."""
         head = ["time s"]
         for label in self.labels:
             head += [f"{label} {self.criterion} MPa", f"{label} low MPa", f"{label} high MPa"]
         columns = np.stack([self.value, self.low, self.high], axis=2).reshape(len(self.time), -1)
         table = np.column_stack([self.time, 1e-6 * columns])
-        return write_table(path, head, ([f"{x:.9g}" for x in row] for row in table))
+        return head, ([f"{x:.9g}" for x in row] for row in table)
 
     def __str__(self) -> str:
         width = max(4, *(len(label) for label in self.labels))

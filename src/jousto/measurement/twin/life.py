@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from jousto.base.arguments import explained
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem
-from jousto.base.files import write_table
+from jousto.base.files import Rows, Tabular
 from jousto.measurement.twin.bands import _check, _pick
 from jousto.measurement.twin.observed import Observed
 from jousto.measurement.twin.smoother import draw, smooth
@@ -27,7 +26,7 @@ Array = NDArray[np.float64]
 
 @described
 @dataclass(frozen=True, eq=False)
-class DamageBand:
+class DamageBand(Tabular):
     """Damage and life of sites over a record, with their bands.
 
     Attributes
@@ -71,8 +70,8 @@ class DamageBand:
         endless = np.full(len(damage), np.inf)
         return np.asarray(np.divide(self.duration, damage, out=endless, where=damage > 0.0))
 
-    def to_csv(self, path: str | Path) -> Path:
-        """Write damage and life of every site with their bands."""
+    def _csv(self) -> Rows:
+        """Return damage and life of every site with their bands."""
         head = [
             *("site", f"damage of {self.duration:g} s ({self.criterion}, residue {self.residue})"),
             *("damage low", "damage high", "life h", "life low h", "life high h"),
@@ -81,7 +80,7 @@ class DamageBand:
         numbers = [self.damage, self.low, self.high]
         numbers += [x / 3600.0 for x in (self.life, shortest, longest)]
         table = zip(self.labels, *numbers, strict=True)
-        return write_table(path, head, ([row[0], *(f"{x:.6g}" for x in row[1:])] for row in table))
+        return head, ([row[0], *(f"{x:.6g}" for x in row[1:])] for row in table)
 
     def __str__(self) -> str:
         width = max(4, *(len(label) for label in self.labels))
