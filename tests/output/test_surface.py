@@ -12,7 +12,7 @@ import jousto as jo
 from jousto.output.scenes.scene import make_scene
 from jousto.output.scenes.surface import is_surface, lit, make_surface
 from jousto.output.scenes.view import View
-from jousto.recovery.stress import surface_stress
+from jousto.recovery.surface import surface_stress
 from output.blocks import bar, grid, swinging_bar
 from output.runs import swing
 

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 import jousto as jo
 from jousto.recovery.fields.criteria import von_mises
-from jousto.recovery.stress import peak, stress
 
 L, B, H = 1.0, 0.03, 0.045  # m
 F = 8.0  # N; small, for the tension acts on the deflected beam with an error of second order
+
+
+def stress(run: jo.Solution, reduced: jo.ReducedPart, body: str, sites: Any = None) -> Any:
+    """Return the history of the stress at all sites (nt, ns, 6)."""
+    return jo.stress_field(run, body, reduced=reduced, sites=sites).history(slice(None))
 
 
 def beam(modes: int = 4) -> jo.ReducedPart:
@@ -86,7 +92,7 @@ def test_peak(run: jo.Solution, reduced: jo.ReducedPart) -> None:
     assert reduced.stress is not None
     value = von_mises(stress(run, reduced, "beam"))
     at, site = np.unravel_index(value.argmax(), value.shape)
-    whole = peak(run, reduced, "beam")
+    whole = jo.hot_spots(jo.stress_field(run, "beam", reduced=reduced), count=1)[0]
     assert whole.value == pytest.approx(value.max(), rel=1e-14)
     assert (whole.site, whole.time) == (reduced.stress.labels[site], run.time[at])
     assert whole.site.startswith("e1.a.")
@@ -101,7 +107,7 @@ def test_refusals(run: jo.Solution, reduced: jo.ReducedPart) -> None:
     with pytest.raises(jo.InputError, match="sites is empty"):
         stress(run, reduced, "beam", ())
     with pytest.raises(jo.InputError, match="no body 'bean'; did you mean 'beam'"):
-        peak(run, reduced, "bean")
+        stress(run, reduced, "bean")
     with pytest.raises(jo.InputError, match="give the part the body was made of"):
         stress(run, beam(modes=6), "beam")
     with pytest.raises(jo.InputError, match="mode shapes are not those of part"):

@@ -14,7 +14,6 @@ import pytest
 from scipy.linalg import eigh
 
 import jousto as jo
-from jousto.recovery.stress import stress as stress_history
 from verification import bricks
 from verification.boxes import block
 from verification.solids import dofs, solid
@@ -100,7 +99,7 @@ def simulated(method):
         model, T_END, solver=jo.RK4(step=T_END / ROWS / each), output_step=T_END / ROWS
     )
     moved = np.stack([run["hit"] - GRID.nodes[HIT], run["middle"] - GRID.nodes[MIDDLE]], axis=1)
-    stress = stress_history(run, reduced, "bar", f"n{ROOT + 1}")[:, 0]
+    stress = jo.stress_field(run, "bar", reduced=reduced).history(f"n{ROOT + 1}")[:, 0]
     return run.time, moved, stress, reduced
 
 

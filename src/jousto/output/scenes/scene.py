@@ -27,7 +27,7 @@ from jousto.output.scenes.symbols import (
 from jousto.output.scenes.view import View, choose_view
 from jousto.output.style import COLORS, MUTED, Picture
 from jousto.recovery.shape import positions
-from jousto.recovery.stress import surface_stress
+from jousto.recovery.surface import surface_stress
 from jousto.simulation.results.records import BodyShape
 from jousto.simulation.results.solution import Solution
 
