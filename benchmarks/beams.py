@@ -81,7 +81,7 @@ def run(model: jo.Model, solver: Any, end: float, tries: int = 3) -> Cost:
     """The engine alone, the least of several runs."""
     best, steps = np.inf, round(end / solver.step)
     for _ in range(tries):
-        engine = jo.Engine(model)
+        engine = jo.model.Engine(model)
         native = engine.native_solver(
             solver.method, solver.step, solver.projection, **solver.options
         )

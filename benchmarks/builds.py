@@ -56,7 +56,7 @@ def frames() -> Callable[[], object]:
     modes = StressModes(
         tuple(f"n{i}" for i in range(ns)), np.zeros((ns, 3)), eye, rng.standard_normal((ns, 6, n))
     )
-    field = jo.field_from(modes, rng.standard_normal((nt, n)), np.arange(nt, dtype=float))
+    field = jo.recovery.field_from(modes, rng.standard_normal((nt, n)), np.arange(nt, dtype=float))
     return lambda: field.envelope("von-mises")
 
 

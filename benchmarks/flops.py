@@ -126,7 +126,7 @@ class Counter:
             mock.patch.object(library, "real_library", lambda: self._library),
             mock.patch.object(library, "ffi", lambda: self._ffi),
         ):
-            engine = jo.Engine(model)
+            engine = jo.model.Engine(model)
             native = engine.native_solver(solver.method, 1e-4, solver.projection)
             rows = np.zeros((1, engine.row_size))
             engine.run(native, 5, 10**9, rows)

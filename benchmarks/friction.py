@@ -17,13 +17,15 @@ import jousto as jo
 from machines import Link, body, slider_crank_links
 
 H, STEPS, ROUNDS = 1e-4, 2000, 15
-LAWS: dict[str, jo.Regularised | jo.StickSlip] = {
-    "smooth": jo.Regularised(0.01),
-    "stick-slip": jo.StickSlip(),
+LAWS: dict[str, jo.mechanism.Regularised | jo.mechanism.StickSlip] = {
+    "smooth": jo.mechanism.Regularised(0.01),
+    "stick-slip": jo.mechanism.StickSlip(),
 }
 
 
-def pendulum(links: int, law: jo.Regularised | jo.StickSlip | None) -> jo.Mechanism:
+def pendulum(
+    links: int, law: jo.mechanism.Regularised | jo.mechanism.StickSlip | None
+) -> jo.Mechanism:
     """Rigid links in a row, friction in every hinge."""
     items: list[object] = [jo.Gravity((0.1, 0.3, -9.81))]
     before = jo.ground["origin"]
@@ -45,7 +47,7 @@ def pendulum(links: int, law: jo.Regularised | jo.StickSlip | None) -> jo.Mechan
     return jo.Mechanism(*items)
 
 
-def slider_crank(law: jo.Regularised | jo.StickSlip | None) -> jo.Mechanism:
+def slider_crank(law: jo.mechanism.Regularised | jo.mechanism.StickSlip | None) -> jo.Mechanism:
     """Rigid spatial slider-crank, friction in the rail."""
     crank, rod = (body(Link(link.name, link.start, link.end)) for link in slider_crank_links())
     start = slider_crank_links()[1].end
@@ -69,7 +71,7 @@ def evaluation(machine: jo.Mechanism) -> float:
     """Microseconds of an evaluation within steps of RK4, least of many."""
     model, best = jo.compile(machine), np.inf
     for _ in range(ROUNDS):
-        engine = jo.Engine(model)
+        engine = jo.model.Engine(model)
         engine.assemble()
         solver = engine.native_solver(1, H, True)
         rows = np.zeros((STEPS // 10, engine.row_size))

@@ -44,7 +44,7 @@ def cost(model: jo.Model, solver: Any, steps: int) -> tuple[float, float]:
     """Microseconds and Newton iterations per step, the least of three runs of the engine alone."""
     best, iterations = np.inf, 0.0
     for _ in range(3):
-        engine = jo.Engine(model)
+        engine = jo.model.Engine(model)
         native = engine.native_solver(
             solver.method, solver.step, solver.projection, **solver.options
         )

@@ -44,7 +44,7 @@ def cost(model: jo.Model, solver: Any, t_end: float) -> float:
 
     The engine alone, as `simulate` calls it; what Python adds does not depend on the steps.
     """
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     native = engine.native_solver(solver.method, solver.step, solver.projection)
     rows = np.zeros((1, engine.row_size))
     steps, best, begin = round(t_end / solver.step), np.inf, time.monotonic()

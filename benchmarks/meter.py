@@ -43,7 +43,7 @@ def single(n: int = 1_000_000) -> None:
     """One meter, and pyLife."""
     print(f"one history of {n} samples, ns per sample")
     for name, x in histories(n).items():
-        meter = jo.DamageMeter(STEEL, residue="half")
+        meter = jo.model.DamageMeter(STEEL, residue="half")
         spent = best(lambda m=meter, x=x: m.push(x), 3)
         print(f"  {name:<28} {1e9 * spent / n:7.2f}", end="")
         try:
@@ -57,7 +57,7 @@ def single(n: int = 1_000_000) -> None:
 
 def one_by_one(n: int = 20_000) -> None:
     """A sample at a time from Python, as a monitor gets them."""
-    meter = jo.DamageMeter(STEEL, residue="half")
+    meter = jo.model.DamageMeter(STEEL, residue="half")
     x = histories(n)["noise"]
 
     def push() -> None:
@@ -70,7 +70,7 @@ def one_by_one(n: int = 20_000) -> None:
 def many(n: int = 100_000, nt: int = 200) -> None:
     """A field of stress, block by block."""
     rng = np.random.default_rng(2)
-    meter = jo.DamageMeter(STEEL, residue="half", n=n, depth=32)
+    meter = jo.model.DamageMeter(STEEL, residue="half", n=n, depth=32)
     for name, x in (
         ("noise", rng.normal(size=(nt, n)) * 50e6),
         ("one sine, scaled", np.outer(np.sin(0.1 * np.arange(nt)), rng.uniform(0, 1e8, n))),
@@ -94,11 +94,13 @@ def in_engine(steps: int = 20_000) -> None:
     arm = jo.FlexibleBody("arm", rod)
     pin = jo.Revolute("pin", jo.ground["origin"], arm["start"], (0, 1, 0))
     stress = jo.StressSensor("stress", arm, "e1.a.top")
-    life = jo.DamageSensor("life", stress, STEEL, residue="half", components="e1.a.top:s11")
+    life = jo.mechanism.DamageSensor(
+        "life", stress, STEEL, residue="half", components="e1.a.top:s11"
+    )
     spent = []
     for more in ((), (life,)):
         model = jo.compile(jo.Mechanism(arm, pin, jo.Gravity((0, 0, -9.81)), stress, *more))
-        engine = jo.Engine(model)
+        engine = jo.model.Engine(model)
         solver = engine.native_solver(2, 1e-4, True)
         rows = np.zeros((steps // 1000 + 1, engine.row_size))
         spent.append(best(lambda e=engine, s=solver, r=rows: e.run(s, steps, 1000, r)))

@@ -24,7 +24,7 @@ def part() -> tuple[jo.ReducedPart, np.ndarray, tuple[str, ...]]:
     reduced = jo.reduce(beam, jo.CraigBampton(("start",), modes=6))
     reduced = reduced.keep(reduced.in_plane("xz")[:3])
     names = tuple(f"g{i + 1}" for i in range(8))
-    rows = [jo.Gauge(name, reduced, f"e{i + 1}.a.top").rows for i, name in enumerate(names)]
+    rows = [jo.gauges.Gauge(name, reduced, f"e{i + 1}.a.top").rows for i, name in enumerate(names)]
     return reduced, np.vstack(rows), names
 
 

@@ -59,7 +59,7 @@ def compare(case: RigidChain) -> Comparison:
     tau = np.zeros(case.bodies)
     acceleration = pin.aba(tree, data, q, v, tau).copy()
     pin.forwardKinematics(tree, data, q, v, acceleration)
-    engine = jo.Engine(jo.compile(rigid_chain(case)))
+    engine = jo.model.Engine(jo.compile(rigid_chain(case)))
     theirs = np.zeros((case.bodies, 3))
     for k, body in enumerate(engine.model.bodies):
         place, twist = data.oMi[k + 1], data.v[k + 1]

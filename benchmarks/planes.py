@@ -30,13 +30,13 @@ def main() -> None:
     stress = histories(places)
     steel = jo.SN(S_D=100e6, N_D=1e6, k=5)
     for criterion, curve in (
-        (jo.Findley(0.3), steel),
-        (jo.FatemiSocie(S_y=400e6, E=210e9), jo.strain_life("sae-1045")),
-        (jo.NormalStress(), steel),
+        (jo.fatigue.Findley(0.3), steel),
+        (jo.fatigue.FatemiSocie(S_y=400e6, E=210e9), jo.fatigue.strain_life("sae-1045")),
+        (jo.fatigue.NormalStress(), steel),
     ):
-        jo.plane_damage(stress[:1], criterion, curve, residue="half")
+        jo.fatigue.plane_damage(stress[:1], criterion, curve, residue="half")
         wall, spent = time.perf_counter(), time.process_time()
-        jo.plane_damage(stress, criterion, curve, residue="half")
+        jo.fatigue.plane_damage(stress, criterion, curve, residue="half")
         wall, spent = time.perf_counter() - wall, time.process_time() - spent
         print(
             f"{type(criterion).__name__:<14} {places / spent:8.1f} places per second of a core, "

@@ -101,7 +101,7 @@ def counted(f: np.ndarray, S: np.ndarray, parts: int, n: int, seed: int) -> list
     """Ranges of the cycles that each of several histories closes when it goes round."""
     found = []
     for part in range(parts):
-        _, x = jo.synthesise(f, S, n / SAMPLES, rate=SAMPLES, seed=1000 * seed + part)
+        _, x = jo.fatigue.synthesise(f, S, n / SAMPLES, rate=SAMPLES, seed=1000 * seed + part)
         turning = peaks(x)
         # from the largest peak round to it: all cycles close but the largest, two halves
         turning = np.roll(turning, -int(np.argmax(turning)))

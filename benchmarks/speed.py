@@ -117,7 +117,7 @@ def energy_gained() -> str:
     case = next(c for c in CHAINS if c.bodies == 1)
     reduced = beam(case.modes)
     model = jo.compile(mechanism(case, reduced))
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     before = engine.energy().sum()
     peer = exudyn_peer.build(case, reduced, modified_newton=True)
     gained = []

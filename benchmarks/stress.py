@@ -35,13 +35,13 @@ def least(work: Callable[[], object], seconds: float = 1.0, most: int = 60) -> f
     return best
 
 
-def synthetic(ns: int, nt: int, n: int) -> jo.StressField:
+def synthetic(ns: int, nt: int, n: int) -> jo.recovery.StressField:
     """A field of random modes and coordinates."""
     rng = np.random.default_rng(1)
     eye = np.broadcast_to(np.eye(3), (ns, 3, 3))
     S = rng.standard_normal((ns, 6, n))
     modes = StressModes(tuple(f"n{i}" for i in range(ns)), np.zeros((ns, 3)), eye, S)
-    return jo.field_from(modes, rng.standard_normal((nt, n)), np.arange(nt, dtype=float))
+    return jo.recovery.field_from(modes, rng.standard_normal((nt, n)), np.arange(nt, dtype=float))
 
 
 def frame(ns: int, n: int) -> None:

@@ -51,7 +51,7 @@ def body() -> jo.ReducedPart:
     )
     cells = np.stack([number[corner] for corner in corners], axis=-1).reshape(-1, 8)
     part = jo.Part.solid(
-        jo.Mesh("bar", nodes, [jo.Cells("hexahedron", cells)]),
+        jo.Mesh("bar", nodes, [jo.mesh.Cells("hexahedron", cells)]),
         jo.Material(E=2.1e11, nu=0.3, rho=7850.0),
         interfaces=[jo.Interface("clamp", np.flatnonzero(nodes[:, 0] < 1e-9))],
     )
@@ -90,14 +90,14 @@ def main() -> None:
         )
         theirs = json.loads(run.stdout.splitlines()[-1])
         stress = np.load(Path(folder) / "theirs.npy")
-    field = jo.field_from(modes, p, t)
+    field = jo.recovery.field_from(modes, p, t)
     own = field.at(0.0)
     apart = np.abs(own - stress).max() / np.abs(own).max()
     largest = field.values("von-mises", times=[0.0]).max()
     assert apart < 1e-12, apart
     assert abs(largest / theirs["largest von Mises"] - 1.0) < 1e-12
 
-    one = jo.field_from(modes, p[:1], t[:1])
+    one = jo.recovery.field_from(modes, p[:1], t[:1])
 
     def sweep() -> None:
         for _, _, values in field.blocks("von-mises", along="sites"):
@@ -107,7 +107,7 @@ def main() -> None:
         one.at(0.0)
 
     long_p = rng.normal(size=(10_000, n))
-    long = jo.field_from(modes, long_p, 1e-3 * np.arange(10_000))
+    long = jo.recovery.field_from(modes, long_p, 1e-3 * np.arange(10_000))
     few = [modes.labels[k] for k in np.linspace(0, ns - 1, 20).astype(int)]
     rows = (
         ("six components, one frame", least(components), theirs["frame, components"]),

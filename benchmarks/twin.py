@@ -25,10 +25,12 @@ def main() -> None:
     rng = np.random.default_rng(1)
     print("modes  gauges  loads  states  forming, us  constant, us  surface with bands, us (sites)")
     for modes, gauges in ((2, 4), (6, 8), (14, 16), (24, 32)):
-        rod = jo.clamp(jo.reduce(part, jo.CraigBampton(("start", "end"), modes=modes)), "start")
+        rod = jo.reduction.clamp(
+            jo.reduce(part, jo.CraigBampton(("start", "end"), modes=modes)), "start"
+        )
         S = rod.stress.modes[:: max(1, len(rod.stress.labels) // gauges)][:gauges, 0]
-        load = jo.UnknownLoad("end", "fx fy fz mx my mz", rate=1e3, size=1e3, smooth=True)
-        observer = jo.Observer(rod, S / STEEL.E, loads=[load], step=1e-3, limit=2000.0)
+        load = jo.twin.UnknownLoad("end", "fx fy fz mx my mz", rate=1e3, size=1e3, smooth=True)
+        observer = jo.twin.Observer(rod, S / STEEL.E, loads=[load], step=1e-3, limit=2000.0)
         cost = []
         for k, e in enumerate(1e-6 * rng.standard_normal((STEPS, gauges))):
             start = time.perf_counter()
@@ -40,7 +42,7 @@ def main() -> None:
         for _ in range(20):
             start = time.perf_counter()
             now = Posterior(np.zeros(1), step.p[None], step.covariance[None], np.zeros(1, int))
-            jo.stress_band(now, rod, "s11")
+            jo.twin.stress_band(now, rod, "s11")
             frames.append(time.perf_counter() - start)
         first, last, frame = (
             1e6 * np.quantile(x, 0.1) for x in (cost[5:START], cost[-1000:], frames)

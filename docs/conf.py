@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import importlib
 import re
 from importlib.metadata import version as installed_version
+from operator import attrgetter
 from typing import Any
 
-import jousto
+import jousto as jo
+from jousto.base.rooms import public_names
 
 project = "jousto"
 author = "jousto contributors"
@@ -45,35 +46,26 @@ html_title = f"jousto {release}"
 html_copy_source = False
 
 
-def public_names(app: Any, page: str, source: list[str]) -> None:
+def entries_of_rooms(app: Any, page: str, source: list[str]) -> None:
     """Replace ``PUBLIC rooms`` in a page by the documentation of their public names."""
 
     def entries(match: re.Match[str]) -> str:
         rooms = tuple(f"jousto.{room}." for room in match[1].split())
         lines = []
-        for name in sorted(jousto.__all__):
-            thing = getattr(jousto, name)
+        for place in sorted(public_names(), key=lambda place: (place.count("."), place)):
+            thing = attrgetter(place.removeprefix("jo."))(jo)
             module = getattr(thing, "__module__", "")
             if f"{module}.".startswith(rooms):
                 kind = "class" if isinstance(thing, type) else "function"
                 if not callable(thing):
                     kind = "data"
-                lines.append(f".. auto{kind}:: {module}.{name}")
+                lines.append(f"``{place}``")
+                lines.append(f".. auto{kind}:: {module}.{place.rpartition('.')[2]}")
         return "\n\n".join(lines)
 
-    def names(match: re.Match[str]) -> str:
-        room = importlib.import_module(match[1])
-        other = [name for name in sorted(room.__all__) if name not in jousto.__all__]
-        return "\n\n".join(
-            f".. auto{'class' if isinstance(getattr(room, name), type) else 'function'}:: "
-            f"{getattr(room, name).__module__}.{name}"
-            for name in other
-        )
-
     source[0] = re.sub(r"^PUBLIC (.+)$", entries, source[0], flags=re.M)
-    source[0] = re.sub(r"^NAMES (.+)$", names, source[0], flags=re.M)
 
 
 def setup(app: Any) -> None:
     """Connect what this project adds to Sphinx."""
-    app.connect("source-read", public_names)
+    app.connect("source-read", entries_of_rooms)

@@ -21,8 +21,8 @@ from scipy.special import ellipeinc, ellipkinc
 import jousto as jo
 from jousto.output.style import COLORS, STYLE
 
-THIN = jo.BeamSection((1e8, 1e8, 1e8, 1.0, 1.0, 1.0), 1.0, (2e-2, 1e-2, 1e-2))  # E I = 1
-BEND = jo.BeamSection(
+THIN = jo.mechanism.BeamSection((1e8, 1e8, 1e8, 1.0, 1.0, 1.0), 1.0, (2e-2, 1e-2, 1e-2))  # E I = 1
+BEND = jo.mechanism.BeamSection(
     (1e7, 5e6 / 1.2, 5e6 / 1.2, 5e6 / 6, 1e7 / 12, 1e7 / 12), 1.0, (2e-2, 1e-2, 1e-2)
 )
 COUNTS = (2, 4, 8, 16)
@@ -41,7 +41,7 @@ def follow(beam: jo.BeamBody, load: tuple, *, moment: bool = False, steps: int =
         jo.Fixed("clamp", wall, beam["start"]),
         kind("load", beam["end"], load, signal=jo.Input("load")),
     )
-    path = jo.load_path(jo.compile(mechanism), "load", to=1.0, steps=steps)
+    path = jo.simulation.load_path(jo.compile(mechanism), "load", to=1.0, steps=steps)
     return np.array([state.q.reshape(-1, 7)[:, :3] for state in path.states])
 
 

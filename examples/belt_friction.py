@@ -36,7 +36,7 @@ def smooth(velocity: float, end: float) -> jo.Solution:
     """Run the same machine with the regularised law."""
     mechanism = jo.read_model(MODEL).mechanism
     rub = mechanism.frictions[0]
-    law = jo.Regularised(velocity)
+    law = jo.mechanism.Regularised(velocity)
     other = jo.Friction(rub.name, rub.joint, KINETIC, STATIC, law=law)
     items = [other if item is rub else item for item in mechanism.items]
     model = jo.compile(jo.Mechanism(*items))

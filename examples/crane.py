@@ -88,7 +88,7 @@ def main(out: Path) -> int:
     row = next(joint.row for joint in model.joints if joint.name == "luffing")
     force = np.ravel(run["cylinder"])
 
-    end = jo.State(run.q[-1], 0 * run.v[-1], run.multipliers[-1], t[-1])
+    end = jo.simulation.State(run.q[-1], 0 * run.v[-1], run.multipliers[-1], t[-1])
     rest = jo.equilibrium(model, end)
     length = jo.SCurve((4.5, 6.0), (2.25, 2.45))(t)
     fold = jo.SCurve((1.0, 4.0), (0.0, np.radians(20)))(t)

@@ -104,10 +104,12 @@ def main(out: Path) -> int:
     """Run with several accuracies; return 0 if laws and orders hold."""
     out.mkdir(parents=True, exist_ok=True)
     model = jo.compile(crane())
-    exact = run(model, jo.DormandPrince(tolerance=1e-12))
+    exact = run(model, jo.simulation.DormandPrince(tolerance=1e-12))
     found: dict[str, tuple[Array, Array]] = {}
     methods: dict[str, list[object]] = {
-        "DormandPrince": [jo.DormandPrince(tolerance=tolerance) for tolerance in TOLERANCES],
+        "DormandPrince": [
+            jo.simulation.DormandPrince(tolerance=tolerance) for tolerance in TOLERANCES
+        ],
         "RK4": [jo.RK4(step=step) for step in STEPS],
         "ROS2": [jo.ROS2(step=step) for step in STEPS[2:]],
     }
@@ -120,7 +122,7 @@ def main(out: Path) -> int:
         print(f"{'':14} error (m)   " + "".join(f"{e:10.1e}" for e in found[name][1]))
     draw_cost(found, out / "work_precision.png")
 
-    usual = run(model, jo.DormandPrince())
+    usual = run(model, jo.simulation.DormandPrince())
     draw_steps(usual, out / "trolley.png")
     # the force of the buffers is all that changes the momentum along the rail
     momentum = TROLLEY * exact["trolley speed"][:, 0] + LOAD * exact["load speed"][:, 0]

@@ -63,7 +63,7 @@ def truth(out: Path, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, 
     return run.time, p @ rows(part, GAUGES, 2).T / E, p @ rows(part, HOT, 2).T
 
 
-def watch(t: np.ndarray, rng: np.random.Generator) -> jo.Observer:
+def watch(t: np.ndarray, rng: np.random.Generator) -> jo.twin.Observer:
     """Return the observer of the boom: the crane without payload, its measured drives, loads."""
     whole = jo.read_model(MODEL).mechanism
     left_out = [x for x in whole.items if getattr(x, "name", "") in ("load", "hook")]
@@ -73,16 +73,20 @@ def watch(t: np.ndarray, rng: np.random.Generator) -> jo.Observer:
     drives = {x.name: x.signal for x in crane.couplings}
     few = t[::5]
     measured = {k: s(few) + 2e-4 * rng.standard_normal(len(few)) for k, s in drives.items()}
-    motion = jo.Reference.from_angles(crane, "boom", few, measured, noise=2e-4)
+    motion = jo.twin.Reference.from_angles(crane, "boom", few, measured, noise=2e-4)
     part = next(body for body in crane.bodies if body.name == "boom").reduced
     loads = [
-        jo.UnknownLoad("start", "fx fy fz mz", rate=2e4, size=3e4, smooth=True),
-        jo.UnknownLoad("node4", "fx fz", rate=3e4, size=5e4, smooth=True),
-        jo.UnknownLoad("end", "fx fy fz mx my mz", rate=2e4, size=2e4, smooth=True),
+        jo.twin.UnknownLoad("start", "fx fy fz mz", rate=2e4, size=3e4, smooth=True),
+        jo.twin.UnknownLoad("node4", "fx fz", rate=3e4, size=5e4, smooth=True),
+        jo.twin.UnknownLoad("end", "fx fy fz mx my mz", rate=2e4, size=2e4, smooth=True),
     ]
-    given = {"damping": jo.Rayleigh(0.0, 2e-3), "noise": NOISE, "balance": jo.Balance(60.0, 40.0)}
+    given = {
+        "damping": jo.Rayleigh(0.0, 2e-3),
+        "noise": NOISE,
+        "balance": jo.twin.Balance(60.0, 40.0),
+    }
     B = rows(part, GAUGES) / E
-    return jo.Observer(part, B, loads=loads, step=0.01, reference=motion, **given)
+    return jo.twin.Observer(part, B, loads=loads, step=0.01, reference=motion, **given)
 
 
 def draw(t: np.ndarray, live: Band, true: np.ndarray, damage: list, path: Path) -> None:
@@ -131,7 +135,7 @@ def main(out: Path) -> int:
     sn = jo.SN(S_D=60e6, N_D=2e6, k=5, rule="elementary")
     settings = {"residue": "half", "sites": sites, "criterion": "s11", "draws": 30}
     band = damage_band(observed, part, sn, **settings)
-    meter = jo.DamageMeter(sn, residue="half", n=len(HOT))
+    meter = jo.model.DamageMeter(sn, residue="half", n=len(HOT))
     meter.push(true)
     exact = meter.damage()
     print(live)

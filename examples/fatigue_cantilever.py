@@ -25,10 +25,11 @@ STOP = -4200.0 * RAMP * np.exp(-((TIME - 2.0) ** 2) / 0.08)  # N, once
 LIFTS, STOPS = 10_000, 50
 
 # a machined bar of S355, least tensile strength 470 MPa, k = 5 on below the knee as 2 k - 1
-CURVE = jo.estimate_sn("S355", rule="haibach").with_factors(
-    jo.roughness_factor(25e-6, 470e6), jo.size_factor(0.808 * np.sqrt(WIDTH * HEIGHT))
+CURVE = jo.fatigue.estimate_sn("S355", rule="haibach").with_factors(
+    jo.fatigue.roughness_factor(25e-6, 470e6),
+    jo.fatigue.size_factor(0.808 * np.sqrt(WIDTH * HEIGHT)),
 )
-MEAN = jo.FKM.of("steel", S_u=470e6)
+MEAN = jo.fatigue.FKM.of("steel", S_u=470e6)
 
 
 def bracket(force: np.ndarray, name: str) -> jo.Solution:
@@ -59,16 +60,16 @@ def main(out: Path) -> int:
 
     good = True
     for transitions in ("separate", "worst"):
-        duty = jo.DutyCycle(
+        duty = jo.fatigue.DutyCycle(
             [(jo.stress_field(run, "bar"), repeats[name], name) for name, run in runs.items()],
             transitions=transitions,
         )
         found = jo.damage_field(duty, CURVE, criterion="s11", residue="repeat", mean=MEAN)
         # the upper side at the root: F upwards presses it together
-        by_hand = jo.DutyCycle(
+        by_hand = jo.fatigue.DutyCycle(
             [(-LIFT * LENGTH / W, LIFTS), (-STOP * LENGTH / W, STOPS)], transitions=transitions
         ).cycles(residue="repeat")
-        exact = jo.damage(by_hand, CURVE, MEAN)
+        exact = jo.fatigue.damage(by_hand, CURVE, MEAN)
         D, _, safety = found.at("e1.a.top")
         good &= abs(D / exact - 1.0) < 0.01
         print(f"events {transitions:9s} damage at the root {D:.4e}, by hand {exact:.4e}")

@@ -38,7 +38,7 @@ def beam() -> jo.Part:
         elements=[(0, 1), (1, 2), (2, 3), (3, 4)],
         sections=jo.Rectangle(0.1, 0.1),
         materials=soft,
-        theory=jo.EulerBernoulli(),
+        theory=jo.parts.EulerBernoulli(),
         lumped=True,
         rotary_inertia=False,
         name="rod",
@@ -57,7 +57,7 @@ def printed_modes(part: jo.Part) -> jo.ReducedPart:
     for j in (0, 1):
         for dof, name in ((0, "x"), (1, "y"), (5, "rz")):
             modes[:, dof, j] = np.nan_to_num(TABLE[f"mode{j + 1}_{name}"])
-    return jo.from_modes(part, modes.reshape(30, 2), FREQUENCIES)
+    return jo.reduction.from_modes(part, modes.reshape(30, 2), FREQUENCIES)
 
 
 def simulate(rod: jo.ReducedPart, t_end: float) -> jo.Solution:

@@ -76,7 +76,7 @@ def main(out: Path) -> int:
     model = jo.compile(file.mechanism)
     run = jo.simulate(model, file.simulation.t_end, **file.simulation.given())
     stiff = jo.compile(jo.read_model(MODEL, rigid=True).mechanism)
-    rigid = jo.inverse_dynamics(stiff, run.time)
+    rigid = jo.simulation.inverse_dynamics(stiff, run.time)
     t, step = run.time, run.time[1]
     slow, fast = t < 1.5, t > 1.5
 

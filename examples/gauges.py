@@ -27,22 +27,22 @@ def mechanism() -> jo.Mechanism:
                           damping=0.02)  # fmt: skip
     sweep = 0.6 * jo.Harmonic(frequency=1.3) + 0.4 * jo.Harmonic(frequency=3.7, phase=0.8)
     grid = {"length": 0.006, "transverse": 0.002}
-    top = jo.Gauge("top", bar, (AT, 0, HEIGHT / 2), **grid)
-    bottom = jo.Gauge("bottom", bar, (AT, 0, -HEIGHT / 2), **grid)
+    top = jo.gauges.Gauge("top", bar, (AT, 0, HEIGHT / 2), **grid)
+    bottom = jo.gauges.Gauge("bottom", bar, (AT, 0, -HEIGHT / 2), **grid)
     return jo.Mechanism(
         bar,
         jo.Fixed("clamp", jo.ground["origin"], bar["start"]),
         jo.Force("shaker", bar["end"], (0, 0, -FORCE), signal=sweep),
         *(top, bottom),
-        jo.Rosette("rosette", bar, "e2.b.top"),
-        jo.Bridge("half bridge", (top, bottom), gauge_factor=2.05),
+        jo.gauges.Rosette("rosette", bar, "e2.b.top"),
+        jo.gauges.Bridge("half bridge", (top, bottom), gauge_factor=2.05),
     )
 
 
 def measure(run: jo.Solution, path: Path) -> None:
     """Write what a logger would: late, with noise and a gain, at its own rate, decimal commas."""
     rng = np.random.default_rng(7)
-    record = jo.record_of(run, ["top", "half bridge"]).resample(
+    record = jo.gauges.record_of(run, ["top", "half bridge"]).resample(
         times=np.arange(0.4, 2.7, 1 / 180), antialias=False
     )
     strain = GAIN * record["top"] + NOISE * rng.standard_normal(len(record))
@@ -58,12 +58,12 @@ def main(out: Path) -> int:
     run = jo.simulate(model, 3.0, solver=jo.ROS2(1e-3), output_step=2e-3)
     path = out.parent / "measured.csv"
     measure(run, path)
-    found = jo.compare_gauges(run, jo.read_record(path), max_shift=1.0)
+    found = jo.gauges.compare_gauges(run, jo.gauges.read_record(path), max_shift=1.0)
     print(found)
     jo.plot(found, path=out / "gauges.png")
 
     k = int(np.argmax(np.abs(run["top"])))
-    state = jo.rosette_state(run["rosette"][k], E=210e9, nu=0.3, noise=NOISE)
+    state = jo.gauges.rosette_state(run["rosette"][k], E=210e9, nu=0.3, noise=NOISE)
     print(f"the rosette at {run.time[k]:.3f} s")
     print(state)
     good = abs(found.alignment.shift - LATE) < 1e-3 and abs(found.pairs[0].scale - GAIN) < 0.01

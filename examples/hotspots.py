@@ -24,7 +24,7 @@ import jousto as jo
 APART, COUNT = 0.06, 6  # m, places
 
 
-def brute_force(field: jo.StressField, criterion: str) -> tuple[np.ndarray, list[int]]:
+def brute_force(field: jo.recovery.StressField, criterion: str) -> tuple[np.ndarray, list[int]]:
     """Return the largest value at every place and the worst ones that lie apart."""
     largest = field.envelope(criterion).max
     left, chosen = largest.copy(), []

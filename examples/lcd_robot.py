@@ -25,7 +25,7 @@ CARBON = jo.Material(E=110e9, nu=0.3, rho=1600, name="carbon fibre")
 ARM = jo.Box(0.16, 0.09, 0.006)
 LINK, FOLDED, OUT = 1.0, np.radians(75.0), np.radians(20.0)  # m, angle of the upper arm
 GLASS = 2.5  # kg, 1100 x 1300 x 0.7 mm
-SITE, WELD = "e1.a.top", jo.fat_class(28)  # fillet weld at the root, aluminium
+SITE, WELD = "e1.a.top", jo.fatigue.fat_class(28)  # fillet weld at the root, aluminium
 T_END, STEP, Z = 3.4, 1e-3, (0, 0, 1)
 PADS = {"p1": (0.4, -0.45, 0), "p2": (0.4, 0.45, 0), "p3": (1.2, -0.45, 0), "p4": (1.2, 0.45, 0)}
 OUTLINE = [[0, -0.65, 0], [1.1, -0.65, 0], [1.1, 0.65, 0], [0, 0.65, 0], [0, -0.65, 0]]
@@ -33,7 +33,7 @@ OUTLINE = [[0, -0.65, 0], [1.1, -0.65, 0], [1.1, 0.65, 0], [0, 0.65, 0], [0, -0.
 
 def parts() -> dict[str, jo.Part]:
     """Two equal arms, with gear and bearings at the end, and the fork."""
-    link = jo.Part.beam(LINK, ARM, 6, ALU, point_masses=jo.PointMass("end", 5.0))
+    link = jo.Part.beam(LINK, ARM, 6, ALU, point_masses=jo.parts.PointMass("end", 5.0))
     palm, tine = jo.Box(0.08, 0.05, 0.004), jo.Box(0.05, 0.025, 0.002)
     fork = [jo.Member((0, 0, 0), (0.2, 0, 0), palm, ALU, name="wrist")]
     for a, b in zip((-0.45, -0.15, 0.0, 0.15), (-0.15, 0.0, 0.15, 0.45), strict=True):
@@ -70,7 +70,12 @@ def robot(made: dict[str, jo.Part]) -> jo.Mechanism:
     wrist = jo.Revolute("wrist", fore["end"], hand["wrist.start"], Z)
     fold = jo.SCurve((1.2, 2.2), (0.0, OUT - FOLDED))
     unfold = jo.SCurve((1.2, 2.2), (-FOLDED, -OUT))
-    rubs = {"law": jo.StickSlip(), "radius": 0.06, "bearing_length": 0.08, "preload": 3000.0}
+    rubs = {
+        "law": jo.mechanism.StickSlip(),
+        "radius": 0.06,
+        "bearing_length": 0.08,
+        "preload": 3000.0,
+    }
     rubber = np.array((3e4, 3e4, 3e4, 0, 0, 0))  # N/m
     stress = jo.StressSensor("root", upper, SITE)
     return jo.Mechanism(
@@ -84,7 +89,7 @@ def robot(made: dict[str, jo.Part]) -> jo.Mechanism:
         jo.Friction("wrist bearing", wrist, 0.02, 0.03, **rubs),
         *(jo.Bushing(p, hand[p], glass[p], rubber, 2e-3 * rubber) for p in PADS),
         *(jo.Gravity((0, 0, -9.81)), stress, jo.PositionSensor("glass", glass["center"])),
-        jo.DamageSensor("life", stress, WELD, residue="repeat", components=f"{SITE}:s11"),
+        jo.mechanism.DamageSensor("life", stress, WELD, residue="repeat", components=f"{SITE}:s11"),
         name="LCD robot",
     )  # fmt: skip
 
@@ -110,17 +115,17 @@ def main(out: Path) -> int:
     out.mkdir(parents=True, exist_ok=True)
     made = parts()
     machine = robot(made)
-    models = [jo.compile(m) for m in (machine, jo.without_friction(machine))]
+    models = [jo.compile(m) for m in (machine, jo.recovery.without_friction(machine))]
     runs = [
         jo.simulate(m, T_END, solver=jo.ROS2(STEP), output_step=STEP, state=jo.equilibrium(m))
         for m in models
     ]
     run = runs[0]
     still, hand_made = run["root"][-100:, 0].mean(), root_stress(made)
-    rubbed = jo.friction_stress(*runs, "upper arm", start=1.0)
+    rubbed = jo.recovery.friction_stress(*runs, "upper arm", start=1.0)
     spots = jo.hot_spots(run, count=3, separation=0.2)
-    cycles = jo.rainflow(run["root"][:, 0], residue="repeat")
-    offline, counted = jo.damage(cycles, WELD), run["life"][-1, 0]
+    cycles = jo.fatigue.rainflow(run["root"][:, 0], residue="repeat")
+    offline, counted = jo.fatigue.damage(cycles, WELD), run["life"][-1, 0]
     print(f"root of the arm at rest {still / 1e6:.3f} MPa, by hand {hand_made / 1e6:.3f} MPa")
     print(spots)
     worst = rubbed.table(1)[0]

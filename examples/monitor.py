@@ -36,7 +36,7 @@ def truth() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     swing = rng.uniform(-1.0, 1.0, (len(times), 2))
     swing[:3] = 0.0
     gauges = [
-        jo.Gauge(f"g{2 * i + j + 1}", boom, f"{FINE[element]}.a.{side}")
+        jo.gauges.Gauge(f"g{2 * i + j + 1}", boom, f"{FINE[element]}.a.{side}")
         for i, element in enumerate(("e1", "e3", "e6"))
         for j, side in enumerate(("top", "left"))
     ]
@@ -96,7 +96,7 @@ def main(folder: Path) -> None:
     with tempfile.TemporaryDirectory() as scratch:
         data = Path(scratch) / "monitor.csv"
         logged(time, e, data)
-        record = jo.watch(monitor, data, Path(scratch) / "monitor.h5")
+        record = jo.monitor.watch(monitor, data, Path(scratch) / "monitor.h5")
         print(record)
         for event in record.events:
             print(f"{event.time:8.2f} s  {event.kind}: {event.text}")
@@ -105,7 +105,7 @@ def main(folder: Path) -> None:
         apart = np.abs(record.stress - stress).max(axis=0) / 1e6
         low, high = record.summary("damage_low")[-1], record.summary("damage_high")[-1]
     print(f"in the 95 % band {inside.round(3)} of the time, at most {apart.round(1)} MPa off")
-    meter = jo.DamageMeter(monitor.sn, residue="half", n=3)
+    meter = jo.model.DamageMeter(monitor.sn, residue="half", n=3)
     meter.push(stress)
     print(f"damage of the truth {meter.damage()}, band {low} to {high}")
     assert np.all(inside > 0.93)

@@ -41,11 +41,11 @@ def closed_form(t: np.ndarray, speed: float) -> np.ndarray:
 def crossing(speed: float) -> jo.Solution:
     """Run the file with another speed, until the force leaves."""
     file = jo.read_model(MODEL)
-    items = [item for item in file.mechanism.items if not isinstance(item, jo.MovingLoad)]
-    (wheel,) = (item for item in file.mechanism.items if isinstance(item, jo.MovingLoad))
+    items = [item for item in file.mechanism.items if not isinstance(item, jo.mechanism.MovingLoad)]
+    (wheel,) = (item for item in file.mechanism.items if isinstance(item, jo.mechanism.MovingLoad))
     end = LENGTH / speed
     position = jo.Ramp(0.0, end, before=0.0, after=LENGTH)
-    load = jo.MovingLoad("wheel", wheel.body, wheel.path, wheel.vector, position)
+    load = jo.mechanism.MovingLoad("wheel", wheel.body, wheel.path, wheel.vector, position)
     model = jo.compile(jo.Mechanism(*items, load))
     return jo.simulate(model, end, solver=file.simulation.solver, output_step=end / 100)
 

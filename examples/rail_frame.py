@@ -61,11 +61,13 @@ def mechanism(reduced: jo.ReducedPart, at: float | None = None) -> jo.Mechanism:
     load = jo.Table((0.0, PASS, back, 2 * back), (1.0, 1.0, EMPTY, EMPTY))
     x, load = (x, load) if at is None else (jo.Constant(at), None)
     wheels = [
-        jo.MovingLoad(f"{rail} {axle}", body, (f"{rail}.start", f"{rail}.end"), (0, 0, -WHEEL),
-                      x + BASE * axle, signal=load)
+        jo.mechanism.MovingLoad(
+            f"{rail} {axle}", body, (f"{rail}.start", f"{rail}.end"), (0, 0, -WHEEL),
+            x + BASE * axle, signal=load
+        )
         for rail in RAILS for axle in (0, 1)
     ]  # fmt: skip
-    gauges = [jo.Gauge(name, body, spot, length=0.006) for name, spot in GAUGES.items()]
+    gauges = [jo.gauges.Gauge(name, body, spot, length=0.006) for name, spot in GAUGES.items()]
     clamp = jo.Fixed("foundation", jo.ground["origin"], body["feet"])
     return jo.Mechanism(body, clamp, *wheels, *gauges)
 
@@ -132,8 +134,8 @@ def main(out: Path) -> int:
     for name, (fat, member, where) in WELDS.items():
         every += (sites := places(reduced, member, where))
         s = field.values("s11", sites=[field.labels[i] for i in sites])
-        cycles = [jo.rainflow(history, residue="repeat") for history in s.T]
-        days = [jo.life(c, jo.fat_class(fat)) / CYCLES_A_DAY for c in cycles]
+        cycles = [jo.fatigue.rainflow(history, residue="repeat") for history in s.T]
+        days = [jo.fatigue.life(c, jo.fatigue.fat_class(fat)) / CYCLES_A_DAY for c in cycles]
         k = int(np.argmin(days))
         rows.append((name, days[k] / 365.25, sites[k], s[:, k]))
         print(f"{name:26} FAT {fat} {1e-6 * np.ptp(s[:, k]):6.1f} MPa {rows[-1][1]:9.3g} years")

@@ -44,7 +44,9 @@ def wheel(web: float) -> jo.Part:
     nodes = np.stack([r * np.cos(angle), y, r * np.sin(angle)], axis=1)
     first = 2 * np.indices((len(RINGS) - 1, LAYERS, SECTORS)).reshape(3, -1).T
     at = first[:, None] + [[int(step) for step in node] for node in LOCAL.split()]
-    cells = jo.Cells("hexahedron20", number[at[..., 0], at[..., 1], at[..., 2] % (2 * SECTORS)])
+    cells = jo.mesh.Cells(
+        "hexahedron20", number[at[..., 0], at[..., 1], at[..., 2] % (2 * SECTORS)]
+    )
     bore = jo.Interface("bore", np.flatnonzero(np.isclose(r, RINGS[0])))
     return jo.Part.solid(jo.Mesh("wheel", nodes, cells), STEEL, interfaces=(bore,))
 
@@ -57,7 +59,7 @@ def tread_loads(part: jo.Part) -> Array:
         off = np.angle(np.exp(1j * (np.arctan2(z, x) - middle)))
         on = np.isclose(np.hypot(x, z), RADIUS) & (np.abs(off) < 1.01 * np.pi / SECTORS)
         ways = ((-np.cos(middle), 0.0, -np.sin(middle)), (0.0, 1.0, 0.0))
-        f = [part.load(jo.Traction(np.flatnonzero(on), way)) for way in ways]
+        f = [part.load(jo.parts.Traction(np.flatnonzero(on), way)) for way in ways]
         loads.append([g / np.linalg.norm(g.reshape(-1, 3).sum(axis=0)) for g in f])
     return np.swapaxes(loads, 1, 2)
 
@@ -80,7 +82,9 @@ def roll(web: float, time: Array, forces: Array) -> tuple[jo.Solution, jo.Reduce
             pattern = np.zeros_like(reduced.nodes)
             pattern[: len(part.nodes)] = loads[sector, :, way].reshape(-1, 3)
             signal = jo.Table(time, share * forces[:, way])
-            elements.append(jo.ModalLoad(f"tread {sector} {way}", body, pattern, signal=signal))
+            elements.append(
+                jo.mechanism.ModalLoad(f"tread {sector} {way}", body, pattern, signal=signal)
+            )
     with warnings.catch_warnings():
         # the wheel's own vibration, above 2 kHz, is damped away by the step: it lives of statics
         warnings.simplefilter("ignore", jo.JoustoWarning)
@@ -89,7 +93,7 @@ def roll(web: float, time: Array, forces: Array) -> tuple[jo.Solution, jo.Reduce
 
 
 def draw(
-    t: Array, forces: Array, webs: dict[str, Array], tread: jo.RollingLife, path: Path
+    t: Array, forces: Array, webs: dict[str, Array], tread: jo.fatigue.RollingLife, path: Path
 ) -> None:
     """Forces of the wheel, stress in the web, and the stress below the tread."""
     with plt.style.context(STYLE):
@@ -126,16 +130,18 @@ def main(out: Path) -> int:
         r = np.hypot(*field.positions[:, ::2].T)
         places = np.flatnonzero((r > 0.045) & (r < 0.08))
         field = field.take(places[np.argsort(-field.envelope("von-mises").max[places])[:2]])
-        found = jo.plane_damage(field, jo.Findley(0.25), WEB, residue="repeat", step=15.0)
+        found = jo.fatigue.plane_damage(
+            field, jo.fatigue.Findley(0.25), WEB, residue="repeat", step=15.0
+        )
         x, _, z = field.positions[0] / np.hypot(*field.positions[0, ::2])
         radial = field.history(field.labels[0]) @ [x * x, 0, z * z, 0, 0, 2 * x * z]
         webs[f"web of {1e3 * web:g} mm"] = radial
         lives.append(found.life.min())
         print(f"web of {1e3 * web:g} mm, {reduced!r}", found, sep="\n")
-    contact = jo.hertz_line(forces[:, 0].max(), length=WIDTH, radius=RADIUS, material=STEEL)
+    contact = jo.fatigue.hertz_line(forces[:, 0].max(), length=WIDTH, radius=RADIUS, material=STEEL)
     passes = np.interp(np.arange(0, T_END, 2 * np.pi * RADIUS / SPEED), t, forces[:, 0])
-    tread = jo.rolling_life(contact, passes, jo.Findley(0.25), TREAD, friction=0.05)
-    limit = jo.shakedown_limit(0.05) * 700e6 / 3**0.5
+    tread = jo.fatigue.rolling_life(contact, passes, jo.fatigue.Findley(0.25), TREAD, friction=0.05)
+    limit = jo.fatigue.shakedown_limit(0.05) * 700e6 / 3**0.5
     print(contact, tread, f"shakedown: {100 * contact.p0 / limit:.0f} % of the limit", sep="\n")
     draw(t, forces, webs, tread, out / "rail_wheel.png")
     good &= lives[1] > 3 * lives[0] and contact.p0 < limit

@@ -59,10 +59,10 @@ def main(out: Path) -> int:
     run = jo.simulate(model, file.simulation.t_end, **file.simulation.given(model))
     t = run.time
     stiff = jo.compile(jo.read_model(MODEL, rigid=True).mechanism)
-    rigid = jo.inverse_dynamics(stiff, t)
+    rigid = jo.simulation.inverse_dynamics(stiff, t)
     # every fourth instant of the motion will do, and the last one
     few = np.append(np.flatnonzero(t < STOP + 0.01)[::4], len(t) - 1)
-    bent = jo.inverse_dynamics(model, t[few])
+    bent = jo.simulation.inverse_dynamics(model, t[few])
 
     drive, ideal = torques(run), torques(rigid)
     largest = np.abs(ideal).max(axis=0)
@@ -76,7 +76,7 @@ def main(out: Path) -> int:
     )
     late = t > STOP + 0.05
     heard = ringing(t[late], drive[late, 5])
-    end = jo.State(run.q[-1], 0 * run.v[-1], run.multipliers[-1], t[-1])
+    end = jo.simulation.State(run.q[-1], 0 * run.v[-1], run.multipliers[-1], t[-1])
     found = jo.modes(model, jo.equilibrium(model, end)).frequencies
     nearest = found[np.argmin(np.abs(found - heard))]
 

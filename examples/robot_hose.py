@@ -23,7 +23,7 @@ CHORD, LENGTH = 0.75, 1.0  # m, between the fittings and of the hose
 SMALLEST = 0.13  # m, radius to which it may be bent
 ALUMINIUM = jo.Material(E=70e9, nu=0.33, rho=2700.0)
 # a hose of 10 mm full of oil: E I = 4 N m2, 0.6 kg/m
-HOSE = jo.BeamSection(
+HOSE = jo.mechanism.BeamSection(
     stiffness=np.diag([6e4, 2e4, 2e4, 3.0, 4.0, 4.0]),
     mass=0.6,
     inertia=(6e-5, 3e-5, 3e-5),
@@ -67,7 +67,7 @@ def machine(elements: int, *, hose: bool = True) -> jo.Mechanism:
         straight=True,
         bending=True,
         mass="corrected",
-        damping=jo.BeamDamping(stiffness=2e-3),
+        damping=jo.mechanism.BeamDamping(stiffness=2e-3),
         position=(0.4, 0, 0.56),
     )
     items: list = [column, arm, forearm, load, jo.Gravity((0, 0, -9.81))]
@@ -127,7 +127,7 @@ def main(out: Path) -> int:
     """Run with 12 and 24 elements and without the hose; return 0 if all agree."""
     out.mkdir(parents=True, exist_ok=True)
     run, fine, bare = swing(machine(12)), swing(machine(24)), swing(machine(20, hose=False))
-    forces = jo.section_forces(run, "hose")
+    forces = jo.recovery.section_forces(run, "hose")
     radius = 1 / np.linalg.norm(forces.strains[..., 4:6], axis=2).max(axis=1)
     apart = np.abs(run["top"] - fine["top"]).max()
     path = np.ptp(run["top"], axis=0).max()

@@ -46,10 +46,10 @@ def slew(flexible: bool) -> jo.Solution:
     platform = jo.RigidBody("platform", 5000.0, (TOWER, TOWER, TOWER))
     bearing = jo.Revolute("bearing", jo.ground["origin"], platform["origin"], axis=(0, 0, 1))
     root = jo.Fixed("root", platform["origin"], body["start"])
-    switch = jo.Event("limit switch", bearing.angle, LIMIT, "rising")
+    switch = jo.mechanism.Event("limit switch", bearing.angle, LIMIT, "rising")
     speed = jo.RateSensor("speed", bearing.angle)
-    still = jo.Event("standstill", speed, 0.0, "falling", stop=True)
-    torque = jo.Switched(switch, MOTOR, -BRAKE)
+    still = jo.mechanism.Event("standstill", speed, 0.0, "falling", stop=True)
+    torque = jo.mechanism.Switched(switch, MOTOR, -BRAKE)
     mechanism = jo.Mechanism(
         *(platform, body, bearing, root, switch, speed, still),
         jo.JointForce("drive", bearing.angle, torque),

@@ -25,12 +25,12 @@ BENDING = 210e9 * WIDTH * HEIGHT**3 / 12  # N m2
 WEIGHT = 7850 * WIDTH * HEIGHT * 9.81  # N/m
 
 
-def strip(elements: int) -> tuple[jo.Model, jo.LoadPath, jo.Solution]:
+def strip(elements: int) -> tuple[jo.Model, jo.simulation.LoadPath, jo.Solution]:
     """Model, path of the weight from none to all of it, and the swing from where it rests."""
     text = MODEL.read_text(encoding="utf-8").replace("elements: 20", f"elements: {elements}")
     file = parse_model(text, name=MODEL.name)
     model = jo.compile(file.mechanism)
-    path = jo.load_path(model, "gravity", to=1.0, steps=10)
+    path = jo.simulation.load_path(model, "gravity", to=1.0, steps=10)
     settings = file.simulation.given()
     return model, path, jo.simulate(model, 1.5, state=path.states[-1], **settings)
 

@@ -6,6 +6,7 @@ import atexit
 import shutil
 import warnings
 from functools import cache
+from operator import attrgetter
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
@@ -13,6 +14,7 @@ from typing import Any
 import numpy as np
 
 import jousto as jo
+from jousto.base.rooms import public_names
 from jousto.planar.dynamics import simulate_planar
 from jousto.planar.items import PlanarBeam, PlanarLoad, PlanarSection, PlanarSupport
 from jousto.planar.methods import PlanarGeneralizedAlpha
@@ -39,6 +41,11 @@ def objects() -> Objects:
     return found
 
 
+def public() -> Objects:
+    """Return everything public by its place, as ``jo.fatigue.rainflow``."""
+    return {place: attrgetter(place.removeprefix("jo."))(jo) for place in public_names()}
+
+
 def parts(_: Objects, __: Path) -> Objects:
     """Parts, meshes and what reduction says of them."""
     beam = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.04), 4, STEEL, name="bar")
@@ -56,12 +63,12 @@ def parts(_: Objects, __: Path) -> Objects:
         "quality": pipe.quality(),
         "solid": solid,
         "reduced solid": jo.reduce(solid, jo.CraigBampton(("bore",), modes=2)),
-        "mesh error": jo.mesh_error(solid, 1e-6 * np.sin(np.arange(solid.M.shape[0]))),
-        "certificate": jo.certify(beam, reduced),
-        "advice": jo.advise(beam, ("start", "end"), frequency_limit=500.0),
-        "memory": jo.memory_estimate(beam, jo.CraigBampton(("start",), modes=4)),
-        "relief": jo.inertia_relief(beam, np.ones((beam.M.shape[0], 1))),
-        "solvers": jo.solvers(),
+        "mesh error": jo.parts.mesh_error(solid, 1e-6 * np.sin(np.arange(solid.M.shape[0]))),
+        "certificate": jo.reduction.certify(beam, reduced),
+        "advice": jo.reduction.advise(beam, ("start", "end"), frequency_limit=500.0),
+        "memory": jo.reduction.memory_estimate(beam, jo.CraigBampton(("start",), modes=4)),
+        "relief": jo.reduction.inertia_relief(beam, np.ones((beam.M.shape[0], 1))),
+        "solvers": jo.reduction.solvers(),
         "ground": jo.ground,
     }
 
@@ -74,14 +81,14 @@ def machine(found: Objects, folder: Path) -> Objects:
     wrist = jo.Revolute("wrist", arm["end"], ball["origin"], axis=(0, 1, 0))
     tip = jo.PositionSensor("tip", ball["origin"])
     grip = jo.Friction("grip", wrist, 0.1, radius=0.02)
-    low = jo.Event("low", hinge.angle, 0.3)
+    low = jo.mechanism.Event("low", hinge.angle, 0.3)
     mechanism = jo.Mechanism(
         *(arm, ball, hinge, wrist, grip, low, tip),
         jo.Gravity((0.0, 0.0, -9.81)),
         jo.Spring("spring", hinge.angle, 10.0),
         jo.Force("push", arm["end"], (0.0, 0.0, 1.0), signal=jo.Input("push")),
         jo.ReactionSensor("pin", hinge),
-        jo.Gauge("top", arm, "e1.a.top"),
+        jo.gauges.Gauge("top", arm, "e1.a.top"),
         jo.StressSensor("stress", arm, ("e1.a.top", "e1.a.bottom")),
         name="swing",
     )
@@ -89,12 +96,12 @@ def machine(found: Objects, folder: Path) -> Objects:
     return {
         "mechanism": mechanism,
         "model": model,
-        "engine": jo.Engine(model),
+        "engine": jo.model.Engine(model),
         "doctor": jo.doctor(model),
         "run": jo.simulate(model, 0.3, output_step=1e-3),
         "filed": jo.simulate(model, 0.1, output_step=1e-3, path=folder / "run.h5"),
-        "simulator": jo.Simulator(model),
-        "settled": jo.settled(model),
+        "simulator": jo.simulation.Simulator(model),
+        "settled": jo.simulation.settled(model),
         "driven": jo.compile(jo.read_model(EXAMPLES / "four_bar.yaml", rigid=True).mechanism),
         "file": jo.read_model(EXAMPLES / "flexible_pendulum.yaml"),
     }
@@ -121,13 +128,13 @@ def statics(_: Objects, __: Path) -> Objects:
         "arch": arch,
         "beam model": model,
         "rest": rest,
-        "linear": jo.linearise(model, rest),
+        "linear": jo.simulation.linearise(model, rest),
         "modes": jo.modes(model, rest),
-        "buckling": jo.buckling(model, "load", 1),
-        "path": jo.load_path(model, "load", to=1e4, steps=5),
-        "campbell": jo.campbell(lambda _: model, [1.0, 2.0]),
+        "buckling": jo.simulation.buckling(model, "load", 1),
+        "path": jo.simulation.load_path(model, "load", to=1e4, steps=5),
+        "campbell": jo.simulation.campbell(lambda _: model, [1.0, 2.0]),
         "beam run": run,
-        "section forces": jo.section_forces(run, "arch"),
+        "section forces": jo.recovery.section_forces(run, "arch"),
         "beam field": jo.stress_field(run, "arch"),
     }
 
@@ -142,21 +149,24 @@ def stress(found: Objects, _: Path) -> Objects:
         "envelope": field.envelope("von-mises"),
         "spots": spots,
         "spot": spots[0],
-        "budget": jo.error_budget(spots),
-        "record": jo.record_of(run),
-        "compared": jo.compare_gauges(run, jo.record_of(run), align=False),
-        "rosette": jo.rosette_state([200e-6, 80e-6, -50e-6], E=210e9, nu=0.3),
-        "friction": jo.friction_stress(run, run, "arm"),
+        "budget": jo.recovery.error_budget(spots),
+        "record": jo.gauges.record_of(run),
+        "compared": jo.gauges.compare_gauges(run, jo.gauges.record_of(run), align=False),
+        "rosette": jo.gauges.rosette_state([200e-6, 80e-6, -50e-6], E=210e9, nu=0.3),
+        "friction": jo.recovery.friction_stress(run, run, "arm"),
     }
 
 
 def life(found: Objects, _: Path) -> Objects:
     """Cycles, damage and life by every method."""
     field, curve = found["field"], jo.sn_curve("fat71")
-    notch, cycles = jo.strain_life("sae-1045"), jo.rainflow([0.0, 3e8, -1e8, 2e8], residue="half")
-    duty = jo.DutyCycle([(field, 100, "swing")])
+    notch, cycles = (
+        jo.fatigue.strain_life("sae-1045"),
+        jo.fatigue.rainflow([0.0, 3e8, -1e8, 2e8], residue="half"),
+    )
+    duty = jo.fatigue.DutyCycle([(field, 100, "swing")])
     frequency = np.linspace(1.0, 300.0, 40)
-    response = jo.random_response(
+    response = jo.fatigue.random_response(
         found["reduced"], frequency, np.ones(40), base="start", direction=(0, 0, 1)
     )
     s = np.zeros((50, 6))
@@ -168,27 +178,33 @@ def life(found: Objects, _: Path) -> Objects:
         "matrix": cycles.matrix(8),
         "duty": duty,
         "damage field": jo.damage_field(field, curve, residue="half", required=1e6),
-        "assessment": jo.assess(cycles, curve),
-        "critical plane": jo.critical_plane(s, jo.Findley(0.3)),
-        "multiaxial": jo.multiaxial(field, jo.DangVan.of(1e8, 1.5e8), sites=field.labels[:3]),
-        "plane damage": jo.plane_damage(s, jo.Findley(0.3), curve, residue="half"),
-        "local cycles": jo.local_cycles(s[:, 0], notch, residue="half"),
-        "local path": jo.local_path(s[:, 0], notch),
-        "strain damage": jo.strain_damage(field, notch, residue="half", sites=field.labels[:2]),
+        "assessment": jo.fatigue.assess(cycles, curve),
+        "critical plane": jo.fatigue.critical_plane(s, jo.fatigue.Findley(0.3)),
+        "multiaxial": jo.fatigue.multiaxial(
+            field, jo.fatigue.DangVan.of(1e8, 1.5e8), sites=field.labels[:3]
+        ),
+        "plane damage": jo.fatigue.plane_damage(s, jo.fatigue.Findley(0.3), curve, residue="half"),
+        "local cycles": jo.fatigue.local_cycles(s[:, 0], notch, residue="half"),
+        "local path": jo.fatigue.local_path(s[:, 0], notch),
+        "strain damage": jo.fatigue.strain_damage(
+            field, notch, residue="half", sites=field.labels[:2]
+        ),
         "response": response,
         "spectral life": response.damage(curve),
-        "spectral": jo.spectral_damage(frequency, np.full(40, 1e12), curve),
+        "spectral": jo.fatigue.spectral_damage(frequency, np.full(40, 1e12), curve),
     }
 
 
 def contact(_: Objects, __: Path) -> Objects:
     """A wheel that rolls."""
-    hertz = jo.hertz_line(10e3, length=0.03, radius=0.1, material=STEEL)
+    hertz = jo.fatigue.hertz_line(10e3, length=0.03, radius=0.1, material=STEEL)
     depths = [3e-4, 6e-4]
     return {
         "hertz": hertz,
-        "rolling": jo.rolling_contact(hertz, depths),
-        "rolling life": jo.rolling_life(hertz, [8e3], jo.DangVan.of(3e8, 4e8), depths=depths),
+        "rolling": jo.fatigue.rolling_contact(hertz, depths),
+        "rolling life": jo.fatigue.rolling_life(
+            hertz, [8e3], jo.fatigue.DangVan.of(3e8, 4e8), depths=depths
+        ),
     }
 
 
@@ -196,9 +212,9 @@ def twins(_: Objects, folder: Path) -> Objects:
     """Estimates from gauges, observer, monitor and its record."""
     reduced, B = watched.cantilever()
     t, _p, e = watched.motion(300)
-    twin = jo.Reconstruction(B, noise=1e-6)
-    load = jo.UnknownLoad("node11", "fz", rate=100.0, size=10.0, smooth=True)
-    observer = jo.Observer(reduced, B, loads=[load], step=1e-2, noise=1e-6, damping=0.01)
+    twin = jo.twin.Reconstruction(B, noise=1e-6)
+    load = jo.twin.UnknownLoad("node11", "fz", rate=100.0, size=10.0, smooth=True)
+    observer = jo.twin.Observer(reduced, B, loads=[load], step=1e-2, noise=1e-6, damping=0.01)
     observed = observer.run(t, e)
     estimate = twin.estimate(e)
     monitor = watched.monitor(sn=watched.curve())
@@ -206,25 +222,25 @@ def twins(_: Objects, folder: Path) -> Objects:
     return {
         "twin": twin,
         "estimate": estimate,
-        "band": jo.stress_band(estimate, reduced, "s11", sites=watched.SPOTS),
-        "placement": jo.place_gauges(reduced, 3),
+        "band": jo.twin.stress_band(estimate, reduced, "s11", sites=watched.SPOTS),
+        "placement": jo.twin.place_gauges(reduced, 3),
         "load": load,
         "observer": observer,
         "observed": observed,
-        "innovation": jo.innovation_test(observed),
+        "innovation": jo.twin.innovation_test(observed),
         "step": observer.step(0.0, e[0]),
-        "damage band": jo.damage_band(
+        "damage band": jo.twin.damage_band(
             observed, reduced, watched.curve(), residue="half", sites=watched.SPOTS[:1], draws=20
         ),
         "monitor": monitor,
-        "watched": jo.watch(monitor, data, folder / "watched.h5"),
+        "watched": jo.monitor.watch(monitor, data, folder / "watched.h5"),
     }
 
 
 def planar(_: Objects, __: Path) -> Objects:
     """A planar frame, its path and run."""
     strip = PlanarSection.of(jo.Rectangle(0.002, 0.02), STEEL)
-    frame = jo.PlanarFrame(
+    frame = jo.planar.PlanarFrame(
         [(0.25 * i, 0.0) for i in range(5)],
         [PlanarBeam(i, i + 1, strip) for i in range(4)],
         supports=[PlanarSupport(0, rotation=True)],

@@ -22,7 +22,7 @@ METHODS: dict[str, Callable[[float], jo.Solver]] = {
     "RK4": jo.RK4,
     "ROS2": jo.ROS2,
     "GeneralizedAlpha": jo.GeneralizedAlpha,
-    "DormandPrince": lambda step: jo.DormandPrince(tolerance=1e-2 * step),
+    "DormandPrince": lambda step: jo.simulation.DormandPrince(tolerance=1e-2 * step),
 }
 
 

@@ -3,24 +3,22 @@
 One noun per stage: ``Part`` -> ``reduce`` -> ``ReducedPart`` -> bodies, joints, forces and sensors
 in a ``Mechanism`` -> ``compile`` -> ``Model`` -> ``simulate`` -> ``Solution``. SI units everywhere.
 
-The public names stand in ``__init__.pyi``; each is loaded when it is first used, so that importing
-the package is quick.
+What a first model needs are names of the package itself; more is in its rooms, such as
+``jousto.fatigue``, ``jousto.gauges`` and ``jousto.simulation``. All of them stand in files
+``__init__.pyi`` and are loaded when they are first used, so that importing the package is quick.
 """
 
-from typing import Any
+from jousto.base.rooms import open_room, public_names
 
-import lazy_loader
-
-_load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+VERBS = ("plot", "write")
 
 
-def __getattr__(name: str) -> Any:
-    """Load a public name, or look up the version."""
-    if name != "__version__":
-        return _load(name)
-    from importlib.metadata import PackageNotFoundError, version
+def _gone(name: str) -> str:
+    """Return where a name is now that was one of the package itself."""
+    verb = name.partition("_")[0]
+    places = [f"jo.{verb}(...)"] if verb in VERBS else []
+    places += (place for place in public_names() if place.endswith(f".{name}"))
+    return f"jousto.{name} is now {places[0]}" if places else ""
 
-    try:
-        return version("jousto")
-    except PackageNotFoundError:  # a source tree that is not installed
-        return "unknown"
+
+open_room(__name__, _gone)

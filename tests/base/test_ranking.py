@@ -66,7 +66,7 @@ def test_planes_that_are_equally_bad(rng: np.random.Generator) -> None:
         s[:, 0], s[:, 3] = 1e8 * np.sin(t), 5e7 * np.sin(t)
         # the last bits decide which of them a search finds larger
         s *= 1.0 + 1e-15 * rng.standard_normal((361, 6))
-        n = jo.critical_plane(s, jo.Findley(k)).normal
+        n = jo.fatigue.critical_plane(s, jo.fatigue.Findley(k)).normal
         assert abs(n @ [np.cos(nearest), np.sin(nearest), 0]) == pytest.approx(1, abs=1e-6)
 
 
@@ -75,10 +75,12 @@ def test_tables_of_damage_follow_the_rule() -> None:
     t = np.linspace(0.0, 20.0 * np.pi, 801)
     s = np.zeros((4, 801, 6))
     s[:, :, 0] = 2e8 * np.sin(t) * np.array([1.0 + 4e-15, 1.0 + 2e-15, 1.0, 1.2])[:, None]
-    found = jo.plane_damage(s, jo.NormalStress(), jo.SN(S_D=1e8, N_D=1e6, k=5), residue="repeat")
+    found = jo.fatigue.plane_damage(
+        s, jo.fatigue.NormalStress(), jo.SN(S_D=1e8, N_D=1e6, k=5), residue="repeat"
+    )
     assert [line.split()[0] for line in found.table().splitlines()[2:]] == ["3", "0", "1", "2"]
-    reverse = jo.plane_damage(
-        s[::-1], jo.NormalStress(), jo.SN(S_D=1e8, N_D=1e6, k=5), residue="repeat"
+    reverse = jo.fatigue.plane_damage(
+        s[::-1], jo.fatigue.NormalStress(), jo.SN(S_D=1e8, N_D=1e6, k=5), residue="repeat"
     )
     assert [line.split()[0] for line in reverse.table().splitlines()[2:]] == ["0", "1", "2", "3"]
 
@@ -95,15 +97,15 @@ def test_the_first_of_equal_values_is_the_largest() -> None:
 @pytest.mark.parametrize("nudge", [-1e-14, 0.0, 1e-14])
 def test_the_nearest_of_nodes_equally_far_are_the_first(nudge: float) -> None:
     corners = np.array([[1.0, 0, 0], [0, 1.0 + nudge, 0], [0.2, 0, 0], [0, 0, 1.0 - nudge]])
-    assert jo.Nearest((0, 0, 0), count=2).of(corners).tolist() == [0, 2]
-    assert jo.Nearest((0, 0, 0), count=9).of(corners).tolist() == [0, 1, 2, 3]
+    assert jo.mesh.Nearest((0, 0, 0), count=2).of(corners).tolist() == [0, 2]
+    assert jo.mesh.Nearest((0, 0, 0), count=9).of(corners).tolist() == [0, 1, 2, 3]
 
 
 @pytest.mark.parametrize("nudge", [-1e-14, 0.0, 1e-14])
 def test_gauges_that_help_as_much_are_chosen_by_their_names(nudge: float) -> None:
     """Two modes, each seen by two gauges alike but for round-off."""
     rows = np.array([[1.0, 0.0], [1.0 + nudge, 0.0], [0.0, 1.0], [0.0, 1.0 - nudge]])
-    found = jo.place_gauges(rows, 2, names=("g10", "g9", "g2", "g1"), noise=1e-6)
+    found = jo.twin.place_gauges(rows, 2, names=("g10", "g9", "g2", "g1"), noise=1e-6)
     assert sorted(found.names) == ["g1", "g9"]
 
 

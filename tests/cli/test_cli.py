@@ -91,7 +91,7 @@ def test_errors_of_input_are_those_of_python_too(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="mass is -1 kg"):
         jo.RigidBody("ball", -1.0, (1, 1, 1))
     missing = tmp_path / "gone.yaml"
-    for read in (jo.read_model, jo.read_mesh, jo.read_record, jo.ReducedPart.load, jo.load):
+    for read in (jo.read_model, jo.read_mesh, jo.gauges.read_record, jo.ReducedPart.load, jo.load):
         with pytest.raises(FileNotFoundError, match="gone.yaml"):
             read(missing)
         with pytest.raises(jo.InputError):

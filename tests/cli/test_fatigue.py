@@ -65,7 +65,7 @@ def test_checks_of_the_model(result, tmp_path):
     curve = jo.SN(S_D=2e6, N_D=1e6, k=5)
     history = field.values("s11")
     for i, row in enumerate(rows):
-        D = jo.damage(jo.rainflow(history[:, i], residue="repeat"), curve)
+        D = jo.fatigue.damage(jo.fatigue.rainflow(history[:, i], residue="repeat"), curve)
         assert float(row["damage"]) == pytest.approx(D, rel=1e-9, abs=1e-30)
         assert row["site"] == field.labels[i]
 

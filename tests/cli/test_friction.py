@@ -61,10 +61,10 @@ def test_a_model_is_run_twice_and_compared(model, tmp_path):
     assert {event.joint for event in rubbed.events} == {"pin"}
     with open(tmp_path / "f.csv", newline="", encoding="utf-8") as file:
         rows = list(csv.reader(file))
-    found = jo.friction_stress(rubbed, smooth, "arm")
+    found = jo.recovery.friction_stress(rubbed, smooth, "arm")
     assert float(rows[1][4]) == pytest.approx(found.table(1)[0]["due"])
     # searched where no instant is stored: not known, instead of 0
-    narrow = jo.friction_stress(rubbed, smooth, "arm", window=1e-8)
+    narrow = jo.recovery.friction_stress(rubbed, smooth, "arm", window=1e-8)
     between = [t for t in narrow.transitions if np.abs(rubbed.time - t.time).min() > 1e-6]
     assert between
     assert np.isnan([[t.jump, t.stress] for t in between]).all()

@@ -88,7 +88,7 @@ def test_what_gauges_show(folder):
         "half",
     ]
     assert "mV/V" in lines[6]
-    record = jo.read_record(folder / "v.csv")
+    record = jo.gauges.read_record(folder / "v.csv")
     np.testing.assert_array_equal(record["top"], jo.load(folder / "bar.h5")["top"][:, 0])
     assert (folder / "v.png").stat().st_size > 10_000
 
@@ -96,7 +96,7 @@ def test_what_gauges_show(folder):
 def test_measured_beside_virtual(folder):
     """A logger that started 0.4321 s later, 4 % more gain, its own rate: both are found."""
     run = jo.load(folder / "bar.h5")
-    spline = jo.record_of(run).resample(times=np.arange(0.5, 1.9, 1 / 97.0), antialias=False)
+    spline = jo.gauges.record_of(run).resample(times=np.arange(0.5, 1.9, 1 / 97.0), antialias=False)
     time = spline.time - 0.4321
     text = "Zeit;TOP;bridge\ns;µm/m;mV/V\n" + "\n".join(
         ";".join(f"{x:.9g}".replace(".", ",") for x in row)
@@ -114,7 +114,7 @@ def test_measured_beside_virtual(folder):
     assert float(rows[1][6]) == pytest.approx(1.04, abs=2e-3)
     assert float(rows[2][6]) == pytest.approx(1.0, abs=2e-3)
     assert float(rows[3][2]) == pytest.approx(0.4321, abs=2e-4)
-    both = jo.read_record(folder / "both.csv")
+    both = jo.gauges.read_record(folder / "both.csv")
     assert list(both.channels)[:2] == ["TOP measured", "TOP virtual"]
     assert (folder / "both.png").stat().st_size > 10_000
 

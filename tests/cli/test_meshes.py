@@ -61,7 +61,7 @@ def test_a_damaged_mesh_ends_with_code_2(tmp_path: Path) -> None:
     mesh = plate()
     cells = np.array(mesh.cells[0].nodes)
     cells[3] = cells[3][[4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11, 16, 17, 18, 19]]
-    bad = jo.Mesh("bad", mesh.nodes, jo.Cells("hexahedron20", cells))
+    bad = jo.Mesh("bad", mesh.nodes, jo.mesh.Cells("hexahedron20", cells))
     code, text = call("mesh", jo.write(bad, tmp_path / "bad.vtu"))
     assert code == 2
     assert "error: " in text

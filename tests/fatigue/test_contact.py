@@ -12,8 +12,8 @@ import jousto as jo
 STEEL = jo.Material(E=210e9, nu=0.3, rho=7850.0)
 
 
-def line(force: float = 10e3) -> jo.HertzContact:
-    return jo.hertz_line(force, length=0.03, radius=0.1, material=STEEL)
+def line(force: float = 10e3) -> jo.fatigue.HertzContact:
+    return jo.fatigue.hertz_line(force, length=0.03, radius=0.1, material=STEEL)
 
 
 def test_check_value_of_a_wheel_on_a_rail() -> None:
@@ -83,7 +83,7 @@ def test_a_line_carries_its_load(depth: float, friction: float) -> None:
 
 def test_symmetry_below_a_point() -> None:
     # symmetric in x without friction; what friction adds is antisymmetric
-    c = jo.hertz_point(900.0, radii=(0.02, 0.01), material=STEEL)
+    c = jo.fatigue.hertz_point(900.0, radii=(0.02, 0.01), material=STEEL)
     z = 0.8 * c.a
     right, left = c.stress(0.5 * c.a, z), c.stress(-0.5 * c.a, z)
     assert right[[0, 1, 2]] == pytest.approx(left[[0, 1, 2]], rel=1e-10)
@@ -94,7 +94,7 @@ def test_symmetry_below_a_point() -> None:
 
 @pytest.mark.parametrize("friction", [0.3, -0.3])
 def test_a_ball_that_slides(friction: float) -> None:
-    c = jo.hertz_point(500.0, radii=(0.01, 0.01), material=STEEL)
+    c = jo.fatigue.hertz_point(500.0, radii=(0.01, 0.01), material=STEEL)
     # Cerruti below the middle (Johnson 1985, eq. 3.76): dt = -3 z x^2 q dA / (2 pi rho^5), over the
     # traction q0 sqrt(1 - r^2/a^2) along +x
     u = np.array([0.1, 0.5, 1.0, 2.0])
@@ -118,8 +118,8 @@ def test_a_ball_that_slides(friction: float) -> None:
 @pytest.mark.parametrize("friction", [0.3, -0.3])
 def test_a_long_ellipse_slides_as_a_line(friction: float) -> None:
     # of the same pressure and half width; ahead of the contact and behind it
-    c = jo.hertz_point(100.0, radii=(0.01, 1.0), material=STEEL)
-    same = jo.HertzContact("line", 1.0, c.p0, c.a, 1.0, math.nan, c.nu)
+    c = jo.fatigue.hertz_point(100.0, radii=(0.01, 1.0), material=STEEL)
+    same = jo.fatigue.HertzContact("line", 1.0, c.p0, c.a, 1.0, math.nan, c.nu)
     x, z = np.array([-0.8, -0.3, 0.3, 0.8]) * c.a, 0.5 * c.a
     rubbed, there = (one.stress(x, z, friction=friction) - one.stress(x, z) for one in (c, same))
     # ends that are missing, and the pressure that falls towards them: of second order in a/b
@@ -131,7 +131,7 @@ def test_a_long_ellipse_slides_as_a_line(friction: float) -> None:
 def test_ball_on_a_flat() -> None:
     # Johnson 1985, eqs. 4.22-4.24 and 3.45
     F, R = 500.0, 0.01
-    c = jo.hertz_point(F, radii=(R, R), material=STEEL)
+    c = jo.fatigue.hertz_point(F, radii=(R, R), material=STEEL)
     E = 210e9 / (2 * (1 - 0.09))
     assert c.a == pytest.approx((3 * F * R / (4 * E)) ** (1 / 3), rel=1e-9)
     assert c.b == pytest.approx(c.a, rel=1e-9)
@@ -150,7 +150,7 @@ def test_ball_on_a_flat() -> None:
 
 def test_long_ellipse_is_a_line() -> None:
     # the line's stress below the middle, with the same pressure and half width
-    c = jo.hertz_point(100.0, radii=(0.01, 1.0), material=STEEL)
+    c = jo.fatigue.hertz_point(100.0, radii=(0.01, 1.0), material=STEEL)
     assert c.b > 15 * c.a
     u = np.array([0.3, 0.786])
     s = c.stress(0.0, u * c.a) / c.p0
@@ -163,20 +163,22 @@ def test_long_ellipse_is_a_line() -> None:
 
 def test_ellipse_of_the_literature() -> None:
     # Johnson 1985, section 4.2: a mild ellipse is nearly (B/A)^(2/3), mean radius formula near 1
-    c = jo.hertz_point(1000.0, radii=(0.02, 0.03), material=STEEL)
+    c = jo.fatigue.hertz_point(1000.0, radii=(0.02, 0.03), material=STEEL)
     assert c.b / c.a == pytest.approx((0.03 / 0.02) ** (2 / 3), rel=0.01)
     # crossed cylinders of equal radius are a ball on a flat
-    cross = jo.hertz_point(1000.0, radii=(0.02, math.inf), other=(math.inf, 0.02), material=STEEL)
-    ball = jo.hertz_point(1000.0, radii=(0.02, 0.02), material=STEEL)
+    cross = jo.fatigue.hertz_point(
+        1000.0, radii=(0.02, math.inf), other=(math.inf, 0.02), material=STEEL
+    )
+    ball = jo.fatigue.hertz_point(1000.0, radii=(0.02, 0.02), material=STEEL)
     assert (cross.a, cross.p0) == pytest.approx((ball.a, ball.p0), rel=1e-12)
     # turning both bodies by 90 degrees swaps the axes
-    turned = jo.hertz_point(1000.0, radii=(0.03, 0.02), material=STEEL)
+    turned = jo.fatigue.hertz_point(1000.0, radii=(0.03, 0.02), material=STEEL)
     assert (turned.a, turned.b, turned.p0) == pytest.approx((c.b, c.a, c.p0), rel=1e-12)
 
 
 def test_gap_closes_over_the_ellipse() -> None:
     # displacement of the pressure by quadrature against approach - A x^2 - B y^2
-    c = jo.hertz_point(1000.0, radii=(0.02, 0.05), material=STEEL)
+    c = jo.fatigue.hertz_point(1000.0, radii=(0.02, 0.05), material=STEEL)
     E = 210e9 / (2 * (1 - 0.09))
 
     def lift(x: float, y: float) -> float:
@@ -202,41 +204,41 @@ def test_gap_closes_over_the_ellipse() -> None:
 
 def test_shakedown() -> None:
     # Johnson 1985, section 9.2: p0 = 4 k in free rolling; 1/mu where the surface decides
-    assert jo.shakedown_limit() == pytest.approx(4.0, abs=1e-6)
-    assert jo.shakedown_limit(0.6) == pytest.approx(1 / 0.6)
-    limits = [jo.shakedown_limit(mu) for mu in (0.0, 0.1, 0.2, 0.3, 0.4)]
+    assert jo.fatigue.shakedown_limit() == pytest.approx(4.0, abs=1e-6)
+    assert jo.fatigue.shakedown_limit(0.6) == pytest.approx(1 / 0.6)
+    limits = [jo.fatigue.shakedown_limit(mu) for mu in (0.0, 0.1, 0.2, 0.3, 0.4)]
     assert all(a > b for a, b in zip(limits, limits[1:], strict=False))
 
 
 def test_rolling_history() -> None:
     # orthogonal shear +-0.25 p0 at x = -+0.866 a, z = 0.5 a (Johnson 1985, section 9.2)
     c = line()
-    roll = jo.rolling_contact(c, [0.5 * c.a], samples=2001)
+    roll = jo.fatigue.rolling_contact(c, [0.5 * c.a], samples=2001)
     shear = roll.stress[0, :, 5]
     assert shear.max() == pytest.approx(0.25 * c.p0, rel=1e-4)
     assert shear.min() == pytest.approx(-0.25 * c.p0, rel=1e-4)
     assert abs(roll.x[shear.argmax()]) == pytest.approx(0.866 * c.a, rel=1e-2)
     # what is far away is not stressed
-    far = jo.rolling_contact(c, reach=200.0)
+    far = jo.fatigue.rolling_contact(c, reach=200.0)
     assert np.abs(far.stress[:, 0]).max() < 0.01 * c.p0
 
 
 def test_mistakes() -> None:
     with pytest.raises(jo.InputError) as told:
-        jo.hertz_line(-1.0, length=0.03, radius=0.0, material=STEEL)
+        jo.fatigue.hertz_line(-1.0, length=0.03, radius=0.0, material=STEEL)
     assert len(told.value.problems) == 2
     with pytest.raises(jo.InputError, match="touch along no line"):
-        jo.hertz_line(1.0, length=0.03, radius=0.1, other=-0.09, material=STEEL)
+        jo.fatigue.hertz_line(1.0, length=0.03, radius=0.1, other=-0.09, material=STEEL)
     with pytest.raises(jo.InputError, match="hertz_line"):
-        jo.hertz_point(1.0, radii=(0.1, math.inf), material=STEEL)
+        jo.fatigue.hertz_point(1.0, radii=(0.1, math.inf), material=STEEL)
     with pytest.warns(jo.JoustoWarning, match="mm"):
-        jo.hertz_line(1e4, length=30.0, radius=1e4, material=STEEL)
+        jo.fatigue.hertz_line(1e4, length=30.0, radius=1e4, material=STEEL)
     with pytest.warns(jo.JoustoWarning, match="small elastic"):
-        jo.hertz_line(1e9, length=0.03, radius=0.1, material=STEEL)
+        jo.fatigue.hertz_line(1e9, length=0.03, radius=0.1, material=STEEL)
     with pytest.raises(jo.InputError, match="depth"):
-        jo.hertz_point(1.0, radii=(0.1, 0.1), material=STEEL).stress(0.0, 0.0)
+        jo.fatigue.hertz_point(1.0, radii=(0.1, 0.1), material=STEEL).stress(0.0, 0.0)
     with pytest.raises(jo.InputError, match="negative"):
         line().stress(0.0, -1.0)
     with pytest.raises(jo.InputError) as told:
-        jo.rolling_contact(line(), friction=-1.0, reach=0.5, samples=3)
+        jo.fatigue.rolling_contact(line(), friction=-1.0, reach=0.5, samples=3)
     assert len(told.value.problems) == 3

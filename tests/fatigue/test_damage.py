@@ -6,21 +6,18 @@ import warnings
 import numpy as np
 import pytest
 
-from jousto import (
+from jousto import SN, InputError, JoustoWarning, sn_curve
+from jousto.fatigue import (
     FKM,
-    SN,
     SWT,
     Gerber,
     Goodman,
-    InputError,
-    JoustoWarning,
     Morrow,
     assess,
     damage,
     fat_class,
     life,
     rainflow,
-    sn_curve,
     stress_safety,
 )
 from jousto.fatigue.miner.damage import equivalents

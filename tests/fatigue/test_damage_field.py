@@ -6,19 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jousto import (
-    FKM,
-    SN,
-    DutyCycle,
-    Goodman,
-    InputError,
-    JoustoWarning,
-    damage,
-    damage_field,
-    rainflow,
-    site_cycles,
-    stress_safety,
-)
+from jousto import SN, InputError, JoustoWarning, damage_field
+from jousto.fatigue import FKM, DutyCycle, Goodman, damage, rainflow, site_cycles, stress_safety
 from jousto.recovery.fields.build import field_from
 from jousto.recovery.fields.criteria import Plane
 from jousto.reduction.fields.stress import StressModes

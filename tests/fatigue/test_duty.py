@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from jousto import SN, DutyCycle, DutyEvent, InputError, damage, rainflow
+from jousto import SN, InputError
+from jousto.fatigue import DutyCycle, DutyEvent, damage, rainflow
 
 
 def spectrum(cycles):

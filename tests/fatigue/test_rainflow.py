@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from fatigue.counting import astm, simplified
-from jousto import SN, InputError, damage, rainflow
+from jousto import SN, InputError
+from jousto.fatigue import damage, rainflow
 from jousto.fatigue.cycles.rainflow import turning_points
 
 FIGURE_6 = [-2, 1, -3, 5, -1, 3, -4, 4, -2]  # ASTM E1049-85 (2017), figure 6
@@ -208,7 +209,7 @@ def test_histories_that_are_none(history, sentence):
 def test_counting_needs_no_other_package():
     code = (
         "import sys; sys.modules['pylife'] = None; import jousto as jo;"
-        f"print(jo.rainflow({FIGURE_6}, residue='half').total)"
+        f"print(jo.fatigue.rainflow({FIGURE_6}, residue='half').total)"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert (out.returncode, out.stdout) == (0, "4.0\n"), out.stderr

@@ -25,14 +25,14 @@ def box(f1: float, f2: float, rms: float) -> tuple[np.ndarray, np.ndarray]:
 def test_moments_of_a_box() -> None:
     # m_n = S (f2^(n+1) - f1^(n+1)) / (n + 1)
     f, S = box(10.0, 30.0, 50e6)
-    m = jo.spectral_moments(f, S)
+    m = jo.fatigue.spectral_moments(f, S)
     level = 2.5e15 / 20.0
     want = [level * (30.0 ** (n + 1) - 10.0 ** (n + 1)) / (n + 1) for n in (0, 1, 2, 4)]
     assert m == pytest.approx(want, rel=1e-13)
     # a finer grid of the same density changes nothing; nor does a linear one of a triangle
     fine = np.linspace(10.0, 30.0, 37)
-    assert jo.spectral_moments(fine, np.full(37, level)) == pytest.approx(want, rel=1e-12)
-    m0, m2 = jo.spectral_moments([0.0, 4.0], [0.0, 4.0], (0, 2))
+    assert jo.fatigue.spectral_moments(fine, np.full(37, level)) == pytest.approx(want, rel=1e-12)
+    m0, m2 = jo.fatigue.spectral_moments([0.0, 4.0], [0.0, 4.0], (0, 2))
     assert (m0, m2) == (pytest.approx(8.0), pytest.approx(64.0))
 
 
@@ -40,7 +40,7 @@ def test_moments_of_a_box() -> None:
 def test_narrow_band_closed_form(k: float) -> None:
     # D = nu0 (sqrt(2 m0))^k Gamma(1 + k/2) / (N_D S_D^k): Miles 1954
     f, S = box(19.9, 20.1, 40e6)
-    found = jo.spectral_damage(f, S, Basquin(k), method="narrow-band")
+    found = jo.fatigue.spectral_damage(f, S, Basquin(k), method="narrow-band")
     nu0 = math.sqrt((20.1**3 - 19.9**3) / 3 / 0.2)
     want = nu0 * (2**0.5 * 40e6 / 100e6) ** k * gamma(1 + k / 2) / 1e6
     assert found.damage == pytest.approx(want, rel=1e-6)
@@ -49,7 +49,7 @@ def test_narrow_band_closed_form(k: float) -> None:
     # all methods meet it when the band is narrow; Wirsching and Light's factor leaves 1 with the
     # square root of the width
     for method in ("dirlik", "tovo-benasciutti", "wirsching-light"):
-        other = jo.spectral_damage(f, S, Basquin(k), method=method)
+        other = jo.fatigue.spectral_damage(f, S, Basquin(k), method=method)
         assert other.damage == pytest.approx(
             want, rel=0.09 if method == "wirsching-light" else 0.02
         )
@@ -60,13 +60,13 @@ def test_small_cycles_follow_the_rule_of_the_curve() -> None:
     from scipy.special import gammaincc
 
     f, S = box(19.9, 20.1, 60e6)
-    whole = jo.spectral_damage(f, S, Basquin(5.0), method="narrow-band").damage
+    whole = jo.fatigue.spectral_damage(f, S, Basquin(5.0), method="narrow-band").damage
     curve = jo.SN(S_D=100e6, N_D=1e6, k=5.0, rule="original")
-    found = jo.spectral_damage(f, S, curve, method="narrow-band").damage
+    found = jo.fatigue.spectral_damage(f, S, curve, method="narrow-band").damage
     share = gammaincc(1 + 5 / 2, (100 / 60) ** 2 / 2)
     assert found == pytest.approx(whole * share, rel=2e-3)
     haibach = jo.SN(S_D=100e6, N_D=1e6, k=5.0, rule="haibach")
-    assert found < jo.spectral_damage(f, S, haibach, method="narrow-band").damage < whole
+    assert found < jo.fatigue.spectral_damage(f, S, haibach, method="narrow-band").damage < whole
 
 
 @pytest.mark.parametrize("k", [3.0, 5.0])
@@ -74,7 +74,7 @@ def test_dirlik_closed_form(k: float) -> None:
     # D1 Q^k Gamma(1+k) + sqrt(2)^k Gamma(1+k/2) (D2 |R|^k + D3): the published closed form
     f = np.array([1.0, 10.0, 10.01, 60.0, 60.01, 70.0])
     S = np.array([4.0, 4.0, 0.2, 0.2, 2.0, 2.0]) * 1e13
-    m0, m1, m2, m4 = jo.spectral_moments(f, S)
+    m0, m1, m2, m4 = jo.fatigue.spectral_moments(f, S)
     g = m2 / math.sqrt(m0 * m4)
     x = m1 / m0 * math.sqrt(m2 / m4)
     D1 = 2 * (x - g * g) / (1 + g * g)
@@ -85,7 +85,7 @@ def test_dirlik_closed_form(k: float) -> None:
     sum_ = D1 * Q**k * gamma(1 + k)
     sum_ += 2 ** (k / 2) * gamma(1 + k / 2) * (D2 * abs(R) ** k + D3)
     want = math.sqrt(m4 / m2) * (math.sqrt(m0) / 100e6) ** k * sum_ / 1e6
-    found = jo.spectral_damage(f, S, Basquin(k))
+    found = jo.fatigue.spectral_damage(f, S, Basquin(k))
     assert found.damage == pytest.approx(want, rel=1e-5)
     assert found.irregularity == pytest.approx(g)
 
@@ -93,7 +93,7 @@ def test_dirlik_closed_form(k: float) -> None:
 @pytest.mark.parametrize("method", ["narrow-band", "dirlik", "tovo-benasciutti"])
 def test_densities_are_densities(method) -> None:
     f = np.array([1.0, 10.0, 10.01, 60.0, 60.01, 70.0])
-    m = jo.spectral_moments(f, np.array([4.0, 4.0, 0.2, 0.2, 2.0, 2.0]))
+    m = jo.fatigue.spectral_moments(f, np.array([4.0, 4.0, 0.2, 0.2, 2.0, 2.0]))
     a = np.linspace(0.0, 40 * math.sqrt(m[0]), 200001)
     p, rate = amplitude_density(m, a, method)
     nu0, nup = math.sqrt(m[2] / m[0]), math.sqrt(m[3] / m[2])
@@ -113,14 +113,14 @@ def test_tovo_benasciutti_of_a_power_law() -> None:
     # D = (b + (1 - b) alpha2^(k-1)) D_narrow
     f = np.array([1.0, 10.0, 10.01, 60.0, 60.01, 70.0])
     S = np.array([4.0, 4.0, 0.2, 0.2, 2.0, 2.0]) * 1e13
-    m0, m1, m2, m4 = jo.spectral_moments(f, S)
+    m0, m1, m2, m4 = jo.fatigue.spectral_moments(f, S)
     a1, a2 = m1 / math.sqrt(m0 * m2), m2 / math.sqrt(m0 * m4)
     b = (a1 - a2) * (1.112 * (1 + a1 * a2 - a1 - a2) * math.exp(2.11 * a2) + a1 - a2)
     b /= (a2 - 1) ** 2
     assert 0 < b < 1
     for k in (3.0, 6.0):
-        narrow = jo.spectral_damage(f, S, Basquin(k), method="narrow-band").damage
-        found = jo.spectral_damage(f, S, Basquin(k), method="tovo-benasciutti").damage
+        narrow = jo.fatigue.spectral_damage(f, S, Basquin(k), method="narrow-band").damage
+        found = jo.fatigue.spectral_damage(f, S, Basquin(k), method="tovo-benasciutti").damage
         assert found == pytest.approx((b + (1 - b) * a2 ** (k - 1)) * narrow, rel=1e-5)
 
 
@@ -135,7 +135,7 @@ def test_wirsching_and_light_of_a_box(k: float, lowest: float) -> None:
     A, B = 0.926 - 0.033 * k, 1.587 * k - 2.323
     factor = A + (1 - A) * (1 - eps) ** B
     narrow = math.sqrt(m2 / m0) * (2**0.5 * 40e6 / 100e6) ** k * gamma(1 + k / 2) / 1e6
-    found = jo.spectral_damage(f, S, Basquin(k), method="wirsching-light").damage
+    found = jo.fatigue.spectral_damage(f, S, Basquin(k), method="wirsching-light").damage
     assert found == pytest.approx(factor * narrow, rel=1e-6)
 
 
@@ -144,8 +144,8 @@ def test_wirsching_and_light_as_published() -> None:
     f = np.array([1e-3, 1.0, 1.001, 99.0, 99.001, 100.0])
     S = np.array([1.0, 1.0, 1e-9, 1e-9, 1e-6, 1e-6]) * 1e15
     for k, left in ((3.0, 0.827), (4.0, 0.794)):
-        narrow = jo.spectral_damage(f, S, Basquin(k), method="narrow-band").damage
-        found = jo.spectral_damage(f, S, Basquin(k), method="wirsching-light").damage
+        narrow = jo.fatigue.spectral_damage(f, S, Basquin(k), method="narrow-band").damage
+        found = jo.fatigue.spectral_damage(f, S, Basquin(k), method="wirsching-light").damage
         assert found / narrow == pytest.approx(left, abs=1e-3)
 
 
@@ -157,10 +157,10 @@ def count(series: np.ndarray, k: float) -> float:
 
 def test_synthesised_history_has_its_spectrum() -> None:
     f, S = box(5.0, 25.0, 30e6)
-    _, x = jo.synthesise(f, S, 400.0, rate=250.0, seed=4)
+    _, x = jo.fatigue.synthesise(f, S, 400.0, rate=250.0, seed=4)
     assert x.std() == pytest.approx(30e6, rel=0.03)
     up = np.count_nonzero((x[:-1] < 0) & (x[1:] >= 0)) / 400.0
-    m = jo.spectral_moments(f, S)
+    m = jo.fatigue.spectral_moments(f, S)
     assert up == pytest.approx(math.sqrt(m[2] / m[0]), rel=0.03)
 
 
@@ -201,8 +201,8 @@ def test_spectral_methods_are_as_far_from_rainflow_as_the_page_says(kind: str) -
         counted = {3: [], 5: []}
         for seed in range(parts):
             # 24 samples in the fastest period cut a peak by 0.3 % on average
-            t, x = jo.synthesise(f, S, samples / 24.0, rate=24.0, seed=seed)
-            cycles = jo.rainflow(x, residue="repeat")
+            t, x = jo.fatigue.synthesise(f, S, samples / 24.0, rate=24.0, seed=seed)
+            cycles = jo.fatigue.rainflow(x, residue="repeat")
             for k, sums in counted.items():
                 sums.append(float(np.sum(cycles.count / Basquin(k).cycles(cycles.amplitude))))
         for k, sums in counted.items():
@@ -210,7 +210,7 @@ def test_spectral_methods_are_as_far_from_rainflow_as_the_page_says(kind: str) -
             error = 3.0 * rates.std(ddof=1) / math.sqrt(parts) / rates.mean() + 0.003 * k + 0.005
             for method in ("dirlik", "tovo-benasciutti", "narrow-band"):
                 low, high = SCATTER[kind, method][k]
-                found = jo.spectral_damage(f, S, Basquin(float(k)), method=method).damage
+                found = jo.fatigue.spectral_damage(f, S, Basquin(float(k)), method=method).damage
                 assert low - error < found / rates.mean() < high + error, (method, k)
 
 
@@ -220,7 +220,7 @@ def cantilever() -> jo.ReducedPart:
         section=jo.Rectangle(0.02, 0.01),
         elements=10,
         material=jo.Material(E=210e9, nu=0.3, rho=7850.0),
-        theory=jo.EulerBernoulli(),
+        theory=jo.parts.EulerBernoulli(),
     )
     return jo.reduce(part, jo.CraigBampton(interfaces=("start", "end"), modes=6))
 
@@ -230,7 +230,7 @@ def test_base_excitation_of_a_cantilever() -> None:
     # mode of a clamped beam, root stress by M = int m a phi (Blevins 1979: beta L = 1.8751)
     reduced = cantilever()
     zeta, S0 = 0.02, 2.0
-    response = jo.random_response(
+    response = jo.fatigue.random_response(
         reduced,
         [1.0, 20.0],
         [S0, S0],
@@ -248,7 +248,7 @@ def test_base_excitation_of_a_cantilever() -> None:
     root = [i for i, label in enumerate(labels) if label.startswith("e1.a")]
     # the direction in which the beam is weak
     rms_z = response.rms("s11")[root].max()
-    response_y = jo.random_response(
+    response_y = jo.fatigue.random_response(
         reduced, [1.0, 20.0], [S0, S0], base="start", direction=(0.0, 1.0, 0.0), damping=zeta
     )
     rms = max(rms_z, response_y.rms("s11")[root].max())
@@ -271,7 +271,7 @@ def test_base_excitation_of_a_cantilever() -> None:
 def test_forces_and_static_limit() -> None:
     # far below the first resonance the stress is that of statics: M c / I at the root
     reduced = cantilever()
-    response = jo.random_response(
+    response = jo.fatigue.random_response(
         reduced,
         [0.01, 0.1],
         [4.0, 4.0],
@@ -292,13 +292,15 @@ def test_forces_and_static_limit() -> None:
     s11 = response.rms("s11") ** 2
     assert np.all(response.rms("von-mises") ** 2 >= s11 - 1e-13 * s11.max())
     # a free part does not fly away: its stress is finite and small
-    free = jo.random_response(reduced, [1.0, 100.0], [1.0, 1.0], forces=[("end", (0.0, 1.0, 0.0))])
+    free = jo.fatigue.random_response(
+        reduced, [1.0, 100.0], [1.0, 1.0], forces=[("end", (0.0, 1.0, 0.0))]
+    )
     assert np.isfinite(free.rms("s11")).all() and free.rms("s11").max() > 0.0
 
 
 def test_damage_of_a_response_and_its_history() -> None:
     reduced = cantilever()
-    response = jo.random_response(
+    response = jo.fatigue.random_response(
         reduced, [2.0, 80.0], [3.0, 3.0], base="start", direction=(0, 1, 0), damping=0.03
     )
     life = response.damage(Basquin(5.0), criterion="s11")
@@ -316,7 +318,7 @@ def test_damage_of_a_response_and_its_history() -> None:
 @pytest.mark.slow
 def test_response_spectrum_against_rainflow_of_its_history() -> None:
     reduced = cantilever()
-    response = jo.random_response(
+    response = jo.fatigue.random_response(
         reduced, [2.0, 80.0], [3.0, 3.0], base="start", direction=(0, 1, 0), damping=0.03
     )
     life = response.damage(Basquin(4.0), criterion="s11")
@@ -329,25 +331,27 @@ def test_response_spectrum_against_rainflow_of_its_history() -> None:
 
 def test_mistakes() -> None:
     with pytest.raises(jo.InputError, match="ascend"):
-        jo.spectral_moments([1.0, 1.0], [1.0, 1.0])
+        jo.fatigue.spectral_moments([1.0, 1.0], [1.0, 1.0])
     with pytest.raises(jo.InputError, match="negative"):
-        jo.spectral_moments([1.0, 2.0], [1.0, -1.0])
+        jo.fatigue.spectral_moments([1.0, 2.0], [1.0, -1.0])
     with pytest.raises(jo.InputError, match="did you mean 'dirlik'"):
-        jo.spectral_damage([1.0, 2.0], [1.0, 1.0], Basquin(3.0), method="dirlick")  # type: ignore[arg-type]
+        jo.fatigue.spectral_damage([1.0, 2.0], [1.0, 1.0], Basquin(3.0), method="dirlick")  # type: ignore[arg-type]
     with pytest.raises(jo.InputError, match="twice the highest"):
-        jo.synthesise([1.0, 20.0], [1.0, 1.0], 10.0, rate=30.0)
-    assert jo.spectral_damage([1.0, 2.0], [0.0, 0.0], Basquin(3.0)).life == math.inf
+        jo.fatigue.synthesise([1.0, 20.0], [1.0, 1.0], 10.0, rate=30.0)
+    assert jo.fatigue.spectral_damage([1.0, 2.0], [0.0, 0.0], Basquin(3.0)).life == math.inf
     reduced = cantilever()
     with pytest.raises(jo.InputError) as told:
-        jo.random_response(reduced, [1.0, 2.0], [1.0, 1.0], base="stert")
+        jo.fatigue.random_response(reduced, [1.0, 2.0], [1.0, 1.0], base="stert")
     assert len(told.value.problems) == 2 and "start" in str(told.value)
     with pytest.raises(jo.InputError, match="damping"):
-        jo.random_response(
+        jo.fatigue.random_response(
             reduced, [1.0, 2.0], [1.0, 1.0], base="start", direction=(0, 1, 0), damping=0.0
         )
     with pytest.warns(jo.JoustoWarning, match="keep more"):
-        jo.random_response(reduced, [1.0, 1e6], [1.0, 1.0], base="start", direction=(0, 1, 0))
-    response = jo.random_response(
+        jo.fatigue.random_response(
+            reduced, [1.0, 1e6], [1.0, 1.0], base="start", direction=(0, 1, 0)
+        )
+    response = jo.fatigue.random_response(
         reduced, [1.0, 20.0], [1.0, 1.0], base="start", direction=(0, 1, 0)
     )
     with pytest.raises(jo.InputError, match="criterion"):

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jousto import SN, InputError, JoustoWarning, fat_class, thickness_factor
+from jousto import SN, InputError, JoustoWarning
+from jousto.fatigue import fat_class, thickness_factor
 from jousto.materials.strength.sn_library import estimate_sn, sn_curve, sn_curves
 
 

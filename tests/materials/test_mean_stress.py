@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from jousto import (
+from jousto import InputError, JoustoWarning
+from jousto.fatigue import (
     FKM,
     SWT,
     Gerber,
     Goodman,
-    InputError,
-    JoustoWarning,
     Morrow,
     PartCompression,
     Soderberg,

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from jousto import (
-    InputError,
+from jousto import InputError
+from jousto.fatigue import (
     finish_factor,
     load_factor,
     reliability_factor,

@@ -23,12 +23,12 @@ def test_shift_between_samples(true, rates):
     """Other rates and starts, noise of 2 %, gain 1.1: the shift to a hundredth of a sample."""
     ra, rb = rates
     tb = np.arange(0, 12, 1 / rb)
-    other = jo.Record(tb, {"model": signal(tb)}, {"model": "m/m"}, name="run")
+    other = jo.gauges.Record(tb, {"model": signal(tb)}, {"model": "m/m"}, name="run")
     ta = np.arange(2.0, 9.0, 1 / ra)
     rng = np.random.default_rng(1)
     x = 1.1 * signal(ta) + 2e-2 * 4e-4 * rng.standard_normal(len(ta))
-    measured = jo.Record(ta - true, {"g1": x}, {"g1": "m/m"}, name="test")
-    fit = jo.align(measured, other, "g1", "model")
+    measured = jo.gauges.Record(ta - true, {"g1": x}, {"g1": "m/m"}, name="test")
+    fit = jo.gauges.align(measured, other, "g1", "model")
     assert fit.shift == pytest.approx(true, abs=0.02 / min(rates))
     assert fit.correlation > 0.995
     assert fit.scale == pytest.approx(1.1, rel=0.01)
@@ -42,7 +42,9 @@ def test_missing_values_do_not_disturb():
     x = signal(t)
     holes = x.copy()
     holes[100:120] = np.nan
-    fit = jo.align(jo.Record(t - 0.333, {"g": holes}), jo.Record(t, {"g": x}), "g")
+    fit = jo.gauges.align(
+        jo.gauges.Record(t - 0.333, {"g": holes}), jo.gauges.Record(t, {"g": x}), "g"
+    )
     assert fit.shift == pytest.approx(0.333, abs=1e-4)
 
 
@@ -50,32 +52,34 @@ def test_events():
     """A light barrier: three steps in the model, two of them in the record."""
     t = np.arange(0, 10, 0.01)
     steps = sum(1.0 * (np.abs(t - c) < 0.5) for c in (2.0, 4.7, 8.3))
-    other = jo.Record(t, {"gate": steps})
+    other = jo.gauges.Record(t, {"gate": steps})
     later = (t > 3.5) & (t < 9.5)
-    measured = jo.Record(t[later] - 3.5 + 100.0, {"gate": steps[later]})
-    fit = jo.align(measured, other, "gate", level=0.5)
+    measured = jo.gauges.Record(t[later] - 3.5 + 100.0, {"gate": steps[later]})
+    fit = jo.gauges.align(measured, other, "gate", level=0.5)
     assert fit.shift == pytest.approx(-96.5, abs=1e-9)
     assert fit.uncertainty < 1e-9
     np.testing.assert_allclose(other.crossings("gate", 0.5), [1.505, 4.205, 7.805], atol=0.006)
     assert len(other.crossings("gate", 0.5, 0)) == 6
     with pytest.raises(jo.InputError, match="never rises through 5; it goes from 0 to 1"):
-        jo.align(measured, other, "gate", level=5.0)
+        jo.gauges.align(measured, other, "gate", level=5.0)
 
 
 def test_what_is_told():
     t = np.arange(0, 8, 0.01)
     x = signal(t)
-    record = jo.Record(t, {"g": x, "flat": 0 * x, "wave": np.sin(2 * np.pi * 2 * t)})
-    other = jo.Record(t, {"g": -x, "wave": np.sin(2 * np.pi * 2 * t), "noise": signal(t, 99)})
+    record = jo.gauges.Record(t, {"g": x, "flat": 0 * x, "wave": np.sin(2 * np.pi * 2 * t)})
+    other = jo.gauges.Record(
+        t, {"g": -x, "wave": np.sin(2 * np.pi * 2 * t), "noise": signal(t, 99)}
+    )
     with pytest.warns(jo.JoustoWarning, match="fit best with opposite sign"):
-        jo.align(record, other, "g")
+        jo.gauges.align(record, other, "g")
     with pytest.warns(jo.JoustoWarning, match="fits as well as .* the signal repeats itself"):
-        jo.align(record, other, "wave")
+        jo.gauges.align(record, other, "wave")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert abs(jo.align(record, other, "wave", max_shift=0.2).shift) < 1e-6
+        assert abs(jo.gauges.align(record, other, "wave", max_shift=0.2).shift) < 1e-6
     with pytest.warns(jo.JoustoWarning, match="hardly agree anywhere"):
-        jo.align(record, other, "g", "noise", max_shift=0.3)
+        jo.gauges.align(record, other, "g", "noise", max_shift=0.3)
     with pytest.raises(jo.InputError) as error:
-        jo.align(record, other, "flat", "nothing", max_shift=-1.0)
+        jo.gauges.align(record, other, "flat", "nothing", max_shift=-1.0)
     assert len(error.value.problems) == 3

@@ -52,7 +52,7 @@ FORMS = {
 def test_tables_of_many_loggers(tmp_path, form):
     head, separator, number, factor, encoding = FORMS[form]
     path = written(tmp_path, head + rows(separator, number, factor) + "\n", encoding=encoding)
-    record = jo.read_record(path)
+    record = jo.gauges.read_record(path)
     assert list(record.channels) == ["g1", "force"]
     assert dict(record.units) == {"g1": "m/m", "force": "N"}
     np.testing.assert_allclose(record.time, T, atol=1e-9)
@@ -66,7 +66,7 @@ def test_tables_of_many_loggers(tmp_path, form):
 def test_a_delimiter_at_the_end_and_missing_values(tmp_path):
     text = "time;g1 [um/m];\n0;1,5;\n0,1;;\n0,2;NaN;\n0,3;2,5;\nSTOP\n0,4;2,0;\n"
     with pytest.warns(jo.JoustoWarning) as caught:
-        record = jo.read_record(written(tmp_path, text))
+        record = jo.gauges.read_record(written(tmp_path, text))
     assert list(record.channels) == ["g1"]
     np.testing.assert_allclose(record["g1"], [1.5e-6, np.nan, np.nan, 2.5e-6, 2e-6])
     sentences = [str(w.message).partition(": ")[2] for w in caught]
@@ -80,17 +80,19 @@ def test_a_delimiter_at_the_end_and_missing_values(tmp_path):
 def test_dates_and_times_of_day(tmp_path):
     text = "date,g1 [um/m]\n2024-05-01 12:00:00.000,1\n2024-05-01 12:00:00.500,2\n"
     text += "2024-05-01 12:00:01.000,4\n"
-    record = jo.read_record(written(tmp_path, text))
+    record = jo.gauges.read_record(written(tmp_path, text))
     np.testing.assert_allclose(record.time, [0, 0.5, 1.0], atol=1e-6)
     german = "Zeit;g1\n1.5.2024 12:00:00,0;1,0\n1.5.2024 12:00:00,5;2,0\n"
-    np.testing.assert_allclose(jo.read_record(written(tmp_path, german)).time, [0, 0.5], atol=1e-6)
+    np.testing.assert_allclose(
+        jo.gauges.read_record(written(tmp_path, german)).time, [0, 0.5], atol=1e-6
+    )
 
 
 def test_files_without_time(tmp_path):
     path = written(tmp_path, "g1 [um/m],g2 [um/m]\n5,1\n3,4\n4,0\n")
     with pytest.raises(jo.InputError, match="no column of time: none of g1, g2 is called time"):
-        jo.read_record(path)
-    record = jo.read_record(path, rate=200.0)
+        jo.gauges.read_record(path)
+    record = jo.gauges.read_record(path, rate=200.0)
     np.testing.assert_allclose(record.time, [0, 0.005, 0.01])
     assert list(record.channels) == ["g1", "g2"]
 
@@ -103,7 +105,7 @@ def test_everything_wrong_at_once(tmp_path):
     )
     path = written(tmp_path, text)
     with pytest.raises(jo.InputError) as error:
-        jo.read_record(path)
+        jo.gauges.read_record(path)
     found = [str(p).removeprefix(f"{path}: ") for p in error.value.problems]
     assert found == [
         "channel 'g1' reaches 0.04: too large for strain in m/m, it was likely given in %; say "
@@ -118,7 +120,7 @@ def test_everything_wrong_at_once(tmp_path):
     ]
     units = {"g1": "%", "g2": "1", "g3": "um/m"}
     with pytest.warns(jo.JoustoWarning, match=r"sorted|kept|gap"):
-        record = jo.read_record(path, units=units, repair=True)
+        record = jo.gauges.read_record(path, units=units, repair=True)
     np.testing.assert_allclose(record.time, [0, 0.05, 0.1, 0.3])
     np.testing.assert_allclose(record["g1"], [2e-4, 4e-4, 3e-4, 2e-4])
     np.testing.assert_allclose(record["g3"], [1e-4, 1e-4, 3e-4, 5e-5])
@@ -134,7 +136,7 @@ def test_a_clock_that_restarts_is_refused(tmp_path, offset, repair):
     """Three records of 10 samples in one file are not one of 10, nor one jagged one of 30."""
     path = written(tmp_path, "time [s],g1 [um/m]\n" + blocks(offset))
     with pytest.raises(jo.InputError, match=r"the clock restarts: 3 blocks.*sample 10 \(0.9 to"):
-        jo.read_record(path, repair=repair)
+        jo.gauges.read_record(path, repair=repair)
 
 
 def test_packets_in_the_wrong_order_are_sorted(tmp_path):
@@ -142,7 +144,7 @@ def test_packets_in_the_wrong_order_are_sorted(tmp_path):
     order = [*range(10), *range(20, 30), *range(10, 20), *range(30, 40), 5, 40, 41, 5]
     text = "time [s],g1 [um/m]\n" + "".join(f"{i / 10},{i}\n" for i in order)
     with pytest.warns(jo.JoustoWarning, match=r"sorted|dropped"):
-        record = jo.read_record(written(tmp_path, text), repair=True)
+        record = jo.gauges.read_record(written(tmp_path, text), repair=True)
     assert record.notes[-1].endswith("2 of 44 samples dropped")
     np.testing.assert_allclose(record["g1"], 1e-6 * np.arange(42))
 
@@ -151,15 +153,15 @@ def test_midnight(tmp_path):
     text = "time,g1 [um/m]\n23:59:59.8,4\n23:59:59.9,5\n00:00:00.0,6\n00:00:00.1,7\n"
     path = written(tmp_path, text)
     with pytest.raises(jo.InputError, match="over midnight 1 times.* counts on from there"):
-        jo.read_record(path)
+        jo.gauges.read_record(path)
     with pytest.warns(jo.JoustoWarning, match="a day was added"):
-        record = jo.read_record(path, repair=True)
+        record = jo.gauges.read_record(path, repair=True)
     np.testing.assert_allclose(record.time - record.time[0], [0, 0.1, 0.2, 0.3], atol=1e-9)
 
 
 def test_quoted_decimal_commas(tmp_path):
     text = 'time [s],"g1 [um/m]"\n"0,0","1,5"\n"0,1","2,5"\n"0,2",3\n'
-    record = jo.read_record(written(tmp_path, text))
+    record = jo.gauges.read_record(written(tmp_path, text))
     assert list(record.channels) == ["g1"]
     np.testing.assert_allclose(record.time, [0, 0.1, 0.2])
     np.testing.assert_allclose(record["g1"], [1.5e-6, 2.5e-6, 3e-6])
@@ -170,7 +172,7 @@ def test_more_numbers_than_names(tmp_path, row):
     """Decimal commas between commas cannot be told apart."""
     path = written(tmp_path, f"time [s],g1 [um/m]\n{row}\n1{row[1:]}\n")
     with pytest.raises(jo.InputError, match=r"line 1 names 2 columns .* line 2 has \d numbers"):
-        jo.read_record(path)
+        jo.gauges.read_record(path)
 
 
 @pytest.mark.parametrize(("text", "sentence"), [
@@ -182,24 +184,24 @@ def test_more_numbers_than_names(tmp_path, row):
 ])  # fmt: skip
 def test_files_of_no_use(tmp_path, text, sentence):
     with pytest.raises(jo.InputError, match=sentence):
-        jo.read_record(written(tmp_path, text))
+        jo.gauges.read_record(written(tmp_path, text))
 
 
 def test_places_that_are_not_there(tmp_path):
     path = written(tmp_path, "time,g1\n0,1\n1,2\n")
     with pytest.raises(jo.InputError, match="there is no such file; did you mean 'data.csv'"):
-        jo.read_record(tmp_path / "dat.csv")
+        jo.gauges.read_record(tmp_path / "dat.csv")
     with pytest.raises(jo.InputError, match="no column 'tim'; did you mean 'time'"):
-        jo.read_record(path, time="tim")
+        jo.gauges.read_record(path, time="tim")
     with pytest.raises(jo.InputError, match="units: no channel 'g2'"):
-        jo.read_record(path, units={"g2": "um/m"})
-    record = jo.read_record(path)
+        jo.gauges.read_record(path, units={"g2": "um/m"})
+    record = jo.gauges.read_record(path)
     with pytest.raises(jo.InputError, match="no channel 'g2'"):
         record["g2"]
     with pytest.raises(jo.InputError, match="was likely given in um/m"):
-        jo.Record(T, {"g1": 1e6 * G1}).strains()
+        jo.gauges.Record(T, {"g1": 1e6 * G1}).strains()
     with pytest.raises(jo.InputError, match="channel 'f' is in N, must be strain"):
-        jo.Record(T, {"f": FORCE}, {"f": "N"}).strains(["f"])
+        jo.gauges.Record(T, {"f": FORCE}, {"f": "N"}).strains(["f"])
 
 
 def test_gaps_dead_and_saturated_channels(tmp_path):
@@ -207,13 +209,13 @@ def test_gaps_dead_and_saturated_channels(tmp_path):
     clipped = np.clip(G1, -150e-6, 150e-6)
     dead = np.zeros(len(T))
     rest = 1e-4 * np.clip(T / 1.5, 0, 1) ** 2 * (3 - 2 * np.clip(T / 1.5, 0, 1))  # comes to rest
-    record = jo.Record(
+    record = jo.gauges.Record(
         T[keep], {"g1": clipped[keep], "g2": dead[keep], "g3": rest[keep], "g4": G1[keep]},
         dict.fromkeys(("g1", "g2", "g3", "g4"), "m/m"),
     )  # fmt: skip
     path = record.to_csv(tmp_path / "gaps.csv")
     with pytest.warns(jo.JoustoWarning):
-        notes = jo.read_record(path).notes
+        notes = jo.gauges.read_record(path).notes
     assert len(notes) == 4
     assert notes[0].startswith("1 gaps in time, the longest of 0.22 s after 0.79 s (usually 0.01")
     high, low = (int(np.count_nonzero(clipped[keep] == s * 150e-6)) for s in (1, -1))
@@ -225,9 +227,9 @@ def test_gaps_dead_and_saturated_channels(tmp_path):
 def test_csv_comes_back(tmp_path):
     x = G1.copy()
     x[5] = np.nan
-    record = jo.Record(T, {"g1": x, "f": FORCE}, {"g1": "m/m", "f": "N"})
+    record = jo.gauges.Record(T, {"g1": x, "f": FORCE}, {"g1": "m/m", "f": "N"})
     with pytest.warns(jo.JoustoWarning, match="misses 1 of 200"):
-        back = jo.read_record(record.to_csv(tmp_path / "r.csv"))
+        back = jo.gauges.read_record(record.to_csv(tmp_path / "r.csv"))
     np.testing.assert_array_equal(back.time, T)
     np.testing.assert_array_equal(back["g1"], x)
     assert dict(back.units) == dict(record.units)
@@ -251,7 +253,7 @@ def test_universal_files(tmp_path):
                 ordinate_axis_units_lab=label, abscissa_axis_units_lab="s",
             )  # fmt: skip
             uff.write_sets(data, mode="add")
-        record = jo.read_record(path)
+        record = jo.gauges.read_record(path)
         assert list(record.channels) == ["g1", "7:+3"]
         np.testing.assert_allclose(record.time, T, atol=1e-6)
         np.testing.assert_allclose(record["g1"], G1, atol=1e-9)
@@ -266,7 +268,7 @@ def test_hdf5_files(tmp_path):
         file["run/g1"].attrs["unit"] = "um/m"
         file["run/short"] = T[:5]
     with pytest.warns(jo.JoustoWarning, match="'short' has 5 values, time 200: left out"):
-        record = jo.read_record(path)
+        record = jo.gauges.read_record(path)
     np.testing.assert_allclose(record["g1"], G1)
     # results of a run: its sensors
     ball = jo.RigidBody("ball", 1.0, (1, 1, 1))
@@ -276,7 +278,7 @@ def test_hdf5_files(tmp_path):
     jo.simulate(model, 0.1, output_step=0.01, path=tmp_path / "run.h5")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        record = jo.read_record(tmp_path / "run.h5")
+        record = jo.gauges.read_record(tmp_path / "run.h5")
     assert list(record.channels) == ["ball.x", "ball.y", "ball.z"]
     assert record.units["ball.z"] == "m"
     np.testing.assert_allclose(record["ball.z"], -9.81 / 2 * record.time**2, atol=1e-6)
@@ -286,14 +288,14 @@ def test_hdf5_files(tmp_path):
 
 
 def test_resampling():
-    record = jo.Record(T, {"g1": G1}, {"g1": "m/m"})
+    record = jo.gauges.Record(T, {"g1": G1}, {"g1": "m/m"})
     fine = record.resample(1000.0)
     inside = fine.time < 1.9
     true = 250e-6 * np.sin(2 * np.pi * 1.3 * fine.time)
     np.testing.assert_allclose(fine["g1"][inside], true[inside], atol=1e-9)
     # uneven instants are no trouble
     uneven = np.sort(np.random.default_rng(3).uniform(0, 2, 400))
-    scattered = jo.Record(uneven, {"g1": np.interp(uneven, T, G1)}, {"g1": "m/m"})
+    scattered = jo.gauges.Record(uneven, {"g1": np.interp(uneven, T, G1)}, {"g1": "m/m"})
     even = scattered.resample(100.0, gap=50.0)
     assert even.uniform
     ok = np.isfinite(even["g1"])
@@ -304,7 +306,7 @@ def test_resampling():
 def test_resampling_does_not_fold_frequencies():
     """40 Hz at 50 samples per second would look like 10 Hz; the filter takes it out."""
     t = np.arange(0, 4, 0.001)
-    record = jo.Record(t, {"x": np.sin(2 * np.pi * 2 * t) + np.sin(2 * np.pi * 40 * t)})
+    record = jo.gauges.Record(t, {"x": np.sin(2 * np.pi * 2 * t) + np.sin(2 * np.pi * 40 * t)})
     coarse = record.resample(50.0)
     middle = (coarse.time > 0.5) & (coarse.time < 3.5)
     wanted = np.sin(2 * np.pi * 2 * coarse.time)
@@ -315,7 +317,7 @@ def test_resampling_does_not_fold_frequencies():
 
 def test_gaps_stay_unknown():
     keep = (T < 0.8) | (T > 1.0)
-    record = jo.Record(T[keep], {"g1": G1[keep]})
+    record = jo.gauges.Record(T[keep], {"g1": G1[keep]})
     even = record.resample(100.0)
     lost = np.isnan(even["g1"])
     assert lost[(even.time > 0.81) & (even.time < 0.99)].all()
@@ -330,15 +332,15 @@ def test_gaps_stay_unknown():
 
 
 def test_cutting_and_zeroing():
-    record = jo.Record(T, {"g1": G1 + 5e-6, "g2": G1}, {"g1": "m/m"})
+    record = jo.gauges.Record(T, {"g1": G1 + 5e-6, "g2": G1}, {"g1": "m/m"})
     assert record.during(0.5, 1.0).time[[0, -1]] == pytest.approx([0.5, 1.0])
     with pytest.raises(jo.InputError, match="nothing from 5 to inf s; it goes from 0 to 1.99 s"):
         record.during(5.0)
-    rest = jo.Record(T, {"g1": 5e-6 + np.where(T < 0.5, 0.0, G1)}).zeroed(0.0, 0.49)
+    rest = jo.gauges.Record(T, {"g1": 5e-6 + np.where(T < 0.5, 0.0, G1)}).zeroed(0.0, 0.49)
     assert abs(rest["g1"][:40]).max() < 1e-18
     assert list(record.renamed({"g1": "top"}).channels) == ["top", "g2"]
     assert list(record.only(["g2"]).channels) == ["g2"]
     assert record.shifted(1.0).time[0] == 1.0
     with pytest.raises(jo.InputError) as error:
-        jo.Record([0, 1, 1], {"a": [1, 2]}, {"b": "m"})
+        jo.gauges.Record([0, 1, 1], {"a": [1, 2]}, {"b": "m"})
     assert len(error.value.problems) == 3

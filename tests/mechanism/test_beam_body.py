@@ -90,7 +90,9 @@ def test_corners_weld_elements_at_an_angle():
 
 
 def test_offset_arms_and_mass_centres_keep_the_centre_of_mass():
-    section = jo.BeamSection((1e6, 1e6, 1e6, 10, 10, 10), 2.0, (2e-3, 1e-3, 1e-3), center=(0, 0.05))
+    section = jo.mechanism.BeamSection(
+        (1e6, 1e6, 1e6, 10, 10, 10), 2.0, (2e-3, 1e-3, 1e-3), center=(0, 0.05)
+    )
     beam = jo.BeamBody("b", [(0, 0, 0), (1, 0, 0)], section, elements=4, offset=(0.1, -0.2))
     mass, center, J = rigid_inertia(beam.bodies)
     assert mass == pytest.approx(2.0)
@@ -118,7 +120,7 @@ def test_initial_velocities_are_those_of_a_rigid_motion():
 
 def test_force_through_the_shear_centre_and_the_centroid_of_a_section():
     c, s = (0.01, -0.02), (-0.03, 0.015)
-    section = jo.BeamSection.of(BAR, STEEL, centroid=c, shear_center=s)
+    section = jo.mechanism.BeamSection.of(BAR, STEEL, centroid=c, shear_center=s)
     # tension through the centroid: N and its moments about the reference axis
     N = 1e3
     e = np.linalg.solve(section.stiffness, [N, 0, 0, 0, N * c[1], -N * c[0]])
@@ -132,7 +134,7 @@ def test_force_through_the_shear_centre_and_the_centroid_of_a_section():
 
 
 def test_bending_correction_makes_a_clamped_element_as_soft_as_the_cubic():
-    section, L = jo.BeamSection.of(BAR, STEEL), 0.7
+    section, L = jo.mechanism.BeamSection.of(BAR, STEEL), 0.7
     C = section.with_bending(L)
     F = np.linalg.inv(C)
     # end load Q on a cantilever element: rotation of the middle, shear, both ends' kinematics
@@ -187,7 +189,7 @@ def test_a_beam_that_is_missing_is_named_as_such():
         ({"elements": 0}, "whole number from 1"),
         ({"points": [(0, 0, 0), (1, 0, 0), (2, 0, 0)]}, "3 points make 2 elements"),
         ({"material": None}, "must be a Material"),
-        ({"section": jo.GeneralSection(1e-4, 1e-9, 1e-9, 1e-9)}, "ky is missing"),
+        ({"section": jo.sections.GeneralSection(1e-4, 1e-9, 1e-9, 1e-9)}, "ky is missing"),
         ({"material": jo.Material(210e9, 0.3, 0.0)}, "needs mass"),
         ({"mass": "heavy"}, "from 0"),
         ({"mass": 1.5}, "must be from 0"),
@@ -225,12 +227,12 @@ def test_errors_say_what_is_wrong(change, message):
 )
 def test_sections_must_be_stable(stiffness, message):
     with pytest.raises(jo.InputError, match=message):
-        jo.BeamSection(stiffness, 1.0, (2, 1, 1))
+        jo.mechanism.BeamSection(stiffness, 1.0, (2, 1, 1))
 
 
 def test_units_that_no_solid_has_are_warned_of():
     with pytest.warns(jo.JoustoWarning, match="faster than any solid"):
-        jo.BeamSection((1e9, 1e9, 1e9, 1, 1, 1), 1e-3, (2e-6, 1e-6, 1e-6))
+        jo.mechanism.BeamSection((1e9, 1e9, 1e9, 1, 1, 1), 1e-3, (2e-6, 1e-6, 1e-6))
 
 
 def test_markers_have_names_numbers_and_arms():
@@ -262,7 +264,7 @@ def test_millimetres_and_degrees_are_asked_for():
 
 @pytest.mark.parametrize("mass", ["consistent", 0.5])
 def test_consistent_inertia_of_a_mass_centre_off_the_axis_is_refused(mass):
-    section = jo.BeamSection.of(jo.Rectangle(0.02, 0.01), STEEL, centroid=(0, 0.01))
+    section = jo.mechanism.BeamSection.of(jo.Rectangle(0.02, 0.01), STEEL, centroid=(0, 0.01))
     points = [(0, 0, 0), (1, 0, 0)]
     with pytest.raises(jo.InputError, match="10 mm off the axis.* take 'corrected'"):
         jo.BeamBody("b", points, section, elements=4, mass=mass)
@@ -286,7 +288,7 @@ def given_strip(*, turning: float | None = None, polar: float = 0.0, dense: floa
     rho = STRIP_RHO * dense
     stiff = (STRIP_E * A, 80e9 * A, 80e9 * A, 4.0, STRIP_E * Iy, STRIP_E * Iz)
     about = rho * (Iy + Iz) if turning is None else rho * turning
-    return jo.BeamSection(stiff, rho * A, (about, rho * Iy, rho * Iz), polar=polar)
+    return jo.mechanism.BeamSection(stiff, rho * A, (about, rho * Iy, rho * Iz), polar=polar)
 
 
 def test_the_polar_inertia_is_the_sum_of_the_others():
@@ -307,14 +309,18 @@ def test_polar_is_that_of_the_section(wrong, dense):
 
 def test_polar_of_composites_need_not_be_that_of_the_stiffness():
     """Within a factor of ten; about the shear centre wherever that is."""
-    section = jo.BeamSection((8e6, 3e6, 3e6, 4.0, 2.7, 266.0), 0.4, (2e-5, 1e-5, 1e-5), polar=5e-5)
+    section = jo.mechanism.BeamSection(
+        (8e6, 3e6, 3e6, 4.0, 2.7, 266.0), 0.4, (2e-5, 1e-5, 1e-5), polar=5e-5
+    )
     assert section.polar == 5e-5
     with pytest.warns(jo.JoustoWarning, match="polar is 1e-09 m2, that of the stiffness 3.359e-05"):
-        jo.BeamSection((8e6, 3e6, 3e6, 4.0, 2.7, 266.0), 0.4, (2e-5, 1e-5, 1e-5), polar=1e-9)
-    made = jo.BeamSection.of(
+        jo.mechanism.BeamSection(
+            (8e6, 3e6, 3e6, 4.0, 2.7, 266.0), 0.4, (2e-5, 1e-5, 1e-5), polar=1e-9
+        )
+    made = jo.mechanism.BeamSection.of(
         jo.Rectangle(0.02, 0.002), STEEL, centroid=(0.01, 0.002), shear_center=(0.03, -0.01)
     )
-    again = jo.BeamSection(
+    again = jo.mechanism.BeamSection(
         made.stiffness, made.mass, made.inertia, center=made.center, polar=made.polar
     )
     assert again.polar == made.polar

@@ -29,7 +29,7 @@ def parts():
 def test_impossible_events(arguments, sentence):
     values = {"watch": parts()[2], "component": "x", **arguments}
     with pytest.raises(jo.InputError) as error:
-        jo.Event("crossing", **values)
+        jo.mechanism.Event("crossing", **values)
     assert sentence in str(error.value)
     assert "event 'crossing'" in str(error.value)
 
@@ -37,10 +37,10 @@ def test_impossible_events(arguments, sentence):
 def test_what_an_event_refers_to_must_be_in_the_mechanism():
     body, rail, place = parts()
     other_body, other_rail, other_place = parts()
-    watching = jo.Event("watching", place, component="x")
-    twin = jo.Event("twin", other_place, component="x")
-    far = jo.Event("far", other_rail.displacement)
-    push = jo.JointForce("push", rail.displacement, 2.0 * jo.Switched(watching, 0.0, 1.0))
+    watching = jo.mechanism.Event("watching", place, component="x")
+    twin = jo.mechanism.Event("twin", other_place, component="x")
+    far = jo.mechanism.Event("far", other_rail.displacement)
+    push = jo.JointForce("push", rail.displacement, 2.0 * jo.mechanism.Switched(watching, 0.0, 1.0))
     with pytest.raises(jo.InputError) as error:
         jo.Mechanism(body, rail, push, twin, far, other_place)
     text = str(error.value)
@@ -64,26 +64,26 @@ def test_what_an_event_refers_to_must_be_in_the_mechanism():
 
 def test_events_of_one_name_are_refused():
     body, rail, place = parts()
-    events = [jo.Event("stop", rail.displacement, x) for x in (0.1, 0.2)]
+    events = [jo.mechanism.Event("stop", rail.displacement, x) for x in (0.1, 0.2)]
     with pytest.raises(jo.InputError, match="event 'stop': 2 events have this name"):
         jo.Mechanism(body, rail, place, *events)
 
 
 def test_a_switched_signal_has_no_value_of_its_own():
     body, rail, _ = parts()
-    event = jo.Event("limit", rail.displacement, 0.1)
-    signal = jo.Switched(event, 1.0, jo.Harmonic(frequency=1.0))
+    event = jo.mechanism.Event("limit", rail.displacement, 0.1)
+    signal = jo.mechanism.Switched(event, 1.0, jo.Harmonic(frequency=1.0))
     with pytest.raises(jo.InputError, match="switched by event 'limit'"):
         signal(0.0)
     with pytest.raises(jo.InputError, match="event is 'limit', must be an Event"):
-        jo.Switched("limit", 0.0, 1.0)
+        jo.mechanism.Switched("limit", 0.0, 1.0)
     del body
 
 
 def test_watched_coordinates_are_recorded_once():
     body, rail, place = parts()
-    first = jo.Event("first", rail.displacement, 0.1)
-    second = jo.Event("second", rail.displacement, 0.2)
+    first = jo.mechanism.Event("first", rail.displacement, 0.1)
+    second = jo.mechanism.Event("second", rail.displacement, 0.2)
     model = jo.compile(jo.Mechanism(body, rail, place, first, second))
     assert [sensor.name for sensor in model.sensors] == ["place", "rail.displacement"]
     assert [event.output for event in model.events] == [3, 3]

@@ -143,7 +143,7 @@ def test_rosette_on_a_solid(bar):
     for kind, turn in (("45", 0.0), ("45", 33.0), ("delta", 10.0)):
         d = (np.cos(np.radians(turn)), np.sin(np.radians(turn)), 0)
         e = Rosette("r", bar, (0.15, 0.025, 0.02), d, kind=kind).rows @ p
-        state = jo.rosette_state(e, kind=kind, E=210e9, nu=0.3)
+        state = jo.gauges.rosette_state(e, kind=kind, E=210e9, nu=0.3)
         found.append((state.s1, state.s2, np.cos(2 * (state.angle + np.radians(turn)))))
     np.testing.assert_allclose(found[1:], [found[0]] * 2, rtol=1e-6)
 
@@ -160,12 +160,12 @@ def test_rosettes_say_what_is_wrong(bar, beam):
 
 def cantilever(torque=(0.0, 0, 0), force=(0, 0, 0.0), *, section=None, sensors, more=()):
     """Return the sensors of a loaded cantilever at rest."""
-    part = jo.Part.beam(0.5, section or jo.Circle(0.03), 3, STEEL, theory=jo.EulerBernoulli())
+    part = jo.Part.beam(0.5, section or jo.Circle(0.03), 3, STEEL, theory=jo.parts.EulerBernoulli())
     body = jo.FlexibleBody("shaft", jo.reduce(part, jo.CraigBampton(("start", "end"), modes=12)))
     clamp = jo.Fixed("clamp", jo.ground["origin"], body["start"])
     loads = (jo.Torque("t", body["end"], torque), jo.Force("f", body["end"], force))
     model = jo.compile(jo.Mechanism(body, clamp, *loads, *sensors(body), *more))
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     state = jo.equilibrium(model)
     engine.q[:], engine.v[:] = state.q, 0.0
     engine.accelerations()
@@ -180,9 +180,9 @@ def test_shaft_in_torsion():
         (20.0, 0, 0),
         section=jo.Circle(d),
         sensors=lambda body: [
-            jo.Rosette("r", body, "e2.a.top"),
-            jo.Rosette("delta", body, "e2.a.left", kind="delta"),
-            jo.Gauge("oblique", body, "e2.a.top", (1, 1, 0), transverse=0.01),
+            jo.gauges.Rosette("r", body, "e2.a.top"),
+            jo.gauges.Rosette("delta", body, "e2.a.left", kind="delta"),
+            jo.gauges.Gauge("oblique", body, "e2.a.top", (1, 1, 0), transverse=0.01),
         ],
     )
     tau = 16 * 20.0 / (np.pi * d**3)
@@ -191,7 +191,7 @@ def test_shaft_in_torsion():
     # on top, the normal is z and the grid at 45 degrees along x + y, where torsion shortens it
     np.testing.assert_allclose(found["r"], (0, -size, 0), atol=1e-6 * size)
     for name, kind in (("r", "45"), ("delta", "60")):
-        state = jo.rosette_state(found[name], kind=kind, E=210e9, nu=0.3)
+        state = jo.gauges.rosette_state(found[name], kind=kind, E=210e9, nu=0.3)
         assert state.txy == pytest.approx(-tau, rel=1e-6)
         assert state.s1 == pytest.approx(tau, rel=1e-6)
         assert abs(state.angle) == pytest.approx(np.pi / 4, rel=1e-6)
@@ -210,12 +210,13 @@ def test_bridges_of_a_bent_beam():
 
     def sensors(body):
         top, bottom = (
-            jo.Gauge(name, body, (0.1, 0, z)) for name, z in (("top", 0.02), ("bottom", -0.02))
+            jo.gauges.Gauge(name, body, (0.1, 0, z))
+            for name, z in (("top", 0.02), ("bottom", -0.02))
         )
         return [
-            jo.Bridge("quarter", top, gauge_factor=2.1),
-            jo.Bridge("half", (top, bottom), gauge_factor=2.1),
-            jo.Bridge("pull", (top, None, bottom), gauge_factor=2.1),
+            jo.gauges.Bridge("quarter", top, gauge_factor=2.1),
+            jo.gauges.Bridge("half", (top, bottom), gauge_factor=2.1),
+            jo.gauges.Bridge("pull", (top, None, bottom), gauge_factor=2.1),
         ]
 
     found = cantilever(force=(400.0, 0, -50.0), section=section, sensors=sensors)
@@ -248,18 +249,23 @@ def test_nonlinearity_and_shunt(beam):
 
 def test_temperature_of_gauges_and_bridges():
     """(alpha_part - alpha_gauge + beta/k) (T - T0) on one gauge, nothing on a half bridge."""
-    warm = jo.Temperature(
+    warm = jo.gauges.Temperature(
         jo.Ramp(0.0, 1.0, before=30.0, after=70.0), part=12e-6, gauge=10e-6, resistance=4e-6
     )
     assert warm.per_kelvin == pytest.approx(4e-6)
 
     def sensors(body):
         top, bottom = (
-            jo.Gauge(name, body, (0.1, 0, z), temperature=warm)
+            jo.gauges.Gauge(name, body, (0.1, 0, z), temperature=warm)
             for name, z in (("top", 0.02), ("bottom", -0.02))
         )
-        rosette = jo.Rosette("rosette", body, "e2.a.top", temperature=warm)
-        return [top, rosette, jo.Bridge("quarter", top), jo.Bridge("half", (top, bottom))]
+        rosette = jo.gauges.Rosette("rosette", body, "e2.a.top", temperature=warm)
+        return [
+            top,
+            rosette,
+            jo.gauges.Bridge("quarter", top),
+            jo.gauges.Bridge("half", (top, bottom)),
+        ]
 
     found = cantilever(section=jo.Rectangle(0.02, 0.04), sensors=sensors)
     e = 4e-6 * 10.0
@@ -269,9 +275,9 @@ def test_temperature_of_gauges_and_bridges():
     assert abs(found["half"][0]) < 1e-18
     # a material may know its alpha
     steel = jo.Material(E=210e9, nu=0.3, rho=7850, alpha=12e-6)
-    assert jo.Temperature(20.0, part=steel).part == 12e-6
+    assert jo.gauges.Temperature(20.0, part=steel).part == 12e-6
     with pytest.raises(jo.InputError) as error:
-        jo.Temperature(20.0, part=STEEL, gauge=11.0)
+        jo.gauges.Temperature(20.0, part=STEEL, gauge=11.0)
     assert [str(p) for p in error.value.problems] == [
         f"temperature: part: {STEEL!r} has no alpha; give it in 1/K, as 12e-6",
         "temperature: gauge is 11 1/K; was it meant in 1e-6/K? Give 12e-6",

@@ -39,4 +39,4 @@ def block(kind: str, divisions: tuple[int, int, int], size: tuple[float, float, 
         unique, middle = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
         cells = np.concatenate([cells, middle.reshape(len(cells), -1) + len(nodes)], axis=1)
         nodes = np.concatenate([nodes, nodes[unique].mean(axis=1)])
-    return jo.Mesh(f"block of {kind}", nodes, jo.Cells(kind, cells))
+    return jo.Mesh(f"block of {kind}", nodes, jo.mesh.Cells(kind, cells))

@@ -16,7 +16,7 @@ from jousto.mesh.inspection import require
 from .blocks import block
 
 
-def only(mesh: jo.Mesh, kind: str) -> jo.Finding:
+def only(mesh: jo.Mesh, kind: str) -> jo.mesh.Finding:
     """The finding of a kind; there must be one."""
     found = [finding for finding in mesh.check() if finding.kind == kind]
     assert len(found) == 1, [str(finding) for finding in mesh.check()]
@@ -32,7 +32,7 @@ def test_negative_jacobians_are_named() -> None:
     mesh = block("hexahedron", (3, 1, 1), (3.0, 1.0, 1.0))
     nodes = mesh.solids[0].nodes.copy()
     nodes[1] = nodes[1][[4, 5, 6, 7, 0, 1, 2, 3]]
-    spoilt = jo.Mesh("bar", mesh.nodes, jo.Cells("hexahedron", nodes, [70, 80, 90]))
+    spoilt = jo.Mesh("bar", mesh.nodes, jo.mesh.Cells("hexahedron", nodes, [70, 80, 90]))
     finding = only(spoilt, "jacobian")
     assert finding.severity == "error"
     assert finding.ids == (80,)
@@ -72,7 +72,7 @@ def test_slivers() -> None:
     # four nodes nearly in one plane, round a square: all edges are of good length
     corners = [(0, 0, 0), (1, 0, 0), (0.5, 0.5, 0.02), (0, 1, 0), (1, 1, 0), (0.5, 0.5, -1)]
     cells = [(0, 1, 3, 2), (1, 4, 3, 2), (0, 3, 1, 5), (1, 3, 4, 5)]
-    mesh = jo.Mesh("plate", corners, jo.Cells("tetra", cells))
+    mesh = jo.Mesh("plate", corners, jo.mesh.Cells("tetra", cells))
     finding = only(mesh, "sliver")
     assert finding.severity == "warning"
     assert set(finding.ids) <= {1, 2}
@@ -85,9 +85,9 @@ def test_collapsed_and_doubled_elements() -> None:
     mesh = block("hexahedron", (2, 1, 1), (2.0, 1.0, 1.0))
     nodes = mesh.solids[0].nodes.copy()
     nodes[1, 6] = nodes[1, 7]
-    collapsed = jo.Mesh("c", mesh.nodes, jo.Cells("hexahedron", nodes))
+    collapsed = jo.Mesh("c", mesh.nodes, jo.mesh.Cells("hexahedron", nodes))
     assert only(collapsed, "collapsed").ids == (2,)
-    twice = jo.Mesh("t", mesh.nodes, jo.Cells("hexahedron", mesh.solids[0].nodes[[0, 1, 1]]))
+    twice = jo.Mesh("t", mesh.nodes, jo.mesh.Cells("hexahedron", mesh.solids[0].nodes[[0, 1, 1]]))
     finding = only(twice, "overlap")
     assert finding.severity == "error"
     assert "exported twice" in finding.message
@@ -99,7 +99,7 @@ def test_linear_beside_quadratic_elements() -> None:
     mixed = jo.Mesh(
         "mixed",
         mesh.nodes,
-        (jo.Cells("hexahedron20", nodes[:1]), jo.Cells("hexahedron", nodes[1:, :8])),
+        (jo.mesh.Cells("hexahedron20", nodes[:1]), jo.mesh.Cells("hexahedron", nodes[1:, :8])),
     )
     assert only(mixed, "mixed orders").ids == (1, 2)
 
@@ -110,7 +110,7 @@ def test_pieces_and_duplicate_nodes() -> None:
     # two boxes end to end, joined in name only
     nodes = np.concatenate([one.nodes, one.nodes + (0.2, 0, 0)])
     cells = np.concatenate([one.solids[0].nodes, one.solids[0].nodes + nn])
-    mesh = jo.Mesh("two", nodes, jo.Cells("tetra", cells), node_sets={"all": range(2 * nn)})
+    mesh = jo.Mesh("two", nodes, jo.mesh.Cells("tetra", cells), node_sets={"all": range(2 * nn)})
     pieces = only(mesh, "pieces")
     assert pieces.severity == "error"
     assert "falls into 2 pieces" in pieces.message
@@ -128,7 +128,7 @@ def test_pieces_and_duplicate_nodes() -> None:
     far = jo.Mesh(
         "far",
         np.concatenate([one.nodes, one.nodes + (0.5, 0, 0)]),
-        jo.Cells("tetra", cells),
+        jo.mesh.Cells("tetra", cells),
     )
     finding = only(far, "pieces")
     assert "300 mm apart: join them in the geometry, or make one part of each" in finding.message
@@ -140,7 +140,7 @@ def test_pieces_and_duplicate_nodes() -> None:
 def test_shells_points_and_pyramids() -> None:
     mesh = block("hexahedron", (1, 1, 1), (1.0, 1.0, 1.0))
     nodes = np.concatenate([mesh.nodes, [(2, 0, 0), (3, 0, 0), (0.5, 0.5, 2.0)]])
-    shell = jo.Mesh("s", nodes, (*mesh.cells, jo.Cells("line", [(8, 9)], [55])))
+    shell = jo.Mesh("s", nodes, (*mesh.cells, jo.mesh.Cells("line", [(8, 9)], [55])))
     assert only(shell, "free nodes").ids == (9, 10)
     assert only(shell, "unused nodes").ids == (11,)
     with pytest.warns(jo.JoustoWarning) as caught:
@@ -148,12 +148,12 @@ def test_shells_points_and_pyramids() -> None:
     said = sorted(str(warning.message) for warning in caught)
     assert ["belong to" in sentence for sentence in said] == [True, True]
     top = mesh.box((0, 0, 1), (1, 1, 1))
-    pyramid = jo.Cells("pyramid", [(top[0], top[2], top[3], top[1], 10)], [66])
+    pyramid = jo.mesh.Cells("pyramid", [(top[0], top[2], top[3], top[1], 10)], [66])
     mixed = jo.Mesh("p", nodes, (*mesh.cells, pyramid))
     finding = only(mixed, "unsupported")
     assert finding.severity == "error"
     assert "1 pyramid (element 66) cannot be used" in finding.message
-    surface = jo.Mesh("shell", mesh.nodes, jo.Cells("quad", [(0, 1, 2, 3)]))
+    surface = jo.Mesh("shell", mesh.nodes, jo.mesh.Cells("quad", [(0, 1, 2, 3)]))
     (finding,) = surface.check()
     assert "holds no solid elements, only quad" in finding.message
     assert surface.volume == 0.0
@@ -196,7 +196,7 @@ def test_units_that_cannot_be(factor: float, sentence: str) -> None:
 
 def test_numbers_given_twice() -> None:
     x = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)], dtype=float)
-    cells = jo.Cells("tetra", [(0, 1, 2, 3), (1, 4, 2, 3)], ids=[7, 7])
+    cells = jo.mesh.Cells("tetra", [(0, 1, 2, 3), (1, 4, 2, 3)], ids=[7, 7])
     mesh = jo.Mesh("pair", x, cells, node_ids=[1, 2, 3, 4, 4])
     found = [f for f in mesh.check() if f.kind == "numbers"]
     assert [f.ids for f in found] == [(7,), (4,)]

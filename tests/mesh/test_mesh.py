@@ -45,13 +45,13 @@ def test_volume_of_curved_cells(kind: str) -> None:
 def test_quality_of_ideal_and_known_cells() -> None:
     s = 1.0 / np.sqrt(2.0)
     regular = [(1, 0, -s), (-1, 0, -s), (0, 1, s), (0, -1, s)]
-    mesh = jo.Mesh("regular", regular, jo.Cells("tetra", [(0, 2, 1, 3)]))
+    mesh = jo.Mesh("regular", regular, jo.mesh.Cells("tetra", [(0, 2, 1, 3)]))
     assert mesh.volume > 0.0
     assert mesh.quality().scaled_jacobian == pytest.approx([1.0])
     assert mesh.quality().aspect == pytest.approx([1.0])
     # the corner of a cube: three right angles at one corner, 45, 45, 60 degrees at the others;
     # there sqrt(2) det / (1 sqrt(2) sqrt(2)) = 1 / sqrt(2)
-    corner = jo.Mesh("corner", places("tetra"), jo.Cells("tetra", [(0, 1, 2, 3)]))
+    corner = jo.Mesh("corner", places("tetra"), jo.mesh.Cells("tetra", [(0, 1, 2, 3)]))
     assert corner.quality().scaled_jacobian == pytest.approx([1.0 / np.sqrt(2.0)])
     # a cube sheared by 45 degrees: every corner has an angle of 45 or 135 degrees
     cube = block("hexahedron", (1, 1, 1), (1.0, 1.0, 1.0))
@@ -64,7 +64,7 @@ def test_quality_of_ideal_and_known_cells() -> None:
 @pytest.mark.parametrize("kind", SOLIDS)
 def test_mirrored_order_turns_a_cell(kind: str) -> None:
     mesh = block(kind, (1, 1, 1), (1.0, 1.0, 1.0))
-    turned = jo.Cells(kind, mesh.cells[0].nodes[:, mirrored(kind)])
+    turned = jo.mesh.Cells(kind, mesh.cells[0].nodes[:, mirrored(kind)])
     assert jo.Mesh("turned", mesh.nodes * (1, 1, -1), turned).volume == pytest.approx(1.0)
     assert np.all(jo.Mesh("m", mesh.nodes * (1, 1, -1), turned).quality().scaled_jacobian > 0.1)
 
@@ -126,7 +126,7 @@ def test_a_new_set_takes_the_place_of_a_surface_and_an_element_set() -> None:
     assert set(named.with_set("more", right).surfaces) == {"end"}
     # pressure on that name acts there, and nowhere else
     part = jo.Part.solid(other, jo.material("S355"))
-    force = part.load(jo.Pressure("end", 1.0)).reshape(-1, 3)
+    force = part.load(jo.parts.Pressure("end", 1.0)).reshape(-1, 3)
     np.testing.assert_array_equal(np.flatnonzero(np.abs(force).sum(axis=1)), right)
     np.testing.assert_allclose(force.sum(axis=0), [-0.01, 0.0, 0.0], atol=1e-15)
 
@@ -149,7 +149,7 @@ def test_wrong_arrays_are_told_together() -> None:
         jo.Mesh(
             "bad",
             np.zeros((4, 3)),
-            (jo.Cells("tetra", [(0, 1, 2, 4)]),),
+            (jo.mesh.Cells("tetra", [(0, 1, 2, 4)]),),
             node_ids=[1, 2],
             node_sets={"a": [9]},
             surfaces={"s": [(0, 1)]},
@@ -160,9 +160,9 @@ def test_wrong_arrays_are_told_together() -> None:
     assert "node set 'a' holds 9" in text
     assert "surface 's' has shape (1, 2)" in text
     with pytest.raises(InputError, match="unknown kind; known: tetra, tetra10"):
-        jo.Cells("tet", [(0, 1, 2, 3)])
+        jo.mesh.Cells("tet", [(0, 1, 2, 3)])
     with pytest.raises(InputError, match=r"must be \(any, 10\)"):
-        jo.Cells("tetra10", [(0, 1, 2, 3)])
+        jo.mesh.Cells("tetra10", [(0, 1, 2, 3)])
     assert set(SOLIDS) < set(KINDS)
 
 
@@ -172,8 +172,8 @@ def test_dropping_what_solids_do_not_use() -> None:
         "more",
         np.concatenate([np.full((2, 3), 9.0), mesh.nodes]),
         (
-            jo.Cells("line", [(0, 1)]),
-            jo.Cells("tetra10", mesh.cells[0].nodes + 2, mesh.cells[0].ids),
+            jo.mesh.Cells("line", [(0, 1)]),
+            jo.mesh.Cells("tetra10", mesh.cells[0].nodes + 2, mesh.cells[0].ids),
         ),
         np.arange(100, 102 + len(mesh.nodes)),
         node_sets={"centre": [0, 5]},

@@ -107,7 +107,7 @@ def test_midside_order_of_gmsh_is_not_ours(written: Path) -> None:
     if mesh.solids[0].kind != "tetra10":
         pytest.skip("these four-node elements have no midside nodes to swap")
     nodes = mesh.solids[0].nodes
-    swapped = jo.Mesh("swapped", mesh.nodes, jo.Cells("tetra10", nodes[:, [*range(8), 9, 8]]))
+    swapped = jo.Mesh("swapped", mesh.nodes, jo.mesh.Cells("tetra10", nodes[:, [*range(8), 9, 8]]))
     (finding,) = [f for f in swapped.check() if f.kind == "jacobian"]
     assert finding.severity == "error"
     assert len(finding.ids) == len(nodes)

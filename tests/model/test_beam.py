@@ -88,7 +88,7 @@ def bodies(count, rng):
 
 def bent(model, rng, turn=1.0, size=0.3):
     """Return an engine with large rotations, strains, velocities and accelerations."""
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     whole = Rotation.random(random_state=rng)
     for b in model.bodies:
         bend = Rotation.from_rotvec(turn * rng.uniform(-1.0, 1.0, 3))
@@ -183,7 +183,7 @@ def test_forces_are_the_gradient_of_the_strain_energy(turn, helical, polar):
     model = beams(rng, helical=helical, polar=polar)
     engine = bent(model, rng, turn)
     engine.v[:] = engine.a[:] = 0.0
-    without = jo.Engine(replace(model, beams=()))
+    without = jo.model.Engine(replace(model, beams=()))
     without.q[:] = engine.q
     found = engine.residual() - without.residual()
     wanted = np.zeros(model.nv)
@@ -220,7 +220,7 @@ def test_strains_and_tangents_at_large_rotations_between_the_ends(angle):
 def section(engine, beam):
     """Return strains and resultants (12,) of an element by its sensor."""
     sensor = SensorModel("s", "section", beam, 0, 12, "", "", "", ("",) * 12)
-    twin = jo.Engine(replace(engine.model, sensors=(sensor,)))
+    twin = jo.model.Engine(replace(engine.model, sensors=(sensor,)))
     twin.q[:], twin.v[:] = engine.q, engine.v
     twin.accelerations()
     return twin.sensors()
@@ -279,7 +279,7 @@ def test_the_inertia_is_that_of_lagrange():
     rng = np.random.default_rng(3)
     model = beams(rng, share=0.7)
     engine = bent(model, rng)
-    plain = jo.Engine(
+    plain = jo.model.Engine(
         replace(model, beams=tuple(replace(b, data=without_inertia(b)) for b in model.beams))
     )
     for name in ("q", "v", "a"):
@@ -317,7 +317,7 @@ def test_damping_of_the_mass_is_proportional_to_the_momenta():
     alpha, share = 0.9, 0.6
     engine = bent(beams(rng, alpha=alpha, share=share), rng)
     model = engine.model
-    without = jo.Engine(beams(np.random.default_rng(4), share=share))
+    without = jo.model.Engine(beams(np.random.default_rng(4), share=share))
     for name in ("q", "v", "a"):
         getattr(without, name)[:] = getattr(engine, name)
 
@@ -335,7 +335,7 @@ def test_nothing_is_gained_or_lost_but_by_damping():
     model = beams(rng, share=1.0, alpha=0.3, beta=0.05)
     engine = bent(model, rng, 0.8)
     power = engine.residual() @ engine.v
-    twin = jo.Engine(model, complex_scalars=True)
+    twin = jo.model.Engine(model, complex_scalars=True)
     h = 1e-20
     twin.q[:] = displaced(model, engine.q.astype(complex), 1j * h * engine.v)
     twin.v[:] = engine.v + 1j * h * engine.a
@@ -354,7 +354,7 @@ def test_internal_forces_are_in_equilibrium(kind):
     rng = np.random.default_rng(8)
     engine = bent(beams(rng, **kind), rng)
     model = engine.model
-    without = jo.Engine(replace(model, beams=()))
+    without = jo.model.Engine(replace(model, beams=()))
     for name in ("q", "v", "a"):
         getattr(without, name)[:] = getattr(engine, name)
     r = engine.residual() - without.residual()
@@ -375,7 +375,7 @@ def test_rigid_motion_leaves_strains_and_turns_forces():
     engine = bent(beams(rng), rng)
     model = engine.model
     engine.v[:] = engine.a[:] = 0.0
-    weightless = jo.Engine(replace(model, gravity=np.zeros(3)))
+    weightless = jo.model.Engine(replace(model, gravity=np.zeros(3)))
     weightless.q[:] = engine.q
     before, first = weightless.residual(), [section(engine, i) for i in range(len(model.beams))]
     for _ in range(5):
@@ -414,7 +414,7 @@ def test_in_the_plane_it_is_the_element_of_reissner():
     beam = element(0, 1, L=L, C=np.diag([EA, GA, 200.0, 20.0, 20.0, EI]))
     model = replace(bodies(2, rng), beams=(beam,), gravity=np.zeros(3))
     for _ in range(5):
-        engine = jo.Engine(model)
+        engine = jo.model.Engine(model)
         (xa, ya, ta), (xb, yb, tb) = rng.uniform(-1.0, 1.0, (2, 3)) + [[0, 0, 0], [L, 0, 0.3]]
         engine.q[:] = [xa, ya, 0, np.cos(ta / 2), 0, 0, np.sin(ta / 2)] + [
             *(xb, yb, 0),
@@ -467,7 +467,7 @@ def test_newton_converges_quadratically_to_a_full_circle(count):
     """M = 2 pi EI / L about any axis across the beam closes a circle (any number of elements)."""
     EI, L = 100.0, 10.0
     model = cantilever(count, np.diag([1e4, 5e3, 5e3, 80.0, EI, EI]), L)
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     across = np.array([0.0, 0.6, 0.8])
     load = np.zeros(model.nv)
     for part in np.linspace(0.05, 1.0, 20):
@@ -485,7 +485,7 @@ def test_newton_converges_quadratically_to_a_full_circle(count):
 
 def test_half_a_turn_in_one_element_is_an_error_with_its_name():
     model = cantilever(3, np.diag([1e4, 5e3, 5e3, 80.0, 100.0, 100.0]))
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     engine.q[-4:] = [np.cos(1.51), 0.0, 0.0, np.sin(1.51)]
     with pytest.raises(
         jo.SimulationError, match=r"beam 'beam', element 'element 3'.*more elements"
@@ -496,7 +496,7 @@ def test_half_a_turn_in_one_element_is_an_error_with_its_name():
 def test_a_jump_over_half_a_turn_in_one_step_is_noticed():
     """Spinning at 2000 rad/s against its neighbour, a node turns by 4 rad in a step of 2 ms."""
     model = cantilever(1, np.zeros((6, 6)))
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     engine.v[-1] = 2000.0
     solver = engine.native_solver(1, 1e-3, False)
     engine.step(solver)  # to 2 rad
@@ -512,7 +512,7 @@ def test_bent_keeps_the_largest_rotation_and_tension():
     limit = (1e4 - 5e3) / (1e4 * 5e3)
     for beam in model.beams:
         beam.data[77] = limit
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     engine.v[-6], engine.v[-1] = 100.0, 3.0
     solver = engine.native_solver(1, 5e-4, False)
     bend, tension = [], []

@@ -52,7 +52,9 @@ def accelerations(angle: float, stiffness: np.ndarray, damping: np.ndarray, spin
         angular_velocity=spin,
     )
     bush = jo.Bushing("bush", jo.ground["origin"], body["origin"], stiffness, damping)
-    return jo.Engine(jo.compile(jo.Mechanism(body, bush))).accelerations()[0], turn.as_matrix()
+    return jo.model.Engine(jo.compile(jo.Mechanism(body, bush))).accelerations()[
+        0
+    ], turn.as_matrix()
 
 
 @pytest.mark.parametrize("angle", ANGLES)

@@ -20,7 +20,7 @@ def test_small_gaps_are_closed_before_the_run():
     body = rigid("rod", position=(0, 3e-8, 0))
     mechanism = jo.Mechanism(body, jo.Spherical("p", jo.ground["origin"], body["origin"]))
     model = jo.compile(mechanism)
-    assert jo.Engine(model).residuals()[0] < 1e-15
+    assert jo.model.Engine(model).residuals()[0] < 1e-15
     assert not model.q0.flags.writeable
 
 
@@ -30,7 +30,7 @@ def test_contradicting_velocities_are_replaced_with_a_warning():
     with pytest.warns(jo.JoustoWarning, match="velocities of 'rod' contradict the joints"):
         model = jo.compile(mechanism)
     np.testing.assert_allclose(model.v0[:3], 0.0, atol=1e-14)
-    assert jo.Engine(model).residuals()[1] < 1e-14
+    assert jo.model.Engine(model).residuals()[1] < 1e-14
 
 
 def test_consistent_velocities_are_kept_silently():
@@ -77,7 +77,7 @@ def test_every_build_of_the_engine_gives_the_same_motion():
     model = jo.compile(mechanism)
     results = []
     for build in runnable_builds():
-        engine = jo.Engine(model)
+        engine = jo.model.Engine(model)
         engine._library = library.build(build)
         solver = engine.native_solver(1, 1e-3, True)
         for _ in range(200):
@@ -130,14 +130,14 @@ def test_the_header_read_by_python_is_the_one_that_was_compiled():
 def test_views_of_the_state_outlive_the_engine():
     body = rigid("rod", angular_velocity=(0, 3, 2))
     pivot = jo.Spherical("p", jo.ground["origin"], body["origin"])
-    q = jo.Engine(jo.compile(jo.Mechanism(body, pivot))).q
+    q = jo.model.Engine(jo.compile(jo.Mechanism(body, pivot))).q
     np.testing.assert_array_equal(q, [0, 0, 0, 1, 0, 0, 0])
 
 
 def test_the_engine_refuses_what_would_overrun_its_memory():
     body = rigid("rod", angular_velocity=(0, 3, 2))
     pivot = jo.Spherical("p", jo.ground["origin"], body["origin"])
-    engine = jo.Engine(jo.compile(jo.Mechanism(body, pivot)))
+    engine = jo.model.Engine(jo.compile(jo.Mechanism(body, pivot)))
     solver = engine.native_solver(1, 1e-3, True)
     good = np.zeros((10, engine.row_size))
     for steps, every, rows in (
@@ -158,7 +158,7 @@ def test_a_changed_state_is_seen_at_once():
     pivot = jo.Spherical("p", jo.ground["origin"], body["origin"])
     gravity = jo.Gravity((0, 0, -9.81))
     model = jo.compile(jo.Mechanism(body, pivot, gravity))
-    used, new = jo.Engine(model), jo.Engine(model)
+    used, new = jo.model.Engine(model), jo.model.Engine(model)
     used.accelerations()
     for engine in (used, new):
         engine.v[3:] = (1.0, 2.0, 3.0)
@@ -180,7 +180,7 @@ def test_two_hundred_joints_on_one_body_are_ordered_quickly():
 def test_a_run_starts_at_the_time_of_the_state():
     body = rigid("rod", angular_velocity=(0, 3, 2))
     pivot = jo.Spherical("p", jo.ground["origin"], body["origin"])
-    engine = jo.Engine(jo.compile(jo.Mechanism(body, pivot)))
+    engine = jo.model.Engine(jo.compile(jo.Mechanism(body, pivot)))
     engine.time[:] = 1.0
     rows = np.zeros((3, engine.row_size))
     engine.run(engine.native_solver(1, 1e-3, True), 3, 1, rows)

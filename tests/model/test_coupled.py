@@ -115,7 +115,7 @@ def four_bar(joints=jo.Revolute):
         top,
         right,
         *pins,
-        jo.Friction("rub", pins[0], 0.3, law=jo.Regularised(1e-2), radius=0.05),
+        jo.Friction("rub", pins[0], 0.3, law=jo.mechanism.Regularised(1e-2), radius=0.05),
         jo.Gravity((0, -9.81, 0)),
     )
 
@@ -127,7 +127,7 @@ def test_block_lu_and_schur_complement_agree():
     light = replace(model, beams=(beam_model("e", 0, 1, share=1e-30, m=1e-3),))
     found = []
     for one in (model, light):
-        engine = jo.Engine(one)
+        engine = jo.model.Engine(one)
         engine.v[:] = 0.0
         engine.assemble()
         engine.v[model.bodies[0].iv + 5] = -40.0
@@ -144,7 +144,7 @@ def test_block_lu_and_schur_complement_agree():
 def test_consistent_mass_gives_accelerations_without_residual(clamped):
     model = cable(5, clamped=clamped, share=1.0, beta=1e-3, E=2e6)
     rng = np.random.default_rng(1)
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     engine.v[:] = 0.5 * rng.normal(size=model.nv)
     engine.assemble()
     a, lam = engine.accelerations()
@@ -154,7 +154,7 @@ def test_consistent_mass_gives_accelerations_without_residual(clamped):
     h = 1e-6
     rates = []
     for sign in (1.0, -1.0):
-        twin = jo.Engine(model)
+        twin = jo.model.Engine(model)
         move = sign * h * (engine.v + 0.5 * sign * h * a)
         twin.q[:] = displaced(model, engine.q, move)
         twin.v[:] = engine.v + sign * h * a
@@ -163,7 +163,7 @@ def test_consistent_mass_gives_accelerations_without_residual(clamped):
 
 
 def test_consistent_and_lumped_mass_differ():
-    found = [jo.Engine(cable(5, share=s, E=2e6)).accelerations()[0] for s in (0.0, 1.0)]
+    found = [jo.model.Engine(cable(5, share=s, E=2e6)).accelerations()[0] for s in (0.0, 1.0)]
     assert np.abs(found[0] - found[1]).max() > 1e-3 * np.abs(found[0]).max()
 
 
@@ -217,13 +217,13 @@ def test_inertia_tangents_must_be_a_truth_value():
 
 def test_the_sparse_matrix_is_the_dense_one():
     model = cable(6, clamped=False, share=1.0, offset=0.1)
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     engine.accelerations()
     for weights in ((1.0, 0.0, 0.0), (0.3, 0.2, 0.1)):
         dense = engine.newton_matrix(*weights)
         sparse = engine.newton_sparse(*weights)
         np.testing.assert_array_equal(sparse.toarray(), dense)
-    four = jo.Engine(jo.compile(four_bar()))
+    four = jo.model.Engine(jo.compile(four_bar()))
     four.accelerations()
     dense = four.newton_matrix(1.0, 0.1, 0.1)
     np.testing.assert_array_equal(four.newton_sparse(1.0, 0.1, 0.1).toarray(), dense)
@@ -231,5 +231,5 @@ def test_the_sparse_matrix_is_the_dense_one():
 
 def test_the_sparse_matrix_of_a_long_beam_grows_with_it():
     model = cable(400, clamped=True)
-    matrix = jo.Engine(model).newton_sparse(1.0, 1e-3, 1e-6)
+    matrix = jo.model.Engine(model).newton_sparse(1.0, 1e-3, 1e-6)
     assert matrix.nnz < 401 * 6 * 6 * 5

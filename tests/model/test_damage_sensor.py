@@ -30,7 +30,7 @@ def swing(rod, *more, **options):
     pin = jo.Revolute("pin", jo.ground["origin"], arm["start"], (0, 1, 0))
     stress = jo.StressSensor("stress", arm, "e1.a.top")
     given = {"residue": "half", "components": SITE, **options}
-    life = jo.DamageSensor("life", stress, STEEL, **given)
+    life = jo.mechanism.DamageSensor("life", stress, STEEL, **given)
     further = [make(arm, pin, stress) for make in more]
     return jo.compile(
         jo.Mechanism(arm, pin, jo.Gravity((0, 0, -9.81)), stress, life, *further, name="swing")
@@ -38,7 +38,7 @@ def swing(rod, *more, **options):
 
 
 def offline(x, residue="half", **options):
-    meter = jo.DamageMeter(STEEL, residue=residue, depth=500, **options)
+    meter = jo.model.DamageMeter(STEEL, residue=residue, depth=500, **options)
     meter.push(x)
     return meter
 
@@ -46,10 +46,10 @@ def offline(x, residue="half", **options):
 @pytest.mark.parametrize("residue", ["half", "repeat", "ignore"])
 @pytest.mark.parametrize("solver", SOLVERS, ids=lambda s: type(s).__name__)
 def test_it_is_the_count_of_the_history_if_every_step_is_stored(rod, solver, residue):
-    model = swing(rod, residue=residue, mean=jo.Goodman(400e6), depth=200)
+    model = swing(rod, residue=residue, mean=jo.fatigue.Goodman(400e6), depth=200)
     run = jo.simulate(model, 0.4, solver=solver, output_step=solver.step)
     x = run["stress"][:, 0]
-    meter = offline(x, residue, mean=jo.Goodman(400e6))
+    meter = offline(x, residue, mean=jo.fatigue.Goodman(400e6))
     damage, cycles = run["life"][-1]
     assert cycles == meter.cycles[0] > 20
     assert damage == pytest.approx(meter.damage()[0], rel=1e-12)
@@ -57,7 +57,7 @@ def test_it_is_the_count_of_the_history_if_every_step_is_stored(rod, solver, res
     # and at an instant on the way
     half = len(x) // 2
     assert run["life"][half, 0] == pytest.approx(
-        offline(x[: half + 1], residue, mean=jo.Goodman(400e6)).damage()[0], rel=1e-12
+        offline(x[: half + 1], residue, mean=jo.fatigue.Goodman(400e6)).damage()[0], rel=1e-12
     )
 
 
@@ -79,10 +79,10 @@ def test_a_run_counts_on_from_the_state_of_another(rod):
         np.testing.assert_array_equal(rest.state().meters, whole.state().meters)
         np.testing.assert_array_equal(rest["life"][-1], whole["life"][-1])
     # stopped and gone on inside the simulator
-    sim = jo.Simulator(model, jo.RK4(2e-4))
+    sim = jo.simulation.Simulator(model, jo.RK4(2e-4))
     sim.read("life")
     sim.step(700)
-    sim = jo.Simulator(model, jo.RK4(2e-4), state=sim.state())
+    sim = jo.simulation.Simulator(model, jo.RK4(2e-4), state=sim.state())
     assert sim.read("life")[1] > 0
     sim.step(1300)
     assert sim.read("life")[0] == pytest.approx(whole["life"][-1, 0], rel=1e-9)
@@ -95,14 +95,14 @@ def test_spoiled_memories_are_refused(rod):
     state.meters[0] = 1e6
     with pytest.raises(jo.InputError, match="the meters of the state are not those"):
         jo.simulate(model, 0.1, state=state)
-    state = jo.State(state.q, state.v, state.lam, state.time, meters=np.zeros(3))
+    state = jo.simulation.State(state.q, state.v, state.lam, state.time, meters=np.zeros(3))
     with pytest.raises(jo.InputError, match="state has 3 meters, the model 45"):
         jo.simulate(model, 0.1, state=state)
 
 
 def test_adaptive_steps_count_at_their_own_ends(rod):
     model = swing(rod)
-    solver = jo.DormandPrince(1e-8)
+    solver = jo.simulation.DormandPrince(1e-8)
     runs = [jo.simulate(model, 0.2, solver=solver, output_step=h) for h in (1e-4, 1e-2)]
     assert runs[0]["life"][-1, 1] == runs[1]["life"][-1, 1] > 10
     assert runs[0]["life"][-1, 0] == pytest.approx(runs[1]["life"][-1, 0], rel=1e-6)
@@ -115,7 +115,7 @@ def test_adaptive_steps_count_at_their_own_ends(rod):
 
 def test_steps_that_events_interrupt_count_once(rod):
     plain = swing(rod)
-    watched = swing(rod, lambda arm, pin, stress: jo.Event("down", pin.angle, 0.3))
+    watched = swing(rod, lambda arm, pin, stress: jo.mechanism.Event("down", pin.angle, 0.3))
     runs = [
         jo.simulate(model, 0.5, solver=jo.ROS2(1e-3), output_step=1e-3)
         for model in (plain, watched)
@@ -134,8 +134,8 @@ def test_damage_stops_a_run(rod):
     arm = FlexibleBody("arm", rod)
     pin = jo.Revolute("pin", jo.ground["origin"], arm["start"], (0, 1, 0))
     stress = jo.StressSensor("stress", arm, "e1.a.top")
-    life = jo.DamageSensor("life", stress, STEEL, residue="half", components=SITE)
-    broken = jo.Event("broken", life, limit, component="damage", stop=True)
+    life = jo.mechanism.DamageSensor("life", stress, STEEL, residue="half", components=SITE)
+    broken = jo.mechanism.Event("broken", life, limit, component="damage", stop=True)
     model = jo.compile(
         jo.Mechanism(arm, pin, jo.Gravity((0, 0, -9.81)), stress, life, broken, name="swing")
     )
@@ -149,7 +149,9 @@ def test_reactions_are_measured_at_the_end_of_each_step(rod):
     arm = FlexibleBody("arm", rod)
     pin = jo.Revolute("pin", jo.ground["origin"], arm["start"], (0, 1, 0))
     force = jo.ReactionSensor("force", pin)
-    life = jo.DamageSensor("life", force, STEEL, residue="half", components="Fz", factor=2e3)
+    life = jo.mechanism.DamageSensor(
+        "life", force, STEEL, residue="half", components="Fz", factor=2e3
+    )
     model = jo.compile(jo.Mechanism(arm, pin, jo.Gravity((0, 0, -9.81)), force, life))
     run = jo.simulate(model, 0.2, solver=jo.ROS2(1e-3), output_step=1e-3)
     column = run.about("force")["components"].index("Fz")
@@ -162,7 +164,7 @@ def test_reactions_are_measured_at_the_end_of_each_step(rod):
 
 def test_the_build_for_derivatives_counts_real_parts(rod):
     model = swing(rod)
-    engines = [jo.Engine(model), jo.Engine(model, complex_scalars=True)]
+    engines = [jo.model.Engine(model), jo.model.Engine(model, complex_scalars=True)]
     for engine in engines:
         native = engine.native_solver(2, 1e-3, True)
         for _ in range(50):
@@ -176,7 +178,9 @@ def test_mistakes(rod):
     pin = jo.Revolute("pin", jo.ground["origin"], arm["start"], (0, 1, 0))
     stress, other = (jo.StressSensor(name, arm, "e1.a.top") for name in ("stress", "other"))
     with pytest.raises(jo.InputError) as error:
-        jo.DamageSensor("life", stress, "steel", residue="all", components="e1.a.top:s12x")
+        jo.mechanism.DamageSensor(
+            "life", stress, "steel", residue="all", components="e1.a.top:s12x"
+        )
     for part in (
         "sn is 'steel', must be an S-N curve",
         "residue is 'all'",
@@ -184,16 +188,18 @@ def test_mistakes(rod):
     ):
         assert part in str(error.value)
     with pytest.raises(jo.InputError, match="measures rad, the S-N curve is in Pa; give factor"):
-        jo.DamageSensor("life", jo.CoordinateSensor("a", pin.angle), STEEL, residue="half")
+        jo.mechanism.DamageSensor(
+            "life", jo.CoordinateSensor("a", pin.angle), STEEL, residue="half"
+        )
     with pytest.raises(jo.InputError, match="must be a sensor of stress"):
-        jo.DamageSensor("life", arm, STEEL, residue="half")
+        jo.mechanism.DamageSensor("life", arm, STEEL, residue="half")
     for factor, text in ((0.0, "factor is 0"), (np.nan, "factor is nan")):
         with pytest.raises(jo.InputError, match=text):
-            jo.DamageSensor("life", stress, STEEL, residue="half", factor=factor)
-    life = jo.DamageSensor("life", other, STEEL, residue="half")
+            jo.mechanism.DamageSensor("life", stress, STEEL, residue="half", factor=factor)
+    life = jo.mechanism.DamageSensor("life", other, STEEL, residue="half")
     with pytest.raises(jo.InputError, match=r"sensor 'other' is not in the mechanism"):
         jo.Mechanism(arm, pin, stress, life)
     with pytest.raises(jo.InputError, match="must be a sensor of stress"):
-        jo.DamageSensor("twice", life, STEEL, residue="half")
+        jo.mechanism.DamageSensor("twice", life, STEEL, residue="half")
     with pytest.warns(jo.JoustoWarning, match="von Mises stress, which is never negative"):
-        jo.DamageSensor("life", jo.VonMisesSensor("m", arm), STEEL, residue="half")
+        jo.mechanism.DamageSensor("life", jo.VonMisesSensor("m", arm), STEEL, residue="half")

@@ -46,7 +46,7 @@ def wheel():
 
 def start(*items):
     """Return the engine and its first accelerations."""
-    engine = jo.Engine(jo.compile(jo.Mechanism(*items)))
+    engine = jo.model.Engine(jo.compile(jo.Mechanism(*items)))
     return engine, engine.accelerations()[0].copy()
 
 

@@ -23,11 +23,13 @@ def ball(*items, height=2.0, speed=0.0):
 
 
 def height_event(name, height, direction="both", stop=False):
-    return lambda body, place: jo.Event(name, place, height, direction, stop, component="z")
+    return lambda body, place: jo.mechanism.Event(
+        name, place, height, direction, stop, component="z"
+    )
 
 
 def run(model, t_end, *, method=RK4, step=0.01):
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     rows = np.zeros((round(t_end / step) + 1, engine.row_size))
     solver = engine.native_solver(method, step, True)
     status, written = engine.run(solver, round(t_end / step), 1, rows)
@@ -106,11 +108,12 @@ def pendulum(*events, start=1.0):
 
 
 @pytest.mark.parametrize(
-    ("solver", "order"), [(jo.RK4, 4), (jo.ROS2, 2), (jo.GeneralizedAlpha, 2), (jo.Newmark, 2)]
+    ("solver", "order"),
+    [(jo.RK4, 4), (jo.ROS2, 2), (jo.GeneralizedAlpha, 2), (jo.simulation.Newmark, 2)],
 )
 def test_a_pendulum_passes_its_lowest_point_at_quarter_periods(solver, order):
     # the angle of the joint is 0 at the start, 1 rad from the lowest point
-    model = pendulum(lambda hinge: jo.Event("lowest", hinge.angle, -1.0))
+    model = pendulum(lambda hinge: jo.mechanism.Event("lowest", hinge.angle, -1.0))
     period = 4 * np.sqrt((1.0 + 1e-6) / G) * ellipk(np.sin(0.5) ** 2)
     errors = []
     for step in (0.02, 0.01):
@@ -124,7 +127,7 @@ def test_a_pendulum_passes_its_lowest_point_at_quarter_periods(solver, order):
 def test_an_event_that_never_happens_changes_nothing():
     for method in (RK4, ROS2):
         plain = run(pendulum(), 1.0, method=method)[1]
-        model = pendulum(lambda hinge: jo.Event("never", hinge.angle, 9.0))
+        model = pendulum(lambda hinge: jo.mechanism.Event("never", hinge.angle, 9.0))
         watched = run(model, 1.0, method=method)[1]
         n = model.nq + model.nv + model.nrow + 1
         np.testing.assert_array_equal(watched[:, :n], plain[:, :n])
@@ -137,8 +140,8 @@ def test_a_watched_reaction_stops_the_run_where_it_reaches_its_limit():
     hinge = jo.Revolute("hinge", jo.ground["origin"], rod["origin"], (0, 0, 1))
     reaction = jo.ReactionSensor("reaction", hinge)
     angle = jo.CoordinateSensor("angle", hinge.angle)
-    first = jo.Event("first", reaction, 1.5 * G, "rising", component="Fy")
-    stop = jo.Event("stop", reaction, 1.5 * G, "rising", True, component="Fy")
+    first = jo.mechanism.Event("first", reaction, 1.5 * G, "rising", component="Fy")
+    stop = jo.mechanism.Event("stop", reaction, 1.5 * G, "rising", True, component="Fy")
     model = jo.compile(
         jo.Mechanism(rod, hinge, jo.Gravity((0, -G, 0)), reaction, angle, first, stop)
     )
@@ -156,8 +159,8 @@ def test_a_watched_reaction_stops_the_run_where_it_reaches_its_limit():
 def test_the_force_is_switched_at_the_event_and_its_energy_counted():
     body = jo.RigidBody("car", 2.0, (1, 1, 1))
     rail = jo.Prismatic("rail", jo.ground["origin"], body["origin"], (1, 0, 0))
-    limit = jo.Event("limit", rail.displacement, 0.3, "rising")
-    motor = jo.JointForce("motor", rail.displacement, jo.Switched(limit, 5.0, -1.0))
+    limit = jo.mechanism.Event("limit", rail.displacement, 0.3, "rising")
+    motor = jo.JointForce("motor", rail.displacement, jo.mechanism.Switched(limit, 5.0, -1.0))
     model = jo.compile(jo.Mechanism(body, rail, limit, motor))
     # 5 N over 0.3 m, then 1 N against the motion
     t1 = np.sqrt(2 * 0.3 * 2.0 / 5.0)
@@ -177,9 +180,9 @@ def test_the_force_is_switched_at_the_event_and_its_energy_counted():
 def test_a_chain_of_events_at_one_instant():
     # the first switches a signal that the second watches
     def chain(body, place):
-        first = jo.Event("first", place, 1.0, component="z")
-        level = jo.SignalSensor("level", jo.Switched(first, 0.0, 1.0))
-        return first, level, jo.Event("second", level, 0.5)
+        first = jo.mechanism.Event("first", place, 1.0, component="z")
+        level = jo.SignalSensor("level", jo.mechanism.Switched(first, 0.0, 1.0))
+        return first, level, jo.mechanism.Event("second", level, 0.5)
 
     body = jo.RigidBody("ball", 1.0, (1e-3,) * 3, position=(0, 0, 2.0))
     place = jo.PositionSensor("place", body["origin"])
@@ -200,7 +203,9 @@ def test_events_without_end_are_told():
     body = jo.RigidBody("car", 1.0, (1, 1, 1), position=(1e-3, 0, 0), velocity=(1, 0, 0))
     rail = jo.Prismatic("rail", jo.ground["origin"], body["origin"], (1, 0, 0))
     push = jo.UserForce("push", body["origin"], chirp)
-    model = jo.compile(jo.Mechanism(body, rail, push, jo.Event("turn", rail.displacement)))
+    model = jo.compile(
+        jo.Mechanism(body, rail, push, jo.mechanism.Event("turn", rail.displacement))
+    )
     engine, _, happened, status = run(model, 1.0, step=1.0)
     assert status == 10
     assert len(happened) < 100
@@ -209,9 +214,9 @@ def test_events_without_end_are_told():
 
 
 def test_calls_in_pieces_change_nothing():
-    model = pendulum(lambda hinge: jo.Event("lowest", hinge.angle, -1.0))
+    model = pendulum(lambda hinge: jo.mechanism.Event("lowest", hinge.angle, -1.0))
     whole, *_ = run(model, 2.0)
-    pieces = jo.Engine(model)
+    pieces = jo.model.Engine(model)
     rows = np.zeros((1, pieces.row_size))
     solver = pieces.native_solver(RK4, 0.01, True)
     for _ in range(200):
@@ -225,8 +230,8 @@ def test_a_full_log_ends_a_call_early_and_loses_nothing():
     body = jo.RigidBody("ball", 1.0, (1, 1, 1), velocity=(1, 0, 0))
     sensor = jo.SignalSensor("wave", wave)
     with pytest.warns(jo.JoustoWarning, match="moves freely"):
-        mechanism = jo.Mechanism(body, sensor, jo.Event("zero", sensor))
-    engine = jo.Engine(jo.compile(mechanism))
+        mechanism = jo.Mechanism(body, sensor, jo.mechanism.Event("zero", sensor))
+    engine = jo.model.Engine(jo.compile(mechanism))
     rows = np.zeros((4000, engine.row_size))
     solver = engine.native_solver(RK4, 1e-3, True)
     times = []

@@ -70,7 +70,7 @@ def virtual_work(engine, dx):
 @pytest.mark.parametrize("force", [bushing(), spring(0), spring(1), spring(2)])
 def test_forces_are_the_gradient_of_the_stored_energy(force):
     model = two_bodies(force)
-    real, exact = jo.Engine(model), jo.Engine(model, complex_scalars=True)
+    real, exact = jo.model.Engine(model), jo.model.Engine(model, complex_scalars=True)
     for dx in RNG.normal(size=(4, model.nv)):
         exact.q[:] = displaced(model, model.q0.astype(complex), 1e-30j * dx)
         gradient = exact.energy()[3].imag / 1e-30
@@ -81,7 +81,7 @@ def test_forces_are_the_gradient_of_the_stored_energy(force):
 def test_a_force_between_bodies_neither_pushes_nor_turns_the_whole():
     given = np.array([3.0, -1.0, 2.0, 0.5, 0.2, -0.7])
     model = two_bodies(ForceModel("f", "user", np.zeros(1), a=0, b=1, function=lambda t, x: given))
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     for axis in np.eye(3):
         push, turn = np.zeros(model.nv), np.zeros(model.nv)
         for body in model.bodies:
@@ -100,7 +100,7 @@ def test_the_energy_balance_closes_with_the_step(method, force):
     first = 1 + model.nq + model.nv + model.nrow
     error = []
     for step in (1e-3, 5e-4):
-        engine = jo.Engine(model)
+        engine = jo.model.Engine(model)
         solver = engine.native_solver(method, step, True)
         start = engine.row()[first : first + 4].sum()
         for _ in range(round(0.2 / step)):
@@ -130,7 +130,7 @@ def broken(time, x):
 )
 def test_a_user_function_that_fails_is_named(function, sentence):
     with pytest.raises(jo.SimulationError, match=sentence):
-        jo.Engine(user(function)).accelerations()
+        jo.model.Engine(user(function)).accelerations()
     with pytest.raises(jo.SimulationError, match=sentence):
         jo.simulate(user(function), t_end=0.1, solver=jo.RK4(step=1e-3))
 
@@ -153,7 +153,7 @@ def test_compiled_and_python_functions_give_the_same_motion():
     def plain(time, x):
         return np.concatenate([-10.0 * x[:3] - time, np.zeros(3)])
 
-    one, two = jo.Engine(user(compiled)), jo.Engine(user(plain))
+    one, two = jo.model.Engine(user(compiled)), jo.model.Engine(user(plain))
     one.time[:] = two.time[:] = 0.5
     np.testing.assert_array_equal(one.accelerations()[0], two.accelerations()[0])
     assert np.abs(one.a).max() > 1.0
@@ -175,7 +175,7 @@ def test_signals_are_the_same_in_the_engine(signal):
     place = builder.signal(signal)
     sensor = SensorModel("s", "signal", place, 0, 1, "1", "world", "", ("",))
     model = replace(two_bodies(), signals=tuple(builder.signals), sensors=(sensor,))
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     for time in np.linspace(-0.1, 1.1, 25):
         engine.time[:] = time
         np.testing.assert_allclose(engine.sensors()[0], signal(time), atol=1e-13)
@@ -187,7 +187,7 @@ def test_inputs_of_one_name_are_one():
     sensor = SensorModel("s", "signal", place, 0, 1, "1", "world", "", ("",))
     model = replace(two_bodies(), signals=tuple(builder.signals), sensors=(sensor,))
     assert model.inputs == ("u",)
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     assert engine.sensors()[0] == 1.5
     engine.input[0] = 2.0
     assert engine.sensors()[0] == 6.0

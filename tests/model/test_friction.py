@@ -19,7 +19,7 @@ LENGTHS = {
     "cylindrical": {"radius": 0.04, "bearing_length": 0.2},
 }
 KINDS = {"revolute": jo.Revolute, "prismatic": jo.Prismatic, "cylindrical": jo.Cylindrical}
-FAST = jo.Regularised(0.5)  # m/s, so that the smooth part of the law is used
+FAST = jo.mechanism.Regularised(0.5)  # m/s, so that the smooth part of the law is used
 
 
 def machine(kind, *, flexible=True, law=None, spin=True, friction=True, extra=(), preload=2.0):
@@ -78,14 +78,19 @@ def expected(kind, y, rates, law):
         arms = np.array([size["radius"]] if kind == "revolute" else [1.0, size["radius"]])
     slip = arms * rates
     speed = np.linalg.norm(slip)
-    mu = MU if isinstance(law, jo.StickSlip) else law_of(speed, law.velocity)
+    mu = MU if isinstance(law, jo.mechanism.StickSlip) else law_of(speed, law.velocity)
     force = -mu * N * arms * slip / speed
     if kind == "revolute":
         force -= mu * size["collar_radius"] * abs(y[2]) * np.sign(rates)
     return force
 
 
-LAWS = [jo.StickSlip(), jo.Regularised(1e-3), FAST, jo.Regularised(0.2)]
+LAWS = [
+    jo.mechanism.StickSlip(),
+    jo.mechanism.Regularised(1e-3),
+    FAST,
+    jo.mechanism.Regularised(0.2),
+]
 
 
 @pytest.mark.parametrize("law", LAWS, ids=repr)
@@ -93,14 +98,14 @@ LAWS = [jo.StickSlip(), jo.Regularised(1e-3), FAST, jo.Regularised(0.2)]
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_force_fits_the_reaction_that_it_changes(kind, flexible, law):
     model = jo.compile(machine(kind, flexible=flexible, law=law))
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     engine.accelerations()
     known = {"revolute": [3.0], "prismatic": [0.6], "cylindrical": [0.6, 3.0]}[kind]
     force = expected(kind, engine.sensors()[:6], np.array(known), law)
     assert engine.rub[: len(force)] == pytest.approx(force, rel=1e-10)
     assert not engine.rub[len(force) :].any()
     # and it matters: without friction the reaction is another
-    free = jo.Engine(jo.compile(machine(kind, flexible=flexible, friction=False)))
+    free = jo.model.Engine(jo.compile(machine(kind, flexible=flexible, friction=False)))
     free.accelerations()
     assert np.abs(free.lam[:3] - engine.lam[:3]).max() > 1e-3
 
@@ -108,28 +113,28 @@ def test_the_force_fits_the_reaction_that_it_changes(kind, flexible, law):
 @pytest.mark.parametrize("kind", KINDS)
 def test_it_acts_on_bodies_and_modes_like_a_force_along_the_coordinate(kind):
     """The same accelerations as with that force given, elastic modes included."""
-    engine = jo.Engine(jo.compile(machine(kind, law=FAST)))
+    engine = jo.model.Engine(jo.compile(machine(kind, law=FAST)))
     a, lam = (x.copy() for x in engine.accelerations())
     f = engine.rub[: 2 if kind == "cylindrical" else 1]
 
     def given(k):
         return lambda joint: jo.JointForce(f"push {k}", joint.coordinates[k], float(f[k]))
 
-    twin = jo.Engine(
+    twin = jo.model.Engine(
         jo.compile(machine(kind, friction=False, extra=[given(k) for k in range(len(f))]))
     )
     b, mu = twin.accelerations()
     modes = engine.model.bodies[1].iv + 6
     assert b == pytest.approx(a, rel=1e-9, abs=1e-9 * np.abs(a).max())
     assert mu == pytest.approx(lam, rel=1e-9, abs=1e-9 * np.abs(lam).max())
-    free = jo.Engine(jo.compile(machine(kind, friction=False)))
+    free = jo.model.Engine(jo.compile(machine(kind, friction=False)))
     assert np.abs(free.accelerations()[0] - a)[modes:].max() > 0.1  # the modes feel it
 
 
-@pytest.mark.parametrize("law", [jo.StickSlip(), FAST], ids=repr)
+@pytest.mark.parametrize("law", [jo.mechanism.StickSlip(), FAST], ids=repr)
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_residual_holds_the_same_friction(kind, law):
-    engine = jo.Engine(jo.compile(machine(kind, law=law)))
+    engine = jo.model.Engine(jo.compile(machine(kind, law=law)))
     a, _ = engine.accelerations()
     assert np.abs(engine.residual()).max() < 1e-9 * np.abs(a).max()
     engine.lam[:] *= 1.1  # friction follows the multipliers that are given
@@ -138,14 +143,16 @@ def test_the_residual_holds_the_same_friction(kind, law):
     assert engine.rub[0] / before[0] > 1.05
 
 
-@pytest.mark.parametrize("law", [jo.StickSlip(), FAST, jo.Regularised(0.4)], ids=repr)
+@pytest.mark.parametrize(
+    "law", [jo.mechanism.StickSlip(), FAST, jo.mechanism.Regularised(0.4)], ids=repr
+)
 @pytest.mark.parametrize("kind", KINDS)
 def test_newtons_matrix_knows_how_friction_follows_rates_and_multipliers(kind, law):
     """Against complex steps of the residual."""
-    engine = jo.Engine(jo.compile(machine(kind, law=law)))
+    engine = jo.model.Engine(jo.compile(machine(kind, law=law)))
     engine.row()  # what moves is said to slip
     nv, rows = engine.model.nv, engine.model.permanent
-    twin = jo.Engine(engine.model, complex_scalars=True)
+    twin = jo.model.Engine(engine.model, complex_scalars=True)
     for name in jo.model.native.native.STATE:
         getattr(twin, name)[:] = getattr(engine, name)
     wanted = np.zeros((nv, nv + rows))
@@ -158,19 +165,19 @@ def test_newtons_matrix_knows_how_friction_follows_rates_and_multipliers(kind, l
     engine.residual()
     rates = engine.newton_matrix(0.0, 1.0, 0.0)[:nv, : nv + rows]
     np.testing.assert_allclose(rates, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
-    plain = jo.Engine(jo.compile(machine(kind, friction=False)))
+    plain = jo.model.Engine(jo.compile(machine(kind, friction=False)))
     plain.accelerations()
     frictionless = plain.newton_matrix(0.0, 1.0, 0.0)[:nv, nv : nv + rows]
     assert np.abs(frictionless - rates[:, nv:]).max() > 1e-3
 
 
-@pytest.mark.parametrize("law", [jo.StickSlip(), FAST], ids=repr)
+@pytest.mark.parametrize("law", [jo.mechanism.StickSlip(), FAST], ids=repr)
 @pytest.mark.parametrize("kind", KINDS)
 def test_linearised_motion_holds_its_derivatives(kind, law):
     """The complex step passes the iteration: against differences of the accelerations."""
     model = jo.compile(machine(kind, law=law))
-    steps = jo.Engine(model, complex_scalars=True)
-    plain = jo.Engine(model)
+    steps = jo.model.Engine(model, complex_scalars=True)
+    plain = jo.model.Engine(model)
     rng = np.random.default_rng(3)
     dq, dv = rng.normal(size=(2, model.nv))
     dq, dv = turning(model, model.q0) @ dq * 1e-2, dv * 1e-2
@@ -205,31 +212,37 @@ def slope(mu, angle, law, static=None, velocity=0.0):
 def test_a_block_on_an_incline_slides_as_coulomb_says():
     mu, angle = 0.3, 0.4
     a = 9.81 * (np.sin(angle) - mu * np.cos(angle))
-    run = jo.simulate(slope(mu, angle, jo.StickSlip()), 1.0, solver=jo.RK4(step=0.01))
+    run = jo.simulate(slope(mu, angle, jo.mechanism.StickSlip()), 1.0, solver=jo.RK4(step=0.01))
     assert run["s"].ravel() == pytest.approx(0.5 * a * run.time**2, abs=1e-13)
     v = 1e-4
-    run = jo.simulate(slope(mu, angle, jo.Regularised(v)), 0.1, solver=jo.RK4(step=1e-5))
+    run = jo.simulate(slope(mu, angle, jo.mechanism.Regularised(v)), 0.1, solver=jo.RK4(step=1e-5))
     assert abs(run["s"].ravel()[-1] - 0.5 * a * 0.1**2) < v * 0.1
 
 
 def test_a_block_below_its_angle_of_friction_stays_for_ever():
     angle = np.arctan(0.3) - 1e-6
-    run = jo.simulate(slope(0.1, angle, jo.StickSlip(), static=0.3), 20.0, solver=jo.RK4(0.01))
+    run = jo.simulate(
+        slope(0.1, angle, jo.mechanism.StickSlip(), static=0.3), 20.0, solver=jo.RK4(0.01)
+    )
     assert np.abs(run["s"]).max() < 1e-14
-    steep = jo.simulate(slope(0.1, angle + 2e-6, jo.StickSlip(), static=0.3), 1.0)
+    steep = jo.simulate(slope(0.1, angle + 2e-6, jo.mechanism.StickSlip(), static=0.3), 1.0)
     assert steep["s"].ravel()[-1] > 0.5
     # the regularised law creeps, with less than its velocity
-    run = jo.simulate(slope(0.3, angle, jo.Regularised(1e-3)), 1.0, solver=jo.RK4(1e-4))
+    run = jo.simulate(slope(0.3, angle, jo.mechanism.Regularised(1e-3)), 1.0, solver=jo.RK4(1e-4))
     assert 1e-4 < run["s"].ravel()[-1] < 1e-3
 
 
 def test_a_block_pushed_upwards_stops_and_holds_or_comes_back():
     mu, angle, v = 0.5, 0.4, -1.0
     stop = -v / (9.81 * (np.sin(angle) + mu * np.cos(angle)))
-    run = jo.simulate(slope(mu, angle, jo.StickSlip(), velocity=v), 0.5, solver=jo.RK4(1e-4))
+    run = jo.simulate(
+        slope(mu, angle, jo.mechanism.StickSlip(), velocity=v), 0.5, solver=jo.RK4(1e-4)
+    )
     assert run["s"].ravel()[-1] == pytest.approx(0.5 * v * stop, rel=1e-3)
     assert run["rate"].ravel()[-1] == 0.0 or abs(run["rate"].ravel()[-1]) < 1e-14
-    run = jo.simulate(slope(0.2, angle, jo.StickSlip(), velocity=v), 1.0, solver=jo.RK4(1e-4))
+    run = jo.simulate(
+        slope(0.2, angle, jo.mechanism.StickSlip(), velocity=v), 1.0, solver=jo.RK4(1e-4)
+    )
     assert run["rate"].ravel()[-1] > 1.0
 
 
@@ -248,7 +261,7 @@ def test_a_ring_on_a_shaft_is_stopped_along_the_direction_of_its_slip():
         jo.Mechanism(
             ring,
             joint,
-            jo.Friction("rub", joint, mu, radius=r, preload=P, law=jo.StickSlip()),
+            jo.Friction("rub", joint, mu, radius=r, preload=P, law=jo.mechanism.StickSlip()),
             jo.CoordinateSensor("s", joint.displacement),
             jo.CoordinateSensor("phi", joint.angle),
         )
@@ -272,7 +285,7 @@ def loaded_ring(share):
     model = jo.compile(
         jo.Mechanism(
             *(ring, joint),
-            jo.Friction("rub", joint, 0.2, mu, radius=r, preload=P, law=jo.StickSlip()),
+            jo.Friction("rub", joint, 0.2, mu, radius=r, preload=P, law=jo.mechanism.StickSlip()),
             jo.JointForce("pull", joint.displacement, 0.8 * load),
             jo.JointForce("twist", joint.angle, -0.6 * load * r),
             jo.CoordinateSensor("s", joint.displacement),
@@ -306,7 +319,7 @@ def test_the_direction_of_slip_may_turn_all_the_way_round():
         jo.Mechanism(
             *(ring, joint),
             jo.Spring("spring", joint.displacement, k),
-            jo.Friction("rub", joint, mu, radius=r, preload=P, law=jo.StickSlip()),
+            jo.Friction("rub", joint, mu, radius=r, preload=P, law=jo.mechanism.StickSlip()),
             jo.CoordinateSensor("s", joint.displacement),
             jo.CoordinateSensor("phi", joint.angle),
         )
@@ -336,7 +349,7 @@ def sleeve(mu, load=0.0):
 
 def test_friction_that_jams_is_said():
     """f = mu (1 + f e / L): the weight hangs in it; beyond mu e / L = 1 nothing fits."""
-    engine = jo.Engine(sleeve(0.8))
+    engine = jo.model.Engine(sleeve(0.8))
     engine.accelerations()
     assert engine.rub[0] == pytest.approx(0.8 / (1 - 0.8), rel=1e-9)
     with pytest.raises(jo.InputError, match=r"friction 'rub'.*joint 'pole'.*jams.*lower mu"):
@@ -346,7 +359,7 @@ def test_friction_that_jams_is_said():
 @pytest.mark.parametrize(("mu", "load"), [(1.1, 2.0), (1.2, 5.0), (2.0, 20.0), (3.0, 20.0)])
 def test_of_two_solutions_the_one_that_begins_without_friction_is_taken(mu, load):
     """f = mu (1 + |f - load|) has a second one where f outgrows the load."""
-    engine = jo.Engine(sleeve(mu, load))
+    engine = jo.model.Engine(sleeve(mu, load))
     engine.accelerations()
     assert abs(engine.rub[0]) == pytest.approx(mu * (1 + load) / (1 + mu), rel=1e-9)
 
@@ -392,13 +405,13 @@ def test_lengths_that_carry_nothing_get_a_sentence():
     with pytest.raises(jo.InputError, match="no force along its axis that could press a collar"):
         jo.Friction("rub", pin, 0.1, radius=0.1, collar_radius=0.1)
     with pytest.raises(jo.InputError, match="velocity is 0 m/s"):
-        jo.Regularised(0.0)
+        jo.mechanism.Regularised(0.0)
 
 
 def test_a_mechanism_refuses_frictions_that_cannot_be():
     body, joint = hinge()
     drive = jo.Drive("motor", joint.angle, jo.Ramp(0, 1))
-    stick = jo.Friction("stick", joint, 0.2, radius=0.1, law=jo.StickSlip())
+    stick = jo.Friction("stick", joint, 0.2, radius=0.1, law=jo.mechanism.StickSlip())
     with pytest.raises(jo.InputError, match="drive 'motor' moves joint 'hinge'.*Regularised"):
         jo.Mechanism(body, joint, drive, stick)
     with pytest.raises(jo.InputError, match="joint 'hinge' has the friction 'rub' already"):
@@ -431,7 +444,7 @@ def test_driven_joints_feel_their_friction():
         return jo.compile(jo.Mechanism(body, joint, motor, *rub, pin, jo.Gravity((0, -9.81, 0))))
 
     times = [0.3, 0.5]
-    free, run = (jo.inverse_dynamics(crane(None, mu), times) for mu in (0.0, 0.2))
+    free, run = (jo.simulation.inverse_dynamics(crane(None, mu), times) for mu in (0.0, 0.2))
     N = np.hypot(*run["pin"][:, :2].T)
     row = 5  # after those of the hinge
     assert (run.multipliers - free.multipliers)[:, row] == pytest.approx(-0.2 * 0.1 * N, rel=1e-9)
@@ -439,7 +452,7 @@ def test_driven_joints_feel_their_friction():
 
 @pytest.mark.filterwarnings("ignore:.*energy balance misses")
 def test_a_step_that_the_smooth_law_cannot_bear_is_said():
-    model = slope(0.3, 0.2, jo.Regularised(1e-3))
+    model = slope(0.3, 0.2, jo.mechanism.Regularised(1e-3))
     with pytest.warns(jo.JoustoWarning, match=r"friction 'rub' stops the slip .* chatters") as said:
         jo.simulate(model, 0.1, solver=jo.RK4(1e-2))
     text = str(said[0].message)
@@ -450,7 +463,7 @@ def test_a_step_that_the_smooth_law_cannot_bear_is_said():
     jo.simulate(model, 0.1, solver=jo.RK4(limit))  # warnings are errors
 
 
-@pytest.mark.parametrize("solver", [jo.RK4(4e-3), jo.ROS2(4e-3), jo.DormandPrince(1e-6)])
+@pytest.mark.parametrize("solver", [jo.RK4(4e-3), jo.ROS2(4e-3), jo.simulation.DormandPrince(1e-6)])
 def test_a_slip_that_turns_near_rest_is_not_stopped(solver):
     """Thrown up with a slow spin: the spin goes on through the turning point.
 
@@ -460,7 +473,7 @@ def test_a_slip_that_turns_near_rest_is_not_stopped(solver):
         "b", 1.0, (0.1, 0.1, 0.1), velocity=(0, 0, 0.5), angular_velocity=(0, 0, 0.1)
     )
     joint = jo.Cylindrical("joint", jo.ground["origin"], body["origin"], (0, 0, 1))
-    rub = jo.Friction("rub", joint, 1e-4, radius=0.05, preload=1.0, law=jo.StickSlip())
+    rub = jo.Friction("rub", joint, 1e-4, radius=0.05, preload=1.0, law=jo.mechanism.StickSlip())
     spin = jo.RateSensor("spin", joint.angle)
     model = jo.compile(jo.Mechanism(body, joint, rub, spin, jo.Gravity((0, 0, -9.81))))
     run = jo.simulate(model, 0.2, solver=solver, output_step=0.02)
@@ -500,7 +513,7 @@ def test_a_distance_of_nothing_has_no_direction():
 
 @pytest.mark.parametrize("flexible", [False, True])
 @pytest.mark.parametrize("count", [1, 2, 8, 9, 12])
-@pytest.mark.parametrize("law", [None, jo.StickSlip()])
+@pytest.mark.parametrize("law", [None, jo.mechanism.StickSlip()])
 def test_any_number_of_frictions_agree_with_the_reactions_of_all(law, count, flexible):
     # few frictions are found from what each adds to the reactions, many by repeated solutions; the
     # equations of motion, which take friction from the multipliers, tell whether either is right

@@ -97,7 +97,7 @@ def test_a_four_bar_follows_the_rate_of_one_joint(joint: str, flexible: bool) ->
     assert turning(model) == pytest.approx([RATE, w3, w4], rel=1e-9)
     for b in model.bodies:
         assert np.abs(model.v0[b.iv + 6 : b.iv + 6 + b.n]).max(initial=0.0) < 1e-9
-    assert jo.Engine(model).residuals()[1] < 1e-10
+    assert jo.model.Engine(model).residuals()[1] < 1e-10
 
 
 @pytest.mark.parametrize("flexible", [False, True])
@@ -111,7 +111,7 @@ def test_a_four_bar_follows_the_value_of_one_joint(degrees: float, flexible: boo
     assert turning(model) == pytest.approx([-RATE, *rates(phi, -RATE)], rel=1e-9)
     for b in model.bodies:  # loops turn as rigid bodies, nothing is bent
         assert np.abs(model.q0[b.iq + 7 : b.iq + 7 + b.n]).max(initial=0.0) < 1e-9
-    assert jo.Engine(model).residuals()[0] < 1e-12
+    assert jo.model.Engine(model).residuals()[0] < 1e-12
 
 
 def test_a_slider_crank_follows_the_speed_of_its_slider() -> None:

@@ -77,9 +77,9 @@ def build(name: str, flexible: bool) -> jo.Model:
 NAMES = (*JOINTS, "Rod", "Gear", "Drive", "Rack")
 
 
-def disturbed(model: jo.Model) -> jo.Engine:
+def disturbed(model: jo.Model) -> jo.model.Engine:
     """An engine somewhere on the constraints, everything moving, bodies bent."""
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     rng = np.random.default_rng(3)
     move = 0.05 * rng.normal(size=model.nv)
     for body in model.bodies:
@@ -99,7 +99,7 @@ def test_velocity_and_acceleration_rows_are_derivatives_of_the_position_rows(nam
     engine = disturbed(model)
     assert max(engine.residuals()) < 1e-9  # as demanded of every joint
     a, _ = engine.accelerations()
-    probe = jo.Engine(model, complex_scalars=True)
+    probe = jo.model.Engine(model, complex_scalars=True)
     probe.turn[:] = engine.turn
     probe.q[:] = displaced(model, engine.q.astype(complex), 1j * EPS * engine.v)
     probe.v[:] = engine.v + 1j * EPS * a
@@ -120,7 +120,7 @@ def test_joint_forces_follow_from_the_virtual_work_of_the_rows(name, flexible):
     a, lam = (x.copy() for x in engine.accelerations())
     Cq = constraint_matrix(model, engine)
     # the same state without rows: the accelerations differ by M^-1 Cq^T lam
-    loose = jo.Engine(_free(model))
+    loose = jo.model.Engine(_free(model))
     loose.q[:], loose.v[:], loose.time[:] = engine.q, engine.v, engine.time
     free = loose.accelerations()[0]
     for i, body in enumerate(model.bodies):
@@ -218,7 +218,9 @@ def test_the_remedy_makes_the_rows_independent_and_keeps_the_motion():
     assert not other.redundant
     # the same initial accelerations; 1e-9: the least norm solution is refined to round-off
     np.testing.assert_allclose(
-        jo.Engine(model).accelerations()[0], jo.Engine(other).accelerations()[0], atol=1e-9
+        jo.model.Engine(model).accelerations()[0],
+        jo.model.Engine(other).accelerations()[0],
+        atol=1e-9,
     )
 
 

@@ -56,7 +56,7 @@ def test_mass_matrix_and_accelerations_are_those_of_the_particles(rng, n, comple
     v = rng.normal(size=6 + n)
     body = body_model(mass, u0, Phi, K, D)
     model = Model("cloud", g, (body,), (), 0, (), (), (), (), eliminate([], []), q, v)
-    engine = jo.Engine(model, complex_scalars=complex_scalars)
+    engine = jo.model.Engine(model, complex_scalars=complex_scalars)
     a, _ = engine.accelerations()
 
     p, pd, w = q[7:], v[6:], v[3:6]

@@ -33,7 +33,7 @@ class Curve:
 
 
 def meter(residue="half", **options):
-    return jo.DamageMeter(Curve(), residue=residue, **options)
+    return jo.model.DamageMeter(Curve(), residue=residue, **options)
 
 
 def three_point(x):
@@ -196,13 +196,33 @@ def test_many_histories_side_by_side(rng):
 # -- curves and mean stress as in Python ------------------------------------------------------
 
 MEANS = (
-    *(None, jo.Goodman(400e6), jo.Goodman(400e6, credit=False), jo.Morrow(900e6)),
-    *(jo.Soderberg(300e6), jo.Gerber(400e6), jo.SWT(), jo.Walker(0.65), jo.FKM(0.3)),
-    *(jo.WeldRatio("low"), jo.WeldRatio("medium"), jo.WeldRatio("high"), jo.PartCompression()),
+    *(
+        None,
+        jo.fatigue.Goodman(400e6),
+        jo.fatigue.Goodman(400e6, credit=False),
+        jo.fatigue.Morrow(900e6),
+    ),
+    *(
+        jo.fatigue.Soderberg(300e6),
+        jo.fatigue.Gerber(400e6),
+        jo.fatigue.SWT(),
+        jo.fatigue.Walker(0.65),
+        jo.fatigue.FKM(0.3),
+    ),
+    *(
+        jo.fatigue.WeldRatio("low"),
+        jo.fatigue.WeldRatio("medium"),
+        jo.fatigue.WeldRatio("high"),
+        jo.fatigue.PartCompression(),
+    ),
 )
 CURVES = (
     *(jo.SN(100e6, 1e6, 5, rule) for rule in ("original", "elementary", "haibach")),
-    *(jo.fat_class(71), jo.fat_class(71, "en"), jo.SN(80e6, 2e6, 4, T_S=1.3).at_survival(0.977)),
+    *(
+        jo.fatigue.fat_class(71),
+        jo.fatigue.fat_class(71, "en"),
+        jo.SN(80e6, 2e6, 4, T_S=1.3).at_survival(0.977),
+    ),
 )
 
 
@@ -211,7 +231,7 @@ def test_mean_stress_is_corrected_as_in_python(rng, mean):
     a, b = rng.uniform(-350e6, 350e6, (2, 500))
     a[:8] = [0, 100e6, -100e6, 100e6, 300e6, -300e6, 399e6, 200e6]  # on the borders of regimes
     b[:8] = [100e6, 0, 0, -100e6, 150e6, -100e6, 401e6, 100e6]
-    m = jo.DamageMeter(CURVES[1], residue="half", mean=mean)
+    m = jo.model.DamageMeter(CURVES[1], residue="half", mean=mean)
     found = [m._library.jo_cycle_amplitude(m._rule, x, y) for x, y in zip(a, b, strict=True)]
     expected = 0.5 * np.abs(a - b)
     if mean is not None:
@@ -223,7 +243,7 @@ def test_mean_stress_is_corrected_as_in_python(rng, mean):
 def test_damage_is_that_of_the_curve(rng, sn):
     S_D, _, _, _, limit = sn.numbers
     S = np.concatenate([rng.uniform(0.0, 3.0 * S_D, 200), [0.0, S_D, limit, 0.999 * limit]])
-    m = jo.DamageMeter(sn, residue="half")
+    m = jo.model.DamageMeter(sn, residue="half")
     found = [m._library.jo_cycle_damage(m._rule, -x, x) for x in S]
     np.testing.assert_allclose(found, [sn.damage(x) for x in S], rtol=1e-12)
 
@@ -231,10 +251,10 @@ def test_damage_is_that_of_the_curve(rng, sn):
 @pytest.mark.parametrize("residue", ["half", "ignore", "repeat"])
 def test_the_meter_and_the_offline_damage_are_one(rng, residue):
     x = 40e6 + 0.97 * np.cumsum(rng.normal(size=5000)) * 4e6
-    sn, mean = jo.SN(100e6, 1e6, 5, "haibach"), jo.FKM(0.3)
-    m = jo.DamageMeter(sn, residue=residue, mean=mean)
+    sn, mean = jo.SN(100e6, 1e6, 5, "haibach"), jo.fatigue.FKM(0.3)
+    m = jo.model.DamageMeter(sn, residue=residue, mean=mean)
     m.push(x)
-    offline = jo.damage(jo.rainflow(x, residue=residue), sn, mean)
+    offline = jo.fatigue.damage(jo.fatigue.rainflow(x, residue=residue), sn, mean)
     assert m.damage()[0] == pytest.approx(offline, rel=1e-12)
     assert offline > 0.0
 
@@ -313,21 +333,21 @@ def test_small_cycles_are_not_lost_in_a_large_sum():
 
 def test_the_memory_of_another_curve_is_refused():
     x = 25e6 * ASTM
-    first = jo.DamageMeter(jo.SN(100e6, 1e6, 5), residue="half", n=2)
+    first = jo.model.DamageMeter(jo.SN(100e6, 1e6, 5), residue="half", n=2)
     first.push(np.stack([x, 2 * x], axis=1))
     saved = first.save()
     for name, sn, options in (
         ("S-N curve", jo.SN(10e6, 1e6, 5), {}),
         ("S-N curve", jo.SN(100e6, 1e6, 5, "haibach"), {}),
-        ("mean stress correction", jo.SN(100e6, 1e6, 5), {"mean": jo.Goodman(400e6)}),
+        ("mean stress correction", jo.SN(100e6, 1e6, 5), {"mean": jo.fatigue.Goodman(400e6)}),
         ("resolution", jo.SN(100e6, 1e6, 5), {"resolution": 1e6}),
     ):
-        other = jo.DamageMeter(sn, residue="half", n=2, **options)
+        other = jo.model.DamageMeter(sn, residue="half", n=2, **options)
         with pytest.raises(jo.InputError, match=f"row 0 of memory was counted with another {name}"):
             other.load(saved)
         assert not other.damage().any()  # nothing was taken
     # the same curve and another residue rule go on
-    same = jo.DamageMeter(jo.SN(100e6, 1e6, 5), residue="ignore", n=2)
+    same = jo.model.DamageMeter(jo.SN(100e6, 1e6, 5), residue="ignore", n=2)
     same.load(saved)
     np.testing.assert_array_equal(same.damage("half"), first.damage())
 
@@ -337,7 +357,7 @@ def test_the_memory_of_another_curve_is_refused():
 
 def test_all_mistakes_at_once():
     with pytest.raises(jo.InputError) as error:
-        jo.DamageMeter(3.0, residue="halves", mean="goodman", n=0, depth=3, resolution=-1.0)
+        jo.model.DamageMeter(3.0, residue="halves", mean="goodman", n=0, depth=3, resolution=-1.0)
     text = str(error.value)
     for part in (
         "sn is 3.0, must be an S-N curve",

@@ -16,7 +16,7 @@ EI, MU = 210e9 * 0.08 * 0.06**3 / 12, 7850 * 0.08 * 0.06
 
 
 def bridge(elements: int = 8, modes: int = 40) -> jo.FlexibleBody:
-    part = jo.Part.beam(LENGTH, SECTION, elements, STEEL, theory=jo.EulerBernoulli())
+    part = jo.Part.beam(LENGTH, SECTION, elements, STEEL, theory=jo.parts.EulerBernoulli())
     reduced = jo.reduce(part, jo.CraigBampton(interfaces=("start", "end"), modes=modes))
     return jo.FlexibleBody("beam", reduced.keep(reduced.in_plane("xz")))
 
@@ -50,7 +50,7 @@ def test_a_force_crosses_a_bridge_as_the_closed_form_says(speed: float):
     """The rotary inertia of the sections, which the closed form has not, slows mode 1 by 1e-4."""
     body = bridge()
     end = LENGTH / speed
-    load = jo.MovingLoad(
+    load = jo.mechanism.MovingLoad(
         "wheel", body, ("start", "end"), (0, 0, -FORCE), jo.Ramp(0, end, before=0, after=LENGTH)
     )
     model = supported(body, load, jo.PositionSensor("middle", body["node5"]))
@@ -64,7 +64,7 @@ def test_a_force_crosses_a_bridge_as_the_closed_form_says(speed: float):
 @pytest.mark.filterwarnings("ignore:.*leave out .* of the static work")
 def test_it_is_a_force_at_a_node_that_it_passes():
     body = bridge()
-    here = jo.MovingLoad("here", body, ("start", "end"), (30, 0, -FORCE), 1.5)
+    here = jo.mechanism.MovingLoad("here", body, ("start", "end"), (30, 0, -FORCE), 1.5)
     model = supported(body, here)
     at = jo.Force("at", body["node4"], (30, 0, -FORCE))
     other = supported(body, at)
@@ -78,7 +78,7 @@ def test_between_nodes_it_bends_as_the_closed_form_of_statics():
     """The middle of a beam on two supports sinks by F a (3 L^2 - 4 a^2) / 48 E I."""
     body = bridge()
     a = 0.3 * LENGTH
-    load = jo.MovingLoad("load", body, ("end", "start"), (0, 0, -FORCE), LENGTH - a)
+    load = jo.mechanism.MovingLoad("load", body, ("end", "start"), (0, 0, -FORCE), LENGTH - a)
     model = supported(
         body,
         load,
@@ -99,14 +99,16 @@ def test_between_nodes_it_bends_as_the_closed_form_of_statics():
 @pytest.mark.parametrize("s", [-0.1, LENGTH + 0.1])
 def test_beyond_the_ends_there_is_no_force(s: float):
     body = bridge()
-    model = supported(body, jo.MovingLoad("load", body, ("start", "end"), (0, 0, -FORCE), s))
+    model = supported(
+        body, jo.mechanism.MovingLoad("load", body, ("start", "end"), (0, 0, -FORCE), s)
+    )
     assert np.abs(Engine(model).accelerations()[0]).max() < 1e-9
 
 
 def test_it_turns_with_the_body_if_it_follows():
     body = bridge()
     turned = jo.FlexibleBody("beam", body.reduced, orientation=jo.Rotate((0, 1, 0), degrees=30.0))
-    load = jo.MovingLoad("load", turned, ("start", "end"), (0, 0, 1.0), 1.0, follow=True)
+    load = jo.mechanism.MovingLoad("load", turned, ("start", "end"), (0, 0, 1.0), 1.0, follow=True)
     pivot = jo.Spherical("pivot", jo.ground["origin"], turned["start"])
     model = jo.compile(jo.Mechanism(turned, pivot, load, jo.ForceSensor("force", load)))
     engine = Engine(model)
@@ -120,7 +122,9 @@ def test_it_turns_with_the_body_if_it_follows():
 def test_on_a_rigid_body_it_is_a_force_at_the_point():
     block = jo.RigidBody("block", 3.0, (0.2, 0.3, 0.4), markers={"a": (1, 0, 0), "b": (1, 2, 0)})
     F = (5.0, 0, -7.0)
-    here = jo.compile(jo.Mechanism(block, jo.MovingLoad("load", block, ("a", "b"), F, 0.5)))
+    here = jo.compile(
+        jo.Mechanism(block, jo.mechanism.MovingLoad("load", block, ("a", "b"), F, 0.5))
+    )
     there = jo.compile(jo.Mechanism(block, jo.Force("load", block.at((1, 0.5, 0)), F)))
     a, b = Engine(here).accelerations()[0], Engine(there).accelerations()[0]
     assert np.abs(b).max() > 1.0
@@ -130,15 +134,15 @@ def test_on_a_rigid_body_it_is_a_force_at_the_point():
 def test_what_is_wrong_is_said():
     body = bridge()
     with pytest.raises(jo.InputError) as caught:
-        jo.MovingLoad("load", body, ("start", "emd"), (0, 0), "x")
+        jo.mechanism.MovingLoad("load", body, ("start", "emd"), (0, 0), "x")
     text = str(caught.value)
     assert "no node 'emd'; did you mean 'end'?" in text
     assert "vector" in text
     assert "position" in text
     with pytest.raises(jo.InputError, match="two nodes or more"):
-        jo.MovingLoad("load", body, "start", (0, 0, 1), 0.0)
+        jo.mechanism.MovingLoad("load", body, "start", (0, 0, 1), 0.0)
     with pytest.raises(jo.InputError, match="follow one another"):
-        jo.MovingLoad("load", body, ("end", "end"), (0, 0, 1), 0.0)
+        jo.mechanism.MovingLoad("load", body, ("end", "end"), (0, 0, 1), 0.0)
 
 
 def test_the_model_file_says_it():
@@ -162,7 +166,7 @@ forces:
     position: {type: ramp, start: 0, end: 2 s, before: 500 mm, after: 3 m}
 """
     (load,) = parse_model(text).mechanism.forces
-    assert isinstance(load, jo.MovingLoad)
+    assert isinstance(load, jo.mechanism.MovingLoad)
     assert load.nodes == tuple(range(9))
     assert load.position(2.0) == 3.0
     with pytest.raises(jo.InputError, match="body: no body 'bean'; did you mean 'beam'?"):

@@ -29,7 +29,7 @@ STEP = 1e-30
 def rate_tangent(engine):
     """Return d(Cq v)/dq by complex steps."""
     model = engine.model
-    twin = jo.Engine(model, complex_scalars=True)
+    twin = jo.model.Engine(model, complex_scalars=True)
     for name in ("q", "v", "time", "input", "turn", "locked"):
         getattr(twin, name)[:] = getattr(engine, name)
     out = np.zeros((model.nrow, model.nv))
@@ -41,7 +41,7 @@ def rate_tangent(engine):
 
 def multiplier_tangent(engine):
     """Return dr/dlam by complex steps: Cq^T, and what friction makes of the multipliers."""
-    twin = jo.Engine(engine.model, complex_scalars=True)
+    twin = jo.model.Engine(engine.model, complex_scalars=True)
     names = ("q", "v", "a", "lam", "time", "input", "turn", "locked", "slip", "direction")
     for name in names:
         getattr(twin, name)[:] = getattr(engine, name)
@@ -107,7 +107,7 @@ FORCES = {
 @pytest.mark.parametrize("name", FORCES)
 def test_every_force(name, turn):
     model = test_forces.two_bodies(FORCES[name])
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     rng = np.random.default_rng(2)
     engine.q[10:14] = [1.0, 0.4 * turn, -0.6 * turn, 0.9 * turn]
     engine.q[10:14] /= np.linalg.norm(engine.q[10:14])
@@ -120,15 +120,19 @@ def test_every_force(name, turn):
     assert (np.abs(engine.newton_matrix(0.0, 1.0, 0.0)).max() > 0.2) or not yields
 
 
-@pytest.mark.parametrize("law", [jo.StickSlip(), test_friction.FAST, jo.Regularised(0.2)], ids=repr)
+@pytest.mark.parametrize(
+    "law", [jo.mechanism.StickSlip(), test_friction.FAST, jo.mechanism.Regularised(0.2)], ids=repr
+)
 @pytest.mark.parametrize("kind", test_friction.KINDS)
 def test_rubbing_joints(kind, law):
-    engine = jo.Engine(jo.compile(test_friction.machine(kind, law=law)))
+    engine = jo.model.Engine(jo.compile(test_friction.machine(kind, law=law)))
     rng = np.random.default_rng(6)
     engine.q[:] = displaced(engine.model, engine.q, 0.02 * rng.normal(size=engine.model.nv))
     engine.v += 0.1 * rng.normal(size=engine.model.nv)
     engine.accelerations()
-    engine.slip[:] = np.where(engine.slip == 0, 1, engine.slip) * isinstance(law, jo.StickSlip)
+    engine.slip[:] = np.where(engine.slip == 0, 1, engine.slip) * isinstance(
+        law, jo.mechanism.StickSlip
+    )
     assert_exact(engine, tolerance=1e-11)
     change = multiplier_tangent(engine) - engine.tangent().Cq.T
     assert np.abs(change).max() > 1e-3
@@ -138,10 +142,10 @@ def test_rubbing_joints(kind, law):
 def test_a_force_on_its_way_along_a_body(follow):
     body = test_moving_load.bridge(4, 6)
     place = jo.Ramp(0, 1.0, before=0, after=test_moving_load.LENGTH)
-    load = jo.MovingLoad(
+    load = jo.mechanism.MovingLoad(
         "wheel", body, ("start", "end"), (30.0, 20.0, -500.0), place, follow=follow
     )
-    engine = jo.Engine(test_moving_load.supported(body, load))
+    engine = jo.model.Engine(test_moving_load.supported(body, load))
     engine.time[0] = 0.41
     rng = np.random.default_rng(6)
     engine.q[:] = displaced(engine.model, engine.q, 0.05 * rng.normal(size=engine.model.nv))
@@ -155,7 +159,7 @@ def test_user_functions_by_differences():
         return np.concatenate([-30.0 * x[:3] - 2.0 * x[12:15], 4.0 * x[3:6] - 3.0 * x[15:18]])
 
     model = test_forces.two_bodies(ForceModel("f", "user", np.zeros(1), a=0, b=1, function=pull))
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     engine.v[:] = np.random.default_rng(2).normal(size=model.nv)
     engine.accelerations()
     K, D = engine.newton_matrix(0.0, 0.0, 1.0), engine.newton_matrix(0.0, 1.0, 0.0)
@@ -175,7 +179,7 @@ def test_user_functions_by_differences():
 
 
 def test_second_order_markers():
-    engine = jo.Engine(spinning_chain(True))
+    engine = jo.model.Engine(spinning_chain(True))
     rng = np.random.default_rng(4)
     for b in engine.model.bodies:
         engine.q[b.iq + 7 : b.iq + 7 + b.n] = 0.05 * rng.normal(size=b.n)
@@ -205,7 +209,7 @@ def test_small_and_large_bodies(rng, n):
         q,
         rng.normal(size=6 + n),
     )
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     engine.accelerations()
     assert_exact(engine)
 

@@ -12,7 +12,9 @@ from jousto.reduction.reach import Reach
 
 STEEL = jo.Material(E=210e9, nu=0.3, rho=7850.0)
 LENGTH, NODES = 1.0, 21
-PART = jo.Part.beam(LENGTH, jo.Rectangle(0.02, 0.01), NODES - 1, STEEL, theory=jo.EulerBernoulli())
+PART = jo.Part.beam(
+    LENGTH, jo.Rectangle(0.02, 0.01), NODES - 1, STEEL, theory=jo.parts.EulerBernoulli()
+)
 
 
 def pattern(axis: int = 2) -> np.ndarray:
@@ -30,7 +32,7 @@ def loads() -> np.ndarray:
 
 def told(method: object, *more: object, item: object = None, part: jo.Part = PART) -> list[str]:
     body = jo.FlexibleBody("beam", jo.reduce(part, method))  # type: ignore[arg-type]
-    load = jo.ModalLoad("wind", body, pattern()) if item is None else item(body)  # type: ignore[operator]
+    load = jo.mechanism.ModalLoad("wind", body, pattern()) if item is None else item(body)  # type: ignore[operator]
     weld = jo.Fixed("weld", jo.ground["origin"], body["start"])
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")
@@ -107,7 +109,7 @@ def test_stress_is_as_wrong_as_the_warning_says() -> None:
             jo.Mechanism(
                 body,
                 jo.Fixed("weld", jo.ground["origin"], body["start"]),
-                jo.ModalLoad("wind", body, pattern()),
+                jo.mechanism.ModalLoad("wind", body, pattern()),
             )
         )
         p = jo.equilibrium(model).q[7:]
@@ -127,12 +129,12 @@ def test_stress_is_as_wrong_as_the_warning_says() -> None:
 def test_modes_of_a_clamped_part_are_asked_too() -> None:
     # its interface rests in every mode; two modes of each plane leave out 1.2 % of a line load on a
     # cantilever and less, none of the plane leaves out all
-    reduced = jo.clamp(jo.reduce(PART, jo.CraigBampton(("start",), modes=4)), "start")
+    reduced = jo.reduction.clamp(jo.reduce(PART, jo.CraigBampton(("start",), modes=4)), "start")
     body = jo.FlexibleBody("beam", reduced)
     weld = jo.Fixed("weld", jo.ground["origin"], body["start"])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        jo.compile(jo.Mechanism(body, weld, jo.ModalLoad("wind", body, pattern())))
+        jo.compile(jo.Mechanism(body, weld, jo.mechanism.ModalLoad("wind", body, pattern())))
     flat = reduced.keep(reduced.in_plane("xy"))
     work = Reach(flat).work(loads()[:, None])
     assert work is not None and work[1][0] < 1e-9 * work[0][0]

@@ -28,7 +28,7 @@ def ball(name="ball", **more):
 
 def start(*items):
     """Return the engine at the initial state, and the values of all sensors by name."""
-    return values(jo.Engine(jo.compile(jo.Mechanism(*items))))
+    return values(jo.model.Engine(jo.compile(jo.Mechanism(*items))))
 
 
 def values(engine):
@@ -43,7 +43,7 @@ def values(engine):
 
 def stiff_rod():
     """Return a beam whose second-order displacements are kept."""
-    part = jo.Part.beam(1.0, SECTION, 4, SOFT, theory=jo.EulerBernoulli())
+    part = jo.Part.beam(1.0, SECTION, 4, SOFT, theory=jo.parts.EulerBernoulli())
     return jo.reduce(part, jo.CraigBampton(("start", "end"), modes=1), stiffening=True)
 
 
@@ -84,13 +84,13 @@ def derivatives(request):
         bend = 0.3 if request.param == "linear" else 0.1
         q[b.iq + 7 : b.iq + 7 + b.n] += bend * rng.uniform(0.5, 1, b.n) / (1 + np.arange(b.n))
         v[b.iv + 6 : b.iv + 6 + b.n] += rng.normal(size=b.n)
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     engine.q[:], engine.v[:] = q, v
     engine.assemble()
     found = values(engine)
     q, v, a = engine.q.copy(), engine.v.copy(), engine.a.copy()
     # a complex step along the motion: q + i h q', v + i h a
-    twin = jo.Engine(model, complex_scalars=True)
+    twin = jo.model.Engine(model, complex_scalars=True)
     twin.q[:] = q
     moves = twin.increments()
     twin.q += 1j * TINY * (moves @ v)
@@ -280,7 +280,9 @@ def test_servo_and_actuator_forces_are_along_their_coordinate():
     np.testing.assert_allclose(found["a"], (6.5, 0, 0), atol=1e-13)
 
 
-@pytest.mark.parametrize("law", [jo.Regularised(1e-4), jo.StickSlip()], ids=["smooth", "stick"])
+@pytest.mark.parametrize(
+    "law", [jo.mechanism.Regularised(1e-4), jo.mechanism.StickSlip()], ids=["smooth", "stick"]
+)
 def test_friction_of_a_block_that_slides(law):
     """Coulomb: mu m g against the slip; the kinetic law holds far above the slip speed."""
     block = ball(velocity=(-0.5, 0, 0))
@@ -297,7 +299,7 @@ def test_friction_of_a_block_that_slides(law):
 def test_friction_that_holds_is_as_large_as_the_push():
     block = ball()
     slide = jo.Prismatic("slide", jo.ground["origin"], block["origin"], X)
-    rub = jo.Friction("rub", slide, 0.2, law=jo.StickSlip())
+    rub = jo.Friction("rub", slide, 0.2, law=jo.mechanism.StickSlip())
     push = jo.JointForce("push", slide.displacement, 3.0)
     model = jo.compile(
         jo.Mechanism(block, slide, rub, push, jo.Gravity((0, 0, -10)), jo.ForceSensor("f", rub))
@@ -309,7 +311,7 @@ def test_friction_that_holds_is_as_large_as_the_push():
 def test_friction_of_a_cylindrical_joint_has_two_parts():
     ring = ball(velocity=(0.3, 0, 0), angular_velocity=(4.0, 0, 0))
     shaft = jo.Cylindrical("shaft", jo.ground["origin"], ring["origin"], X)
-    rub = jo.Friction("rub", shaft, 0.1, radius=0.1, law=jo.StickSlip())
+    rub = jo.Friction("rub", shaft, 0.1, radius=0.1, law=jo.mechanism.StickSlip())
     sensor = jo.ForceSensor("f", rub)
     found = start(ring, shaft, rub, jo.Gravity((0, 0, -10.0)), sensor)
     # 0.3 m/s along and 0.4 m/s around: 3/5 and 4/5 of mu N
@@ -326,7 +328,7 @@ def test_modal_load_gives_its_resultant():
     body = jo.FlexibleBody("body", part, orientation=jo.Rotate(Z, degrees=90.0))
     pattern = np.zeros((len(part.nodes), 3))
     pattern[2], pattern[-1] = (0.0, 4.0, 0.0), (1.0, 2.0, 3.0)
-    load = jo.ModalLoad("load", body, pattern, jo.Constant(0.5))
+    load = jo.mechanism.ModalLoad("load", body, pattern, jo.Constant(0.5))
     found = start(body, load, jo.ForceSensor("r", load))
     force = pattern.sum(axis=0)
     moment = np.cross(part.nodes, pattern).sum(axis=0)
@@ -392,7 +394,7 @@ def test_drive_torque_of_a_driven_pendulum():
     model = jo.compile(
         jo.Mechanism(bar, hinge, drive, jo.Gravity((0, -g, 0)), jo.ReactionSensor("M", drive))
     )
-    run = jo.kinematics(model, np.linspace(0.0, 1.3, 14))
+    run = jo.simulation.kinematics(model, np.linspace(0.0, 1.3, 14))
     w = 2 * np.pi * 0.8
     phi, second = 0.7 * np.sin(w * run.time), -0.7 * w**2 * np.sin(w * run.time)
     expected = (J0 + mass * c**2) * second + mass * g * c * np.sin(phi)
@@ -443,17 +445,17 @@ def cantilever(load):
     """Return a tip-loaded cantilever with all its modes, at rest under the load, and sensors."""
     section = jo.Rectangle(0.02, 0.04)
     steel = jo.Material(E=210e9, nu=0.3, rho=7850.0)
-    part = jo.Part.beam(0.5, section, 3, steel, theory=jo.EulerBernoulli())
+    part = jo.Part.beam(0.5, section, 3, steel, theory=jo.parts.EulerBernoulli())
     beam = jo.FlexibleBody("beam", jo.reduce(part, jo.CraigBampton(("start", "end"), modes=12)))
     clamp = jo.Fixed("clamp", jo.ground["origin"], beam["start"])
-    kinds = (jo.StressSensor, jo.VonMisesSensor, jo.PrincipalStressSensor)
+    kinds = (jo.StressSensor, jo.VonMisesSensor, jo.mechanism.PrincipalStressSensor)
     site = "e1.a.top"
     sensors = [kind(kind.__name__, beam, site) for kind in kinds]
     sensors += [
-        jo.Gauge("along", beam, site),
-        jo.Gauge("across", beam, site, (0, 1, 0)),
-        jo.Gauge("oblique", beam, site, (1, 1, 0)),
-        jo.Gauge("between", beam, (0.1, 0.0, 0.02)),
+        jo.gauges.Gauge("along", beam, site),
+        jo.gauges.Gauge("across", beam, site, (0, 1, 0)),
+        jo.gauges.Gauge("oblique", beam, site, (1, 1, 0)),
+        jo.gauges.Gauge("between", beam, (0.1, 0.0, 0.02)),
     ]
     if load == "bending":
         pull = jo.Force(
@@ -465,7 +467,7 @@ def cantilever(load):
         pull = jo.Torque("load", beam["end"], (50.0, 0, 0))
     model = jo.compile(jo.Mechanism(beam, clamp, pull, *sensors))
     state = jo.equilibrium(model)
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     engine.q[:], engine.v[:] = state.q, 0.0
     return values(engine), section
 
@@ -513,7 +515,7 @@ def test_principal_stresses_are_eigenvalues(rng):
     body = jo.FlexibleBody(
         "b", dataclasses.replace(part, stress=stress), modal_coordinates=rng.normal(size=part.n)
     )
-    found = start(body, jo.StressSensor("s", body), jo.PrincipalStressSensor("p", body),
+    found = start(body, jo.StressSensor("s", body), jo.mechanism.PrincipalStressSensor("p", body),
                   jo.VonMisesSensor("m", body))  # fmt: skip
     for k in range(2):
         s = found["s"][6 * k : 6 * k + 6]
@@ -525,8 +527,8 @@ def test_principal_stresses_are_eigenvalues(rng):
         mises = np.sqrt(((p[0] - p[1]) ** 2 + (p[1] - p[2]) ** 2 + (p[2] - p[0]) ** 2) / 2)
         assert found["m"][k] == pytest.approx(mises, rel=1e-12)
     with pytest.raises(jo.InputError, match=r"E is missing: part '.*' does not know it"):
-        jo.Gauge("e", body, "one")
-    strain = jo.Gauge("e", body, "one", (0, 0, 1), E=2e11, nu=0.25)
+        jo.gauges.Gauge("e", body, "one")
+    strain = jo.gauges.Gauge("e", body, "one", (0, 0, 1), E=2e11, nu=0.25)
     found = start(body, strain, jo.StressSensor("s", body))
     s = found["s"]
     assert found["e"][0] == pytest.approx((s[2] - 0.25 * (s[0] + s[1])) / 2e11, rel=1e-12)
@@ -543,7 +545,7 @@ def test_every_sensor_says_what_it_is():
         "beam": rope, "marker": beam["end"], "body": beam, "joint": hinge, "force": spring,
         "coordinate": hinge.angle, "energy": "kinetic", "signal": jo.Step(1.0), "at": "e1.a.top",
         "sn": jo.SN(S_D=1e8, N_D=1e6, k=5), "residue": "half",
-        "arms": jo.Gauge("arm", beam, "e1.a.top"),
+        "arms": jo.gauges.Gauge("arm", beam, "e1.a.top"),
     }  # fmt: skip
     sensors = []
     for kind in SENSORS:

@@ -113,7 +113,7 @@ def test_only_what_rigid_bodies_cannot_do_is_elastic() -> None:
             ),
         )
     )
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     assert engine.residuals()[1] < 1e-12
     p = model.v0[6:]
     # the least rates that stretch: u(1) = rate and u(0) = 0, and nothing else moves
@@ -131,13 +131,13 @@ def test_free_bodies_and_given_rates_stay() -> None:
     body = jo.FlexibleBody("beam", reduced, modal_velocities=rates, velocity=(1.0, 2.0, 3.0))
     model = jo.compile(jo.Mechanism(body))
     assert np.array_equal(model.v0, [1, 2, 3, 0, 0, 0, *rates])
-    assert start_module.quiet_velocities(model, jo.Engine(model), model.v0) is None
+    assert start_module.quiet_velocities(model, jo.model.Engine(model), model.v0) is None
 
 
 def test_a_mechanism_that_is_too_large_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     module = sys.modules["jousto.model.start"]
     monkeypatch.setattr(module, "MOST", 5)
-    with pytest.warns(jo.JoustoWarning, match="rows are more than 5.*jo.settled.model"):
+    with pytest.warns(jo.JoustoWarning, match="rows are more than 5.*jo.simulation.settled.model"):
         jo.compile(four_bar(True))
 
 
@@ -145,8 +145,11 @@ def test_a_driven_start_tells_what_removes_the_ringing(caplog: pytest.LogCapture
     model = jo.compile(four_bar(True, speed=3.0))
     with caplog.at_level("INFO", logger="jousto"):
         jo.simulate(model, 0.01)
-        assert "state=jo.settled(model)" in caplog.text and "jo.steady_rotation" in caplog.text
+        assert (
+            "state=jo.simulation.settled(model)" in caplog.text
+            and "jo.simulation.steady_rotation" in caplog.text
+        )
         caplog.clear()
-        jo.simulate(model, 0.01, state=jo.settled(model))
+        jo.simulate(model, 0.01, state=jo.simulation.settled(model))
         jo.simulate(jo.compile(four_bar(False, speed=3.0)), 0.01)
         assert "settled" not in caplog.text

@@ -19,7 +19,7 @@ CASES = {
 
 def bent(case):
     """An engine at a bent, moving state, with consistent accelerations and multipliers."""
-    engine = jo.Engine(jo.compile(CASES[case]()))
+    engine = jo.model.Engine(jo.compile(CASES[case]()))
     rng = np.random.default_rng(5)
     for b in engine.model.bodies:
         engine.q[b.iq + 7 : b.iq + 7 + b.n] = (

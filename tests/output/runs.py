@@ -25,7 +25,7 @@ def swing(step: float = 1e-3) -> jo.Solution:
             jo.Gravity((0, 0, -9.81)),
             jo.PositionSensor("tip", hand["center"]),
             jo.VelocitySensor("tip.speed", hand["center"]),
-            jo.ModalSensor("modes", arm),
+            jo.mechanism.ModalSensor("modes", arm),
             jo.ReactionSensor("pin", hinge),
             jo.StressSensor("stress", arm, ("e1.a.top", "e1.a.bottom")),
             name="swing",

@@ -72,7 +72,7 @@ def test_scene_shows_beams_and_no_nodes(bent: jo.Solution) -> None:
 def test_pictures_and_films(bent: jo.Solution, tmp_path: Path) -> None:
     jo.still(bent, tmp_path / "still.png", times=[0.0], stress=True)
     jo.plot(bent, beam="beam", times=[0.0, 1e-9], path=tmp_path / "shape.png")
-    forces = jo.section_forces(bent, "beam")
+    forces = jo.recovery.section_forces(bent, "beam")
     figure = jo.plot(forces, times=[0.0, 1e-9], path=tmp_path / "forces.png")
     labels = [ax.get_ylabel() for ax in figure.axes]
     assert "My (N m)" in labels and "Qz (N)" in labels and "Mx (N m)" not in labels

@@ -239,7 +239,7 @@ def test_vtu_with_stress_of_a_solid(tmp_path: Path) -> None:
 
 def test_vtu_with_stress_of_two_materials(tmp_path: Path) -> None:
     """At their border stress jumps: the file has the mean of both sides."""
-    cells = jo.Cells("hexahedron", [(0, 1, 4, 3, 6, 7, 10, 9), (1, 2, 5, 4, 7, 8, 11, 10)])
+    cells = jo.mesh.Cells("hexahedron", [(0, 1, 4, 3, 6, 7, 10, 9), (1, 2, 5, 4, 7, 8, 11, 10)])
     nodes = [(x, y, z) for z in (0.0, 0.07) for y in (0.0, 0.1) for x in (0.0, 0.1, 0.2)]
     mesh = jo.Mesh("bar", nodes, cells, element_sets={"a": [0], "b": [1]})
     soft = Material(E=70e9, nu=0.3, rho=2700.0)

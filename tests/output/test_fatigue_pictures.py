@@ -24,7 +24,7 @@ def test_sn_plot_holds_the_curve():
 
 def test_cycles_plot(tmp_path):
     history = np.random.default_rng(1).normal(size=3000) * 1e6
-    cycles = jo.rainflow(history, residue="half")
+    cycles = jo.fatigue.rainflow(history, residue="half")
     figure = jo.plot(cycles, CURVE, path=tmp_path / "cycles.svg")
     assert [ax.get_title(loc="left") for ax in figure.axes if ax.get_title(loc="left")] == [
         "rainflow matrix",
@@ -33,7 +33,7 @@ def test_cycles_plot(tmp_path):
     ]
     assert (tmp_path / "cycles.svg").stat().st_size > 1000
     with pytest.raises(jo.InputError, match="there are no cycles"):
-        jo.plot(jo.rainflow([1.0, 1.0], residue="half"))
+        jo.plot(jo.fatigue.rainflow([1.0, 1.0], residue="half"))
 
 
 @pytest.mark.parametrize("quantity", ["damage", "life", "safety"])

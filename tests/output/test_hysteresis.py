@@ -13,10 +13,10 @@ S = 1e6 * np.array([1200.0, -300, 600, -1000, 1200])
 
 
 def test_loops_pass_through_their_turning_points(tmp_path: Path) -> None:
-    m = jo.strain_life("sae-1045")
+    m = jo.fatigue.strain_life("sae-1045")
     figure = jo.plot(m, S, path=tmp_path / "loops.png")
     line, points = figure.axes[0].lines[:2]
-    path = jo.local_path(S, m)
+    path = jo.fatigue.local_path(S, m)
     assert points.get_ydata() == pytest.approx(path.stress / 1e6)
     # the curve comes by every point, and is closed: 1200 MPa again where it was before
     drawn = np.column_stack(line.get_data())
@@ -30,7 +30,7 @@ def test_loops_pass_through_their_turning_points(tmp_path: Path) -> None:
 def test_spectra(tmp_path: Path) -> None:
     part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.01), 4, jo.Material(E=210e9, nu=0.3, rho=7850.0))
     reduced = jo.reduce(part, jo.CraigBampton(interfaces=("start", "end"), modes=4))
-    response = jo.random_response(
+    response = jo.fatigue.random_response(
         reduced, [2.0, 80.0], [3.0, 3.0], base="start", direction=(0, 1, 0)
     )
     figure = jo.plot(response, "e1.a.top_left", path=tmp_path / "psd.png")

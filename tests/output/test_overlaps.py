@@ -46,7 +46,7 @@ def test_critical_points_of_a_path_do_not_cover_each_other(distance):
         SimpleNamespace(kind="limit", load=1.0, after=0),
         SimpleNamespace(kind="bifurcation", load=1.0 - distance, after=0),
     ]
-    path = jo.LoadPath(
+    path = jo.simulation.LoadPath(
         "load", load, (), {"tip": x}, load, np.zeros(4, dtype=int), load, tuple(critical), True
     )
     with styled():

@@ -22,7 +22,7 @@ with warnings.catch_warnings(), np.printoptions():
 
 def test_cantilever_of_ansys() -> None:
     # titanium in pounds and inches, 1 x 1 x 5 in, clamped at z = 0
-    matrices = jo.read_matrices(examples.fullfile, units="in-lbf-s")
+    matrices = jo.parts.read_matrices(examples.fullfile, units="in-lbf-s")
     assert len(matrices.held) == 63 and len(matrices.nodes) == 321
     u = matrices.used
     assert len(u) == 3 * 321 - 63
@@ -46,14 +46,14 @@ def test_damaged_full_file(tmp_path: Path) -> None:
     nodes = np.zeros((321, 3))
     path.write_text("not a full file at all\n" * 30)
     with pytest.raises(InputError, match="job.full: is no Ansys .full file"):
-        jo.read_matrices(path, nodes=nodes)
+        jo.parts.read_matrices(path, nodes=nodes)
     path.write_bytes(Path(examples.rstfile).read_bytes())
     with pytest.raises(InputError, match="is another of Ansys's binary files"):
-        jo.read_matrices(path, nodes=nodes)
+        jo.parts.read_matrices(path, nodes=nodes)
     for part, message in ((2, "it has .* of 801596 bytes"), (5000, "it ends after 170 bytes")):
         path.write_bytes(data[: len(data) // part])
         with pytest.raises(InputError, match=f"job.full: is cut off: {message}"):
-            jo.read_matrices(path, nodes=nodes)
+            jo.parts.read_matrices(path, nodes=nodes)
     path.write_bytes(b"")
     with pytest.raises(InputError, match="job.full: is no Ansys .full file"):
-        jo.read_matrices(path, nodes=nodes)
+        jo.parts.read_matrices(path, nodes=nodes)

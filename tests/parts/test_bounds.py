@@ -137,7 +137,7 @@ def test_pipes_and_devices_are_no_files(tmp_path: Path) -> None:
     os.mkfifo(pipe)
     for read in (
         jo.read_mesh,
-        jo.read_record,
+        jo.gauges.read_record,
         read_model,
         lambda path: read_columns(path, (0, 1), None),
     ):
@@ -161,7 +161,7 @@ def test_values_beyond_all_materials_and_damping() -> None:
     with pytest.raises(InputError, match="Young's modulus E is 1e.300 Pa, must be below 1e.15 Pa"):
         jo.Material(1e300, 0.3, 7850.0)
     with pytest.warns(JoustoWarning, match="stiffness is 1000 s: .* ratio 3.14e.03.*it is in s"):
-        jo.BeamDamping(stiffness=1e3)
+        jo.mechanism.BeamDamping(stiffness=1e3)
     with pytest.raises(InputError, match="ratio 1000 must be at most 100: 1 is critical"):
         modal_damping(1000.0, [1.0, 2.0])
     with pytest.warns(JoustoWarning, match="ratio 2 is above 1 .is it in per cent"):

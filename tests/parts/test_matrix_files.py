@@ -362,15 +362,15 @@ def test_wrong_kinds(tmp_path: Path) -> None:
         if path.suffix in (".stl", ".npz"):
             path.write_bytes(b"solid")
         with pytest.raises(InputError, match=message):
-            jo.read_matrices(path, text if path is text else None, nodes=BEAM.nodes)
+            jo.parts.read_matrices(path, text if path is text else None, nodes=BEAM.nodes)
     np.save(tmp_path / "c.npy", 1j * np.ones((2, 2)))
     with pytest.raises(InputError, match="c.npy: is complex"):
-        jo.read_matrices(tmp_path / "c.npy", tmp_path / "c.npy", nodes=BEAM.nodes)
+        jo.parts.read_matrices(tmp_path / "c.npy", tmp_path / "c.npy", nodes=BEAM.nodes)
     with pytest.raises(InputError, match="k.mtx: begins with 'hello world'"):
         text.write_text("hello world\n")
-        jo.read_matrices(text, text, nodes=BEAM.nodes)
+        jo.parts.read_matrices(text, text, nodes=BEAM.nodes)
     with pytest.raises(InputError, match="nodes are missing"):
-        jo.read_matrices(**{**calculix(tmp_path), "nodes": None})  # type: ignore[arg-type]
+        jo.parts.read_matrices(**{**calculix(tmp_path), "nodes": None})  # type: ignore[arg-type]
 
 
 def test_rows_in_the_order_of_the_directions(tmp_path: Path) -> None:
@@ -416,7 +416,7 @@ def test_abaqus_supports_and_internal_nodes(tmp_path: Path) -> None:
 def test_the_speed_of_sound_does_not_suspect_beams() -> None:
     for length, elements in ((10.0, 4), (0.2, 8)):
         rod = Part.beam(length, Circle(0.02), elements, STEEL)
-        matrices = jo.Matrices(
+        matrices = jo.parts.Matrices(
             name="rod",
             K=rod.K,
             M=rod.M,
@@ -451,7 +451,7 @@ def test_nodes_and_sets_from_the_mesh_beside(tmp_path: Path) -> None:
     head, _, tail = text.partition("*ELEMENT")
     lines = [f"{row[0]:.0f}, {1e3 * row[1]}, {1e3 * row[2]}, {1e3 * row[3]}" for row in table]
     (tmp_path / "brick.inp").write_text("*NODE\n" + "\n".join(lines) + "\n*ELEMENT" + tail)
-    scaled = jo.read_matrices(tmp_path / "brick.sti", units="mm-t-s")
+    scaled = jo.parts.read_matrices(tmp_path / "brick.sti", units="mm-t-s")
     assert_allclose(scaled.nodes, table[:, 1:], rtol=1e-15)
     assert_allclose(full(scaled.M), 1e3 * full(part.M), rtol=1e-12)
 

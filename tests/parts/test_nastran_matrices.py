@@ -101,27 +101,27 @@ def test_damaged_files(tmp_path: Path) -> None:
     data = path.read_bytes()
     path.write_bytes(data[: len(data) // 2])
     with pytest.raises(InputError, match="rod.op4: (is no OP4 file, or it is cut off|holds no)"):
-        jo.read_matrices(path, nodes=ROD.nodes)
+        jo.parts.read_matrices(path, nodes=ROD.nodes)
     path.write_text("solid brick\n")
     with pytest.raises(InputError, match="rod.op4: (is no OP4 file|holds no matrix)"):
-        jo.read_matrices(path, nodes=ROD.nodes)
+        jo.parts.read_matrices(path, nodes=ROD.nodes)
     write_op4(path, KAA=ROD.K, PHI=ROD.M)
     with pytest.raises(InputError, match="holds no matrix M .* it has KAA, PHI"):
-        jo.read_matrices(path, nodes=ROD.nodes)
+        jo.parts.read_matrices(path, nodes=ROD.nodes)
     write_op4(path, KAA=ROD.K, MAA=ROD.M)
     (tmp_path / "rod.bdf").write_text(GRIDS[: GRIDS.index("GRID,27")])
     with pytest.raises(InputError, match="has 18 rows but rod.bdf names 12"):
-        jo.read_matrices(path)
+        jo.parts.read_matrices(path)
     with pytest.raises(InputError, match="leave out M"):
-        jo.read_matrices(path, path)
+        jo.parts.read_matrices(path, path)
     (tmp_path / "mesh.pch").write_text(GRIDS)
     with pytest.raises(InputError, match="mesh.pch: holds no DMIG entries"):
-        jo.read_matrices(tmp_path / "mesh.pch")
+        jo.parts.read_matrices(tmp_path / "mesh.pch")
 
 
 def test_superelement_of_nastran() -> None:
     # 4 grids in inches or mm (the sources do not say), one with axes of its own, and 22 modes
-    matrices = jo.read_matrices(outboard())
+    matrices = jo.parts.read_matrices(outboard())
     assert len(matrices.modal) == 22 and list(matrices.node_ids) == [3, 11, 19, 27]
     # Nastran's list of the fixed-interface modes (outboard.out, CYCLES)
     q = matrices.modal
@@ -131,7 +131,7 @@ def test_superelement_of_nastran() -> None:
     with pytest.raises(InputError, match="22 of its rows are modal coordinates.*reduce_superel"):
         Part.from_file(outboard())
 
-    reduced = jo.reduce_superelement(matrices)
+    reduced = jo.reduction.reduce_superelement(matrices)
     # the elastic free-free modes are those of K x = w^2 M x
     values = scipy.linalg.eigh(full(matrices.K), full(matrices.M), eigvals_only=True)
     free = np.sqrt(values[6:]) / (2.0 * np.pi)
@@ -154,7 +154,7 @@ def test_reading_leaves_numpy_as_it_is(tmp_path: Path) -> None:
     write_op4(tmp_path / "rod.op4", KAA=ROD.K, MAA=ROD.M)
     code = (
         "import sys, numpy as np, jousto as jo; x = np.array([0.3, 0.0]);"
-        "jo.read_matrices(sys.argv[1], nodes=[[0, 0, 0], [0.4, 0, 0], [0.4, 0.5, 0.1]]);"
+        "jo.parts.read_matrices(sys.argv[1], nodes=[[0, 0, 0], [0.4, 0, 0], [0.4, 0.5, 0.1]]);"
         "print(x)"
     )
     command = [sys.executable, "-c", code, tmp_path / "rod.op4"]
@@ -164,12 +164,12 @@ def test_reading_leaves_numpy_as_it_is(tmp_path: Path) -> None:
 def test_superelement_with_some_directions_of_its_grids() -> None:
     # the same superelement type, with a boundary that keeps only some directions
     path = outboard().with_name("reduced_bset_notall6.op4")
-    matrices = jo.read_matrices(path)
+    matrices = jo.parts.read_matrices(path)
     assert len(matrices.dofs) == 29 and len(matrices.modal) == 10
     per_grid = [int(np.sum(matrices.dofs[:, 0] == grid)) for grid in matrices.node_ids]
     assert sum(per_grid) == 19 and min(per_grid) < 6
     values = scipy.linalg.eigh(full(matrices.K), full(matrices.M), eigvals_only=True)
     assert np.all(np.abs(values[:6]) < 1e-6 * values[6])
     with pytest.warns(jo.JoustoWarning, match="1 node without all translations"):
-        reduced = jo.reduce_superelement(matrices)
+        reduced = jo.reduction.reduce_superelement(matrices)
     assert_allclose(reduced.frequencies, np.sqrt(values[6:]) / (2.0 * np.pi), rtol=1e-7)

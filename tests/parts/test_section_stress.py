@@ -69,7 +69,7 @@ def test_axis_off_the_centroid_and_the_shear_centre() -> None:
     [
         jo.Rectangle(0.2, 0.1),
         jo.IBeam(height=0.2, width=0.1, web=0.0056, flange=0.0085),
-        jo.GeneralSection(A=1e-2, Iy=1e-2 * 0.1**2 / 12, Iz=1e-2 * 0.1**2 / 12, J=1.4e-5),
+        jo.sections.GeneralSection(A=1e-2, Iy=1e-2 * 0.1**2 / 12, Iz=1e-2 * 0.1**2 / 12, J=1.4e-5),
     ],
     ids=lambda s: type(s).__name__,
 )
@@ -85,5 +85,5 @@ def test_outline_of_a_round_section_is_inscribed() -> None:
 
 def test_stress_point_tells_what_is_wrong() -> None:
     with pytest.raises(jo.InputError) as error:
-        jo.StressPoint("tip", np.nan, 0.0, np.zeros((6, 5)))
+        jo.sections.StressPoint("tip", np.nan, 0.0, np.zeros((6, 5)))
     assert "rows" in str(error.value) and "position" in str(error.value)

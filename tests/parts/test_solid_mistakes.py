@@ -16,7 +16,7 @@ SIZE = (0.4, 0.1, 0.06)
 
 
 def mesh(nodes, *cells):
-    return jo.Mesh("arm", nodes, [jo.Cells(kind, array) for kind, array in cells])
+    return jo.Mesh("arm", nodes, [jo.mesh.Cells(kind, array) for kind, array in cells])
 
 
 def test_a_sound_mesh_is_not_commented_on():
@@ -71,7 +71,7 @@ def test_elements_exported_twice():
 def test_values_of_other_kinds_are_named():
     grid = block("hexahedron20", SIZE, (2, 1, 1))
     arm = mesh(grid.nodes, ("hexahedron20", grid.cells[0].nodes))
-    lump = jo.PointMass(0, 2.0)
+    lump = jo.parts.PointMass(0, 2.0)
 
     def refused(sentence, make):
         with pytest.raises(jo.InputError) as caught:
@@ -87,21 +87,21 @@ def test_values_of_other_kinds_are_named():
     refused("interfaces is None, must be a sequence of Interface", lambda: solid(interfaces=None))
     refused("interfaces is 'ab', must be a sequence of Interface", lambda: solid(interfaces="ab"))
     refused("interfaces[0] is 'x', must be an Interface", lambda: solid(interfaces=["x"]))
-    refused("mass is '3', must be zero or positive in kg", lambda: jo.PointMass(0, "3"))
+    refused("mass is '3', must be zero or positive in kg", lambda: jo.parts.PointMass(0, "3"))
     part = solid(point_masses=lump)
     assert part.mass == pytest.approx(solid().mass + 2.0)
-    on = jo.InBox((-1, -1, -1), (1e-9, 1, 1))
+    on = jo.mesh.InBox((-1, -1, -1), (1e-9, 1, 1))
     for value, shown in ((None, "None"), ("1 MPa", "'1 MPa'"), ([1.0], "[1.0]")):
         refused(
             f"pressure is {shown}, must be a finite number in Pa",
-            lambda value=value: part.load(jo.Pressure(on, value)),
+            lambda value=value: part.load(jo.parts.Pressure(on, value)),
         )
     refused(
         "pressure is nan Pa, must be a finite number",
-        lambda: part.load(jo.Pressure(on, float("nan"))),
+        lambda: part.load(jo.parts.Pressure(on, float("nan"))),
     )
     tube = jo.Tube(0.05, 0.002)
-    beam = jo.Part.beam(1.0, tube, 2, STEEL, point_masses=jo.PointMass("end", 2.0))
+    beam = jo.Part.beam(1.0, tube, 2, STEEL, point_masses=jo.parts.PointMass("end", 2.0))
     assert beam.mass == pytest.approx(jo.Part.beam(1.0, tube, 2, STEEL).mass + 2.0)
     refused(
         "must be a sequence of PointMass", lambda: jo.Part.beam(1.0, tube, 2, STEEL, point_masses=1)

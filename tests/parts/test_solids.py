@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from jousto.base.errors import InputError, JoustoWarning
-from jousto.materials.library import material, materials
+from jousto.materials.library import material, names
 from jousto.materials.material import Material
 from jousto.materials.orthotropic import Orthotropic, elasticity, strain_rotation
 from jousto.mesh.cells import Cells
@@ -336,7 +336,7 @@ def test_unused_nodes_are_left_out() -> None:
     assert part.surface_stress().sites[0] == "n1"
 
 
-@pytest.mark.parametrize("name", materials())
+@pytest.mark.parametrize("name", names())
 def test_library(name: str) -> None:
     """Every material is plausible, says its source and is found under its name."""
     m = material(name)

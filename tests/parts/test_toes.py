@@ -19,13 +19,15 @@ def test_linear_stress_is_met_and_a_singular_part_left_out() -> None:
     for name, (places, weights) in READINGS.items():
         assert sum(weights) == pytest.approx(1.0, abs=1e-12)
         x = np.array(places)
-        found = jo.hot_spot_stress(a + b * x, name)
+        found = jo.fatigue.hot_spot_stress(a + b * x, name)
         assert found == pytest.approx(a, abs=0.003 * abs(b) if name == "fine" else 1e-9)
     x = np.array(READINGS["quadratic"][0])
-    assert jo.hot_spot_stress(a + b * x + c * x**2, "quadratic") == pytest.approx(a, abs=1e-9)
+    assert jo.fatigue.hot_spot_stress(a + b * x + c * x**2, "quadratic") == pytest.approx(
+        a, abs=1e-9
+    )
     # the notch of the toe, s = a + b x + q e^(-x/0.1): what is left of it 0.4 t away counts
     notch = 200.0 * np.exp(-np.array([0.4, 1.0]) / 0.1)
-    found = jo.hot_spot_stress(a + b * np.array([0.4, 1.0]) + notch, "fine")
+    found = jo.fatigue.hot_spot_stress(a + b * np.array([0.4, 1.0]) + notch, "fine")
     # IIW 2016, 2.2.3.4: 1.67 s(0.4 t) - 0.67 s(1.0 t)
     assert found == pytest.approx(a + 1.67 * notch[0] - 0.67 * notch[1], abs=0.003 * abs(b))
 
@@ -41,8 +43,8 @@ def plate(kind: str = "hexahedron20") -> jo.Part:
 def test_bending_of_a_plate(kind: str, reading: str) -> None:
     # pure linear field u = curvature: s11 = -E k z, constant along x; and a linear one along x
     part = plate(kind)
-    toe = jo.WeldToe("toe", (0.08, 0.025, 0.01), (1.0, 0.0, 0.0), 0.01, reading)
-    operator = jo.weld_stress(part, toe)
+    toe = jo.fatigue.WeldToe("toe", (0.08, 0.025, 0.01), (1.0, 0.0, 0.0), 0.01, reading)
+    operator = jo.fatigue.weld_stress(part, toe)
     x, y, z = part.nodes.T
     k = 0.1
     z0 = z - 0.005
@@ -60,9 +62,9 @@ def test_axes_turn_with_the_toe() -> None:
     e = 1e-3
     d = np.stack([e * x, -0.3 * e * y, -0.3 * e * z], axis=1).ravel()
     way = (np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0)
-    toe = jo.WeldToe("toe", (0.08, 0.02, 0.01), way, 0.01)
-    other = jo.WeldToe("below", (0.08, 0.02, 0.0), way, 0.01)
-    s = jo.weld_stress(part, [toe, other]).evaluate(d)
+    toe = jo.fatigue.WeldToe("toe", (0.08, 0.02, 0.01), way, 0.01)
+    other = jo.fatigue.WeldToe("below", (0.08, 0.02, 0.0), way, 0.01)
+    s = jo.fatigue.weld_stress(part, [toe, other]).evaluate(d)
     assert s[:, 0] == pytest.approx([210e6 * 0.75] * 2, rel=1e-6)
     assert s[:, 1] == pytest.approx([210e6 * 0.25] * 2, rel=1e-6)
     assert np.abs(s[:, 3]) == pytest.approx([210e6 * 0.5 * 0.75**0.5] * 2, rel=1e-6)
@@ -84,7 +86,7 @@ def stiffened(n: int) -> jo.Part:
     ]
     used = np.unique(np.concatenate([k.ravel() for k in keep]))
     cells = [
-        jo.Cells(block.kind, np.searchsorted(used, k))
+        jo.mesh.Cells(block.kind, np.searchsorted(used, k))
         for block, k in zip(mesh.cells, keep, strict=True)
     ]
     return jo.Part.solid(jo.Mesh("stiffened", mesh.nodes[used], cells), STEEL)
@@ -104,13 +106,13 @@ def test_step_does_not_depend_on_the_mesh() -> None:
         free = np.setdiff1d(np.arange(len(part.nodes)), held)
         dofs = (3 * free[:, None] + np.arange(3)).ravel()
         area = np.ptp(part.nodes[end, 1]) * np.ptp(part.nodes[end, 2])
-        f = part.load(jo.Traction(end, (-100e6, 0.0, 0.0)))
+        f = part.load(jo.parts.Traction(end, (-100e6, 0.0, 0.0)))
         d = np.zeros(3 * len(part.nodes))
         K = part.K.tocsc()[dofs][:, dofs]
         d[dofs] = spla.spsolve(K, f[dofs])
         y = 0.5 * np.ptp(part.nodes[:, 1])
-        toe = jo.WeldToe("toe", (0.1, y, 0.01), (-1.0, 0.0, 0.0), 0.01, "fine")
-        s = jo.weld_stress(part, toe).evaluate(d)
+        toe = jo.fatigue.WeldToe("toe", (0.1, y, 0.01), (-1.0, 0.0, 0.0), 0.01, "fine")
+        s = jo.fatigue.weld_stress(part, toe).evaluate(d)
         found.append(s[0, 0])
         corner = np.flatnonzero(np.isclose(x, 0.1) & np.isclose(part.nodes[:, 2], 0.01))
         nodal = part.stress.evaluate(d)
@@ -128,10 +130,10 @@ def test_toes_in_a_reduction() -> None:
         mesh,
         STEEL,
         name="plate",
-        interfaces=(jo.Interface("start", jo.InBox((-1, -1, -1), (1e-6, 1, 1))),),
+        interfaces=(jo.Interface("start", jo.mesh.InBox((-1, -1, -1), (1e-6, 1, 1))),),
     )
-    toe = jo.WeldToe("toe", (0.05, 0.01, 0.01), (1.0, 0.0, 0.0), 0.01)
-    part = part.with_stress(jo.weld_stress(part, toe, add=part.surface_stress()))
+    toe = jo.fatigue.WeldToe("toe", (0.05, 0.01, 0.01), (1.0, 0.0, 0.0), 0.01)
+    part = part.with_stress(jo.fatigue.weld_stress(part, toe, add=part.surface_stress()))
     reduced = jo.reduce(part, jo.CraigBampton(interfaces=("start",), modes=3))
     assert reduced.stress is not None and "toe" in reduced.stress.labels
     assert reduced.stress.labels[0] == "toe"
@@ -144,21 +146,21 @@ def test_toes_in_a_reduction() -> None:
 def test_mistakes() -> None:
     part = plate()
     with pytest.raises(jo.InputError) as told:
-        jo.WeldToe("a", (0, 0, 0), (0, 0, 0), -1.0, "fin")  # type: ignore[arg-type]
+        jo.fatigue.WeldToe("a", (0, 0, 0), (0, 0, 0), -1.0, "fin")  # type: ignore[arg-type]
     assert len(told.value.problems) == 2 and "did you mean 'fine'" in str(told.value)
     with pytest.raises(jo.InputError, match="thickness"):
-        jo.WeldToe("a", (0, 0, 0), (1, 0, 0))
+        jo.fatigue.WeldToe("a", (0, 0, 0), (1, 0, 0))
     with pytest.raises(jo.InputError, match="2 stresses"):
-        jo.hot_spot_stress([1.0, 2.0, 3.0])
+        jo.fatigue.hot_spot_stress([1.0, 2.0, 3.0])
     with pytest.raises(jo.InputError, match="not on the surface"):
-        jo.weld_stress(part, jo.WeldToe("a", (0.195, 0.02, 0.01), (1, 0, 0), 0.01))
+        jo.fatigue.weld_stress(part, jo.fatigue.WeldToe("a", (0.195, 0.02, 0.01), (1, 0, 0), 0.01))
     with pytest.raises(jo.InputError, match="off"):
-        jo.weld_stress(part, jo.WeldToe("a", (0.1, 0.02, 0.01), (1, 0, -0.3), 1e-3))
+        jo.fatigue.weld_stress(part, jo.fatigue.WeldToe("a", (0.1, 0.02, 0.01), (1, 0, -0.3), 1e-3))
     with pytest.raises(jo.InputError, match="edge of the part"):
-        jo.weld_stress(part, jo.WeldToe("a", (0.1, 0.0, 0.01), (1, 0, 0), 0.01))
-    toe = jo.WeldToe("a", (0.1, 0.02, 0.01), (1, 0, 0), 0.01)
+        jo.fatigue.weld_stress(part, jo.fatigue.WeldToe("a", (0.1, 0.0, 0.01), (1, 0, 0), 0.01))
+    toe = jo.fatigue.WeldToe("a", (0.1, 0.02, 0.01), (1, 0, 0), 0.01)
     with pytest.raises(jo.InputError, match="more than once"):
-        jo.weld_stress(part, [toe, toe])
+        jo.fatigue.weld_stress(part, [toe, toe])
     beam = jo.Part.beam(1.0, jo.Rectangle(0.1, 0.1), 2, STEEL)
     with pytest.raises(jo.InputError, match="solids"):
-        jo.weld_stress(beam, toe)
+        jo.fatigue.weld_stress(beam, toe)

@@ -37,7 +37,7 @@ def test_the_budget_holds_the_error(tmp_path: Path) -> None:
     many = link(tmp_path, "many", modes=12, step=2e-4, every=2e-4)
     truth = link(tmp_path, "truth", modes=12, step=5e-6, every=1e-5)
     found = jo.hot_spots(coarse, count=1)
-    budget = jo.error_budget(found, step=half, modes=many)
+    budget = jo.recovery.error_budget(found, step=half, modes=many)
     site = found[0].site
     exact = jo.stress_field(truth, "link", sites=site).values("von-mises").max()
     error = abs(exact - found[0].value)
@@ -55,13 +55,13 @@ def test_the_budget_holds_the_error(tmp_path: Path) -> None:
 def test_what_is_not_refined_is_not_known(tmp_path: Path) -> None:
     run = link(tmp_path, "run", modes=1, step=2e-4, every=2e-4)
     found = jo.hot_spots(run, count=2)
-    budget = jo.error_budget(found, 2)
+    budget = jo.recovery.error_budget(found, 2)
     assert budget.unknown == ("modes", "step", "mesh")
     # nothing changed: no error
-    same = jo.error_budget(found, step=run, modes=jo.stress_field(run, "link"), mesh=run)
+    same = jo.recovery.error_budget(found, step=run, modes=jo.stress_field(run, "link"), mesh=run)
     assert [same.terms[name] for name in ("step", "modes", "mesh")] == [0.0, 0.0, 0.0]
     with pytest.raises(InputError, match="rank is 3, must be from 1 to 2"):
-        jo.error_budget(found, 3)
+        jo.recovery.error_budget(found, 3)
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)
@@ -76,7 +76,7 @@ def test_error_of_a_place(kind: str, layers: int, problem: str) -> None:
     V[:3, :3] -= 0.5
     away = solved.s - exact(x)
     true = np.sqrt(np.einsum("ni,ij,nj->n", away, V, away))
-    found = jo.place_errors(solved.part, solved.d.reshape(-1))[:, 0]
+    found = jo.parts.place_errors(solved.part, solved.d.reshape(-1))[:, 0]
     assert isinstance(solved.part.stress, SolidStress) and len(found) == len(solved.part.stress)
     edge = st.near(np.hypot(x[:, 0], x[:, 1]), st.HOLE if problem == "hole" else st.BORE)
     peak = int(np.flatnonzero(edge)[np.argmax(np.abs(exact(x)[edge]).max(axis=1))])

@@ -56,7 +56,9 @@ def belt(law=None):
     frame = jo.Prismatic("frame", jo.ground["origin"], runs["origin"], (1, 0, 0))
     contact = jo.Prismatic("contact", runs["seat"], block["origin"], (1, 0, 0))
     motor = jo.Drive("motor", frame.displacement, jo.Ramp(-10.0, 10.0, -1.0, 1.0))
-    rub = jo.Friction("rub", contact, KINETIC, STATIC, preload=M * G, law=law or jo.StickSlip())
+    rub = jo.Friction(
+        "rub", contact, KINETIC, STATIC, preload=M * G, law=law or jo.mechanism.StickSlip()
+    )
     return jo.Mechanism(
         *(runs, block, rod, frame, contact, motor, rub),
         jo.Fixed("wall", jo.ground["origin"], rod["start"]),
@@ -71,7 +73,7 @@ def runs(tmp_path_factory):
     """Both runs over three periods; the second one with other steps."""
     folder = tmp_path_factory.mktemp("belt")
     mechanism = belt()
-    twin = jo.without_friction(mechanism)
+    twin = jo.recovery.without_friction(mechanism)
     assert (twin.frictions, [s.name for s in twin.sensors]) == ((), ["block"])
     assert len(mechanism.frictions) == 1
     return tuple(
@@ -83,7 +85,7 @@ def runs(tmp_path_factory):
 
 
 def test_stress_of_a_rod_dragged_by_a_belt_is_that_of_the_closed_form(runs):
-    found = jo.friction_stress(*runs, "rod")
+    found = jo.recovery.friction_stress(*runs, "rod")
     t = found.time
     x, free = exact(t), V / W * np.sin(W * t)
     np.testing.assert_allclose(runs[0]["block"][:, 0] - LENGTH, x, atol=1e-7)
@@ -104,7 +106,9 @@ def test_stress_of_a_rod_dragged_by_a_belt_is_that_of_the_closed_form(runs):
 
 
 def test_transitions_are_listed_with_joint_and_stress(runs):
-    found = jo.friction_stress(*runs, "rod", start=2e-3)  # how it starts is decided at once
+    found = jo.recovery.friction_stress(
+        *runs, "rod", start=2e-3
+    )  # how it starts is decided at once
     expected = np.cumsum([STICK, SLIP, STICK, SLIP, STICK])
     times = [t.time for t in found.transitions]
     np.testing.assert_allclose(times, expected, atol=1e-6)
@@ -117,7 +121,7 @@ def test_transitions_are_listed_with_joint_and_stress(runs):
     due = K / AREA * (exact(t) - V / W * np.sin(W * t))
     assert found.transitions[0].jump == pytest.approx(np.abs(due - due[0]).max(), rel=2e-3)
     assert found.transitions[0].at == pytest.approx(t[np.argmax(np.abs(due - due[0]))], abs=4e-3)
-    short = jo.friction_stress(*runs, "rod", start=2e-3, window=0.05)
+    short = jo.recovery.friction_stress(*runs, "rod", start=2e-3, window=0.05)
     soon = np.abs(due - due[0])[t < STICK + 0.05].max()
     assert short.transitions[0].jump == pytest.approx(soon, rel=0.05)
     assert found.peaks(1)[0].jump == max(t.jump for t in found.transitions)
@@ -135,7 +139,7 @@ def test_pin_friction_bends_the_rod_by_its_torque(tmp_path):
     rod = jo.FlexibleBody("rod", jo.reduce(part, jo.CraigBampton(("start", "end"), modes=0)))
     bob = jo.RigidBody("bob", 1.0, (1e-8,) * 3, position=(1, 0, 0))
     pin = jo.Revolute("pin", jo.ground["origin"], rod["start"], (0, 0, 1))
-    rub = jo.Friction("rub", pin, mu, radius=radius, law=jo.StickSlip())
+    rub = jo.Friction("rub", pin, mu, radius=radius, law=jo.mechanism.StickSlip())
     mechanism = jo.Mechanism(
         *(rod, bob, pin, rub, jo.Gravity((0, -G, 0)), jo.Fixed("tip", rod["end"], bob["origin"])),
         jo.ForceSensor("rub", rub),
@@ -145,9 +149,12 @@ def test_pin_friction_bends_the_rod_by_its_torque(tmp_path):
     end = 1.4
     runs = [
         jo.simulate(jo.compile(m), end, solver=jo.ROS2(5e-4), output_step=5e-3, path=tmp_path / n)
-        for m, n in ((mechanism, "with.h5"), (jo.without_friction(mechanism), "without.h5"))
+        for m, n in (
+            (mechanism, "with.h5"),
+            (jo.recovery.without_friction(mechanism), "without.h5"),
+        )
     ]
-    found = jo.friction_stress(*runs, "rod")
+    found = jo.recovery.friction_stress(*runs, "rod")
     turn = found.transitions[0]
     assert turn.time == pytest.approx(1.172721, abs=2e-4)
     assert (turn.joint, found.transitions[-1].change) == ("pin", "slips forward")
@@ -171,7 +178,9 @@ def test_pin_friction_bends_the_rod_by_its_torque(tmp_path):
 
 
 def test_tables_and_csv(runs, tmp_path):
-    found = jo.friction_stress(*runs, "rod", sites=("e1.a.top", "e2.b.left"), start=2e-3, end=1.0)
+    found = jo.recovery.friction_stress(
+        *runs, "rod", sites=("e1.a.top", "e2.b.left"), start=2e-3, end=1.0
+    )
     text = str(found)
     for part in ("due to friction", "e1.a.top", "2 transitions", "rub (contact) slips backward"):
         assert part in text
@@ -188,14 +197,14 @@ def test_tables_and_csv(runs, tmp_path):
 def test_mistakes(runs, tmp_path):
     mechanism = belt()
     with pytest.raises(jo.InputError, match="has no friction to leave out"):
-        jo.without_friction(jo.without_friction(mechanism))
+        jo.recovery.without_friction(jo.recovery.without_friction(mechanism))
     with pytest.raises(jo.InputError, match="no instants in common"):
-        jo.friction_stress(*runs, "rod", start=3.0)
+        jo.recovery.friction_stress(*runs, "rod", start=3.0)
     with pytest.raises(jo.InputError, match="window is 0 s"):
-        jo.friction_stress(*runs, "rod", window=0.0)
+        jo.recovery.friction_stress(*runs, "rod", window=0.0)
     with pytest.raises(jo.InputError, match="rigid body"):
-        jo.friction_stress(*runs, "block")
+        jo.recovery.friction_stress(*runs, "block")
     with pytest.warns(jo.JoustoWarning, match="is its order right"):
-        jo.friction_stress(runs[1], runs[0], "rod")
+        jo.recovery.friction_stress(runs[1], runs[0], "rod")
     with pytest.warns(jo.JoustoWarning, match="lost no energy to friction"):
-        jo.friction_stress(runs[1], runs[1], "rod")
+        jo.recovery.friction_stress(runs[1], runs[1], "rod")

@@ -31,7 +31,7 @@ def test_shapes_add_up_to_the_error_of_a_field(modes: int) -> None:
     for seed in range(3):
         # as a load gives them: large where they are slow
         p = np.random.default_rng(seed).normal(size=modes) / reduced.stiffness
-        exact = jo.place_errors(part, X @ p)[:, 0]
+        exact = jo.parts.place_errors(part, X @ p)[:, 0]
         found = np.linalg.norm(reduced.stress.scatter @ p, axis=1)
         if modes <= 6:  # nothing is left out; seven digits are kept
             np.testing.assert_allclose(found, exact, rtol=1e-4, atol=1e-5 * exact.max())
@@ -87,11 +87,11 @@ def test_a_hot_spot_has_the_error_of_its_mesh(tmp_path: Path) -> None:
     sites = SolidStress.everywhere(part.solids)
     for spot in found:
         p = field.p[int(np.searchsorted(field.time, spot.time))]
-        exact = jo.place_errors(part, X @ p)[sites.index(spot.site), 0]
+        exact = jo.parts.place_errors(part, X @ p)[sites.index(spot.site), 0]
         assert 0.9 * exact <= spot.mesh <= exact * (1.0 + 1e-4)
-    budget = jo.error_budget(found)
+    budget = jo.recovery.error_budget(found)
     assert budget.terms["mesh"] == found[0].mesh
-    by_part = jo.error_budget(found, part=(part, reduced))
+    by_part = jo.recovery.error_budget(found, part=(part, reduced))
     assert by_part.terms["mesh"] == pytest.approx(found[0].mesh, rel=0.1)
     assert budget.unknown == ("modes", "step")
     head, first = found.table()[:2]
@@ -115,7 +115,7 @@ def test_where_it_is_not_known_it_says_so() -> None:
     found = jo.hot_spots(swing(), count=2)
     assert np.isnan(found[0].mesh) and found.table()[1][found.table()[0].index("mesh")] == "-"
     assert "error of the mesh: not known of 'arm': the part has no mesh" in str(found)
-    assert "mesh" in jo.error_budget(found).unknown
+    assert "mesh" in jo.recovery.error_budget(found).unknown
     code, text = call("stress", swing().path)
     assert (
         code == 0 and "not known: modes, step, mesh" in text and "the part has no mesh of" in text

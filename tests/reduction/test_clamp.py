@@ -26,14 +26,14 @@ def test_frequencies_are_those_of_the_clamped_mesh(part: jo.Part, rod: jo.Reduce
     K, M = (X.toarray()[np.ix_(free, free)] for X in (part.K, part.M))
     exact = np.sqrt(la.eigh(K, M, eigvals_only=True)) / (2 * np.pi)
     # all 48 modes are kept, so that the basis is that of the mesh
-    held = jo.clamp(rod, "start")
+    held = jo.reduction.clamp(rod, "start")
     np.testing.assert_allclose(held.frequencies[:20], exact[:20], rtol=1e-7)
     assert np.abs(held.modes[held.node("start")]).max() < 1e-9 * np.abs(held.modes).max()
     np.testing.assert_allclose(held.invariants.I6, np.eye(held.n), atol=1e-8)
 
 
 def test_a_deformation_has_the_same_stress(rod: jo.ReducedPart, rng: np.random.Generator) -> None:
-    held = jo.clamp(rod, "start")
+    held = jo.reduction.clamp(rod, "start")
     assert rod.stress is not None and held.stress is not None
     # displacements of the held modes are those of the free ones but for a rigid motion
     p = rng.normal(size=held.n) / (2 * np.pi * held.frequencies)
@@ -56,7 +56,7 @@ def _rigid(nodes: np.ndarray) -> np.ndarray:
 
 def test_invariants_of_the_held_modes(rod: jo.ReducedPart) -> None:
     """Kinetic energy of a deforming, moving body is the same in both frames."""
-    held = jo.clamp(rod, "start")
+    held = jo.reduction.clamp(rod, "start")
     I = held.invariants
     # the mean-axis part has no momentum; the held one carries that of its rigid share
     np.testing.assert_allclose(rod.invariants.I3, 0.0, atol=1e-9)
@@ -72,7 +72,7 @@ def test_invariants_of_the_held_modes(rod: jo.ReducedPart) -> None:
 def test_the_engine_bends_both_alike(part: jo.Part, frame: str) -> None:
     """A cantilever sags under a force at its tip to M = F L at the root in either frame."""
     few = jo.reduce(part, jo.CraigBampton(("start", "end"), modes=2))
-    body = jo.FlexibleBody("rod", few if frame == "mean" else jo.clamp(few, "start"))
+    body = jo.FlexibleBody("rod", few if frame == "mean" else jo.reduction.clamp(few, "start"))
     wall = jo.Fixed("wall", jo.ground["origin"], body["start"])
     model = jo.compile(jo.Mechanism(body, wall, jo.Force("load", body["end"], (0.0, 0.0, -0.1))))
     state = jo.equilibrium(model)
@@ -84,7 +84,7 @@ def test_the_engine_bends_both_alike(part: jo.Part, frame: str) -> None:
 
 def test_refusals(rod: jo.ReducedPart) -> None:
     with pytest.raises(jo.InputError, match="no node 'begin'"):
-        jo.clamp(rod, "begin")
+        jo.reduction.clamp(rod, "begin")
     bare = jo.ReducedPart(
         "bare",
         rod.nodes,
@@ -96,14 +96,14 @@ def test_refusals(rod: jo.ReducedPart) -> None:
         rod.invariants,
     )
     with pytest.raises(jo.InputError, match="has no rotation, so it cannot hold the part"):
-        jo.clamp(bare, "start")
+        jo.reduction.clamp(bare, "start")
 
 
 @pytest.mark.parametrize("damping", [0.02, jo.Rayleigh(1.0, 1e-4)])
 def test_modes_keep_their_damping_ratio(rod: jo.ReducedPart, damping: float | jo.Rayleigh) -> None:
     """Held by a joint at the node they are seen from; by mean axes the first gets less."""
     ratios = []
-    for reduced in (jo.clamp(rod, "start"), rod):
+    for reduced in (jo.reduction.clamp(rod, "start"), rod):
         body = jo.FlexibleBody("rod", reduced, damping=damping)
         wall = jo.Fixed("wall", jo.ground["origin"], body["start"])
         found = jo.modes(jo.compile(jo.Mechanism(body, wall)), damped=True)

@@ -99,11 +99,11 @@ def test_seen_from_the_node_that_holds_it_a_line_of_mass_bends_as_it_should(offs
     with pytest.warns(jo.JoustoWarning, match=r"jo\.clamp\(reduced, 'node1'\)"):
         model = held(mean, *loads)
     assert at_rest(model)[2] < 0.9 * size
-    good = held(jo.clamp(mean, "start"), *loads)
+    good = held(jo.reduction.clamp(mean, "start"), *loads)
     assert at_rest(good)[2] == pytest.approx(size, rel=(size / LENGTH) ** 2 + 1e-5)
     # where the offset is, nothing turns the frame: the same vibration of both planes
     force = np.array([0.0, 100.0, 0.0])
-    other = held(jo.clamp(mean, "start"), *loads)
+    other = held(jo.reduction.clamp(mean, "start"), *loads)
     period = 1.0 / FIRST
     solver = jo.GeneralizedAlpha(step=period / 200)
     z = jo.simulate(good, period, solver=solver)["tip"][:, 2]
@@ -145,7 +145,7 @@ def test_held_at_both_ends_it_is_the_clamped_clamped_beam() -> None:
 
 def test_the_clamped_part_has_the_same_frequencies() -> None:
     reduced = reduce(line(), METHODS["both ends"])
-    found = jo.clamp(reduced, "start").frequencies[:2]
+    found = jo.reduction.clamp(reduced, "start").frequencies[:2]
     assert found == pytest.approx(jo.modes(held(reduced)).frequencies[:2], rel=1e-6)
 
 

@@ -29,7 +29,7 @@ B = np.r_[0:6, 24:30]
 I = np.setdiff1d(np.arange(30), B)
 
 
-def condensed(modes: int, part: Part = FRAME) -> jo.Matrices:
+def condensed(modes: int, part: Part = FRAME) -> jo.parts.Matrices:
     """Return Craig and Bampton's matrices as another program would write them: B, then q."""
     K, M = part.K.toarray(), part.M.toarray()
     phi_c = -np.linalg.solve(K[np.ix_(I, I)], K[np.ix_(I, B)])
@@ -41,7 +41,7 @@ def condensed(modes: int, part: Part = FRAME) -> jo.Matrices:
     T[I, 12:] = phi_n[:, :modes]
     dofs = [(n, c) for n in (101, 205) for c in range(1, 7)]
     dofs += [(9001 + j, 0) for j in range(modes)]
-    return jo.Matrices(
+    return jo.parts.Matrices(
         name="arm",
         K=T.T @ K @ T,
         M=T.T @ M @ T,
@@ -56,7 +56,7 @@ def condensed(modes: int, part: Part = FRAME) -> jo.Matrices:
 def test_the_same_as_reducing_the_full_model(modes: int) -> None:
     # B is static condensation and fixed-interface modes, so is CraigBampton
     full = jo.reduce(FRAME, jo.CraigBampton(interfaces=("foot", "tip"), modes=modes))
-    reduced = jo.reduce_superelement(condensed(modes))
+    reduced = jo.reduction.reduce_superelement(condensed(modes))
     assert reduced.n == full.n == 6 + modes
     assert_allclose(reduced.frequencies, full.frequencies, rtol=1e-9)
     assert reduced.node("tip") == reduced.node("n205") == 1
@@ -88,7 +88,7 @@ def test_ends_that_turn_without_mass_stay_as_soft_as_they_are() -> None:
         lumped=True,
         rotary_inertia=False,
     )
-    reduced = jo.reduce_superelement(condensed(0, part))
+    reduced = jo.reduction.reduce_superelement(condensed(0, part))
     assert reduced.rotations is not None
     X = np.concatenate([reduced.modes, reduced.rotations], axis=1).reshape(12, -1)
     # the response of the free body to every balanced load on both ends
@@ -109,13 +109,15 @@ FRAME_INERTIA = inertia_about_origin()
 
 def test_limits() -> None:
     matrices = condensed(5)
-    every = jo.reduce_superelement(matrices)
-    some = jo.reduce_superelement(matrices, modes=4)
+    every = jo.reduction.reduce_superelement(matrices)
+    some = jo.reduction.reduce_superelement(matrices, modes=4)
     assert_allclose(some.frequencies, every.frequencies[:4])
-    below = jo.reduce_superelement(matrices, frequency_limit=float(every.frequencies[2]) * 1.01)
+    below = jo.reduction.reduce_superelement(
+        matrices, frequency_limit=float(every.frequencies[2]) * 1.01
+    )
     assert below.n == 3 and below.interfaces == () and every.interfaces == ("n101", "n205")
     with pytest.raises(InputError, match="20 modes are asked for, the superelement has 11 modes"):
-        jo.reduce_superelement(matrices, modes=20)
+        jo.reduction.reduce_superelement(matrices, modes=20)
 
 
 def test_condensed_nodes_alone_are_a_part() -> None:
@@ -125,7 +127,7 @@ def test_condensed_nodes_alone_are_a_part() -> None:
     ordered = nodal(condensed(0))
     part = Part.from_matrices(ordered.M, ordered.K, ordered.nodes, node_sets=ordered.node_sets)
     ends = jo.reduce(part, jo.CraigBampton(interfaces=("n101", "n205"), modes=0))
-    direct = jo.reduce_superelement(condensed(0))
+    direct = jo.reduction.reduce_superelement(condensed(0))
     assert_allclose(ends.frequencies, direct.frequencies, rtol=1e-8)
 
 
@@ -134,7 +136,7 @@ def test_runs_in_a_mechanism() -> None:
     ends = []
     for reduced in (
         jo.reduce(FRAME, jo.CraigBampton(interfaces=("foot", "tip"), modes=3)),
-        jo.reduce_superelement(condensed(3)),
+        jo.reduction.reduce_superelement(condensed(3)),
     ):
         arm = jo.FlexibleBody("arm", reduced)
         pendulum = jo.Mechanism(
@@ -149,7 +151,7 @@ def test_runs_in_a_mechanism() -> None:
     assert_allclose(ends[1], ends[0], atol=5e-6)
 
 
-def with_rows(matrices: jo.Matrices, **matrix: np.ndarray) -> jo.Matrices:
+def with_rows(matrices: jo.parts.Matrices, **matrix: np.ndarray) -> jo.parts.Matrices:
     return replace(matrices, **matrix)  # type: ignore[arg-type]
 
 
@@ -159,27 +161,27 @@ def test_refusals() -> None:
     with pytest.raises(InputError, match="K is not free: a rigid translation"):
         held = K.copy()
         held[1, 1] *= 1.1
-        jo.reduce_superelement(with_rows(good, K=held))
+        jo.reduction.reduce_superelement(with_rows(good, K=held))
     with pytest.raises(InputError, match="K is not free: a rigid rotation"):
-        jo.reduce_superelement(replace(good, nodes=1000.0 * good.nodes))
+        jo.reduction.reduce_superelement(replace(good, nodes=1000.0 * good.nodes))
     with pytest.raises(InputError, match="the mass is not the same in all directions"):
         heavy = M.copy()
         heavy[0, 0] += 1.0
-        jo.reduce_superelement(with_rows(good, M=heavy))
+        jo.reduction.reduce_superelement(with_rows(good, M=heavy))
     with pytest.raises(InputError, match="M holds no mass"):
-        jo.reduce_superelement(with_rows(good, M=0.0 * M))
+        jo.reduction.reduce_superelement(with_rows(good, M=0.0 * M))
     with pytest.raises(InputError, match="more free motions than the six"):
         loose = K.copy()
         loose[12:] = loose[:, 12:] = 0.0
-        jo.reduce_superelement(with_rows(good, K=loose))
+        jo.reduction.reduce_superelement(with_rows(good, K=loose))
     with pytest.raises(InputError, match="K is not symmetric"):
-        jo.reduce_superelement(with_rows(good, K=np.triu(K)))
+        jo.reduction.reduce_superelement(with_rows(good, K=np.triu(K)))
     with pytest.raises(InputError, match="M is not positive semidefinite"):
         negative = M.copy()
         negative[12, 12] = -1.0
-        jo.reduce_superelement(with_rows(good, M=negative))
+        jo.reduction.reduce_superelement(with_rows(good, M=negative))
     with pytest.raises(InputError, match="written with supports"):
-        jo.reduce_superelement(replace(good, held=np.array([[101, 1]])))
+        jo.reduction.reduce_superelement(replace(good, held=np.array([[101, 1]])))
 
 
 def test_nodes_with_and_without_rotations() -> None:
@@ -191,7 +193,7 @@ def test_nodes_with_and_without_rotations() -> None:
     T[rows, np.arange(len(rows))] = 1.0
     T[rest] = -np.linalg.solve(K[np.ix_(rest, rest)], K[np.ix_(rest, rows)])
     dofs = [(101, 1), (101, 2), (300, 1), (300, 2), (300, 3), *((205, c) for c in range(1, 7))]
-    matrices = jo.Matrices(
+    matrices = jo.parts.Matrices(
         name="arm",
         K=T.T @ K @ T,
         M=T.T @ M @ T,
@@ -200,7 +202,7 @@ def test_nodes_with_and_without_rotations() -> None:
         nodes=FRAME.nodes[[0, 4, 2]],
     )
     with pytest.warns(JoustoWarning, match="1 node without all translations cannot carry markers"):
-        reduced = jo.reduce_superelement(matrices)
+        reduced = jo.reduction.reduce_superelement(matrices)
     assert reduced.n == len(rows) - 6
     assert_allclose(reduced.nodes, FRAME.nodes[[4, 2]])
     assert reduced.rotation_nodes is not None and list(reduced.rotation_nodes) == [0]

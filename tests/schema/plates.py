@@ -90,7 +90,7 @@ def plate() -> jo.Mesh:
     return jo.Mesh(
         "plate",
         x,
-        jo.Cells("hexahedron20", cells),
+        jo.mesh.Cells("hexahedron20", cells),
         node_sets={
             "left": np.flatnonzero(x[:, 0] < 1e-9),
             "right": np.flatnonzero(x[:, 0] > LENGTH - 1e-9),

@@ -82,7 +82,7 @@ def test_beams_equal_the_python_constructors():
             elements=4,
             mass="consistent",
             bending=True,
-            damping=jo.BeamDamping(mass=0.1, stiffness=1e-3),
+            damping=jo.mechanism.BeamDamping(mass=0.1, stiffness=1e-3),
             up=(0, 1, 0),
             twist=np.pi / 2,
             offset=(0, 0.005),
@@ -93,11 +93,11 @@ def test_beams_equal_the_python_constructors():
     coupled = np.diag([1e6, 4e5, 4e5, 20, 30, 40])
     coupled[3, 4] = coupled[4, 3] = 5
     sections = (
-        jo.BeamSection((1e6, 4e5, 4e5, 20, 30, 40), 0.8, (2e-4, 1e-4, 1e-4)),
-        jo.BeamSection.of(
+        jo.mechanism.BeamSection((1e6, 4e5, 4e5, 20, 30, 40), 0.8, (2e-4, 1e-4, 1e-4)),
+        jo.mechanism.BeamSection.of(
             jo.Rectangle(0.02, 0.01), alu, centroid=(0.001, 0), shear_center=(0.002, 0)
         ),
-        jo.BeamSection(coupled, 0.8, (2e-4, 1e-4, 1e-4), center=(0.001, 0.002)),
+        jo.mechanism.BeamSection(coupled, 0.8, (2e-4, 1e-4, 1e-4), center=(0.001, 0.002)),
     )
     expected = jo.BeamBody(
         "blade",

@@ -55,8 +55,8 @@ def test_everything_in_the_block():
     curves = file.fatigue.curves
     assert curves["plate"].S_D == pytest.approx(57.6e6)
     assert (curves["plate"].name, curves["plate"].slope2) == ("plate", 9)
-    factor = 0.8 * jo.thickness_factor(0.05, "butt")
-    assert curves["toe"] == jo.fat_class(71, "en", factor=factor)
+    factor = 0.8 * jo.fatigue.thickness_factor(0.05, "butt")
+    assert curves["toe"] == jo.fatigue.fat_class(71, "en", factor=factor)
     assert curves["shaft"] == jo.sn_curve("RQC-100").with_factors(0.5, pivot=1000)
     plain, weld, named = file.fatigue.checks
     assert (plain.name, plain.body, plain.residue, plain.sites) == ("arm", "arm", "half", None)
@@ -64,12 +64,12 @@ def test_everything_in_the_block():
     assert weld.sites == ("e1.a.top", "e1.a.bottom")
     assert weld.options == {
         "criterion": "s11",
-        "mean": jo.Goodman(500e6, credit=False),
+        "mean": jo.fatigue.Goodman(500e6, credit=False),
         "required": 10 * 365.2425 * 86400,
         "allowable": 0.5,
         "survival": 0.977,
     }
-    assert named.sn == jo.fat_class(80)
+    assert named.sn == jo.fatigue.fat_class(80)
     assert named.options == {"criterion": Plane((0, 0, 1))}
     assert named.sites == ("tip",)
 
@@ -97,16 +97,16 @@ def test_the_block_alone_says_the_same():
 @pytest.mark.parametrize(
     ("text", "made"),
     [
-        ("{type: goodman, S_u: 500 MPa}", jo.Goodman(500e6)),
-        ("{type: soderberg, S_y: 355 MPa}", jo.Soderberg(355e6)),
-        ("{type: morrow, sf: 900 MPa}", jo.Morrow(900e6)),
-        ("{type: gerber, S_u: 500 MPa}", jo.Gerber(500e6)),
-        ("{type: swt}", jo.SWT()),
-        ("{type: walker, gamma: 0.6}", jo.Walker(0.6)),
-        ("{type: fkm, M: 0.2}", jo.FKM(0.2)),
-        ("{type: fkm, kind: steel, S_u: 700 MPa}", jo.FKM.of("steel", 700e6)),
-        ("{type: weld-ratio, residual: low}", jo.WeldRatio("low")),
-        ("{type: part-compression}", jo.PartCompression()),
+        ("{type: goodman, S_u: 500 MPa}", jo.fatigue.Goodman(500e6)),
+        ("{type: soderberg, S_y: 355 MPa}", jo.fatigue.Soderberg(355e6)),
+        ("{type: morrow, sf: 900 MPa}", jo.fatigue.Morrow(900e6)),
+        ("{type: gerber, S_u: 500 MPa}", jo.fatigue.Gerber(500e6)),
+        ("{type: swt}", jo.fatigue.SWT()),
+        ("{type: walker, gamma: 0.6}", jo.fatigue.Walker(0.6)),
+        ("{type: fkm, M: 0.2}", jo.fatigue.FKM(0.2)),
+        ("{type: fkm, kind: steel, S_u: 700 MPa}", jo.fatigue.FKM.of("steel", 700e6)),
+        ("{type: weld-ratio, residual: low}", jo.fatigue.WeldRatio("low")),
+        ("{type: part-compression}", jo.fatigue.PartCompression()),
     ],
 )
 def test_every_mean_stress_rule(text, made):
@@ -152,7 +152,7 @@ fatigue:
 def test_curve_of_a_file(tmp_path):
     path = tmp_path / "weld.yaml"
     path.write_text("fat: 90\nstandard: en\nT_N: 3\n")
-    assert read_curve(path) == jo.fat_class(90, "en", T_N=3.0)
+    assert read_curve(path) == jo.fatigue.fat_class(90, "en", T_N=3.0)
     path.write_text("S_D: 80 MPa\nN_D: 1e6\n")
     with pytest.raises(InputError, match="weld.yaml:1: 'k' is missing"):
         read_curve(path)

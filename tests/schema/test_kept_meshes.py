@@ -78,7 +78,7 @@ def test_warnings_of_the_mesh_are_told_again(
     tmp_path: Path, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
-    mesh = jo.Mesh("arm", corners, jo.Cells("tetra", [(0, 1, 2, 3)]))
+    mesh = jo.Mesh("arm", corners, jo.mesh.Cells("tetra", [(0, 1, 2, 3)]))
 
     def bad(*args: object, **values: object) -> jo.Mesh:
         errors.warn("arm.step", "two elements would be folded")

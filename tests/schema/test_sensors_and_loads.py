@@ -137,7 +137,7 @@ def test_sensors_equal_the_python_constructors():
         DamageSensor(
             *("s22", stress, jo.SN(100e6, 1e6, 5.0, "haibach", T_S=1.25)),
             residue="repeat",
-            mean=jo.Goodman(400e6),
+            mean=jo.fatigue.Goodman(400e6),
             components="e1.a.top:s11",
             depth=40,
         ),
@@ -146,7 +146,7 @@ def test_sensors_equal_the_python_constructors():
             residue="half",
             factor=2e6,
             resolution=1e4,
-            mean=jo.SWT(),
+            mean=jo.fatigue.SWT(),
         ),
         Rosette("s24", arm, "e1.a.top", kind="60", temperature=Temperature(30.0, part=12e-6)),
         Bridge("s25", (top, None, between), gauge_factor=2.1),

@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
-import jousto
+import session
 from jousto.base.errors import InputError
 from jousto.sections.profiles import Box, IBeam
 from jousto.sections.section import (
@@ -51,13 +51,10 @@ WIDTHS: tuple[tuple[Section, Callable[[float], float], float], ...] = (
 
 def test_every_exported_section_is_tested() -> None:
     kinds = {
-        getattr(jousto, name)
-        for name in jousto.__all__
-        if name not in ("Section", "SectionPoint", "StressOperator")
-        and isinstance(getattr(jousto, name), type)
-        and {"A", "Iy", "J"}
-        <= set(dir(getattr(jousto, name)))
-        | set(getattr(getattr(jousto, name), "__annotations__", {}))
+        thing
+        for thing in session.public().values()
+        if isinstance(thing, type)
+        and {"A", "Iy", "J"} <= {*dir(thing), *getattr(thing, "__annotations__", {})}
     }
     assert kinds == {type(s) for s in SECTIONS}
     assert all(isinstance(s, Section) for s in SECTIONS)

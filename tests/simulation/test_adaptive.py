@@ -52,7 +52,9 @@ def pendulum_angle(t, start=2.5):
 
 
 def follow(model, t_end, tolerance, output=None, **options):
-    solver = jo.DormandPrince(tolerance=tolerance, output=output or t_end / 50, **options)
+    solver = jo.simulation.DormandPrince(
+        tolerance=tolerance, output=output or t_end / 50, **options
+    )
     return jo.simulate(model, t_end, solver=solver)
 
 
@@ -163,7 +165,7 @@ def test_a_driven_slider_crank_keeps_to_its_drive():
 
 def fixed(model, steps, t_end):
     """Steps of one length, without error control."""
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     native = engine.native_solver(4, t_end / steps, True)
     rows = np.zeros((1, engine.row_size))
     assert engine.run(native, steps, steps, rows)[0] == 0
@@ -183,7 +185,7 @@ def test_dense_output_is_of_order_4_within_a_step():
     model = pendulum_model()
     errors, ends = [], []
     for h in (0.2, 0.1, 0.05):
-        solver = jo.DormandPrince(tolerance=0.1, first_step=h, max_step=h, output=h / 20)
+        solver = jo.simulation.DormandPrince(tolerance=0.1, first_step=h, max_step=h, output=h / 20)
         run = jo.simulate(model, h, solver=solver)
         assert run.work.steps[-1] == 1
         gap = np.abs(run["angle"][:, 0] - (pendulum_angle(run.time) - 2.5))
@@ -267,8 +269,10 @@ def watched(stop):
     body = jo.RigidBody("block", 2.0, (1.0,) * 3)
     slide = jo.Prismatic("slide", jo.ground["origin"], body["origin"], axis=(1, 0, 0))
     place = jo.PositionSensor("x", body["origin"])
-    there = jo.Event("there", place, 0.3, "rising", stop, component="x")
-    push = jo.Force("push", body["origin"], (1.0, 0, 0), signal=jo.Switched(there, 5.0, -1.0))
+    there = jo.mechanism.Event("there", place, 0.3, "rising", stop, component="x")
+    push = jo.Force(
+        "push", body["origin"], (1.0, 0, 0), signal=jo.mechanism.Switched(there, 5.0, -1.0)
+    )
     faster = jo.AccelerationSensor("a", body["origin"])
     return jo.compile(jo.Mechanism(body, slide, push, place, faster, there))
 
@@ -304,7 +308,7 @@ def test_sticking_and_slipping_block():
             slide,
             jo.Spring("spring", slide.displacement, stiffness=100.0, free=0.0),
             jo.JointForce("pull", slide.displacement, jo.Ramp(0.0, 10.0, 0.0, 30.0)),
-            jo.Friction("rub", slide, mu_kinetic=0.3, mu_static=0.5, law=jo.StickSlip()),
+            jo.Friction("rub", slide, mu_kinetic=0.3, mu_static=0.5, law=jo.mechanism.StickSlip()),
             jo.Gravity((0, 0, -G)),
             jo.CoordinateSensor("x", slide.displacement),
         )
@@ -334,7 +338,7 @@ def stiff(stiffness):
 
 
 def test_a_stiff_spring_ends_with_a_sentence():
-    with pytest.raises(jo.RunFailed) as error:
+    with pytest.raises(jo.simulation.RunFailed) as error:
         follow(stiff(1e13), 10.0, 1e-6, 0.1)
     sentence = str(error.value)
     assert "body 'needle'" in sentence
@@ -352,9 +356,9 @@ def test_a_function_that_jumps_for_ever_ends_with_a_sentence():
     body = jo.RigidBody("block", 1.0, (1.0,) * 3, velocity=(1, 0, 0))
     slide = jo.Prismatic("slide", jo.ground["origin"], body["origin"], axis=(1, 0, 0))
     model = jo.compile(jo.Mechanism(body, slide, jo.UserForce("dry", body["origin"], sign)))
-    solver = jo.DormandPrince(tolerance=1e-10, output=1.0)
+    solver = jo.simulation.DormandPrince(tolerance=1e-10, output=1.0)
     object.__setattr__(solver, "most", 2000)  # soon
-    with pytest.raises(jo.RunFailed, match="body 'block'"):
+    with pytest.raises(jo.simulation.RunFailed, match="body 'block'"):
         jo.simulate(model, 1.0, solver=solver)
 
 
@@ -365,7 +369,7 @@ def test_a_force_that_is_nan_beyond_a_point_is_not_stepped_over():
     body = jo.RigidBody("block", 1.0, (1.0,) * 3, velocity=(1, 0, 0))
     slide = jo.Prismatic("slide", jo.ground["origin"], body["origin"], axis=(1, 0, 0))
     model = jo.compile(jo.Mechanism(body, slide, jo.UserForce("wall", body["origin"], wall)))
-    with pytest.raises(jo.RunFailed, match="force 'wall'") as error:
+    with pytest.raises(jo.simulation.RunFailed, match="force 'wall'") as error:
         follow(model, 2.0, 1e-6, 0.1)
     assert 0.0 < error.value.time <= 1.0
 
@@ -383,13 +387,13 @@ def test_a_force_that_is_nan_beyond_a_point_is_not_stepped_over():
 )
 def test_impossible_settings(arguments, sentence):
     with pytest.raises(jo.InputError) as error:
-        jo.DormandPrince(**arguments)
+        jo.simulation.DormandPrince(**arguments)
     assert sentence in str(error.value)
 
 
 def test_all_wrong_settings_are_named_at_once():
     with pytest.raises(jo.InputError) as error:
-        jo.DormandPrince(tolerance=1.0, output=0.0)
+        jo.simulation.DormandPrince(tolerance=1.0, output=0.0)
     assert "tolerance is 1.0" in str(error.value)
     assert "output is 0.0" in str(error.value)
 
@@ -405,7 +409,7 @@ def test_many_steps_are_foretold():
     )
     from jousto.simulation.solvers.schedule import cautions, schedule
 
-    solver = jo.DormandPrince()
+    solver = jo.simulation.DormandPrince()
     (sentence,) = cautions(model, solver, schedule(model, 100.0, solver))
     assert "modes of body 'arm'" in sentence
     assert "ROS2 does not mind them" in sentence
@@ -417,12 +421,14 @@ def test_many_steps_are_foretold():
 
 def test_rows_are_at_equal_times_whatever_the_steps():
     model = pendulum_model()
-    run = jo.simulate(model, 1.0, solver=jo.DormandPrince(tolerance=1e-5), output_step=0.001)
+    run = jo.simulate(
+        model, 1.0, solver=jo.simulation.DormandPrince(tolerance=1e-5), output_step=0.001
+    )
     np.testing.assert_array_equal(run.time, np.arange(1001) * 0.001)
     assert run.work.steps[-1] < 100
     assert pendulum_error(run) < 1e-3
     # between outputs far apart it takes as many steps as it needs, the same ones
-    far = jo.simulate(model, 1.0, solver=jo.DormandPrince(tolerance=1e-5, output=0.25))
+    far = jo.simulate(model, 1.0, solver=jo.simulation.DormandPrince(tolerance=1e-5, output=0.25))
     np.testing.assert_array_equal(far.time, np.arange(5) * 0.25)
     assert far.work.steps[-1] == run.work.steps[-1]
     # rows are projected from nearby states: the same to the accuracy of the projection
@@ -435,7 +441,7 @@ def test_slow_progress_does_not_change_a_run():
     slow = jo.simulate(
         model,
         0.05,
-        solver=jo.DormandPrince(tolerance=1e-5, output=0.001),
+        solver=jo.simulation.DormandPrince(tolerance=1e-5, output=0.001),
         progress=lambda t, w: clock.sleep(0.002),
     )
     for name in ("q", "v", "multipliers"):
@@ -486,7 +492,7 @@ def test_a_model_file_and_the_command_line_know_it(tmp_path):
     path = tmp_path / "swing.yaml"
     path.write_text(FILE)
     solver = jo.read_model(path).simulation.solver
-    assert solver == jo.DormandPrince(1e-4, 1e-6, 1e-3, 0.02, 0.05)
+    assert solver == jo.simulation.DormandPrince(1e-4, 1e-6, 1e-3, 0.02, 0.05)
     for options, tolerance in ((), 1e-4), (("--tolerance", "1e-9"), 1e-9):
         words = ["run", str(path), "-o", str(tmp_path / "swing.h5"), "-q", *options]
         assert CliRunner().invoke(app, words, prog_name="jousto").exit_code == 0
@@ -502,7 +508,7 @@ from simulation.test_adaptive import pendulum_model
 def kill(t, wall):
     if t > 12.0:
         os.kill(os.getpid(), signal.SIGKILL)
-jo.simulate(pendulum_model(), 1e6, solver=jo.DormandPrince(tolerance=1e-9, output=0.05),
+jo.simulate(pendulum_model(), 1e6, solver=jo.simulation.DormandPrince(tolerance=1e-9, output=0.05),
             path="killed.h5", progress=kill)
 """
 
@@ -519,7 +525,7 @@ def test_a_killed_run_goes_on_from_its_last_row(tmp_path):
     assert pendulum_error(rest) < 1e-4
     # the motion has no clock: from the last row on it is the same motion
     state = State(rest.q[-1], rest.v[-1], rest.multipliers[-1])
-    solver = jo.DormandPrince(tolerance=1e-9, output=0.05)
+    solver = jo.simulation.DormandPrince(tolerance=1e-9, output=0.05)
     again = jo.simulate(pendulum_model(), 1.0, solver=solver, state=state)
     exact = pendulum_angle(rest.time[-1] + again.time) - 2.5
     turns = again["angle"][:, 0] - exact

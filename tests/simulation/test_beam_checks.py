@@ -14,7 +14,7 @@ DOWN = jo.Gravity((0, 0, -9.81))
 
 def hanging(stiffness, mass=1.0, **options):
     """A rope of 1 m that hangs from the ground, inertia of a thick section."""
-    section = jo.BeamSection(stiffness, mass, (2e-3, 1e-3, 1e-3))
+    section = jo.mechanism.BeamSection(stiffness, mass, (2e-3, 1e-3, 1e-3))
     options = {"elements": 4} | options
     beam = jo.BeamBody("rope", [(0, 0, 0), (0, 0, -1)], section, **options)
     return beam, jo.Fixed("root", jo.ground["origin"], beam["start"].turned(beam.frames[0].T))
@@ -23,7 +23,7 @@ def hanging(stiffness, mass=1.0, **options):
 def test_the_fastest_element_is_that_of_the_stretching_bar():
     """A free bar of two lumped halves: w = 2 c/L; with the consistent mass sqrt(3) as fast."""
     for mass, factor in (("lumped", 2.0), ("consistent", 2.0 * np.sqrt(3.0))):
-        section = jo.BeamSection((1e6, 1e2, 1e2, 1e-3, 1e-3, 1e-3), 2.0, (2.0, 1.0, 1.0))
+        section = jo.mechanism.BeamSection((1e6, 1e2, 1e2, 1e-3, 1e-3, 1e-3), 2.0, (2.0, 1.0, 1.0))
         beam = jo.BeamBody("b", [(0, 0, 0), (3, 0, 0)], section, elements=6, mass=mass)
         found = highest_frequencies(beam.elements)
         assert found == pytest.approx(np.full(6, factor * np.sqrt(1e6 / 2.0) / 0.5))
@@ -64,7 +64,9 @@ def test_tension_in_the_run_beyond_what_shear_bears():
 
 
 def test_bending_by_more_than_a_radian_in_an_element():
-    beam, root = hanging((1e6, 1e6, 1e6, 10, 10, 10), elements=2, damping=jo.BeamDamping(2.0, 0.05))
+    beam, root = hanging(
+        (1e6, 1e6, 1e6, 10, 10, 10), elements=2, damping=jo.mechanism.BeamDamping(2.0, 0.05)
+    )
     moment = jo.Torque("bend", beam["end"], (0, 30.0, 0), signal=jo.Ramp(0.0, 0.5))
     model = jo.compile(jo.Mechanism(beam, root, moment))
     with pytest.warns(jo.JoustoWarning, match=r"beam 'rope': its element \d bent or twisted by"):

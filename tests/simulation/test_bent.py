@@ -15,7 +15,7 @@ STEEL = jo.Material(E=210e9, nu=0.3, rho=7850.0)
 SECTION = jo.Rectangle(0.02, 0.002)
 EI = 210e9 * 0.02 * 0.002**3 / 12.0
 ROD = jo.reduce(
-    jo.Part.beam(LENGTH, SECTION, 20, STEEL, theory=jo.EulerBernoulli()),
+    jo.Part.beam(LENGTH, SECTION, 20, STEEL, theory=jo.parts.EulerBernoulli()),
     jo.CraigBampton(("start", "end"), modes=4),
 )
 

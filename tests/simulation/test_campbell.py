@@ -32,7 +32,7 @@ def closed(length):
 
 def test_crossing_modes_keep_their_line():
     lengths = np.array([1.5, 1.2, 0.9, 0.6])
-    found = jo.campbell(two_rods, lengths, parameter="length (m)")
+    found = jo.simulation.campbell(two_rods, lengths, parameter="length (m)")
     # the longer rod is the slower one at first, and passes the other
     np.testing.assert_allclose(found.frequencies[:, 0], closed(lengths), rtol=1e-9)
     np.testing.assert_allclose(found.frequencies[:, 1], closed(1.0), rtol=1e-9)
@@ -41,11 +41,11 @@ def test_crossing_modes_keep_their_line():
 
 def test_values_must_be_there():
     with pytest.raises(jo.InputError, match="not empty"):
-        jo.campbell(two_rods, [])
+        jo.simulation.campbell(two_rods, [])
 
 
 def test_pictures_show_every_mode_and_order(tmp_path):
-    found = jo.campbell(two_rods, [1.5, 0.6], parameter="length (m)")
+    found = jo.simulation.campbell(two_rods, [1.5, 0.6], parameter="length (m)")
     figure = jo.plot(found, orders=(1.0,), path=tmp_path / "campbell.png")
     (ax,) = figure.axes
     assert ax.get_xlabel() == "length (m)"

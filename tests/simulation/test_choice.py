@@ -29,7 +29,7 @@ def strip():
 def rubbing(slip: float):
     block = jo.RigidBody("block", 1.0, (0.01, 0.01, 0.01), velocity=(1, 0, 0))
     rail = jo.Prismatic("rail", jo.ground["origin"], block["origin"], axis=(1, 0, 0))
-    friction = jo.Friction("rub", rail, 0.3, law=jo.Regularised(slip))
+    friction = jo.Friction("rub", rail, 0.3, law=jo.mechanism.Regularised(slip))
     return jo.Mechanism(
         block, rail, friction, jo.Gravity(G), jo.PositionSensor("c", block["center"])
     )

@@ -23,13 +23,13 @@ def original(tmp_path_factory, rod):
     """A run with modes, stress, a beam, an input, an event and friction that sticks."""
     arm = jo.FlexibleBody("arm", rod, modal_velocities=np.full(rod.n, 1e-3))
     pivot = jo.Revolute("pivot", jo.ground["origin"], arm["start"], (0, 0, 1))
-    rub = jo.Friction("rub", pivot, 0.1, radius=0.01, preload=1.0, law=jo.StickSlip())
+    rub = jo.Friction("rub", pivot, 0.1, radius=0.01, preload=1.0, law=jo.mechanism.StickSlip())
     rope = jo.BeamBody("rope", [(0, 0, 0), (0, 1, 0)], jo.Rectangle(0.02, 0.02), STEEL, elements=2)
     wall = jo.Fixed("wall", jo.ground["origin"], rope["start"])
     push = jo.Force("push", rope["end"], (0, 1, 0), signal=jo.Input("u", 1.0))
     angle = jo.CoordinateSensor("angle", jo.Angle(jo.ground["origin"], arm["start"]))
     hinge = jo.ReactionSensor("hinge", pivot)
-    event = jo.Event("low", angle, threshold=-1e-3)
+    event = jo.mechanism.Event("low", angle, threshold=-1e-3)
     gravity = jo.Gravity((0, -9.81, 0))
     items = (arm, pivot, rub, rope, wall, push, angle, hinge, event, gravity)
     path = tmp_path_factory.mktemp("damage") / "run.h5"

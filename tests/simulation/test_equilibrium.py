@@ -37,7 +37,7 @@ def crane(*extra: object) -> jo.Model:
     )
 
 
-def seen(model: jo.Model, state: jo.State) -> dict[str, np.ndarray]:
+def seen(model: jo.Model, state: jo.simulation.State) -> dict[str, np.ndarray]:
     run = jo.simulate(model, 1e-9, solver=jo.RK4(step=1e-9), state=state)
     return {name: run[name][0] for name in ("tip", "payload")}
 
@@ -86,7 +86,7 @@ def test_both_ways_find_the_same_rest():
     assert found.q == pytest.approx(jo.equilibrium(model).q, abs=1e-9)
 
 
-@pytest.mark.parametrize("law", [jo.StickSlip(), jo.Regularised()])
+@pytest.mark.parametrize("law", [jo.mechanism.StickSlip(), jo.mechanism.Regularised()])
 def test_friction_does_not_hold_at_rest(law):
     """As the page on theory says: a pendulum hangs down, also from a state that sticks."""
     rod = jo.RigidBody("rod", 1.0, (0.1, 0.1, 0.1), center=(1, 0, 0))

@@ -22,9 +22,11 @@ def slewing(stop=True, *, law=None):
     """A drum with an unbalance, turned by a motor until a limit switch; angle over many turns."""
     drum = jo.RigidBody("drum", 2.0, (0.1, 0.1, 0.1), center=(0.02, 0, 0))
     hinge = jo.Revolute("hinge", jo.ground["origin"], drum["origin"], axis=(0, 0, 1))
-    limit = jo.Event("limit", hinge.angle, 20.0, "rising", stop)
-    half = jo.Event("half turn", hinge.angle, np.pi, "rising")
-    torque = jo.Switched(half, 2.0, 1.0) if stop else jo.Switched(limit, 2.0, -3.0)
+    limit = jo.mechanism.Event("limit", hinge.angle, 20.0, "rising", stop)
+    half = jo.mechanism.Event("half turn", hinge.angle, np.pi, "rising")
+    torque = (
+        jo.mechanism.Switched(half, 2.0, 1.0) if stop else jo.mechanism.Switched(limit, 2.0, -3.0)
+    )
     items = [] if law is None else [jo.Friction("rub", hinge, 0.05, 0.1, radius=0.05, law=law)]
     return jo.compile(
         jo.Mechanism(
@@ -65,7 +67,7 @@ def test_a_run_without_events_has_an_empty_table(pendulum):
 
 
 def test_the_table_tells_stick_and_slip(tmp_path):
-    run = jo.simulate(block_on_a_belt(jo.StickSlip()), 1.7, solver=jo.RK4(0.005))
+    run = jo.simulate(block_on_a_belt(jo.mechanism.StickSlip()), 1.7, solver=jo.RK4(0.005))
     words = [(e.name, e.change, e.count) for e in run.events]
     assert words == [
         ("rub", "slips backward", 1),
@@ -81,7 +83,7 @@ def test_a_long_table_is_cut_with_a_warning(monkeypatch):
     body = jo.RigidBody("body", 1.0, (1, 1, 1), velocity=(1, 0, 0))
     rail = jo.Prismatic("rail", jo.ground["origin"], body["origin"], (1, 0, 0))
     wave = jo.SignalSensor("wave", jo.Harmonic(frequency=20.0))
-    model = jo.compile(jo.Mechanism(body, rail, wave, jo.Event("zero", wave)))
+    model = jo.compile(jo.Mechanism(body, rail, wave, jo.mechanism.Event("zero", wave)))
     with pytest.warns(jo.JoustoWarning, match="only the first 5 events"):
         run = jo.simulate(model, 1.0)
     assert [e.count for e in run.events] == [1, 2, 3, 4, 5]
@@ -90,7 +92,7 @@ def test_a_long_table_is_cut_with_a_warning(monkeypatch):
 # -- going on -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("law", [None, jo.StickSlip()], ids=["free", "stick-slip"])
+@pytest.mark.parametrize("law", [None, jo.mechanism.StickSlip()], ids=["free", "stick-slip"])
 @pytest.mark.parametrize("solver", SOLVERS, ids=lambda s: type(s).__name__)
 def test_a_run_goes_on_as_if_it_had_not_been_interrupted(solver, law):
     model = slewing(stop=False, law=law)
@@ -115,7 +117,7 @@ def test_a_run_goes_on_as_if_it_had_not_been_interrupted(solver, law):
 
 @pytest.mark.parametrize(
     ("solver", "tolerance"),
-    [(jo.GeneralizedAlpha(0.005), 2e-4), (jo.DormandPrince(1e-9), 1e-6)],
+    [(jo.GeneralizedAlpha(0.005), 2e-4), (jo.simulation.DormandPrince(1e-9), 1e-6)],
     ids=lambda x: type(x).__name__,
 )
 def test_methods_with_a_memory_start_anew_within_their_accuracy(solver, tolerance):
@@ -188,7 +190,9 @@ def test_functions_and_samples_are_held():
     samples = force(0.1 * np.arange(10))
     same = jo.simulate(cart(), 1.0, solver=jo.RK4(0.1), inputs={"u": samples})
     np.testing.assert_allclose(same["x"], run["x"], atol=1e-15)
-    free = jo.simulate(cart(), 1.0, solver=jo.DormandPrince(), output_step=0.1, inputs={"u": force})
+    free = jo.simulate(
+        cart(), 1.0, solver=jo.simulation.DormandPrince(), output_step=0.1, inputs={"u": force}
+    )
     np.testing.assert_allclose(free["x"], run["x"], atol=1e-12)
     fine = jo.simulate(
         cart(), 1.0, solver=jo.RK4(0.01), output_step=0.1, inputs={"u": np.append(samples, 9.0)}
@@ -222,7 +226,7 @@ def test_impossible_inputs(value, sentence):
     ],
 )
 def test_a_function_that_fails_ends_the_run_and_keeps_the_results(function, sentence):
-    with pytest.raises(jo.RunFailed) as error:
+    with pytest.raises(jo.simulation.RunFailed) as error:
         jo.simulate(cart(), 1.0, solver=jo.RK4(0.125), inputs={"u": function})
     assert sentence in str(error.value)
     assert "input 'u'" in str(error.value)
@@ -236,10 +240,10 @@ def test_a_function_that_fails_ends_the_run_and_keeps_the_results(function, sent
 def test_a_simulator_does_what_simulate_does(solver):
     model = slewing()
     run = jo.simulate(model, 20.0, solver=solver)
-    sim = jo.Simulator(model, solver)
+    sim = jo.simulation.Simulator(model, solver)
     sim.step(100)
     assert sim.read("angle") == run["angle"][100]
-    other = jo.Simulator(model, solver, state=sim.state())
+    other = jo.simulation.Simulator(model, solver, state=sim.state())
     for s in (sim, other):
         while not s.stopped:
             s.step(7)
@@ -250,7 +254,7 @@ def test_a_simulator_does_what_simulate_does(solver):
 
 
 def test_a_controller_in_the_loop():
-    sim = jo.Simulator(cart(), jo.RK4(0.01))
+    sim = jo.simulation.Simulator(cart(), jo.RK4(0.01))
     x = v = 0.0
     for _ in range(300):
         measured = sim.read("x")[0]
@@ -263,7 +267,7 @@ def test_a_controller_in_the_loop():
 
 
 def test_a_simulator_names_what_it_does_not_know():
-    sim = jo.Simulator(cart())
+    sim = jo.simulation.Simulator(cart())
     with pytest.raises(jo.InputError, match="no input 'uu'; did you mean 'u'"):
         sim.set("uu", 1.0)
     with pytest.raises(jo.InputError, match="input 'u': is nan, must be finite"):
@@ -271,6 +275,6 @@ def test_a_simulator_names_what_it_does_not_know():
     with pytest.raises(jo.InputError, match="no sensor 'y'"):
         sim.read("y")
     with pytest.raises(jo.InputError, match="solver is 3, must be one of RK4"):
-        jo.Simulator(cart(), 3)
+        jo.simulation.Simulator(cart(), 3)
     with pytest.raises(jo.InputError, match="DormandPrince chooses its steps itself"):
-        jo.Simulator(cart(), jo.DormandPrince())
+        jo.simulation.Simulator(cart(), jo.simulation.DormandPrince())

@@ -71,7 +71,7 @@ def signal():
 
 @pytest.fixture(scope="module")
 def found(signal):
-    return jo.kinematics(slider_crank(signal), TIMES)
+    return jo.simulation.kinematics(slider_crank(signal), TIMES)
 
 
 def test_positions_and_velocities(found, signal):
@@ -111,20 +111,20 @@ def test_the_motor_gives_the_closed_form_torque(signal):
     angle, w, alpha = signal(TIMES), signal.rate(TIMES), signal.acceleration(TIMES)
     torque = inertia(angle) * alpha + 0.5 * slope(inertia, angle) * w**2
     (row,) = (joint.row for joint in model.joints if joint.name == "motor")
-    found = -jo.inverse_dynamics(model, TIMES).multipliers[:, row]
+    found = -jo.simulation.inverse_dynamics(model, TIMES).multipliers[:, row]
     np.testing.assert_allclose(found, torque, atol=1e-8 * np.abs(torque).max())
 
 
 def test_instants_may_be_turns_apart_and_start_anywhere(signal):
-    found = jo.kinematics(slider_crank(signal), [0.9, 1.5])
+    found = jo.simulation.kinematics(slider_crank(signal), [0.9, 1.5])
     np.testing.assert_allclose(found.q[:, 14], closed_form(signal([0.9, 1.5]))[0], atol=1e-10)
 
 
 def test_free_motions_are_counted(signal):
     with pytest.raises(jo.InputError, match="keeps 1 free motion at the initial pose.*give each a"):
-        jo.kinematics(slider_crank(signal, driven=False), TIMES)
+        jo.simulation.kinematics(slider_crank(signal, driven=False), TIMES)
     with pytest.raises(jo.InputError, match="has no drive"):
-        jo.inverse_dynamics(slider_crank(signal, driven=False), TIMES)
+        jo.simulation.inverse_dynamics(slider_crank(signal, driven=False), TIMES)
 
 
 E, RHO, LENGTH, WIDTH, HEIGHT = 2.1e11, 7850.0, 2.0, 0.05, 0.02  # steel strip, bends about z
@@ -137,7 +137,7 @@ def strip():
         section=jo.Rectangle(HEIGHT, WIDTH),
         elements=8,
         material=jo.Material(E=E, nu=0.3, rho=RHO),
-        theory=jo.EulerBernoulli(),
+        theory=jo.parts.EulerBernoulli(),
     )
     return jo.reduce(part, jo.CraigBampton(interfaces=("start", "end"), modes=8))
 
@@ -154,7 +154,7 @@ def test_a_spinning_rod_is_stretched_as_by_its_own_weight(strip):
     """E u'' = -rho Omega^2 (x + u): u(L) = tan(k L) / k - L, k^2 = rho Omega^2 / E; no torque."""
     speed = 20.0
     k = speed * np.sqrt(RHO / E)
-    found = jo.inverse_dynamics(arm(strip, jo.Ramp(0, 9, 0, 9 * speed)), [0.5, 1.0])
+    found = jo.simulation.inverse_dynamics(arm(strip, jo.Ramp(0, 9, 0, 9 * speed)), [0.5, 1.0])
     stretch = np.linalg.norm(found["tip"], axis=1) - LENGTH
     np.testing.assert_allclose(stretch, np.tan(k * LENGTH) / k - LENGTH, rtol=1e-5)  # 14 modes
     np.testing.assert_allclose(found["torque"], 0.0, atol=1e-8)
@@ -162,7 +162,9 @@ def test_a_spinning_rod_is_stretched_as_by_its_own_weight(strip):
 
 def test_a_held_arm_sags_and_its_motor_carries_it(strip):
     """w L^4 / (8 E I) by the linear theory, torque of the weight at half the length."""
-    found = jo.inverse_dynamics(arm(strip, jo.Constant(0.0), jo.Gravity((0, -9.81, 0))), [1.0])
+    found = jo.simulation.inverse_dynamics(
+        arm(strip, jo.Constant(0.0), jo.Gravity((0, -9.81, 0))), [1.0]
+    )
     weight, inertia = 9.81 * RHO * WIDTH * HEIGHT, WIDTH * HEIGHT**3 / 12
     # the arm turns with its root, so that the lever shortens by the square of the sag: 1e-4
     np.testing.assert_allclose(
@@ -183,7 +185,7 @@ def test_joints_that_bend_a_body_bend_it(strip):
             jo.PositionSensor("middle", body["node5"]),
         )
     )
-    found = jo.kinematics(model, [1.0])
+    found = jo.simulation.kinematics(model, [1.0])
     weight, inertia = 9.81 * RHO * WIDTH * HEIGHT, WIDTH * HEIGHT**3 / 12
     # consistent loads of two elements per eighth, eight modes: 2e-4
     np.testing.assert_allclose(
@@ -196,7 +198,7 @@ def test_slow_motion_needs_the_torque_of_the_simulation(strip):
     model = arm(strip, jo.SCurve([0.0, 4.0], [0.0, 1.0]), jo.Gravity((0, -9.81, 0)), damping=0.02)
     rest = jo.equilibrium(model)
     run = jo.simulate(model, 4.0, solver=jo.ROS2(step=5e-4), output_step=0.1, state=rest)
-    found = jo.inverse_dynamics(model, run.time)
+    found = jo.simulation.inverse_dynamics(model, run.time)
     np.testing.assert_allclose(found["torque"], run["torque"], atol=0.006 * found["torque"].max())
     np.testing.assert_allclose(found["tip"], run["tip"], atol=2e-4)
     assert np.abs(found["torque"] - found["torque"][0]).max() > 1.0  # the motion matters
@@ -206,12 +208,12 @@ def test_slow_motion_needs_the_torque_of_the_simulation(strip):
 def test_a_motion_faster_than_the_modes_is_refused(strip):
     model = arm(strip, jo.Harmonic(frequency=20.0, amplitude=0.5), jo.Gravity((0, -9.81, 0)))
     with pytest.raises(jo.SimulationError, match="too soft for such a motion without vibration"):
-        jo.kinematics(model, np.linspace(0, 0.1, 3))
+        jo.simulation.kinematics(model, np.linspace(0, 0.1, 3))
 
 
 def test_times_must_increase(signal):
     with pytest.raises(jo.InputError, match=r"must increase, but 1 s is followed by 0\.5 s"):
-        jo.kinematics(slider_crank(signal), [0.0, 1.0, 0.5])
+        jo.simulation.kinematics(slider_crank(signal), [0.0, 1.0, 0.5])
 
 
 def test_a_drive_out_of_reach_is_named_with_its_time(tmp_path):
@@ -230,7 +232,7 @@ def test_a_drive_out_of_reach_is_named_with_its_time(tmp_path):
     )
     target = tmp_path / "taut.h5"
     with pytest.raises(jo.SimulationError, match="cannot follow its drives past (1|0.99999)"):
-        jo.kinematics(model, np.linspace(0, 2, 11), path=target)
+        jo.simulation.kinematics(model, np.linspace(0, 2, 11), path=target)
     kept = jo.load(target)
     assert not kept.complete
     assert kept.nt in (5, 6)

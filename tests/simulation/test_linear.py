@@ -46,18 +46,18 @@ def test_hanging_rod_swings_with_its_closed_form():
 
 
 def test_upright_rod_falls_with_its_closed_form():
-    values = jo.linearise(pendulum(180.0)).eigenvalues
+    values = jo.simulation.linearise(pendulum(180.0)).eigenvalues
     rate = np.sqrt(1.5 * G / 1.2)
     np.testing.assert_allclose(np.sort(values.real), [-rate, rate], rtol=1e-10)
 
 
 def test_output_matrix_is_the_slope_of_the_sensor():
-    linear = jo.linearise(pendulum(0.0), outputs=["tip"])
+    linear = jo.simulation.linearise(pendulum(0.0), outputs=["tip"])
     assert linear.output_names == ("tip.x", "tip.y", "tip.z")
     # the tip moves 1.2 m per rad, and with it the centre 0.6 m: N = (0.6, 1) / |..|
     np.testing.assert_allclose(np.abs(linear.C[:, 0]), [1.2 / np.hypot(0.6, 1.0), 0, 0], atol=1e-12)
     with pytest.raises(jo.InputError, match="no sensor 'tap'"):
-        jo.linearise(pendulum(0.0), outputs=["tap"])
+        jo.simulation.linearise(pendulum(0.0), outputs=["tap"])
 
 
 def test_double_pendulum_has_its_closed_form_frequencies():
@@ -169,7 +169,7 @@ def test_clamped_beam_sags_and_vibrates_as_theory_says():
         )
     )
     state = jo.equilibrium(model)
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     engine.q[:] = state.q
     engine.v[:] = 0.0
     engine.accelerations()
@@ -188,4 +188,4 @@ def test_a_run_from_the_rest_position_stays_there():
     run = jo.simulate(model, 0.2, solver=jo.RK4(1e-2), state=state)
     np.testing.assert_allclose(run["tip"], [[0.0, -1.2, 0.0]] * len(run.time), atol=1e-7)
     with pytest.raises(jo.InputError, match="state has 3 positions"):
-        jo.simulate(model, 0.2, state=jo.State(np.zeros(3), np.zeros(6), np.zeros(5)))
+        jo.simulate(model, 0.2, state=jo.simulation.State(np.zeros(3), np.zeros(6), np.zeros(5)))

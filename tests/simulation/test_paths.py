@@ -54,8 +54,8 @@ LIMIT = float(push(np.sqrt((REST * HALF**2) ** (2 / 3) - HALF**2)))
 
 
 @pytest.fixture(scope="module")
-def snapped() -> jo.LoadPath:
-    return jo.load_path(truss(), "load", to=100.0, method="arc", steps=10)
+def snapped() -> jo.simulation.LoadPath:
+    return jo.simulation.load_path(truss(), "load", to=100.0, method="arc", steps=10)
 
 
 def test_the_whole_curve_of_a_snapping_truss(snapped):
@@ -84,7 +84,7 @@ def test_newton_is_quadratic(snapped):
 def test_a_soft_spring_in_series_snaps_back():
     """The cap's travel w = y0 - y + P / ks turns back where dw/dP does."""
     soft = 60.0
-    path = jo.load_path(truss(soft), "load", to=100.0, method="arc", steps=20)
+    path = jo.simulation.load_path(truss(soft), "load", to=100.0, method="arc", steps=20)
     y, w = path["apex"][:, 1], RISE + 3.0 - path["cap"][:, 1]
     assert np.abs(push(y) - path.load).max() < 1e-9 * K
     assert np.abs(RISE - y + path.load / soft - w).max() < 1e-9
@@ -93,13 +93,17 @@ def test_a_soft_spring_in_series_snaps_back():
 
 
 def test_the_cylindrical_arc_finds_the_same():
-    path = jo.load_path(truss(), "load", to=100.0, method=jo.ArcLength(0.0), steps=10)
+    path = jo.simulation.load_path(
+        truss(), "load", to=100.0, method=jo.simulation.ArcLength(0.0), steps=10
+    )
     assert path.limits == pytest.approx([LIMIT, -LIMIT], rel=1e-7)
 
 
 def test_load_steps_stop_at_the_limit_and_say_so():
-    with pytest.raises(jo.PathFailed, match=r"limit point is near.*method='arc'") as error:
-        jo.load_path(truss(), "load", to=100.0)
+    with pytest.raises(
+        jo.simulation.PathFailed, match=r"limit point is near.*method='arc'"
+    ) as error:
+        jo.simulation.load_path(truss(), "load", to=100.0)
     path = error.value.path
     assert not path.complete
     assert path.load[-1] == pytest.approx(LIMIT, rel=1e-3)
@@ -107,7 +111,9 @@ def test_load_steps_stop_at_the_limit_and_say_so():
 
 
 def test_until_ends_a_path():
-    path = jo.load_path(truss(), "load", to=100.0, method="arc", until=lambda s: s.q[1] < 0.0)
+    path = jo.simulation.load_path(
+        truss(), "load", to=100.0, method="arc", until=lambda s: s.q[1] < 0.0
+    )
     assert path.states[-1].q[1] < 0.0 <= path.states[-2].q[1]
     assert not path.complete
 
@@ -128,7 +134,7 @@ def bar() -> jo.Model:
 
 
 def test_a_pressed_bar_buckles_at_c_over_l():
-    path = jo.load_path(bar(), "load", to=40.0, steps=8)
+    path = jo.simulation.load_path(bar(), "load", to=40.0, steps=8)
     assert path.complete
     assert path.bifurcations == pytest.approx([25.0], rel=1e-8)
     assert not path.stable[-1]
@@ -137,7 +143,7 @@ def test_a_pressed_bar_buckles_at_c_over_l():
 @pytest.mark.parametrize("side", [1, -1])
 def test_its_other_branch_is_that_of_the_closed_form(side):
     """c a = P l sin(a), stable."""
-    path = jo.load_path(bar(), "load", to=40.0, steps=8, method="arc", branch=side)
+    path = jo.simulation.load_path(bar(), "load", to=40.0, steps=8, method="arc", branch=side)
     bent = np.abs(path["angle"]) > 1e-3
     angle = path["angle"][bent]
     assert len(angle) > 3
@@ -159,7 +165,7 @@ def test_a_follower_load_is_no_gradient_and_converges_as_well():
             jo.CoordinateSensor("angle", jo.Angle(jo.ground["origin"], rod["origin"])),
         )
     )
-    path = jo.load_path(model, "load", to=200.0, steps=16)
+    path = jo.simulation.load_path(model, "load", to=200.0, steps=16)
     assert path["angle"] == pytest.approx(path.load * 2.0 / 50.0, abs=1e-9)
 
 
@@ -173,7 +179,7 @@ def test_gravity_is_a_parameter():
         jo.Gravity((0, 0, -10.0)),
         jo.PositionSensor("ball", ball["origin"]),
     )
-    path = jo.load_path(jo.compile(mechanism), "gravity", to=1.0, steps=4)
+    path = jo.simulation.load_path(jo.compile(mechanism), "gravity", to=1.0, steps=4)
     assert path["ball"][:, 2] == pytest.approx(-0.05 * path.load, abs=1e-14)
     assert path.load == pytest.approx([0, 0.25, 0.5, 0.75, 1.0])
 
@@ -183,8 +189,10 @@ def test_a_free_body_is_named():
     slide = jo.Prismatic("slide", jo.ground["origin"], ball["origin"], axis=(0, 0, 1))
     force = jo.Force("push", ball["origin"], (0, 0, 1), signal=jo.Input("load"))
     model = jo.compile(jo.Mechanism(ball, slide, force))
-    with pytest.raises(jo.PathFailed, match=r"body 'ball' moves freely along \(0, 0, -?1\)"):
-        jo.load_path(model, "load", to=1.0)
+    with pytest.raises(
+        jo.simulation.PathFailed, match=r"body 'ball' moves freely along \(0, 0, -?1\)"
+    ):
+        jo.simulation.load_path(model, "load", to=1.0)
 
 
 def test_a_summary_says_how_much_it_leaves_out(snapped):
@@ -195,14 +203,14 @@ def test_a_summary_says_how_much_it_leaves_out(snapped):
 
 def test_all_that_is_wrong_is_said_at_once():
     with pytest.raises(jo.InputError) as error:
-        jo.load_path(truss(), "load", to=np.nan, steps=0, method="ark", branch=2)
+        jo.simulation.load_path(truss(), "load", to=np.nan, steps=0, method="ark", branch=2)
     assert len(error.value.problems) == 4
     with pytest.raises(jo.InputError, match="no parameter 'lode'; did you mean 'load'"):
-        jo.load_path(truss(), "lode", to=1.0)
+        jo.simulation.load_path(truss(), "lode", to=1.0)
     with pytest.raises(jo.InputError, match="no gravity to scale"):
-        jo.load_path(truss(), "gravity", to=1.0)
+        jo.simulation.load_path(truss(), "gravity", to=1.0)
     with pytest.raises(jo.InputError, match="load is 0 already"):
-        jo.load_path(truss(), "load", to=0.0)
+        jo.simulation.load_path(truss(), "load", to=0.0)
 
 
 def test_a_path_is_drawn_and_written(snapped, tmp_path):

@@ -63,7 +63,7 @@ def test_errors_keep_what_they_know_in_another_process():
         jo.InputError([Problem("a", "one"), Problem("b", "two")]),
         MissingFileError(Problem("x.yaml", "no such file")),
         jo.SimulationError("diverged", time=0.25, body="arm"),
-        jo.RunFailed("diverged", run, time=0.25, body="arm"),
+        jo.simulation.RunFailed("diverged", run, time=0.25, body="arm"),
         RunInterrupted("stopped", run),
     ]
     for error in found:

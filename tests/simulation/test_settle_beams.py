@@ -33,7 +33,7 @@ def test_a_level_strip_finds_its_rest_hanging() -> None:
     """The same as by bringing the weight on in steps, and nothing moves from there."""
     model = strip(5)
     rest = jo.equilibrium(model)
-    stepped = jo.load_path(model, "gravity", to=1.0).states[-1]
+    stepped = jo.simulation.load_path(model, "gravity", to=1.0).states[-1]
     assert rest.q == pytest.approx(stepped.q, abs=1e-9)
     assert rest.q[5 * 7 + 2] < -0.7  # m, of the last node
     run = jo.simulate(model, 0.02, solver=jo.GeneralizedAlpha(step=2e-3), state=rest)

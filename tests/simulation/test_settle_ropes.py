@@ -43,7 +43,7 @@ def hung(beam: jo.BeamBody, *more: object) -> jo.Model:
     )
 
 
-def places(model: jo.Model, state: jo.State) -> np.ndarray:
+def places(model: jo.Model, state: jo.simulation.State) -> np.ndarray:
     return np.array([state.q[b.iq : b.iq + 3] for b in model.bodies])
 
 
@@ -169,7 +169,9 @@ def test_an_arc_released_from_its_mould_is_straight(n, angle, bending):
 def test_a_cantilever_finds_the_elastica_at_once(load, across, along):
     """Elliptic integrals of Bisshopp and Drucker (1945); order four, stretch and shear 1e-7."""
     stiff = 1e8
-    section = jo.BeamSection((stiff, stiff, stiff, 1.0, 1.0, 1.0), 1.0, (2e-3, 1e-3, 1e-3))
+    section = jo.mechanism.BeamSection(
+        (stiff, stiff, stiff, 1.0, 1.0, 1.0), 1.0, (2e-3, 1e-3, 1e-3)
+    )
     beam = jo.BeamBody("strip", [(0, 0, 0), (1, 0, 0)], section, elements=16, bending=True)
     clamp = jo.Fixed("clamp", jo.ground["origin"], beam["start"])
     model = jo.compile(jo.Mechanism(beam, clamp, jo.Force("load", beam["end"], (0, 0, load))))
@@ -182,7 +184,7 @@ def test_a_path_of_a_rope_has_no_critical_points():
     beam = rope(curve(8, 1.2), 2e-3, straight=True)
     push = jo.Force("push", beam.node(4), (0, 1, -3), signal=jo.Input("load"))
     model = hung(beam, jo.Gravity((0, 0, -G)), push)
-    path = jo.load_path(model, "load", to=1.0, steps=3, state=jo.equilibrium(model))
+    path = jo.simulation.load_path(model, "load", to=1.0, steps=3, state=jo.equilibrium(model))
     assert path.complete
     assert not path.critical
     assert path.stable.all()

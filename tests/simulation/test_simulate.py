@@ -74,7 +74,7 @@ def test_a_mechanism_is_not_yet_a_model():
         (lambda: jo.RK4(step="1e-3"), "step is '1e-3'"),
         (lambda: jo.RK4(1e-3, projection=1), "projection is 1, must be True or False"),
         (lambda: jo.RK4(1e-3, baumgarte=5.0), "baumgarte is 5.0, must be Baumgarte"),
-        (lambda: jo.Baumgarte(-1.0, 1.0), "alpha is -1.0, must be 0 or more"),
+        (lambda: jo.simulation.Baumgarte(-1.0, 1.0), "alpha is -1.0, must be 0 or more"),
     ],
 )
 def test_impossible_solvers(make, sentence):
@@ -166,7 +166,9 @@ def test_a_step_too_large_for_rk4_is_predicted_and_diagnosed(pendulum, highest_f
     step = 6.0 / (2 * np.pi * highest_frequency)
     with (
         pytest.warns(jo.JoustoWarning, match=r"will probably diverge: the mechanism has a mode of"),
-        pytest.raises(jo.RunFailed, match=r"body 'arm' diverged; likely cause: .*RK4") as error,
+        pytest.raises(
+            jo.simulation.RunFailed, match=r"body 'arm' diverged; likely cause: .*RK4"
+        ) as error,
     ):
         jo.simulate(pendulum, 1.0, solver=jo.RK4(step))
     assert 0.0 < error.value.time < 1.0
@@ -186,7 +188,7 @@ def test_the_predicted_limit_is_sharp(pendulum):
     assert limit * omega == pytest.approx(2 * np.sqrt(2), rel=1e-6)  # |R(iy)| = 1 of RK4
     run = jo.simulate(pendulum, 2000 * limit * 0.95, solver=jo.RK4(0.95 * limit))
     assert run.complete
-    with pytest.warns(jo.JoustoWarning), pytest.raises(jo.RunFailed):
+    with pytest.warns(jo.JoustoWarning), pytest.raises(jo.simulation.RunFailed):
         jo.simulate(pendulum, 2000 * limit * 1.1, solver=jo.RK4(1.1 * limit))
 
 
@@ -211,7 +213,7 @@ def test_ctrl_c_keeps_a_valid_file(pendulum, tmp_path):
         if now > 0.0:
             raise KeyboardInterrupt
 
-    with pytest.raises(jo.RunInterrupted) as error:
+    with pytest.raises(jo.simulation.RunInterrupted) as error:
         jo.simulate(pendulum, 1e4, path=tmp_path / "run.h5", progress=stop)
     run = jo.load(tmp_path / "run.h5")
     assert not run.complete
@@ -285,7 +287,9 @@ def test_a_disk_that_fills_up_stops_the_run_with_a_sentence(pendulum, tmp_path, 
         real(file, offset, data)
 
     monkeypatch.setattr(results, "_write", write)
-    with pytest.raises(jo.RunFailed, match="cannot write.*No space left.*free some space") as error:
+    with pytest.raises(
+        jo.simulation.RunFailed, match="cannot write.*No space left.*free some space"
+    ) as error:
         jo.simulate(
             pendulum, 1e3, path=tmp_path / "run.h5", progress=lambda now, wall: full.append(now)
         )
@@ -300,7 +304,7 @@ def test_a_run_that_ends_early_is_cut_to_its_length(pendulum, tmp_path):
     def stop(now, wall):
         raise KeyboardInterrupt
 
-    with pytest.raises(jo.RunInterrupted):
+    with pytest.raises(jo.simulation.RunInterrupted):
         jo.simulate(pendulum, 1e4, path=tmp_path / "run.h5", progress=stop)
     with h5py.File(tmp_path / "run.h5") as file:
         assert len(file["time"]) == len(file["sensors/tip"]) == file["rows"][()] < 1e5
@@ -466,10 +470,12 @@ def test_a_blow_up_is_not_taken_for_redundant_joints(rod):
             jo.Gravity((0, -9.81, 1.0)),
         )
     )
-    solver = jo.ROS2(1e-3, projection=False, baumgarte=jo.Baumgarte(47484.7, 47484.7))
+    solver = jo.ROS2(1e-3, projection=False, baumgarte=jo.simulation.Baumgarte(47484.7, 47484.7))
     with (
         pytest.warns(jo.JoustoWarning, match="Baumgarte"),
-        pytest.raises(jo.RunFailed, match="diverged; likely cause: .*Baumgarte") as error,
+        pytest.raises(
+            jo.simulation.RunFailed, match="diverged; likely cause: .*Baumgarte"
+        ) as error,
     ):
         jo.simulate(model, 1.0, solver=solver)
     assert (np.diff(error.value.solution.time) > 0).all()
@@ -491,7 +497,10 @@ def test_a_state_at_rest_does_not_fit_a_drive_that_moves():
     with pytest.warns(jo.JoustoWarning, match="do not fit 'belt' by 0.7 m/s") as caught:
         jo.simulate(model, 0.01, state=jo.equilibrium(model))
     (said,) = (str(one.message) for one in caught if "belt" in str(one.message))
-    assert "state=jo.settled(model)" in said and "jo.steady_rotation(model, axis, speed)" in said
+    assert (
+        "state=jo.simulation.settled(model)" in said
+        and "jo.simulation.steady_rotation(model, axis, speed)" in said
+    )
 
 
 def test_a_state_that_fits_is_taken_without_a_word():
@@ -501,7 +510,9 @@ def test_a_state_that_fits_is_taken_without_a_word():
         rest = jo.equilibrium(model)
         still = jo.simulate(model, 0.01, state=rest)
         model = driven(0.7)
-        moving = jo.simulate(model, 0.01, state=jo.State(model.q0, model.v0, np.zeros(model.nrow)))
+        moving = jo.simulate(
+            model, 0.01, state=jo.simulation.State(model.q0, model.v0, np.zeros(model.nrow))
+        )
     assert [str(w.message) for w in caught] == []
     np.testing.assert_array_equal(still.q[0], rest.q)
     np.testing.assert_array_equal(moving.v[0], model.v0)

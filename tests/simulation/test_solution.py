@@ -35,7 +35,7 @@ def swing(length: float) -> jo.Solution:
             EARTH,
             jo.ReactionSensor("hinge", pivot),
             angle,
-            jo.Event("low", angle, threshold=-0.2),
+            jo.mechanism.Event("low", angle, threshold=-0.2),
             name="swing",
         )
     )
@@ -365,7 +365,7 @@ def test_a_steady_rotation_is_judged_by_the_energy_it_has(missing, words):
     assert words in steady(missing).verdict
 
 
-@pytest.mark.parametrize("solver", [jo.RK4(step=1e-4), jo.DormandPrince(tolerance=1e-6)])
+@pytest.mark.parametrize("solver", [jo.RK4(step=1e-4), jo.simulation.DormandPrince(tolerance=1e-6)])
 def test_a_machine_that_turns_steadily_is_good(solver):
     """Two bodies on an inclined shaft keep 33 kJ to 1e-12 (RK4) and 5e-7, and exchange nothing."""
     w = 100.0 * np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
@@ -405,7 +405,7 @@ def test_a_coarse_step_is_told_from_a_fine_one(pendulum):
 
 
 def test_engines_share_constants_but_not_gravity_or_state(pendulum):
-    one, other = jo.Engine(pendulum), jo.Engine(pendulum)
+    one, other = jo.model.Engine(pendulum), jo.model.Engine(pendulum)
     before, _ = other.accelerations()
     before = before.copy()
     one.gravity[:] = 0.0
@@ -413,8 +413,8 @@ def test_engines_share_constants_but_not_gravity_or_state(pendulum):
     after, _ = other.accelerations()
     assert_array_equal(before, after)
     del one
-    assert_array_equal(jo.Engine(pendulum).accelerations()[0], before)
-    perturbed = jo.Engine(pendulum, override={("body", 0, "K"): 2.0 * pendulum.bodies[0].K})
+    assert_array_equal(jo.model.Engine(pendulum).accelerations()[0], before)
+    perturbed = jo.model.Engine(pendulum, override={("body", 0, "K"): 2.0 * pendulum.bodies[0].K})
     perturbed.q[7:9] = other.q[7:9] = 1e-3
     assert not np.array_equal(perturbed.accelerations()[0], other.accelerations()[0])
 
@@ -425,7 +425,7 @@ def test_the_constants_of_a_model_go_with_it():
     body = jo.RigidBody("b", 1.0, (1, 1, 1))
     joint = jo.Spherical("j", jo.ground["origin"], body["origin"])
     model = jo.compile(jo.Mechanism(body, joint, EARTH))
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     assert model in layout._LAID
     count = len(layout._LAID)
     del model, engine

@@ -15,12 +15,12 @@ Array = NDArray[np.float64]
 ZERO = (0.0, 0.0, 0.0)
 
 
-def section(*diagonal: float, mass: float = 1.0) -> jo.BeamSection:
+def section(*diagonal: float, mass: float = 1.0) -> jo.mechanism.BeamSection:
     """A section of stiffness EA, GAy, GAz, GJ, EIy, EIz; its inertia is of no account at rest."""
-    return jo.BeamSection(diagonal, mass, (2e-2, 1e-2, 1e-2))
+    return jo.mechanism.BeamSection(diagonal, mass, (2e-2, 1e-2, 1e-2))
 
 
-def thin(EI: float = 1.0, length: float = 1.0, ratio: float = 1e8) -> jo.BeamSection:
+def thin(EI: float = 1.0, length: float = 1.0, ratio: float = 1e8) -> jo.mechanism.BeamSection:
     """A section that bends and twists with EI and neither stretches nor shears: 1 / `ratio`."""
     stiff = ratio * EI / length**2
     return section(stiff, stiff, stiff, EI, EI, EI)
@@ -67,14 +67,14 @@ def arc(radius: float, angle: float, elements: int, sec: Any, **more: Any) -> jo
 
 def rest(
     model: jo.Model, way: int | ArrayLike = 4, *, tolerance: float = 1e-10
-) -> tuple[jo.State, list[float]]:
+) -> tuple[jo.simulation.State, list[float]]:
     """Newton's iteration on the residual of the engine while loads grow: state, sizes of steps.
 
-    Plain and quick, without predictor and without a look at stability, which `jo.load_path` has;
-    a step that fails is halved. `way` is a number of equal steps of all inputs to 1, or their
-    values (k, inputs).
+    Plain and quick, without predictor and without a look at stability, which
+    `jo.simulation.load_path` has; a step that fails is halved. `way` is a number of equal steps of
+    all inputs to 1, or their values (k, inputs).
     """
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     if isinstance(way, int):
         way = np.arange(1, way + 1)[:, None] / way
     todo = [np.broadcast_to(x, engine.input.shape).astype(float) for x in np.asarray(way)]
@@ -91,10 +91,10 @@ def rest(
         if np.abs(todo[1] - todo[0]).max() < 1e-5:
             raise AssertionError(f"no equilibrium beyond {last}")
     inputs = dict(zip(model.inputs, map(float, engine.input), strict=True))
-    return jo.State(q, np.zeros(model.nv), lam, inputs=inputs), norms
+    return jo.simulation.State(q, np.zeros(model.nv), lam, inputs=inputs), norms
 
 
-def iterate(engine: jo.Engine, tolerance: float = 1e-10) -> list[float]:
+def iterate(engine: jo.model.Engine, tolerance: float = 1e-10) -> list[float]:
     """Newton's iteration at given loads: sizes of its steps, none if it fails."""
     model, norms = engine.model, []
     try:

@@ -32,4 +32,4 @@ def on_a_hub(reduced: jo.ReducedPart, node: str, speed: float) -> NDArray[np.flo
             jo.Gravity((0.0, 0.0, -1e-9)),
         )
     )
-    return np.sort(np.linalg.eigvals(jo.linearise(model).A).imag)
+    return np.sort(np.linalg.eigvals(jo.simulation.linearise(model).A).imag)

@@ -23,7 +23,7 @@ G = np.array([0.0, -9.81, 0.0])
 @cache
 def rod(material: jo.Material = SOFT, length: float = 1.0, modes: int = 2) -> jo.ReducedPart:
     """A beam of 1 m with an interface at both ends and 8 modes."""
-    part = jo.Part.beam(length, SECTION, 6, material, theory=jo.EulerBernoulli(), name="rod")
+    part = jo.Part.beam(length, SECTION, 6, material, theory=jo.parts.EulerBernoulli(), name="rod")
     reduced = jo.reduce(part, jo.CraigBampton(interfaces=("start", "end"), modes=modes))
     # laws hold whatever the modes leave out of a load: nobody shall ask the part for that
     return replace(reduced, source=None)
@@ -246,7 +246,7 @@ def march(model: Any, solver: Any, t_end: float, output_step: float | None = Non
     every = steps if output_step is None else round(output_step / solver.step)
     assert abs(steps * solver.step - t_end) < 1e-9 * t_end
     assert steps % every == 0
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     alpha, beta = 0.0, 0.0
     if solver.baumgarte:
         alpha, beta = solver.baumgarte.alpha, solver.baumgarte.beta

@@ -19,7 +19,7 @@ def solid(grid: Grid, material: Any, sets: dict[str, Any] | None = None) -> jo.P
 
 def mesh(grid: Grid, sets: dict[str, Any] | None = None) -> jo.Mesh:
     """Return the grid as a mesh with node sets."""
-    cells = [jo.Cells(c.kind, c.nodes) for c in grid.cells]
+    cells = [jo.mesh.Cells(c.kind, c.nodes) for c in grid.cells]
     return jo.Mesh("grid", grid.nodes, cells, node_sets=sets or {})
 
 

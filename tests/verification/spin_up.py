@@ -23,7 +23,7 @@ T, SPEED = 15.0, 6.0
 E, A = 2.8e10, 1e-3  # any two with this product
 MATERIAL = jo.Material(E=E, nu=0.4, rho=LINE_MASS / A)
 # stiffer out of plane, so that its modes do not come in pairs
-SECTION = jo.GeneralSection(A=A, Iy=4 * EI / E, Iz=EI / E, J=2 * EI / E, ky=1.0, kz=1.0)
+SECTION = jo.sections.GeneralSection(A=A, Iy=4 * EI / E, Iz=EI / E, J=2 * EI / E, ky=1.0, kz=1.0)
 STRETCH = LINE_MASS * SPEED**2 * L**3 / (3 * EA)
 
 # -- the turn of the root --------------------------------------------------------------------------
@@ -37,7 +37,7 @@ def turn(t: Array, speed: float = SPEED) -> tuple[Array, Array, Array]:
     return angle, speed / T * (u - c * np.sin(x)), speed / T * (1 - np.cos(x)) * (t < T)
 
 
-def signal(speed: float = SPEED) -> jo.Sum:
+def signal(speed: float = SPEED) -> jo.mechanism.Sum:
     """The same angle."""
     u = jo.Ramp(0.0, T, 0.0, T)
     wave = jo.Step(T, 1.0, 0.0) * jo.Harmonic(frequency=1 / T, phase=np.pi / 2, offset=-1.0)
@@ -95,7 +95,7 @@ def links(n: int, times: Array, speed: float = SPEED) -> Array:
 def beam(pieces: int, modes: int, *, stiffening: bool = True, speed: float = SPEED) -> jo.Mechanism:
     """The beam as bodies fixed together, on a driven pin."""
     ends = ("start",) if pieces == 1 else ("start", "end")
-    part = jo.Part.beam(L / pieces, SECTION, 8 // pieces, MATERIAL, theory=jo.Timoshenko())
+    part = jo.Part.beam(L / pieces, SECTION, 8 // pieces, MATERIAL, theory=jo.parts.Timoshenko())
     reduced = jo.reduce(part, jo.CraigBampton(ends, modes=modes), stiffening=stiffening)
     reduced = reduced.keep(reduced.in_plane("xy"))
     bodies = [

@@ -99,7 +99,7 @@ def exact(name: str):
 def linear_frequencies(mechanism: jo.Mechanism):
     """Natural frequencies at rest, Hz, from M, K and the null space of Cq."""
     model = jo.compile(mechanism)
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     M, K = np.zeros((model.nv, model.nv)), np.zeros(model.nv)
     for k, body in enumerate(model.bodies):
         own = slice(body.iv, body.iv + 6 + body.n)
@@ -110,7 +110,7 @@ def linear_frequencies(mechanism: jo.Mechanism):
         turn[:3, :3] = rotation(A).T
         M[own, own] = turn.T @ M[own, own] @ turn
         K[body.iv + 6 : body.iv + 6 + body.n] = body.K
-    steps = jo.Engine(model, complex_scalars=True)
+    steps = jo.model.Engine(model, complex_scalars=True)
     Cq = np.zeros((model.nrow, model.nv))
     for j in range(model.nv):
         increment = np.zeros(model.nv, complex)

@@ -22,8 +22,8 @@ SOLVERS = [
     RUN,
     jo.ROS2(step=1e-2),
     jo.GeneralizedAlpha(step=1e-2),
-    jo.Newmark(step=1e-2),
-    jo.DormandPrince(),
+    jo.simulation.Newmark(step=1e-2),
+    jo.simulation.DormandPrince(),
 ]
 
 
@@ -98,7 +98,9 @@ def test_a_drive_of_what_cannot_move():
     text = str(caught[-1].message)
     assert "the drive 'motor' moves what joints hold or move already: the run stops" in text
     assert "leave out the drive 'motor'" in text
-    with pytest.raises(jo.RunFailed, match="joint 'post' is open .* contradicts 'hinge', 'motor'"):
+    with pytest.raises(
+        jo.simulation.RunFailed, match="joint 'post' is open .* contradicts 'hinge', 'motor'"
+    ):
         jo.simulate(model, 1.0, solver=RUN)
 
 
@@ -130,8 +132,8 @@ def test_drives_that_conflict_later_stop_the_run(solver):
         match="cannot follow .* 'gear', 'motor a', 'motor b' disagree from there on; "
         "drive each motion once",
     ):
-        jo.kinematics(model, [0.0, 0.5, 1.0])
-    with pytest.raises(jo.RunFailed) as problem:
+        jo.simulation.kinematics(model, [0.0, 0.5, 1.0])
+    with pytest.raises(jo.simulation.RunFailed) as problem:
         jo.simulate(model, 1.0, solver=solver)
     text = str(problem.value)
     assert "coupling 'gear' is open by" in text or "drive 'motor" in text
@@ -155,8 +157,10 @@ def test_a_drive_beyond_what_the_lengths_allow():
         jo.SimulationError,
         match="cannot follow its drives past .* keep the drives within what the lengths allow",
     ):
-        jo.kinematics(model, [0.0, 0.5, 1.0])
-    with pytest.raises(jo.RunFailed, match=r"lengths do not allow what the drives \('lift'\) ask"):
+        jo.simulation.kinematics(model, [0.0, 0.5, 1.0])
+    with pytest.raises(
+        jo.simulation.RunFailed, match=r"lengths do not allow what the drives \('lift'\) ask"
+    ):
         jo.simulate(model, 1.0, solver=RUN)
 
 
@@ -196,7 +200,7 @@ def test_a_loop_that_cannot_close(kind):
 def test_a_rough_loop_that_can_close_is_closed():
     with pytest.warns(jo.JoustoWarning, match="3 of the constraint rows of 'A', 'B', 'C'"):
         model = jo.compile(loop(1.7, jo.Revolute, tilt=20.0, as_placed=False))
-    assert np.abs(jo.Engine(model).constraints()[0]).max() < 1e-12
+    assert np.abs(jo.model.Engine(model).constraints()[0]).max() < 1e-12
 
 
 # -- nothing can move ------------------------------------------------------------------------------
@@ -306,7 +310,9 @@ CALLBACKS = {
 def test_user_functions_that_fail(case):
     function, expected = CALLBACKS[case]
     model = jo.compile(hinged(lambda arm, _: jo.UserForce("wind", arm["end"], function)))
-    with pytest.raises(jo.RunFailed, match=f"force 'wind': its function .*{expected}") as problem:
+    with pytest.raises(
+        jo.simulation.RunFailed, match=f"force 'wind': its function .*{expected}"
+    ) as problem:
         jo.simulate(model, 1.0, solver=RUN)
     # the run up to there is kept
     assert 0.39 < problem.value.time < 0.42

@@ -35,7 +35,7 @@ def exact(elements, force, **options):
 def modal(pieces, force, modes=6):
     """The same beam as modal bodies in series."""
     ends = ("start", "end")
-    part = jo.Part.beam(L / pieces, STRIP, 24 // pieces, STEEL, theory=jo.Timoshenko())
+    part = jo.Part.beam(L / pieces, STRIP, 24 // pieces, STEEL, theory=jo.parts.Timoshenko())
     reduced = jo.reduce(part, jo.CraigBampton(ends, modes=modes))
     bodies = [
         jo.FlexibleBody(f"piece {k + 1}", reduced, position=(k * L / pieces, 0, 0))
@@ -95,7 +95,7 @@ ROPE = {"EI": 0.5, "mass": 1.0, "length": 1.0}
 def swinging(elements, clamped, **options):
     EI, m = ROPE["EI"], ROPE["mass"]
     # so stiff against stretch and shear that the links' theory holds to 1e-4
-    section = jo.BeamSection(
+    section = jo.mechanism.BeamSection(
         np.diag([2e5, 2e5, 2e5, EI, 2 * EI, EI]), m, 1e-6 * np.diag([2.0, 1, 1])
     )
     beam = jo.BeamBody("rope", [(0, 0, 0), (1, 0, 0)], section, elements=elements, **options)
@@ -149,7 +149,9 @@ JOINTS = {
     "plane": lambda a, b: jo.PointOnPlane("joint", a, b, normal=(0, 0, 1)),
     "bushing": lambda a, b: jo.Bushing("joint", a, b, stiffness=(1e4,) * 3 + (1e2,) * 3),
 }
-RUBBER = jo.BeamSection(np.diag([2e4, 8e3, 8e3, 6.0, 8.0, 8.0]), 1.5, 1e-3 * np.diag([2.0, 1, 1]))
+RUBBER = jo.mechanism.BeamSection(
+    np.diag([2e4, 8e3, 8e3, 6.0, 8.0, 8.0]), 1.5, 1e-3 * np.diag([2.0, 1, 1])
+)
 # energy of every node and of the modal body too: the beam meets it at one end, a block at the other
 BLOCK = {"mass": 2.0, "inertia": (0.02, 0.03, 0.04)}
 

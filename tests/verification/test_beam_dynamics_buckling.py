@@ -16,15 +16,15 @@ import pytest
 
 import jousto as jo
 
-BLADE = jo.BeamSection(
+BLADE = jo.mechanism.BeamSection(
     np.diag([73e6, 5.025e6, 23.40e6, 877.2, 60830, 608.3]),
     2.68,
     1e-6 * np.diag([2255.33, 2233, 22.33]),
 )
-LINK = jo.BeamSection(
+LINK = jo.mechanism.BeamSection(
     np.diag([33.02e6, 10.81e6, 10.81e6, 914.5, 1189, 1189]), 1.212, 43.65e-6 * np.diag([2.0, 1, 1])
 )
-CRANK = jo.BeamSection(
+CRANK = jo.mechanism.BeamSection(
     np.diag([132.1e6, 43.22e6, 43.22e6, 14630, 19020, 19020]), 4.85, 698.3e-6 * np.diag([2.0, 1, 1])
 )
 ASIDE, T = 1e-4, 0.4

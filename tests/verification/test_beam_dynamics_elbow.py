@@ -17,7 +17,9 @@ import pytest
 import jousto as jo
 
 LEG = 10.0
-SECTION = jo.BeamSection(np.diag([1e6, 1e6, 1e6, 1e3, 1e3, 1e3]), 1.0, np.diag([20.0, 10, 10]))
+SECTION = jo.mechanism.BeamSection(
+    np.diag([1e6, 1e6, 1e6, 1e3, 1e3, 1e3]), 1.0, np.diag([20.0, 10, 10])
+)
 
 # time and displacement out of the plane: extremes and what lies between, until t = 12
 ELBOW = np.array(

@@ -27,7 +27,7 @@ CENTER = np.array([3.0, 4.0, 0.0])
 
 def flying(elements, *, space=True, loads=True, **options):
     EI = 500.0 if space else 100.0
-    section = jo.BeamSection(np.diag([1e4, 1e4, 1e4, EI, EI, EI]), 1.0, LINE_INERTIA)
+    section = jo.mechanism.BeamSection(np.diag([1e4, 1e4, 1e4, EI, EI, EI]), 1.0, LINE_INERTIA)
     beam = jo.BeamBody(
         "beam", [(6, 0, 0), (0, 8, 0)], section, elements=elements, up=(0, 0, 1), **options
     )
@@ -78,7 +78,7 @@ METHODS = {
     "RK4": (lambda h: jo.RK4(step=h), (0.01, 0.005), 4),
     "ROS2": (lambda h: jo.ROS2(step=h), (0.004, 0.002), 2),
     "alpha": (lambda h: jo.GeneralizedAlpha(step=h, rho=0.8), (0.004, 0.002), 2),
-    "Newmark": (lambda h: jo.Newmark(step=h), (0.004, 0.002), 2),
+    "Newmark": (lambda h: jo.simulation.Newmark(step=h), (0.004, 0.002), 2),
 }
 
 

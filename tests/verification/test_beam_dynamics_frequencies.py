@@ -22,8 +22,8 @@ pytestmark = [
 LINE = Line(EA=4.2e8, GA=9e7, GJ=2.9e5, EI=3.6e5, mass=15.7, polar=0.021, rotary=0.0135)
 STIFF = Line(EA=1e9, GA=1e9, GJ=1e3, EI=1e3, mass=10.0, polar=2e-6, rotary=1e-6)
 with pytest.warns(jo.JoustoWarning, match="of a flat section it is their sum"):
-    SECTION = jo.BeamSection(LINE.stiffness, LINE.mass, LINE.inertia)
-SLENDER = jo.BeamSection(STIFF.stiffness, STIFF.mass, STIFF.inertia)
+    SECTION = jo.mechanism.BeamSection(LINE.stiffness, LINE.mass, LINE.inertia)
+SLENDER = jo.mechanism.BeamSection(STIFF.stiffness, STIFF.mass, STIFF.inertia)
 L = 3.0
 X, O = (1, 0, 0), jo.ground["origin"]
 MASSES = {"lumped": 0.0, "half": 0.5, "consistent": 1.0}

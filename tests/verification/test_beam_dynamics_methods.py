@@ -14,7 +14,9 @@ import jousto as jo
 from verification.mechanisms import orders
 
 O = jo.ground["origin"]
-RUBBER = jo.BeamSection(np.diag([2e4, 8e3, 8e3, 6.0, 8.0, 8.0]), 1.5, 1e-3 * np.diag([2.0, 1, 1]))
+RUBBER = jo.mechanism.BeamSection(
+    np.diag([2e4, 8e3, 8e3, 6.0, 8.0, 8.0]), 1.5, 1e-3 * np.diag([2.0, 1, 1])
+)
 SHARES = {"lumped": 0.0, "half": 0.5, "corrected": "corrected"}
 
 
@@ -51,7 +53,7 @@ METHODS = {
     "RK4": (lambda h: jo.RK4(step=h), (2e-4, 1e-4, 5e-5), 4),
     "ROS2": (lambda h: jo.ROS2(step=h), (2e-3, 1e-3, 5e-4), 2),
     "alpha": (lambda h: jo.GeneralizedAlpha(step=h, rho=0.7), (2e-3, 1e-3, 5e-4), 2),
-    "Newmark": (lambda h: jo.Newmark(step=h), (2e-3, 1e-3, 5e-4), 2),
+    "Newmark": (lambda h: jo.simulation.Newmark(step=h), (2e-3, 1e-3, 5e-4), 2),
 }
 
 
@@ -59,7 +61,9 @@ METHODS = {
 @pytest.mark.parametrize("method", METHODS)
 def test_every_method_keeps_its_order_with_beams(method, mass):
     solver, steps, order = METHODS[method]
-    model = jo.compile(whip(mass=SHARES[mass], damping=jo.BeamDamping(mass=0.2, stiffness=1e-5)))
+    model = jo.compile(
+        whip(mass=SHARES[mass], damping=jo.mechanism.BeamDamping(mass=0.2, stiffness=1e-5))
+    )
     best = jo.simulate(model, 0.05, solver=jo.RK4(step=2.5e-5))["tip"][-1]
     errors = [
         np.abs(jo.simulate(model, 0.05, solver=solver(h))["tip"][-1] - best).max() for h in steps
@@ -72,7 +76,7 @@ def test_an_adaptive_method_meets_its_tolerance_with_beams():
     model = jo.compile(whip())
     best = jo.simulate(model, 0.1, solver=jo.RK4(step=5e-5))["tip"][-1]
     for tolerance in (1e-5, 1e-8):
-        solver = jo.DormandPrince(output=0.1, tolerance=tolerance)
+        solver = jo.simulation.DormandPrince(output=0.1, tolerance=tolerance)
         found = jo.simulate(model, 0.1, solver=solver)["tip"][-1]
         assert np.abs(found - best).max() < 50 * tolerance
 
@@ -82,7 +86,7 @@ def test_the_energy_balance_closes_with_both_dampings(mass):
     errors = []
     for h in (2e-3, 1e-3):
         model = jo.compile(
-            whip(mass=SHARES[mass], damping=jo.BeamDamping(mass=1.5, stiffness=5e-3))
+            whip(mass=SHARES[mass], damping=jo.mechanism.BeamDamping(mass=1.5, stiffness=5e-3))
         )
         run = jo.simulate(model, 0.4, solver=jo.GeneralizedAlpha(step=h, rho=1.0))
         lost = run.energy.dissipated
@@ -103,7 +107,7 @@ def test_mass_damping_slows_a_free_flight_as_it_should(mass):
         RUBBER,
         elements=3,
         mass=SHARES[mass],
-        damping=jo.BeamDamping(mass=2.0),
+        damping=jo.mechanism.BeamDamping(mass=2.0),
         velocity=(1.0, -2.0, 0.5),
         angular_velocity=(4.0, 0, 0),
     )
@@ -127,7 +131,7 @@ def test_damping_has_the_damping_ratio_of_its_formula(mass, wave):
         elements=8,
         mass=mass,
         bending=mass == "corrected",
-        damping=jo.BeamDamping(mass=0.8, stiffness=beta),
+        damping=jo.mechanism.BeamDamping(mass=0.8, stiffness=beta),
     )
     model = jo.compile(
         jo.Mechanism(beam, jo.Fixed("wall", O, beam["start"]), jo.Gravity((0, 0, -1e-9)))
@@ -141,7 +145,7 @@ def test_damping_has_the_damping_ratio_of_its_formula(mass, wave):
 @pytest.mark.parametrize("rho", [0.0, 0.5, 0.9])
 def test_a_stiff_beam_falls_calmly_at_a_large_step(rho):
     # stretch and shear are a thousand times faster than the step: the first one must not guess
-    section = jo.BeamSection(
+    section = jo.mechanism.BeamSection(
         np.diag([2e5, 2e5, 2e5, 0.5, 1.0, 0.5]), 1.0, 1e-6 * np.diag([2.0, 1, 1])
     )
     tips = []
@@ -224,7 +228,7 @@ def test_two_runs_give_the_same_bytes(tmp_path, method):
 @pytest.mark.parametrize("method", METHODS)
 def test_a_run_goes_on_where_another_one_stopped(method):
     solver = METHODS[method][0](2.0 ** (-12 if method == "RK4" else -10))
-    model = jo.compile(whip(damping=jo.BeamDamping(stiffness=1e-3)))
+    model = jo.compile(whip(damping=jo.mechanism.BeamDamping(stiffness=1e-3)))
     whole = jo.simulate(model, 0.25, solver=solver)
     half = jo.simulate(model, 0.125, solver=solver)
     rest = jo.simulate(model, 0.25, solver=solver, state=half.state())
@@ -237,7 +241,7 @@ def test_a_run_goes_on_where_another_one_stopped(method):
 def test_an_event_at_a_node_stops_the_run_there():
     beam = jo.BeamBody("beam", [(0, 0, 0), (1, 0, 0)], RUBBER, elements=4)
     middle = jo.PositionSensor("middle", beam["node3"])
-    event = jo.Event("low", middle, -0.05, "falling", stop=True, component="y")
+    event = jo.mechanism.Event("low", middle, -0.05, "falling", stop=True, component="y")
     model = jo.compile(
         jo.Mechanism(
             beam, jo.Fixed("wall", O, beam["start"]), jo.Gravity((0, -9.81, 0)), middle, event
@@ -256,7 +260,7 @@ def test_a_pin_with_friction_brakes_a_beam_and_the_balance_closes():
         "beam", [(0, 0, 0), (1, 0, 0)], RUBBER, elements=4, angular_velocity=(0, 0, 4.0)
     )
     pin = jo.Revolute("pin", O, beam["start"], axis=(0, 0, 1))
-    friction = jo.Friction("rub", pin, 0.3, radius=0.05, law=jo.Regularised(1e-2))
+    friction = jo.Friction("rub", pin, 0.3, radius=0.05, law=jo.mechanism.Regularised(1e-2))
     model = jo.compile(jo.Mechanism(beam, pin, friction, jo.Gravity((0, -9.81, 0))))
     errors = []
     for h in (1e-3, 5e-4):

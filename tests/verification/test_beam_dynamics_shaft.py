@@ -26,7 +26,7 @@ EA, GA, GJ, EI = 313.4e6, 60.5e6, 272.7e3, 354.5e3
 RADII = (0.045, 0.05)
 LINE_MASS = np.pi * 7800 * (RADII[1] ** 2 - RADII[0] ** 2)
 LINE_INERTIA = np.pi / 4 * 7800 * (RADII[1] ** 4 - RADII[0] ** 4)
-SECTION = jo.BeamSection(
+SECTION = jo.mechanism.BeamSection(
     np.diag([EA, GA, GA, GJ, EI, EI]), LINE_MASS, LINE_INERTIA * np.diag([2.0, 1.0, 1.0])
 )
 OMEGA = 60.0

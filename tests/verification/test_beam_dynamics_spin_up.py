@@ -13,7 +13,7 @@ import jousto as jo
 from verification import spin_up
 from verification.spin_up import EA, EI, GA, LINE_INERTIA, LINE_MASS, SPEED, STRETCH, L, seen, turn
 
-SECTION = jo.BeamSection(
+SECTION = jo.mechanism.BeamSection(
     np.diag([EA, GA, GA, EI, 4 * EI, EI]),
     LINE_MASS,
     LINE_INERTIA * np.diag([2.0, 1.0, 1.0]),

@@ -53,13 +53,15 @@ def test_euler_loads_of_all_four_ends_converge_with_order_two(ends):
     exact = EULER[ends] * EI / L**2
     # shear of the section: P = Pe / (1 + Pe / GA'), at most 1e-3 here
     shear = exact / (1 + exact / (5 / 6 * E / 2.6 * B * H))
-    errors = [jo.buckling(column(ends, n), "P", 1).loads[0] / shear - 1 for n in (12, 24)]
+    errors = [
+        jo.simulation.buckling(column(ends, n), "P", 1).loads[0] / shear - 1 for n in (12, 24)
+    ]
     assert 3.6 < errors[0] / errors[1] < 4.4
     assert (4 * errors[1] - errors[0]) / 3 == pytest.approx(0.0, abs=6e-4)  # strain: 3e-4
 
 
 def test_the_second_load_is_that_of_the_strong_axis():
-    found = jo.buckling(column("clamped-free", 24), "P", 2)
+    found = jo.simulation.buckling(column("clamped-free", 24), "P", 2)
     assert found.loads == pytest.approx(np.pi**2 / 4 * np.array([EI, STRONG]) / L**2, rel=3e-3)
     side = np.abs(found.shapes["beam.node25"][:, 0])
     assert side[0, 1] > 100 * side[0, 2]  # the weak axis bends along y
@@ -69,7 +71,10 @@ def test_the_second_load_is_that_of_the_strong_axis():
 def test_on_the_path_it_is_the_same_and_a_bifurcation():
     """Axial shortening of the column changes its load by P / EA, 2e-5."""
     model = column("clamped-free", 12)
-    linear, exact = jo.buckling(model, "P", 1), jo.buckling(model, "P", 1, method="path")
+    linear, exact = (
+        jo.simulation.buckling(model, "P", 1),
+        jo.simulation.buckling(model, "P", 1, method="path"),
+    )
     assert exact.kinds == ("bifurcation",)
     assert exact.loads == pytest.approx(linear.loads, rel=1e-4)
     assert exact.path is not None
@@ -80,22 +85,22 @@ def test_a_narrow_cantilever_buckles_sideways():
     """P = 4.013 sqrt(EI GJ) / L^2 (Timoshenko and Gere, Theory of Elastic Stability, 6.3)."""
     GJ = 40.0
     stiff = np.diag([1e8, 1e8, 1e8, GJ, 1e7, 60.0])  # y: the strong axis
-    section = jo.BeamSection(stiff, 1.0, 1e-4 * np.diag([2.0, 1, 1]))
+    section = jo.mechanism.BeamSection(stiff, 1.0, 1e-4 * np.diag([2.0, 1, 1]))
     beam = straight(24, section)
     load = jo.Force("load", beam["end"], (0, 0, -1), signal=jo.Input("P"))
     model = jo.compile(jo.Mechanism(beam, jo.Fixed("base", BASE, beam["start"]), load))
-    found = jo.buckling(model, "P", 1)
+    found = jo.simulation.buckling(model, "P", 1)
     assert found.loads[0] == pytest.approx(4.013 * np.sqrt(60.0 * GJ) / L**2, rel=4e-3)
 
 
 def test_a_cantilever_tips_over_under_its_weight():
     """q L = 12.85 sqrt(EI GJ) / L^2 (Timoshenko and Gere, 6.3), bent as it is by then."""
-    beam = straight(24, jo.BeamSection.of(jo.Circle(0.02), STEEL))
+    beam = straight(24, jo.mechanism.BeamSection.of(jo.Circle(0.02), STEEL))
     down = jo.Gravity((0, 0, -9.81))
     model = jo.compile(jo.Mechanism(beam, jo.Fixed("base", BASE, beam["start"]), down))
     area, inertia = np.pi * 1e-4, np.pi * 0.02**4 / 64
     closed = 12.85 * np.sqrt(E * inertia * E / (1 + NU) * inertia) / L**3
-    found = jo.buckling(model, "gravity", 1).loads[0]
+    found = jo.simulation.buckling(model, "gravity", 1).loads[0]
     assert found == pytest.approx(closed / (RHO * area * 9.81), rel=4e-3)
 
 
@@ -105,7 +110,7 @@ def test_weight_across_a_column_leaves_the_load_of_linear_theory(weight):
     clamp = jo.Fixed("base", BASE, beam["start"])
     press = jo.Force("press", beam["end"], (-1, 0, 0), signal=jo.Input("P"))
     parts = [beam, clamp, press, jo.Gravity((0, -9.81 * weight, 0))]
-    found = jo.buckling(jo.compile(jo.Mechanism(*parts)), "P", 1).loads[0]
+    found = jo.simulation.buckling(jo.compile(jo.Mechanism(*parts)), "P", 1).loads[0]
     assert found == pytest.approx(np.pi**2 / 4 * EI / L**2, rel=6e-3)
 
 
@@ -130,7 +135,7 @@ def test_a_beam_under_pure_moment_buckles_sideways():
     """M = pi sqrt(EI GJ) / L, ends that rotate but do not twist (Timoshenko and Gere, 6.2)."""
     GJ = 40.0
     stiff = np.diag([1e8, 1e8, 1e8, GJ, 1e7, 60.0])
-    beam = straight(24, jo.BeamSection(stiff, 1.0, 1e-4 * np.diag([2.0, 1, 1])))
+    beam = straight(24, jo.mechanism.BeamSection(stiff, 1.0, 1e-4 * np.diag([2.0, 1, 1])))
     # cardan joints, first axis along z: M is about the second, which turns with the end's axis
     ends = [
         jo.Universal("left", BASE, beam["start"], axis_a=(0, 0, 1), axis_b=(0, 1, 0)),
@@ -145,7 +150,7 @@ def test_a_beam_under_pure_moment_buckles_sideways():
     left = jo.Torque("left", beam["start"], (0, 1, 0), signal=moment, follow=True)
     right = jo.Torque("right", beam["end"], (0, -1, 0), signal=moment, follow=True)
     parts = [beam, carriage, *ends, left, right]
-    found = jo.buckling(jo.compile(jo.Mechanism(*parts)), "M", 1)
+    found = jo.simulation.buckling(jo.compile(jo.Mechanism(*parts)), "M", 1)
     assert found.loads[0] == pytest.approx(np.pi * np.sqrt(60.0 * GJ) / L, rel=4e-3)
 
 
@@ -162,7 +167,7 @@ def lee(elements: int) -> jo.Model:
             np.column_stack([steps[1:], np.full(elements, side), zero]),
         ]
     )
-    section = jo.BeamSection(stiff, 1e-3, 1e-3 * np.diag([2.0, 1, 1]))
+    section = jo.mechanism.BeamSection(stiff, 1e-3, 1e-3 * np.diag([2.0, 1, 1]))
     beam = jo.BeamBody("frame", points, section, corners=(elements,), up=(0, 0, 1))
     hinge = (0, 0, 1)
     far = jo.ground.at((side, side, 0))
@@ -184,8 +189,8 @@ def test_lees_frame_snaps_through_and_back():
 
     Order two in the elements: the limit of 10 and 20 elements a leg is taken.
     """
-    coarse = jo.load_path(lee(10), "P", to=3.0, method="arc", steps=12)
-    fine = jo.load_path(lee(20), "P", to=3.0, method="arc", steps=12, enough=1)
+    coarse = jo.simulation.load_path(lee(10), "P", to=3.0, method="arc", steps=12)
+    fine = jo.simulation.load_path(lee(20), "P", to=3.0, method="arc", steps=12, enough=1)
     limit = (4 * fine.limits[0] - coarse.limits[0]) / 3
     assert limit == pytest.approx(1.8532, rel=1.5e-3)
     assert coarse.limits[1] < 0.0  # the load turns round on the way through
@@ -213,7 +218,7 @@ def blade(elements: int) -> tuple[jo.Model, float]:
     e, area, weak = 7e10, 2.5e-4, 5.2e-10
     stiff = np.diag([e * area, e * area / 3, e * area / 3, 100.0, e * weak, 100 * e * weak])
     mass = 2700 * area
-    section = jo.BeamSection(stiff, mass, 1e-5 * mass * np.diag([1, 0.5, 0.5]))
+    section = jo.mechanism.BeamSection(stiff, mass, 1e-5 * mass * np.diag([1, 0.5, 0.5]))
     beam = straight(elements, section)
     hub = jo.RigidBody("hub", mass=1.0, inertia=np.eye(3))
     parts = [
@@ -226,7 +231,9 @@ def blade(elements: int) -> tuple[jo.Model, float]:
     return jo.compile(jo.Mechanism(*parts)), float(np.sqrt(mass * L**4 / (e * weak)))
 
 
-def flaps(model: jo.Model, state: jo.State | None, unit: float, count: int) -> np.ndarray:
+def flaps(
+    model: jo.Model, state: jo.simulation.State | None, unit: float, count: int
+) -> np.ndarray:
     """Dimensionless frequencies of motions out of the plane of rotation."""
     found = jo.modes(model, state, damped=True)
     tip = np.abs(found.shapes["beam.node" + str(len(model.bodies) - 1)][:, 0])
@@ -237,7 +244,7 @@ def flaps(model: jo.Model, state: jo.State | None, unit: float, count: int) -> n
 @pytest.mark.parametrize("eta", [0, 2, 12])
 def test_a_rotating_cantilever_has_the_frequencies_of_the_table(eta):
     model, unit = blade(20)
-    state = jo.steady_rotation(model, (0, 0, 1), eta / unit) if eta else None
+    state = jo.simulation.steady_rotation(model, (0, 0, 1), eta / unit) if eta else None
     assert flaps(model, state, unit, 2) == pytest.approx(WRIGHT[eta], rel=5e-3)
 
 
@@ -254,7 +261,7 @@ def test_tension_makes_a_string_of_it():
             pull,
         )
     )
-    path = jo.load_path(model, "T", to=2e5, steps=2)
+    path = jo.simulation.load_path(model, "T", to=2e5, steps=2)
     for tension, state in zip(path.load, path.states, strict=True):
         k = np.pi / L
         closed = np.sqrt(k**2 * (tension + EI * k**2) / (RHO * B * H)) / (2 * np.pi)
@@ -264,8 +271,8 @@ def test_tension_makes_a_string_of_it():
 def test_pressed_to_its_load_it_no_longer_vibrates():
     """omega^2 = omega0^2 (1 - P / Pcr), exact for pinned ends, nearly so for others."""
     model = column("pinned-pinned", 16)
-    critical = jo.buckling(model, "P", 1).loads[0]
-    path = jo.load_path(model, "P", to=0.9 * critical, steps=3)
+    critical = jo.simulation.buckling(model, "P", 1).loads[0]
+    path = jo.simulation.load_path(model, "P", to=0.9 * critical, steps=3)
     squares = [jo.modes(model, s).frequencies[0] ** 2 for s in path.states]
     assert squares / squares[0] == pytest.approx(1 - path.load / critical, abs=1e-3)
 
@@ -274,7 +281,7 @@ def test_pressed_to_its_load_it_no_longer_vibrates():
 @pytest.mark.parametrize("damped", [False, True])
 def test_sparse_modes_are_the_dense_ones(monkeypatch, damped):
     model, unit = blade(8)
-    state = jo.steady_rotation(model, (0, 0, 1), 4.0 / unit)
+    state = jo.simulation.steady_rotation(model, (0, 0, 1), 4.0 / unit)
     dense = jo.modes(model, state, damped=damped)
     keep = dense.frequencies > 1e-2 / unit
     monkeypatch.setattr(large, "MANY", 10)
@@ -287,7 +294,7 @@ def test_the_steady_shape_is_that_of_the_centrifugal_force():
     """u(L) = rA W^2 L^3 / (3 EA) of a rod at small strain, order two in the elements."""
     model, unit = blade(16)
     speed = 3.0 / unit
-    state = jo.steady_rotation(model, (0, 0, 1), speed)
+    state = jo.simulation.steady_rotation(model, (0, 0, 1), speed)
     mass, stiff = 2700 * 2.5e-4, 7e10 * 2.5e-4
     tip = model.bodies[[b.name for b in model.bodies].index("beam.node17")]
     stretch = np.linalg.norm(state.q[tip.iq : tip.iq + 3]) - L
@@ -306,7 +313,7 @@ def test_gravity_across_the_axis_is_refused():
         )
     )
     with pytest.raises(jo.SimulationError, match="steady rotation|steady, and nothing drives"):
-        jo.steady_rotation(model, (0, 0, 1), 5.0)
+        jo.simulation.steady_rotation(model, (0, 0, 1), 5.0)
 
 
 def refused_rotation(many, speed, along):
@@ -315,7 +322,7 @@ def refused_rotation(many, speed, along):
     axle = jo.Revolute("axle", BASE, beam["start"], axis=(0, 0, 1))
     model = jo.compile(jo.Mechanism(beam, axle, jo.Gravity(9.81 * np.array(along))))
     with pytest.raises(jo.SimulationError, match="everything turns|nothing drives") as error:
-        jo.steady_rotation(model, (0, 0, 1), speed)
+        jo.simulation.steady_rotation(model, (0, 0, 1), speed)
     return str(error.value)
 
 
@@ -341,7 +348,7 @@ def test_gravity_along_the_blade_is_refused(many, speed):
 def test_large_mechanisms_rest_where_small_ones_do(monkeypatch):
     """A soft cantilever under its own weight, far from straight: sparse and dense the same."""
     soft = jo.Material(E=2e9, nu=NU, rho=RHO)
-    beam = straight(8, jo.BeamSection.of(jo.Circle(0.01), soft))
+    beam = straight(8, jo.mechanism.BeamSection.of(jo.Circle(0.01), soft))
     model = jo.compile(
         jo.Mechanism(beam, jo.Fixed("base", BASE, beam["start"]), jo.Gravity((0, 0, -9.81)))
     )
@@ -363,9 +370,9 @@ def test_on_a_turntable_springs_split_by_the_speed(monkeypatch, many):
     k = w0**2 * np.diag([1, 1, 4, 9, 9, 9])
     spring = jo.Bushing("spring", hub["origin"], ball["origin"], k)
     model = jo.compile(jo.Mechanism(hub, ball, axle, jo.Drive("motor", axle.angle, turn), spring))
-    state = jo.steady_rotation(model, (0, 0, 1), speed)
+    state = jo.simulation.steady_rotation(model, (0, 0, 1), speed)
     monkeypatch.setattr(large, "MANY", many)
     found = 2 * np.pi * jo.modes(model, state, damped=True, count=3).frequencies
     assert np.sort(found) == pytest.approx([w0 - speed, w0 + speed, 2 * w0], rel=1e-8)
     with pytest.raises(jo.SimulationError, match="'motor' does not move as a rotation"):
-        jo.steady_rotation(model, (0, 0, 1), 2 * speed)
+        jo.simulation.steady_rotation(model, (0, 0, 1), 2 * speed)

@@ -79,7 +79,7 @@ def test_euler_column_and_what_follows() -> None:
     critical = np.pi**2 / 4.0
     for bending, error in ((False, 7e-3), (True, 2e-5)):
         beam = straight(1.0, 8, thin(ratio=1e6), bending=bending)
-        found = jo.buckling(cantilever(beam, force=(-1.0, 0.0, 0.0)), "load", 2)
+        found = jo.simulation.buckling(cantilever(beam, force=(-1.0, 0.0, 0.0)), "load", 2)
         assert found.loads[0] == pytest.approx(critical, rel=error)
         assert found.loads[1] == pytest.approx(critical, rel=error)  # both ways
 
@@ -128,7 +128,7 @@ def test_deep_arch_snaps_through() -> None:
             jo.PositionSensor("crown", beam.node(10)),
         )
     )
-    path = jo.load_path(model, "load", to=12.0, steps=40, method="arc", enough=1)
+    path = jo.simulation.load_path(model, "load", to=12.0, steps=40, method="arc", enough=1)
     assert path.limits[0] == pytest.approx(8.97, abs=0.01)
 
 

@@ -80,7 +80,7 @@ def test_rigid_motion_strains_nothing() -> None:
     beam = arc(100.0, np.pi / 4, 6, BEND)
     model = cantilever(beam, (0.0, 50.0, 600.0), (0.0, 0.0, 0.0))
     state, _ = rest(model, 6)
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     engine.input[:] = 0.0
     engine.q[:] = state.q
     before = engine.residual().reshape(-1, 2, 3)

@@ -17,7 +17,7 @@ def test_deep_cantilever_tips_over_sideways() -> None:
     loads = []
     for n in (8, 16):
         beam = straight(1.0, n, section(1e6, 1e6, 1e6, 1.0, 1.0, 1e4), bending=True)
-        loads.append(jo.buckling(cantilever(beam, (0.0, -1.0, 0.0)), "load", 1).loads[0])
+        loads.append(jo.simulation.buckling(cantilever(beam, (0.0, -1.0, 0.0)), "load", 1).loads[0])
     assert loads[1] == pytest.approx(bc.lateral(), rel=2.5e-3)
     assert loads[1] + (loads[1] - loads[0]) / 3.0 == pytest.approx(bc.lateral(), rel=2e-4)
 
@@ -29,10 +29,12 @@ def test_bending_before_it_tips_over() -> None:
     # (1899) 298-309); linear theory knows nothing of it
     beam = straight(1.0, 16, section(1e6, 1e6, 1e6, 1.0, 1.0, 100.0), bending=True)
     model = cantilever(beam, (0.0, -1.0, 0.0))
-    found = jo.buckling(model, "load", 1, method="path", to=5.0, steps=5)
+    found = jo.simulation.buckling(model, "load", 1, method="path", to=5.0, steps=5)
     assert found.kinds == ("bifurcation",)
     assert found.loads[0] == pytest.approx(bc.lateral() / 0.99, rel=5e-3)
-    assert jo.buckling(model, "load", 1).loads[0] == pytest.approx(bc.lateral(), rel=3e-3)
+    assert jo.simulation.buckling(model, "load", 1).loads[0] == pytest.approx(
+        bc.lateral(), rel=3e-3
+    )
 
 
 def test_right_angle_frame_tips_over_sideways() -> None:
@@ -49,7 +51,7 @@ def test_right_angle_frame_tips_over_sideways() -> None:
     down = np.stack([240.0 + 0.0 * s, -s, 0.0 * s], axis=1)[1:]
     points = np.concatenate([along, down])
     frame = jo.BeamBody("frame", points, sec, up=(0, 0, 1), corners=(n,), bending=True)
-    found = jo.buckling(cantilever(frame, (1.0, 0.0, 0.0)), "load", 1)
+    found = jo.simulation.buckling(cantilever(frame, (1.0, 0.0, 0.0)), "load", 1)
     assert found.loads[0] == pytest.approx(1.09, abs=0.005)
 
 

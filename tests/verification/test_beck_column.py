@@ -48,7 +48,7 @@ def closed(p: float) -> list[float]:
 def test_frequencies_under_a_load_that_follows(column, monkeypatch, many):
     monkeypatch.setattr(large, "MANY", many)
     for p in (5.0, 15.0):
-        state = jo.load_path(column, "load", to=p * EI, steps=3).states[-1]
+        state = jo.simulation.load_path(column, "load", to=p * EI, steps=3).states[-1]
         found = jo.modes(column, state, count=6)
         low = [min(found.frequencies, key=lambda f, c=c: abs(f - c)) for c in closed(p)]
         assert low == pytest.approx(closed(p), rel=5e-3)
@@ -58,7 +58,7 @@ def test_frequencies_under_a_load_that_follows(column, monkeypatch, many):
 def test_it_flutters_beyond_20_05(column):
     """P = 20.05 EI / L^2 (Beck 1952): one of a pair grows, the other decays."""
     for p, flutters in ((19.8, False), (20.3, True)):
-        state = jo.load_path(column, "load", to=p * EI, steps=3).states[-1]
+        state = jo.simulation.load_path(column, "load", to=p * EI, steps=3).states[-1]
         damping = jo.modes(column, state).damping
         assert (damping.min() < -1e-3) == flutters
         assert (damping.max() > 1e-3) == flutters

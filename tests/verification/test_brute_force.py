@@ -47,10 +47,10 @@ def flexible(lumped, rotary, rng, **options):
         materials=MATERIAL,
         lumped=lumped,
         rotary_inertia=rotary,
-        theory=jo.EulerBernoulli(),
+        theory=jo.parts.EulerBernoulli(),
     )
     X = random_modes(part.M, rng)
-    reduced = jo.from_modes(part, X, rng.uniform(1, 5, N))
+    reduced = jo.reduction.from_modes(part, X, rng.uniform(1, 5, N))
     return jo.FlexibleBody("frame", reduced, damping=list(rng.uniform(0, 0.3, N)), **options)
 
 
@@ -60,7 +60,7 @@ def particles_of(body, lumped, rotary):
 
 def engine_at(body, rng, gravity=(1.0, -9.0, 3.0)):
     model = jo.compile(jo.Mechanism(body, jo.Gravity(gravity)))
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     q, v = random_state(model, rng)
     engine.q[:], engine.v[:] = q, v
     return engine, q, v
@@ -126,13 +126,13 @@ def test_matrices_of_another_program_give_the_same_body():
         sections=SECTION,
         materials=MATERIAL,
         rotary_inertia=False,
-        theory=jo.EulerBernoulli(),
+        theory=jo.parts.EulerBernoulli(),
     )
     foreign = jo.Part.from_matrices(part.M, part.K, NODES, dofs_per_node=6)
     X = np.concatenate([own.reduced.modes, own.reduced.rotations], axis=1).reshape(-1, N)
-    body = jo.FlexibleBody("frame", jo.from_modes(foreign, X, own.reduced.frequencies))
+    body = jo.FlexibleBody("frame", jo.reduction.from_modes(foreign, X, own.reduced.frequencies))
     M = particles_of(own, False, False).mass_matrix(np.zeros(N))
-    found = jo.Engine(jo.compile(jo.Mechanism(body))).mass_matrix(0)
+    found = jo.model.Engine(jo.compile(jo.Mechanism(body))).mass_matrix(0)
     np.testing.assert_allclose(found, M, rtol=0, atol=1e-12 * np.abs(M).max())
 
 

@@ -101,7 +101,7 @@ def test_probes_of_stiffness_are_those_of_calculix(kind):
 def spruce():
     """Nine constants about axes that are none of the part's."""
     axes = Rotation.from_rotvec([0.3, -0.5, 0.8]).as_matrix()
-    return jo.Orthotropic(**SPRUCE, axes=axes)
+    return jo.materials.Orthotropic(**SPRUCE, axes=axes)
 
 
 @calculix.needed

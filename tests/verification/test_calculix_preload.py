@@ -73,7 +73,7 @@ def test_pressure_on_a_curved_surface(kind):
     clamp, top = plain.plane(0, 0.0), plain.plane(2, size[2])
     theirs = calculix.static(calculix.Deck(grid, STEEL, clamp), pressure=(top, 1e6))
     part = solid(grid, STEEL)
-    d = at_rest(part, dofs(clamp), part.load(jo.Pressure(top, 1e6)))
+    d = at_rest(part, dofs(clamp), part.load(jo.parts.Pressure(top, 1e6)))
     atol = 1e-6 * np.abs(d).max()
     np.testing.assert_allclose(d.reshape(-1, 3), theirs.u, rtol=0, atol=atol)
 
@@ -84,7 +84,7 @@ def test_centrifugal_load():
     deck = calculix.Deck(grid, STEEL, clamp)
     theirs = calculix.static(deck, spin=(200.0, (0.1, 0.0, 0.0), (0.0, 0.6, 0.8)))
     part = solid(grid, STEEL)
-    load = part.load(jo.Spin((0.0, 120.0, 160.0), (0.1, 0.0, 0.0)))
+    load = part.load(jo.parts.Spin((0.0, 120.0, 160.0), (0.1, 0.0, 0.0)))
     d = at_rest(part, dofs(clamp), load)
     atol = 1e-6 * np.abs(d).max()
     np.testing.assert_allclose(d.reshape(-1, 3), theirs.u, rtol=0, atol=atol)

@@ -16,7 +16,7 @@ DOWN = jo.Gravity((0.0, 0.0, -G))
 def accelerations(*items):
     """Accelerations of every body (k, 6) at the start."""
     model = jo.compile(jo.Mechanism(*items))
-    return np.asarray(jo.Engine(model).accelerations()[0]).reshape(-1, 6)
+    return np.asarray(jo.model.Engine(model).accelerations()[0]).reshape(-1, 6)
 
 
 def test_a_nut_falls_along_its_screw():

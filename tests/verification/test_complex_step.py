@@ -21,7 +21,7 @@ METHODS = [jo.RK4, jo.ROS2]
 
 def end_state(model, solver, steps, *, override=None, v0=None, complex_scalars=False):
     """Final [q, v], sensors and multipliers after some steps."""
-    engine = jo.Engine(model, complex_scalars=complex_scalars, override=override)
+    engine = jo.model.Engine(model, complex_scalars=complex_scalars, override=override)
     if v0 is not None:
         engine.v[:] = v0
     native = engine.native_solver(solver.method, solver.step, solver.projection)
@@ -103,7 +103,7 @@ def test_derivatives_of_the_end_state_with_respect_to_initial_velocities(mechani
     rng = np.random.default_rng(3)
     # a direction that the joints allow, else the first projection takes part of it away
     direction = rng.normal(size=model.nv)
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     engine.v[:] = direction
     engine.assemble()
     direction = engine.v.copy()
@@ -135,7 +135,7 @@ def test_derivatives_of_accelerations_with_respect_to_the_state(size):
     assert max(angles) < 0.1 if size < 0.1 else max(angles) > 1.0  # rad
 
     def accelerations(change):
-        engine = jo.Engine(model, complex_scalars=isinstance(change, complex))
+        engine = jo.model.Engine(model, complex_scalars=isinstance(change, complex))
         engine.q[:], engine.v[:] = q0 + change * direction, v0
         return np.concatenate([x.copy() for x in engine.accelerations()])
 
@@ -158,7 +158,7 @@ def oscillator(zeta):
 
 
 def rod_part():
-    return jo.Part.beam(1.0, SECTION, 6, SOFT, theory=jo.EulerBernoulli())
+    return jo.Part.beam(1.0, SECTION, 6, SOFT, theory=jo.parts.EulerBernoulli())
 
 
 def amplification(method, h, K, D):

@@ -70,7 +70,9 @@ def test_initial_momenta_are_those_of_the_declared_state():
     v = np.concatenate([[0.5, -1.0, 2.0], A.T @ [3.0, -4.0, 5.0], 0.3 * np.cos(np.arange(8))])
     np.testing.assert_allclose(model.q0, q, rtol=0, atol=1e-15)
     np.testing.assert_allclose(model.v0, v, rtol=0, atol=1e-14)
-    np.testing.assert_allclose(jo.Engine(model).energy()[0], particles.kinetic(q, v), rtol=1e-12)
+    np.testing.assert_allclose(
+        jo.model.Engine(model).energy()[0], particles.kinetic(q, v), rtol=1e-12
+    )
 
 
 @pytest.mark.parametrize("method", [jo.RK4, jo.ROS2])

@@ -166,7 +166,7 @@ def test_engine_equals_the_dense_saddle_point_system(name, seed):
     mechanism, model = built(name)
     rng = np.random.default_rng(seed)
     q, v = moved(model, rng)
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     engine.q[:], engine.v[:], engine.time[:] = q, v, 0.35
     a, lam, Cq, C = dense(mechanism, model, q, v, 0.35)
     found_a, found_lam = engine.accelerations()
@@ -192,7 +192,7 @@ def test_reaction_sensors_do_the_virtual_work_of_the_multipliers(name, seed):
     # a (the moment of the force about a is there where the joint is open)
     mechanism, model = built(name)
     q, v = moved(model, np.random.default_rng(10 + seed))
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     engine.q[:], engine.v[:] = q, v
     engine.accelerations()
     values = engine.sensors()
@@ -238,7 +238,7 @@ def test_kinematic_sensors_follow_from_the_pose_by_complex_steps(seed):
     joint = jo.Spherical("ball", bar["end"], stone["origin"])
     model = jo.compile(jo.Mechanism(bar, stone, joint, jo.Gravity((0, -9.81, 0)), *sensors))
     q, v = moved(model, rng)
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     engine.q[:], engine.v[:] = q, v
     engine.accelerations()
     values = engine.sensors()

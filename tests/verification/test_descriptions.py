@@ -79,7 +79,7 @@ def rewritten(mechanism, *, turn=None, shift=(0, 0, 0), bodies=None, joints=None
         *[jo.ReactionSensor(joint.name, joint) for joint in turned_joints],
         *[jo.PositionSensor(f"{b.name} position", b[point(b)]) for b in turned_bodies],
         *[jo.VelocitySensor(f"{b.name} velocity", b[point(b)]) for b in turned_bodies],
-        *[jo.ModalSensor(f"{b.name} modes", b) for b in turned_bodies if flexible(b)],
+        *[jo.mechanism.ModalSensor(f"{b.name} modes", b) for b in turned_bodies if flexible(b)],
         name=mechanism.name,
     )
 
@@ -159,7 +159,7 @@ def test_swapping_the_markers_of_the_joints_only_turns_the_reactions_round(name)
     values = []
     for swap in (False, True):
         model = jo.compile(rewritten(mechanism, swap=swap))
-        engine = jo.Engine(model)
+        engine = jo.model.Engine(model)
         a = engine.accelerations()[0].copy()
         names = {s.name: slice(s.offset, s.offset + s.count) for s in model.sensors}
         values.append((a, engine.sensors(), names))
@@ -296,7 +296,7 @@ def test_lumped_and_consistent_mass_converge_with_refinement():
 
 
 def beam(E, elements=6, length=1.0):
-    return jo.Part.beam(length, SECTION, elements, material(E), theory=jo.EulerBernoulli())
+    return jo.Part.beam(length, SECTION, elements, material(E), theory=jo.parts.EulerBernoulli())
 
 
 @cache
@@ -356,7 +356,7 @@ def tangent(part):
     M, K = part.M.toarray(), part.K.toarray()
     w2, X = scipy.linalg.eigh(K[6:, 6:], M[6:, 6:])
     X = np.vstack([np.zeros((6, X.shape[1])), X])
-    return jo.from_modes(part, X, np.sqrt(w2) / (2 * np.pi))
+    return jo.reduction.from_modes(part, X, np.sqrt(w2) / (2 * np.pi))
 
 
 def test_complete_bases_of_both_reductions_are_the_same_body():

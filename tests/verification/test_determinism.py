@@ -26,7 +26,9 @@ SOLVERS = {
     "ROS2": jo.ROS2(step=STEP),
     "RK4, not projected": jo.RK4(step=STEP, projection=False),
     "ROS2, not projected": jo.ROS2(step=STEP, projection=False),
-    "RK4, Baumgarte": jo.RK4(step=STEP, projection=False, baumgarte=jo.Baumgarte(50.0, 50.0)),
+    "RK4, Baumgarte": jo.RK4(
+        step=STEP, projection=False, baumgarte=jo.simulation.Baumgarte(50.0, 50.0)
+    ),
 }
 
 

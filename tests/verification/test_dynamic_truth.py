@@ -107,7 +107,7 @@ class Bar:
         flat = X.reshape(len(rigid), -1)
         flat = flat - rigid @ np.linalg.lstsq(rigid[at], flat[at])[0]
         square, turn = eigh(flat.T @ (self.mesh.K @ flat), flat.T @ (self.mesh.M @ flat))
-        return jo.from_modes(self.part, flat @ turn, np.sqrt(square) / (2.0 * np.pi))
+        return jo.reduction.from_modes(self.part, flat @ turn, np.sqrt(square) / (2.0 * np.pi))
 
     def truth(self, case: Case) -> tuple[np.ndarray, np.ndarray]:
         """Stress (nt, ns, 6) of all nodes by brute force, and the same of its finest step."""

@@ -48,7 +48,7 @@ ELEMENTS = {
 # from outside: momentum does not stay
 PRESSURE = np.outer(np.linspace(0, 1, len(rod().nodes)), [5.0, -8.0, 3.0])
 OUTSIDE = {
-    "modal load": (lambda a, b, s: jo.ModalLoad("e", a.body, PRESSURE, WAVE), "w"),
+    "modal load": (lambda a, b, s: jo.mechanism.ModalLoad("e", a.body, PRESSURE, WAVE), "w"),
     "follower": (lambda a, b, s: jo.Force("e", a, (5, -40, 9), follow=True, signal=WAVE), "w"),
 }
 ALL = {**ELEMENTS, **OUTSIDE}

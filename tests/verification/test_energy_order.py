@@ -113,7 +113,9 @@ def test_baumgarte_bounds_the_drift():
     free = march(model("revolute chain"), jo.RK4(step=step, projection=False), 4.0, 0.1)
     held = march(
         model("revolute chain"),
-        jo.RK4(step=step, projection=False, baumgarte=jo.Baumgarte(0.1 / step, 0.1 / step)),
+        jo.RK4(
+            step=step, projection=False, baumgarte=jo.simulation.Baumgarte(0.1 / step, 0.1 / step)
+        ),
         4.0,
         0.1,
     )

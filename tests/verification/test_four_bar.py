@@ -151,11 +151,11 @@ def test_the_closed_form_is_consistent():
 
 def test_kinematics_is_freudenstein_s(model):
     angle, w, alpha, _ = closed_form(TIMES)
-    run = jo.kinematics(model, TIMES)
+    run = jo.simulation.kinematics(model, TIMES)
     assert angle[-1, 0] - angle[0, 0] > 4 * np.pi
     np.testing.assert_allclose(run["crank"][:, 0], angle[:, 0] - angle[0, 0], atol=1e-12)
     np.testing.assert_allclose(run["rocker"][:, 0], angle[:, 2] - angle[0, 2], atol=1e-12)
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     for k, t in enumerate(TIMES):
         engine.time[0], engine.q[:], engine.v[:] = t, run.q[k], run.v[k]
         a = engine.accelerations()[0]
@@ -165,7 +165,7 @@ def test_kinematics_is_freudenstein_s(model):
 
 def test_the_drive_does_the_work_of_inertia_and_gravity(model):
     expected = closed_form(TIMES)[3]
-    run = jo.inverse_dynamics(model, TIMES)
+    run = jo.simulation.inverse_dynamics(model, TIMES)
     found = drive_torque(model, run.multipliers)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
 

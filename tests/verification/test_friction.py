@@ -14,7 +14,7 @@ from verification.friction import GRAVITY, Belt, PinPendulum
 from verification.mechanisms import rod
 
 
-def block_on_a_belt(law: jo.Regularised | jo.StickSlip) -> jo.Model:
+def block_on_a_belt(law: jo.mechanism.Regularised | jo.mechanism.StickSlip) -> jo.Model:
     """Start at the end of a slip: the stretch is -D about that of sliding."""
     data = Belt()
     place = data.kinetic * data.mass * GRAVITY / data.stiffness - data.stretch
@@ -37,7 +37,7 @@ def block_on_a_belt(law: jo.Regularised | jo.StickSlip) -> jo.Model:
     )
 
 
-def pendulum(law: jo.Regularised | jo.StickSlip) -> jo.Model:
+def pendulum(law: jo.mechanism.Regularised | jo.mechanism.StickSlip) -> jo.Model:
     """A point mass (with 1e-8 kg m2, without which its turn is not defined) on a pin, at 90 deg."""
     data = PinPendulum()
     bob = jo.RigidBody("bob", data.mass, (1e-8,) * 3, position=(data.length, 0, 0))
@@ -57,7 +57,9 @@ def test_regularised_friction_converges_to_the_belt():
     low, high = Belt().extremes
     errors = []
     for velocity in (1e-2, 2.5e-3):
-        run = jo.simulate(block_on_a_belt(jo.Regularised(velocity)), 0.9, solver=jo.RK4(2e-4))
+        run = jo.simulate(
+            block_on_a_belt(jo.mechanism.Regularised(velocity)), 0.9, solver=jo.RK4(2e-4)
+        )
         x = run["x"].ravel()
         errors.append(max(abs(x.min() - low), abs(x.max() - high)))
     assert errors[1] < 0.6 * errors[0]
@@ -69,7 +71,7 @@ def test_regularised_friction_converges_to_the_pin():
     exact = np.array(PinPendulum().turning_points(np.pi / 2, 2))
     errors = []
     for velocity in (8e-3, 2e-3):
-        run = jo.simulate(pendulum(jo.Regularised(velocity)), 2.4, solver=jo.RK4(2e-4))
+        run = jo.simulate(pendulum(jo.mechanism.Regularised(velocity)), 2.4, solver=jo.RK4(2e-4))
         angle = run["angle"].ravel() + np.pi / 2
         found = np.array([angle.min(), angle[run.time > 1.5].max()])
         errors.append(np.abs(found - exact[:, 1]).max())
@@ -87,7 +89,7 @@ def test_a_block_on_a_rough_floor_loses_4_mu_m_g_over_k_per_period(solver):
         jo.Mechanism(
             *(block, floor, jo.Gravity((0, 0, -GRAVITY))),
             jo.Spring("spring", floor.displacement, k, free=0.0),
-            jo.Friction("rub", floor, mu, law=jo.StickSlip()),
+            jo.Friction("rub", floor, mu, law=jo.mechanism.StickSlip()),
             jo.CoordinateSensor("x", floor.displacement),
         )
     )
@@ -120,14 +122,14 @@ def test_the_pin_pendulum_swings_as_the_reference_says_between_its_turns():
     ).y[0, -1]
     errors = {}
     for solver in (jo.RK4(0.04), jo.RK4(0.02), jo.ROS2(0.02), jo.ROS2(0.01)):
-        run = jo.simulate(pendulum(jo.StickSlip()), end, solver=solver)
+        run = jo.simulate(pendulum(jo.mechanism.StickSlip()), end, solver=solver)
         errors[solver] = abs(run["angle"].ravel()[-1] + np.pi / 2 - exact)
     rk4, rk4_half, ros2, ros2_half = errors.values()
     assert 12 < rk4 / rk4_half < 20
     assert 3.5 < ros2 / ros2_half < 4.5
 
 
-def swinging(law: jo.Regularised | jo.StickSlip) -> jo.Model:
+def swinging(law: jo.mechanism.Regularised | jo.mechanism.StickSlip) -> jo.Model:
     """Two flexible beams in space: a pin with all ways to press, and a pole on which one slides."""
     lengths = {"radius": 0.05, "bearing_length": 0.3, "collar_radius": 0.08}
     at = np.array([1.0, 0.0, 0.0])
@@ -158,10 +160,10 @@ def swinging(law: jo.Regularised | jo.StickSlip) -> jo.Model:
     ("law", "solver", "fall"),
     [
         # with switches between sticking and slipping only small, not of the order of the method
-        (jo.StickSlip(), jo.RK4, 0.0),
-        (jo.StickSlip(), jo.ROS2, 0.0),
-        (jo.Regularised(0.02), jo.RK4, 6.0),
-        (jo.Regularised(0.02), jo.ROS2, 3.0),
+        (jo.mechanism.StickSlip(), jo.RK4, 0.0),
+        (jo.mechanism.StickSlip(), jo.ROS2, 0.0),
+        (jo.mechanism.Regularised(0.02), jo.RK4, 6.0),
+        (jo.mechanism.Regularised(0.02), jo.ROS2, 3.0),
     ],
     ids=lambda x: x.__name__ if isinstance(x, type) else type(x).__name__,
 )
@@ -182,7 +184,7 @@ def test_a_stuck_hinge_of_a_vibrating_beam_does_not_creep():
     model = jo.compile(
         jo.Mechanism(
             *(beam, hinge, jo.Gravity((0, -GRAVITY, 0))),
-            jo.Friction("brake", hinge, 0.5, radius=0.1, preload=2e4, law=jo.StickSlip()),
+            jo.Friction("brake", hinge, 0.5, radius=0.1, preload=2e4, law=jo.mechanism.StickSlip()),
             jo.CoordinateSensor("angle", hinge.angle),
             jo.PositionSensor("tip", beam["end"]),
         )
@@ -200,10 +202,10 @@ def test_thirty_rubbing_hinges_of_a_flexible_chain_do_not_chatter():
     for i in range(30):
         body = jo.FlexibleBody(f"link {i}", rod(), position=(i, 0, 0))
         joint = jo.Revolute(f"hinge {i}", at, body["start"], axis=(0, 0.1 * i, 1))
-        rub = jo.Friction(f"rub {i}", joint, 0.1, radius=0.02, law=jo.StickSlip())
+        rub = jo.Friction(f"rub {i}", joint, 0.1, radius=0.02, law=jo.mechanism.StickSlip())
         items += [body, joint, rub]
         at = body["end"]
-    engine = jo.Engine(jo.compile(jo.Mechanism(*items)))
+    engine = jo.model.Engine(jo.compile(jo.Mechanism(*items)))
     solver = engine.native_solver(1, 1e-4, True)
     engine.row()
     for _ in range(30):

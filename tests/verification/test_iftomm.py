@@ -199,7 +199,7 @@ def governor():
 
 def test_a05_starts_as_its_equations_say(governor):
     a = iftomm.GOVERNOR.accelerations(iftomm.GOVERNOR_START, iftomm.GOVERNOR_RATES)
-    found = jo.Engine(governor).accelerations()[0].reshape(-1, 6)
+    found = jo.model.Engine(governor).accelerations()[0].reshape(-1, 6)
     # slider, shaft, and arms about their own y axes
     places = [found[1, 2], found[0, 5], found[2, 4], found[3, 4]]
     np.testing.assert_allclose(places, [a[1], a[0], a[2], -a[3]], rtol=1e-10, atol=1e-12)
@@ -239,7 +239,7 @@ def test_a05_with_an_implicit_method_needs_no_small_step(governor):
         errors.append(float(np.abs(found - exact).max()))
     assert abs(orders(errors)[-1] - 2.0) < 0.2, errors
     assert errors[-1] < 1e-4
-    engine = jo.Engine(governor)
+    engine = jo.model.Engine(governor)
     native = engine.native_solver(jo.RK4(step=2e-3).method, 2e-3, True, 0.0, 0.0)
     status, _ = engine.run(native, 250, 250, np.zeros((1, engine.row_size)))
     assert status != 0 or np.abs(engine.v).max() > 1e3

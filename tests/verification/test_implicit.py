@@ -26,7 +26,7 @@ def native(engine, solver):
 @cache
 def soft_rod():
     """A beam with modes of 23 to 106 Hz, which steps of 1 ms resolve."""
-    part = jo.Part.beam(1.0, jo.Rectangle(0.1, 0.06), 4, SOFT, theory=jo.EulerBernoulli())
+    part = jo.Part.beam(1.0, jo.Rectangle(0.1, 0.06), 4, SOFT, theory=jo.parts.EulerBernoulli())
     return jo.reduce(part, jo.FreeFree(modes=4))
 
 
@@ -95,7 +95,7 @@ def test_newton_converges_quadratically(name):
     model = MODELS[name]()
     states = []
     for iterations in (1, 2, 3, 4, 8):
-        engine = jo.Engine(model)
+        engine = jo.model.Engine(model)
         step = 0.2 if name == "pendulum" else 0.02  # hard ones
         solver = jo.GeneralizedAlpha(
             step=step, tangent="exact", tolerance=None, max_iterations=iterations
@@ -138,7 +138,7 @@ def test_both_tangents_and_newmark_go_to_the_same_motion(tangent):
     for solver in (
         jo.GeneralizedAlpha(step=1e-4, rho=0.3, tangent=tangent),
         jo.GeneralizedAlpha(step=1e-4, rho=1.0, tangent=tangent),
-        jo.Newmark(step=1e-4, tangent=tangent),
+        jo.simulation.Newmark(step=1e-4, tangent=tangent),
     ):
         run = march(model, solver, 0.1)
         np.testing.assert_allclose(run.q[-1], exact.q[-1], atol=1e-4)
@@ -177,7 +177,7 @@ def test_fast_oscillations_are_damped_by_rho(rho):
 
 @pytest.mark.parametrize(
     ("solver", "wanted"),
-    [(jo.Newmark(step=1e-2), 1e-9), (jo.GeneralizedAlpha(step=1e-2, rho=1.0), 1e-2)],
+    [(jo.simulation.Newmark(step=1e-2), 1e-9), (jo.GeneralizedAlpha(step=1e-2, rho=1.0), 1e-2)],
     ids=["Newmark", "alpha"],
 )
 def test_energy_of_a_linear_oscillator(solver, wanted):
@@ -262,9 +262,9 @@ def test_events_are_found_between_steps():
     """A falling body reaches 0.5 m when the closed form says, and the run goes on from there."""
     body = jo.RigidBody("ball", 1.0, (1e-3,) * 3, position=(0, 2.0, 0))
     place = jo.PositionSensor("place", body["origin"])
-    floor = jo.Event("floor", place, 0.5, "falling", component="y")
+    floor = jo.mechanism.Event("floor", place, 0.5, "falling", component="y")
     model = jo.compile(jo.Mechanism(body, place, floor, jo.Gravity(G)))
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     solver = native(engine, jo.GeneralizedAlpha(step=0.1))
     engine.run(solver, 8, 8, np.zeros((2, engine.row_size)))
     ((time, *_),) = engine.happenings()
@@ -277,7 +277,7 @@ def test_derivatives_of_a_run_by_complex_steps():
     model, up = slider_crank(), np.array([0.3, 1.0, 0.2])
 
     def end(change, tolerance=1e-13):
-        engine = jo.Engine(
+        engine = jo.model.Engine(
             model,
             complex_scalars=isinstance(change, complex),
             override={("model", 0, "gravity"): model.gravity + change * up},
@@ -322,7 +322,9 @@ def test_free_fall_and_rest_have_no_scale_of_their_own():
 def test_friction_that_explicit_methods_cannot_bear_raises_no_warning():
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
-        run = jo.simulate(hinged(jo.Regularised(1e-4)), 0.1, solver=jo.GeneralizedAlpha(step=1e-3))
+        run = jo.simulate(
+            hinged(jo.mechanism.Regularised(1e-4)), 0.1, solver=jo.GeneralizedAlpha(step=1e-3)
+        )
     assert not said
     assert run.energy.friction[-1] > 0.0
 
@@ -339,10 +341,10 @@ def hinged(law):
 
 def test_friction_that_is_steep_at_rest():
     """Exact derivatives of the friction, the multipliers included: few iterations at any step."""
-    wanted = march(hinged(jo.Regularised(1e-3)), jo.RK4(step=2e-4), 3.0)
+    wanted = march(hinged(jo.mechanism.Regularised(1e-3)), jo.RK4(step=2e-4), 3.0)
     for step, miss in ((2e-2, 6e-3), (5e-3, 6e-4)):
         solver = jo.GeneralizedAlpha(step=step, max_iterations=7)
-        run = march(hinged(jo.Regularised(1e-3)), solver, 3.0, 0.1)
+        run = march(hinged(jo.mechanism.Regularised(1e-3)), solver, 3.0, 0.1)
         np.testing.assert_allclose(run.sensors["angle"][-1], wanted.sensors["angle"][-1], atol=miss)
         assert run.energy[-1, 5] == pytest.approx(wanted.energy[-1, 5], rel=2e-3)
         assert (np.diff(run.energy[:, 5]) > -1e-12).all()  # friction never adds energy
@@ -352,7 +354,7 @@ def test_friction_that_is_steep_at_rest():
 def counted(tangent):
     """Iterations and factorisations of 100 steps, having seen that each step counts."""
     model = double_pendulum()
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     solver = jo.GeneralizedAlpha(step=1e-3, tangent=tangent)
     rows = np.zeros((100, engine.row_size))
     assert engine.run(native(engine, solver), 100, 1, rows) == (0, 100)
@@ -375,7 +377,7 @@ def test_results_do_not_depend_on_how_the_run_is_cut():
     model = slider_crank()
     states = []
     for pieces in ((40,), (1, 7, 32)):
-        engine = jo.Engine(model)
+        engine = jo.model.Engine(model)
         solver = native(engine, jo.GeneralizedAlpha(step=1e-3))
         for count in pieces:
             engine.run(solver, count, count, np.zeros((1 + count, engine.row_size)))
@@ -386,9 +388,11 @@ def test_results_do_not_depend_on_how_the_run_is_cut():
 def test_a_step_that_does_not_converge_says_what_to_do():
     model = bushed(1e10)
     solver = jo.GeneralizedAlpha(step=0.1, max_iterations=1)
-    with pytest.raises(jo.RunFailed, match="at this body; take a smaller step.*try 0.05 s"):
+    with pytest.raises(
+        jo.simulation.RunFailed, match="at this body; take a smaller step.*try 0.05 s"
+    ):
         jo.simulate(model, 1.0, solver=solver)
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     before = np.concatenate([engine.q, engine.v])
     with pytest.raises(jo.SimulationError, match="body 'bar': Newton's iteration did not converge"):
         engine.step(native(engine, solver))
@@ -403,10 +407,13 @@ def test_a_step_that_does_not_converge_says_what_to_do():
         (lambda: jo.GeneralizedAlpha(rho=1.2), "rho is 1.2, must be between 0"),
         (lambda: jo.GeneralizedAlpha(tolerance=0.5), "tolerance is 0.5, must be between 1e-14"),
         (lambda: jo.GeneralizedAlpha(max_iterations=0), "max_iterations is 0, must be a whole"),
-        (lambda: jo.Newmark(tangent="old"), "tangent is 'old', must be 'exact' or 'modified'"),
-        (lambda: jo.Newmark(beta=0.0), "beta is 0.0, must be between 0 and 1 and not 0"),
-        (lambda: jo.Newmark(gamma=0.3), "gamma is 0.3, must be between 0.5 and 1"),
-        (lambda: jo.Newmark(projection=1), "projection is 1, must be True or False"),
+        (
+            lambda: jo.simulation.Newmark(tangent="old"),
+            "tangent is 'old', must be 'exact' or 'modified'",
+        ),
+        (lambda: jo.simulation.Newmark(beta=0.0), "beta is 0.0, must be between 0 and 1 and not 0"),
+        (lambda: jo.simulation.Newmark(gamma=0.3), "gamma is 0.3, must be between 0.5 and 1"),
+        (lambda: jo.simulation.Newmark(projection=1), "projection is 1, must be True or False"),
     ],
 )
 def test_bad_options(make, sentence):

@@ -12,9 +12,9 @@ from jousto.simulation.statics.balance import newton_sparse
 STIFF = 1e8  # neither stretch nor shear: 1e-8
 
 
-def section() -> jo.BeamSection:
+def section() -> jo.mechanism.BeamSection:
     stiff = (STIFF, STIFF, STIFF, 1.0, 1.0, 1.0)
-    return jo.BeamSection(stiff, 1.0, (2e-6, 1e-6, 1e-6))
+    return jo.mechanism.BeamSection(stiff, 1.0, (2e-6, 1e-6, 1e-6))
 
 
 def straight(points: np.ndarray, **options: object) -> jo.BeamBody:
@@ -43,7 +43,9 @@ def test_a_cantilever_under_an_even_load_bends_exactly(nodes, n):
     """w = q L^4/(8 EI), whatever the elements; of small loads, 1e-4 of second order."""
     q = 1e-4
     beam = straight(nodes(n))
-    assert tip_of(beam, jo.LineLoad("load", beam, (0, 0, q))) == pytest.approx(q / 8, rel=1e-5)
+    assert tip_of(beam, jo.mechanism.LineLoad("load", beam, (0, 0, q))) == pytest.approx(
+        q / 8, rel=1e-5
+    )
 
 
 def test_a_load_that_fades_out_converges_with_order_four():
@@ -53,7 +55,7 @@ def test_a_load_that_fades_out_converges_with_order_four():
         beam = straight(even(n))
         load = np.zeros((n + 1, 3))
         load[:, 2] = 1e-4 * (1 - even(n))
-        errors.append(tip_of(beam, jo.LineLoad("load", beam, load)) / (1e-4 / 30) - 1)
+        errors.append(tip_of(beam, jo.mechanism.LineLoad("load", beam, load)) / (1e-4 / 30) - 1)
     assert abs(errors[0]) < 5e-3
     assert abs(errors[1]) < abs(errors[0]) / 12
     assert abs(errors[2]) < abs(errors[1]) / 12 + 1e-6
@@ -67,7 +69,7 @@ def test_a_beam_on_two_supports_under_an_even_load():
         jo.Spherical("left", jo.ground["origin"], beam["start"]),
         jo.PointOnLine("right", jo.ground.at((1, 0, 0)), beam["end"], axis=(1, 0, 0)),
     ]
-    model = jo.compile(jo.Mechanism(beam, *joints, jo.LineLoad("load", beam, (0, 0, q))))
+    model = jo.compile(jo.Mechanism(beam, *joints, jo.mechanism.LineLoad("load", beam, (0, 0, q))))
     middle = jo.equilibrium(model).q[model.bodies[2].iq + 2]
     assert middle == pytest.approx(5 * q / 384, rel=1e-5)
 
@@ -103,7 +105,7 @@ def test_far_bent_beams_converge_with_order_four(follow):
     tips = []
     for n in (4, 8, 64):
         beam = straight(even(n))
-        tips.append(tip_of(beam, jo.LineLoad("load", beam, (0, 0, 8.0), follow=follow)))
+        tips.append(tip_of(beam, jo.mechanism.LineLoad("load", beam, (0, 0, 8.0), follow=follow)))
     assert abs(tips[0] - tips[2]) > 10 * abs(tips[1] - tips[2])
     assert tips[1] == pytest.approx(tips[2], abs=1e-3)
 
@@ -118,7 +120,7 @@ def test_the_resultant_is_that_of_the_load(follow):
     )
     load = np.random.default_rng(3).uniform(-1, 1, (7, 3))
     force, moment = np.zeros(3), np.zeros(3)
-    for marker, F, _ in jo.LineLoad("load", beam, load, follow=follow).loads:
+    for marker, F, _ in jo.mechanism.LineLoad("load", beam, load, follow=follow).loads:
         A = beam.frames[marker.body.place]
         at = nodes[marker.body.place] + A @ marker.position_local
         F = A @ F if follow else F
@@ -145,7 +147,7 @@ def test_tangents_of_line_loads_are_exact(follow):
     """Newton's matrix against the complex step of the residual, bent far, of its largest term."""
     beam = straight(graded(4))
     clamp = jo.Fixed("clamp", jo.ground["origin"], beam["start"])
-    load = jo.LineLoad("load", beam, (0.5, -1, 8.0), torque=(0.3, 0.1, 0), follow=follow)
+    load = jo.mechanism.LineLoad("load", beam, (0.5, -1, 8.0), torque=(0.3, 0.1, 0), follow=follow)
     model = jo.compile(jo.Mechanism(beam, clamp, load))
     rest = jo.equilibrium(model)
     engine, twin = Engine(model), Engine(model, complex_scalars=True)

@@ -85,7 +85,7 @@ def test_estimated_error_of_known_stress(
     estimated, true = [], []
     for layers in (4, 8):
         solved = make(kind, layers)
-        found = jo.mesh_error(solved.part, solved.d.reshape(-1))
+        found = jo.parts.mesh_error(solved.part, solved.d.reshape(-1))
         estimated.append(float(np.sqrt(found.squares.sum())))
         true.append(true_error(solved, exact))
         assert low <= estimated[-1] / true[-1] <= high
@@ -102,9 +102,9 @@ def test_no_error_in_a_patch_test(kind: str) -> None:
     mesh = grid(kind, (3, 2, 2), distort=0.2)
     part = jo.Part.solid(mesh, st.STEEL)
     d = (part.nodes @ np.array([[1.0, 0.2, 0.0], [0.1, -0.5, 0.3], [0.0, 0.4, 0.2]])).ravel()
-    assert jo.mesh_error(part, d).eta[0] < 1e-12
+    assert jo.parts.mesh_error(part, d).eta[0] < 1e-12
     bent = (part.nodes[:, [0]] ** 3 * [0.0, 0.0, 1e-3]).ravel()
-    found = jo.mesh_error(part, np.column_stack([bent, 2.0 * bent]))
+    found = jo.parts.mesh_error(part, np.column_stack([bent, 2.0 * bent]))
     assert found.eta[0] == pytest.approx(found.eta[1]) and found.eta[0] > 1e-3
     np.testing.assert_allclose(found.squares[:, 1], 4.0 * found.squares[:, 0])
     assert "of the energy norm at worst, most in element" in repr(found)
@@ -113,7 +113,7 @@ def test_no_error_in_a_patch_test(kind: str) -> None:
 def test_the_error_is_found_where_it_is() -> None:
     """At the hole, next to one of the places of the peak."""
     solved = st.wide_plate("hexahedron20", 4)
-    found = jo.mesh_error(solved.part, solved.d.reshape(-1))
+    found = jo.parts.mesh_error(solved.part, solved.d.reshape(-1))
     centre = found.centres[found.worst()]
     assert np.hypot(centre[0], centre[1]) < 1.6 * st.HOLE
     assert found.squares[found.worst(), 0] < 0.5 * found.squares.sum()
@@ -122,7 +122,7 @@ def test_the_error_is_found_where_it_is() -> None:
 def test_refusals() -> None:
     beam = jo.Part.beam(1.0, jo.Circle(0.01), 2, st.STEEL)
     with pytest.raises(InputError, match="only parts of solids"):
-        jo.mesh_error(beam, np.zeros(beam.K.shape[0]))
+        jo.parts.mesh_error(beam, np.zeros(beam.K.shape[0]))
     part = jo.Part.solid(grid("tetra", (1, 1, 1)), st.STEEL)
     with pytest.raises(InputError, match=r"must be \(24, n\)"):
-        jo.mesh_error(part, np.zeros(7))
+        jo.parts.mesh_error(part, np.zeros(7))

@@ -27,7 +27,7 @@ IN_SPACE = {1: 1, 3: 5, 5: 8}
 
 
 def beam(rotary: bool = True) -> jo.Part:
-    section, theory = jo.Rectangle(B, H), jo.EulerBernoulli()
+    section, theory = jo.Rectangle(B, H), jo.parts.EulerBernoulli()
     return jo.Part.beam(L, section, N, STEEL, theory=theory, rotary_inertia=rotary)
 
 
@@ -47,7 +47,7 @@ def test_clamped_normal_modes_leave_clamp_stress_out(k: int) -> None:
     d = in_plane(part)
     K, M = part.K.toarray()[np.ix_(d, d)], part.M.toarray()[np.ix_(d, d)]
     w2, X = scipy.linalg.eigh(K, M, subset_by_index=(0, k - 1))
-    f = part.load(jo.NodalForce("end", (0, 0, -F)))[d]
+    f = part.load(jo.parts.NodalForce("end", (0, 0, -F)))[d]
     u = np.zeros(6 * (N + 1))
     u[d] = X @ ((X.T @ f) / w2)
     assert top(part, u) / (F * L / W) == pytest.approx(TRUNCATION[k], abs=5e-6)
@@ -73,8 +73,8 @@ def test_craig_bampton_is_exact_at_the_clamp(modes: int) -> None:
 def test_inertia_relief() -> None:
     """A free beam pushed at its end: M(x) = F (x^2/L - x^3/L^2) of the rigid accelerations."""
     part, F, x = beam(), 100.0, 0.6
-    load = part.load(jo.NodalForce("end", (0, 0, F)))
-    relief = jo.inertia_relief(part, load)
+    load = part.load(jo.parts.NodalForce("end", (0, 0, F)))
+    relief = jo.reduction.inertia_relief(part, load)
     balance = part.rigid_modes().T @ relief.loads[:, 0]
     assert np.abs(balance).max() < 1e-12 * F
     assert part.stress is not None
@@ -83,8 +83,10 @@ def test_inertia_relief() -> None:
     moment = abs(s[part.stress.index("e12.b.top"), 0]) * W
     assert moment == pytest.approx(14.43, abs=0.005)  # the mesh's own, not that of beam theory
     assert moment == pytest.approx(F * (x**2 / L - x**3 / L**2), rel=2.5e-3)
-    fine = jo.Part.beam(L, jo.Rectangle(B, H), 2 * N, STEEL, theory=jo.EulerBernoulli())
-    u = jo.inertia_relief(fine, fine.load(jo.NodalForce("end", (0, 0, F)))).displacements[:, 0]
+    fine = jo.Part.beam(L, jo.Rectangle(B, H), 2 * N, STEEL, theory=jo.parts.EulerBernoulli())
+    u = jo.reduction.inertia_relief(
+        fine, fine.load(jo.parts.NodalForce("end", (0, 0, F)))
+    ).displacements[:, 0]
     assert fine.stress is not None
     near = abs(fine.stress.evaluate(u)[fine.stress.index("e24.b.top"), 0]) * W
     assert (moment - 14.4) / (near - 14.4) == pytest.approx(4.0, rel=0.03)  # second order
@@ -100,7 +102,7 @@ def static(model: jo.Model, step: float = 1e-4) -> jo.Solution:
 @pytest.mark.parametrize("k", IN_SPACE)
 def test_mode_acceleration_of_a_load_that_no_mode_knows(k: int) -> None:
     part, F = beam(), 1e-3  # small: the clamp stress of a bent beam is another one
-    tip = part.load(jo.NodalForce("end", (0, 0, -1.0)))
+    tip = part.load(jo.parts.NodalForce("end", (0, 0, -1.0)))
     method = jo.CraigBampton(("start",), modes=IN_SPACE[k])
     body = jo.FlexibleBody("beam", jo.reduce(part, method, residual_stress={"tip": tip}))
     wall = jo.Fixed("wall", jo.ground["origin"], body["start"])
@@ -130,7 +132,7 @@ def test_mode_acceleration_of_weight() -> None:
     free = np.arange(6, 6 * (N + 1))
     u = np.zeros(6 * (N + 1))
     K = part.K.toarray()
-    u[free] = np.linalg.solve(K[np.ix_(free, free)], part.load(jo.Weight(g))[free])
+    u[free] = np.linalg.solve(K[np.ix_(free, free)], part.load(jo.parts.Weight(g))[free])
     assert part.stress is not None
     exact = part.stress.evaluate(u)
     scale = np.abs(exact).max()
@@ -171,8 +173,8 @@ def test_mode_acceleration_of_a_solid(kind: str) -> None:
     corner = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
     corner = np.vstack([corner, corner + [0, 0, 1]]) @ [9, 3, 1]
     first = [9 * i + 3 * j + k for i in range(n[0]) for j in range(n[1]) for k in range(n[2])]
-    mesh = jo.Mesh("bar", points, jo.Cells("hexahedron", np.add.outer(first, corner)))
-    end = jo.InBox((-1e-6, -1, -1), (1e-6, 1, 1))
+    mesh = jo.Mesh("bar", points, jo.mesh.Cells("hexahedron", np.add.outer(first, corner)))
+    end = jo.mesh.InBox((-1e-6, -1, -1), (1e-6, 1, 1))
     part = jo.Part.solid(mesh, STEEL, interfaces=[jo.Interface("hub", end, kind=kind)])
 
     def stress(residual: bool, relief: bool) -> np.ndarray:
@@ -192,7 +194,7 @@ def test_mode_acceleration_of_a_solid(kind: str) -> None:
 
 def test_what_fewer_modes_leave_out_is_kept() -> None:
     part = beam()
-    tip = part.load(jo.NodalForce("end", (0, 0, -1.0)))
+    tip = part.load(jo.parts.NodalForce("end", (0, 0, -1.0)))
     whole = jo.reduce(part, jo.CraigBampton(("start",), modes=5), residual_stress={"tip": tip})
     assert whole.stress is not None and whole.stress.residual is not None
     few = whole.keep([0, 2])
@@ -212,13 +214,13 @@ def test_what_fewer_modes_leave_out_is_kept() -> None:
 def test_what_free_modes_leave_out() -> None:
     """Modes and residual of a free part together are the stress of inertia relief."""
     part = beam()
-    tip = part.load(jo.NodalForce("end", (3.0, 2.0, -1.0), (0.1, 0.2, 0.3)))
+    tip = part.load(jo.parts.NodalForce("end", (3.0, 2.0, -1.0), (0.1, 0.2, 0.3)))
     reduced = jo.reduce(part, jo.FreeFree(modes=3), residual_stress={"tip": tip})
     assert reduced.stress is not None and part.stress is not None
     residual = reduced.stress.residual
     assert residual is not None
     total = (reduced.stress.modes @ residual.static + residual.columns)[:, :, -1]
-    exact = part.stress.evaluate(jo.inertia_relief(part, tip).displacements[:, 0])
+    exact = part.stress.evaluate(jo.reduction.inertia_relief(part, tip).displacements[:, 0])
     np.testing.assert_allclose(total, exact, atol=1e-8 * np.abs(exact).max())
     assert np.abs(residual.columns[:, :, -1]).max() > 0.1 * np.abs(exact).max()
     # rigid accelerations leave nothing: inertia relief balances them
@@ -238,7 +240,7 @@ def test_what_free_modes_leave_out() -> None:
 
 def test_residual_stress_is_saved(tmp_path: Path) -> None:
     part = jo.Part.beam(L, jo.Rectangle(B, H), 2, STEEL)
-    tip = part.load(jo.NodalForce("end", (0, 0, -1.0)))
+    tip = part.load(jo.parts.NodalForce("end", (0, 0, -1.0)))
     reduced = jo.reduce(part, jo.CraigBampton(("start",), modes=2), residual_stress={"tip": tip})
     reduced.save(tmp_path / "part.h5")
     again = jo.ReducedPart.load(tmp_path / "part.h5")
@@ -256,7 +258,7 @@ def test_refusals() -> None:
         jo.reduce(part, method, residual_stress={"tip": [0, 0, 1]})
     with pytest.raises(jo.InputError, match="has no stress data"):
         jo.reduce(part.with_stress(None), method, residual_stress=True)
-    tip, fall = part.load(jo.NodalForce("end", (0, 0, -1.0))), jo.Gravity((0, 0, -9.81))
+    tip, fall = part.load(jo.parts.NodalForce("end", (0, 0, -1.0))), jo.Gravity((0, 0, -9.81))
     body = jo.FlexibleBody("beam", jo.reduce(part, method, residual_stress={"tip": tip}))
     wall = jo.Fixed("wall", jo.ground["origin"], body["start"])
     run = jo.simulate(jo.compile(jo.Mechanism(body, wall, fall)), 1e-3, solver=jo.ROS2(1e-4))

@@ -28,8 +28,8 @@ class Fixed:
     """`DormandPrince` with steps of one length, without error control."""
 
     step: float
-    method = jo.DormandPrince.method
-    order = jo.DormandPrince.order
+    method = jo.simulation.DormandPrince.method
+    order = jo.simulation.DormandPrince.order
     projection = True
     baumgarte = None
     options = {}
@@ -40,7 +40,7 @@ METHODS = {
     "RK4": (jo.RK4, (100, 200, 400, 800)),
     "ROS2": (jo.ROS2, (100, 200, 400, 800)),
     "GeneralizedAlpha": (jo.GeneralizedAlpha, (100, 200, 400, 800)),
-    "Newmark": (jo.Newmark, (100, 200, 400, 800)),
+    "Newmark": (jo.simulation.Newmark, (100, 200, 400, 800)),
     "DormandPrince": (Fixed, (75, 150, 300, 600)),
 }
 

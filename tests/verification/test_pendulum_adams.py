@@ -31,7 +31,7 @@ def part(E: float) -> jo.Part:
         materials=jo.Material(E=E, nu=0.3, rho=7850.0),
         lumped=True,
         rotary_inertia=False,
-        theory=jo.EulerBernoulli(),
+        theory=jo.parts.EulerBernoulli(),
     )
 
 
@@ -46,7 +46,7 @@ def printed() -> jo.ReducedPart:
     for j in (0, 1):
         for dof, name in ((0, "x"), (1, "y"), (5, "rz")):
             X[dof::6, j] = np.nan_to_num(table[f"mode{j + 1}_{name}"])  # illegible: zero
-    return jo.from_modes(part(2.07e8), X, FREQUENCIES)
+    return jo.reduction.from_modes(part(2.07e8), X, FREQUENCIES)
 
 
 def pendulum(rod: jo.ReducedPart) -> jo.Model:

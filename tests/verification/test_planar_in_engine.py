@@ -34,7 +34,7 @@ def planar_frame(arm: float, section: PlanarSection, moment: float, mass: float)
 
 def in_plane(arm: float, moment: float = MOMENT) -> jo.Mechanism:
     """The same as a beam body of the engine."""
-    section = jo.BeamSection(
+    section = jo.mechanism.BeamSection(
         stiffness=np.diag([EA, GA, GA, EI, EI, EI]), mass=M, inertia=np.diag([2 * J, J, J])
     )
     beam = jo.BeamBody(
@@ -44,7 +44,7 @@ def in_plane(arm: float, moment: float = MOMENT) -> jo.Mechanism:
         elements=N,
         offset=(arm, 0.0),
         mass="consistent",
-        damping=jo.BeamDamping(mass=0.1, stiffness=1e-4),
+        damping=jo.mechanism.BeamDamping(mass=0.1, stiffness=1e-4),
     )
     pivot = jo.ground.at((0.0, -arm, 0.0))
     return jo.Mechanism(
@@ -64,7 +64,7 @@ def test_same_motion_to_rounding(arm: float, step: float) -> None:
     tight = Convergence(relative=1e-12)
     plane: PlanarRun = simulate_planar(frame, 0.2, method, convergence=tight)
     _, _, beta, gamma = method.weights
-    solver = jo.Newmark(step, beta=beta, gamma=gamma, tolerance=1e-13, projection=False)
+    solver = jo.simulation.Newmark(step, beta=beta, gamma=gamma, tolerance=1e-13, projection=False)
     space = jo.simulate(jo.compile(in_plane(arm)), 0.2, solver=solver, output_step=step)
     assert abs(plane.displacements[-1, 0, 2]) > 0.5
     for i in range(N + 1):
@@ -76,7 +76,7 @@ def test_same_motion_to_rounding(arm: float, step: float) -> None:
 def paper_boom(step: float, t_end: float) -> tuple[jo.Solution, PlanarRun]:
     """The boom of the third source: a joint beside the axis here, an offset in the plane."""
     A, I, E, rho = 1900e-6, 3.756e-6, 207e9, 7850.0
-    section = jo.BeamSection(
+    section = jo.mechanism.BeamSection(
         stiffness=np.diag([E * A] * 3 + [E * I] * 3),
         mass=rho * A,
         inertia=rho * I * np.diag([2.0, 1.0, 1.0]),
@@ -87,7 +87,7 @@ def paper_boom(step: float, t_end: float) -> tuple[jo.Solution, PlanarRun]:
         section,
         elements=4,
         mass="consistent",
-        damping=jo.BeamDamping(mass=0.1),
+        damping=jo.mechanism.BeamDamping(mass=0.1),
     )
     pivot = beam.node(0, at=(0.0, -0.5, 0.0))
     mechanism = jo.Mechanism(
@@ -123,7 +123,7 @@ def test_the_boom_of_the_paper_on_a_joint() -> None:
     assert 3.0 < apart[0] / apart[1] < 5.0
 
 
-class WithoutTangents(jo.Newmark):
+class WithoutTangents(jo.simulation.Newmark):
     """Newton's matrix without the velocity-dependent tangents of inertia."""
 
     @property
@@ -150,7 +150,7 @@ def test_the_tangents_save_as_much_in_both_programs() -> None:
     ]
     _, _, beta, gamma = method.weights
     model = jo.compile(in_plane(arm, moment))
-    kinds = (jo.Newmark, WithoutTangents)
+    kinds = (jo.simulation.Newmark, WithoutTangents)
     options = {"beta": beta, "gamma": gamma, "max_iterations": 30, "projection": False}
     options["tangent"] = "exact"
     runs = [jo.simulate(model, t_end, solver=kind(step, **options)) for kind in kinds]

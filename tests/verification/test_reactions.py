@@ -45,7 +45,7 @@ def test_newton_and_euler_hold_for_every_body(name):
     mechanism = MECHANISMS[name]()
     model = jo.compile(mechanism)
     run = march(model, jo.RK4(step=2.5e-4), 1.0, 0.1)
-    engine = jo.Engine(model)
+    engine = jo.model.Engine(model)
     order = {id(body): i for i, body in enumerate(mechanism.bodies)}
     for k in range(len(run.time)):
         engine.q[:], engine.v[:], engine.time[:] = run.q[k], run.v[k], run.time[k]

@@ -14,7 +14,7 @@ import pytest
 import jousto as jo
 
 STIFF = 1e6
-SECTION = jo.BeamSection((STIFF, STIFF, STIFF, 1e3, 1e3, 1.0), 1.0, (2e-3, 1e-3, 1e-3))
+SECTION = jo.mechanism.BeamSection((STIFF, STIFF, STIFF, 1e3, 1e3, 1.0), 1.0, (2e-3, 1e-3, 1e-3))
 
 
 def arc(angles: np.ndarray, *, bending: bool) -> jo.BeamBody:
@@ -32,7 +32,7 @@ def under_pressure(angles: np.ndarray, *, bending: bool) -> jo.Model:
             ring,
             jo.Fixed("hold", at, ring["start"]),
             jo.Fixed("close", ring["start"], ring["end"]),
-            jo.LineLoad("pressure", ring, (0, 1, 0), follow=True, signal=jo.Input("p")),
+            jo.mechanism.LineLoad("pressure", ring, (0, 1, 0), follow=True, signal=jo.Input("p")),
         )
     )
 
@@ -53,7 +53,7 @@ def test_pressure_that_follows_has_pairs_of_loads(bending):
     """Of order two, or four, in the elements; n = 60 is solved by sparse matrices."""
     errors = []
     for n in (16, 30, 60):
-        loads = jo.buckling(under_pressure(even(n), bending=bending), "p", 4).loads
+        loads = jo.simulation.buckling(under_pressure(even(n), bending=bending), "p", 4).loads
         assert loads[:2] == pytest.approx(loads[0], rel=1e-5)
         assert loads[2:] == pytest.approx(loads[2], rel=1e-5)
         errors.append(loads[[0, 2]] / [3.0, 8.0] - 1)
@@ -66,7 +66,7 @@ def test_pressure_that_follows_has_pairs_of_loads(bending):
 @pytest.mark.parametrize("bending", [False, True])
 def test_uneven_elements_lose_no_load(seed, bending):
     """They split pairs, into real or complex ones: nearly 3 twice, then nearly 8 twice."""
-    found = jo.buckling(under_pressure(uneven(24, seed), bending=bending), "p", 4)
+    found = jo.simulation.buckling(under_pressure(uneven(24, seed), bending=bending), "p", 4)
     assert found.loads == pytest.approx([3, 3, 8, 8], rel=0.02 if bending else 0.14)
     assert not len(found.left_out)
     # the modes of a pair are two: their displacements are not the same
@@ -87,9 +87,9 @@ def test_dead_pressure_on_half_a_ring():
             ring,
             jo.Fixed("right", ends[0], ring["start"]),
             jo.Prismatic("left", ends[1], ring["end"], axis=(1, 0, 0)),
-            jo.LineLoad("pressure", ring, inward, signal=jo.Input("p")),
+            jo.mechanism.LineLoad("pressure", ring, inward, signal=jo.Input("p")),
         ]
-        loads = jo.buckling(jo.compile(jo.Mechanism(*parts)), "p", 2).loads
+        loads = jo.simulation.buckling(jo.compile(jo.Mechanism(*parts)), "p", 2).loads
         errors.append(loads / [4.0, 9.0] - 1)
     # linear shape functions of the load between the nodes: order two
     assert (np.abs(errors[0]) > 3.0 * np.abs(errors[1])).all()
@@ -121,11 +121,13 @@ def test_complex_loads_are_left_out_and_said():
 
     (Herrmann and Bungay, J. Appl. Mech. 31 (1964) 435-440): real loads up to a = 5/9, none at 1.
     """
-    assert jo.buckling(two_rods(0.5), "P", 2).loads == pytest.approx([1.0, 2.0], rel=1e-9)
+    assert jo.simulation.buckling(two_rods(0.5), "P", 2).loads == pytest.approx(
+        [1.0, 2.0], rel=1e-9
+    )
     with pytest.warns(jo.JoustoWarning, match=r"left out .* 1.5 \+- 1.66i"):
-        found = jo.buckling(two_rods(0.8), "P", 2)
+        found = jo.simulation.buckling(two_rods(0.8), "P", 2)
     assert not len(found.loads)
     assert found.left_out == pytest.approx([1.5 + 1j * np.sqrt(2.75)], rel=1e-9)
-    nothing = jo.buckling(two_rods(1.0), "P", 2)
+    nothing = jo.simulation.buckling(two_rods(1.0), "P", 2)
     assert not len(nothing.loads)
     assert not len(nothing.left_out)

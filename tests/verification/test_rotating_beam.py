@@ -34,7 +34,7 @@ FLAP = {
 
 def frequencies(speed: float, stiffening: bool) -> NDArray[np.float64]:
     """Frequencies of a beam of 1 m fixed to a heavy hub that turns about z, over UNIT."""
-    part = jo.Part.beam(1.0, SECTION, 8, STEEL, theory=jo.EulerBernoulli())
+    part = jo.Part.beam(1.0, SECTION, 8, STEEL, theory=jo.parts.EulerBernoulli())
     rod = jo.reduce(part, jo.CraigBampton(("start",), modes=12), stiffening=stiffening)
     return turning(rod, speed)
 

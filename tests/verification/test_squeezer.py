@@ -82,7 +82,9 @@ def test_jousto_ends_in_the_published_state(model):
 
 
 def test_jousto_finds_its_own_steps_to_the_published_angles(model):
-    run = jo.simulate(model, squeezer.T_END, solver=jo.DormandPrince(tolerance=1e-10, output=1e-3))
+    run = jo.simulate(
+        model, squeezer.T_END, solver=jo.simulation.DormandPrince(tolerance=1e-10, output=1e-3)
+    )
     turns = np.array([run[f"{bar} pivot angle"][-1, 0] for bar in squeezer.BARS])
     # 1.4e-9 rad is the error of the published crank angle
     np.testing.assert_allclose(squeezer.START + turns, squeezer.ANGLES, rtol=0, atol=3e-9)

@@ -17,7 +17,7 @@ from verification.mechanisms import SOFT, march, orders
 
 @cache
 def soft_rod(stiffening: bool) -> jo.ReducedPart:
-    part = jo.Part.beam(1.0, jo.Rectangle(0.05, 0.02), 6, SOFT, theory=jo.EulerBernoulli())
+    part = jo.Part.beam(1.0, jo.Rectangle(0.05, 0.02), 6, SOFT, theory=jo.parts.EulerBernoulli())
     method = jo.CraigBampton(interfaces=("start", "end"), modes=0)
     return jo.reduce(part, method, stiffening=stiffening)
 
@@ -70,7 +70,7 @@ def test_inertia_of_a_bent_beam() -> None:
     p = 0.05 * np.random.default_rng(1).standard_normal(soft_rod(True).n)
     matrices = []
     for model in (with_, without):
-        engine = jo.Engine(model)
+        engine = jo.model.Engine(model)
         engine.q[7 : 7 + len(p)] = p
         matrices.append(engine.mass_matrix(0))
     change = matrices[0] - matrices[1]

@@ -44,7 +44,7 @@ class Stiffened:
             materials=MATERIAL,
             lumped=True,
             rotary_inertia=rotary,
-            theory=jo.EulerBernoulli(),
+            theory=jo.parts.EulerBernoulli(),
         )
         self.reduced = jo.reduce(part, jo.FreeFree(modes=modes), stiffening=True)
         self.body = jo.FlexibleBody("frame", self.reduced, damping=0.01)
@@ -109,7 +109,7 @@ def test_mass_matrix_and_accelerations(case):
     # Lagrange's (Boltzmann-Hamel) equations of T = x^T M(p) x / 2, M of second degree in p:
     #   P = M x;  P_R' + w x P_R = 0;  P_w' + w x P_w + V x P_R = 0;  P_p' - dT/dp = 0
     body = stiffened(case)
-    engine = jo.Engine(body.model)
+    engine = jo.model.Engine(body.model)
     q, v = body.state()
     engine.q[:], engine.v[:] = q, v
     A, p, w, pd = rotation(q[3:7]), q[7:], v[3:6], v[6:]
@@ -138,7 +138,7 @@ def test_mass_matrix_and_accelerations(case):
 @pytest.mark.parametrize("case", CASES)
 def test_kinetic_energy_is_kept_to_second_order(case):
     body = stiffened(case)
-    engine = jo.Engine(body.model)
+    engine = jo.model.Engine(body.model)
     q, v = body.state(size=1.0)
     errors, linear = [], []
     q[7 + 6 :] = v[6 + 6 :] = 0.0  # six modes: higher ones have large terms of fourth order

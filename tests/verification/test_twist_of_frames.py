@@ -70,13 +70,13 @@ def test_a_cross_buckles_by_torsion():
     """N = GJ A/Ip, four flanges b x t (Timoshenko and Gere, *Theory of Elastic Stability*, 5.3)."""
     b, t = 0.05, 0.002
     area, inertia, torsion = 4 * b * t, 2 * t * b**3 / 3, 4 * b * t**3 / 3
-    cross = jo.GeneralSection(A=area, Iy=inertia, Iz=inertia, J=torsion, ky=0.5, kz=0.5)
+    cross = jo.sections.GeneralSection(A=area, Iy=inertia, Iz=inertia, J=torsion, ky=0.5, kz=0.5)
     column, joints = body(section=cross)
     press = jo.Force("press", column["end"], (-1, 0, 0), signal=jo.Input("P"))
     model = jo.compile(jo.Mechanism(column, *joints, press))
     exact = STEEL.G * torsion * area / (2 * inertia)
     assert exact < 0.05 * 4 * np.pi**2 * STEEL.E * inertia / L**2  # Euler's load is far
-    assert jo.buckling(model, "P", 1).loads == pytest.approx([exact], rel=1e-6)
+    assert jo.simulation.buckling(model, "P", 1).loads == pytest.approx([exact], rel=1e-6)
 
 
 def torsion_of_a_blade(speed: float, modes: int = 12) -> np.ndarray:

@@ -83,7 +83,7 @@ def test_a_round_bar_does_not_mind():
 
 
 def test_it_can_be_left_out():
-    plain = jo.BeamSection.of(STRIP, STEEL, fibres=False)
+    plain = jo.mechanism.BeamSection.of(STRIP, STEEL, fibres=False)
     angle, u = twist(200e6 * AREA, 1e-4, plain)
     assert angle == pytest.approx(1e-4 * L / GJ, rel=1e-6)
 
@@ -93,22 +93,22 @@ def test_a_cross_buckles_by_torsion(method):
     """N = GJ A/Ip of a section whose bending is far stiffer (Wagner; Timoshenko and Gere, 5.3)."""
     area, polar, torsion = 4e-4, 8e-4, 20.0
     stiff = (210e9 * area, 7e7, 7e7, torsion, 1e5, 1e5)
-    section = jo.BeamSection(stiff, 3.0, (2e-3, 1e-3, 1e-3), polar=polar)
+    section = jo.mechanism.BeamSection(stiff, 3.0, (2e-3, 1e-3, 1e-3), polar=polar)
     beam, joints = held(section)
     press = jo.Force("press", beam["end"], (-1, 0, 0), signal=jo.Input("P"))
     model = jo.compile(jo.Mechanism(beam, *joints, press))
     to = 1.5 * torsion / polar if method == "path" else None
-    found = jo.buckling(model, "P", 1, method=method, to=to).loads
+    found = jo.simulation.buckling(model, "P", 1, method=method, to=to).loads
     # it has shortened by 3e-4 by then
     assert found == pytest.approx([torsion / polar], rel=1e-3)
 
 
 def test_the_shear_centre_counts():
     """polar = (Iy + Iz)/A + |s - c|^2."""
-    made = jo.BeamSection.of(STRIP, STEEL, centroid=(0.01, 0.0), shear_center=(0.0, 0.02))
+    made = jo.mechanism.BeamSection.of(STRIP, STEEL, centroid=(0.01, 0.0), shear_center=(0.0, 0.02))
     assert made.polar == pytest.approx(IP / AREA + 0.01**2 + 0.02**2)
     with pytest.raises(jo.InputError, match="polar is -1 m2, must be zero or positive"):
-        jo.BeamSection((1.0,) * 6, 1.0, (2.0, 1.0, 1.0), polar=-1.0)
+        jo.mechanism.BeamSection((1.0,) * 6, 1.0, (2.0, 1.0, 1.0), polar=-1.0)
 
 
 def test_section_forces_are_those_of_the_engine():
@@ -119,12 +119,12 @@ def test_section_forces_are_those_of_the_engine():
         jo.Force("pull", beam["end"], (tension, 0, 0)),
         jo.Torque("turn", beam["end"], (torque, 0, 0)),
     ]
-    sensor = jo.SectionSensor("end", beam, "end")
+    sensor = jo.mechanism.SectionSensor("end", beam, "end")
     model = jo.compile(jo.Mechanism(beam, *joints, *loads, sensor))
     run = jo.simulate(
         model, 1e-4, solver=jo.GeneralizedAlpha(step=1e-4), state=jo.equilibrium(model)
     )
-    forces = jo.section_forces(run, "strip")
+    forces = jo.recovery.section_forces(run, "strip")
     assert forces.ends[0, -1, 1, [0, 3]] == pytest.approx([tension, torque], rel=1e-6)
     assert run["end"][0, [0, 3]] == pytest.approx([tension, torque], rel=1e-6)
     # the torque of Saint-Venant is what is left for shear

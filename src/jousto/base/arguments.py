@@ -21,6 +21,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from jousto.base.errors import InputError, JoustoError, Problem
+from jousto.base.rooms import public_names
 
 F = TypeVar("F", bound=Callable[..., Any])
 Scope = Mapping[str, Any]
@@ -29,7 +30,7 @@ DEEP = (TypeError, ValueError, AttributeError, LookupError, ArithmeticError)
 """What code raises that gets something else than it was written for."""
 
 HOW = {
-    "Cycles": "jo.rainflow(series, residue=...)",
+    "Cycles": "jo.fatigue.rainflow(series, residue=...)",
     "DamageField": "jo.damage_field(field, sn)",
     "HotSpots": "jo.hot_spots(run)",
     "Marker": 'body["point"]',
@@ -37,14 +38,16 @@ HOW = {
     "Mechanism": "jo.Mechanism(*items)",
     "Mesh": "jo.read_mesh(path) or jo.mesh_step(path, size=...)",
     "Model": "jo.compile(mechanism)",
-    "PlaneCriterion": "jo.Findley(0.3), jo.FatemiSocie(S_y, E) or jo.NormalStress()",
+    "PlaneCriterion": (
+        "jo.fatigue.Findley(0.3), jo.fatigue.FatemiSocie(S_y, E) or jo.fatigue.NormalStress()"
+    ),
     "Part": "jo.Part.beam(...), jo.Part.solid(mesh, material)",
-    "Record": "jo.read_record(path)",
+    "Record": "jo.gauges.read_record(path)",
     "ReducedPart": "jo.reduce(part, method)",
-    "SN": "jo.sn_curve(name), jo.fat_class(71) or jo.estimate_sn('S355')",
+    "SN": "jo.sn_curve(name), jo.fatigue.fat_class(71) or jo.fatigue.estimate_sn('S355')",
     "Solution": "jo.simulate(model, t_end) or jo.load(path)",
-    "State": "jo.equilibrium(model), jo.settled(model) or run.state()",
-    "StrainLife": "jo.strain_life(name)",
+    "State": "jo.equilibrium(model), jo.simulation.settled(model) or run.state()",
+    "StrainLife": "jo.fatigue.strain_life(name)",
     "StressField": "jo.stress_field(run, body)",
 }
 """Where objects come from that are made by functions."""
@@ -256,9 +259,13 @@ def _belongs(name: str, value: Any, scope: Scope) -> bool:
     """Return whether a value is of a class or an alias that the function's module knows."""
     if name in scope or hasattr(builtins, name):
         return _is_of(scope[name] if name in scope else getattr(builtins, name), value)
-    if name in getattr(sys.modules.get("jousto"), "__all__", ()):  # imported for annotations only
+    if "jousto" in sys.modules and _is_public(name):  # imported for annotations only
         return any(base.__name__ == name for base in type(value).__mro__)
     return True
+
+
+def _is_public(name: str) -> bool:
+    return any(place.endswith(f".{name}") for place in public_names())
 
 
 def _is_of(kind: Any, value: Any) -> bool:

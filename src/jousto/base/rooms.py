@@ -62,19 +62,21 @@ def open_room(name: str, gone: Callable[[str], str] = lambda _: "") -> None:
     room.__class__ = Room
 
 
-def public_places() -> dict[str, str]:
-    """Return where each public name is, from that of the package or of one of its rooms.
+def public_names() -> tuple[str, ...]:
+    """Return all public names with their places, as one writes them.
 
     Examples
     --------
-    >>> public_places()["rainflow"], public_places()["simulate"]
-    ('jo.fatigue.rainflow', 'jo.simulate')
+    >>> "jo.simulate" in public_names(), "jo.fatigue.rainflow" in public_names()
+    (True, True)
     """
     top = sys.modules["jousto"]
     home = Path(str(top.__file__)).parents[1]
-    found: dict[str, str] = {}
+    found: list[str] = []
     for name in top.__all__:
         path = home.joinpath(*".".join(top._places[name]).split("."), "__init__.pyi")
         if path.is_file():
-            found |= {inner: f"jo.{name}.{inner}" for inner in getattr(top, name).__all__}
-    return found | {name: f"jo.{name}" for name in top.__all__}
+            found += (f"jo.{name}.{inner}" for inner in getattr(top, name).__all__)
+        else:
+            found.append(f"jo.{name}")
+    return tuple(found)

@@ -97,7 +97,7 @@ app = typer.Typer(
 
 def _version(value: bool) -> None:
     if value:
-        from jousto import __version__
+        from jousto.base.version import __version__
 
         say(f"jousto {__version__}")
         raise typer.Exit

@@ -127,12 +127,12 @@ def material(name: str) -> Material:
     return Material(E=E, nu=nu, rho=rho, name=found, source=source, alpha=alpha)
 
 
-def materials() -> tuple[str, ...]:
+def names() -> tuple[str, ...]:
     """Return the names of all materials of the library.
 
     Examples
     --------
-    >>> "Ti-6Al-4V" in materials()
+    >>> "Ti-6Al-4V" in names()
     True
     """
     return tuple(_TABLE)

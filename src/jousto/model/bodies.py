@@ -44,7 +44,8 @@ def _warn_line(body: FlexibleBody) -> None:
         f"of its other inertia: bending of only {reach.min():.2g} m in mode {mode + 1} turns the "
         f"axes of its motion by {TURN} rad about that line, which modes cannot follow: deflections "
         "in one plane come out too small; give the section its rotary inertia "
-        "(rotary_inertia=True), see it from the node that holds it (jo.clamp(reduced, 'node1')), "
-        "add point masses beside the line, or keep the modes of one plane only "
+        "(rotary_inertia=True), see it from the node that holds it "
+        "(jo.reduction.clamp(reduced, 'node1')), add point masses beside the line, or keep the "
+        "modes of one plane only "
         "(reduced.keep(reduced.in_plane('xy')))",
     )

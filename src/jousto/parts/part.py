@@ -665,7 +665,8 @@ class Part(Geometry):
 
         Examples
         --------
-        >>> from jousto import Circle, NodalForce, Weight
+        >>> from jousto import Circle
+        >>> from jousto.parts import NodalForce, Weight
         >>> beam = Part.beam(1.0, Circle(0.01), 2, Material(2e11, 0.3, 7850.0))
         >>> f = beam.load(Weight((0, 0, -9.81)), NodalForce("end", (0, 0, -100)))
         >>> f"{f.reshape(-1, 6)[:, 2].sum():.2f} N, of this {9.81 * beam.mass:.2f} N weight"

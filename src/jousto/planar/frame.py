@@ -71,7 +71,7 @@ class PlanarFrame:
     >>> import numpy as np
     >>> import jousto as jo
     >>> rod = jo.planar.PlanarSection(EA=1e6, GA=5e5, EI=10.0)
-    >>> frame = jo.PlanarFrame(
+    >>> frame = jo.planar.PlanarFrame(
     ...     [(0, 0), (0.5, 0), (1, 0)],
     ...     [jo.planar.PlanarBeam(0, 1, rod), jo.planar.PlanarBeam(1, 2, rod)],
     ...     supports=[jo.planar.PlanarSupport(0, rotation=True)],

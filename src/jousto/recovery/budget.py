@@ -131,7 +131,7 @@ def error_budget(
 
     Examples
     --------
-    ``print(jo.error_budget(found, step=half, modes=many))``
+    ``print(jo.recovery.error_budget(found, step=half, modes=many))``
     """
     if not 1 <= rank <= len(found):
         message = f"rank is {rank}, must be from 1 to {len(found)}"

@@ -52,7 +52,7 @@ def clamp(reduced: ReducedPart, node: str) -> ReducedPart:
     >>> steel = jo.Material(E=2.1e11, nu=0.3, rho=7850)
     >>> part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.01), 20, steel)
     >>> rod = jo.reduce(part, jo.CraigBampton(("start", "end"), modes=6))
-    >>> jo.clamp(rod, "start").frequencies[0].round(2)
+    >>> jo.reduction.clamp(rod, "start").frequencies[0].round(2)
     np.float64(8.35)
     """
     k = reduced.node(node)

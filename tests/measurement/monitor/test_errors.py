@@ -28,7 +28,7 @@ STILL = ChannelRules(stuck=0, spike=0.0)
 def glued(part, shift=(0.0, 0.0, 0.0, 0.0, 0.0)):
     """The gauges on a cantilever of 1 m, on top and below in turn, or beside their places."""
     return [
-        jo.Gauge(f"g{i + 1}", part, (x + dx, 0.0, 0.005 * (-1) ** i))
+        jo.gauges.Gauge(f"g{i + 1}", part, (x + dx, 0.0, 0.005 * (-1) ** i))
         for i, (x, dx) in enumerate(zip(X, shift, strict=True))
     ]
 
@@ -45,7 +45,7 @@ def larger(nt):
 def recorded(nt, seed=0):
     """Time, strains of the gauges with noise and stress of a motion."""
     t, part, p = larger(nt)
-    e = p @ jo.gauge_rows(glued(part)).T
+    e = p @ jo.gauges.gauge_rows(glued(part)).T
     noise = NOISE * np.random.default_rng(seed).standard_normal(e.shape)
     return t, e + noise, p @ rows(part, SPOTS).T
 
@@ -62,7 +62,7 @@ def test_a_monitor_has_the_bands_of_the_whole_record(criterion):
     errors = np.array([0.01 * B, 0.002 * np.roll(B, 1, axis=0)])
     given = {"noise": 1e-6, "names": NAMES, "discrepancy": 2e-6}
     for own, scale in ((None, 0.0), (errors, 0.0), (None, 0.05), (errors, 0.03)):
-        twin = jo.Reconstruction(B, errors=own, **given)
+        twin = jo.twin.Reconstruction(B, errors=own, **given)
         watched = Monitor(twin, reduced, spots, criterion=criterion, scale=scale, rules=STILL)
         t = 0.01 * np.arange(300.0)
         parts = [watched.push(t[i : i + 7], e[i : i + 7]) for i in range(0, 300, 7)]
@@ -81,14 +81,16 @@ def machines(seed, said, modulus):
     rng = np.random.default_rng(seed)
     part = held(1)
     fit = glued(part)
-    B = jo.gauge_rows(fit)
+    B = jo.gauges.gauge_rows(fit)
     S = rows(part, SPOTS)
     p = 0.02 * rng.normal(size=(DRAWS, part.n)) * (1.0, 0.1, 0.02, 0.002)[: part.n]
     e = np.empty((DRAWS, len(B)))
     for k, one in enumerate(p):
         shift = said["position"] * rng.normal(size=len(B))
         own = 1.0 + said["factor"] * rng.normal(size=len(B))
-        e[k] = own * (jo.gauge_rows(glued(part, shift)) @ one) + NOISE * rng.normal(size=len(B))
+        e[k] = own * (jo.gauges.gauge_rows(glued(part, shift)) @ one) + NOISE * rng.normal(
+            size=len(B)
+        )
     truth = (1.0 + modulus * rng.normal(size=(DRAWS, 1))) * (p @ S.T)
     return part, fit, B, e, truth
 
@@ -102,7 +104,7 @@ def test_a_monitor_holds_machines_drawn_at_random(criterion):
     t = np.arange(float(DRAWS))
 
     def inside(errors, scale):
-        twin = jo.Reconstruction(B, noise=NOISE, names=names, errors=errors)
+        twin = jo.twin.Reconstruction(B, noise=NOISE, names=names, errors=errors)
         found = Monitor(twin, part, SPOTS, scale=scale, **given).push(t, e)
         return ((found.low <= truth) & (truth <= found.high)).mean(axis=0)
 
@@ -119,14 +121,14 @@ def wrong(said, seed=7, machines=80, nt=30):
     for _ in range(machines):
         shift = said["position"] * rng.normal(size=len(X))
         own = 1.0 + said["factor"] * rng.normal(size=len(X))
-        e = own * (p @ jo.gauge_rows(glued(part, shift)).T)
+        e = own * (p @ jo.gauges.gauge_rows(glued(part, shift)).T)
         records.append(e + NOISE * rng.standard_normal(e.shape))
     return t, records, p @ rows(part, SPOTS).T
 
 
 def make(part, fit, **options):
-    force = jo.UnknownLoad("end", ("fz",), rate=300.0, size=30.0, smooth=True)
-    return jo.Observer(part, fit, loads=[force], step=STEP, noise=NOISE, **options)
+    force = jo.twin.UnknownLoad("end", ("fz",), rate=300.0, size=30.0, smooth=True)
+    return jo.twin.Observer(part, fit, loads=[force], step=STEP, noise=NOISE, **options)
 
 
 def test_an_observer_holds_machines_with_gauges_that_differ():
@@ -157,7 +159,7 @@ def test_an_observer_holds_machines_with_gauges_that_differ():
 def test_what_an_error_does_is_what_the_estimate_moves_by():
     """A filter is linear: the same record with one gauge 1 % larger, filtered and smoothed."""
     t, part, p = larger(80)
-    e = p @ jo.gauge_rows(glued(part)).T
+    e = p @ jo.gauges.gauge_rows(glued(part)).T
     part = held(1)
     fit = glued(part)
     e[40:60, 1] = np.nan
@@ -217,7 +219,7 @@ def test_the_band_of_damage_is_that_of_machines_with_gauges_that_differ():
     found = []
     rng, S = np.random.default_rng(2), rows(part, SPOTS[:1])
     for _ in range(40):
-        meter = jo.DamageMeter(sn, residue="half")
+        meter = jo.model.DamageMeter(sn, residue="half")
         meter.push(twin.run(t, (1.0 + 0.03 * rng.standard_normal(len(X))) * e).p @ S.T)
         found.append(np.log(meter.damage()[0]))
     # k = 5 times the deviation of the stress; that of 40 is known to 11 %
@@ -237,9 +239,9 @@ def test_impossible_errors_are_told():
 def test_samples_one_by_one_are_those_of_a_block_and_bad_ones_are_refused():
     """What is left out for speed must not let anything bad through."""
     reduced, B = cantilever()
-    twin = jo.Reconstruction(B, noise=NOISE, names=NAMES)
+    twin = jo.twin.Reconstruction(B, noise=NOISE, names=NAMES)
     sn = jo.SN(S_D=50e6, N_D=1e6, k=5, T_S=1.3)
-    given = {"sn": sn, "limits": jo.AlarmLimits(stress=40e6, channels=5), "every": 0.1}
+    given = {"sn": sn, "limits": jo.monitor.AlarmLimits(stress=40e6, channels=5), "every": 0.1}
     t = 0.01 * np.arange(300.0)
     e = 5e-4 * np.sin(7.0 * t)[:, None] * B[:, 0] / np.abs(B[:, 0]).max()
     e = e + 1e-7 * np.random.default_rng(1).normal(size=e.shape)

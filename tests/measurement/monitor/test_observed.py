@@ -23,7 +23,9 @@ NOISE = 1e-6
 def held(modes):
     """A cantilever that bends in the plane of its height, 10.4 Hz."""
     part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.01), 10, STEEL)
-    reduced = jo.clamp(jo.reduce(part, jo.CraigBampton(("start", "end"), modes=modes)), "start")
+    reduced = jo.reduction.clamp(
+        jo.reduce(part, jo.CraigBampton(("start", "end"), modes=modes)), "start"
+    )
     return reduced.keep(reduced.in_plane("xz"))
 
 
@@ -68,10 +70,10 @@ def shaken(nt=2500, seed=0):
 def observer(**options):
     """The twin: one mode and its static shape, one force at the tip."""
     part = held(1)
-    force = jo.UnknownLoad("end", ("fz",), rate=30.0, size=3.0, smooth=True)
+    force = jo.twin.UnknownLoad("end", ("fz",), rate=30.0, size=3.0, smooth=True)
     given = {"loads": [force], "step": STEP, "noise": NOISE} | options
     B = rows(part, PLACES) / STEEL.E
-    return jo.Observer(part, B, **given)
+    return jo.twin.Observer(part, B, **given)
 
 
 def monitor(**options):
@@ -171,7 +173,7 @@ def test_a_moving_body(tmp_path):
     run = jo.simulate(model, 1.2, state=rest, solver=jo.ROS2(2e-4), output_step=STEP)
     t, shape = run.time, run.bodies[0]
     p = run.q[:, shape.q_offset + 7 : shape.q_offset + 7 + shape.n]
-    reference = jo.Reference.from_angles(
+    reference = jo.twin.Reference.from_angles(
         mechanism(0.0),
         "arm",
         t,
@@ -179,11 +181,11 @@ def test_a_moving_body(tmp_path):
         noise=1e-5,
         node="start",
     )
-    twin_part = jo.clamp(arm, "start")
-    load = jo.UnknownLoad("end", ("fz",), rate=1e3, size=100.0, smooth=True)
+    twin_part = jo.reduction.clamp(arm, "start")
+    load = jo.twin.UnknownLoad("end", ("fz",), rate=1e3, size=100.0, smooth=True)
 
     def watcher():
-        twin = jo.Observer(
+        twin = jo.twin.Observer(
             twin_part,
             rows(twin_part, PLACES) / STEEL.E,
             loads=[load],
@@ -218,11 +220,11 @@ def test_what_does_not_fit_is_told():
     one = observer()
     one.step(0.0, np.zeros(5))
     memory = one.save()
-    two = jo.UnknownLoad("end", ("fz", "my"), rate=30.0, size=3.0)
+    two = jo.twin.UnknownLoad("end", ("fz", "my"), rate=30.0, size=3.0)
     with pytest.raises(jo.InputError, match="with other loads or channels"):
         observer(loads=[two]).load(memory)
     with pytest.raises(jo.InputError, match=r"'state' has shape \(6,\), must be \(5,\)"):
-        observer(loads=[jo.UnknownLoad("end", "fz", rate=30.0, size=3.0)]).load(memory)
+        observer(loads=[jo.twin.UnknownLoad("end", "fz", rate=30.0, size=3.0)]).load(memory)
     with pytest.raises(jo.InputError, match="holds no 'clock'"):
         one.load({"state": np.zeros(3)})
     assert one.time == 0.0

@@ -73,7 +73,7 @@ def test_stress_lies_in_its_band_and_damage_is_that_of_the_whole_history(tmp_pat
     S = reduced.stress.modes[[reduced.stress.labels.index(x) for x in SPOTS], 0]
     deviation = NOISE * np.sqrt(np.diag(S @ np.linalg.inv(B.T @ B) @ S.T))
     np.testing.assert_allclose(np.median(half, axis=0), 1.95996 * deviation, rtol=2e-2)
-    meter = jo.DamageMeter(curve(), residue="half", n=2)
+    meter = jo.model.DamageMeter(curve(), residue="half", n=2)
     meter.push(found.stress)
     np.testing.assert_array_equal(found.summary("damage")[-1], meter.damage())
     low, D, high = (found.summary(x)[-1] for x in ("damage_low", "damage", "damage_high"))
@@ -82,7 +82,7 @@ def test_stress_lies_in_its_band_and_damage_is_that_of_the_whole_history(tmp_pat
     # goes on at the mean rate: (1 - D) T / D
     np.testing.assert_allclose(found.summary("remaining")[-1], (1 - D) * t[-1] / D, rtol=1e-12)
     assert found.summary("samples").sum() == len(t)
-    true = jo.DamageMeter(curve(), residue="half", n=2)
+    true = jo.model.DamageMeter(curve(), residue="half", n=2)
     true.push(truth(p))
     assert np.all(low < true.damage())
     assert np.all(true.damage() < high)
@@ -423,9 +423,9 @@ def test_resume_refuses_what_does_not_fit(tmp_path):
     assert len(new) == 600
     assert new.events[0].kind == "start"
     reduced, B = cantilever()
-    twin = jo.Reconstruction(B, noise=NOISE, names=NAMES)
+    twin = jo.twin.Reconstruction(B, noise=NOISE, names=NAMES)
     with pytest.raises(jo.InputError, match="its spots are e1.a.top"):
-        watch(jo.Monitor(twin, reduced, ["e3.a.top"]), data, target, resume=True)
+        watch(jo.monitor.Monitor(twin, reduced, ["e3.a.top"]), data, target, resume=True)
     with h5py.File(tmp_path / "x.h5", "w"):
         pass
     with pytest.raises(jo.InputError, match="some other HDF5 file"):

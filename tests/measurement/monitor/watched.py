@@ -23,7 +23,7 @@ def cantilever():
     part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.01), 10, steel)
     reduced = jo.reduce(part, jo.CraigBampton(("start",), modes=6))
     reduced = reduced.keep(reduced.in_plane("xz")[:2])
-    gauges = [jo.Gauge(name, reduced, f"e{2 * i + 1}.a.top") for i, name in enumerate(NAMES)]
+    gauges = [jo.gauges.Gauge(name, reduced, f"e{2 * i + 1}.a.top") for i, name in enumerate(NAMES)]
     return reduced, np.vstack([gauge.rows for gauge in gauges])
 
 

@@ -20,7 +20,7 @@ def part(elements: int = 20) -> jo.Part:
         jo.Rectangle(B, H),
         elements,
         STEEL,
-        theory=jo.EulerBernoulli(),
+        theory=jo.parts.EulerBernoulli(),
         rotary_inertia=False,
         name="cantilever",
     )

@@ -46,7 +46,7 @@ def test_components_are_exact(posterior: Posterior, rng: np.random.Generator) ->
                 sd = np.sqrt(S[site, c] @ P @ S[site, c])
                 assert band.value[t, k] == pytest.approx(S[site, c] @ posterior.p[t])
                 assert band.high[t, k] - band.value[t, k] == pytest.approx(1.959964 * sd, rel=1e-6)
-    normal = stress_band(posterior, modes_of(S), jo.Plane((1, 0, 0)))
+    normal = stress_band(posterior, modes_of(S), jo.recovery.Plane((1, 0, 0)))
     np.testing.assert_allclose(normal.low, stress_band(posterior, modes_of(S), "s11").low)
 
 
@@ -115,7 +115,7 @@ def test_discrepancy_is_part_of_the_band(posterior: Posterior) -> None:
 
 def test_damage_lies_within_its_band(tmp_path: Path) -> None:
     record = shaken(11, nt=900)
-    observer = twin(loads=[jo.UnknownLoad("end", "fz", rate=28.0, size=2.0, smooth=True)])
+    observer = twin(loads=[jo.twin.UnknownLoad("end", "fz", rate=28.0, size=2.0, smooth=True)])
     observed = observer.run(record.time, record.e)
     sn = jo.SN(S_D=20e6, N_D=1e6, k=5, rule="elementary")
     sites = ("e1.a.bottom", "e3.a.bottom")
@@ -125,7 +125,7 @@ def test_damage_lies_within_its_band(tmp_path: Path) -> None:
     stress = record.part.stress
     assert stress is not None
     truth = record.p @ stress.modes[[stress.labels.index(x) for x in sites], 0].T
-    meter = jo.DamageMeter(sn, residue="half", n=2)
+    meter = jo.model.DamageMeter(sn, residue="half", n=2)
     meter.push(truth)
     assert ((found.low <= meter.damage()) & (meter.damage() <= found.high)).all()
     # half a per cent of stress is 2.5 % of damage with k = 5

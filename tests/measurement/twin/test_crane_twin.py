@@ -62,7 +62,7 @@ class Record:
     time: np.ndarray
     e: np.ndarray
     stress: np.ndarray
-    reference: jo.Reference
+    reference: jo.twin.Reference
 
 
 def truth(seed: int, t_end: float = 12.0) -> Record:
@@ -88,7 +88,7 @@ def truth(seed: int, t_end: float = 12.0) -> Record:
         name: jo.SCurve(*curve)(t) + 2e-4 * rng.standard_normal(len(t))
         for name, curve in DRIVES.items()
     }
-    reference = jo.Reference.from_angles(
+    reference = jo.twin.Reference.from_angles(
         crane(boom(False), fine=False), "boom", t, measured, noise=2e-4
     )
     return Record(
@@ -99,27 +99,27 @@ def truth(seed: int, t_end: float = 12.0) -> Record:
     )
 
 
-def observer(reference: jo.Reference) -> jo.Observer:
+def observer(reference: jo.twin.Reference) -> jo.twin.Observer:
     """Loads at all joints of the boom: those that a joint cannot pass on are left out."""
     part = boom(False)
     smoothly = {"smooth": True}
     loads = [
-        jo.UnknownLoad(
+        jo.twin.UnknownLoad(
             "start",
             "fx fy fz mx mz",
             rate=[2e4] * 3 + [1e4] * 2,
             size=[3e4] * 3 + [1e4] * 2,
             **smoothly,
         ),
-        jo.UnknownLoad("node4", "fx fz", rate=3e4, size=5e4, **smoothly),
-        jo.UnknownLoad(
+        jo.twin.UnknownLoad("node4", "fx fz", rate=3e4, size=5e4, **smoothly),
+        jo.twin.UnknownLoad(
             "end", "fx fy fz mx my mz", rate=2e4, size=[2e4] * 3 + [3e4] * 3, **smoothly
         ),
     ]
     with warnings.catch_warnings():
         # no gauge sees the torsion of a box by its strain along the beam
         warnings.filterwarnings("ignore", message=".*bounded by its size alone")
-        return jo.Observer(
+        return jo.twin.Observer(
             part,
             s11(part, GAUGES) / STEEL.E,
             loads=loads,
@@ -127,12 +127,12 @@ def observer(reference: jo.Reference) -> jo.Observer:
             noise=1.5e-6,
             damping=jo.Rayleigh(0.0, 2e-3),
             reference=reference,
-            balance=jo.Balance(60.0, 40.0),
+            balance=jo.twin.Balance(60.0, 40.0),
         )
 
 
 @pytest.fixture(scope="module")
-def tuned() -> jo.Observer:
+def tuned() -> jo.twin.Observer:
     record = truth(1)
     return tune(observer(record.reference), record.time[::2], record.e[::2])
 
@@ -145,7 +145,10 @@ def records() -> list[Record]:
 @pytest.mark.slow
 @pytest.mark.parametrize("dead", [None, 0, 4])
 def test_bands_hold_the_truth(
-    tuned: jo.Observer, records: list[Record], dead: int | None, capsys: pytest.CaptureFixture[str]
+    tuned: jo.twin.Observer,
+    records: list[Record],
+    dead: int | None,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     """95 % bands of s11 at eight places without gauges: 93 to 97 % of the time over all."""
     live, late, lives = [], [], []
@@ -161,7 +164,7 @@ def test_bands_hold_the_truth(
         found = damage_band(
             observed, twin.reduced, SN, residue="half", sites=HOT, criterion="s11", draws=40
         )
-        meter = jo.DamageMeter(SN, residue="half", n=len(HOT))
+        meter = jo.model.DamageMeter(SN, residue="half", n=len(HOT))
         meter.push(record.stress)
         lives.append((found.low <= meter.damage()) & (meter.damage() <= found.high))
     with capsys.disabled():

@@ -44,8 +44,8 @@ def test_modal_loads_of_normal_modes_alone(
     F = np.zeros(len(beam.K))
     F[-2] = 1e-3
     t, e = strains(beam, F)
-    twin = jo.Reconstruction(beam.strain @ beam.modes[:, :modes])
-    found = jo.identify_fourier(twin, t, e, beam.omega[:modes] ** 2, harmonics=3)
+    twin = jo.twin.Reconstruction(beam.strain @ beam.modes[:, :modes])
+    found = jo.twin.identify_fourier(twin, t, e, beam.omega[:modes] ** 2, harmonics=3)
     true = beam.modes[:, :modes].T @ F
     series = np.vstack([found.constant, found.cosine])
     # the second digit depends on the side of a node that a gauge at it reads
@@ -68,9 +68,9 @@ def test_round_trip_of_any_modal_loads(
         w = 2 * np.pi * BASE * (j + 1)
         c = (fc[j] - 1j * fs[j]) / (w2 - w**2 + 2j * ratio * w * beam.omega[:n])
         p += (c * np.exp(1j * w * t)[:, None]).real
-    twin = jo.Reconstruction(beam.strain @ shapes)
+    twin = jo.twin.Reconstruction(beam.strain @ shapes)
     e = 1e-3 * p @ shapes.T @ beam.strain.T
-    found = jo.identify_fourier(twin, t + 5.0, e, w2, damping=ratio, limit=9.5)
+    found = jo.twin.identify_fourier(twin, t + 5.0, e, w2, damping=ratio, limit=9.5)
     np.testing.assert_allclose(found.constant, 1e-3 * f0, atol=1e-9)
     np.testing.assert_allclose(found.cosine, 1e-3 * fc, atol=1e-8)
     np.testing.assert_allclose(found.sine, 1e-3 * fs, atol=1e-8)
@@ -86,7 +86,7 @@ def test_round_trip_of_any_modal_loads(
 def test_loads_at_known_places(rng: np.random.Generator) -> None:
     part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.01), 10, jo.Material(2.1e11, 0.3, 7850.0))
     rod = jo.reduce(part, jo.CraigBampton(("start", "node6", "end"), modes=2))
-    loads = [jo.UnknownLoad("node6", "fz"), jo.UnknownLoad("end", "fy fz")]
+    loads = [jo.twin.UnknownLoad("node6", "fz"), jo.twin.UnknownLoad("end", "fy fz")]
     L = np.hstack([load.columns(rod)[0] for load in loads])
     a = rng.normal(size=(5, 3))
     found, rest = place_loads(a @ L.T, loads, rod)
@@ -106,7 +106,7 @@ def test_external_loads_of_a_turning_body() -> None:
     t, w = np.linspace(0.0, 1.0, 11), np.tile([0.0, 0.0, 30.0], (11, 1))
     # at rest in the turning frame its centre is accelerated by 0.5 m w^2 towards the origin
     a = np.cross(w, np.cross(w, -rod.invariants.first_moment / rod.invariants.mass))
-    reference = jo.Reference(t, a, w, np.zeros((11, 3)))
+    reference = jo.twin.Reference(t, a, w, np.zeros((11, 3)))
     stretched = np.einsum("jaa->j", rod.invariants.N0) * 900.0 - 900.0 * rod.invariants.N0[:, 2, 2]
     p = np.tile(stretched / rod.stiffness, (11, 1))
     f = p * rod.stiffness
@@ -123,15 +123,15 @@ def test_external_loads_of_a_turning_body() -> None:
     ],
 )
 def test_bad_windows(beam: Clamped, change: object, message: str) -> None:
-    twin = jo.Reconstruction(beam.strain @ beam.modes[:, :3])
+    twin = jo.twin.Reconstruction(beam.strain @ beam.modes[:, :3])
     t, e = change(np.arange(8.0), np.zeros((8, 6)))  # type: ignore[operator]
     with pytest.raises(jo.InputError, match=message):
-        jo.identify_fourier(twin, t, e, beam.omega[:3] ** 2)
+        jo.twin.identify_fourier(twin, t, e, beam.omega[:3] ** 2)
 
 
 def test_bad_places(beam: Clamped) -> None:
     with pytest.raises(jo.InputError, match="2 modes cannot tell 3 loads apart"):
         place_loads(np.ones((4, 2)), np.ones((2, 3)))
     with pytest.raises(jo.InputError, match="stiffness is of 2 modes"):
-        twin = jo.Reconstruction(beam.strain @ beam.modes[:, :3])
-        jo.identify_fourier(twin, np.arange(8.0), np.zeros((8, 6)), beam.omega[:2] ** 2)
+        twin = jo.twin.Reconstruction(beam.strain @ beam.modes[:, :3])
+        jo.twin.identify_fourier(twin, np.arange(8.0), np.zeros((8, 6)), beam.omega[:2] ** 2)

@@ -27,7 +27,7 @@ PLACES = ("e1.a.top", "e2.a.top", "e4.a.top", "e6.a.top")
 def cantilever(modes: int) -> jo.ReducedPart:
     part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.01), 10, STEEL)
     whole = jo.reduce(part, jo.CraigBampton(("start", "end"), modes=modes))
-    held = jo.clamp(whole, "start")
+    held = jo.reduction.clamp(whole, "start")
     # bending in the plane of the height
     return held.keep(held.in_plane("xz"))
 
@@ -72,15 +72,15 @@ def shaken(seed: int, nt: int = 1200, dt: float = 2e-3, noise: float = 1e-6) -> 
     return Shaken(t, e, f, p, part)
 
 
-def twin(**options: object) -> jo.Observer:
+def twin(**options: object) -> jo.twin.Observer:
     part = cantilever(1)
     given: dict[str, object] = {
-        "loads": [jo.UnknownLoad("end", "fz", rate=30.0, size=3.0, smooth=True)],
+        "loads": [jo.twin.UnknownLoad("end", "fz", rate=30.0, size=3.0, smooth=True)],
         "step": 2e-3,
         "noise": 1e-6,
     }
     given |= options
-    return jo.Observer(part, rows(part, PLACES), **given)  # type: ignore[arg-type]
+    return jo.twin.Observer(part, rows(part, PLACES), **given)  # type: ignore[arg-type]
 
 
 @pytest.fixture(scope="module")
@@ -152,7 +152,7 @@ def test_two_steps_are_one_of_twice_the_length() -> None:
 
 def test_smooth_and_rough_loads_keep_their_size() -> None:
     for smoothness in (True, False):
-        load = jo.UnknownLoad("end", "fz", rate=7.0, size=3.0, smooth=smoothness)
+        load = jo.twin.UnknownLoad("end", "fz", rate=7.0, size=3.0, smooth=smoothness)
         system = twin(loads=[load]).system
         P, (F, _, Q) = system.start(), system.discrete(0.1)
         own = slice(system.places.start, None)
@@ -185,7 +185,7 @@ def test_inertial_force_of_particles(rng: np.random.Generator) -> None:
 
 def test_bands_hold_a_finer_truth() -> None:
     """Twelve modes and 1.2 % damping against one mode, its static shape and 1 %."""
-    observer = twin(loads=[jo.UnknownLoad("end", "fz", rate=28.0, size=2.0, smooth=True)])
+    observer = twin(loads=[jo.twin.UnknownLoad("end", "fz", rate=28.0, size=2.0, smooth=True)])
     fresh = shaken(4)
     observed = observer.run(fresh.time, fresh.e)
     assert fresh.part.stress is not None
@@ -327,7 +327,7 @@ def test_drawn_histories_have_mean_and_spread_of_the_smoother(record: Shaken) ->
 def test_accelerometer_helps_and_feels_gravity(record: Shaken) -> None:
     part = cantilever(1)
     sensor = Accelerometer("tip", "end", (0, 0, 1), noise=0.2)
-    still = jo.Reference(
+    still = jo.twin.Reference(
         [0.0, 9.0], np.tile([0.0, 0.0, 9.81], (2, 1)), np.zeros((2, 3)), np.zeros((2, 3))
     )
     observer = twin(accelerometers=[sensor], reference=still)
@@ -369,18 +369,18 @@ def test_moving_arm_from_measured_angles(
     swinging: tuple[jo.Solution, jo.ReducedPart, jo.Mechanism], rng: np.random.Generator
 ) -> None:
     run, arm, known = swinging
-    held = jo.clamp(arm, "start")
+    held = jo.reduction.clamp(arm, "start")
     t = run.time
     angle = jo.SCurve((0.1, 0.9), (0.0, -1.2))(t) + 1e-5 * rng.standard_normal(len(t))
-    reference = jo.Reference.from_angles(
+    reference = jo.twin.Reference.from_angles(
         known, "arm", t, {"motor": angle}, noise=1e-5, node="start"
     )
     shape = run.bodies[0]
     p = run.q[:, shape.q_offset + 7 : shape.q_offset + 7 + shape.n]
     places = ("e1.b.top", "e3.b.bottom", "e6.b.top")
     e = p @ rows(arm, places).T + 1e-6 * rng.standard_normal((len(t), 3))
-    load = jo.UnknownLoad("end", "fz", rate=1e3, size=100.0, smooth=True)
-    observer = jo.Observer(
+    load = jo.twin.UnknownLoad("end", "fz", rate=1e3, size=100.0, smooth=True)
+    observer = jo.twin.Observer(
         held,
         rows(held, places),
         loads=[load],
@@ -411,17 +411,19 @@ def test_floating_arm_carries_its_own_weight_and_inertia(
     shape = run.bodies[0]
     p = run.q[:, shape.q_offset + 7 : shape.q_offset + 7 + shape.n]
     places = ("e1.b.top", "e6.b.top")
-    ground = jo.UnknownLoad("start", "fx fz my", rate=1e4, size=[200.0, 200.0, 100.0], smooth=True)
-    tip = jo.UnknownLoad("end", "fx fz", rate=1e4, size=100.0, smooth=True)
+    ground = jo.twin.UnknownLoad(
+        "start", "fx fz my", rate=1e4, size=[200.0, 200.0, 100.0], smooth=True
+    )
+    tip = jo.twin.UnknownLoad("end", "fx fz", rate=1e4, size=100.0, smooth=True)
     fixed = {"loads": [ground, tip], "step": 2e-3, "noise": 1e-7, "damping": jo.Rayleigh(0.0, 2e-4)}
-    reference = jo.Reference.from_run(run, "arm")
-    observer = jo.Observer(
-        flat, rows(flat, places), reference=reference, balance=jo.Balance(0.5, 0.5), **fixed
+    reference = jo.twin.Reference.from_run(run, "arm")
+    observer = jo.twin.Observer(
+        flat, rows(flat, places), reference=reference, balance=jo.twin.Balance(0.5, 0.5), **fixed
     )
     observed = smooth(observer.run(t, p @ rows(arm, places).T))
     fx, fz, my, ex, ez = observed.loads[20:-20].T
     # the ball of 3 kg hangs at the tip: its force from the motion of the arm's end
-    end = jo.Reference.from_run(run, "arm", node="end", reduced=arm)
+    end = jo.twin.Reference.from_run(run, "arm", node="end", reduced=arm)
     # modes left out of a smoothed load: 1 %
     ball = -3.0 * end.acceleration[20:-20, 2]
     np.testing.assert_allclose(ez, ball, rtol=0, atol=0.01 * np.abs(ball).max())
@@ -438,7 +440,7 @@ def test_reference_of_a_run_is_the_motion_itself(
 ) -> None:
     run, arm, _ = swinging
     # the hinge does not move: its node feels gravity alone, and turns as driven
-    node = jo.Reference.from_run(run, "arm", node="start", reduced=arm)
+    node = jo.twin.Reference.from_run(run, "arm", node="start", reduced=arm)
     assert np.linalg.norm(node.acceleration, axis=1) == pytest.approx(9.81, abs=2e-3)
     rate = np.gradient(jo.SCurve((0.1, 0.9), (0.0, -1.2))(run.time), run.time)
     np.testing.assert_allclose(node.w[2:-2, 1], rate[2:-2], atol=2e-3)
@@ -449,10 +451,12 @@ def test_reference_of_a_run_is_the_motion_itself(
 
 def test_accelerations_alone_are_refused() -> None:
     part = cantilever(1)
-    load = jo.UnknownLoad("end", "fz", rate=30.0, size=3.0)
+    load = jo.twin.UnknownLoad("end", "fz", rate=30.0, size=3.0)
     sensor = Accelerometer("tip", "end")
     with pytest.raises(jo.InputError, match="no strain channel.*drifts away"):
-        jo.Observer(part, np.zeros((0, part.n)), loads=[load], step=1e-3, accelerometers=[sensor])
+        jo.twin.Observer(
+            part, np.zeros((0, part.n)), loads=[load], step=1e-3, accelerometers=[sensor]
+        )
 
 
 def test_loads_that_nothing_sees() -> None:
@@ -460,10 +464,15 @@ def test_loads_that_nothing_sees() -> None:
     B = rows(part, PLACES)
     side = np.zeros((part.n, 1))
     with pytest.raises(jo.InputError, match=r"not seen by the channels.*wind.a1"):
-        jo.Observer(part, B, loads=[jo.UnknownLoad("wind", pattern=side, rate=1.0)], step=1e-3)
+        jo.twin.Observer(
+            part, B, loads=[jo.twin.UnknownLoad("wind", pattern=side, rate=1.0)], step=1e-3
+        )
     with pytest.warns(jo.JoustoWarning, match="bounded by its size alone"):
-        jo.Observer(
-            part, B, loads=[jo.UnknownLoad("wind", pattern=side, rate=1.0, size=1.0)], step=1e-3
+        jo.twin.Observer(
+            part,
+            B,
+            loads=[jo.twin.UnknownLoad("wind", pattern=side, rate=1.0, size=1.0)],
+            step=1e-3,
         )
 
 
@@ -492,7 +501,7 @@ def test_bad_steps(t: float, e: list[float], message: str) -> None:
         ({"loads": "end"}, "must be UnknownLoad objects"),
         ({"gate": 0.0}, "gate is 0"),
         ({"discrepancy": -1.0}, "discrepancy is -1.0 m/m"),
-        ({"balance": jo.Balance(1.0, 1.0)}, "balance needs a floating part"),
+        ({"balance": jo.twin.Balance(1.0, 1.0)}, "balance needs a floating part"),
     ],
 )
 def test_bad_observers(options: dict[str, object], message: str) -> None:
@@ -502,14 +511,14 @@ def test_bad_observers(options: dict[str, object], message: str) -> None:
 
 def test_bad_loads_and_references() -> None:
     with pytest.raises(jo.InputError, match=r"no component 'fq'"):
-        jo.UnknownLoad("end", "fq")
+        jo.twin.UnknownLoad("end", "fq")
     with pytest.raises(jo.InputError, match="rate is -1, must be positive"):
-        jo.UnknownLoad("end", "fz", rate=-1)
+        jo.twin.UnknownLoad("end", "fz", rate=-1)
     with pytest.raises(jo.InputError, match="a smooth load needs a size"):
-        jo.UnknownLoad("end", "fz", smooth=True)
+        jo.twin.UnknownLoad("end", "fz", smooth=True)
     still = np.zeros((2, 3))
     with pytest.raises(jo.InputError, match="time runs backwards: 1 s is followed by 0 s"):
-        jo.Reference([1.0, 0.0], still, still, still)
+        jo.twin.Reference([1.0, 0.0], still, still, still)
 
 
 def test_record_by_channel_names() -> None:
@@ -536,7 +545,7 @@ STEPS = (1e-3, 0.01, 0.1, 1.0, 10.0, 100.0, 1000.0, 3600.0)
 
 def _system(smooth: bool, limit: float = 500.0) -> System:
     """Return a stiff and a soft mode scale, a quick load, disturbances and discrepancies."""
-    load = jo.UnknownLoad("end", "fz", rate=400.0, size=10.0, smooth=smooth)
+    load = jo.twin.UnknownLoad("end", "fz", rate=400.0, size=10.0, smooth=smooth)
     rod = cantilever(3)
     return System(rod, 0.02 * np.sqrt(rod.stiffness), (load,), limit, 1e-3, 2, 1e-6, 10.0)
 
@@ -577,8 +586,8 @@ def test_noise_of_a_step_of_any_length_is_a_covariance_and_ends_stationary(smoot
 @pytest.mark.parametrize("gap", [0.5, 3.0, 5.0, 60.0, 3600.0, 1e6])
 def test_a_pause_in_the_data_widens_the_band_and_does_no_harm(gap: float) -> None:
     rod = cantilever(3)
-    load = jo.UnknownLoad("end", "fz", rate=100.0, size=10.0, smooth=True)
-    observer = jo.Observer(rod, rows(rod, PLACES), loads=[load], step=1e-3, noise=1e-6)
+    load = jo.twin.UnknownLoad("end", "fz", rate=100.0, size=10.0, smooth=True)
+    observer = jo.twin.Observer(rod, rows(rod, PLACES), loads=[load], step=1e-3, noise=1e-6)
     for k in range(20):
         observer.step(k * 1e-3, np.zeros(len(PLACES)))
     step = observer.step(0.019 + gap, np.full(len(PLACES), np.nan))
@@ -592,8 +601,8 @@ def test_a_pause_in_the_data_widens_the_band_and_does_no_harm(gap: float) -> Non
 
 def test_a_load_quicker_than_the_record_is_followed() -> None:
     rod = cantilever(3)
-    load = jo.UnknownLoad("end", "fz", rate=6770.0, size=10.0)  # returns in 4 us
-    observer = jo.Observer(rod, rows(rod, PLACES), loads=[load], step=1e-3, noise=1e-6)
+    load = jo.twin.UnknownLoad("end", "fz", rate=6770.0, size=10.0)  # returns in 4 us
+    observer = jo.twin.Observer(rod, rows(rod, PLACES), loads=[load], step=1e-3, noise=1e-6)
     t = np.arange(200) * 1e-3
     found = observer.run(t, np.zeros((200, len(PLACES))))
     assert np.isfinite(found.loads).all()

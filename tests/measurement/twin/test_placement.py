@@ -15,7 +15,7 @@ from measurement.twin.cantilever import STEEL
 def rod() -> jo.ReducedPart:
     part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.01), 10, STEEL)
     whole = jo.reduce(part, jo.CraigBampton(("start", "end"), modes=1))
-    held = jo.clamp(whole, "start")
+    held = jo.reduction.clamp(whole, "start")
     return held.keep(held.in_plane("xz"))
 
 
@@ -31,19 +31,22 @@ def test_is_the_best_of_all_choices(criterion: str, rng: np.random.Generator) ->
         return -float(np.sqrt(np.trace(S @ np.linalg.inv(A) @ S.T) / len(S)))
 
     best = max(value(c) for c in combinations(range(11), 4))
-    found = jo.place_gauges(B, 4, criterion=criterion, hot=S, prior=G)
+    found = jo.twin.place_gauges(B, 4, criterion=criterion, hot=S, prior=G)
     assert value(tuple(found.index)) == pytest.approx(best, rel=1e-9)
     assert (found.value if criterion == "D" else -found.value) == pytest.approx(best, rel=1e-6)
 
 
 def test_beam_gauges_avoid_zones_and_one_another(rod: jo.ReducedPart) -> None:
-    free = jo.place_gauges(rod, 4)
+    free = jo.twin.place_gauges(rod, 4)
     assert rod.stress is not None
     at = rod.stress.positions[free.index]
     # bending is largest at the root
     assert at[:, 0].min() < 0.11
-    zoned = jo.place_gauges(
-        rod, 4, exclude=[jo.InBox((-1, -1, -1), (0.15, 1, 1)), ((0.5, 0, 0), 0.06)], separation=0.15
+    zoned = jo.twin.place_gauges(
+        rod,
+        4,
+        exclude=[jo.mesh.InBox((-1, -1, -1), (0.15, 1, 1)), ((0.5, 0, 0), 0.06)],
+        separation=0.15,
     )
     at = rod.stress.positions[zoned.index]
     assert (at[:, 0] > 0.15).all() and (np.abs(at[:, 0] - 0.5) > 0.04).all()
@@ -57,11 +60,11 @@ def test_trajectory_weighs_the_modes_by_their_motion(rng: np.random.Generator) -
     B = np.vstack([np.eye(3), np.eye(3)])
     p = np.zeros((100, 3))
     p[:, 1] = 1e-3 * rng.normal(size=100)
-    found = jo.place_gauges(B, 2, trajectory=p)
+    found = jo.twin.place_gauges(B, 2, trajectory=p)
     assert sorted(found.index) == [1, 4]
     S = np.array([[0.0, 0.0, 1e11]])
     everything = 1e-3 * rng.normal(size=(100, 3))
-    spot = jo.place_gauges(B, 2, criterion="I", hot=S, trajectory=everything)
+    spot = jo.twin.place_gauges(B, 2, criterion="I", hot=S, trajectory=everything)
     assert sorted(spot.index) == [2, 5]
 
 
@@ -82,4 +85,4 @@ def test_refusals(options: dict[str, object], message: str) -> None:
     rows = np.random.default_rng(1).normal(size=(5, 3))
     given = {"count": 3} | options
     with pytest.raises(jo.InputError, match=message):
-        jo.place_gauges(rows, **given)  # type: ignore[arg-type]
+        jo.twin.place_gauges(rows, **given)  # type: ignore[arg-type]

@@ -32,7 +32,7 @@ def test_frequencies_of_the_cantilever(beam: Clamped) -> None:
 @pytest.mark.parametrize(("modes", "expected"), [(3, 1.01459), (5, 1.00399)])
 def test_normal_modes_alone_miss_the_root(beam: Clamped, modes: int, expected: float) -> None:
     """Truncation: 3 modes give 1.5 % too much at the clamp, 5 modes 0.4 %."""
-    twin = jo.Reconstruction(beam.strain @ beam.modes[:, :modes])
+    twin = jo.twin.Reconstruction(beam.strain @ beam.modes[:, :modes])
     u = 1e-3 * tip_response(beam, 3.0)
     p = twin.estimate(beam.strain @ u).p[0]
     # 1e-4: which side of a node the gauge lies on decides the fifth digit
@@ -44,7 +44,7 @@ def test_normal_modes_alone_miss_the_root(beam: Clamped, modes: int, expected: f
 def test_static_shape_completes_the_basis(beam: Clamped) -> None:
     shapes = np.column_stack([tip_response(beam, 0.0), beam.modes[:, :3]])
     shapes /= np.sqrt(np.einsum("ij,ij->j", shapes, beam.M @ shapes))
-    twin = jo.Reconstruction(beam.strain @ shapes)
+    twin = jo.twin.Reconstruction(beam.strain @ shapes)
     errors = {}
     for frequency in (0.0, 3.0, 6.0, 9.0):
         u = 1e-3 * tip_response(beam, frequency)
@@ -60,7 +60,7 @@ def test_estimate_is_that_of_bayes(rng: np.random.Generator) -> None:
     B = rng.normal(size=(5, 3))
     root = rng.normal(size=(5, 5))
     R, G = 1e-12 * (root @ root.T + np.eye(5)), np.diag([1e-10, 4e-10, 1e-12])
-    twin = jo.Reconstruction(B, noise=R, prior=G)
+    twin = jo.twin.Reconstruction(B, noise=R, prior=G)
     e = 1e-4 * rng.normal(size=(4, 5))
     e[1, 2] = e[2, :] = np.nan
     found = twin.estimate(e)
@@ -78,10 +78,10 @@ def test_estimate_is_that_of_bayes(rng: np.random.Generator) -> None:
 def test_left_out_residual_is_that_without_the_gauge(rng: np.random.Generator) -> None:
     B, R = rng.normal(size=(6, 3)), np.diag(1e-12 * rng.uniform(1.0, 3.0, 6))
     e = 1e-4 * rng.normal(size=6)
-    whole = jo.Reconstruction(B, noise=R, prior=1e-3).estimate(e)
+    whole = jo.twin.Reconstruction(B, noise=R, prior=1e-3).estimate(e)
     for g in range(6):
         rest = np.arange(6) != g
-        twin = jo.Reconstruction(B[rest], noise=R[np.ix_(rest, rest)], prior=1e-3)
+        twin = jo.twin.Reconstruction(B[rest], noise=R[np.ix_(rest, rest)], prior=1e-3)
         without = twin.estimate(e[rest])
         np.testing.assert_allclose(whole.leave_one_out[0, g], e[g] - B[g] @ without.p[0], rtol=1e-6)
         expected = np.sqrt(R[g, g] + B[g] @ without.covariance[0] @ B[g])
@@ -95,7 +95,7 @@ def test_bands_hold_the_truth_as_often_as_they_say(rng: np.random.Generator) -> 
     e[rng.random(e.shape) < 0.05] = np.nan
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # rows with fewer than four gauges
-        found = jo.Reconstruction(B, noise=1e-6).estimate(e)
+        found = jo.twin.Reconstruction(B, noise=1e-6).estimate(e)
     good = np.isfinite(found.p[:, 0])
     z = (found.p - p)[good] / found.band[good]
     # 95 % of 5000 rows: 2.5 standard deviations of the share are 0.8 %
@@ -107,7 +107,7 @@ def test_calibration_finds_the_noise(rng: np.random.Generator) -> None:
     B = rng.normal(size=(8, 3))
     e = 1e-4 * rng.normal(size=(2000, 3)) @ B.T + 5e-6 * rng.normal(size=(2000, 8))
     for prior in (None, 1e-4):
-        twin = jo.Reconstruction(B, noise=1e-6, prior=prior).calibrated(e)
+        twin = jo.twin.Reconstruction(B, noise=1e-6, prior=prior).calibrated(e)
         np.testing.assert_allclose(np.sqrt(np.diag(twin.noise)), 5e-6, rtol=0.05)
 
 
@@ -116,7 +116,7 @@ def test_a_dead_gauge_is_estimated_without(rng: np.random.Generator) -> None:
     p = 1e-4 * rng.normal(size=(50, 3))
     e = p @ B.T
     e[20:, 4] = np.nan
-    found = jo.Reconstruction(B).estimate(e, 0.1 * np.arange(50))
+    found = jo.twin.Reconstruction(B).estimate(e, 0.1 * np.arange(50))
     np.testing.assert_allclose(found.p, p, atol=1e-15)
     assert (found.band[20:] > found.band[:1]).all()
     assert np.isnan(found.residual[20:, 4]).all()
@@ -125,9 +125,9 @@ def test_a_dead_gauge_is_estimated_without(rng: np.random.Generator) -> None:
 def test_fewer_gauges_than_modes() -> None:
     B = np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
     with pytest.raises(jo.InputError, match=r"2 gauges tell 2 of 3 modes apart.*give prior="):
-        jo.Reconstruction(B)
+        jo.twin.Reconstruction(B)
     with pytest.warns(jo.JoustoWarning, match="the prior alone decides the other 1 combination"):
-        twin = jo.Reconstruction(B, prior=1e-4)
+        twin = jo.twin.Reconstruction(B, prior=1e-4)
     # what is not seen keeps the prior's spread: (1, 0, -1)
     direction = np.array([1.0, 0.0, -1.0]) / np.sqrt(2.0)
     P = twin.estimate([1e-4, 1e-4]).covariance[0]
@@ -137,12 +137,12 @@ def test_fewer_gauges_than_modes() -> None:
 def test_collinear_gauges_are_named() -> None:
     B = np.array([[1.0, 2.0], [2.0, 4.0], [-1.0, -2.0]])
     with pytest.raises(jo.InputError, match=r"3 gauges tell 1 of 2 modes apart; 'b' and 'a', "):
-        jo.Reconstruction(B, names=("a", "b", "c"))
+        jo.twin.Reconstruction(B, names=("a", "b", "c"))
 
 
 def test_condition_number_is_told() -> None:
     with pytest.warns(jo.JoustoWarning, match="condition number 2e\\+05"):
-        jo.Reconstruction([[1.0, 0.0], [1.0, 1e-5]])
+        jo.twin.Reconstruction([[1.0, 0.0], [1.0, 1e-5]])
 
 
 @pytest.mark.parametrize(
@@ -159,7 +159,7 @@ def test_condition_number_is_told() -> None:
     ],
 )
 def test_bad_records(e: object, time: object, message: str) -> None:
-    twin = jo.Reconstruction([[1.0], [2.0]], names=("left", "right"))
+    twin = jo.twin.Reconstruction([[1.0], [2.0]], names=("left", "right"))
     with pytest.raises(jo.InputError, match=message):
         twin.estimate(e, time)  # type: ignore[arg-type]
 
@@ -178,11 +178,11 @@ def test_bad_records(e: object, time: object, message: str) -> None:
 )
 def test_bad_noise(noise: object, message: str) -> None:
     with pytest.raises(jo.InputError, match=message):
-        jo.Reconstruction([[1.0], [2.0]], noise=noise)
+        jo.twin.Reconstruction([[1.0], [2.0]], noise=noise)
 
 
 def test_row_that_too_few_gauges_see_is_nan() -> None:
-    twin = jo.Reconstruction(np.eye(2))
+    twin = jo.twin.Reconstruction(np.eye(2))
     with pytest.warns(jo.JoustoWarning, match="at 1 instant of 2 too few gauges"):
         found = twin.estimate([[1e-4, 1e-4], [1e-4, np.nan]])
     assert np.isfinite(found.p[0]).all() and np.isnan(found.p[1]).all()
@@ -193,7 +193,7 @@ def test_strains_in_percent_contradict_one_another() -> None:
     rng = np.random.default_rng(3)
     B = rng.standard_normal((6, 2))
     e = 1e-5 * rng.standard_normal((50, 2)) @ B.T + 1e-6 * rng.standard_normal((50, 6))
-    twin = jo.Reconstruction(B)
+    twin = jo.twin.Reconstruction(B)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         twin.estimate(e)
@@ -207,13 +207,13 @@ def test_strains_in_percent_contradict_one_another() -> None:
 def test_every_door_names_the_same_unit(strain: float, message: str) -> None:
     from jousto.measurement.gauges.record import too_large
 
-    twin = jo.Reconstruction([[1.0], [1.0]])
+    twin = jo.twin.Reconstruction([[1.0], [1.0]])
     with pytest.raises(jo.InputError, match=message):
         twin.estimate([[strain, strain]])
     assert ("um/m'" if strain > 1 else "'%'") in too_large("g", np.array([strain]))
 
 
 def test_damage_of_single_instants_is_refused_in_words() -> None:
-    found = jo.Reconstruction([[1.0], [1.0]]).estimate([[1e-4, 1e-4]])
+    found = jo.twin.Reconstruction([[1.0], [1.0]]).estimate([[1e-4, 1e-4]])
     with pytest.raises(jo.InputError, match=r"must be from Observer\.run"):
-        jo.damage_band(found, None, None, residue="half")  # type: ignore[arg-type]
+        jo.twin.damage_band(found, None, None, residue="half")  # type: ignore[arg-type]

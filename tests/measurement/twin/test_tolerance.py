@@ -25,13 +25,13 @@ LOW, HIGH = 0.95 - 3 * np.sqrt(0.95 * 0.05 / DRAWS), 0.95 + 3 * np.sqrt(0.95 * 0
 
 def rod() -> jo.ReducedPart:
     part = jo.Part.beam(1.0, jo.Rectangle(0.02, H), 20, jo.Material(E=E, nu=0.3, rho=7850))
-    held = jo.clamp(jo.reduce(part, jo.CraigBampton(("start", "end"), modes=3)), "start")
+    held = jo.reduction.clamp(jo.reduce(part, jo.CraigBampton(("start", "end"), modes=3)), "start")
     return held.keep(held.in_plane("xz"))
 
 
-def gauges(reduced: jo.ReducedPart, shift=(0.0,) * 6) -> list[jo.Gauge]:
+def gauges(reduced: jo.ReducedPart, shift=(0.0,) * 6) -> list[jo.gauges.Gauge]:
     return [
-        jo.Gauge(f"g{i}", reduced, (x + dx, y, z))
+        jo.gauges.Gauge(f"g{i}", reduced, (x + dx, y, z))
         for i, ((x, y, z), dx) in enumerate(zip(PLACES, shift, strict=True))
     ]
 
@@ -41,9 +41,9 @@ def coverage(criterion: str, scale: float, said: dict, made: dict, seed: int) ->
     rng = np.random.default_rng(seed)
     reduced = rod()
     fit = gauges(reduced)
-    B = jo.gauge_rows(fit)
+    B = jo.gauges.gauge_rows(fit)
     errors = gauge_errors(fit, **said) if said else None
-    twin = jo.Reconstruction(B, noise=1e-6, errors=errors)
+    twin = jo.twin.Reconstruction(B, noise=1e-6, errors=errors)
     S = reduced.stress.modes[[reduced.stress.labels.index(x) for x in SITES]]
     size = np.array([1.0, 0.1, 0.02, 0.002, 0.002])
     p = 0.02 * rng.normal(size=(DRAWS, len(size))) * size
@@ -53,7 +53,7 @@ def coverage(criterion: str, scale: float, said: dict, made: dict, seed: int) ->
         shared = 1.0 + made.get("shared", 0.0) * rng.normal()
         own = 1.0 + made.get("factor", 0.0) * rng.normal(size=len(B))
         shift = made.get("position", 0.0) * rng.normal(size=len(B))
-        rows = jo.gauge_rows(gauges(reduced, shift)) if shift.any() else B
+        rows = jo.gauges.gauge_rows(gauges(reduced, shift)) if shift.any() else B
         e[k] = shared * own * (rows @ one) + 1e-6 * rng.normal(size=len(B))
         # the same strain from another modulus is another stress
         truth[k] = modulus * evaluate(S @ one, criterion)
@@ -85,7 +85,7 @@ def test_the_band_of_one_gauge_and_one_mode_is_the_sum_of_squares():
     S = np.zeros((1, 6, 1))
     S[0, 0, 0] = E
     modes = StressModes(("n",), np.zeros((1, 3)), np.eye(3)[None], S)
-    twin = jo.Reconstruction([[1.0]], noise=1e-6, errors=0.03 * np.ones((1, 1, 1)))
+    twin = jo.twin.Reconstruction([[1.0]], noise=1e-6, errors=0.03 * np.ones((1, 1, 1)))
     band = stress_band(twin.estimate([[100e-6]]), modes, "s11", scale=0.02)
     half = 0.5 * (band.high - band.low)[0, 0]
     assert half == pytest.approx(1.959964 * np.sqrt(14.0) * 1e-6 * E, rel=1e-6)
@@ -93,7 +93,7 @@ def test_the_band_of_one_gauge_and_one_mode_is_the_sum_of_squares():
     bent = stress_band(twin.estimate([[100e-6]]), modes, "signed-von-mises", scale=0.02)
     assert 0.5 * (bent.high - bent.low)[0, 0] == pytest.approx(half, rel=1e-6)
     # a silent gauge brings no error of its own
-    two = jo.Reconstruction([[1.0], [1.0]], noise=1e-6, errors=[[[0.03], [0.0]]])
+    two = jo.twin.Reconstruction([[1.0], [1.0]], noise=1e-6, errors=[[[0.03], [0.0]]])
     one = stress_band(two.estimate([[np.nan, 100e-6]]), modes, "s11")
     assert 0.5 * (one.high - one.low)[0, 0] == pytest.approx(1.959964e-6 * E, rel=1e-6)
 
@@ -101,7 +101,7 @@ def test_the_band_of_one_gauge_and_one_mode_is_the_sum_of_squares():
 def test_slope_of_the_strain_along_a_cantilever():
     # load at the end: strain at the top is -F (L - x) h / (2 E I), its slope F h / (2 E I)
     reduced = rod()
-    gauge = jo.Gauge("g", reduced, (0.5, 0.0, H / 2))
+    gauge = jo.gauges.Gauge("g", reduced, (0.5, 0.0, H / 2))
     tip = reduced.modes[reduced.node("end"), 2]
     p = tip / reduced.stiffness  # at rest under 1 N
     slope = H / 2 / (E * 0.02 * H**3 / 12)
@@ -115,14 +115,14 @@ def test_turned_gauge_in_shear():
     size = (0.2, 0.02, 0.01)
     part = jo.Part.solid(grid("hexahedron20", (8, 2, 2), size), jo.Material(E, 0.3, 7850))
     reduced = jo.reduce(part, jo.FreeFree(modes=12))
-    gauge = jo.Gauge("g", reduced, (0.09, 0.008, 0.01), (1.0, 0.3, 0.0))
+    gauge = jo.gauges.Gauge("g", reduced, (0.09, 0.008, 0.01), (1.0, 0.3, 0.0))
     found = gauge_errors([gauge], angle=0.02)[0, 0] / 0.02
     t = gauge.axis
 
     def row(angle):
         c, s = np.cos(angle), np.sin(angle)
         d = np.array([c * t[0] - s * t[1], s * t[0] + c * t[1], 0.0])
-        return jo.Gauge("h", reduced, gauge.position, d).rows[0]
+        return jo.gauges.Gauge("h", reduced, gauge.position, d).rows[0]
 
     # e = a + b cos 2 theta + c sin 2 theta: its slope from three directions
     a, b, c = row(0.0), row(np.pi / 4), row(-np.pi / 4)
@@ -138,7 +138,7 @@ def test_impossible_errors_are_told():
     with pytest.raises(jo.InputError, match="there is no gauge"):
         gauge_errors([])
     with pytest.raises(jo.InputError, match="errors"):
-        jo.Reconstruction(jo.gauge_rows(fit), errors=np.zeros((1, 2, 3)))
+        jo.twin.Reconstruction(jo.gauges.gauge_rows(fit), errors=np.zeros((1, 2, 3)))
     nothing = Posterior(
         np.zeros(0), np.zeros((0, reduced.n)), np.zeros((1, 5, 5)), np.zeros(0, int)
     )

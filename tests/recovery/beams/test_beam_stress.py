@@ -97,7 +97,7 @@ def test_fatigue_of_a_round_beam_has_no_preferred_direction(section: jo.Circle |
             section,
             STEEL,
             elements=3,
-            damping=jo.BeamDamping(mass=150.0),
+            damping=jo.mechanism.BeamDamping(mass=150.0),
         )
         model = compiled(
             beam,
@@ -129,9 +129,11 @@ def test_strain_and_other_axes(bent: jo.Solution) -> None:
 def test_force_off_the_shear_centre_twists() -> None:
     """A channel pulled through its centroid: torque P e, shear T t / J (Timoshenko)."""
     e, t, J = 0.03, 0.003, 2.7e-9
-    point = jo.SectionPoint("web", -0.01, 0.0, ((0, 0, 0), (0, 0, t / J)))
-    channel = jo.GeneralSection(A=6e-4, Iy=3e-7, Iz=6e-8, J=J, ky=0.4, kz=0.4, points=(point,))
-    section = jo.BeamSection.of(channel, STEEL, shear_center=(-e, 0.0))
+    point = jo.sections.SectionPoint("web", -0.01, 0.0, ((0, 0, 0), (0, 0, t / J)))
+    channel = jo.sections.GeneralSection(
+        A=6e-4, Iy=3e-7, Iz=6e-8, J=J, ky=0.4, kz=0.4, points=(point,)
+    )
+    section = jo.mechanism.BeamSection.of(channel, STEEL, shear_center=(-e, 0.0))
     beam = jo.BeamBody("channel", [(0, 0, 0), (1, 0, 0)], section, elements=4)
     P = 0.01
     for at, torque in ((0.0, P * e), (-e, 0.0)):
@@ -152,9 +154,12 @@ def test_composite_by_stress_points() -> None:
     rows = np.zeros((6, 6))
     rows[0, 0], rows[0, 4], rows[3, 3] = 2000.0, 5e5, 7e5
     C = (1e7, 4e6, 4e6, 50.0, 80.0, 90.0)
-    points = [jo.StressPoint("skin", 0.0, 0.01, rows)]
+    points = [jo.sections.StressPoint("skin", 0.0, 0.01, rows)]
     run = cantilever(
-        (0.0, 0.0, -0.01), 3, jo.BeamSection(C, 1.2, (2e-4, 1e-4, 1e-4), points=points), plain=True
+        (0.0, 0.0, -0.01),
+        3,
+        jo.mechanism.BeamSection(C, 1.2, (2e-4, 1e-4, 1e-4), points=points),
+        plain=True,
     )
     field = jo.stress_field(run, "beam")
     assert field.history("e1.a.skin")[0, 0] == pytest.approx(5e5 * 0.01, rel=1e-3)
@@ -164,7 +169,9 @@ def test_composite_by_stress_points() -> None:
 
 def test_section_without_points_says_what_to_do() -> None:
     C = (1e7, 4e6, 4e6, 50.0, 80.0, 90.0)
-    run = cantilever((0, 0, 0.01), 3, jo.BeamSection(C, 1.2, (2e-4, 1e-4, 1e-4)), plain=True)
+    run = cantilever(
+        (0, 0, 0.01), 3, jo.mechanism.BeamSection(C, 1.2, (2e-4, 1e-4, 1e-4)), plain=True
+    )
     assert run.stressed == ()
     with pytest.raises(jo.InputError, match=r"BeamSection\(..., points=\[StressPoint"):
         jo.stress_field(run, "beam")
@@ -182,7 +189,7 @@ def test_damage_is_that_of_the_same_modal_body() -> None:
         section,
         STEEL,
         elements=n,
-        damping=jo.BeamDamping(mass=150.0),
+        damping=jo.mechanism.BeamDamping(mass=150.0),
     )
     part = jo.Part.beam(length=1.0, section=section, elements=n, material=STEEL, lumped=True)
     rod = jo.reduce(part, jo.CraigBampton(interfaces=("start", "end"), modes=4))
@@ -203,7 +210,7 @@ def test_damage_is_that_of_the_same_modal_body() -> None:
     # the third power of stress: 1 % of stress is 3 % of damage
     assert a[0] > 0.0 and a[0] == pytest.approx(b[0], rel=0.03)
     count = damage[0].cycles(fields[0], "e1.a.top_left")
-    assert jo.damage(count, SN) == pytest.approx(a[0], rel=1e-12)
+    assert jo.fatigue.damage(count, SN) == pytest.approx(a[0], rel=1e-12)
     # the half near the tip stays below the endurance limit and is not counted
     limited = jo.damage_field(fields[0], jo.SN(100e6, 1e6, 3, "original"), residue="repeat")
     peak = np.abs(fields[0].values("signed-von-mises")).max(axis=0)

@@ -13,7 +13,7 @@ from recovery.beams.cases import STEEL, cantilever, compiled, rest
 
 def test_cantilever_under_an_end_load() -> None:
     """Q = -P and M = P (L - s): the moments are exact at the nodes, with any number of elements."""
-    forces = jo.section_forces(cantilever((0.0, 0.0, -1.0), 3), "beam")
+    forces = jo.recovery.section_forces(cantilever((0.0, 0.0, -1.0), 3), "beam")
     assert forces.at_nodes[0, :, 4] == pytest.approx(1.0 - forces.s_nodes, abs=1e-6)
     assert forces.at_nodes[0, :, 2] == pytest.approx(-1.0, rel=1e-9)
     assert forces.at_nodes[0][:, [1, 3, 5]] == pytest.approx(0.0, abs=1e-9)
@@ -33,7 +33,7 @@ def test_hanging_bar() -> None:
             beam, jo.Fixed("clamp", jo.ground["origin"], beam["start"]), jo.Gravity((0, 0, -9.81))
         )
     )
-    forces = jo.section_forces(run, "bar")
+    forces = jo.recovery.section_forces(run, "bar")
     weight = 7850.0 * np.pi * 1e-4 * 9.81
     assert forces.at_nodes[0, :, 0] == pytest.approx(weight * (2.0 - forces.s_nodes), abs=1e-6)
 
@@ -57,7 +57,9 @@ def test_unequal_elements(s: tuple[float, ...]) -> None:
     ):
         beam = jo.BeamBody("bar", points, jo.Circle(0.02), STEEL)
         clamp = jo.Fixed("clamp", jo.ground["origin"], beam["start"])
-        forces = jo.section_forces(rest(compiled(beam, clamp, jo.Gravity((0, 0, -g)))), "bar")
+        forces = jo.recovery.section_forces(
+            rest(compiled(beam, clamp, jo.Gravity((0, 0, -g)))), "bar"
+        )
         exact = sign * weight * (2.0 - forces.s_nodes)
         assert forces.at_nodes[0, :, k] == pytest.approx(exact, abs=limit)
         assert forces.history("N" if k == 0 else "Qz", 0.8)[0] == pytest.approx(
@@ -78,7 +80,7 @@ def test_quarter_ring() -> None:
             jo.Force("pull", beam["end"], (P, 0.0, 0.0)),
         )
     )
-    found = jo.section_forces(run, "ring").ends[0]
+    found = jo.recovery.section_forces(run, "ring").ends[0]
     phi = np.stack([angle[:-1], angle[1:]], axis=1)
     # the end is at (R, R): the moment of the force about a point of the ring
     assert found[..., 0] == pytest.approx(P * np.cos(phi), abs=1e-4)
@@ -103,7 +105,7 @@ def test_rotating_bar() -> None:
     hinge = jo.Revolute("hinge", jo.ground["origin"], beam["start"], axis=(0, 0, 1))
     model = compiled(beam, hinge)
     run = jo.simulate(model, t_end=0.002, solver=jo.GeneralizedAlpha(step=1e-5))
-    forces = jo.section_forces(run, "bar")
+    forces = jo.recovery.section_forces(run, "bar")
     exact = 0.5 * STEEL.rho * np.pi * 1e-4 * w**2 * (L**2 - forces.s_nodes**2)
     N = forces.at_nodes[:, :, 0]
     # lumped masses err by h^2 / 6 L^2 of the largest force or so, and swing about that
@@ -135,7 +137,7 @@ def test_helical_spring() -> None:
             jo.PositionSensor("hook", hook),
         )
     )
-    forces = jo.section_forces(run, "spring")
+    forces = jo.recovery.section_forces(run, "spring")
     a = np.arctan(pitch / (np.pi * D))
     assert np.abs(forces.resultants[0, :, 3]) == pytest.approx(0.5 * P * D * np.cos(a), rel=0.01)
     G = STEEL.E / 2.6
@@ -156,14 +158,14 @@ def test_reaction_is_the_resultant_at_the_clamp() -> None:
         STEEL,
         elements=6,
         twist=0.5,
-        damping=jo.BeamDamping(stiffness=1e-5),
+        damping=jo.mechanism.BeamDamping(stiffness=1e-5),
     )
     clamp = jo.Fixed("clamp", jo.ground["origin"], beam["start"])
     model = compiled(
         beam, clamp, jo.Gravity((300.0, 200.0, -981.0)), jo.ReactionSensor("clamp", clamp)
     )
     run = jo.simulate(model, t_end=0.04, solver=jo.GeneralizedAlpha(step=4e-4))
-    ends = jo.section_forces(run, "rod").ends[:, 0, 0]
+    ends = jo.recovery.section_forces(run, "rod").ends[:, 0, 0]
     half = model.bodies[model.beam_shapes[0].bodies[0]].mass[0]
     weight = half * np.array([300.0, 200.0, -981.0])
     # the joint also bears the half of the first element that is lumped at the clamp
@@ -176,7 +178,7 @@ def test_reaction_is_the_resultant_at_the_clamp() -> None:
 
 def test_instants_between_stored_ones_and_tables(tmp_path: Path) -> None:
     run = cantilever((0.0, 0.0, -1.0), 3)
-    forces = jo.section_forces(run, "beam", times=[0.5e-9, 1.5e-9])
+    forces = jo.recovery.section_forces(run, "beam", times=[0.5e-9, 1.5e-9])
     assert forces.time.tolist() == [0.5e-9, 1.5e-9]
     assert forces.history("My", "start") == pytest.approx(1.0, rel=1e-6)
     for time in (None, 1e-9):
@@ -188,8 +190,8 @@ def test_instants_between_stored_ones_and_tables(tmp_path: Path) -> None:
 def test_messages() -> None:
     run = cantilever((0.0, 0.0, -1.0), 3)
     with pytest.raises(jo.InputError, match="no beam 'bean'; did you mean 'beam'"):
-        jo.section_forces(run, "bean")
-    forces = jo.section_forces(run, "beam")
+        jo.recovery.section_forces(run, "bean")
+    forces = jo.recovery.section_forces(run, "beam")
     with pytest.raises(jo.InputError, match="no resultant 'Mw'"):
         forces.history("Mw", 0.0)
     with pytest.raises(jo.InputError, match="outside the beam, 0 to 1 m"):
@@ -197,7 +199,7 @@ def test_messages() -> None:
     with pytest.raises(jo.InputError, match="'start' or 'end'"):
         forces.history("My", "middle")
     with pytest.raises(jo.InputError, match="outside the run"):
-        jo.section_forces(run, "beam", times=[5.0])
+        jo.recovery.section_forces(run, "beam", times=[5.0])
     with pytest.raises(jo.InputError, match="written as .csv"):
         forces.to_csv("a.txt")
 
@@ -213,21 +215,21 @@ def test_engine_measures_the_same(bending: bool) -> None:
         STEEL,
         twist=0.3,
         bending=bending,
-        damping=jo.BeamDamping(stiffness=1e-5),
+        damping=jo.mechanism.BeamDamping(stiffness=1e-5),
         offset=(0.01, 0.02),
     )
     model = compiled(
         beam,
         jo.Fixed("clamp", jo.ground["origin"], beam["start"]),
-        jo.SectionSensor("forces", beam, element=3),
-        jo.SectionSensor("strains", beam, element=3, quantity="strains"),
-        jo.SectionSensor("start", beam, "start"),
-        jo.SectionSensor("node", beam, float(beam.s[3])),
-        jo.SectionSensor("end", beam, "end"),
+        jo.mechanism.SectionSensor("forces", beam, element=3),
+        jo.mechanism.SectionSensor("strains", beam, element=3, quantity="strains"),
+        jo.mechanism.SectionSensor("start", beam, "start"),
+        jo.mechanism.SectionSensor("node", beam, float(beam.s[3])),
+        jo.mechanism.SectionSensor("end", beam, "end"),
         jo.Gravity((0.0, 0.0, -99.81)),
     )
     run = jo.simulate(model, t_end=0.01, solver=jo.GeneralizedAlpha(step=1e-4))
-    found = jo.section_forces(run, "cable")
+    found = jo.recovery.section_forces(run, "cable")
     # positions of 1 m know strains to 1e-15 or so, and EA is 4e7 N
     assert found.resultants[:, 3] == pytest.approx(run["forces"], abs=1e-6)
     assert found.strains[:, 3] == pytest.approx(run["strains"], abs=1e-14)
@@ -241,12 +243,12 @@ def test_the_sensor_at_the_start_measures_the_moment_at_the_clamp():
     model = compiled(
         beam,
         jo.Fixed("clamp", jo.ground["origin"], beam["start"]),
-        jo.SectionSensor("root", beam, "start"),
-        jo.SectionSensor("tip", beam, "end"),
-        jo.SectionSensor("first", beam, element=0),
+        jo.mechanism.SectionSensor("root", beam, "start"),
+        jo.mechanism.SectionSensor("tip", beam, "end"),
+        jo.mechanism.SectionSensor("first", beam, element=0),
         jo.Gravity((0.0, 0.0, -9.81)),
     )
-    path = jo.load_path(model, "gravity", to=1.0, steps=1)
+    path = jo.simulation.load_path(model, "gravity", to=1.0, steps=1)
     moment = 7850.0 * 0.05**2 * 9.81 / 2.0
     assert abs(path["root"][-1][3:]).max() == pytest.approx(moment, rel=1e-4)
     assert abs(path["tip"][-1][3:]).max() < 1e-6 * moment

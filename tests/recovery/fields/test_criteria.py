@@ -53,7 +53,7 @@ def test_every_criterion_is_what_it_says(rng: np.random.Generator, strain: bool)
     eye = np.broadcast_to(np.eye(3), (ns, 3, 3))
     modes = StressModes(tuple(f"n{i}" for i in range(ns)), np.zeros((ns, 3)), eye, S)
     p = rng.normal(size=(nt, n))
-    field = jo.StressField("body", modes, p, np.arange(nt, dtype=float), strain=strain)
+    field = jo.recovery.StressField("body", modes, p, np.arange(nt, dtype=float), strain=strain)
     s = np.einsum("scj,tj->tsc", S, p)
     scale = np.abs(s).max()
     for criterion in criteria(strain):
@@ -76,7 +76,7 @@ def test_every_criterion_is_what_it_says(rng: np.random.Generator, strain: bool)
         np.testing.assert_allclose(envelope.min, expected.min(axis=0), atol=1e-13 * scale)
     normal = np.array([1.0, -2.0, 0.5])
     along = np.einsum("i,tsij,j->ts", normal, tensor(s, strain), normal) / (normal @ normal)
-    np.testing.assert_allclose(field.values(jo.Plane(normal)), along, atol=1e-13 * scale)
+    np.testing.assert_allclose(field.values(jo.recovery.Plane(normal)), along, atol=1e-13 * scale)
 
 
 def test_principal_values_close_to_one_another(rng: np.random.Generator) -> None:
@@ -162,7 +162,7 @@ def test_critical_plane_of_a_field(rng: np.random.Generator) -> None:
     S = np.zeros((2, 6, 1))
     S[1] = np.array([[1.0], [1], [0], [1], [0], [0]])  # 2 along (1, 1, 0), nothing across
     modes = StressModes(modes.labels, modes.positions, modes.axes, S)
-    field = jo.field_from(modes, [[1.0], [-3.0], [2.0]], [0.0, 1.0, 2.0])
+    field = jo.recovery.field_from(modes, [[1.0], [-3.0], [2.0]], [0.0, 1.0, 2.0])
     plane = field.critical_plane("b", by="range")
     assert plane.value == pytest.approx(10.0)
     np.testing.assert_allclose(np.abs(plane.normal), [0.5**0.5, 0.5**0.5, 0], atol=1e-9)

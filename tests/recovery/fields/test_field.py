@@ -51,9 +51,9 @@ def test_planes_that_print_alike_are_two_criteria() -> None:
     rng = np.random.default_rng(0)
     axes = np.broadcast_to(np.eye(3), (3, 3, 3))
     modes = StressModes(("a", "b", "c"), np.eye(3), axes, 1e8 * rng.normal(size=(3, 6, 2)))
-    one, other = jo.Plane((1, 0.40000004, 0)), jo.Plane((1, 0.40000001, 0))
+    one, other = jo.recovery.Plane((1, 0.40000004, 0)), jo.recovery.Plane((1, 0.40000001, 0))
     assert str(one) == str(other)
-    field = jo.field_from(modes, rng.normal(size=(5, 2)), np.arange(5.0))
+    field = jo.recovery.field_from(modes, rng.normal(size=(5, 2)), np.arange(5.0))
     s = field.history(slice(None))
     for plane in (one, other):
         np.testing.assert_allclose(field.values(plane), evaluate(s, plane), rtol=1e-11)
@@ -69,7 +69,7 @@ def test_matrices_that_are_no_rotations_are_refused() -> None:
         with pytest.raises(
             jo.InputError, match=rf"no rotation at 2 s, instant 2: .*{found}; 2 of 4"
         ):
-            jo.field_from(modes, p, time, A=A)
+            jo.recovery.field_from(modes, p, time, A=A)
 
 
 def test_places_by_label_node_and_set(run: jo.Solution, reduced: jo.ReducedPart) -> None:
@@ -110,7 +110,7 @@ def test_world_frame(run: jo.Solution) -> None:
     np.testing.assert_allclose(W, world.A[k] @ T @ world.A[k].T, atol=1e-9 * abs(T).max())
     # the normal stress across the moving section is the same number in both
     axis = world.A[k, :, 0]
-    across = world.values(jo.Plane(axis), name, slice(k, k + 1))[0, 0]
+    across = world.values(jo.recovery.Plane(axis), name, slice(k, k + 1))[0, 0]
     assert across == pytest.approx(body.values("s11", name)[k, 0], rel=1e-10)
     # invariants know no frame
     for criterion in ("von-mises", "principal-1", "max-shear"):
@@ -191,10 +191,10 @@ def test_older_results_are_read(run: jo.Solution, tmp_path: Path) -> None:
 def test_fields_from_elsewhere(reduced: jo.ReducedPart, rng: np.random.Generator) -> None:
     assert reduced.stress is not None
     p = rng.normal(size=(5, reduced.n))
-    field = jo.field_from(reduced.stress, p, np.arange(5.0))
+    field = jo.recovery.field_from(reduced.stress, p, np.arange(5.0))
     np.testing.assert_allclose(field.at(2.5), reduced.stress.modes @ (0.5 * (p[2] + p[3])))
     with pytest.raises(jo.InputError, match="time does not grow after 1 s"):
-        jo.field_from(reduced.stress, p, [0, 1, 1, 2, 3])
+        jo.recovery.field_from(reduced.stress, p, [0, 1, 1, 2, 3])
     with pytest.raises(jo.InputError, match="material of its places is not known"):
         bare = StressModes(
             reduced.stress.labels,
@@ -202,7 +202,7 @@ def test_fields_from_elsewhere(reduced: jo.ReducedPart, rng: np.random.Generator
             reduced.stress.axes,
             reduced.stress.modes,
         )
-        jo.field_from(bare, p, np.arange(5.0), strain=True)
+        jo.recovery.field_from(bare, p, np.arange(5.0), strain=True)
 
 
 def test_the_part_gives_the_same(run: jo.Solution, reduced: jo.ReducedPart) -> None:
@@ -214,18 +214,18 @@ def test_the_part_gives_the_same(run: jo.Solution, reduced: jo.ReducedPart) -> N
 
 def test_strain_of_an_orthotropic_solid() -> None:
     """Strain from stress by the compliance is the strain of the displacements themselves."""
-    wood = jo.Orthotropic(
+    wood = jo.materials.Orthotropic(
         E1=11e9, E2=0.9e9, E3=0.5e9, nu12=0.37, nu13=0.42, nu23=0.47, G12=0.75e9, G13=0.72e9,
         G23=0.04e9, rho=450.0,
     )  # fmt: skip
     x, y, z = np.meshgrid([0, 0.1, 0.2], [0, 0.05], [0, 0.05], indexing="ij")
     points = np.stack([x, y, z], axis=-1).reshape(-1, 3)
     cells = [[4 * i + j for j in (0, 4, 6, 2, 1, 5, 7, 3)] for i in (0, 1)]
-    part = jo.Part.solid(jo.Mesh("bar", points, jo.Cells("hexahedron", cells)), wood)
+    part = jo.Part.solid(jo.Mesh("bar", points, jo.mesh.Cells("hexahedron", cells)), wood)
     reduced = jo.reduce(part, jo.FreeFree(modes=4))
     p = np.random.default_rng(1).normal(size=(3, 4))
     assert reduced.stress is not None and part.strain is not None
-    field = jo.field_from(reduced.stress, p, np.arange(3.0), strain=True)
+    field = jo.recovery.field_from(reduced.stress, p, np.arange(3.0), strain=True)
     u = reduced.modes.reshape(-1, 4) @ p.T
     expected = part.strain.evaluate(u)
     found = field.history(slice(None))

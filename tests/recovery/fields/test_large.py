@@ -17,12 +17,12 @@ import jousto as jo
 from jousto.reduction.fields.stress import StressModes
 
 
-def field(ns: int, nt: int, n: int = 4) -> jo.StressField:
+def field(ns: int, nt: int, n: int = 4) -> jo.recovery.StressField:
     rng = np.random.default_rng(3)
     eye = np.broadcast_to(np.eye(3), (ns, 3, 3))
     S = rng.normal(size=(ns, 6, n))
     modes = StressModes(tuple(f"n{i}" for i in range(ns)), rng.normal(size=(ns, 3)), eye, S)
-    return jo.field_from(modes, rng.normal(size=(nt, n)), np.arange(nt, dtype=float))
+    return jo.recovery.field_from(modes, rng.normal(size=(nt, n)), np.arange(nt, dtype=float))
 
 
 def test_memory_is_that_of_the_blocks(tmp_path: Path) -> None:

@@ -45,7 +45,7 @@ def neuber(stress: ArrayLike, material: StrainLife) -> tuple[Array, Array]:
     Examples
     --------
     >>> import jousto as jo
-    >>> s, e = neuber(600e6, jo.strain_life("sae-1045"))
+    >>> s, e = neuber(600e6, jo.fatigue.strain_life("sae-1045"))
     >>> bool(abs(s * e - 600e6**2 / 202e9) < 1e-6 * s * e)
     True
     """
@@ -280,7 +280,7 @@ def local_cycles(
     --------
     >>> import jousto as jo
     >>> S = [500e6, -500e6, 500e6]
-    >>> loops = local_cycles(S, jo.strain_life("sae-1045"), residue="repeat")
+    >>> loops = local_cycles(S, jo.fatigue.strain_life("sae-1045"), residue="repeat")
     >>> print(loops.count, (loops.mean / 1e6).round(6))
     [1.] [0.]
     """

@@ -1,5 +1,5 @@
 """TWIN: what strain gauges tell of the whole body: stress everywhere, loads and life."""
 
-import lazy_loader
+from jousto.base.rooms import open_room
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+open_room(__name__)

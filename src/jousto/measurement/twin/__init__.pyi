@@ -1,13 +1,6 @@
-# names of the twin; __init__.py loads them from here when they are first used
-from .bands import (
-    Band as Band,
-    stress_band as stress_band,
-    stress_blocks as stress_blocks,
-)
-from .life import (
-    DamageBand as DamageBand,
-    damage_band as damage_band,
-)
+# names of jo.twin; they are loaded from here when they are first used
+from .bands import Band as Band, stress_band as stress_band, stress_blocks as stress_blocks
+from .life import DamageBand as DamageBand, damage_band as damage_band
 from .loads import (
     FourierLoads as FourierLoads,
     equivalent_load as equivalent_load,
@@ -18,41 +11,15 @@ from .loads import (
     locate_load as locate_load,
     place_loads as place_loads,
 )
-from .observed import (
-    Observed as Observed,
-    Step as Step,
-)
-from .observer import (
-    Balance as Balance,
-    Observer as Observer,
-)
-from .placement import (
-    Placement as Placement,
-    place_gauges as place_gauges,
-)
-from .posterior import (
-    Posterior as Posterior,
-)
-from .reconstruction import (
-    Estimate as Estimate,
-    Reconstruction as Reconstruction,
-)
-from .reference import (
-    InertialForce as InertialForce,
-    Reference as Reference,
-)
-from .smoother import (
-    Histories as Histories,
-    draw as draw,
-    smooth as smooth,
-)
-from .system import (
-    Accelerometer as Accelerometer,
-    UnknownLoad as UnknownLoad,
-)
-from .tolerance import (
-    gauge_errors as gauge_errors,
-)
+from .observed import Observed as Observed
+from .observer import Balance as Balance, Observer as Observer
+from .placement import Placement as Placement, place_gauges as place_gauges
+from .posterior import Posterior as Posterior
+from .reconstruction import Estimate as Estimate, Reconstruction as Reconstruction
+from .reference import InertialForce as InertialForce, Reference as Reference
+from .smoother import Histories as Histories, draw as draw, smooth as smooth
+from .system import Accelerometer as Accelerometer, UnknownLoad as UnknownLoad
+from .tolerance import gauge_errors as gauge_errors
 from .tuning import (
     InnovationTest as InnovationTest,
     innovation_test as innovation_test,

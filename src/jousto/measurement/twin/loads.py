@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.measurement.twin.observed import Observed
 from jousto.measurement.twin.observer import Observer
@@ -26,6 +27,7 @@ UNEVEN = 1e-6
 """How unequal the time steps of a record may be, as a share of one."""
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class FourierLoads:
     """Modal loads over a window of time as a Fourier series.

@@ -124,11 +124,12 @@ class Observer:
     >>> import jousto as jo
     >>> steel = jo.Material(E=2.1e11, nu=0.3, rho=7850)
     >>> part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.01), 10, steel)
-    >>> rod = jo.clamp(jo.reduce(part, jo.CraigBampton(("start", "end"), modes=4)), "start")
+    >>> free = jo.reduce(part, jo.CraigBampton(("start", "end"), modes=4))
+    >>> rod = jo.reduction.clamp(free, "start")
     >>> places = {"root": "e1.a.top", "mid": "e5.a.top"}
-    >>> gauges = [jo.Gauge(name, rod, at) for name, at in places.items()]
-    >>> tip = jo.UnknownLoad("end", ("fz",), rate=50.0, size=100.0)
-    >>> observer = jo.Observer(rod, gauges, loads=[tip], step=1e-3, noise=1e-6)
+    >>> gauges = [jo.gauges.Gauge(name, rod, at) for name, at in places.items()]
+    >>> tip = jo.twin.UnknownLoad("end", ("fz",), rate=50.0, size=100.0)
+    >>> observer = jo.twin.Observer(rod, gauges, loads=[tip], step=1e-3, noise=1e-6)
     >>> step = observer.step(0.0, [14.3e-6 * k for k in (1.0, 0.6)])  # about F (L - x) / (W E)
     >>> print(step.names[0], step.loads.round())
     end.fz [-1.]

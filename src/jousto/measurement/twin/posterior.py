@@ -12,6 +12,7 @@ from jousto.base.described import described
 Array = NDArray[np.float64]
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Posterior:
     """Modal coordinates over time with their covariance.

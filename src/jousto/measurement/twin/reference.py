@@ -234,6 +234,7 @@ def _at_node(
     return A @ T, velocity, np.einsum("tba,tb->ta", T, w + dp @ turn.T)
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class InertialForce:
     """Force of the frame's motion on the modes (spec of the floating frame, docs/theory.md).

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.described import described
 from jousto.base.errors import InputError, Problem
 from jousto.measurement.twin.drift import drifts
 from jousto.measurement.twin.kalman import STEADY, Gain, backward
@@ -78,6 +79,7 @@ def smooth(observed: Observed) -> Observed:
     )
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Histories:
     """Histories of the modal coordinates that a record allows, each as likely as the other.

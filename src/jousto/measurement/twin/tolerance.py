@@ -57,8 +57,9 @@ def gauge_errors(
 
     >>> import jousto as jo
     >>> beam = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.01), 10, jo.Material(2.1e11, 0.3, 7850.0))
-    >>> rod = jo.clamp(jo.reduce(beam, jo.CraigBampton(("start", "end"), modes=0)), "start")
-    >>> gauge = jo.Gauge("g", rod, (0.5, 0.0, 0.005))
+    >>> free = jo.reduce(beam, jo.CraigBampton(("start", "end"), modes=0))
+    >>> rod = jo.reduction.clamp(free, "start")
+    >>> gauge = jo.gauges.Gauge("g", rod, (0.5, 0.0, 0.005))
     >>> gauge_errors([gauge], factor=0.01, position=2e-3).shape
     (2, 1, 6)
     """

@@ -79,7 +79,9 @@ def meter_rule(
     correction = (0, 0.0, 0.0) if mean is None else getattr(mean, "numbers", None)
     if not isinstance(correction, tuple) or len(correction) != 3:
         problems.add(
-            where, f"mean is {mean!r}, must be a mean stress correction such as jo.Goodman(S_u=..)"
+            where,
+            f"mean is {mean!r}, must be a mean stress correction such as "
+            "jo.fatigue.Goodman(S_u=..)",
         )
         correction = (0, 0.0, 0.0)
     check_residue(problems, where, residue)

@@ -225,6 +225,6 @@ def _axes_cross(axes: object, flat: Array) -> None:
 
 
 def _version() -> str:
-    from jousto import __version__
+    from jousto.base.version import __version__
 
     return __version__

@@ -86,7 +86,7 @@ def mesh_error(part: Part, d: Floats) -> MeshError:
 
     Examples
     --------
-    ``jo.mesh_error(part, reduced.modes.reshape(-1, reduced.n)).eta``
+    ``jo.parts.mesh_error(part, reduced.modes.reshape(-1, reduced.n)).eta``
     """
     model, X = _checked(part, d)
     stress = SolidStress.everywhere(model)

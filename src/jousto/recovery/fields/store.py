@@ -10,9 +10,9 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto import __version__
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import create, unwritable
+from jousto.base.version import __version__
 from jousto.recovery.fields.criteria import Criterion
 from jousto.simulation.results.image import SparseImage, reserve
 

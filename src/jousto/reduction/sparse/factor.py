@@ -242,7 +242,8 @@ def factorise(
     except (MemoryError, RuntimeError, ImportError, OSError) as error:
         message = (
             f"{name} could not factorise the stiffness matrix of {n} unknowns: {error}; free "
-            "memory, use a coarser mesh, or ask for another solver (jo.solvers() lists them)"
+            "memory, use a coarser mesh, or ask for another solver "
+            "(jo.reduction.solvers() lists them)"
         )
         raise InputError(Problem(where, message)) from error
     if _is_loose(backend, n):

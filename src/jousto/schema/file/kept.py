@@ -40,7 +40,7 @@ def mesh_of_cad(path: Path, keep: bool | None, **values: Any) -> Mesh:
     InputError
         As `mesh_step`.
     """
-    from jousto import __version__
+    from jousto.base.version import __version__
     from jousto.mesh.readers.step import mesh_step
     from jousto.reduction.files.cache import AUTOMATIC, ReductionCache, key
 

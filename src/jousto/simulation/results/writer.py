@@ -20,10 +20,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto import __version__
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import create, unwritable
 from jousto.base.seal import Seal
+from jousto.base.version import __version__
 from jousto.model.model import Model
 from jousto.simulation.results.beam_records import GROUP, beam_arrays
 from jousto.simulation.results.columns import Column, columns

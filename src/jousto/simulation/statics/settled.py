@@ -61,7 +61,7 @@ def settled(model: Model, state: State | None = None) -> State:
 
     Examples
     --------
-    ``run = jo.simulate(model, 2.0, state=jo.settled(model))``
+    ``run = jo.simulate(model, 2.0, state=jo.simulation.settled(model))``
     """
     if model.beams or model.nv > MOST:
         why = (

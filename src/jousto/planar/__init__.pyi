@@ -1,0 +1,43 @@
+# names of jo.planar; they are loaded from here when they are first used
+from .dynamics import simulate_planar as simulate_planar
+from .elimination import (
+    Arms as Arms,
+    Blocks as Blocks,
+    Chain as Chain,
+    Elimination as Elimination,
+    Function as Function,
+    Linear as Linear,
+    Map as Map,
+    Slaves as Slaves,
+)
+from .frame import PlanarFrame as PlanarFrame
+from .items import (
+    FunctionLink as FunctionLink,
+    LinearLink as LinearLink,
+    PlanarBeam as PlanarBeam,
+    PlanarDamping as PlanarDamping,
+    PlanarLoad as PlanarLoad,
+    PlanarMass as PlanarMass,
+    PlanarSection as PlanarSection,
+    PlanarSupport as PlanarSupport,
+    RigidLink as RigidLink,
+)
+from .methods import (
+    Convergence as Convergence,
+    PlanarGeneralizedAlpha as PlanarGeneralizedAlpha,
+    PlanarNewmark as PlanarNewmark,
+)
+from .results import (
+    PlanarPath as PlanarPath,
+    PlanarRun as PlanarRun,
+    PlanarState as PlanarState,
+    rest as rest,
+    spinning as spinning,
+)
+from .statics import (
+    arc_length as arc_length,
+    load_steps as load_steps,
+    planar_frequencies as planar_frequencies,
+)
+from .system import System as System
+from .tangents import inertia_share as inertia_share

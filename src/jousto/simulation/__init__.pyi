@@ -1,0 +1,25 @@
+# names of jo.simulation; they are loaded from here when they are first used
+from .kinematics import inverse_dynamics as inverse_dynamics, kinematics as kinematics
+from .modes.campbell import Campbell as Campbell, campbell as campbell
+from .modes.linear import (
+    LinearModel as LinearModel,
+    MechanismModes as MechanismModes,
+    linearise as linearise,
+)
+from .results.events import Happening as Happening
+from .running.simulate import RunFailed as RunFailed, RunInterrupted as RunInterrupted
+from .running.simulator import Simulator as Simulator
+from .running.state import State as State
+from .solvers.adaptive import DormandPrince as DormandPrince
+from .solvers.explicit import Baumgarte as Baumgarte
+from .solvers.implicit import Newmark as Newmark
+from .statics.buckling import Buckling as Buckling, buckling as buckling
+from .statics.load_paths import (
+    ArcLength as ArcLength,
+    CriticalPoint as CriticalPoint,
+    LoadPath as LoadPath,
+    PathFailed as PathFailed,
+)
+from .statics.paths import load_path as load_path
+from .statics.rotation import steady_rotation as steady_rotation
+from .statics.settled import settled as settled
