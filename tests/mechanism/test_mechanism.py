@@ -27,7 +27,6 @@ from jousto.mechanism.joints.points import Spherical
 from jousto.mechanism.joints.slides import Fixed
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.body import ModalSensor, StressSensor
-from jousto.mechanism.sensors.kinds import SENSORS
 from jousto.mechanism.sensors.loads import ReactionSensor
 from jousto.mechanism.sensors.motion import (
     AngularVelocitySensor,
@@ -105,7 +104,8 @@ def test_every_joint_load_sensor_and_signal_is_exported_and_in_its_tuple():
     declared = [*kinds("joints", room).values(), *kinds("couplings", room).values()]
     signals = kinds("signals", "jousto.mechanism.signals").values()
     forces = kinds("forces", "jousto.mechanism.forces").values()
-    tuples = (*declared, *SENSORS, *signals, *forces)
+    sensors = kinds("sensors", "jousto.mechanism.sensors").values()
+    tuples = (*declared, *sensors, *signals, *forces)
     for cls in tuples:
         assert classes[cls.__name__] is cls
     found = {c for c in classes.values() if isinstance(c, type)}

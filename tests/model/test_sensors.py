@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.mechanism.sensors.kinds import SENSORS
+from jousto.base.declare import kinds
 from verification.mechanisms import SECTION, SOFT, chain, rod
 
 pytestmark = pytest.mark.filterwarnings(
@@ -19,6 +19,8 @@ pytestmark = pytest.mark.filterwarnings(
 TINY = 1e-30
 X = (1.0, 0.0, 0.0)
 Z = (0.0, 0.0, 1.0)
+
+SENSORS = tuple(kinds("sensors", "jousto.mechanism.sensors").values())
 
 
 def ball(name="ball", **more):

@@ -43,7 +43,6 @@ from jousto.mechanism.sensors.temperature import Temperature
 from jousto.mechanism.signals.base import USE, Constant, Signal
 from jousto.mechanism.signals.piecewise import Step, Table
 from jousto.schema.file.read import model_schema, parse_model, read_model
-from jousto.schema.make.sense import SENSORS
 from schema.models import same
 
 MODEL = """\
@@ -153,7 +152,7 @@ def test_sensors_equal_the_python_constructors():
     )
     same(model.sensors, expected)
     # those of beams: test_beams.py
-    assert {type(s) for s in model.sensors} == set(SENSORS.values()) - {SectionSensor}
+    assert {type(s) for s in model.sensors} == set(SECTIONS["sensors"].values()) - {SectionSensor}
     run = jo.simulate(jo.compile(model), 0.002)
     assert all(np.isfinite(run[name]).all() for name in run.sensors)
 

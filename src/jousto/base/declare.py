@@ -416,14 +416,14 @@ class Reference(Field[In, Out]):
 
     Attributes
     ----------
-    section : str
-        The section of a model file that declares it.
+    section : str or tuple of str
+        The section of a model file that declares it, or several.
     word : str
         What messages call it.
     """
 
     form = "reference"
-    section: ClassVar[str] = ""
+    section: ClassVar[str | tuple[str, ...]] = ""
     word: ClassVar[str] = ""
 
 

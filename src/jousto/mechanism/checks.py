@@ -22,11 +22,11 @@ from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate, Distance
 from jousto.mechanism.joints.coupling import Coupler, Drive
 from jousto.mechanism.members import Members
+from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.sensors.body import ModalSensor, SiteSensor
 from jousto.mechanism.sensors.bridge import Bridge
 from jousto.mechanism.sensors.damage import DamageSensor
 from jousto.mechanism.sensors.gauge import Gauge
-from jousto.mechanism.sensors.kinds import SENSORS
 from jousto.mechanism.sensors.loads import ForceSensor, ReactionSensor
 from jousto.mechanism.sensors.motion import MotionSensor
 from jousto.mechanism.sensors.rosette import Rosette
@@ -41,7 +41,7 @@ GAP_TOLERANCE = 1e-6
 # all that may be given to a mechanism
 ITEMS = (
     *(RigidBody, FlexibleBody, BeamBody, Joint, Coupler, Gravity, Friction, Event, Initial),
-    *(ForceElement, *SENSORS),
+    *(ForceElement, Sensor),
 )
 
 
@@ -51,7 +51,9 @@ def kind_of(item: Any) -> str:
         return "beam"
     if isinstance(item, RigidBody | FlexibleBody):
         return "body"
-    return getattr(item, "kind", "sensor")
+    if isinstance(item, Sensor):  # a bridge has a kind of its own
+        return "sensor"
+    return getattr(item, "kind", "")
 
 
 def where(item: Any) -> str:
@@ -195,7 +197,7 @@ def check_events(problems: Problems, mechanism: Members) -> None:
     """Note events that watch what is not measured, and signals of events that are not there."""
     sensors = [sensor.name for sensor in mechanism.sensors]
     for event in mechanism.events:
-        if isinstance(event.watch, SENSORS) and not any(
+        if isinstance(event.watch, Sensor) and not any(
             event.watch is sensor for sensor in mechanism.sensors
         ):
             if event.watch.name in sensors:

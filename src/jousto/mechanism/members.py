@@ -18,7 +18,7 @@ from jousto.mechanism.forces.loads import Gravity
 from jousto.mechanism.initial import Initial
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coupling import Coupler
-from jousto.mechanism.sensors.kinds import SENSORS, Sensor
+from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.signals.event import Event
 
 
@@ -48,7 +48,7 @@ class Members:
             "forces": tuple(x for x in items if isinstance(x, ForceElement)),
             "frictions": tuple(x for x in items if isinstance(x, Friction)),
             "events": tuple(x for x in items if isinstance(x, Event)),
-            "sensors": tuple(x for x in items if isinstance(x, SENSORS)),
+            "sensors": tuple(x for x in items if isinstance(x, Sensor)),
             "initials": tuple(x for x in items if isinstance(x, Initial)),
         }
         gravity = [x.acceleration for x in items if isinstance(x, Gravity)]

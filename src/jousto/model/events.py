@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.mechanism import Mechanism
-from jousto.mechanism.sensors.kinds import Sensor
+from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.sensors.readings import CoordinateSensor
 from jousto.mechanism.signals.event import Event
 from jousto.model.model import EventModel, SensorModel

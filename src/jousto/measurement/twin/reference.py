@@ -15,7 +15,7 @@ from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.mechanism.forces.loads import Gravity
 from jousto.mechanism.joints.coupling import Drive
 from jousto.mechanism.mechanism import Mechanism
-from jousto.mechanism.sensors.kinds import SENSORS
+from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.signals.piecewise import Table
 from jousto.model.compile import compile
 from jousto.recovery.shape import find_body, rotation_matrices
@@ -204,7 +204,7 @@ class Reference:
             if isinstance(x, Drive) and x.name in signals
             else x
             for x in mechanism.items
-            if not isinstance(x, SENSORS)
+            if not isinstance(x, Sensor)
         ]
         model = compile(Mechanism(*items, name=mechanism.name))
         parts = {x.name: getattr(x, "reduced", None) for x in mechanism.bodies}

@@ -158,6 +158,18 @@ class MarkerField(Field[Marker, Marker]):
         return value
 
 
+class OptionalMarker(Field["Marker | None", "Marker | None"]):
+    """A marker, or None."""
+
+    form = "marker"
+    noun = "Marker"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the marker."""
+        check_marker(problems, where, self.name, value)
+        return value
+
+
 def check_marker(problems: Problems, where: str, name: str, value: Any) -> None:
     """Note a problem unless `value` is a marker."""
     try:

@@ -3,37 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
-from jousto.base.arguments import explained
-from jousto.base.described import described
+from jousto.base.declare import Field, field
 from jousto.base.errors import InputError, Problem, Problems, suggest
-from jousto.base.names import check_name
 from jousto.base.numbers import set_fields
 from jousto.base.rotations import Array, readonly
 from jousto.mechanism.bodies.body import FlexibleBody
+from jousto.mechanism.bodies.reference import FlexibleField
+from jousto.mechanism.sensors.base import Sensor
 
 VOIGT = ("s11", "s22", "s33", "s12", "s23", "s13")
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class ModalSensor:
+class ModalSensor(Sensor, tag="modal"):
     """Modal coordinates and velocities of a flexible body, (2n,): p then p'."""
 
     unit: ClassVar[str] = "kg^0.5 m, kg^0.5 m/s"
     frame: ClassVar[str] = "body"
-    name: str
-    body: FlexibleBody
-
-    def __init__(self, name: str, body: FlexibleBody) -> None:
-        problems = Problems()
-        check_flexible(problems, check_name(problems, "sensor", name), body)
-        problems.raise_if_any()
-        set_fields(self, name=name, body=body)
+    flexible: ClassVar[bool] = True
+    body: FlexibleField = field("The body")
 
     @property
     def components(self) -> tuple[str, ...]:
@@ -48,51 +39,52 @@ class ModalSensor:
         return f"modal coordinates and velocities of {self.body.name}"
 
 
-@explained
-@dataclass(frozen=True, eq=False, init=False)
-class SiteSensor:
-    """What all sensors of the stress at named places have in common.
+class Sites(Field["Iterable[str] | str | None", "tuple[str, ...]"]):
+    """Labels of stress sites; model files may give positions."""
 
-    Parameters
-    ----------
-    name : str
-        Name, unique among the sensors.
-    body : FlexibleBody
-        A body whose part knows stresses.
-    sites : sequence of str, optional
-        Labels of the stress sites, such as ``"e3.a.top"``; None for all of them.
-    """
+    form = "sites"
+    noun = "sequence of str"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return them as a tuple."""
+        if not isinstance(value, Iterable):
+            problems.add(where, f"{self.name} is {value!r}, must be labels of stress sites")
+            return ()
+        return (value,) if isinstance(value, str) else tuple(value)
+
+
+class SiteSensor(Sensor):
+    """What all sensors of the stress at named places have in common."""
 
     quantity: ClassVar[str] = "stress"
     values: ClassVar[tuple[str, ...]] = VOIGT
     unit: ClassVar[str] = "Pa"
     frame: ClassVar[str] = "element"
-    name: str
-    body: FlexibleBody
-    sites: tuple[str, ...]
+    flexible: ClassVar[bool] = True
+    body: FlexibleField = field("A body whose part knows stresses")
+    sites: Sites = field(
+        'Labels of the stress sites, such as ``"e3.a.top"`` (in files also positions: the site '
+        "nearest to each); None for all of them",
+        default=None,
+    )
 
-    def __init__(
-        self, name: str, body: FlexibleBody, sites: Iterable[str] | str | None = None
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, "sensor", name)
-        check_flexible(problems, where, body)
-        problems.raise_if_any()
-        labels = known_sites(where, body)
-        wanted = labels if sites is None else (sites,) if isinstance(sites, str) else tuple(sites)
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note sites that the body does not have; None are all."""
+        body, labels = self.body, known_sites(where, self.body)
+        given = vars(self)["sites"]
+        wanted: tuple[Any, ...] = labels if given is None else given
         if not wanted:
             problems.add(where, "sites is empty; None takes all of them")
-        if wanted and all(isinstance(site, float | int) for site in wanted):
+        elif all(isinstance(site, float | int) for site in wanted):
             problems.add(
                 where,
-                f"sites is {sites!r}, must be labels such as {labels[0]!r}; that of the place "
+                f"sites is {wanted!r}, must be labels such as {labels[0]!r}; that of the place "
                 f"nearest to a point is {body.name}.reduced.stress.nearest((x, y, z))",
             )
-            problems.raise_if_any()
-        for site in wanted:
-            check_site(problems, where, "sites", body, site)
-        problems.raise_if_any()
-        set_fields(self, name=name, body=body, sites=wanted)
+        else:
+            for site in wanted:
+                check_site(problems, where, "sites", body, site)
+        set_fields(self, sites=wanted)
 
     @property
     def indices(self) -> tuple[int, ...]:
@@ -120,9 +112,7 @@ class SiteSensor:
         return f"{self.quantity} of {self.body.name}"
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class StressSensor(SiteSensor):
+class StressSensor(SiteSensor, tag="stress"):
     """Stress at section points of a flexible body, (6 ns,) Pa.
 
     Six components [s11, s22, s33, s12, s23, s13] of each site after each other, in the
@@ -130,9 +120,7 @@ class StressSensor(SiteSensor):
     """
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class VonMisesSensor(SiteSensor):
+class VonMisesSensor(SiteSensor, tag="von-mises"):
     """Equivalent stress at sites of a flexible body, (ns,) Pa.
 
     ``sqrt(((s11-s22)^2 + (s22-s33)^2 + (s33-s11)^2) / 2 + 3 (s12^2 + s23^2 + s13^2))``
@@ -142,19 +130,11 @@ class VonMisesSensor(SiteSensor):
     values: ClassVar[tuple[str, ...]] = ("mises",)
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class PrincipalStressSensor(SiteSensor):
+class PrincipalStressSensor(SiteSensor, tag="principal-stress"):
     """Principal stresses at sites of a flexible body, (3 ns,) Pa, the largest first."""
 
     quantity: ClassVar[str] = "principal stress"
     values: ClassVar[tuple[str, ...]] = ("max", "mid", "min")
-
-
-def check_flexible(problems: Problems, where: str, body: Any) -> None:
-    """Note a problem unless `body` is a flexible body."""
-    if not isinstance(body, FlexibleBody):
-        problems.add(where, f"body is {body!r}, must be a flexible body")
 
 
 def known_sites(where: str, body: FlexibleBody) -> tuple[str, ...]:

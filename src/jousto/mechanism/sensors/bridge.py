@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
-from jousto.base.described import described
+from jousto.base.declare import Field, Number, field
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.names import check_name
-from jousto.base.numbers import number, set_fields
 from jousto.base.rotations import Array, readonly
 from jousto.mechanism.bodies.body import FlexibleBody
+from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.sensors.gauge import Gauge
 from jousto.mechanism.signals.base import Signal
 
@@ -86,57 +85,19 @@ def quarter_bridge_strain(output: ArrayLike, gauge_factor: float = 2.0) -> Array
     return np.asarray(4.0 * v / (gauge_factor * (1.0 - 2.0 * v)))[()]
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class Bridge:
-    """A Wheatstone bridge of one to four gauges on a body, (1,) V/V.
+class Arms(Field["Sequence[Gauge | None] | Gauge", "tuple[Gauge | None, ...]"]):
+    """Up to four gauges; a model file gives their names."""
 
-    The output over the supply is that of the resistors, see `bridge_output`: a quarter bridge is
-    slightly nonlinear, as a real one. ``rows`` is its linear part,
-    ``k (e1 - e2 + e3 - e4) / 4``.
+    form = "arms"
+    noun = "sequence of Gauge or None"
 
-    Parameters
-    ----------
-    name : str
-        Name, unique among the sensors.
-    arms : sequence of Gauge or None
-        Up to four gauges in the order of the arms; None (and what is not given) is a fixed
-        resistor. Arms 1 and 3 count positive, 2 and 4 negative: bending is measured by
-        ``(top, bottom)``, tension without bending by ``(top, None, bottom)``.
-    gauge_factor : float
-        k of ``dR/R = k e``.
-    resistance : float
-        R of each arm, ohm; for shunt calibration.
-
-    Raises
-    ------
-    InputError
-        No gauge, more than four, gauges of several bodies or of several temperatures.
-    """
-
-    unit: ClassVar[str] = "V/V"
-    frame: ClassVar[str] = "gauge"
-    components: ClassVar[tuple[str, ...]] = ("ratio",)
-    name: str
-    arms: tuple[Gauge | None, ...]
-    gauge_factor: float
-    resistance: float
-
-    def __init__(
-        self,
-        name: str,
-        arms: Sequence[Gauge | None] | Gauge,
-        *,
-        gauge_factor: float = 2.0,
-        resistance: float = 350.0,
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, "bridge", name)
-        given: Any = (arms,) if isinstance(arms, Gauge) else arms
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return four gauges or None."""
+        given: Any = (value,) if isinstance(value, Gauge) else value
         if not isinstance(given, Sequence) or isinstance(given, str):
-            problems.add(where, f"arms is {arms!r}, must be up to four gauges")
-            given = ()
-        elif not 1 <= len(given) <= 4 or all(arm is None for arm in given):
+            problems.add(where, f"{self.name} is {value!r}, must be up to four gauges")
+            return ()
+        if not 1 <= len(given) <= 4 or all(arm is None for arm in given):
             problems.add(
                 where, f"has {len(given)} arms, must have one to four with a gauge or more"
             )
@@ -147,22 +108,57 @@ class Bridge:
         if len({id(g.body) for g in gauges}) > 1:
             names = ", ".join(sorted({g.body.name for g in gauges}))
             problems.add(where, f"its gauges sit on several bodies ({names}), must be on one")
-        seen = {id(g) for g in gauges}
-        if len(seen) < len(gauges):
+        if len({id(g) for g in gauges}) < len(gauges):
             problems.add(where, "one gauge stands in several arms; place one for each arm")
         if len({id(g.temperature.signal) for g in gauges if g.temperature is not None}) > 1:
             problems.add(
                 where, "its gauges have several temperature signals; give all the same signal"
             )
-        k = number(problems, where, "gauge_factor", gauge_factor)
+        return (*given, *(None,) * (4 - len(given)))
+
+
+class GaugeFactor(Number):
+    """A gauge factor, of either sign."""
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the number, or note an unlikely one."""
+        k = super().check(problems, where, value)
         if k is not None and not 0.1 <= abs(k) <= 300.0:
-            problems.add(where, f"gauge_factor is {k:g}, must be near 2 (metal) or 100 (silicon)")
-        R = number(problems, where, "resistance", resistance)
-        if R is not None and R <= 0.0:
-            problems.add(where, f"resistance is {R:g} ohm, must be positive")
-        problems.raise_if_any()
-        four = (*given, *(None,) * (4 - len(given)))
-        set_fields(self, name=name, arms=four, gauge_factor=k, resistance=R)
+            problems.add(where, f"{self.name} is {k:g}, must be near 2 (metal) or 100 (silicon)")
+        return k
+
+
+class Bridge(Sensor, tag="bridge"):
+    """A Wheatstone bridge of one to four gauges on a body, (1,) V/V.
+
+    The output over the supply is that of the resistors, see `bridge_output`: a quarter bridge is
+    slightly nonlinear, as a real one. ``rows`` is its linear part,
+    ``k (e1 - e2 + e3 - e4) / 4``.
+
+    Raises
+    ------
+    InputError
+        No gauge, more than four, gauges of several bodies or of several temperatures.
+    """
+
+    unit: ClassVar[str] = "V/V"
+    frame: ClassVar[str] = "gauge"
+    components: ClassVar[tuple[str, ...]] = ("ratio",)
+    flexible: ClassVar[bool] = True
+    late: ClassVar[bool] = True
+    arms: Arms = field(
+        "Up to four gauges in the order of the arms; None (and what is not given) is a fixed "
+        "resistor; arms 1 and 3 count positive, 2 and 4 negative: bending is measured by ``(top, "
+        "bottom)``, tension without bending by ``(top, None, bottom)``"
+    )
+    gauge_factor: GaugeFactor = field("k of ``dR/R = k e``", default=2.0, kw_only=True)
+    resistance: Number = field(
+        "R of each arm, for shunt calibration", unit="ohm", above=0, default=350.0, kw_only=True
+    )
+
+    def place(self, problems: Problems) -> str:
+        """Return what messages say first."""
+        return check_name(problems, "bridge", self.name)
 
     @property
     def gauges(self) -> tuple[Gauge, ...]:
@@ -170,7 +166,7 @@ class Bridge:
         return tuple(arm for arm in self.arms if arm is not None)
 
     @property
-    def kind(self) -> str:
+    def kind(self) -> str:  # type: ignore[override]
         """``quarter``, ``half``, ``three-quarter`` or ``full``."""
         return KINDS[len(self.gauges)]
 

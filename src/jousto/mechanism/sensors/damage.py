@@ -3,22 +3,74 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from jousto.base.arguments import explained
-from jousto.base.described import described
+from jousto.base.declare import Choice, DefaultNumber, Field, Number, Reference, field
 from jousto.base.errors import Problems, suggest, warn
-from jousto.base.names import check_name
-from jousto.base.numbers import number, set_fields
+from jousto.base.numbers import set_fields
+from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.sensors.body import VonMisesSensor
-from jousto.mechanism.sensors.rule import MeterRule, meter_rule
+from jousto.mechanism.sensors.rule import RESIDUES, MeterRule, meter_rule
 
 
-@explained
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class DamageSensor:
+class Counted(Reference[Any, Any]):
+    """A sensor; a model file gives its name."""
+
+    section = "sensors"
+    word = "sensor"
+    noun = "sensor"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the sensor."""
+        if not isinstance(value, Sensor) or isinstance(value, DamageSensor):
+            problems.add(where, f"{self.name} is {value!r}, must be a sensor of stress")
+        return value
+
+
+class Curve(Field[Any, Any]):
+    """An S-N curve."""
+
+    form = "sn"
+    noun = "SN"
+
+
+class Correction(Field[Any, Any]):
+    """A mean stress correction."""
+
+    form = "mean"
+    noun = "MeanStress"
+
+
+class Residue(Choice):
+    """How what the rainflow count leaves over is counted; `meter_rule` checks it."""
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the value."""
+        return value
+
+
+class Components(Field["Iterable[str] | str | None", "tuple[str, ...]"]):
+    """Components of the sensor that is counted."""
+
+    form = "words"
+    noun = "str or sequence of str"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return them as a tuple."""
+        if not isinstance(value, Iterable):
+            problems.add(where, f"{self.name} is {value!r}, must be names of components")
+            return ()
+        return (value,) if isinstance(value, str) else tuple(value)
+
+
+class Depth(Field[int, int]):
+    """A number of turning points; `meter_rule` checks it."""
+
+    form = "count"
+    noun = "int"
+
+
+class DamageSensor(Sensor, tag="damage"):
     """Fatigue damage of values of another sensor, (2 k,): Miner's sum and closed cycles of each.
 
     The engine counts rainflow cycles at every step that it accepts, whatever is stored of them: at
@@ -28,28 +80,14 @@ class DamageSensor:
     steps anew, and damage differs by what peaks between steps are missed. The value includes the
     residue as declared.
 
-    Parameters
+    Attributes
     ----------
-    name : str
-        Name, unique among the sensors.
-    sensor : sensor
-        What is counted: a sensor of the same mechanism, of stress in Pa or, with a factor, of
-        anything that stress follows.
-    sn : SN
-        S-N curve, amplitudes in Pa.
-    residue : str
-        "half", "repeat" or "ignore"; see `DamageMeter`.
-    mean : MeanStress, optional
-        Mean stress correction, such as ``Goodman(S_u=..)``.
-    components : str or sequence of str, optional
-        Which components of the sensor; None for all of them.
-    factor : float, optional
-        Stress, Pa, for a value of 1, not 0; needed where the sensor does not measure Pa. A stress
-        concentration factor too.
-    depth : int
-        Turning points that each meter remembers.
-    resolution : float
-        Samples are rounded to multiples of it, Pa; 0 takes them as they are.
+    components : tuple of str
+        Names of its values: damage and cycles, of several values with theirs before.
+    measured : tuple of str
+        The components of the other sensor that are counted.
+    rule : MeterRule
+        How they are counted.
 
     Warns
     -----
@@ -59,83 +97,92 @@ class DamageSensor:
 
     unit: ClassVar[str] = "1"
     frame: ClassVar[str] = "scalar"
-    name: str
-    sensor: Any
-    sn: Any
-    residue: str
-    mean: Any
-    measured: tuple[str, ...]
-    factor: float
-    rule: MeterRule
+    late: ClassVar[bool] = True
+    sensor: Counted = field(
+        "What is counted: a sensor of the same mechanism, of stress in Pa or, with a factor, of "
+        "anything that stress follows"
+    )
+    sn: Curve = field("S-N curve, amplitudes in Pa (in files also its name)")
+    residue: Residue = field(
+        "How what the rainflow count leaves over counts; see `DamageMeter`",
+        words=RESIDUES,
+        kw_only=True,
+    )
+    mean: Correction = field(
+        "Mean stress correction, such as ``Goodman(S_u=..)``", default=None, kw_only=True
+    )
+    components: Components = field(
+        "Which components of the sensor; None for all of them", default=None, kw_only=True
+    )
+    factor: DefaultNumber = field(
+        "Stress, Pa, for a value of 1, not 0; needed where the sensor does not measure Pa; a "
+        "stress concentration factor too",
+        default=None,
+        kw_only=True,
+    )
+    depth: Depth = field("Turning points that each meter remembers", default=32, kw_only=True)
+    resolution: Number = field(
+        "Samples are rounded to multiples of it; 0 takes them as they are",
+        unit="Pa",
+        default=0.0,
+        kw_only=True,
+    )
 
-    def __init__(
-        self,
-        name: str,
-        sensor: Any,
-        sn: Any,
-        *,
-        residue: str,
-        mean: Any = None,
-        components: Iterable[str] | str | None = None,
-        factor: float | None = None,
-        depth: int = 32,
-        resolution: float = 0.0,
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, "sensor", name)
+    if TYPE_CHECKING:
+
+        @property
+        def measured(self) -> tuple[str, ...]: ...  # noqa: D102
+        @property
+        def rule(self) -> MeterRule: ...  # noqa: D102
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Find what is counted, and how."""
+        sensor, factor = self.sensor, vars(self)["factor"]
         rule = meter_rule(
-            problems, where, sn, residue=residue, mean=mean, depth=depth, resolution=resolution
+            problems,
+            where,
+            self.sn,
+            residue=self.residue,
+            mean=self.mean,
+            depth=self.depth,
+            resolution=self.resolution,
         )
-        known: tuple[str, ...] = tuple(getattr(sensor, "components", ()))
-        measured = (components,) if isinstance(components, str) else tuple(components or known)
-        if not known or isinstance(sensor, DamageSensor):
-            problems.add(where, f"sensor is {sensor!r}, must be a sensor of stress")
-        else:
-            for component in measured:
-                if component not in known:
-                    problems.add(
-                        where,
-                        f"components: sensor {sensor.name!r} has no {component!r}"
-                        f"{suggest(str(component), known)}",
-                    )
-            unit = str(sensor.unit)
-            if factor is None and unit != "Pa":
+        known: tuple[str, ...] = tuple(sensor.components)
+        measured = vars(self)["components"] or known
+        for component in measured:
+            if component not in known:
                 problems.add(
                     where,
-                    f"sensor {sensor.name!r} measures {unit}, the S-N curve is in Pa; give factor,"
-                    " the stress in Pa for a value of 1",
+                    f"components: sensor {sensor.name!r} has no {component!r}"
+                    f"{suggest(str(component), known)}",
                 )
-        scale = 1.0 if factor is None else number(problems, where, "factor", factor)
-        if scale == 0.0:
+        if factor is None and sensor.unit != "Pa":
+            problems.add(
+                where,
+                f"sensor {sensor.name!r} measures {sensor.unit}, the S-N curve is in Pa; give "
+                "factor, the stress in Pa for a value of 1",
+            )
+        if factor == 0.0:
             problems.add(
                 where,
                 "factor is 0, with which nothing is damaged; give the stress for a value of 1",
             )
-        problems.raise_if_any()
-        if isinstance(sensor, VonMisesSensor):
+        if isinstance(sensor, VonMisesSensor) and not problems.found:
             warn(
                 where,
                 f"sensor {sensor.name!r} measures von Mises stress, which is never negative: of a"
                 " stress that changes sign it counts half the range; take components",
             )
+        values: tuple[str, ...] = ("damage", "cycles")
+        if len(measured) > 1:
+            values = tuple(f"{name}:{value}" for name in measured for value in values)
         set_fields(
             self,
-            name=name,
-            sensor=sensor,
-            sn=sn,
-            residue=residue,
-            mean=mean,
+            components=values,
             measured=measured,
-            factor=scale,
+            factor=1.0 if factor is None else factor,
             rule=rule,
         )
-
-    @property
-    def components(self) -> tuple[str, ...]:
-        """Names of the components: damage and cycles, of several values with theirs before."""
-        if len(self.measured) == 1:
-            return ("damage", "cycles")
-        return tuple(f"{name}:{value}" for name in self.measured for value in ("damage", "cycles"))
 
     @property
     def places(self) -> tuple[int, ...]:

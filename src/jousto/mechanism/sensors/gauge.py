@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
-from jousto.base.described import described
+from jousto.base.declare import Field, Number, OptionalItem, OptionalNumber, Reference, field
 from jousto.base.errors import InputError, Problem, Problems, suggest
-from jousto.base.names import check_name
-from jousto.base.numbers import number, set_fields
-from jousto.base.rotations import Array, readonly
+from jousto.base.numbers import set_fields
+from jousto.base.rotations import Array, Direction, readonly, unit_vector
 from jousto.mechanism.bodies.body import FlexibleBody
-from jousto.mechanism.sensors.temperature import Temperature, check_temperature
+from jousto.mechanism.sensors.base import Sensor
+from jousto.mechanism.sensors.temperature import Temperature
 from jousto.mechanism.signals.base import Signal
 
 if TYPE_CHECKING:
@@ -36,10 +35,109 @@ LEAVES = 1e-6
 TRACE = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 
 
-@explained
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class Gauge:
+class Carrier(Reference["FlexibleBody | ReducedPart", "FlexibleBody | ReducedPart"]):
+    """What gauges stick to; a model file gives the name of a body."""
+
+    section = "bodies"
+    word = "body"
+    noun = "FlexibleBody or ReducedPart"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the body or part."""
+        if not isinstance(value, FlexibleBody) and not hasattr(value, "modes"):
+            problems.add(
+                where, f"{self.name} is {value!r}, must be a flexible body or a reduced part"
+            )
+        return value
+
+
+class Spot(Field[str | ArrayLike, str | Array]):
+    """A position, or the label of a stress site."""
+
+    form = "spot"
+    noun = "str or (3,) array_like"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the label or the position."""
+        return value if isinstance(value, str) else problems.array(where, self.name, value, (3,))
+
+
+class Heading(Direction):
+    """A direction, kept as a unit vector."""
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the unit vector."""
+        found = problems.array(where, self.name, value, (3,))
+        if found is not None and not found.any():
+            problems.add(where, f"{self.name} is zero")
+            return None
+        return None if found is None else readonly(unit_vector(found))
+
+
+class Attached(Sensor):
+    """What all sensors of strain have in common."""
+
+    unit: ClassVar[str] = "m/m"
+    frame: ClassVar[str] = "gauge"
+    flexible: ClassVar[bool] = True
+    body: Carrier = field("What it sticks to; sensors of a mechanism need a body")
+    at: Spot = field(
+        "Position in the part frame, m; the nearest place of the surface is taken; or the label of "
+        'a stress site such as ``"e3.a.top"`` or ``"n12"``'
+    )
+    direction: Heading = field(
+        "Along the gauge, the first of a rosette, part frame; on solids projected to the tangent "
+        "plane; None is along the beam, on solids it must be given",
+        default=None,
+    )
+    length: Number = field(
+        "Of the grid, over which strain is averaged; zero is a point",
+        unit="m",
+        least=0,
+        default=0.0,
+        kw_only=True,
+    )
+    width: Number = field("Of the grid", unit="m", least=0, default=0.0, kw_only=True)
+    transverse: Number = field(
+        "Transverse sensitivity K, such as 0.005",
+        above=-0.5,
+        below=0.5,
+        wanted="a share such as 0.005",
+        default=0.0,
+        kw_only=True,
+    )
+    temperature: OptionalItem[Temperature] = field(
+        "Adds the apparent strain of a temperature that changes",
+        wanted="a Temperature(signal, part=..., gauge=...)",
+        default=None,
+        kw_only=True,
+    )
+    reach: OptionalNumber = field(
+        "How far the position may lie off the surface; 1 % of the size of the part (solids) or of "
+        "the section (beams) if not given",
+        unit="m",
+        least=0,
+        default=None,
+        kw_only=True,
+    )
+    E: OptionalNumber = field(
+        "Young's modulus, for parts that do not know it",
+        unit="Pa",
+        above=0,
+        default=None,
+        kw_only=True,
+    )
+    nu: OptionalNumber = field(
+        "Poisson's ratio, for parts that do not know it",
+        above=-1,
+        most=0.5,
+        wanted="in (-1, 0.5]",
+        default=None,
+        kw_only=True,
+    )
+
+
+class Gauge(Attached, tag="gauge"):
     """A virtual strain gauge on a flexible body, (1,) m/m.
 
     On solids it is the mean elongation of the surface under the grid, from the displacements of the
@@ -50,30 +148,6 @@ class Gauge:
 
     With the transverse sensitivity K a real gauge, calibrated at Poisson's ratio 0.285, shows
     ``(e + K e_across) / (1 - 0.285 K)`` (ASTM E251).
-
-    Parameters
-    ----------
-    name : str
-        Name, unique among the sensors.
-    body : FlexibleBody or ReducedPart
-        What it sticks to; sensors of a mechanism need a body.
-    at : str or (3,) array_like
-        Position in the part frame, m; the nearest place of the surface is taken. Or the label of a
-        stress site such as ``"e3.a.top"`` or ``"n12"``.
-    direction : (3,) array_like, optional
-        Along the gauge, part frame; on solids projected to the tangent plane. None is along the
-        beam; on solids it must be given.
-    length, width : float
-        Of the grid, m, over which strain is averaged; zero is a point.
-    transverse : float
-        Transverse sensitivity K, such as 0.005.
-    temperature : Temperature, optional
-        Adds the apparent strain of a temperature that changes.
-    reach : float, optional
-        How far the position may lie off the surface, m; 1 % of the size of the part (solids) or
-        of the section (beams) if not given.
-    E, nu : float, optional
-        Young's modulus, Pa, and Poisson's ratio, for parts that do not know them.
 
     Attributes
     ----------
@@ -91,80 +165,23 @@ class Gauge:
         across the surface, shear where only stress along the beam is known.
     """
 
-    unit: ClassVar[str] = "m/m"
-    frame: ClassVar[str] = "gauge"
+    kind = "gauge"
     components: ClassVar[tuple[str, ...]] = ("e",)
-    name: str
-    body: FlexibleBody | ReducedPart
-    at: str | Array
-    direction: Array | None
-    length: float
-    width: float
-    transverse: float
-    temperature: Temperature | None
-    reach: float | None
-    E: float | None
-    nu: float | None
-    position: Array
-    axis: Array
-    rows: Array
 
-    def __init__(
-        self,
-        name: str,
-        body: FlexibleBody | ReducedPart,
-        at: str | ArrayLike,
-        direction: ArrayLike | None = None,
-        *,
-        length: float = 0.0,
-        width: float = 0.0,
-        transverse: float = 0.0,
-        temperature: Temperature | None = None,
-        reach: float | None = None,
-        E: float | None = None,
-        nu: float | None = None,
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, "gauge", name)
-        if not isinstance(body, FlexibleBody) and not hasattr(body, "modes"):
-            problems.add(where, f"body is {body!r}, must be a flexible body or a reduced part")
-        place: Any = at if isinstance(at, str) else problems.array(where, "at", at, (3,))
-        t = None if direction is None else problems.array(where, "direction", direction, (3,))
-        if t is not None and not np.any(t):
-            problems.add(where, "direction is zero")
-        sizes: dict[str, float | None] = {}
-        for key, value in (("length", length), ("width", width), ("reach", reach)):
-            found = None if value is None else number(problems, where, key, value)
-            if found is not None and found < 0.0:
-                problems.add(where, f"{key} is {found:g} m, must not be negative")
-            sizes[key] = found
-        K = number(problems, where, "transverse", transverse)
-        if K is not None and not abs(K) < 0.5:
-            problems.add(where, f"transverse is {K:g}, must be a share such as 0.005")
-        young = None if E is None else number(problems, where, "E", E)
-        if young is not None and young <= 0.0:
-            problems.add(where, f"E is {young:g} Pa, must be positive")
-        poisson = None if nu is None else number(problems, where, "nu", nu)
-        if poisson is not None and not -1.0 < poisson <= 0.5:
-            problems.add(where, f"nu is {poisson:g}, must be in (-1, 0.5]")
-        warm = check_temperature(problems, where, temperature)
-        problems.raise_if_any()
-        set_fields(
-            self,
-            name=name,
-            body=body,
-            at=place,
-            temperature=warm,
-            direction=None if t is None else readonly(t / np.linalg.norm(t)),
-            transverse=K,
-            E=young,
-            nu=poisson,
-            **sizes,
-        )
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Place it on its part."""
         position, axis, rows = self.placed(self.reduced)
-        set_fields(
-            self, position=readonly(position), axis=readonly(axis), rows=readonly(rows[None])
-        )
+        found = {"position": position, "axis": axis, "rows": rows[None]}
+        set_fields(self, **{key: readonly(value) for key, value in found.items()})
+
+    if TYPE_CHECKING:
+
+        @property
+        def position(self) -> Array: ...  # noqa: D102
+        @property
+        def axis(self) -> Array: ...  # noqa: D102
+        @property
+        def rows(self) -> Array: ...  # noqa: D102
 
     @property
     def reduced(self) -> ReducedPart:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
-from jousto.base.described import described
+from jousto.base.declare import Field, Reference, field
 from jousto.base.errors import Problems
-from jousto.base.names import check_name
-from jousto.base.numbers import set_fields
-from jousto.mechanism.bodies.marker import Marker, check_marker
+from jousto.mechanism.bodies.marker import Marker, OptionalMarker
 from jousto.mechanism.forces.base import ForceElement
 from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.forces.line_load import LineLoad
@@ -19,14 +16,40 @@ from jousto.mechanism.forces.springs import ModalLoad
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.joints.coupling import Coupler
+from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.sensors.motion import frame_name
 
 FORCE, MOMENT = ("Fx", "Fy", "Fz"), ("Mx", "My", "Mz")
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class ReactionSensor:
+class Held(Reference["Joint | Coupler", "Joint | Coupler"]):
+    """A joint, coupling or drive; a model file gives its name."""
+
+    section = ("joints", "couplings")
+    word = "joint"
+    noun = "Joint, Gear, Rack, Coupling or Drive"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return what is held."""
+        if not isinstance(value, Joint | Coupler):
+            problems.add(where, f"{self.name} is {value!r}, must be a joint, coupling or drive")
+        return value
+
+
+class Axes(Field["str | Marker", "str | Marker"]):
+    """The axes of the world, of a joint or of a marker."""
+
+    form = "axes"
+    noun = '"world", "joint" or Marker'
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the word or the marker."""
+        if not (isinstance(value, Marker) or value in ("world", "joint")):
+            problems.add(where, f"{self.name} is {value!r}, must be 'world', 'joint' or a marker")
+        return value
+
+
+class ReactionSensor(Sensor, tag="reaction"):
     """What a joint, a coupling or a drive does to the body of its marker b.
 
     Of a joint the force and the moment (6,) about the origin of marker b, also where b slides away
@@ -34,42 +57,24 @@ class ReactionSensor:
     each of its coordinates, N or N m: the torque that a motor needs, or the forces of both sides of
     a gear or rack. Where joints repeat one another the reactions are not unique; the results say
     so.
-
-    Parameters
-    ----------
-    name : str
-        Name, unique among the sensors.
-    joint : Joint, Gear, Rack, Coupling or Drive
-        What is measured.
-    resolved_in : "world", "joint" or Marker
-        Axes of the components: the world's, those of the joint on its side a (z is the axis), or
-        those of a marker. Couplings and drives have none.
     """
 
-    name: str
-    joint: Joint | Coupler
-    resolved_in: str | Marker
+    joint: Held = field("What is measured")
+    resolved_in: Axes = field(
+        "Axes of the components: the world's, those of the joint on its side a (z is the axis), or "
+        "those of a marker; couplings and drives have none",
+        default="world",
+        kw_only=True,
+    )
 
-    def __init__(
-        self, name: str, joint: Joint | Coupler, *, resolved_in: str | Marker = "world"
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, "sensor", name)
-        checked: Any = joint
-        if not isinstance(checked, Joint | Coupler):
-            problems.add(where, f"joint is {checked!r}, must be a joint, coupling or drive")
-        if not (isinstance(resolved_in, Marker) or resolved_in in ("world", "joint")):
-            problems.add(
-                where, f"resolved_in is {resolved_in!r}, must be 'world', 'joint' or a marker"
-            )
-        elif isinstance(checked, Coupler) and resolved_in != "world":
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note axes of what has none."""
+        if isinstance(self.joint, Coupler) and self.resolved_in != "world":
             problems.add(
                 where,
-                f"resolved_in: the reaction of {joint.name!r} is along its coordinates, "
+                f"resolved_in: the reaction of {self.joint.name!r} is along its coordinates, "
                 "leave resolved_in out",
             )
-        problems.raise_if_any()
-        set_fields(self, name=name, joint=joint, resolved_in=resolved_in)
 
     @property
     def unit(self) -> str:
@@ -116,9 +121,29 @@ class ReactionSensor:
         return f"reaction of {self.joint.name} along {names}"
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class ForceSensor:
+class Pushing(Reference[ForceElement | Friction, ForceElement | Friction]):
+    """A force element; a model file gives its name."""
+
+    section = ("forces", "frictions")
+    word = "force"
+    noun = "Force, Torque, Spring, Friction or any other force element"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the force."""
+        if not isinstance(value, ForceElement | Friction):
+            problems.add(
+                where, f"{self.name} is {value!r}, must be a force element such as a Spring"
+            )
+        elif isinstance(value, LineLoad):
+            problems.add(
+                where,
+                f"{value.name!r} acts all along beam {value.beam.name!r}; take a "
+                "SectionSensor, or ForceSensors on point forces",
+            )
+        return value
+
+
+class ForceSensor(Sensor, tag="force"):
     """What a force element exerts on the body of its marker, or of marker b.
 
     A `Spring`, `JointForce`, `Servo` or `Friction` gives the force or torque along its coordinates,
@@ -126,44 +151,22 @@ class ForceSensor:
     `Torque` its moment (3,) N m; a `Bushing` and a `UserForce` force and moment (6,) at the origin
     of b; a `ModalLoad` its resultant force and moment (6,) about the origin of the body frame, of
     the undeformed body.
-
-    Parameters
-    ----------
-    name : str
-        Name, unique among the sensors.
-    force : Force, Torque, Spring, Friction or any other force element
-        What is measured.
-    resolved_in : Marker, optional
-        Axes of the components; None for those of the world.
     """
 
-    name: str
-    force: ForceElement | Friction
-    resolved_in: Marker | None
+    late: ClassVar[bool] = True
+    force: Pushing = field("What is measured")
+    resolved_in: OptionalMarker = field(
+        "Axes of the components; None for those of the world", default=None, kw_only=True
+    )
 
-    def __init__(
-        self, name: str, force: ForceElement | Friction, *, resolved_in: Marker | None = None
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, "sensor", name)
-        checked: Any = force
-        if not isinstance(checked, ForceElement | Friction):
-            problems.add(where, f"force is {checked!r}, must be a force element such as a Spring")
-        elif isinstance(checked, LineLoad):
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note axes of what has none."""
+        if self.resolved_in is not None and along(self.force):
             problems.add(
                 where,
-                f"{checked.name!r} acts all along beam {checked.beam.name!r}; take a "
-                "SectionSensor, or ForceSensors on point forces",
+                f"resolved_in: {self.force.name!r} acts along its coordinate, "
+                "leave resolved_in out",
             )
-        if resolved_in is not None:
-            check_marker(problems, where, "resolved_in", resolved_in)
-            if along(checked):
-                problems.add(
-                    where,
-                    f"resolved_in: {force.name!r} acts along its coordinate, leave resolved_in out",
-                )
-        problems.raise_if_any()
-        set_fields(self, name=name, force=force, resolved_in=resolved_in)
 
     @property
     def unit(self) -> str:

@@ -19,66 +19,44 @@ the acceleration of gravity, there zero).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
-from jousto.base.arguments import explained
-from jousto.base.described import described
+from jousto.base.declare import field
 from jousto.base.errors import Problems
-from jousto.base.names import check_name
-from jousto.base.numbers import set_fields
-from jousto.mechanism.bodies.marker import Marker, check_marker
+from jousto.mechanism.bodies.marker import Marker, MarkerField, OptionalMarker
+from jousto.mechanism.sensors.base import Sensor
 
 XYZ = ("x", "y", "z")
 
 
-@explained
-@dataclass(frozen=True, eq=False, init=False)
-class MotionSensor:
-    """What all sensors of the motion of a marker have in common.
-
-    Parameters
-    ----------
-    name : str
-        Name, unique among the sensors.
-    marker : Marker
-        What is observed.
-    relative_to : Marker, optional
-        The observer, who moves and turns with this marker; None for one at rest at the world's
-        origin.
-    resolved_in : Marker, optional
-        Axes of the components; None for those of the observer, the world without one.
-        ``ground["origin"]`` gives the world's.
-    """
+class MotionSensor(Sensor):
+    """What all sensors of the motion of a marker have in common."""
 
     quantity: ClassVar[str]
     unit: ClassVar[str]
     components: ClassVar[tuple[str, ...]] = XYZ
     turns: ClassVar[bool] = False
     """Whether the orientation of the marker itself matters."""
-    name: str
-    marker: Marker
-    relative_to: Marker | None
-    resolved_in: Marker | None
+    marker: MarkerField = field("What is observed")
+    relative_to: OptionalMarker = field(
+        "The observer, who moves and turns with this marker; None for one at rest at the world's "
+        "origin",
+        default=None,
+        kw_only=True,
+    )
+    resolved_in: OptionalMarker = field(
+        "Axes of the components; None for those of the observer, the world without one; "
+        '``ground["origin"]`` gives the world\'s',
+        default=None,
+        kw_only=True,
+    )
 
-    def __init__(
-        self,
-        name: str,
-        marker: Marker,
-        *,
-        relative_to: Marker | None = None,
-        resolved_in: Marker | None = None,
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, "sensor", name)
-        check_marker(problems, where, "marker", marker)
-        for key, value in (("relative_to", relative_to), ("resolved_in", resolved_in)):
-            if value is not None:
-                check_marker(problems, where, key, value)
-        if marker is relative_to:
-            problems.add(where, f"relative_to is the marker itself, {marker.label}: always zero")
-        problems.raise_if_any()
-        set_fields(self, name=name, marker=marker, relative_to=relative_to, resolved_in=resolved_in)
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note a marker that observes itself."""
+        if self.marker is self.relative_to:
+            problems.add(
+                where, f"relative_to is the marker itself, {self.marker.label}: always zero"
+            )
 
     @property
     def axes(self) -> Marker | None:
@@ -109,18 +87,14 @@ class MotionSensor:
         return f"{self.quantity} of {self.marker.label}{seen}"
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class PositionSensor(MotionSensor):
+class PositionSensor(MotionSensor, tag="position"):
     """Position of a marker, (3,) m: from the world's origin, or from another marker."""
 
     quantity: ClassVar[str] = "position"
     unit: ClassVar[str] = "m"
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class VelocitySensor(MotionSensor):
+class VelocitySensor(MotionSensor, tag="velocity"):
     """Velocity of a marker, (3,) m/s: in the world, or as seen from another marker.
 
     As seen from a marker, the motion of that marker's axes is taken out: ``v - v_o - W x d``.
@@ -130,9 +104,7 @@ class VelocitySensor(MotionSensor):
     unit: ClassVar[str] = "m/s"
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class AccelerationSensor(MotionSensor):
+class AccelerationSensor(MotionSensor, tag="acceleration"):
     """Acceleration of a marker, (3,) m/s2: in the world, or as seen from another marker.
 
     ``r'' = R'' + A (w' x u + w x (w x u) + 2 w x Phi p' + Phi p'')``: exact, from the accelerations
@@ -145,9 +117,7 @@ class AccelerationSensor(MotionSensor):
     unit: ClassVar[str] = "m/s2"
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class OrientationSensor(MotionSensor):
+class OrientationSensor(MotionSensor, tag="orientation"):
     """Euler parameters (4,) of a marker's axes, scalar first and not negative.
 
     Of the turn from the axes of `relative_to`, or of the world, to those of the marker; its axis is
@@ -165,9 +135,7 @@ class OrientationSensor(MotionSensor):
         return f"{super().description} (Euler parameters, scalar first)"
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class AngularVelocitySensor(MotionSensor):
+class AngularVelocitySensor(MotionSensor, tag="angular-velocity"):
     """Angular velocity of a marker, (3,) rad/s: in the world, or as seen from another marker."""
 
     quantity: ClassVar[str] = "angular velocity"
@@ -175,9 +143,7 @@ class AngularVelocitySensor(MotionSensor):
     turns: ClassVar[bool] = True
 
 
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class AngularAccelerationSensor(MotionSensor):
+class AngularAccelerationSensor(MotionSensor, tag="angular-acceleration"):
     """Angular acceleration of a marker, (3,) rad/s2: in the world, or seen from another marker.
 
     Exact, from the accelerations that the engine solves for, with the rotation mode shapes of

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from jousto.base.arguments import explained
-from jousto.base.described import described
+from jousto.base.declare import Choice, Field, field
 from jousto.base.errors import Problems
-from jousto.base.names import check_name
 from jousto.base.numbers import number, set_fields
 from jousto.mechanism.beams.body import BeamBody
+from jousto.mechanism.forces.line_load import BeamField
+from jousto.mechanism.sensors.base import Sensor
 
 RESULTANTS = ("N", "Qy", "Qz", "Mx", "My", "Mz")
 STRAINS = ("Gamma_x", "Gamma_y", "Gamma_z", "kappa_x", "kappa_y", "kappa_z")
@@ -20,10 +20,27 @@ QUANTITIES = {"resultants": RESULTANTS, "strains": STRAINS}
 PLACES = {"start": 0.0, "middle": 0.5, "end": 1.0}
 
 
-@explained
-@described
-@dataclass(frozen=True, eq=False, init=False)
-class SectionSensor:
+class Along(Field["str | float | None", "str | float | None"]):
+    """A place along a beam."""
+
+    form = "along"
+    noun = '"start", "middle", "end" or float'
+
+
+class Element(Field["int | None", int]):
+    """The number of an element."""
+
+    form = "count"
+    noun = "int"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the number."""
+        if isinstance(value, bool) or not isinstance(value, int | np.integer):
+            problems.add(where, f"{self.name} is {value!r}, must be a whole number")
+        return value
+
+
+class SectionSensor(Sensor, tag="section"):
     """Resultants ``[N, Qy, Qz, Mx, My, Mz]`` of a beam's section (6,), N and N m, or its strains.
 
     In section axes and about the section's reference axis: what the part of the beam towards its
@@ -31,55 +48,40 @@ class SectionSensor:
     nodes they follow from the balance of the element there, as in `section_forces`: the force is
     that of the element, and the moment is that of its middle and the force times its lever.
     Strains, and resultants between two nodes, are those in the middle of the element.
-
-    Parameters
-    ----------
-    name : str
-        Name, unique among the sensors.
-    beam : BeamBody
-        The beam.
-    at : "start", "middle", "end" or float, optional
-        Where, the middle if nothing is given. Or the distance from the start along the unstressed
-        axis, m: that of a node (resultants on its side towards the end), or any in an element,
-        whose middle it means.
-    element : int, optional
-        The middle of this element instead, from 0; -1 is the last.
-    quantity : "resultants" or "strains"
-        Strains are ``[Gamma_x, Gamma_y, Gamma_z]`` m/m and ``[kappa_x, kappa_y, kappa_z]`` rad/m
-        of the reference axis, less those of the unstressed beam.
     """
 
-    name: str
-    beam: BeamBody
-    element: int
-    quantity: str
-    end: int | None  # of the element, 0 or 1; its middle if None
+    beam: BeamField = field("The beam")
+    at: Along = field(
+        "Where, the middle if nothing is given; or the distance from the start along the "
+        "unstressed axis, m: that of a node (resultants on its side towards the end), or any in "
+        "an element, whose middle it means",
+        default=None,
+    )
+    element: Element = field(
+        "The middle of this element instead, from 0; -1 is the last", default=None, kw_only=True
+    )
+    quantity: Choice = field(
+        "Resultants, or strains ``[Gamma_x, Gamma_y, Gamma_z]`` m/m and ``[kappa_x, kappa_y, "
+        "kappa_z]`` rad/m of the reference axis, less those of the unstressed beam",
+        words=("resultants", "strains"),
+        default="resultants",
+        kw_only=True,
+    )
 
-    def __init__(
-        self,
-        name: str,
-        beam: BeamBody,
-        at: str | float | None = None,
-        *,
-        element: int | None = None,
-        quantity: str = "resultants",
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, "sensor", name)
-        checked: Any = beam
-        if not isinstance(checked, BeamBody):
-            problems.add(where, f"beam is {checked!r}, must be a BeamBody")
-            problems.raise_if_any()
-        if quantity not in QUANTITIES:
-            problems.add(where, f"quantity is {quantity!r}, must be 'resultants' or 'strains'")
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Find the element."""
+        at, element = self.at, vars(self)["element"]
         if at is not None and element is not None:
             problems.add(where, "give at, a place along the beam, or element, its number, not both")
         if at is None and element is None:
             at = "middle"
-        place = _element(problems, where, beam, at, element)
-        problems.raise_if_any()
-        end = None if quantity == "strains" else _end(beam, at, place)
-        set_fields(self, name=name, beam=beam, element=place, quantity=quantity, end=end)
+        place = _element(problems, where, self.beam, at, element)
+        set_fields(self, element=place)
+
+    @cached_property
+    def end(self) -> int | None:
+        """Which end of the element is meant, 0 or 1; its middle if None."""
+        return None if self.quantity == "strains" else _end(self.beam, self.at, self.element)
 
     @property
     def unit(self) -> str:
@@ -124,9 +126,7 @@ def _element(problems: Problems, where: str, beam: BeamBody, at: Any, element: A
     """Return the number of the element, or note why there is none."""
     n = beam.n
     if at is None:
-        if isinstance(element, bool) or not isinstance(element, int | np.integer):
-            problems.add(where, f"element is {element!r}, must be a whole number")
-        elif not -n <= element < n:
+        if not -n <= element < n:
             problems.add(where, f"element {element}: beam {beam.name!r} has 0 to {n - 1}")
         else:
             return int(element) % n

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 from jousto.base.declare import Choice, Declared, Field, Flag, Name, Number, field
 from jousto.base.errors import Problems, suggest
 from jousto.mechanism.joints.coordinate import Coordinate
-from jousto.mechanism.sensors.kinds import SENSORS, Sensor
+from jousto.mechanism.sensors.base import Sensor
 
 DIRECTIONS = ("both", "rising", "falling")
 Measurable: TypeAlias = Sensor | Coordinate
@@ -21,7 +21,7 @@ class Watched(Field[Measurable, Measurable]):
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return what is watched."""
-        if not isinstance(value, (*SENSORS, Coordinate)):
+        if not isinstance(value, Sensor | Coordinate):
             problems.add(where, f"watch is {value!r}, must be a sensor or a coordinate")
         return value
 

@@ -170,27 +170,3 @@ class BeamBodyEntry(Entry):
     orientation: Orientation | None = None
     velocity: Velocity3 | None = Field(None, description="Of the body frame's origin")
     angular_velocity: AngularVelocity3 | None = None
-
-
-def _at(value: Any) -> str:
-    return "word" if value in ("start", "middle", "end") else "length"
-
-
-class SectionSensorEntry(Entry):
-    """`SectionSensor`: resultants or strains of a beam."""
-
-    type: Literal["section"]
-    name: Text
-    beam: Text = Field(description="Name of a body of type beam")
-    at: (
-        Annotated[
-            Annotated[Literal["start", "middle", "end"], Tag("word")]
-            | Annotated[Length, Tag("length")],
-            Discriminator(_at),
-        ]
-        | None
-    ) = Field(None, description="start, middle, end or a length from the start")
-    element: Count | None = Field(None, description="Number from 0, its middle, instead of at")
-    quantity: Literal["resultants", "strains"] | None = Field(
-        None, description="Resultants if not given"
-    )

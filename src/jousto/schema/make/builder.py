@@ -27,7 +27,7 @@ from jousto.schema.make.declared import FORMS, build_declared
 from jousto.schema.make.elements import FORMS as OF_FORCES
 from jousto.schema.make.happen import is_late, watches_late
 from jousto.schema.make.matrices import build_matrices, build_superelement, is_superelement
-from jousto.schema.make.sense import FLEXIBLE_ONLY, build_sensor
+from jousto.schema.make.sense import FORMS as OF_SENSORS
 from jousto.schema.make.solid import build_solid
 
 T = TypeVar("T")
@@ -72,7 +72,7 @@ class Builder:
         self.events: dict[str, Any] = {}
         self.curves: dict[str, Any] = {}
         self.late_events: set[str] = set()
-        self.forms = {**FORMS, **OF_FORCES}
+        self.forms = {**FORMS, **OF_FORCES, **OF_SENSORS}
         self.sensors: list[str] = []  # names of all sensors of the file
 
     # -- placing problems -------------------------------------------------------------------
@@ -427,7 +427,7 @@ class Builder:
             kept = [
                 i
                 for i, e in enumerate(entries)
-                if now(e) and not (self.rigid and getattr(e, "type", "") in FLEXIBLE_ONLY)
+                if now(e) and not (self.rigid and getattr(e.declared, "flexible", False))
             ]
             entries, places = [entries[i] for i in kept], [places[i] for i in kept]
             return self.section_items(key, entries, places, build)
@@ -445,7 +445,7 @@ class Builder:
         known["curves"] = self.curves
 
         def sensed(now: Callable[[Any], bool]) -> list[tuple[Loc, Any]]:
-            return listed("sensors", lambda at, e: build_sensor(self, at, e, known), now)
+            return listed("sensors", lambda at, e: build_declared(self, at, e, known), now)
 
         def watched(early: bool) -> list[tuple[Loc, Any]]:
             return listed(
@@ -470,7 +470,7 @@ class Builder:
         known["sensors"] = named(sensors)
         sensors += sensed(lambda e: e.type == "bridge")
         known["sensors"] = named(sensors)
-        measured = [e.name for e in entry.sensors or () if e.type in FLEXIBLE_ONLY]
+        measured = [e.name for e in entry.sensors or () if e.declared.flexible]
         sensors += sensed(  # what they count may be gone
             lambda e: e.type == "damage" and not (self.rigid and e.sensor in measured)
         )

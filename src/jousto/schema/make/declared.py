@@ -122,9 +122,11 @@ def marker(place: Place, value: Any) -> Any:
 def reference(place: Place, name: str) -> Any:
     """Return the object that an entry names."""
     section, word = place.field.section, place.field.word
-    found = place.known[section].get(name)
+    sections = (section,) if isinstance(section, str) else section
+    known = [place.known[key] for key in sections]
+    found = next((items[name] for items in known if name in items), None)
     if found is None:
-        place.builder.unknown(place.loc, section, word, name, place.known[section])
+        place.builder.unknown(place.loc, sections, word, name, [k for x in known for k in x])
     return found
 
 
