@@ -188,7 +188,8 @@ def check_member(problems: Problems, item: Any, used: Any, known: tuple[Any, ...
 
 def signals_of(item: Any) -> Iterator[Signal]:
     """Yield the signals an item uses and all signals they are made of."""
-    for value in vars(item).values():
+    values = (*vars(item).values(), getattr(item, "signal", None))  # that of a gauge is found
+    for value in {id(value): value for value in values}.values():
         if isinstance(value, Signal):
             yield from leaves(value)
 
