@@ -96,6 +96,22 @@ def test_all_problems_are_reported_together():
     assert [p.message.split()[0] for p in error.value.problems] == ["tame", "mass", "colour"]
 
 
+def test_none_is_a_value_of_what_is_optional():
+    class Bird(Pet, tag="bird"):
+        """A pet that flies."""
+
+        span: OptionalNumber = field("Of its wings", unit="m", above=0, default=1.0)
+        mass: Number = field("How heavy it is", unit="kg", default=1.0)
+
+    try:
+        assert Bird("jay").span == 1.0
+        assert Bird("jay", span=None).span is None
+        with pytest.raises(InputError, match="pet 'jay': mass is nan, must be finite"):
+            Bird("jay", mass=None)
+    finally:
+        del SECTIONS["pets of the test"]["bird"]
+
+
 def test_fields_of_several_bases_come_together():
     fish = Fish("wanda", scales=[1, 2.5])
     assert fish.scales == (1.0, 2.5)

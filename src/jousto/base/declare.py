@@ -99,6 +99,8 @@ class Field(Generic[In, Out]):
     """How model files write it; `jousto.schema` knows how to read each form."""
     noun: ClassVar[str] = ""
     """What it is called in help."""
+    optional: ClassVar[bool] = False
+    """Whether None is a value, also where it is not the default."""
     spread: ClassVar[bool] = False
     """Whether the constructor takes its items one after the other, ``Sum(a, b, c)``."""
 
@@ -154,7 +156,7 @@ class Field(Generic[In, Out]):
     def annotation(self) -> str:
         """What signatures say of it."""
         said = self.noun if self.noun.isidentifier() else "Any"
-        return f"{said} | None" if self.default is None else said
+        return f"{said} | None" if self.optional or self.default is None else said
 
     def line(self) -> str:
         """Return the head of its parameter in help, ``pitch : float, m``."""
@@ -305,6 +307,8 @@ class Number(_Numeric[float, float]):
 class OptionalNumber(_Numeric["float | None", "float | None"]):
     """A finite number, or None."""
 
+    optional = True
+
 
 class DefaultNumber(_Numeric["float | None", float]):
     """A finite number, or None for one that the object finds itself."""
@@ -325,20 +329,26 @@ class Duration(_Seconds[float, float]):
 class OptionalDuration(_Seconds["float | None", "float | None"]):
     """A time above zero, or None."""
 
+    optional = True
+
     wish = "None or positive, s"
 
 
-class _Positive(_Numeric[In, Out]):
+class OnlyPositive(_Numeric[In, Out]):
+    """What numbers above zero share."""
+
     def __init__(self, text: str = "", **common: Any) -> None:
         super().__init__(text, above=0, wanted="a positive number", **common)
 
 
-class Positive(_Positive[float, float]):
+class Positive(OnlyPositive[float, float]):
     """A number above zero."""
 
 
-class OptionalPositive(_Positive["float | None", "float | None"]):
+class OptionalPositive(OnlyPositive["float | None", "float | None"]):
     """A number above zero, or None."""
+
+    optional = True
 
 
 class Whole(Field[int, int]):
@@ -472,7 +482,8 @@ class Choice(Field[str, str]):
         """Return one of the words."""
         if value not in self.words:
             *some, last = (repr(word) for word in self.words)
-            problems.add(where, f"{self.name} is {value!r}, must be {', '.join(some)} or {last}")
+            wanted = self.wanted or f"{', '.join(some)} or {last}"
+            problems.add(where, f"{self.label} is {value!r}, must be {wanted}")
         return value
 
 
@@ -589,6 +600,8 @@ class Declared:
             cls.by_value = by_value
         said = {key: value for key, value in vars(cls).items() if isinstance(value, _Facts)}
         here = sys._getframe(1)  # where the class is written: its annotations mean names of there
+        while here.f_back and here.f_globals.get("__name__") == "abc":
+            here = here.f_back
         types = inspect.get_annotations(
             cls, globals=here.f_globals, locals=here.f_locals, eval_str=bool(said)
         )
@@ -628,7 +641,7 @@ class Declared:
         wrong = {"name"} if problems.found else set()
         for key, field in self.fields.items():
             value = getattr(self, key)
-            if value is None and field.default is None:
+            if value is None and (field.optional or field.default is None):
                 continue
             before = len(problems.found)
             object.__setattr__(self, key, field.check(problems, where, value))

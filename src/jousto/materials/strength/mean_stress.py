@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.base.errors import InputError, Problem, Problems, suggest
-from jousto.materials.strength.sn import check_unit
+from jousto.base.declare import Choice, Declared, Flag, Number, field
+from jousto.base.errors import Problems, suggest
+from jousto.materials.strength.sn import Strength, check_unit
 
 Array = NDArray[np.float64]
 
 
-class MeanStress(ABC):
+class MeanStress(Declared, ABC, section="mean stress", by_value=True):
     """A mean stress correction."""
 
     @abstractmethod
@@ -51,23 +51,8 @@ def _line(S_a: Array, S_m: Array, S_u: float, credit: bool) -> Array:
     return np.where(rest > 0.0, S_a / np.where(rest > 0.0, rest, 1.0), np.inf)
 
 
-def _strength(where: str, name: str, value: float) -> None:
-    problems = Problems()
-    problems.positive(where, name, value, "Pa")
-    problems.raise_if_any()
-    check_unit(where, name, value)
-
-
-@dataclass(frozen=True)
-class Goodman(MeanStress):
+class Goodman(MeanStress, tag="goodman"):
     """``S_ar = S_a / (1 - S_m / S_u)`` (J. Goodman 1899).
-
-    Parameters
-    ----------
-    S_u : float
-        Tensile strength, Pa.
-    credit : bool
-        Whether compressive means lengthen life; False takes them as zero, the careful side.
 
     Examples
     --------
@@ -75,11 +60,11 @@ class Goodman(MeanStress):
     200000000.0
     """
 
-    S_u: float
-    credit: bool = True
-
-    def __post_init__(self) -> None:
-        _strength("Goodman", "S_u", self.S_u)
+    S_u: Strength = field("Tensile strength", unit="Pa")
+    credit: Flag = field(
+        "Whether compressive means lengthen life; False takes them as zero, the careful side",
+        default=True,
+    )
 
     def equivalent(self, amplitude: ArrayLike, mean: ArrayLike) -> Array:
         """Return the equivalent amplitude; see the class."""
@@ -91,23 +76,14 @@ class Goodman(MeanStress):
         return 1, float(self.S_u), float(self.credit)
 
 
-@dataclass(frozen=True)
-class Soderberg(MeanStress):
-    """``S_ar = S_a / (1 - S_m / S_y)``: Goodman's line to the yield stress (C. R. Soderberg 1930).
+class Soderberg(MeanStress, tag="soderberg"):
+    """``S_ar = S_a / (1 - S_m / S_y)``: Goodman's line to the yield stress (Soderberg 1930)."""
 
-    Parameters
-    ----------
-    S_y : float
-        Yield stress, Pa.
-    credit : bool
-        As of `Goodman`.
-    """
-
-    S_y: float
-    credit: bool = True
-
-    def __post_init__(self) -> None:
-        _strength("Soderberg", "S_y", self.S_y)
+    S_y: Strength = field("Yield stress", unit="Pa")
+    credit: Flag = field(
+        "Whether compressive means lengthen life; False takes them as zero, the careful side",
+        default=True,
+    )
 
     def equivalent(self, amplitude: ArrayLike, mean: ArrayLike) -> Array:
         """Return the equivalent amplitude; see the class."""
@@ -119,23 +95,14 @@ class Soderberg(MeanStress):
         return 1, float(self.S_y), float(self.credit)
 
 
-@dataclass(frozen=True)
-class Morrow(MeanStress):
-    """``S_ar = S_a / (1 - S_m / sf)`` with the fatigue strength coefficient (J. Morrow 1968).
+class Morrow(MeanStress, tag="morrow"):
+    """``S_ar = S_a / (1 - S_m / sf)`` with the fatigue strength coefficient (J. Morrow 1968)."""
 
-    Parameters
-    ----------
-    sf : float
-        sigma_f', or the true fracture stress, Pa.
-    credit : bool
-        As of `Goodman`.
-    """
-
-    sf: float
-    credit: bool = True
-
-    def __post_init__(self) -> None:
-        _strength("Morrow", "sf", self.sf)
+    sf: Strength = field("sigma_f', or the true fracture stress", unit="Pa")
+    credit: Flag = field(
+        "Whether compressive means lengthen life; False takes them as zero, the careful side",
+        default=True,
+    )
 
     def equivalent(self, amplitude: ArrayLike, mean: ArrayLike) -> Array:
         """Return the equivalent amplitude; see the class."""
@@ -147,16 +114,10 @@ class Morrow(MeanStress):
         return 1, float(self.sf), float(self.credit)
 
 
-@dataclass(frozen=True)
-class Gerber(MeanStress):
+class Gerber(MeanStress, tag="gerber"):
     """``S_ar = S_a / (1 - (S_m / S_u)^2)`` (W. Gerber 1874); compressive means count as zero.
 
     The parabola is for tension; its other half would make compression as harmful.
-
-    Parameters
-    ----------
-    S_u : float
-        Tensile strength, Pa.
 
     Examples
     --------
@@ -164,10 +125,7 @@ class Gerber(MeanStress):
     100000000
     """
 
-    S_u: float
-
-    def __post_init__(self) -> None:
-        _strength("Gerber", "S_u", self.S_u)
+    S_u: Strength = field("Tensile strength", unit="Pa")
 
     def equivalent(self, amplitude: ArrayLike, mean: ArrayLike) -> Array:
         """Return the equivalent amplitude; see the class."""
@@ -181,26 +139,17 @@ class Gerber(MeanStress):
         return 2, float(self.S_u), 0.0
 
 
-@dataclass(frozen=True)
-class Walker(MeanStress):
-    """``S_ar = S_max^(1 - gamma) S_a^gamma`` (K. Walker 1970); zero where S_max is not tensile.
+class Walker(MeanStress, tag="walker"):
+    """``S_ar = S_max^(1 - gamma) S_a^gamma`` (K. Walker 1970); zero where S_max is not tensile."""
 
-    Parameters
-    ----------
-    gamma : float
-        Between 0 and 1: 1 is insensitive to mean stress, 0.5 is `SWT`; about 0.65 for steels, 0.45
-        for high-strength aluminium (N. E. Dowling, Fatigue Fract. Eng. Mater. Struct. 32 (2009)
-        163).
-    """
-
-    gamma: float
-
-    def __post_init__(self) -> None:
-        problems = Problems()
-        problems.number(
-            "Walker", "gamma", self.gamma, "", "above 0 and at most 1", lambda x: 0.0 < x <= 1.0
-        )
-        problems.raise_if_any()
+    gamma: Number = field(
+        "Between 0 and 1: 1 is insensitive to mean stress, 0.5 is `SWT`; about 0.65 for steels, "
+        "0.45 for high-strength aluminium (N. E. Dowling, Fatigue Fract. Eng. Mater. Struct. 32 "
+        "(2009) 163)",
+        above=0,
+        most=1,
+        wanted="above 0 and at most 1",
+    )
 
     def equivalent(self, amplitude: ArrayLike, mean: ArrayLike) -> Array:
         """Return the equivalent amplitude; see the class."""
@@ -214,8 +163,7 @@ class Walker(MeanStress):
         return 3, float(self.gamma), 0.0
 
 
-@dataclass(frozen=True)
-class SWT(MeanStress):
+class SWT(MeanStress, tag="swt"):
     """``S_ar = sqrt(S_max S_a)`` (Smith, Watson, Topper 1970); zero where S_max is not tensile.
 
     Examples
@@ -247,8 +195,7 @@ SENSITIVITY: dict[str, tuple[float, float]] = {
 }
 
 
-@dataclass(frozen=True)
-class FKM(MeanStress):
+class FKM(MeanStress, tag="fkm"):
     """Mean stress sensitivity M in the four regimes of the FKM guideline (6th ed., 4.4.2).
 
     With R = S_min / S_max of a cycle, the fully reversed amplitude is
@@ -258,11 +205,6 @@ class FKM(MeanStress):
     * III, 0 < R < 0.5: ``(1 + M) (S_a + M/3 S_m) / (1 + M/3)``
     * IV, R >= 0.5: ``S_a 3 (1 + M)^2 / (3 + M)``
 
-    Parameters
-    ----------
-    M : float
-        Sensitivity, 0 to below 1. `FKM.of` estimates it.
-
     Examples
     --------
     >>> rule = FKM.of("steel", S_u=1000e6)
@@ -270,12 +212,12 @@ class FKM(MeanStress):
     (0.25, 125000000.0)
     """
 
-    M: float
-
-    def __post_init__(self) -> None:
-        problems = Problems()
-        problems.number("FKM", "M", self.M, "", "0 or more, below 1", lambda x: 0.0 <= x < 1.0)
-        problems.raise_if_any()
+    M: Number = field(
+        "Sensitivity, 0 to below 1; `FKM.of` estimates it",
+        least=0,
+        below=1,
+        wanted="0 or more, below 1",
+    )
 
     @classmethod
     def of(cls, kind: str, S_u: float) -> FKM:
@@ -322,16 +264,8 @@ class FKM(MeanStress):
         return 4, float(self.M), 0.0
 
 
-@dataclass(frozen=True)
-class WeldRatio(MeanStress):
+class WeldRatio(MeanStress, tag="weld-ratio"):
     """Bonus of the stress ratio for welds, ``S_a / f(R)`` (IIW-2259-15, 3.5.2).
-
-    Parameters
-    ----------
-    residual : str
-        "high" residual stresses: f = 1 (the usual case of welded structures). "medium", parts of
-        thin simple elements: 1.3 for R < -1, -0.4 R + 0.9 to R = -0.25, then 1. "low", base
-        material or stress relieved: 1.6 for R < -1, -0.4 R + 1.2 to R = 0.5, then 1.
 
     Examples
     --------
@@ -339,13 +273,14 @@ class WeldRatio(MeanStress):
     100000000.0
     """
 
-    residual: str = "high"
-
-    def __post_init__(self) -> None:
-        if self.residual not in ("low", "medium", "high"):
-            raise InputError(
-                Problem("WeldRatio", f"residual is {self.residual!r}, must be low, medium or high")
-            )
+    residual: Choice = field(
+        '"high" residual stresses: f = 1 (the usual case of welded structures). "medium", parts of '
+        'thin simple elements: 1.3 for R < -1, -0.4 R + 0.9 to R = -0.25, then 1. "low", base '
+        "material or stress relieved: 1.6 for R < -1, -0.4 R + 1.2 to R = 0.5, then 1",
+        words=("low", "medium", "high"),
+        wanted="low, medium or high",
+        default="high",
+    )
 
     def equivalent(self, amplitude: ArrayLike, mean: ArrayLike) -> Array:
         """Return the equivalent amplitude; see the class."""
@@ -366,16 +301,10 @@ class WeldRatio(MeanStress):
         return 5, float(("high", "medium", "low").index(self.residual)), 0.0
 
 
-@dataclass(frozen=True)
-class PartCompression(MeanStress):
+class PartCompression(MeanStress, tag="part-compression"):
     """Only a share of the compression counts (EN 1993-1-9, 7.2.1): base metal and relieved welds.
 
     ``S_ar = (max(S_max, 0) - max(S_min, 0) + share (max(-S_min, 0) - max(-S_max, 0))) / 2``
-
-    Parameters
-    ----------
-    share : float
-        Of the compressive part of a range, 0.6 in the standard.
 
     Examples
     --------
@@ -383,14 +312,13 @@ class PartCompression(MeanStress):
     80000000.0
     """
 
-    share: float = 0.6
-
-    def __post_init__(self) -> None:
-        problems = Problems()
-        problems.number(
-            "PartCompression", "share", self.share, "", "from 0 to 1", lambda x: 0.0 <= x <= 1.0
-        )
-        problems.raise_if_any()
+    share: Number = field(
+        "Of the compressive part of a range, 0.6 in the standard",
+        least=0,
+        most=1,
+        wanted="from 0 to 1",
+        default=0.6,
+    )
 
     def equivalent(self, amplitude: ArrayLike, mean: ArrayLike) -> Array:
         """Return the equivalent amplitude; see the class."""

@@ -3,16 +3,29 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from jousto.base.errors import InputError, Problem, Problems, suggest, warn
+from jousto.base.declare import (
+    Choice,
+    Declared,
+    In,
+    Label,
+    Number,
+    OnlyPositive,
+    OptionalNumber,
+    Out,
+    field,
+)
+from jousto.base.errors import InputError, Problem, Problems, warn
 
 Array = NDArray[np.float64]
+
+BAND = "1 or larger (10 % over 90 % of survival)"
 
 RULES = ("original", "elementary", "haibach")
 """What happens below the knee: no damage, the same slope, or the slope 2 k - 1."""
@@ -21,44 +34,31 @@ SPAN = 2.5631031310892007
 """Standard deviations between the lines of 10 and 90 % survival, twice the normal quantile."""
 
 
-@dataclass(frozen=True)
-class SN:
+class _Strength(OnlyPositive[In, Out]):
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return a positive stress; warn of one that looks like another unit."""
+        found = super().check(problems, where, value)
+        if found is not None:
+            check_unit(where, self.label, found)
+        return found
+
+
+class Strength(_Strength[float, float]):
+    """A stress that a material bears, Pa."""
+
+
+class OptionalStrength(_Strength["float | None", "float | None"]):
+    """A stress that a material bears, Pa, or None."""
+
+    optional = True
+
+
+class SN(Declared, section="curves", tag="sn", by_value=True):
     """S-N (Basquin, Woehler) curve with one knee.
 
     ``N = N_D (S_D / S)^k`` for stress amplitudes S above S_D. Below, by the rule: ``original``
     (Miner), no damage; ``elementary`` (Miner), the same line; ``haibach``, the slope 2 k - 1
     (E. Haibach, Betriebsfestigkeit, 1989), or `k2` if given. Damage of n cycles is n / N.
-
-    Parameters
-    ----------
-    S_D : float
-        Stress **amplitude** (half the range) at the knee, Pa.
-    N_D : float
-        Cycles at the knee.
-    k : float
-        Slope above the knee, larger than 1; Basquin's exponent is ``b = -1/k``.
-    rule : str
-        "original", "elementary" or "haibach". The default, elementary, is the careful one: under
-        loads of varying amplitude small cycles extend the cracks that large ones began.
-    k2 : float, optional
-        Slope below the knee with the rule "haibach"; 2 k - 1 if None.
-    N_cut : float, optional
-        Cycles of the cut-off limit, at which the second line ends: smaller amplitudes do no damage.
-    R : float, optional
-        Stress ratio min/max of the tests, -1 fully reversed. None where it does not matter, as in
-        welds that were not stress relieved.
-    T_S : float, optional
-        Scatter band in stress: ``S(10 %) / S(90 %)`` of survival, 1 or larger. The scatter is
-        log-normal with the standard deviation ``lg(T_S) / 2.5631``.
-    T_N : float, optional
-        Scatter band in cycles, ``N(10 %) / N(90 %)``; ``T_S^k`` if only T_S is given, and the
-        other way round.
-    survival : float
-        Probability of survival for which the curve holds, 0.5 for the mean of tests.
-    S_u : float, optional
-        Tensile strength, Pa: larger stresses are reported.
-    name, source : str
-        For tables, and where the values come from.
 
     Raises
     ------
@@ -79,67 +79,88 @@ class SN:
     inf
     """
 
-    S_D: float
-    N_D: float
-    k: float
-    rule: str = "elementary"
-    k2: float | None = field(default=None, kw_only=True)
-    N_cut: float | None = field(default=None, kw_only=True)
-    R: float | None = field(default=-1.0, kw_only=True)
-    T_S: float | None = field(default=None, kw_only=True)
-    T_N: float | None = field(default=None, kw_only=True)
-    survival: float = field(default=0.5, kw_only=True)
-    S_u: float | None = field(default=None, kw_only=True)
-    name: str = field(default="", kw_only=True)
-    source: str = field(default="", kw_only=True, compare=False)
+    kind = "S-N curve"
+    S_D: Strength = field("Stress **amplitude** (half the range) at the knee", unit="Pa")
+    N_D: Number = field("Cycles at the knee", unit="cycles", above=1, wanted="a number above 1")
+    k: Number = field(
+        "Slope above the knee, larger than 1; Basquin's exponent is ``b = -1/k``",
+        above=1,
+        wanted="a number above 1 (N falls with S^k; Basquin's exponent b is -1/k)",
+    )
+    rule: Choice = field(
+        "What happens below the knee. Elementary is the careful one: under loads of varying "
+        "amplitude small cycles extend the cracks that large ones began",
+        words=RULES,
+        default="elementary",
+    )
+    k2: OptionalNumber = field(
+        'Slope below the knee with the rule "haibach"; 2 k - 1 if None', default=None, kw_only=True
+    )
+    N_cut: OptionalNumber = field(
+        "Cycles of the cut-off limit, at which the second line ends: smaller amplitudes do no "
+        "damage",
+        unit="cycles",
+        default=None,
+        kw_only=True,
+    )
+    R: OptionalNumber = field(
+        "Stress ratio min/max of the tests, -1 fully reversed. None where it does not matter, as "
+        "in welds that were not stress relieved",
+        below=1,
+        wanted="below 1 (min/max of the tests)",
+        default=-1.0,
+        kw_only=True,
+    )
+    T_S: OptionalNumber = field(
+        "Scatter band in stress: ``S(10 %) / S(90 %)`` of survival, 1 or larger. The scatter is "
+        "log-normal with the standard deviation ``lg(T_S) / 2.5631``",
+        least=1,
+        wanted=BAND,
+        default=None,
+        kw_only=True,
+    )
+    T_N: OptionalNumber = field(
+        "Scatter band in cycles, ``N(10 %) / N(90 %)``; ``T_S^k`` if only T_S is given, and the "
+        "other way round",
+        least=1,
+        wanted=BAND,
+        default=None,
+        kw_only=True,
+    )
+    survival: Number = field(
+        "Probability of survival for which the curve holds, 0.5 for the mean of tests",
+        above=0,
+        below=1,
+        wanted="between 0 and 1 (0.975, not 97.5)",
+        default=0.5,
+        kw_only=True,
+    )
+    S_u: OptionalStrength = field(
+        "Tensile strength: larger stresses are reported", unit="Pa", default=None, kw_only=True
+    )
+    name: Label = field("For tables", default="", kw_only=True)
+    source: Label = field("Where the values come from", default="", kw_only=True, compare=False)
 
-    def __post_init__(self) -> None:
-        where = f"S-N curve '{self.name}'" if self.name else "S-N curve"
-        problems = Problems()
-        good = problems.number
-        stress = good(where, "S_D", self.S_D, "Pa", "a positive number", _positive)
-        good(where, "N_D", self.N_D, "cycles", "a number above 1", _above_one)
-        hint = "a number above 1 (N falls with S^k; Basquin's exponent b is -1/k)"
-        slope = good(where, "k", self.k, "", hint, _above_one)
-        if self.rule not in RULES:
-            problems.add(
-                where,
-                f"rule is {self.rule!r}, must be {', '.join(RULES)}{suggest(self.rule, RULES)}",
-            )
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note values that do not go together."""
         if self.k2 is not None:
             if self.rule != "haibach":
                 problems.add(where, f'k2 goes with rule="haibach", not with {self.rule!r}')
-            if slope:
-                wanted = f"k = {self.k:g} or larger"
-                good(where, "k2", self.k2, "", wanted, lambda x: x >= self.k)
+            if self.k2 < self.k:
+                problems.add(where, f"k2 is {self.k2:g}, must be k = {self.k:g} or larger")
         if self.N_cut is not None:
             if self.rule == "original":
                 problems.add(
                     where, 'rule="original" does no damage below the knee; leave N_cut out'
                 )
-            good(
-                where, "N_cut", self.N_cut, "cycles", "N_D or more", lambda x: x >= float(self.N_D)
+            if self.N_cut < self.N_D:
+                problems.add(where, f"N_cut is {self.N_cut:g} cycles, must be N_D or more")
+        if self.S_u is not None and self.S_u < self.S_D:
+            problems.add(
+                where,
+                f"S_u = {self.S_u / 1e6:g} MPa is below the amplitude S_D ="
+                f" {self.S_D / 1e6:g} MPa at the knee; a part breaks at once there",
             )
-        if self.R is not None:
-            good(where, "R", self.R, "", "below 1 (min/max of the tests)", lambda x: x < 1.0)
-        for name, value in (("T_S", self.T_S), ("T_N", self.T_N)):
-            if value is not None:
-                wanted = "1 or larger (10 % over 90 % of survival)"
-                good(where, name, value, "", wanted, lambda x: x >= 1.0)
-        share = "between 0 and 1 (0.975, not 97.5)"
-        good(where, "survival", self.survival, "", share, lambda x: 0.0 < x < 1.0)
-        if self.S_u is not None:
-            good(where, "S_u", self.S_u, "Pa", "a positive number", _positive)
-            if stress and not problems.found and self.S_u < self.S_D:
-                problems.add(
-                    where,
-                    f"S_u = {self.S_u / 1e6:g} MPa is below the amplitude S_D ="
-                    f" {self.S_D / 1e6:g} MPa at the knee; a part breaks at once there",
-                )
-        problems.raise_if_any()
-        check_unit(where, "S_D", self.S_D)
-        if self.S_u is not None:
-            check_unit(where, "S_u", self.S_u)
 
     @classmethod
     def basquin(cls, sf: float, b: float, *, N_D: float = 1e6, **others: Any) -> SN:
@@ -401,10 +422,6 @@ def check_unit(where: str, name: str, stress: float) -> None:
             f"{name} = {stress:g} Pa is stronger than any metal; was Pa taken for MPa and"
             " multiplied by 1e6?",
         )
-
-
-def _positive(x: float) -> bool:
-    return x > 0.0
 
 
 def _above_one(x: float) -> bool:

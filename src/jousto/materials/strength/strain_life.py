@@ -2,45 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.base.declare import (
+    Declared,
+    Label,
+    Number,
+    OptionalNumber,
+    OptionalPositive,
+    Positive,
+    field,
+)
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 
 Array = NDArray[np.float64]
 Form = Literal["coffin-manson", "morrow", "swt"]
+NEGATIVE = "a negative number above -2"
 FORMS = ("coffin-manson", "morrow", "swt")
 
 
-@dataclass(frozen=True)
-class StrainLife:
+class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
     """Coffin-Manson-Basquin curve with the Ramberg-Osgood curve of stabilised cycles.
 
     ``e_a = sf/E (2N)^b + ef (2N)^c`` and ``e_a = s_a/E + (s_a/K_)^(1/n_)`` with amplitudes of
     strain and stress and N cycles to a crack of about a millimetre.
-
-    Parameters
-    ----------
-    E : float
-        Young's modulus, Pa.
-    sf : float
-        Fatigue strength coefficient, Pa.
-    b : float
-        Fatigue strength exponent, negative.
-    ef : float
-        Fatigue ductility coefficient, m/m.
-    c : float
-        Fatigue ductility exponent, negative, steeper than b.
-    K_ : float, optional
-        Cyclic strength coefficient K', Pa; None takes ``sf / ef^(b/c)``, which makes both curves
-        agree.
-    n_ : float, optional
-        Cyclic hardening exponent n'; None takes ``b / c``.
-    name, source : str
-        Shown in messages; where the constants come from.
 
     Raises
     ------
@@ -61,41 +49,53 @@ class StrainLife:
     378.9
     """
 
-    E: float
-    sf: float
-    b: float
-    ef: float
-    c: float
-    K_: float | None = None
-    n_: float | None = None
-    name: str = ""
-    source: str = field(default="", compare=False)
+    kind = "strain life"
+    E: Positive = field("Young's modulus", unit="Pa", label="Young's modulus E")
+    sf: Positive = field(
+        "Fatigue strength coefficient", unit="Pa", label="fatigue strength coefficient sf"
+    )
+    b: Number = field(
+        "Fatigue strength exponent, negative",
+        above=-2,
+        below=0,
+        label="fatigue strength exponent b",
+        wanted=NEGATIVE,
+    )
+    ef: Positive = field(
+        "Fatigue ductility coefficient", unit="m/m", label="fatigue ductility coefficient ef"
+    )
+    c: Number = field(
+        "Fatigue ductility exponent, negative, steeper than b",
+        above=-2,
+        below=0,
+        label="fatigue ductility exponent c",
+        wanted=NEGATIVE,
+    )
+    K_: OptionalPositive = field(
+        "Cyclic strength coefficient K'; None takes ``sf / ef^(b/c)``, which makes both curves "
+        "agree",
+        unit="Pa",
+        label="cyclic strength coefficient K_",
+        default=None,
+    )
+    n_: OptionalNumber = field(
+        "Cyclic hardening exponent n'; None takes ``b / c``",
+        above=0,
+        below=1,
+        label="hardening exponent n_",
+        wanted="in (0, 1)",
+        default=None,
+    )
+    name: Label = field("Shown in messages", default="")
+    source: Label = field("Where the constants come from", default="", compare=False)
 
-    def __post_init__(self) -> None:
-        where = f"strain life '{self.name}'" if self.name else "strain life"
-        problems = Problems()
-        problems.positive(where, "Young's modulus E", self.E, "Pa")
-        problems.positive(where, "fatigue strength coefficient sf", self.sf, "Pa")
-        problems.positive(where, "fatigue ductility coefficient ef", self.ef, "m/m")
-        negative = "a negative number above -2"
-        good = problems.number(
-            where, "fatigue strength exponent b", self.b, "", negative, lambda x: -2.0 < x < 0.0
-        )
-        good &= problems.number(
-            where, "fatigue ductility exponent c", self.c, "", negative, lambda x: -2.0 < x < 0.0
-        )
-        if good and self.c >= self.b:
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Find the cyclic curve; note swapped exponents, warn of units."""
+        if self.c >= self.b:
             problems.add(where, f"c = {self.c:g} must be below b = {self.b:g}; are they swapped?")
-        if self.K_ is not None:
-            problems.positive(where, "cyclic strength coefficient K_", self.K_, "Pa")
-        if self.n_ is not None:
-            problems.number(
-                where, "hardening exponent n_", self.n_, "", "in (0, 1)", lambda x: 0.0 < x < 1.0
-            )
-        problems.raise_if_any()
-        n_ = self.b / self.c if self.n_ is None else self.n_
+            return
         if self.n_ is None:
-            object.__setattr__(self, "n_", n_)
+            object.__setattr__(self, "n_", self.b / self.c)
         if self.K_ is None:
             object.__setattr__(self, "K_", self.sf / self.ef ** (self.b / self.c))
         for name, value in (("E", self.E), ("sf", self.sf), ("K_", self.K_)):

@@ -2,41 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, Tag
 
 from jousto.base.errors import InputError, suggest
+from jousto.materials.strength.sn import SN
 from jousto.schema.entries.base import Count, Entry, Flag, Length, Number, Pressure, Text
 from jousto.schema.entries.choices import by_form, tagged
+from jousto.schema.entries.declared import entry_of, extended, one_of
 from jousto.schema.file.document import Loc
 
 if TYPE_CHECKING:
-    from jousto.materials.strength.sn import SN
     from jousto.schema.make.builder import Builder
 
 Rule: TypeAlias = Literal["original", "elementary", "haibach"]
 
 
-class SNEntry(Entry):
-    """`SN`: an S-N curve from its numbers."""
-
-    type: Literal["sn"] = "sn"
-    S_D: Pressure = Field(description="Stress amplitude at the knee")
-    N_D: Number = Field(description="Cycles at the knee")
-    k: Number = Field(description="Slope")
-    rule: Rule | None = Field(None, description="Below the knee; elementary if not given")
-    k2: Number | None = Field(None, description="Slope below the knee, with rule: haibach")
-    N_cut: Number | None = Field(None, description="Cycles of the cut-off limit")
-    R: Number | None = Field(None, description="Stress ratio of the tests, -1 if not given")
-    T_S: Number | None = Field(None, description="Scatter band in stress, 10 % over 90 %")
-    T_N: Number | None = Field(None, description="Scatter band in cycles, 10 % over 90 %")
-    survival: Number | None = Field(None, description="Probability for which it holds, 50 %")
-    S_u: Pressure | None = Field(None, description="Tensile strength")
-    name: Text | None = Field(None, description="For tables")
-    source: Text | None = None
-    factors: tuple[Number, ...] | None = Field(None, description="On S_D: surface, size ...")
-    pivot: Count | None = Field(None, description="Cycles at which the factors no longer act")
+SNEntry: Any = extended(
+    entry_of(SN, implied=True),
+    factors=(tuple[Number, ...] | None, Field(None, description="On S_D: surface, size ...")),
+    pivot=(Count | None, Field(None, description="Cycles at which the factors no longer act")),
+)
 
 
 class WeldEntry(Entry):
@@ -69,59 +57,15 @@ def _kind(data: dict[str, Any]) -> str | None:
     return "named" if "library" in data else "sn"
 
 
-CurveForm: TypeAlias = Annotated[
+CurveForm: Any = Annotated[
     Annotated[SNEntry, Tag("sn")]
     | Annotated[WeldEntry, Tag("weld")]
     | Annotated[NamedEntry, Tag("named")],
     tagged(_kind),
 ]
-SNOrName: TypeAlias = Annotated[
+SNOrName: Any = Annotated[
     Annotated[Text, Tag("scalar")] | Annotated[CurveForm, Tag("mapping")], by_form()
 ]
-
-
-class GoodmanEntry(Entry):
-    """`Goodman`."""
-
-    type: Literal["goodman"]
-    S_u: Pressure
-    credit: Flag | None = Field(None, description="Whether compression lengthens life")
-
-
-class SoderbergEntry(Entry):
-    """`Soderberg`."""
-
-    type: Literal["soderberg"]
-    S_y: Pressure
-    credit: Flag | None = Field(None, description="Whether compression lengthens life")
-
-
-class MorrowEntry(Entry):
-    """`Morrow`."""
-
-    type: Literal["morrow"]
-    sf: Pressure
-    credit: Flag | None = Field(None, description="Whether compression lengthens life")
-
-
-class GerberEntry(Entry):
-    """`Gerber`."""
-
-    type: Literal["gerber"]
-    S_u: Pressure
-
-
-class SWTEntry(Entry):
-    """`SWT`."""
-
-    type: Literal["swt"]
-
-
-class WalkerEntry(Entry):
-    """`Walker`."""
-
-    type: Literal["walker"]
-    gamma: Number
 
 
 class FKMEntry(Entry):
@@ -133,32 +77,8 @@ class FKMEntry(Entry):
     S_u: Pressure | None = None
 
 
-class WeldRatioEntry(Entry):
-    """`WeldRatio`."""
-
-    type: Literal["weld-ratio"]
-    residual: Literal["low", "medium", "high"] | None = Field(None, description="high if not given")
-
-
-class PartCompressionEntry(Entry):
-    """`PartCompression`."""
-
-    type: Literal["part-compression"]
-    share: Number | None = None
-
-
-MeanEntry: TypeAlias = Annotated[
-    Annotated[GoodmanEntry, Tag("goodman")]
-    | Annotated[SoderbergEntry, Tag("soderberg")]
-    | Annotated[MorrowEntry, Tag("morrow")]
-    | Annotated[GerberEntry, Tag("gerber")]
-    | Annotated[SWTEntry, Tag("swt")]
-    | Annotated[WalkerEntry, Tag("walker")]
-    | Annotated[FKMEntry, Tag("fkm")]
-    | Annotated[WeldRatioEntry, Tag("weld-ratio")]
-    | Annotated[PartCompressionEntry, Tag("part-compression")],
-    tagged(),
-]
+OTHER: Mapping[str, type[Entry]] = {"fkm": FKMEntry}
+MeanEntry: Any = one_of("mean stress", "jousto.materials.strength", others=OTHER)
 
 
 def build_curve(builder: Builder, loc: Loc, entry: Any, curves: dict[str, Any]) -> SN | None:
@@ -173,7 +93,6 @@ def build_curve(builder: Builder, loc: Loc, entry: Any, curves: dict[str, Any]) 
     curves : dict
         Curves of the file by name; None those that are wrong.
     """
-    from jousto.materials.strength.sn import SN
     from jousto.materials.strength.sn_library import sn_curve
     from jousto.materials.strength.welds import fat_class, thickness_factor
 
@@ -215,29 +134,9 @@ def build_curve(builder: Builder, loc: Loc, entry: Any, curves: dict[str, Any]) 
 
 def build_mean(builder: Builder, loc: Loc, entry: Any) -> Any:
     """Return the mean stress correction of an entry, None if anything is wrong with it."""
-    from jousto.materials.strength.mean_stress import (
-        FKM,
-        SWT,
-        Gerber,
-        Goodman,
-        Morrow,
-        PartCompression,
-        Soderberg,
-        Walker,
-        WeldRatio,
-    )
+    from jousto.materials.strength.mean_stress import FKM
+    from jousto.schema.make.declared import build_declared
 
-    kinds: dict[str, Any] = {
-        "goodman": Goodman,
-        "soderberg": Soderberg,
-        "morrow": Morrow,
-        "gerber": Gerber,
-        "walker": Walker,
-        "swt": SWT,
-        "weld-ratio": WeldRatio,
-        "part-compression": PartCompression,
-    }
-    values = entry.given()
     if isinstance(entry, FKMEntry):
         if entry.M is not None and (entry.kind or entry.S_u):
             builder.note(loc, "give either M, or kind and S_u")
@@ -248,4 +147,4 @@ def build_mean(builder: Builder, loc: Loc, entry: Any) -> Any:
             builder.note(loc, "needs M, or kind (such as steel) and S_u")
             return None
         return builder.make(loc, FKM.of, entry.kind, entry.S_u)
-    return builder.make(loc, kinds[entry.type], **values)
+    return build_declared(builder, loc, entry)

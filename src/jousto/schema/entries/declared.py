@@ -125,6 +125,11 @@ def entry_of(cls: type[Declared], implied: bool = False) -> Any:
     return made
 
 
+def extended(entry: Any, **keys: Any) -> Any:
+    """Return an entry with further keys."""
+    return create_model(entry.__name__, __base__=entry, **keys)
+
+
 def said(field: Field[Any, Any]) -> str | None:
     """Return what editors show of a field, None if there is nothing to say."""
     known = isinstance(field.unit, str) and field.unit.replace("^", "") in ("", *KINDS)
