@@ -1,0 +1,71 @@
+"""The public names: how many, lazily loaded, documented, with clean help."""
+
+from __future__ import annotations
+
+import inspect
+import pydoc
+import re
+from pathlib import Path
+
+import pytest
+
+import jousto as jo
+import session
+from jousto.base.rooms import Room
+
+ROOT = Path(__file__).parents[2]
+STUB = ROOT / "src" / "jousto" / "__init__.pyi"
+
+
+def test_the_face_is_small() -> None:
+    assert len(jo.__all__) <= 115
+    assert len(STUB.read_text(encoding="utf-8").splitlines()) < 350
+
+
+def test_every_public_name_occurs_in_the_documentation() -> None:
+    pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]  # the list of the API lies deeper
+    words = set(re.findall(r"\w+", "\n".join(page.read_text(encoding="utf-8") for page in pages)))
+    assert [x for x in session.public() if x.rpartition(".")[2] not in words] == []
+
+
+def test_help_of_every_public_name_is_clean() -> None:
+    wrong = []
+    for place, thing in session.public().items():
+        if place == "jo.ground":  # an object: help is that of its class
+            continue
+        text = pydoc.plain(pydoc.render_doc(thing))
+        if not inspect.getdoc(thing):
+            wrong.append(f"{place}: no docstring")
+        wrong += [f"{place}: {junk}" for junk in re.findall(r"Any = <.*|.* at 0x.*", text)]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_the_rooms_list_their_names() -> None:
+    rooms = {name: room for name in jo.__all__ if isinstance(room := getattr(jo, name), Room)}
+    assert {"fatigue", "gauges", "mesh", "monitor", "planar", "sections", "twin"} <= set(rooms)
+    for name, room in rooms.items():
+        assert dir(room) == room.__all__ == sorted(room.__all__)
+        assert inspect.getdoc(room), name
+    # a file of the same name does not hide a function
+    assert callable(jo.monitor.watch) and callable(jo.simulation.kinematics)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("plot_campbell", "plot(...)"),
+        ("write_mesh", "write(...)"),
+        ("rainflow", "fatigue.rainflow"),
+        ("read_record", "gauges.read_record"),
+    ],
+)
+def test_a_name_that_has_moved_says_where_to(old: str, new: str) -> None:
+    with pytest.raises(AttributeError, match=re.escape(f"jousto.{old} is now jo.{new}")):
+        getattr(jo, old)
+
+
+def test_a_name_that_never_was_is_not_there() -> None:
+    for thing in (jo, jo.fatigue):
+        with pytest.raises(AttributeError, match="has no attribute 'nonsense'"):
+            thing.nonsense  # noqa: B018
+    assert not hasattr(jo, "__wrapped__")
