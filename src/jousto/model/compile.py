@@ -30,7 +30,7 @@ from jousto.model.ordering import MOST, Elimination, TooDense, eliminate
 from jousto.model.rank.reach import warn_loads
 from jousto.model.rank.redundancy import check_closed, is_drive, repeated_rows
 from jousto.model.start import quiet_velocities
-from jousto.reduction.reduced import located
+from jousto.reduction.located import located
 
 if TYPE_CHECKING:
     from jousto.reduction.fields.stress import StressModes

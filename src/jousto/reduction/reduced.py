@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.metadata
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,7 +14,6 @@ from numpy.typing import NDArray
 from jousto.base.arguments import explained
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.reduction.content import Content
-from jousto.reduction.fields.stress import StressModes
 from jousto.reduction.files.storage import load, save
 from jousto.reduction.modes.rigid import length_scale
 
@@ -215,38 +213,6 @@ class ReducedPart(Content):
             No such file, not a reduced part, another version of the format, or damaged.
         """
         return load(Path(path), cls)
-
-
-def located(reduced: ReducedPart) -> StressModes | None:
-    """Return the stress modes of a part with the node and the node sets of every place."""
-    stress = reduced.stress
-    if stress is None or stress.nodes is not None:
-        return stress
-    nodes = _nodes(reduced, stress)
-    at: dict[int, list[int]] = {}
-    for place, node in enumerate(nodes.tolist()):
-        if node >= 0:
-            at.setdefault(node, []).append(place)
-    sets = {
-        key: np.array([i for node in members for i in at.get(node, ())], dtype=np.int64)
-        for key, members in reduced.node_sets.items()
-    }
-    sets = {key: members for key, members in sets.items() if len(members)}
-    return replace(stress, nodes=nodes, sets=sets)
-
-
-def _nodes(reduced: ReducedPart, stress: StressModes) -> NDArray[np.int64]:
-    """Return the node of every place, -1 if it has none."""
-    if reduced.elements.ndim == 2 and reduced.elements.shape[1] == 2:
-        # points of sections stand around the nodes at the ends of beam elements
-        found = np.full(len(stress.labels), -1, dtype=np.int64)
-        for i, label in enumerate(stress.labels):
-            match = re.fullmatch(r"e(\d+)\.([ab])\..*", label)
-            if match and int(match[1]) <= len(reduced.elements):
-                found[i] = reduced.elements[int(match[1]) - 1, "ab".index(match[2])]
-        return found
-    places = {tuple(x): k for k, x in enumerate(reduced.nodes.tolist())}
-    return np.array([places.get(tuple(x), -1) for x in stress.positions.tolist()], dtype=np.int64)
 
 
 def package_versions() -> dict[str, str]:

@@ -87,11 +87,9 @@ class ForceElement(Declared, section="forces"):
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The coordinates that it acts along; none if it acts at markers or on a body."""
-        found = (getattr(self, key) for key in self.fields)
-        return tuple(value for value in found if isinstance(value, Coordinate))
+        return tuple(value for value in vars(self).values() if isinstance(value, Coordinate))
 
     @property
     def turning(self) -> tuple[tuple[str, Marker], ...]:
         """The markers whose orientation matters, with the name of the argument."""
-        found = ((key, getattr(self, key)) for key in self.fields)
-        return tuple((key, value) for key, value in found if isinstance(value, Marker))
+        return tuple((key, value) for key, value in vars(self).items() if isinstance(value, Marker))

@@ -19,7 +19,8 @@ from jousto.recovery.fields.inertia import amplitudes
 from jousto.recovery.instants import between, window
 from jousto.recovery.shape import find_body, rotation_matrices
 from jousto.reduction.fields.stress import StressModes
-from jousto.reduction.reduced import ReducedPart, located
+from jousto.reduction.located import located
+from jousto.reduction.reduced import ReducedPart
 from jousto.simulation.results.solution import Solution
 
 Array = NDArray[np.float64]
