@@ -11,13 +11,7 @@ from jousto.mechanism.signals.base import OptionalSignal
 
 
 class Gravity(Declared):
-    """The acceleration of free fall, the same for all bodies.
-
-    Parameters
-    ----------
-    acceleration : (3,) array_like
-        World frame, m/s2, for example ``(0, -9.81, 0)``.
-    """
+    """The acceleration of free fall, the same for all bodies."""
 
     kind = "gravity"
     acceleration: Vector = field("World frame, for example ``(0, -9.81, 0)``", unit="m/s2")
