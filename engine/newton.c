@@ -2,7 +2,7 @@
  *
  * Order and fill are fixed when the model is compiled. A node is a body with the joints that carry it, so that its
  * pivot block is regular; rows are exchanged within a node only. After the factorisation a diagonal block holds its
- * LU factors, the block right of it A_cc^-1 A_cj, the block below it A_ic.
+ * LU factors, those of six unknowns inverted, the block right of it A_cc^-1 A_cj, the block below it A_ic.
  */
 #include "internal.h"
 
@@ -54,7 +54,7 @@ static void swap_rows(jo_real *x, jo_real *y, int count)
 }
 
 /* LU with scaled partial pivoting; the inverse of the diagonal is kept. Returns the row whose pivot vanishes, or -1 */
-static int factor_dense(jo_real *A, const int n, const int stride, int *pivot, double vanished)
+static inline int factor_dense(jo_real *restrict A, const int n, const int stride, int *pivot, double vanished)
 {
     for (int k = 0; k < n; k++) {
         int best = k;
@@ -81,6 +81,90 @@ static int factor_dense(jo_real *A, const int n, const int stride, int *pivot, d
         }
     }
     return -1;
+}
+
+/* Bodies without modes and nodes of beams have six unknowns: what follows is for blocks of this size, whose loops the
+ * compiler unrolls. L and U are replaced by their inverses, so that nothing solved with them waits for what is solved before. */
+enum { JO_SIX = 6, JO_ROW = 8 };
+
+static void invert_six(jo_real *restrict A)
+{
+    jo_real x[JO_SIX];
+    for (int i = 1; i < JO_SIX; i++) {
+        jo_real *row = A + i * JO_ROW;
+        for (int j = 0; j < i; j++) {
+            x[j] = -row[j];
+            for (int k = j + 1; k < i; k++) x[j] -= row[k] * A[k * JO_ROW + j];
+        }
+        for (int j = 0; j < i; j++) row[j] = x[j];
+    }
+    for (int i = JO_SIX - 2; i >= 0; i--) {
+        jo_real *row = A + i * JO_ROW;
+        for (int j = i + 1; j < JO_SIX; j++) {
+            x[j] = 0.0;
+            for (int k = i + 1; k <= j; k++) x[j] -= row[k] * A[k * JO_ROW + j];
+        }
+        for (int j = i + 1; j < JO_SIX; j++) row[j] = row[i] * x[j];
+    }
+}
+
+/* B = A^-1 B for `padded` columns */
+static inline void solve_six_rows(const jo_real *restrict A, const int *pivot, jo_real *restrict B, const int padded)
+{
+    for (int k = 0; k < JO_SIX; k++)
+        if (pivot[k] != k) swap_rows(B + k * padded, B + pivot[k] * padded, padded);
+    JO_EACH(j, padded) {
+        jo_lanes b[JO_SIX];
+        for (int i = 0; i < JO_SIX; i++) b[i] = JO_LOAD(B + i * padded + j);
+        for (int i = JO_SIX - 1; i > 0; i--)
+            for (int k = 0; k < i; k++) b[i] += A[i * JO_ROW + k] * b[k];
+        for (int i = 0; i < JO_SIX; i++) {
+            b[i] *= A[i * JO_ROW + i];
+            for (int k = i + 1; k < JO_SIX; k++) b[i] += A[i * JO_ROW + k] * b[k];
+            JO_STORE(B + i * padded + j) = b[i];
+        }
+    }
+}
+
+/* x = A^-1 x */
+static void solve_six(const jo_real *restrict A, const int *pivot, jo_real *restrict x)
+{
+    jo_real b[JO_SIX];
+    for (int k = 0; k < JO_SIX; k++)
+        if (pivot[k] != k) swap_rows(x + k, x + pivot[k], 1);
+    for (int i = 0; i < JO_SIX; i++) {
+        b[i] = x[i];
+        for (int k = 0; k < i; k++) b[i] += A[i * JO_ROW + k] * x[k];
+    }
+    for (int i = 0; i < JO_SIX; i++) {
+        jo_real sum = A[i * JO_ROW + i] * b[i];
+        for (int k = i + 1; k < JO_SIX; k++) sum += A[i * JO_ROW + k] * b[k];
+        x[i] = sum;
+    }
+}
+
+/* y -= A x */
+static inline void subtract_six(jo_real *restrict y, const jo_real *restrict A, const jo_real *restrict x)
+{
+    for (int i = 0; i < JO_SIX; i++) {
+        jo_real sum = y[i];
+        for (int k = 0; k < JO_SIX; k++) sum -= A[i * JO_ROW + k] * x[k];
+        y[i] = sum;
+    }
+}
+
+/* T -= X Y, six rows and columns, padded */
+static void subtract_six_rows(jo_real *restrict T, const int target, const jo_real *restrict X, const jo_real *restrict Y)
+{
+    JO_EACH(j, JO_ROW) {
+        jo_lanes sum[JO_SIX];
+        for (int i = 0; i < JO_SIX; i++) sum[i] = JO_LOAD(T + i * target + j);
+        for (int k = 0; k < JO_SIX; k++) {
+            const jo_lanes y = JO_LOAD(Y + k * JO_ROW + j);
+            for (int i = 0; i < JO_SIX; i++) sum[i] -= X[i * JO_ROW + k] * y;
+        }
+        for (int i = 0; i < JO_SIX; i++) JO_STORE(T + i * target + j) = sum[i];
+    }
 }
 
 /* B = A^-1 B, `count` times JO_WIDTH columns at a time so that sums stay in registers */
@@ -216,20 +300,37 @@ int jo_newton_factor(const jo_model *m, jo_data *d)
             d->error_index = node->body < 0 ? 0 : node->body;
             return JO_NOT_FINITE;
         }
-        const int failed = factor_dense(A, node->size, stride, d->pivot + node->at,
-                                        d->regular ? 0.0 : JO_VANISHED * (largest < 1.0 ? largest : 1.0));
+        const double vanished = d->regular ? 0.0 : JO_VANISHED * (largest < 1.0 ? largest : 1.0);
+        const int six = node->size == JO_SIX;
+        int *pivot = d->pivot + node->at;
+        const int failed = six ? factor_dense(A, JO_SIX, JO_ROW, pivot, vanished)
+                               : factor_dense(A, node->size, stride, pivot, vanished);
         if (failed >= 0) {
             const int joint = node_joint(m, c);
             d->error_index = joint >= 0 ? joint : node->body;
             return joint >= 0 ? JO_SINGULAR_JOINT : JO_SINGULAR_BODY;
         }
-        for (int b = node->first; b < node->first + node->count; b++)
-            solve_rows(A, node->size, stride, d->pivot + node->at, d->N + m->branch[b].upper, jo_pad(m->branch[b].width));
+        if (six) invert_six(A);
+        for (int b = node->first; b < node->first + node->count; b++) {
+            jo_real *Y = d->N + m->branch[b].upper;
+            const int padded = jo_pad(m->branch[b].width);
+            if (six && padded == JO_ROW)
+                solve_six_rows(A, pivot, Y, JO_ROW);
+            else if (six)
+                solve_six_rows(A, pivot, Y, padded);
+            else
+                solve_rows(A, node->size, stride, pivot, Y, padded);
+        }
         for (int f = m->fill_first[c]; f < m->fill_first[c + 1]; f++) {
             const jo_fill *fill = &m->fill[f];
             const jo_branch *left = &m->branch[fill->left], *right = &m->branch[fill->right];
-            subtract_product(d->N + fill->target, fill->stride, d->N + left->lower, stride, left->width, node->size,
-                             d->N + right->upper, jo_pad(right->width));
+            const int padded = jo_pad(right->width);
+            jo_real *T = d->N + fill->target;
+            const jo_real *X = d->N + left->lower, *Y = d->N + right->upper;
+            if (six && left->width == JO_SIX && padded == JO_ROW)
+                subtract_six_rows(T, fill->stride, X, Y);
+            else
+                subtract_product(T, fill->stride, X, stride, left->width, node->size, Y, padded);
         }
     }
     return JO_OK;
@@ -242,12 +343,19 @@ void jo_newton_solve(const jo_model *m, jo_data *d)
         const jo_node *node = &m->node[c];
         const int stride = jo_pad(node->size);
         jo_real *x = d->x + node->at;
-        solve_column(d->N + node->diagonal, node->size, stride, d->pivot + node->at, x);
+        const int six = node->size == JO_SIX;
+        if (six)
+            solve_six(d->N + node->diagonal, d->pivot + node->at, x);
+        else
+            solve_column(d->N + node->diagonal, node->size, stride, d->pivot + node->at, x);
         for (int b = node->first; b < node->first + node->count; b++) {
             const jo_branch *branch = &m->branch[b];
             const jo_real *X = d->N + branch->lower;
             jo_real *y = d->x + m->node[branch->node].at;
-            for (int i = 0; i < branch->width; i++) y[i] -= dot(X + i * stride, x, node->size);
+            if (six && branch->width == JO_SIX)
+                subtract_six(y, X, x);
+            else
+                for (int i = 0; i < branch->width; i++) y[i] -= dot(X + i * stride, x, node->size);
         }
     }
     for (int c = m->nnode - 1; c >= 0; c--) {
@@ -257,7 +365,10 @@ void jo_newton_solve(const jo_model *m, jo_data *d)
             const jo_branch *branch = &m->branch[b];
             const int stride = jo_pad(branch->width);
             const jo_real *Y = d->N + branch->upper, *y = d->x + m->node[branch->node].at;
-            for (int i = 0; i < node->size; i++) x[i] -= dot(Y + i * stride, y, branch->width);
+            if (node->size == JO_SIX && branch->width == JO_SIX)
+                subtract_six(x, Y, y);
+            else
+                for (int i = 0; i < node->size; i++) x[i] -= dot(Y + i * stride, y, branch->width);
         }
     }
 }

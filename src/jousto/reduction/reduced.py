@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from jousto.base.arguments import explained
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.reduction.content import Content
-from jousto.reduction.files.storage import load, save
 from jousto.reduction.modes.rigid import length_scale
 
 Array = NDArray[np.float64]
@@ -201,6 +200,8 @@ class ReducedPart(Content):
         InputError
             The file cannot be written there.
         """
+        from jousto.reduction.files.storage import save  # HDF5 is slow to import
+
         save(self, Path(path))
 
     @classmethod
@@ -212,6 +213,8 @@ class ReducedPart(Content):
         InputError
             No such file, not a reduced part, another version of the format, or damaged.
         """
+        from jousto.reduction.files.storage import load
+
         return load(Path(path), cls)
 
 
