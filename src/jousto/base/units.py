@@ -88,6 +88,11 @@ KINDS = {
     "N s/rad": "a force for an angular velocity",
 }
 
+LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
+"""Units of length of files, in m."""
+
+SHOWN = {"Pa": ("MPa", 1e-6), "m/m": ("um/m", 1e6), "V/V": ("mV/V", 1e3)}
+
 COMMON = ("mm", "cm", "m", "g", "kg", "t", "ms", "s", "min", "h", "day", "year", "rad", "deg",
           "rpm", "Hz", "kHz", "N", "kN", "MN", "Nm", "kNm", "Nmm", "Pa", "kPa", "MPa", "GPa",
           "bar", "psi", "ksi", "in", "ft", "lb", "lbf", "J", "percent", "g0", "kg/m3", "g/cm3",
@@ -106,6 +111,17 @@ USUAL = {
 }
 TOO_LARGE = "is too large, must be below 1e308"
 SUPERSCRIPTS = str.maketrans("⁻¹²³⁴", "-1234")
+
+
+def shown_unit(unit: str) -> tuple[str, float]:
+    """Return the unit for people and the factor to it.
+
+    Examples
+    --------
+    >>> shown_unit("Pa"), shown_unit("N")
+    (('MPa', 1e-06), ('N', 1.0))
+    """
+    return SHOWN.get(unit, (unit, 1.0))
 
 
 class UnitError(ValueError):

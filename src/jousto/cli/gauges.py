@@ -176,7 +176,7 @@ def _list_result(run: Solution) -> list[str]:
     """Print what the gauges of a run show, and return their names."""
     import numpy as np
 
-    from jousto.measurement.gauges.compare import shown_unit
+    from jousto.base.units import shown_unit
 
     names = [name for name in run.sensors if str(run.about(name)["unit"]) in GAUGE_UNITS]
     if not names:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.errors import InputError, Problem
+from jousto.base.units import shown_unit
 from jousto.parts.solids.error import place_errors
 from jousto.parts.solids.stress import SolidStress
 from jousto.recovery.fields.build import stress_field
@@ -76,7 +77,7 @@ class ErrorBudget:
 
     @property
     def _sentence(self) -> str:
-        factor, unit = (1e-6, "MPa") if self.unit == "Pa" else (1e6, "um/m")
+        unit, factor = shown_unit(self.unit)
         size = abs(self.value)
         texts = [
             f"{name} {100.0 * x / size if size > 0.0 else np.inf:.2g} %"

@@ -13,6 +13,7 @@ from jousto.base.arguments import explained
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.files import Rows, Tabular
+from jousto.base.units import shown_unit
 from jousto.measurement.gauges.align import Alignment, align as align_records
 from jousto.measurement.gauges.record import Record, record_of
 from jousto.measurement.gauges.units import STRAIN
@@ -125,12 +126,6 @@ def likely_unit(pair: GaugePair) -> str:
                 f"it was probably given in {unit}; {remedy}, or name its unit"
             )
     return ""
-
-
-def shown_unit(unit: str) -> tuple[str, float]:
-    """Return the unit for people and the factor to it."""
-    shown = {STRAIN: ("um/m", 1e6), "V/V": ("mV/V", 1e3), "Pa": ("MPa", 1e-6)}
-    return shown.get(unit, (unit, 1.0))
 
 
 @explained

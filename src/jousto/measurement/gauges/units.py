@@ -8,7 +8,7 @@ import re
 STRAIN = "m/m"
 
 # label without blanks, lower case, micro sign as u: SI unit, factor, offset
-_TABLE: dict[str, tuple[str, float]] = {
+UNITS: dict[str, tuple[str, float]] = {
     "m/m": (STRAIN, 1.0),
     "mm/mm": (STRAIN, 1.0),
     "strain": (STRAIN, 1.0),
@@ -78,7 +78,7 @@ def parse_unit(label: str) -> tuple[str, float] | None:
     >>> parse_unit("µm/m"), parse_unit("[%]"), parse_unit("furlong")
     (('m/m', 1e-06), ('m/m', 0.01), None)
     """
-    return _TABLE.get(_key(label))
+    return UNITS.get(_key(label))
 
 
 def split_label(text: str) -> tuple[str, str | None]:

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.errors import InputError, Problem, count
+from jousto.measurement.gauges.units import UNITS as UNITS_OF_LOGGERS
 
 Array = NDArray[np.float64]
 
@@ -32,17 +33,8 @@ LEAST_LEAP = 10.0  # .. but at least so many seconds
 PRESENT, EMPTY, NOT_A_NUMBER, INFINITE = range(4)
 """What stood in a cell."""
 
-UNITS = {
-    "": 1.0,
-    "1": 1.0,
-    "m/m": 1.0,
-    "mm/m": 1e-3,
-    "um/m": 1e-6,
-    "ue": 1e-6,
-    "ustrain": 1e-6,
-    "microstrain": 1e-6,
-    "%": 1e-2,
-}
+STRAINS = ("1", "m/m", "mm/m", "um/m", "ue", "ustrain", "microstrain", "%")
+UNITS = {"": 1.0, **{unit: UNITS_OF_LOGGERS[unit][1] for unit in STRAINS}}
 SECONDS = {"": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}
 
 

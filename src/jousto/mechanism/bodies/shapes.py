@@ -14,11 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 from jousto.base.errors import InputError, MissingFileError, Problem, Problems, suggest
 from jousto.base.numbers import number
 from jousto.base.rotations import parse_direction, turn_onto
+from jousto.base.units import LENGTHS
 
 Array = NDArray[np.float64]
 
 FACETS = 32  # around circles that are drawn
-UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "ft": 0.3048}
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,18 +184,18 @@ def _refuse(where: str, points: Array, edges: NDArray[np.int_]) -> None:
 
 def read_surface(where: str, source: Any, unit: str) -> Array:
     """Return the triangles (nt, 3, 3), m, of a file, a `Mesh` or an array."""
-    if unit not in UNITS:
-        raise InputError(Problem(where, f"unit is {unit!r}{suggest(unit, UNITS)}"))
+    if unit not in LENGTHS:
+        raise InputError(Problem(where, f"unit is {unit!r}{suggest(unit, LENGTHS)}"))
     if hasattr(source, "triangles") and hasattr(source, "nodes"):  # a mesh of solids, in m
         mesh: Any = source
         return np.asarray(mesh.nodes[mesh.triangles], dtype=np.float64)
     if isinstance(source, str | os.PathLike):
-        return UNITS[unit] * _file(where, Path(source))
+        return LENGTHS[unit] * _file(where, Path(source))
     problems = Problems()
     found = problems.array(where, "triangles", source, (None, 3, 3))
     problems.raise_if_any()
     assert found is not None
-    return UNITS[unit] * found
+    return LENGTHS[unit] * found
 
 
 def _file(where: str, path: Path) -> Array:

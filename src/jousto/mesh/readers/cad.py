@@ -6,7 +6,8 @@ import re
 from pathlib import Path
 
 from jousto.base.errors import InputError, Problem
-from jousto.mesh.readers.files import UNITS, exists, unit_factor
+from jousto.base.units import LENGTHS
+from jousto.mesh.readers.files import exists, unit_factor
 
 _SI = {"": 1.0, "MILLI": 1e-3, "CENTI": 1e-2, "MICRO": 1e-6, "DECI": 1e-1, "KILO": 1e3}
 
@@ -27,13 +28,13 @@ def cad_scale(path: Path, unit: str | None) -> float:
                 Problem(where, "has no END-ISO-10303-21 at its end: it is cut off; export it again")
             )
         said = step_unit(data)
-        return 1e-3 if unit is None else 1e-3 * UNITS[unit] / said
+        return 1e-3 if unit is None else 1e-3 * LENGTHS[unit] / said
     if re.match(rb"\s*(DBRep_DrawableShape|CASCADE Topology|Open CASCADE Topology)", data):
         if unit is None:
             raise InputError(
                 Problem(where, "a BREP file does not say its unit: give unit='mm' or another")
             )
-        return UNITS[unit]
+        return LENGTHS[unit]
     if not data.strip():
         raise InputError(Problem(where, "is empty"))
     if re.match(rb".{72}S *0*1\s", data):

@@ -14,20 +14,11 @@ from pathlib import Path
 from jousto.base.arguments import explained
 from jousto.base.errors import InputError, MissingFileError, Problem, suggest, warn
 from jousto.base.files import check_file
+from jousto.base.units import LENGTHS
 from jousto.mesh.mesh import Mesh
 from jousto.mesh.readers.raw import RawMesh
 
 log = logging.getLogger(__name__)
-
-UNITS = {
-    "m": 1.0,
-    "cm": 1e-2,
-    "mm": 1e-3,
-    "um": 1e-6,
-    "in": 0.0254,
-    "inch": 0.0254,
-    "ft": 0.3048,
-}
 
 
 @dataclass(frozen=True)
@@ -197,10 +188,10 @@ def which(path: Path) -> Format:
 
 def unit_factor(where: str, unit: str) -> float:
     """Return the length of a unit in m."""
-    if unit not in UNITS:
-        hint = suggest(unit, UNITS)
+    if unit not in LENGTHS:
+        hint = suggest(unit, LENGTHS)
         raise InputError(Problem(where, f"unit is '{unit}'{hint}"))
-    return UNITS[unit]
+    return LENGTHS[unit]
 
 
 def _unpacked(path: Path, unit: str, name: str | None) -> Mesh:

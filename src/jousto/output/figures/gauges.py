@@ -9,7 +9,8 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem
-from jousto.measurement.gauges.compare import GaugeComparison, shown_unit
+from jousto.base.units import shown_unit
+from jousto.measurement.gauges.compare import GaugeComparison
 from jousto.output.style import COLORS, INK, MUTED, PICTURES, Picture, blend, save, styled, target
 
 WIDTH = 8.0  # inch

@@ -8,8 +8,8 @@ import numpy as np
 
 from jousto.base.arrays import Floats, Ints
 from jousto.base.errors import InputError, Problem
+from jousto.base.units import LENGTHS
 
-LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254, "ft": 0.3048}
 POUND_FORCE = 0.45359237 * 9.80665
 MASSES = {"kg": 1.0, "t": 1e3, "g": 1e-3, "slug": POUND_FORCE / 0.3048, "lb": 0.45359237}
 TIMES = {"s": 1.0, "ms": 1e-3}

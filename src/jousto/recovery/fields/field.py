@@ -16,6 +16,7 @@ from jousto.base.arguments import explained
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.ranking import ranking
+from jousto.base.units import shown_unit
 from jousto.model.native.recover import LANES, Recovery
 from jousto.recovery.fields.criteria import (
     STRAIN_COMPONENTS,
@@ -78,7 +79,7 @@ class Envelope:
 
     def __str__(self) -> str:
         k, j = (int(ranking(x, self.labels)[0]) for x in (self.max, -self.min))
-        factor, unit = (1e-6, "MPa") if self.unit == "Pa" else (1e6, "um/m")
+        unit, factor = shown_unit(self.unit)
         return (
             f"{self.criterion} over {len(self.labels)} places: "
             f"largest {factor * self.max[k]:.6g} {unit} at {self.labels[k]}, "
