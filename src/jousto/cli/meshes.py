@@ -129,7 +129,8 @@ def _refined(text: str) -> tuple[str, float]:
 
 def describe_mesh(found: Mesh) -> tuple[Finding, ...]:
     """Print what is in a mesh and what is wrong with it; return the findings."""
-    from jousto.schema.summary import hole_text, mesh_facts, set_text
+    from jousto.mesh.holes import hole_text
+    from jousto.schema.summary import mesh_facts, set_text
 
     facts(mesh_facts(found), f"mesh {found.name}")
     holes = [

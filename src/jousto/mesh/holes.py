@@ -56,6 +56,17 @@ class Hole:
         )
 
 
+def hole_text(hole: Hole) -> str:
+    """Return diameter, length, place and direction of a hole."""
+    place = ", ".join(f"{round(1e3 * x, 3) + 0.0:g}" for x in hole.point)
+    along = [round(float(x), 3) + 0.0 for x in hole.axis]
+    axis = "xyz"[int(np.argmax(np.abs(along)))]
+    if sorted(map(abs, along)) != [0.0, 0.0, 1.0]:
+        axis = "(" + ", ".join(f"{x:g}" for x in along) + ")"
+    size = f"{2e3 * hole.radius:.4g} mm, {1e3 * hole.length:.4g} mm long"
+    return f"{size}, at ({place}) mm along {axis}, {len(hole.nodes)} nodes"
+
+
 def find_holes(mesh: Grid, radius: tuple[float, float]) -> tuple[Hole, ...]:
     """Return the cylindrical holes of a mesh, the largest first.
 

@@ -13,7 +13,6 @@ from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.forces.line_load import LineLoad
 
 if TYPE_CHECKING:
-    from jousto.mesh.holes import Hole
     from jousto.mesh.mesh import Mesh
     from jousto.reduction.reduced import ReducedPart
     from jousto.schema.file.read import ModelFile
@@ -96,17 +95,6 @@ def mesh_facts(mesh: Mesh) -> Facts:
         sets = (f"{name} ({len(members)})" for name, members in mesh.element_sets.items())
         rows.append(("element sets", ", ".join(sets)))
     return rows
-
-
-def hole_text(hole: Hole) -> str:
-    """Return diameter, length, place and direction of a hole."""
-    place = ", ".join(f"{round(1e3 * x, 3) + 0.0:g}" for x in hole.point)
-    along = [round(float(x), 3) + 0.0 for x in hole.axis]
-    axis = "xyz"[int(np.argmax(np.abs(along)))]
-    if sorted(map(abs, along)) != [0.0, 0.0, 1.0]:
-        axis = "(" + ", ".join(f"{x:g}" for x in along) + ")"
-    size = f"{2e3 * hole.radius:.4g} mm, {1e3 * hole.length:.4g} mm long"
-    return f"{size}, at ({place}) mm along {axis}, {len(hole.nodes)} nodes"
 
 
 def set_text(mesh: Mesh, name: str, nodes: Any) -> str:

@@ -15,7 +15,7 @@ from jousto.schema.entries.declared import entry_of, extended, one_of
 from jousto.schema.file.document import Loc
 
 if TYPE_CHECKING:
-    from jousto.schema.make.builder import Builder
+    from jousto.schema.make.context import Builder
 
 Rule: TypeAlias = Literal["original", "elementary", "haibach"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, Tag, TypeAdapter, ValidationError
 
@@ -15,10 +15,8 @@ from jousto.schema.entries.base import Component, Direction, Duration, Entry, Nu
 from jousto.schema.entries.choices import by_form
 from jousto.schema.entries.curves import CurveForm, MeanEntry, SNOrName, build_curve, build_mean
 from jousto.schema.file.document import Document, Loc, parse_document, read_document
-from jousto.schema.file.explain import explain
-
-if TYPE_CHECKING:
-    from jousto.schema.make.builder import Builder
+from jousto.schema.file.explain import explain, finish
+from jousto.schema.make.context import Builder
 
 Residue: TypeAlias = Literal["half", "repeat", "ignore"]
 Sites: TypeAlias = Annotated[
@@ -172,9 +170,6 @@ def parse_fatigue(text: str, name: str = "model") -> Fatigue | None:
     InputError
         What is wrong with the block, with lines.
     """
-    from jousto.schema.file.read import finish
-    from jousto.schema.make.builder import Builder
-
     document = parse_document(text, name=name)
     data = document.data.get("fatigue")
     if data is None:
@@ -199,9 +194,6 @@ def read_curve(path: str | Path) -> SN:
     InputError
         If the file cannot be read, or what is wrong with it, with lines.
     """
-    from jousto.schema.file.read import finish
-    from jousto.schema.make.builder import Builder
-
     document: Document = read_document(path)
     classes: dict[int, Any] = {}
     try:
@@ -254,8 +246,6 @@ def read_duty(path: str | Path) -> Duty:
     InputError
         What is wrong with it, with lines.
     """
-    from jousto.schema.file.read import finish
-
     document = read_document(path)
     classes: dict[int, Any] = {}
     try:

@@ -11,7 +11,7 @@ from jousto.schema.entries.choices import by_form
 from jousto.schema.entries.curves import MeanEntry, SNOrName, build_curve, build_mean
 
 if TYPE_CHECKING:
-    from jousto.schema.make.builder import Builder
+    from jousto.schema.make.context import Builder
 
 
 class ChannelRulesEntry(Entry):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+import warnings
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from pydantic import ValidationError
 
-from jousto.base.errors import Problem, suggest
+from jousto.base.errors import InputError, JoustoWarning, Problem, suggest
 from jousto.base.units import describe
 from jousto.schema.file.document import Document, Loc
 
@@ -136,3 +137,12 @@ def forms(tags: list[str]) -> list[str]:
     """Return the words for the forms a value may have."""
     words = {"mapping": "a mapping", "list": "a list", "scalar": "a single value"}
     return [words.get(tag, tag) for tag in tags]
+
+
+def finish(document: Document, found: list[tuple[Loc, Problem]], messages: Iterable[str]) -> None:
+    """Issue the warnings, then raise the problems in the order of the file."""
+    for message in messages:
+        warnings.warn(JoustoWarning(message), stacklevel=4)
+    if found:
+        found = sorted(found, key=lambda pair: document.line(pair[0]))
+        raise InputError([problem for _, problem in found])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from jousto.base.arguments import explained
 from jousto.base.described import described
-from jousto.base.errors import InputError, JoustoWarning, Problem, suggest
+from jousto.base.errors import InputError, Problem, suggest
 from jousto.mechanism.mechanism import Mechanism
 from jousto.schema.entries.choices import WholeSchema
 from jousto.schema.entries.fatigue import Fatigue, build_fatigue, flexible_bodies
@@ -21,8 +19,9 @@ from jousto.schema.entries.monitor import build_monitor
 from jousto.schema.entries.parts import ReducedEntry
 from jousto.schema.entries.solids import PartEntry
 from jousto.schema.file.document import Document, Loc, parse_document, read_document
-from jousto.schema.file.explain import explain
-from jousto.schema.make.builder import Builder
+from jousto.schema.file.explain import explain, finish
+from jousto.schema.make.builder import ModelBuilder
+from jousto.schema.make.context import Builder
 from jousto.schema.make.declared import build_declared
 from jousto.schema.make.matrices import is_superelement
 
@@ -159,7 +158,7 @@ def build_model(
         raise InputError(Problem(document.name, message))
     entry, index, invalid, broken = validate(document)
     options = {} if progress is None else {"progress": progress}
-    builder = Builder(document, broken, rigid=rigid, trust=trust, options=options)
+    builder = ModelBuilder(document, broken, rigid=rigid, trust=trust, options=options)
     mechanism, simulation, fatigue, monitor = None, None, None, None
     if entry is not None:
         mechanism = builder.mechanism(entry, index)
@@ -172,15 +171,6 @@ def build_model(
     finish(document, [*invalid, *builder.found], builder.warnings)
     assert mechanism is not None
     return ModelFile(mechanism, simulation, document.text, fatigue, monitor)
-
-
-def finish(document: Document, found: list[tuple[Loc, Problem]], messages: Iterable[str]) -> None:
-    """Issue the warnings, then raise the problems in the order of the file."""
-    for message in messages:
-        warnings.warn(JoustoWarning(message), stacklevel=4)
-    if found:
-        found = sorted(found, key=lambda pair: document.line(pair[0]))
-        raise InputError([problem for _, problem in found])
 
 
 def validate(
@@ -329,7 +319,7 @@ def read_part_file(
         data = data["parts"][name]
     name = Path(path).stem if name is None else name
     classes: dict[int, Any] = {}
-    builder = Builder(document, options=options)
+    builder = ModelBuilder(document, options=options)
     try:
         entry: Any = TypeAdapter(PartEntry).validate_python(data, context=classes)
     except ValidationError as error:

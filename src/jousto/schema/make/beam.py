@@ -8,10 +8,11 @@ from jousto.mechanism.beams.body import BeamBody, BeamDamping
 from jousto.mechanism.beams.stiffness import BeamSection
 from jousto.schema.entries.beams import BeamBodyEntry, BeamSectionEntry, OffsetSectionEntry
 from jousto.schema.file.document import Loc
+from jousto.schema.make.declared import build_declared, build_material
 from jousto.sections.points import StressPoint
 
 if TYPE_CHECKING:
-    from jousto.schema.make.builder import Builder
+    from jousto.schema.make.context import Builder
 
 
 def build_beam(builder: Builder, loc: Loc, entry: BeamBodyEntry) -> Any:
@@ -22,7 +23,7 @@ def build_beam(builder: Builder, loc: Loc, entry: BeamBodyEntry) -> Any:
         (*loc, "section"), entry.section, lambda at, e: beam_section(builder, at, e)
     )
     if entry.material is not None:
-        values["material"] = builder.material((*loc, "material"), entry.material)
+        values["material"] = build_material(builder, (*loc, "material"), entry.material)
     if entry.damping is not None:
         values["damping"] = builder.make((*loc, "damping"), BeamDamping, **entry.damping.given())
     if len(builder.found) > before:
@@ -46,9 +47,9 @@ def beam_section(builder: Builder, loc: Loc, entry: Any) -> Any:
         return builder.make(loc, BeamSection, **values)
     if isinstance(entry, OffsetSectionEntry):
         values = entry.given()
-        values["section"] = builder.section((*loc, "section"), entry.section)
-        values["material"] = builder.material((*loc, "material"), entry.material)
+        values["section"] = build_declared(builder, (*loc, "section"), entry.section)
+        values["material"] = build_material(builder, (*loc, "material"), entry.material)
         if values["section"] is None or values["material"] is None:
             return None
         return builder.make(loc, BeamSection.of, **values)
-    return builder.section(loc, entry)
+    return build_declared(builder, loc, entry)

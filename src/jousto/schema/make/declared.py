@@ -16,7 +16,7 @@ from jousto.schema.make.amounts import build_amount, per_second
 from jousto.schema.make.tables import build_table
 
 if TYPE_CHECKING:
-    from jousto.schema.make.builder import Builder
+    from jousto.schema.make.context import Builder
 
 Known: TypeAlias = Mapping[str, Mapping[str, Any]]
 """For each section the objects made before, by their names."""
@@ -87,7 +87,7 @@ def build_declared(
     for key, field in cls.fields.items():
         if key not in given:
             continue
-        make = builder.forms.get(field.form)
+        make = builder.forms.get(field.form) or FORMS.get(field.form)
         if make is None:
             values[key] = given[key]
         elif values.get(getattr(field.unit, "field", ""), given) is None:
@@ -100,6 +100,15 @@ def build_declared(
     for key in [key for key in values if cls.fields[key].spread]:
         items = values.pop(key)
     return builder.make(loc, cls, *items, **values)
+
+
+def build_material(builder: Builder, loc: Loc, entry: Any) -> Any:
+    """Return the material of an entry or of a name in the library."""
+    from jousto.materials.library import material
+
+    if isinstance(entry, str):
+        return builder.make(loc, material, entry)
+    return build_declared(builder, loc, entry)
 
 
 def number(place: Place, value: Any) -> Any:

@@ -10,7 +10,7 @@ from jousto.schema.file.document import Loc
 from jousto.schema.file.files import read_matrix, read_points
 
 if TYPE_CHECKING:
-    from jousto.schema.make.builder import Builder
+    from jousto.schema.make.context import Builder
 
 # what only the files of other programs have
 FOREIGN = ("dofs", "format", "units")

@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from jousto.base.errors import count, suggest
+from jousto.mesh.holes import hole_text
 from jousto.schema.entries import solids as ss
 from jousto.schema.file.document import Loc
 from jousto.schema.file.kept import mesh_of_cad
-from jousto.schema.summary import hole_text
+from jousto.schema.make.declared import build_material
 
 if TYPE_CHECKING:
     from jousto.mesh.mesh import Mesh
-    from jousto.schema.make.builder import Builder
+    from jousto.schema.make.context import Builder
 
 DIAMETER = 0.02  # share by which a hole may differ from the diameter that is asked for
 SHOWN = 6  # holes or sets named in a message
@@ -102,9 +103,9 @@ def with_stress_at(part: Any, entry: ss.SolidEntry) -> Any:
 def solid_materials(builder: Builder, loc: Loc, entry: ss.SolidEntry) -> Any:
     """Return the material of a solid, or a mapping of them by element set."""
     if entry.materials is None:
-        return builder.material((*loc, "material"), entry.material)
+        return build_material(builder, (*loc, "material"), entry.material)
     return {
-        key: builder.material((*loc, "materials", key), value)
+        key: build_material(builder, (*loc, "materials", key), value)
         for key, value in entry.materials.items()
     }
 

@@ -1,0 +1,192 @@
+"""Builder: what all that makes objects of a document shares, its problems and its names."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from jousto.base.errors import InputError, JoustoWarning, Problem, suggest
+from jousto.base.rotations import Rotate
+from jousto.mechanism.bodies.body import FlexibleBody, ground
+from jousto.schema.entries.base import Entry, MarkerEntry, RotateEntry
+from jousto.schema.file.document import Document, Loc
+
+T = TypeVar("T")
+MOST_HINTS = 100  # problems of a file that come with likely names
+
+
+class Builder:
+    """Builds the objects of one document and collects problems with their lines.
+
+    Parameters
+    ----------
+    document : Document
+        For lines, and the folder of files it refers to.
+    broken : iterable of (str, str or None)
+        Sections and names of entries that failed before; references to them are not reported
+        again. None stands for any name.
+    rigid : bool
+        Whether flexible bodies are made rigid.
+    trust : bool
+        Whether Python code that the document names may run.
+    options : mapping, optional
+        Arguments of `reduce` that go before those of the document: solver, cache, progress.
+    """
+
+    forms: Mapping[str, Callable[[Any, Any], Any]] = {}
+    """How more forms become objects than those of every declared class."""
+
+    def __init__(
+        self,
+        document: Document,
+        broken: Iterable[tuple[str, str | None]] = (),
+        *,
+        rigid: bool = False,
+        trust: bool = False,
+        options: Mapping[str, Any] | None = None,
+    ) -> None:
+        self.options = dict(options or {})
+        self.document = document
+        self.trust = trust
+        self.broken = set(broken)
+        self.rigid = rigid
+        self.found: list[tuple[Loc, Problem]] = []
+        self.noted: set[Problem] = set()
+        self.warnings: dict[str, None] = {}  # in their order
+        self.events: dict[str, Any] = {}
+        self.curves: dict[str, Any] = {}
+        self.late_events: set[str] = set()
+        self.sensors: list[str] = []  # names of all sensors of the file
+
+    def note(self, loc: Loc, message: str) -> None:
+        """Note a problem at a place of the document."""
+        problem = Problem(self.document.where(loc), message)
+        if problem not in self.noted:
+            self.noted.add(problem)
+            self.found.append((loc, problem))
+
+    def make(self, loc: Loc, make: Callable[..., T], /, *args: Any, **kwargs: Any) -> T | None:
+        """Return ``make(*args, **kwargs)``; None with the problems noted if it fails."""
+        own = {str(loc[-1]).lower() if loc else "", make.__name__.lower(), make.__qualname__}
+        name = kwargs.get("name", args[0] if args else kwargs.get("coordinate"))
+        name = getattr(name, "name", name)
+        result, errors = None, None
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            try:
+                result = make(*args, **kwargs)
+            except InputError as error:
+                errors = error
+        # outside of the block, or what is passed on would be caught again without end
+        for item in caught:
+            self.warn(loc, item, own, name)
+        for problem in errors.problems if errors else ():
+            message = shorten(problem.where, problem.message, own, name)
+            place = self.refine(loc, problem.message)
+            self.note(place, message.removeprefix(f"{place[-1]}: " if place else ""))
+        return result
+
+    def warn(
+        self, loc: Loc, item: warnings.WarningMessage, own: set[str], name: Any = None
+    ) -> None:
+        """Keep a warning with its place, pass on those that are not jousto's."""
+        if not issubclass(item.category, JoustoWarning):
+            warnings.warn_explicit(item.message, item.category, item.filename, item.lineno)
+            return
+        where, colon, message = str(item.message).partition(": ")
+        if colon:
+            message = shorten(where, message, own, name)
+        place = self.refine(loc, message)
+        message = message.removeprefix(f"{place[-1]}: " if place else "")
+        text = f"{self.document.where(place)}: {message if colon else where}"
+        self.warnings[text] = None
+
+    def refine(self, loc: Loc, message: str) -> Loc:
+        """Return the path of the field that a message of a constructor begins with."""
+        for word in re.findall(r"[A-Za-z_]\w*", message)[:4]:
+            if (*loc, word) in self.document.lines:
+                return (*loc, word)
+        return loc
+
+    def file(self, name: str) -> Path:
+        """Return a file name of the document, relative to the document's folder."""
+        return self.document.folder / name
+
+    def each(self, loc: Loc, value: Any, build: Callable[[Loc, Any], Any]) -> Any:
+        """Return the object of an entry, or the list of objects of a list of entries."""
+        if isinstance(value, Entry | str):
+            return build(loc, value)
+        return [build((*loc, i), item) for i, item in enumerate(value)]
+
+    def orientations(self, loc: Loc, values: dict[str, Any]) -> dict[str, Any]:
+        """Replace turns about an axis by `Rotate` objects."""
+        for key in ("orientation", "axes"):
+            if key in values:
+                values[key] = self.orientation((*loc, key), values[key])
+        return values
+
+    def orientation(self, loc: Loc, entry: Any) -> Any:
+        """Return an orientation; a turn about an axis becomes a `Rotate`."""
+        if not isinstance(entry, RotateEntry):
+            return entry
+        return self.make(loc, Rotate, entry.axis, degrees=entry.angle_deg)
+
+    def unknown(
+        self, loc: Loc, section: str | tuple[str, ...], kind: str, name: str, known: Iterable[str]
+    ) -> None:
+        """Note a reference to nothing, unless it is to an entry that failed itself."""
+        sections = (section,) if isinstance(section, str) else section
+        if not {(s, n) for s in sections for n in (name, None)} & self.broken:
+            hint = ""
+            if len(self.found) < MOST_HINTS:  # looking for likely names takes its time
+                broken = (str(n) for s, n in sorted(self.broken, key=str) if s in sections and n)
+                hint = suggest(name, [*known, *broken])
+            self.note(loc, f"no {kind} {name!r}{hint}")
+
+    def marker(self, loc: Loc, entry: Any, bodies: Mapping[str, Any]) -> Any:
+        """Return the marker of an entry, None if anything is wrong with it."""
+        if isinstance(entry, MarkerEntry):
+            name, point, place = entry.body, entry.point, (*loc, "body")
+        else:
+            name, _, point = entry.partition(".")
+            place = loc
+        body = ground if name == "ground" else bodies.get(name)
+        if body is None:
+            self.unknown(place, "bodies", "body", name, [*bodies, "ground"])
+            return None
+        marker: Any
+        if isinstance(entry, MarkerEntry) and entry.at is not None:
+            if isinstance(body, FlexibleBody):
+                self.note((*loc, "at"), f"{name!r} is flexible, give point: and the name of a node")
+                return None
+            marker = self.make((*loc, "at"), body.at, entry.at)
+        else:
+            point_place = (*loc, "point") if isinstance(entry, MarkerEntry) else loc
+            marker = self.make(point_place, body.__getitem__, point)
+        if marker is None or not isinstance(entry, MarkerEntry) or entry.axes is None:
+            return marker
+        axes = self.orientations(loc, {"axes": entry.axes})["axes"]
+        return None if axes is None else self.make((*loc, "axes"), marker.turned, axes)
+
+    def event(self, loc: Loc, name: str) -> Any:
+        """Return the event that switches a signal, None if there is none that can."""
+        if name in self.late_events:
+            self.note(
+                loc,
+                f"event {name!r} watches a force, a coupling or a signal and cannot switch one; "
+                "let it watch a coordinate or the motion of a marker",
+            )
+        elif name not in self.events:
+            self.unknown(loc, "events", "event", name, self.events)
+        return self.events.get(name)
+
+
+def shorten(where: str, message: str, own: set[str], name: Any) -> str:
+    """Return the sentence of a constructor without the name of the object it is about."""
+    head = where.lower()
+    if not where or head in own or head.endswith((f" {name!r}".lower(), f" '{name}'".lower())):
+        return message
+    return f"{where}: {message}"
