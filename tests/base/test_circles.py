@@ -32,8 +32,8 @@ def imports() -> dict[str, set[str]]:
 def circles(graph: dict[str, set[str]]) -> list[set[str]]:
     """Return the sets of files that reach each other, by what leads nowhere and comes of nowhere.
 
-    >>> circles({"a": {"b"}, "b": {"c"}, "c": {"b"}})
-    [{'b', 'c'}]
+    >>> [sorted(group) for group in circles({"a": {"b"}, "b": {"c"}, "c": {"b"}})]
+    [['b', 'c']]
     """
     left = dict(graph)
     while ends := [x for x in left if not (left[x] & left.keys())]:
