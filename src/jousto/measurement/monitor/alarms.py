@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.base.arguments import explained
+from jousto.base.declare import Declared, Field, Number, OptionalPositive, field
 from jousto.base.described import described
 from jousto.base.errors import Problems
 from jousto.measurement.monitor.health import OK
@@ -18,57 +19,53 @@ Array = NDArray[np.float64]
 NEVER = -np.inf
 
 
-@explained
-@dataclass(frozen=True)
-class AlarmLimits:
-    """What raises an alarm.
+class Left(Field["int | None", "int | None"]):
+    """A number of channels."""
 
-    Parameters
-    ----------
-    stress : float, optional
-        Magnitude of the stress at a hot spot, Pa.
-    damage : float, optional
-        Miner's sum at a hot spot, such as 0.5.
-    life : float, optional
-        Remaining life, s: the lower end of its band is below.
-    channels : int, optional
-        Channels that are left: fewer of them are "ok".
-    release : float
-        Share of the stress limit below which an alarm ends ..
-    hold : float
-        .. after so many seconds there: the hysteresis.
-    """
+    form = "count"
+    noun = "int"
 
-    stress: float | None = None
-    damage: float | None = None
-    life: float | None = None
-    channels: int | None = None
-    release: float = 0.9
-    hold: float = 5.0
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the number."""
+        if not isinstance(value, int) or isinstance(value, bool):
+            problems.add(where, f"{self.name} is {value!r}, must be a whole number")
+        return value
 
-    def __post_init__(self) -> None:
-        problems = Problems()
-        for name, unit in (("stress", "Pa"), ("damage", ""), ("life", "s")):
-            if getattr(self, name) is not None:
-                problems.positive("AlarmLimits", name, getattr(self, name), unit)
-        if self.stress is not None and 0.0 < self.stress < 1e4:
+
+class AlarmLimits(Declared, by_value=True):
+    """What raises an alarm."""
+
+    stress: OptionalPositive = field(
+        "Magnitude of the stress at a hot spot", unit="Pa", default=None
+    )
+    damage: OptionalPositive = field(
+        "Miner's sum at a hot spot, such as 0.5", unit="1", default=None
+    )
+    life: OptionalPositive = field(
+        "Remaining life: the lower end of its band is below", unit="s", default=None
+    )
+    channels: Left = field('Channels that are left: fewer of them are "ok"', default=None)
+    release: Number = field(
+        "Share of the stress limit below which an alarm ends",
+        least=0,
+        most=1,
+        wanted="a share from 0 to 1",
+        default=0.9,
+    )
+    hold: Number = field(
+        "How long it must stay below that share: the hysteresis",
+        unit="s",
+        least=0,
+        wanted="0 or positive, s",
+        default=5.0,
+    )
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note a stress that was meant in MPa."""
+        if self.stress is not None and self.stress < 1e4:
             problems.add(
-                "AlarmLimits",
-                f"stress is {self.stress:g} Pa, which is next to nothing; was MPa meant?",
+                where, f"stress is {self.stress:g} Pa, which is next to nothing; was MPa meant?"
             )
-        channels: object = self.channels
-        if channels is not None and (not isinstance(channels, int) or isinstance(channels, bool)):
-            problems.add("AlarmLimits", f"channels is {self.channels!r}, must be a whole number")
-        problems.number(
-            "AlarmLimits",
-            "release",
-            self.release,
-            "",
-            "a share from 0 to 1",
-            lambda x: 0.0 <= x <= 1.0,
-        )
-        problems.number("AlarmLimits", "hold", self.hold, "s", "0 or positive", lambda x: x >= 0.0)
-        problems.raise_if_any()
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.base.arguments import explained
+from jousto.base.declare import Declared, Field, Number, Positive, field
 from jousto.base.described import described
 from jousto.base.errors import Problems
 from jousto.measurement.monitor.stream import EMPTY, INFINITE
@@ -23,48 +24,54 @@ STATES = ("ok", "dropout", "nan", "saturated", "stuck", "spike", "back")
 OK = STATES.index("ok")
 
 
-@explained
-@dataclass(frozen=True)
-class ChannelRules:
-    """When a value is not believed.
+class Samples(Field[int, int]):
+    """A number of samples."""
 
-    Parameters
-    ----------
-    range : float
-        Magnitude at which a channel is saturated, m/m; at most 0.01.
-    stuck : int
-        Samples of exactly the same value, while others change, after which a channel is stuck;
-        0 does not look.
-    spike : float
-        Jump, in usual steps of the channel from sample to sample, that is a spike unless the next
-        samples confirm it; 0 does not look.
-    back : int
-        Good samples in a row before a channel that failed is used again.
-    """
+    form = "count"
+    noun = "int"
 
-    range: float = LARGEST
-    stuck: int = 50
-    spike: float = 40.0
-    back: int = 10
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the number."""
+        if not isinstance(value, int) or value < 0:
+            problems.add(where, f"{self.name} is {value!r}, must be a number of samples, 0 or more")
+        return value
 
-    def __post_init__(self) -> None:
-        problems = Problems()
-        problems.positive("ChannelRules", "range", self.range, "m/m")
-        if self.range > LARGEST:
+
+class Saturation(Positive):
+    """A strain that no gauge exceeds."""
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the strain."""
+        found = super().check(problems, where, value)
+        if found is not None and found > LARGEST:
             problems.add(
-                "ChannelRules",
-                f"range is {self.range:g} m/m, must be at most {LARGEST:g}: no gauge shows more",
+                where,
+                f"{self.name} is {found:g} m/m, must be at most {LARGEST:g}: no gauge shows more",
             )
-        for name in ("stuck", "back"):
-            value = getattr(self, name)
-            if not isinstance(value, int) or value < 0:
-                problems.add(
-                    "ChannelRules", f"{name} is {value!r}, must be a number of samples, 0 or more"
-                )
-        problems.number(
-            "ChannelRules", "spike", self.spike, "", "0 or positive", lambda x: x >= 0.0
-        )
-        problems.raise_if_any()
+        return found
+
+
+class ChannelRules(Declared, by_value=True):
+    """When a value is not believed."""
+
+    range: Saturation = field(
+        "Magnitude at which a channel is saturated; at most 0.01", unit="m/m", default=LARGEST
+    )
+    stuck: Samples = field(
+        "Samples of exactly the same value, while others change, after which a channel is stuck; "
+        "0 does not look",
+        default=50,
+    )
+    spike: Number = field(
+        "Jump, in usual steps of the channel from sample to sample, that is a spike unless the "
+        "next samples confirm it; 0 does not look",
+        least=0,
+        wanted="0 or positive",
+        default=40.0,
+    )
+    back: Samples = field(
+        "Good samples in a row before a channel that failed is used again", default=10
+    )
 
 
 @dataclass(frozen=True)

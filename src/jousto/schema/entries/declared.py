@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import importlib
 import inspect
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -191,3 +192,21 @@ class Declarations(Tagged):
 def one_of(section: str, room: str, implied: Implied = None, others: Others = NO_OTHERS) -> Any:
     """Return the type of an entry of a section; for its arguments see `Declarations`."""
     return Annotated[Any, Declarations(section, room, implied, others)]
+
+
+class EntryOf:
+    """Annotation of the entry of one class, which is imported when a file needs it.
+
+    Parameters
+    ----------
+    module, name : str
+        Where the class is.
+    """
+
+    def __init__(self, module: str, name: str) -> None:
+        self.module = module
+        self.name = name
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Validate with the entry of the class."""
+        return handler(entry_of(getattr(importlib.import_module(self.module), self.name)))

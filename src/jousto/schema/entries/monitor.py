@@ -6,32 +6,18 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, Tag
 
-from jousto.schema.entries.base import Angle, Count, Duration, Entry, Length, Number, Pressure, Text
+from jousto.schema.entries.base import Angle, Count, Duration, Entry, Length, Number, Text
 from jousto.schema.entries.choices import by_form
 from jousto.schema.entries.curves import MeanEntry, SNOrName, build_curve, build_mean
+from jousto.schema.entries.declared import EntryOf
 
 if TYPE_CHECKING:
     from jousto.schema.make.context import Builder
 
 
-class ChannelRulesEntry(Entry):
-    """`ChannelRules`: when a value is not believed."""
-
-    range: Number | None = Field(None, description="Magnitude of saturation, 0.01 (m/m)")
-    stuck: Count | None = Field(None, description="Equal samples of a dead channel, 50; 0 for none")
-    spike: Number | None = Field(None, description="Jump in usual steps, 40; 0 for none")
-    back: Count | None = Field(None, description="Good samples before it is believed again, 10")
-
-
-class LimitsEntry(Entry):
-    """`AlarmLimits`: what raises an alarm."""
-
-    stress: Pressure | None = Field(None, description="Magnitude at a hot spot")
-    damage: Number | None = Field(None, description="Miner's sum")
-    life: Duration | None = Field(None, description="Lower end of the remaining life")
-    channels: Count | None = Field(None, description="Channels that must be left")
-    release: Number | None = Field(None, description="Share of the stress at which it ends, 0.9")
-    hold: Duration | None = Field(None, description="Time below that share, 5 s")
+WATCH = "jousto.measurement.monitor"
+LimitsEntry: TypeAlias = Annotated[Any, EntryOf(f"{WATCH}.alarms", "AlarmLimits")]
+RulesEntry: TypeAlias = Annotated[Any, EntryOf(f"{WATCH}.health", "ChannelRules")]
 
 
 class GaugeErrorsEntry(Entry):
@@ -70,8 +56,8 @@ class MonitorEntry(Entry):
     )
     mean: MeanEntry | None = None
     residue: Literal["half", "repeat", "ignore"] | None = None
-    limits: LimitsEntry | None = None
-    channels: ChannelRulesEntry | None = None
+    limits: LimitsEntry | None = Field(None, description="What raises an alarm")
+    channels: RulesEntry | None = Field(None, description="When a channel is not believed")
     errors: GaugeErrorsEntry | None = Field(
         None, description="Standard deviations of errors that no record shows"
     )
@@ -84,10 +70,9 @@ class MonitorEntry(Entry):
 def build_monitor(builder: Builder, entry: MonitorEntry, mechanism: Any) -> Any:
     """Return the MonitorSettings of a model, None if anything is wrong."""
     from jousto.base.errors import suggest
-    from jousto.measurement.monitor.alarms import AlarmLimits
-    from jousto.measurement.monitor.health import ChannelRules
     from jousto.measurement.monitor.setup import MonitorSettings
     from jousto.mechanism.sensors.gauge import Gauge
+    from jousto.schema.make.declared import build_declared
 
     here = ("monitor",)
     before = len(builder.found)
@@ -104,10 +89,9 @@ def build_monitor(builder: Builder, entry: MonitorEntry, mechanism: Any) -> Any:
     if entry.mean is not None:
         values["mean"] = build_mean(builder, (*here, "mean"), entry.mean)
     if entry.limits is not None:
-        values["limits"] = builder.make((*here, "limits"), AlarmLimits, **entry.limits.given())
+        values["limits"] = build_declared(builder, (*here, "limits"), entry.limits, {})
     if entry.channels is not None:
-        rules = entry.channels.given()
-        values["rules"] = builder.make((*here, "channels"), ChannelRules, **rules)
+        values["rules"] = build_declared(builder, (*here, "channels"), entry.channels, {})
     if entry.errors is not None:
         values |= entry.errors.given()
     reference = values.get("reference", "")
