@@ -126,8 +126,8 @@ static void strain_rate(const jo_model *m, const jo_data *d, const int i)
     jo_cross(t, w->d, w->om_m);
     jo_beam_h(w->rate + 3, w, x);
     for (int j = 0; j < 3; j++) {
-        w->rate[j] = w->dv[j] / b->data[0] + t[j];
-        w->rate[3 + j] /= b->data[0];
+        w->rate[j] = w->dv[j] / b->data[JO_BEAM_LENGTH] + t[j];
+        w->rate[3 + j] /= b->data[JO_BEAM_LENGTH];
     }
     if (w->helical) jo_beam_helix_rate(m, d, i);
     if (w->fibrous) jo_beam_fibre_rate(d, i);
@@ -162,7 +162,7 @@ static void end_moments(const jo_model *m, const jo_data *d, const int i)
     jo_beam_work *w = &d->beam[i];
     jo_real h[3], x[3];
     jo_cross(w->t, w->f, w->d);
-    for (int j = 0; j < 3; j++) w->t[j] *= m->beam[i].data[0];
+    for (int j = 0; j < 3; j++) w->t[j] *= m->beam[i].data[JO_BEAM_LENGTH];
     jo_cross(x, w->tau, w->t);
     jo_beam_h(h, w, w->f + 3);
     for (int k = 0; k < 2; k++) {
@@ -198,7 +198,7 @@ static void internal(const jo_model *m, jo_data *d, const int i)
             const jo_real *C = b->data + JO_BEAM_C + 6 * j;
             for (int l = 0; l < 6; l++) power += w->rate[j] * C[l] * w->rate[l];
         }
-        d->power[0] += b->data[0] * b->data[JO_BEAM_BETA] * power;
+        d->power[0] += b->data[JO_BEAM_LENGTH] * b->data[JO_BEAM_BETA] * power;
     }
 }
 

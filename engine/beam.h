@@ -8,9 +8,16 @@
 
 #include "internal.h"
 
-enum { JO_BEAM_UA = 1, JO_BEAM_BA = 4, JO_BEAM_UB = 13, JO_BEAM_BB = 16, JO_BEAM_C = 25, JO_BEAM_E0 = 61, JO_BEAM_BETA = 67,
-       JO_BEAM_ALPHA = 68, JO_BEAM_SHARE = 69, JO_BEAM_MASS = 70, JO_BEAM_J = 71, JO_BEAM_LIMIT = 77, JO_BEAM_HELICAL = 78,
-       JO_BEAM_POLAR = 79 };
+/* where the data of an element lie */
+#define JO_BEAM_AT(field) ((int)(offsetof(jo_beam_data, field) / sizeof(jo_real)))
+enum {
+    JO_BEAM_LENGTH = JO_BEAM_AT(length), JO_BEAM_UA = JO_BEAM_AT(u_a), JO_BEAM_BA = JO_BEAM_AT(B_a),
+    JO_BEAM_UB = JO_BEAM_AT(u_b), JO_BEAM_BB = JO_BEAM_AT(B_b), JO_BEAM_C = JO_BEAM_AT(C),
+    JO_BEAM_E0 = JO_BEAM_AT(e0), JO_BEAM_BETA = JO_BEAM_AT(beta), JO_BEAM_ALPHA = JO_BEAM_AT(alpha),
+    JO_BEAM_SHARE = JO_BEAM_AT(share), JO_BEAM_MASS = JO_BEAM_AT(mass), JO_BEAM_J = JO_BEAM_AT(J),
+    JO_BEAM_LIMIT = JO_BEAM_AT(limit), JO_BEAM_HELICAL = JO_BEAM_AT(helical),
+    JO_BEAM_POLAR = JO_BEAM_AT(polar)
+};
 
 /* y = H x */
 static inline void jo_beam_h(jo_real *y, const jo_beam_work *w, const jo_real *x)

@@ -39,7 +39,7 @@ static void factor(jo_real k[3], const jo_real x)
 static void half_turn(const jo_model *m, const jo_data *d, const int i, jo_real *psi, jo_real k[3])
 {
     const jo_real *x = m->beam[i].data, *e = d->beam[i].e;
-    for (int j = 0; j < 3; j++) psi[j] = 0.5 * x[0] * (e[3 + j] + x[JO_BEAM_E0 + 3 + j]);
+    for (int j = 0; j < 3; j++) psi[j] = 0.5 * x[JO_BEAM_LENGTH] * (e[3 + j] + x[JO_BEAM_E0 + 3 + j]);
     factor(k, jo_dot3(psi, psi));
 }
 
@@ -93,7 +93,7 @@ void jo_beam_helix(const jo_model *m, const jo_data *d, const int i)
 void jo_beam_helix_rate(const jo_model *m, const jo_data *d, const int i)
 {
     jo_beam_work *w = &d->beam[i];
-    const jo_real h = 0.5 * m->beam[i].data[0];
+    const jo_real h = 0.5 * m->beam[i].data[JO_BEAM_LENGTH];
     jo_real psi[3], k[3], A[9], x[3];
     half_turn(m, d, i, psi, k);
     bending(A, w->d, psi, k);
@@ -107,7 +107,7 @@ void jo_beam_helix_rate(const jo_model *m, const jo_data *d, const int i)
 void jo_beam_helix_force(const jo_model *m, const jo_data *d, const int i)
 {
     jo_beam_work *w = &d->beam[i];
-    const jo_real h = 0.5 * m->beam[i].data[0];
+    const jo_real h = 0.5 * m->beam[i].data[JO_BEAM_LENGTH];
     jo_real psi[3], k[3], A[9], x[3];
     half_turn(m, d, i, psi, k);
     bending(A, w->d, psi, k);

@@ -34,7 +34,7 @@ void jo_damage_setup(const jo_model *m, jo_data *d, jo_sensor *list)
 /* a state is counted once, also when a run goes on from it */
 static int is_new(const double *memory, double time)
 {
-    return memory[1] + memory[2] == 0.0 || memory[10] != time;
+    return memory[JO_METER_SAMPLES] + memory[JO_METER_DROPPED] == 0.0 || memory[JO_METER_TIME] != time;
 }
 
 int jo_measure(const jo_model *m, jo_data *d)
@@ -60,7 +60,7 @@ int jo_measure(const jo_model *m, jo_data *d)
         if (!is_new(memory, time)) continue;
         const double x = r->factor * JO_RE(d->reading[r->output]);
         jo_meter_push(r, memory, &x, 1);
-        memory[10] = time;
+        memory[JO_METER_TIME] = time;
     }
     return JO_OK;
 }
@@ -72,6 +72,6 @@ void jo_damage(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real 
         const jo_meter *r = &m->meter[s->object + k];
         const double *memory = d->memory + r->at;
         y[2 * k] = jo_meter_damage(r, memory, r->residue, d->scratch);
-        y[2 * k + 1] = memory[5];
+        y[2 * k + 1] = memory[JO_METER_CLOSED];
     }
 }

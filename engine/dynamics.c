@@ -1,5 +1,5 @@
 /* dynamics.c - accelerations and multipliers of the whole mechanism, and the projection onto its constraints. */
-#include "internal.h"
+#include "beam.h"
 
 /* constants for the effective modal mass E + g h D + (g h)^2 K */
 void jo_use_step(const jo_model *m, jo_data *d, double gh)
@@ -28,7 +28,7 @@ static int couples(const jo_model *m, int set)
 {
     if (set && m->nbeam) return 1;
     for (int i = 0; i < m->nbeam; i++)
-        if (JO_RE(m->beam[i].data[69]) != 0.0) return 1;
+        if (jo_beam_inertial(&m->beam[i])) return 1;
     return 0;
 }
 

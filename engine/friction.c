@@ -32,7 +32,7 @@ static jo_real press(const jo_model *m, const jo_data *d, const jo_friction *f, 
  * up to `velocity`, from there down to mu_kinetic at twice of it; two continuous derivatives */
 static jo_real mu_by_speed(const jo_friction *f, jo_real square)
 {
-    const jo_real kinetic = f->data[0], top = f->data[1], velocity = f->data[2];
+    const jo_real kinetic = f->data->mu_kinetic, top = f->data->mu_static, velocity = f->data->velocity;
     const jo_real w2 = square / (velocity * velocity);
     if (JO_RE(w2) < 1.0) return top * (15.0 - w2 * (10.0 - 3.0 * w2)) / (8.0 * velocity);
     const jo_real speed = jo_sqrt(square), x = speed / velocity - 1.0;
@@ -72,7 +72,7 @@ static void direction(const jo_model *m, const jo_data *d, int i, jo_real *e)
 int jo_friction_weights(const jo_model *m, const jo_data *d, int i, jo_real *press, jo_real *collar)
 {
     const jo_friction *f = &m->friction[i];
-    jo_real e[2], mu = f->data[0];
+    jo_real e[2], mu = f->data->mu_kinetic;
     if (f->law) {
         direction(m, d, i, e);
     } else {
@@ -110,7 +110,7 @@ static void gradient_of_length(jo_real *g, jo_real x, jo_real y, jo_real factor)
 /* derivative of mu_by_speed with respect to the square of the speed */
 static jo_real mu_rate(const jo_friction *f, jo_real square)
 {
-    const jo_real kinetic = f->data[0], top = f->data[1], velocity = f->data[2];
+    const jo_real kinetic = f->data->mu_kinetic, top = f->data->mu_static, velocity = f->data->velocity;
     const jo_real w2 = square / (velocity * velocity);
     if (JO_RE(w2) < 1.0) return top * (6.0 * w2 - 10.0) / (8.0 * velocity * velocity * velocity);
     const jo_real speed = jo_sqrt(square), x = speed / velocity - 1.0, y = 1.0 - x;
@@ -121,7 +121,8 @@ static jo_real mu_rate(const jo_friction *f, jo_real square)
 void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y)
 {
     const jo_friction *f = &m->friction[i];
-    const jo_real *A = d->marker[m->joint[f->joint].side[0]].A, *data = f->data;
+    const jo_real *A = d->marker[m->joint[f->joint].side[0]].A;
+    const jo_friction_data *data = f->data;
     const jo_slopes none = {{{0.0}}, {{0.0}}, {{0.0}}};
     jo_real s[2], e[2], E[2][2] = {{0.0}}, F[6], *M = F + 3, collar, g[3], h[3], c[3] = {0.0, 0.0, 0.0};
     *y = none;
@@ -135,9 +136,9 @@ void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y
         const jo_real speed = jo_length2(s[0], s[1]);
         const int follows = jo_slips(f) == 2 && JO_RE(speed) > 1e-10 * m->size;
         for (int k = 0; k < 2; k++) {
-            for (int j = 0; follows && j < 2; j++) E[k][j] = data[0] * ((k == j) - e[k] * e[j]) / speed;
+            for (int j = 0; follows && j < 2; j++) E[k][j] = data->mu_kinetic * ((k == j) - e[k] * e[j]) / speed;
         }
-        for (int k = 0; k < 2; k++) e[k] *= data[0];
+        for (int k = 0; k < 2; k++) e[k] *= data->mu_kinetic;
     } else {
         const jo_real mu = mu_by_speed(f, square), rate = JO_RE(square) > 0.0 ? mu_rate(f, square) : 0.0;
         for (int k = 0; k < 2; k++) {
@@ -147,10 +148,10 @@ void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y
     }
     /* gradients g, h of N and c of the collar, in the axes of side 0 */
     gradient_of_length(g, F[0], F[1], 1.0);
-    gradient_of_length(h, M[0], M[1], JO_RE(data[4]) > 0.0 ? 1.0 / data[4] : 0.0);
-    if (JO_RE(data[5]) > 0.0) {
-        if (jo_slip_turns(m, f, 0)) c[2] = JO_RE(F[2]) < 0.0 ? -data[5] : data[5];
-        else h[2] = (JO_RE(M[2]) < 0.0 ? -1.0 : 1.0) / data[5];
+    gradient_of_length(h, M[0], M[1], JO_RE(data->bearing) > 0.0 ? 1.0 / data->bearing : 0.0);
+    if (JO_RE(data->collar) > 0.0) {
+        if (jo_slip_turns(m, f, 0)) c[2] = JO_RE(F[2]) < 0.0 ? -data->collar : data->collar;
+        else h[2] = (JO_RE(M[2]) < 0.0 ? -1.0 : 1.0) / data->collar;
     }
     for (int k = 0; k < jo_slips(f); k++) {
         const jo_real a = jo_slip_arm(m, f, k), around = jo_slip_turns(m, f, k);
@@ -188,7 +189,7 @@ jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i)
     const jo_friction *f = &m->friction[i];
     jo_real y[2], collar;
     if (jo_sticks(m, d, f)) {
-        const jo_real N = press(m, d, f, &collar), limit = (1.0 + JO_HOLDS) * f->data[1];
+        const jo_real N = press(m, d, f, &collar), limit = (1.0 + JO_HOLDS) * f->data->mu_static;
         jo_friction_held(m, d, f, y);
         if (jo_slips(f) == 1) return limit * (jo_slip_arm(m, f, 0) * N + collar) - jo_size(y[0]);
         return limit * N - jo_length2(y[0] / jo_slip_arm(m, f, 0), y[1] / jo_slip_arm(m, f, 1));

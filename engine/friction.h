@@ -18,7 +18,7 @@ static inline int jo_sticks(const jo_model *m, const jo_data *d, const jo_fricti
 /* slip, m, for a unit of the coordinate */
 static inline jo_real jo_slip_arm(const jo_model *m, const jo_friction *f, int k)
 {
-    return jo_slip_turns(m, f, k) ? f->data[3] : 1.0;
+    return jo_slip_turns(m, f, k) ? f->data->radius : 1.0;
 }
 
 static inline jo_real jo_length2(jo_real x, jo_real y)
@@ -33,13 +33,14 @@ static inline jo_real jo_size(jo_real x) { return JO_RE(x) < 0.0 ? -x : x; }
  * in the axes of side 0 of the joint */
 static inline jo_real jo_friction_press(const jo_model *m, const jo_friction *f, const jo_real *y, jo_real *collar)
 {
-    const jo_real *data = f->data, *M = y + 3;
-    jo_real N = jo_length2(y[0], y[1]) + data[6];
+    const jo_friction_data *data = f->data;
+    const jo_real *M = y + 3;
+    jo_real N = jo_length2(y[0], y[1]) + data->preload;
     *collar = 0.0;
-    if (JO_RE(data[4]) > 0.0) N += jo_length2(M[0], M[1]) / data[4];
-    if (JO_RE(data[5]) > 0.0) {
-        if (jo_slip_turns(m, f, 0)) *collar = data[5] * jo_size(y[2]);
-        else N += jo_size(M[2]) / data[5];
+    if (JO_RE(data->bearing) > 0.0) N += jo_length2(M[0], M[1]) / data->bearing;
+    if (JO_RE(data->collar) > 0.0) {
+        if (jo_slip_turns(m, f, 0)) *collar = data->collar * jo_size(y[2]);
+        else N += jo_size(M[2]) / data->collar;
     }
     return N;
 }

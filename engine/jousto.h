@@ -28,7 +28,11 @@ enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
 enum { JO_DENSE = 32 };        /* np up to which ED, EB are blocks of rows, above it triangles of tiles */
 enum { JO_MAX_ROWS = 6 };      /* constraint rows of one joint */
 
-enum { JO_METER = 13 };        /* numbers of a damage meter before its turning points */
+/* numbers of a damage meter before its turning points, see jo_meter */
+typedef enum { JO_METER_POINTS = 0, JO_METER_SAMPLES = 1, JO_METER_DROPPED = 2, JO_METER_DAMAGE = 3, JO_METER_ROUNDING = 4,
+               JO_METER_CLOSED = 5, JO_METER_FORCED = 6, JO_METER_LARGEST_FORCED = 7, JO_METER_SHED = 8,
+               JO_METER_SHED_DAMAGE = 9, JO_METER_TIME = 10, JO_METER_SMALLEST = 11, JO_METER_LARGEST = 12,
+               JO_METER = 13 } jo_meter_place;
 enum { JO_MAX_SIDES = 4 };     /* markers of one joint: two, or those of two coupled coordinates */
 enum { JO_BALANCE = 14 };      /* entries of a row of results between the multipliers and the sensors */
 
@@ -92,16 +96,23 @@ typedef struct {
     const jo_real *chi;     /* (6 n x np) second-order translation and rotation chi_jk, symmetric; 0 without stiffening */
 } jo_marker;
 
-/* A geometrically exact beam element between two bodies without modes, see beam.c. Data (80):
- * 0 length; 1 u_a (3), 4 B_a (9), 13 u_b (3), 16 B_b (9): ends and their frames (x along the beam) on the bodies, row-major;
- * 25 C (36) section stiffness on [Gamma, kappa], row-major; 61 strains (6) of the unstressed shape; 67 damping beta of the
- * stiffness, s; 68 damping alpha of the consistent mass, 1/s (the bodies damp their own); 69 share of the consistent mass
- * beyond the bodies' lumped one; 70 mass, 71 rotary inertia (6) of the whole element in the frames of its ends; 77 tension times this is compared with 1; 0: never;
- * 78: 1 if the axis is a screw line between the ends (beam_helix.c), 0 if it is their chord;
- * 79: Ip/A about the shear centre, m2: twist stretches the fibres (beam_fibre.c); 0: not */
+/* A geometrically exact beam element between two bodies without modes, see beam.c. Matrices by rows. */
+typedef struct {
+    jo_real length;
+    jo_real u_a[3], B_a[9], u_b[3], B_b[9];   /* ends and their frames (x along the beam) on the bodies */
+    jo_real C[36];          /* section stiffness on [Gamma, kappa] */
+    jo_real e0[6];          /* strains of the unstressed shape */
+    jo_real beta;           /* damping of the stiffness, s */
+    jo_real alpha;          /* damping of the consistent mass, 1/s (the bodies damp their own) */
+    jo_real share;          /* of the consistent mass beyond the bodies' lumped one */
+    jo_real mass, J[6];     /* mass and rotary inertia of the whole element in the frames of its ends */
+    jo_real limit;          /* tension times this is compared with 1; 0: never */
+    jo_real helical;        /* 1 if the axis is a screw line between the ends (beam_helix.c), 0 if it is their chord */
+    jo_real polar;          /* Ip/A about the shear centre, m2: twist stretches the fibres (beam_fibre.c); 0: not */
+} jo_beam_data;
 typedef struct {
     int a, b;               /* bodies */
-    const jo_real *data;
+    const jo_real *data;    /* of a jo_beam_data */
 } jo_beam;
 
 /* A scalar function of two frames a, b. */
@@ -158,13 +169,17 @@ typedef struct { int node, width, lower, upper; } jo_branch;
 typedef struct { int target, stride, left, right; } jo_fill;   /* target -= lower of branch left, upper of branch right */
 typedef struct { int node, local; } jo_place;   /* of a body or joint among the nodes */
 
+/* Data of signals: CONSTANT and INPUT: value; HARMONIC, STEP, SPEED as here; TABLE: t.., f..;
+ * PIECES: t.., then (count - 1) x (degree + 1) coefficients of (t - t_k)^0, ^1, ..; held outside */
+typedef struct { jo_real offset, amplitude, omega, phase; } jo_harmonic_data;
+typedef struct { jo_real time, before, after; } jo_step_data;
+typedef struct { jo_real offset, speed; } jo_speed_data;
 typedef struct {
     int type;               /* jo_signal_type */
     int count;              /* TABLE, PIECES: times; INPUT: its place among the inputs; SWITCHED: event */
     int degree;             /* PIECES: of the polynomials */
     int child[2];           /* SUM, PRODUCT: signals; SWITCHED: before and after the event */
-    const jo_real *data;    /* CONSTANT: value; HARMONIC: offset amplitude omega phase; STEP: time before after; TABLE: t.., f..;
-                             * PIECES: t.., then (count - 1) x (degree + 1) coefficients of (t - t_k)^0, ^1, ..; held outside */
+    const jo_real *data;
 } jo_signal;
 
 /* y (6) = force and torque on b, resolved in a, from x (18) = [r_b - r_a (3), orientation of b (9, row-major),
@@ -197,6 +212,8 @@ typedef struct {
     void *user;
 } jo_force;
 
+/* Velocity in m/s, lengths in m, preload in N. */
+typedef struct { jo_real mu_kinetic, mu_static, velocity, radius, bearing, collar, preload; } jo_friction_data;
 /* Friction of a joint along one or two of its coordinates, pressed by the joint's own reaction on side 1, resolved in side 0:
  * N = preload + |F_xy| + |M_xy| / bearing. Revolute (an angle): N at the pin radius and |F_z| at the collar radius; prismatic (a
  * displacement along z): |M_z| / collar adds to N; cylindrical (displacement and angle): against the slip at the radius. Lengths
@@ -206,7 +223,7 @@ typedef struct {
     int other;              /* second coordinate, -1: none */
     int law;                /* 0: regularised, 1: stick-slip */
     int lock;               /* stick-slip: joint whose rows hold the coordinates while they stick */
-    const jo_real *data;    /* (7) mu_kinetic mu_static velocity (m/s) radius bearing collar (m) preload (N) */
+    const jo_friction_data *data;
 } jo_friction;
 
 /* A sensor value crosses a threshold. */

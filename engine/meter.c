@@ -15,7 +15,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { POINTS, SAMPLES, DROPPED, DAMAGE, ROUNDING, CLOSED, FORCED, LARGEST_FORCED, SHED, SHED_DAMAGE, TIME, LOW, HIGH };
 
 /* -- one cycle ---------------------------------------------------------------------------------- */
 
@@ -75,17 +74,17 @@ double jo_cycle_damage(const jo_meter *r, double from, double to)
 /* Kahan's sum: damage of 1e9 small cycles is not lost */
 static void add_damage(double *m, double damage)
 {
-    volatile double y = damage - m[ROUNDING], sum = m[DAMAGE] + y;
-    m[ROUNDING] = sum <= DBL_MAX ? (sum - m[DAMAGE]) - y : 0.0;
-    m[DAMAGE] = sum;
+    volatile double y = damage - m[JO_METER_ROUNDING], sum = m[JO_METER_DAMAGE] + y;
+    m[JO_METER_ROUNDING] = sum <= DBL_MAX ? (sum - m[JO_METER_DAMAGE]) - y : 0.0;
+    m[JO_METER_DAMAGE] = sum;
 }
 
 static int make_room(const jo_meter *r, double *m, int n)
 {
     double *z = m + JO_METER;
     if (fabs(z[0] - z[1]) < fabs(z[1] - z[2])) {
-        m[SHED] += 1.0;
-        m[SHED_DAMAGE] += jo_cycle_damage(r, z[0], z[1]);
+        m[JO_METER_SHED] += 1.0;
+        m[JO_METER_SHED_DAMAGE] += jo_cycle_damage(r, z[0], z[1]);
         memmove(z, z + 1, (size_t)(n - 1) * sizeof *z);
         return n - 1;
     }
@@ -93,9 +92,9 @@ static int make_room(const jo_meter *r, double *m, int n)
     const double lost = jo_cycle_damage(r, z[n - 4], z[n - 3]) - jo_cycle_damage(r, z[n - 4], z[n - 1]);
     add_damage(m, jo_cycle_damage(r, z[n - 3], z[n - 2]));
     if (lost > 0.0) add_damage(m, lost);   /* the range around it has lost its end */
-    m[CLOSED] += 1.0;
-    m[FORCED] += 1.0;
-    if (range > m[LARGEST_FORCED]) m[LARGEST_FORCED] = range;
+    m[JO_METER_CLOSED] += 1.0;
+    m[JO_METER_FORCED] += 1.0;
+    if (range > m[JO_METER_LARGEST_FORCED]) m[JO_METER_LARGEST_FORCED] = range;
     z[n - 3] = z[n - 1];
     return n - 2;
 }
@@ -110,18 +109,18 @@ static int is_cycle(const double *z)
 static int push(const jo_meter *r, double *m, double x, double *cycles)
 {
     double *z = m + JO_METER;
-    int n = (int)m[POINTS], closed = 0;
+    int n = (int)m[JO_METER_POINTS], closed = 0;
     if (!(fabs(x) <= DBL_MAX)) {
-        m[DROPPED] += 1.0;
+        m[JO_METER_DROPPED] += 1.0;
         return 0;
     }
     if (r->width > 0.0) x = r->width * floor(x / r->width + 0.5);
-    m[SAMPLES] += 1.0;
-    if (x < m[LOW] || n == 0) m[LOW] = x;
-    if (x > m[HIGH] || n == 0) m[HIGH] = x;
+    m[JO_METER_SAMPLES] += 1.0;
+    if (x < m[JO_METER_SMALLEST] || n == 0) m[JO_METER_SMALLEST] = x;
+    if (x > m[JO_METER_LARGEST] || n == 0) m[JO_METER_LARGEST] = x;
     if (n == 0) {
         z[0] = x;
-        m[POINTS] = 1.0;
+        m[JO_METER_POINTS] = 1.0;
         return 0;
     }
     const double top = z[n - 1];
@@ -142,8 +141,8 @@ static int push(const jo_meter *r, double *m, double x, double *cycles)
         z[n - 3] = z[n - 1];
         n -= 2;
     }
-    m[CLOSED] += closed;
-    m[POINTS] = n;
+    m[JO_METER_CLOSED] += closed;
+    m[JO_METER_POINTS] = n;
     return closed;
 }
 
@@ -177,22 +176,22 @@ void jo_meter_block(const jo_meter *r, double *memory, const double *x, long lon
 double jo_meter_damage(const jo_meter *r, const double *m, int residue, double *scratch)
 {
     const double *z = m + JO_METER;
-    const int n = (int)m[POINTS];
+    const int n = (int)m[JO_METER_POINTS];
     double sum = 0.0;
     if (residue == JO_RESIDUE_HALF) {
         for (int i = 0; i + 1 < n; i++) sum += jo_cycle_damage(r, z[i], z[i + 1]);
-        sum = 0.5 * (sum + m[SHED_DAMAGE]);
+        sum = 0.5 * (sum + m[JO_METER_SHED_DAMAGE]);
     } else if (residue == JO_RESIDUE_REPEAT) {
         /* the residue after itself; points that have left cannot come again and count in full */
         jo_meter deep = *r;
         deep.depth = 2 * r->depth + 2;
         deep.width = 0.0;
         for (int i = 0; i < JO_METER + n; i++) scratch[i] = m[i];
-        scratch[DAMAGE] = scratch[ROUNDING] = 0.0;
+        scratch[JO_METER_DAMAGE] = scratch[JO_METER_ROUNDING] = 0.0;
         for (int i = 0; i < n; i++) push(&deep, scratch, z[i], 0);
-        sum = scratch[DAMAGE] + m[SHED_DAMAGE];
+        sum = scratch[JO_METER_DAMAGE] + m[JO_METER_SHED_DAMAGE];
     }
-    return m[DAMAGE] + sum;
+    return m[JO_METER_DAMAGE] + sum;
 }
 
 void jo_meter_damages(const jo_meter *r, const double *memory, long long n, int residue, double *scratch, double *out)
@@ -203,13 +202,13 @@ void jo_meter_damages(const jo_meter *r, const double *memory, long long n, int 
 
 int jo_meter_valid(const jo_meter *r, const double *m)
 {
-    const int counts[6] = {POINTS, SAMPLES, DROPPED, CLOSED, FORCED, SHED};
+    const int counts[6] = {JO_METER_POINTS, JO_METER_SAMPLES, JO_METER_DROPPED, JO_METER_CLOSED, JO_METER_FORCED, JO_METER_SHED};
     for (int i = 0; i < 6; i++)
         if (!(m[counts[i]] >= 0.0 && m[counts[i]] == floor(m[counts[i]]) && m[counts[i]] <= DBL_MAX)) return 0;
-    if (m[POINTS] > r->depth || m[FORCED] > m[CLOSED] || (m[POINTS] == 0.0) != (m[SAMPLES] == 0.0)) return 0;
-    if (!(m[DAMAGE] >= 0.0 && m[SHED_DAMAGE] >= 0.0 && m[LARGEST_FORCED] >= 0.0)) return 0;   /* may be infinite */
+    if (m[JO_METER_POINTS] > r->depth || m[JO_METER_FORCED] > m[JO_METER_CLOSED] || (m[JO_METER_POINTS] == 0.0) != (m[JO_METER_SAMPLES] == 0.0)) return 0;
+    if (!(m[JO_METER_DAMAGE] >= 0.0 && m[JO_METER_SHED_DAMAGE] >= 0.0 && m[JO_METER_LARGEST_FORCED] >= 0.0)) return 0;   /* may be infinite */
     const double *z = m + JO_METER;
-    const int n = (int)m[POINTS];
+    const int n = (int)m[JO_METER_POINTS];
     for (int i = 0; i < n; i++) {
         if (!(fabs(z[i]) <= DBL_MAX) || (i && z[i] == z[i - 1])) return 0;
         if (i > 1 && (z[i] > z[i - 1]) == (z[i - 1] > z[i - 2])) return 0;   /* no turning point */

@@ -22,15 +22,25 @@ jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_
     jo_signal_work y = {0.0, 0.0, 0.0};
     switch (s->type) {
     case JO_SIGNAL_CONSTANT: y.value = x[0]; break;
-    case JO_SIGNAL_SPEED: y.value = x[0] + x[1] * time; y.rate = x[1]; break;
-    case JO_SIGNAL_HARMONIC: {
-        const jo_real sine = jo_sin(x[2] * time + x[3]), cosine = jo_cos(x[2] * time + x[3]);
-        y.value = x[0] + x[1] * sine;
-        y.rate = x[1] * x[2] * cosine;
-        y.second = -x[1] * x[2] * x[2] * sine;
+    case JO_SIGNAL_SPEED: {
+        const jo_speed_data *c = (const jo_speed_data *)x;
+        y.value = c->offset + c->speed * time;
+        y.rate = c->speed;
         break;
     }
-    case JO_SIGNAL_STEP: y.value = t < JO_RE(x[0]) ? x[1] : x[2]; break;
+    case JO_SIGNAL_HARMONIC: {
+        const jo_harmonic_data *c = (const jo_harmonic_data *)x;
+        const jo_real sine = jo_sin(c->omega * time + c->phase), cosine = jo_cos(c->omega * time + c->phase);
+        y.value = c->offset + c->amplitude * sine;
+        y.rate = c->amplitude * c->omega * cosine;
+        y.second = -c->amplitude * c->omega * c->omega * sine;
+        break;
+    }
+    case JO_SIGNAL_STEP: {
+        const jo_step_data *c = (const jo_step_data *)x;
+        y.value = t < JO_RE(c->time) ? c->before : c->after;
+        break;
+    }
     case JO_SIGNAL_TABLE: {
         const jo_real *f = x + s->count;
         if (t <= JO_RE(x[0])) { y.value = f[0]; break; }

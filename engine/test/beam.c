@@ -3,7 +3,7 @@
  * Checked: Newton's matrix against differences of the residual, energy in free flight at the order of the method, the
  * section sensor, too much bending comes back as a code.
  */
-#include "jousto.h"
+#include "beam.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,7 +17,7 @@ static double data[80];
 static void fill(double beta, double alpha, double share, double helical)
 {
     memset(data, 0, sizeof data);
-    data[0] = 0.9;
+    data[JO_BEAM_LENGTH] = 0.9;
     for (int k = 0; k < 2; k++) {   /* ends off the origins, their frames turned about z */
         const double angle = k ? 0.2 : -0.1, c = cos(angle), s = sin(angle);
         const double u[3] = {0.05, -0.1, 0.07 * (k + 1)}, B[9] = {c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0};
@@ -25,10 +25,10 @@ static void fill(double beta, double alpha, double share, double helical)
         memcpy(data + (k ? 16 : 4), B, sizeof B);
     }
     for (int i = 0; i < 6; i++)
-        for (int j = 0; j < 6; j++) data[25 + 6 * i + j] = i == j ? 20.0 * (6 - i) : 1.0 / (1 + i + j);
-    for (int i = 0; i < 6; i++) data[61 + i] = 0.02 * i - 0.05;
-    data[67] = beta; data[68] = alpha; data[69] = share; data[70] = 0.8;
-    data[71] = 0.06; data[72] = 0.05; data[73] = 0.04; data[74] = 0.01; data[77] = 1e-3; data[78] = helical;
+        for (int j = 0; j < 6; j++) data[JO_BEAM_C + 6 * i + j] = i == j ? 20.0 * (6 - i) : 1.0 / (1 + i + j);
+    for (int i = 0; i < 6; i++) data[JO_BEAM_E0 + i] = 0.02 * i - 0.05;
+    data[JO_BEAM_BETA] = beta; data[JO_BEAM_ALPHA] = alpha; data[JO_BEAM_SHARE] = share; data[JO_BEAM_MASS] = 0.8;
+    data[JO_BEAM_J + 0] = 0.06; data[JO_BEAM_J + 1] = 0.05; data[JO_BEAM_J + 2] = 0.04; data[JO_BEAM_J + 3] = 0.01; data[JO_BEAM_LIMIT] = 1e-3; data[JO_BEAM_HELICAL] = helical;
 }
 
 static void place(const jo_model *m, jo_data *d)
@@ -153,7 +153,7 @@ int main(int argc, char **argv)
     jo_sensors(&m, d, y);
     for (int i = 0; i < 6; i++) {
         sum = 0.0;
-        for (int j = 0; j < 6; j++) sum += data[25 + 6 * i + j] * y[j];
+        for (int j = 0; j < 6; j++) sum += data[JO_BEAM_C + 6 * i + j] * y[j];
         CHECK(fabs(sum - y[6 + i]) < 1e-12 * (1.0 + fabs(sum)));
     }
     memcpy(jo_data_q(d) + 10, jo_data_q(d) + 3, 4 * sizeof(double));

@@ -10,6 +10,7 @@ from jousto.mechanism.beams.stiffness import BeamSection
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.beam_record import BeamShape, SectionShape
 from jousto.model.model import BeamModel
+from jousto.model.native.header import rows
 
 
 def beam_shapes(mechanism: Mechanism, index: dict[int, int]) -> tuple[BeamShape, ...]:
@@ -24,7 +25,7 @@ def beam_models(mechanism: Mechanism, index: dict[int, int]) -> tuple[BeamModel,
         at = [index[id(body)] for body in beam.bodies]
         models += [
             BeamModel(f"{beam.name}.element{i + 1}", beam.name, at[i], at[i + 1], data)
-            for i, data in enumerate(beam.elements)
+            for i, data in enumerate(rows("jo_beam_data", beam.n, beam.elements))
         ]
     return tuple(models)
 
@@ -39,7 +40,7 @@ def warn_beams(mechanism: Mechanism) -> None:
         spin = float(beam.angular_velocity @ beam.angular_velocity)
         weight = beam.mass * float(np.linalg.norm(mechanism.gravity))
         tension = max(weight, beam.mass * spin * beam.length / 2)
-        factors = beam.elements[:, 77]
+        factors = beam.elements["limit"]
         worst = int(np.argmax(factors))
         if tension * factors[worst] > 1.0:
             cause = "its own weight" if tension == weight else "its spin"
@@ -59,7 +60,7 @@ def _shape(beam: BeamBody, index: dict[int, int]) -> BeamShape:
     return BeamShape(
         name=beam.name,
         bodies=np.array([index[id(body)] for body in beam.bodies], dtype=np.int64),
-        data=beam.elements,
+        data=rows("jo_beam_data", beam.n, beam.elements),
         s=beam.s,
         nodes=beam.nodes,
         frames=beam.frames,

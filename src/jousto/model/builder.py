@@ -137,8 +137,6 @@ class Builder:
         places = [self.declared(s) for s in friction.coordinates]
         law = friction.law
         velocity = law.velocity if isinstance(law, Regularised) else 1.0
-        lengths = (friction.radius, friction.bearing_length, friction.collar_radius)
-        data = (friction.mu_kinetic, friction.mu_static, velocity, *(x or 0.0 for x in lengths))
         lock = -1
         if isinstance(law, StickSlip):  # rows that hold the coordinates while they stick
             first = self.coordinates[places[0]]
@@ -153,7 +151,16 @@ class Builder:
                 other=places[1] if len(places) > 1 else -1,
                 sticks=lock >= 0,
                 lock=lock,
-                data=np.array([*data, friction.preload]),
+                data=packed(
+                    "jo_friction_data",
+                    mu_kinetic=friction.mu_kinetic,
+                    mu_static=friction.mu_static,
+                    velocity=velocity,
+                    radius=friction.radius or 0.0,
+                    bearing=friction.bearing_length or 0.0,
+                    collar=friction.collar_radius or 0.0,
+                    preload=friction.preload,
+                ),
             )
         )
         return len(self.frictions) - 1
@@ -239,14 +246,16 @@ class Builder:
 def _signal(signal: Any) -> SignalModel:
     if isinstance(signal, Harmonic):
         omega = 2 * np.pi * signal.frequency
-        data = np.array([signal.offset, signal.amplitude, omega, signal.phase])
-        return SignalModel("harmonic", data)
+        waves = {"offset": signal.offset, "amplitude": signal.amplitude, "phase": signal.phase}
+        return SignalModel("harmonic", packed("jo_harmonic_data", omega=omega, **waves))
     if isinstance(signal, Step):
-        return SignalModel("step", np.array([signal.time, signal.before, signal.after]))
+        data = packed("jo_step_data", time=signal.time, before=signal.before, after=signal.after)
+        return SignalModel("step", data)
     if isinstance(signal, Constant):
         return SignalModel("constant", np.array([signal.value]))
     if isinstance(signal, ConstantSpeed):
-        return SignalModel("speed", np.array([signal.offset, signal.speed]))
+        data = packed("jo_speed_data", offset=signal.offset, speed=signal.speed)
+        return SignalModel("speed", data)
     if isinstance(signal, Ramp):
         slope = (signal.after - signal.before) / (signal.end - signal.start)
         times = np.array([signal.start, signal.end])

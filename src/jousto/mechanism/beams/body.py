@@ -35,7 +35,6 @@ CENTRED = 1e-6  # radii of gyration that a mass centre may be off the axis
 ROTARY = 1.2  # of the inertia that a first moment needs at least
 COARSE = 1.0  # rad that an unstressed element may turn
 WIDE = 5.0  # lengths of a beam that its section may be wide
-ELEMENT_DATA = 80
 SLOW = 1.0  # s of stiffness damping: 1 Hz is far beyond critical
 
 
@@ -429,9 +428,9 @@ class BeamBody:
         return tuple(_node_bodies(self))
 
     @cached_property
-    def elements(self) -> Array:
-        """Data (n, 80) of the elements for the engine, see ``jo_beam`` in jousto.h."""
-        return readonly(_element_data(self))
+    def elements(self) -> dict[str, Array]:
+        """Data (n, ...) of the elements by name, see ``jo_beam_data`` in jousto.h."""
+        return {name: readonly(values) for name, values in _element_data(self).items()}
 
 
 # -- helpers of the constructor -------------------------------------------------------------
@@ -651,27 +650,38 @@ def _arms(beam: BeamBody) -> tuple[Array, Array]:
     return np.stack([u[:-1], u[1:]], axis=1), B
 
 
-def _element_data(beam: BeamBody) -> Array:
+def _element_data(beam: BeamBody) -> dict[str, Array]:
     u, B = _arms(beam)
-    data = np.zeros((beam.n, ELEMENT_DATA))
     made: dict[tuple[int, float], tuple[Array, float]] = {}
-    for i, (section, L) in enumerate(zip(beam.sections, beam.lengths, strict=True)):
+    sections = []
+    for section, L in zip(beam.sections, beam.lengths, strict=True):
         key = (id(section), float(L) if beam.bending else 0.0)
         if key not in made:
             C = section.with_bending(float(L)) if beam.bending else section.stiffness
             made[key] = C, tension_factor(C)
         C, factor = made[key]
         J = L * section.inertia
-        data[i, 25:61], data[i, 77] = C.ravel(), factor
-        data[i, 70], data[i, 79] = L * section.mass, section.polar
-        data[i, 71:77] = J[0, 0], J[1, 1], J[2, 2], J[1, 2], J[0, 2], J[0, 1]
-    data[:, 0] = beam.lengths
-    data[:, 1:4], data[:, 4:13] = u[:, 0], B[:, 0].reshape(-1, 9)
-    data[:, 13:16], data[:, 16:25] = u[:, 1], B[:, 1].reshape(-1, 9)
-    data[:, 61:67] = beam.unstressed
-    data[:, 67], data[:, 68], data[:, 69] = beam.damping.stiffness, beam.damping.mass, beam.share
-    data[:, 78] = beam.bending
-    return data
+        tensor = J[0, 0], J[1, 1], J[2, 2], J[1, 2], J[0, 2], J[0, 1]
+        sections.append((C, L * section.mass, tensor, factor, section.polar))
+    C, mass, J, limit, polar = (np.array(x, float) for x in zip(*sections, strict=True))
+    damping = beam.damping
+    return {
+        "length": np.array(beam.lengths),
+        "u_a": u[:, 0],
+        "B_a": B[:, 0],
+        "u_b": u[:, 1],
+        "B_b": B[:, 1],
+        "C": C,
+        "e0": np.array(beam.unstressed),
+        "beta": np.full(beam.n, damping.stiffness, float),
+        "alpha": np.full(beam.n, damping.mass, float),
+        "share": np.full(beam.n, beam.share, float),
+        "mass": mass,
+        "J": J,
+        "limit": limit,
+        "helical": np.full(beam.n, beam.bending, float),
+        "polar": polar,
+    }
 
 
 def _node_bodies(beam: BeamBody) -> list[BeamNode]:

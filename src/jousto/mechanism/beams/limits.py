@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import scipy
 
 from jousto.base.rotations import Array
 
 
-def highest_frequencies(data: Array) -> Array:
+def highest_frequencies(elements: Mapping[str, Array]) -> Array:
     """Return the highest angular frequency (n,) of free elements with their own mass, rad/s.
 
     No motion of the beam is faster than its fastest element (Irons and Treharne, 1971), and a
@@ -16,20 +18,18 @@ def highest_frequencies(data: Array) -> Array:
 
     Parameters
     ----------
-    data : (n, 80) array
-        Elements as in ``jo_beam`` of jousto.h.
+    elements : dict of arrays
+        Length, section stiffness C, share, mass and J of the elements as in `BeamBody.elements`.
     """
-    kinds, which = np.unique(
-        np.concatenate([data[:, :1], data[:, 25:61], data[:, 69:77]], axis=1),
-        axis=0,
-        return_inverse=True,
-    )
+    n = len(elements["length"])
+    parts = [np.reshape(elements[key], (n, -1)) for key in ("length", "share", "mass", "J", "C")]
+    kinds, which = np.unique(np.concatenate(parts, axis=1), axis=0, return_inverse=True)
     return np.array([_highest(row) for row in kinds])[which.ravel()]
 
 
 def _highest(row: Array) -> float:
-    share, mass = float(row[37]), float(row[38])
-    K, M = element_matrices(row[0], row[1:37].reshape(6, 6), share, mass, row[39:45])
+    (length, share, mass), J, C = row[:3], row[3:9], row[9:].reshape(6, 6)
+    K, M = element_matrices(length, C, float(share), float(mass), J)
     values = scipy.linalg.eigh(K, M, eigvals_only=True)
     return float(np.sqrt(max(values[-1], 0.0)))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from jousto.base.errors import Problem
 from jousto.model.model import Model
 from jousto.model.native.callback import BadAnswer
+from jousto.model.native.header import named
 
 OK, NOT_FINITE, SINGULAR_BODY, SINGULAR_JOINT, NO_MEMORY = range(5)
 CALLBACK_FAILED, NO_CONVERGENCE, FRICTION_FAILED, EVENT, STEP_TOO_SMALL, ENDLESS, BENT = range(
@@ -74,11 +75,12 @@ def failure(model: Model, status: int, index: int, cause: BaseException | None =
         )
     if status == FRICTION_FAILED:
         friction = model.frictions[index]
+        data = named("jo_friction_data", friction.data)
         return Problem(
             f"friction '{friction.name}'",
             f"no reaction of joint '{model.joints[friction.joint].name}' agrees with its own "
-            f"friction: with mu_kinetic = {friction.data[0].real:g} and mu_static = "
-            f"{friction.data[1].real:g} it presses itself harder than it slips (it jams); lower mu "
+            f"friction: with mu_kinetic = {data.mu_kinetic.real:g} and mu_static = "
+            f"{data.mu_static.real:g} it presses itself harder than it slips (it jams); lower mu "
             "or the radius, lengthen the bearing or bring the load nearer to it",
         )
     if status == STEP_TOO_SMALL:

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Mapping
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,32 +18,57 @@ def kinds(enum: str) -> dict[str, int]:
     """Return the numbers of an enum by name: of ``JO_FORCE_MODAL_LOAD`` that of "modal load"."""
     numbers: dict[str, int] = ffi().typeof(enum).relements
     prefix = f"{enum.rpartition('_')[0]}_".upper()  # jo_force_type: JO_FORCE_
-    return {name.removeprefix(prefix).lower().replace("_", " "): numbers[name] for name in numbers}
+    return {
+        name.removeprefix(prefix).removeprefix("JO_").lower().replace("_", " "): number
+        for name, number in numbers.items()
+    }
 
 
 @functools.cache
 def places(struct: str) -> dict[str, slice]:
     """Return where the fields of a struct of jo_reals lie in a flat array."""
     real = ffi().sizeof("jo_real")
-    starts = {name: field.offset // real for name, field in ffi().typeof(struct).fields}
-    ends = [*list(starts.values())[1:], ffi().sizeof(struct) // real]
     return {
-        name: slice(start, end) for (name, start), end in zip(starts.items(), ends, strict=True)
+        name: slice(field.offset // real, (field.offset + ffi().sizeof(field.type)) // real)
+        for name, field in ffi().typeof(struct).fields
     }
 
 
-def packed(struct: str, *rest: ArrayLike, **values: ArrayLike) -> NDArray[np.float64]:
-    """Return the flat data of a struct of jo_reals, and what follows behind it.
+def named(struct: str, data: NDArray[Any]) -> Any:
+    """Return the fields of a struct of jo_reals in flat data (..., size), as views of it.
+
+    A number has the shape (...), an array (..., k); what the data are too short for is 0.
+    """
+    size = max(place.stop for place in places(struct).values())
+    if data.shape[-1] < size:
+        missing = np.zeros((*data.shape[:-1], size - data.shape[-1]), data.dtype)
+        data = np.concatenate([data, missing], axis=-1)
+    return SimpleNamespace(
+        **{
+            name: data[..., at.start if at.stop - at.start == 1 else at]
+            for name, at in places(struct).items()
+        }
+    )
+
+
+def packed(struct: str, /, *rest: ArrayLike, **values: ArrayLike) -> NDArray[np.float64]:
+    """Return the flat data of a struct of jo_reals, and what follows behind it."""
+    data = rows(struct, 1, {name: np.asarray(value)[None] for name, value in values.items()})[0]
+    return np.concatenate([data, *(np.ravel(x) for x in rest)]) if rest else data
+
+
+def rows(struct: str, count: int, values: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
+    """Return the flat data (count, size) of structs of jo_reals, 0 where nothing is given.
 
     Raises
     ------
     ValueError
-        If a field is missing, unknown or of another size.
+        If a field is unknown or of another size.
     """
     fields = places(struct)
-    if fields.keys() != values.keys():
-        raise ValueError(f"{struct} has the fields {', '.join(fields)}, not {', '.join(values)}")
-    out = np.empty(ffi().sizeof(struct) // ffi().sizeof("jo_real"))
-    for name, place in fields.items():
-        out[place] = np.ravel(values[name])
-    return np.concatenate([out, *(np.ravel(x) for x in rest)]) if rest else out
+    if unknown := values.keys() - fields.keys():
+        raise ValueError(f"{struct} has the fields {', '.join(fields)}, no {min(unknown)}")
+    out = np.zeros((count, max(place.stop for place in fields.values())))
+    for name, value in values.items():
+        out[:, fields[name]] = np.reshape(value, (count, -1))
+    return out

@@ -365,7 +365,9 @@ class Layout:
         for i, friction in enumerate(self._source.frictions):
             s = structs[i]
             s.law = int(friction.sticks)
-            s.data = self._constant(friction.data, ("friction", i, "data"))
+            s.data = self._ffi.cast(
+                "jo_friction_data *", self._constant(friction.data, ("friction", i, "data"))
+            )
         return structs
 
     def _sensors(self) -> Any:

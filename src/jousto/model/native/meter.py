@@ -11,19 +11,9 @@ from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.ranking import largest
 from jousto.mechanism.sensors.rule import RESIDUES, MeterRule, check_residue, meter_rule
 from jousto.model.native import library
+from jousto.model.native.header import kinds
 
 Array = NDArray[np.float64]
-HEAD = {
-    "points": 0,
-    "samples": 1,
-    "dropped": 2,
-    "closed": 5,
-    "forced": 6,
-    "largest_forced": 7,
-    "shed": 8,
-    "smallest": 11,
-    "largest": 12,
-}
 MARKS = {
     "S-N curve (S_D in Pa, N_D, k, slope below, limit in Pa)": slice(0, 5),
     "mean stress correction (kind and values)": slice(5, 8),
@@ -45,6 +35,11 @@ def native_rule(ffi: Any, rule: MeterRule) -> Any:
 def meter_size(rule: MeterRule) -> int:
     """Return how many numbers a meter remembers."""
     return int(library.real_library().JO_METER) + rule.depth
+
+
+def _place(name: str) -> int:
+    """Return where a number stands in the memory of a meter."""
+    return kinds("jo_meter_place")[name]
 
 
 def fingerprint(rule: MeterRule) -> Array:
@@ -235,7 +230,7 @@ class DamageMeter:
         return out
 
     def _counts(self, name: str) -> NDArray[np.int64]:
-        return self._memory[:, HEAD[name]].astype(np.int64)
+        return self._memory[:, _place(name)].astype(np.int64)
 
     @property
     def cycles(self) -> NDArray[np.int64]:
@@ -265,12 +260,12 @@ class DamageMeter:
     @property
     def largest_forced(self) -> Array:
         """Largest range that was closed by force, (n,) Pa."""
-        return self._memory[:, HEAD["largest_forced"]].copy()
+        return self._memory[:, _place("largest forced")].copy()
 
     @property
     def extremes(self) -> Array:
         """Smallest and largest sample, (n, 2) Pa."""
-        return self._memory[:, [HEAD["smallest"], HEAD["largest"]]].copy()
+        return self._memory[:, [_place("smallest"), _place("largest")]].copy()
 
     def residue(self, history: int = 0) -> Array:
         """Return the turning points that no cycle has taken yet, Pa; the last is the newest sample.
@@ -278,7 +273,7 @@ class DamageMeter:
         Of `residue` "half", points that left a full memory are missing.
         """
         first = int(self._library.JO_METER)
-        count = int(self._memory[history, HEAD["points"]])
+        count = int(self._memory[history, _place("points")])
         return np.array(self._memory[history, first : first + count])
 
     # -- checkpoints ------------------------------------------------------------------------

@@ -29,7 +29,6 @@ from jousto.model.native.meter import meter_size
 from jousto.model.newton import newton_entries, newton_pattern
 
 Scalars = NDArray[Any]  # float64, or complex128 in the build for derivatives
-BALANCE = 14  # entries of a row between the multipliers and the sensors
 
 # what a twin of an engine needs to stand where it stands
 STATE = (

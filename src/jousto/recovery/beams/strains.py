@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from jousto.model.beam_record import BeamShape
+from jousto.model.native.header import named
 
 Array = NDArray[np.float64]
 
@@ -58,18 +59,18 @@ class Elements:
 
 def elements(beam: BeamShape) -> Elements:
     """Return the constants of the elements of a beam."""
-    d, n = beam.data, beam.n
+    x, n = named("jo_beam_data", beam.data), beam.n
     return Elements(
-        L=d[:, 0],
-        ua=d[:, 1:4],
-        Ba=d[:, 4:13].reshape(n, 3, 3),
-        ub=d[:, 13:16],
-        Bb=d[:, 16:25].reshape(n, 3, 3),
-        C=d[:, 25:61].reshape(n, 6, 6),
-        e0=d[:, 61:67],
-        beta=d[:, 67],
-        helical=d[:, 78:79] if d.shape[1] > 78 else np.zeros((n, 1)),
-        polar=d[:, 79] if d.shape[1] > 79 else np.zeros(n),
+        L=x.length,
+        ua=x.u_a,
+        Ba=x.B_a.reshape(n, 3, 3),
+        ub=x.u_b,
+        Bb=x.B_b.reshape(n, 3, 3),
+        C=x.C.reshape(n, 6, 6),
+        e0=x.e0,
+        beta=x.beta,
+        helical=x.helical[:, None],
+        polar=x.polar,
     )
 
 

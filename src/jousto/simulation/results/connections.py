@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from jousto.base.described import described
 from jousto.model.model import ForceModel, JointModel, Model
+from jousto.model.native.header import named
 
 Array = NDArray[np.float64]
 
@@ -114,9 +115,10 @@ def _forces(model: Model) -> Iterator[tuple[str, str, int, int]]:
 def _force_kind(force: ForceModel) -> str:
     if force.active or force.reference >= 0:
         return "actuator"
-    if force.data[0] or force.spring >= 0:
+    data = named("jo_along_data", force.data)
+    if data.stiffness or force.spring >= 0:
         return "spring"
-    return "damper" if force.data[1] or force.damper >= 0 else "actuator"
+    return "damper" if data.damping or force.damper >= 0 else "actuator"
 
 
 # -- in a results file ----------------------------------------------------------------------

@@ -7,6 +7,7 @@ import numpy as np
 from jousto.base.errors import warn
 from jousto.mechanism.beams.limits import highest_frequencies
 from jousto.model.model import Model
+from jousto.model.native.header import named
 from jousto.model.native.native import Engine
 
 MANY_STEPS = 1e6
@@ -17,7 +18,8 @@ def fastest_beam(model: Model) -> tuple[str, float]:
     """Return the beam with the highest frequency of an element and that, rad/s."""
     if not model.beams:
         return "", 0.0
-    fastest = highest_frequencies(np.stack([beam.data for beam in model.beams]))
+    data = np.stack([beam.data for beam in model.beams])
+    fastest = highest_frequencies(vars(named("jo_beam_data", data)))
     worst = int(np.argmax(fastest))
     return model.beams[worst].body, float(fastest[worst])
 
@@ -58,13 +60,13 @@ def warn_bent(engine: Engine) -> None:
 
 def tension_sentence(data: np.ndarray, element: int, ratio: float) -> str:
     """Return what a tension beyond that of stable shear means, and the remedy."""
-    C = data[25:61].reshape(6, 6)
-    limit = 1.0 / float(data[77])
+    x = named("jo_beam_data", data)
+    limit = 1.0 / float(x.limit)
     return (
         f"the tension in its element {element} reached {ratio:.3g} times {limit:.3g} N, beyond "
         "which the linear law of shear and extension is unstable (N > GA/(1 - GA/EA): the section "
         "turns aside instead of stretching), so that motion beyond is not physical; the axial "
-        f"strain would be {ratio * limit / C[0, 0]:.2g}: check units and loads, give the section a "
+        f"strain would be {ratio * limit / x.C[0]:.2g}: check units and loads, give the section a "
         "shear stiffness GA = EA where shear does not matter, and with bending=True take more "
         "elements or leave it out"
     )

@@ -24,6 +24,7 @@ from jousto.model.native.failures import (
     SINGULAR_JOINT,
     STEP_TOO_SMALL,
 )
+from jousto.model.native.header import named
 from jousto.model.native.native import Engine
 from jousto.model.rank.redundancy import is_drive
 from jousto.simulation.results.events import Chronicle
@@ -302,7 +303,8 @@ def _run(
 def _warn_idle_friction(engine: Engine) -> None:
     """Warn of frictions that slip for nothing."""
     for i, friction in enumerate(engine.model.frictions):
-        if friction.data[0] > 0.0 and not (friction.sticks and engine.slip[i] == 0):
+        mu = named("jo_friction_data", friction.data).mu_kinetic
+        if mu > 0.0 and not (friction.sticks and engine.slip[i] == 0):
             warn(
                 f"friction '{friction.name}'",
                 "took no energy: its joint does not move, or nothing presses it. Forces along the "

@@ -10,6 +10,7 @@ import numpy as np
 
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.model.model import Model
+from jousto.model.native.header import named
 from jousto.simulation.running.beam_checks import beam_steps_warning
 from jousto.simulation.solvers.explicit import SOLVERS, Solver
 from jousto.simulation.solvers.stability import (
@@ -128,12 +129,14 @@ def cautions(model: Model, solver: Solver, plan: Schedule) -> list[str]:
         if force.signal < 0:
             continue
         signal = model.signals[force.signal]
-        if signal.kind == "harmonic" and signal.data[2] * plan.step > 0.2 * np.pi:
-            frequency = signal.data[2] / (2 * np.pi)
-            found.append(
-                f"load '{force.name}' oscillates with {frequency:.4g} Hz, the step of "
-                f"{plan.step:.3g} s does not resolve it; take {0.05 / frequency:.2g} s or less"
-            )
+        if signal.kind == "harmonic":
+            omega = named("jo_harmonic_data", signal.data).omega
+            if omega * plan.step > 0.2 * np.pi:
+                frequency = omega / (2 * np.pi)
+                found.append(
+                    f"load '{force.name}' oscillates with {frequency:.4g} Hz, the step of "
+                    f"{plan.step:.3g} s does not resolve it; take {0.05 / frequency:.2g} s or less"
+                )
         elif signal.kind == "table":
             times = signal.data[: len(signal.data) // 2]
             shortest = float(np.diff(times).min(initial=np.inf))

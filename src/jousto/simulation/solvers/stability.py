@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from jousto.mechanism.beams.limits import element_matrices
 from jousto.model.model import Model
+from jousto.model.native.header import named
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.simulation.solvers.explicit import Solver
 
@@ -49,12 +50,11 @@ def beam_eigenvalues(model: Model, i: int) -> Eigenvalues:
     The masses and stiffnesses of a beam are sums over its elements, so that none of its frequencies
     is above the highest of them (Irons and Treharne 1971); bodies at the nodes only lower them.
     """
-    data = np.asarray(model.beams[i].data, dtype=np.float64)
-    beta, alpha, share, mass = data[67:71]
-    K, M = element_matrices(data[0], data[25:61].reshape(6, 6), share, mass, data[71:77])
+    x = named("jo_beam_data", np.asarray(model.beams[i].data, dtype=np.float64))
+    K, M = element_matrices(x.length, x.C.reshape(6, 6), x.share, x.mass, x.J)
     if np.linalg.eigvalsh(M)[0] <= 0.0:
         return np.zeros(0, dtype=np.complex128)
-    A, D = np.linalg.solve(M, K), beta * np.linalg.solve(M, K) + alpha * np.eye(12)
+    A, D = np.linalg.solve(M, K), x.beta * np.linalg.solve(M, K) + x.alpha * np.eye(12)
     companion = np.block([[np.zeros((12, 12)), np.eye(12)], [-A, -D]])
     return np.asarray(np.linalg.eigvals(companion), dtype=np.complex128)
 
@@ -64,9 +64,10 @@ def all_beam_eigenvalues(model: Model) -> list[Eigenvalues]:
     made: dict[bytes, Eigenvalues] = {}
     found = []
     for i, beam in enumerate(model.beams):
-        data = np.asarray(beam.data, dtype=np.float64)
+        x = named("jo_beam_data", np.asarray(beam.data, dtype=np.float64))
         # lengths that differ by rounding alone are equal
-        key = np.concatenate([data[:1], data[25:61], data[67:77]]).astype(np.float32).tobytes()
+        values = np.hstack([x.length, x.C, x.beta, x.alpha, x.share, x.mass, x.J])
+        key = values.astype(np.float32).tobytes()
         if key not in made:
             made[key] = beam_eigenvalues(model, i)
         found.append(made[key])
@@ -180,7 +181,7 @@ def damper_warning(model: Model, solver: Solver, step: float) -> str:
     for i in places:
         bare = replace(model.forces[i], damper=-1)
         data = bare.data.copy()
-        data[1] += _steepest(model, model.forces[i].damper)
+        named("jo_along_data", data).damping[...] += _steepest(model, model.forces[i].damper)
         without[i], with_[i] = bare, replace(bare, data=data)
     quiet = replace(model, forces=tuple(without), frictions=())
     rates = _braking(replace(quiet, forces=tuple(with_)), quiet)

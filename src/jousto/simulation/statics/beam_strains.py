@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from jousto.model.model import Model
+from jousto.model.native.header import named
 from jousto.simulation.statics.balance import turned
 
 SMALL = 1e-4  # sine of half the relative rotation below which series are exact
@@ -22,11 +23,11 @@ def beam_strains(model: Model, q: Any) -> Any:
     places = [q[b.iq : b.iq + 3] for b in model.bodies]
     out = np.zeros((len(model.beams), 6), dtype=q.dtype)
     for i, beam in enumerate(model.beams):
-        x = beam.data
+        x = named("jo_beam_data", beam.data)
         A, B = frames[beam.a], frames[beam.b]
-        along = places[beam.b] + B @ x[13:16] - places[beam.a] - A @ x[1:4]
-        first = A @ x[4:13].reshape(3, 3)
-        relative = first.T @ B @ x[16:25].reshape(3, 3)
+        along = places[beam.b] + B @ x.u_b - places[beam.a] - A @ x.u_a
+        first = A @ x.B_a.reshape(3, 3)
+        relative = first.T @ B @ x.B_b.reshape(3, 3)
         # euler parameters of the rotation between the ends, and of half of it
         cosine = 0.5 * np.sqrt(1.0 + np.trace(relative))
         odd = relative - relative.T
@@ -40,9 +41,9 @@ def beam_strains(model: Model, q: Any) -> Any:
             ratio, screw = 1.0 + square / 6.0, 1.0 / 6.0
         half = np.sqrt(0.5 * (1.0 + cosine))
         middle = first @ turned(np.concatenate([[half], sine / (2.0 * half)]))
-        gamma = middle.T @ along / x[0]
-        if x[78]:
+        gamma = middle.T @ along / x.length
+        if x.helical:
             gamma = gamma + screw * (square * gamma - sine * (sine @ gamma))
         gamma[0] -= 1.0
-        out[i, :3], out[i, 3:] = gamma, 2.0 * ratio * sine / x[0]
+        out[i, :3], out[i, 3:] = gamma, 2.0 * ratio * sine / x.length
     return out

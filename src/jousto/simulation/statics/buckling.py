@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from jousto.base.arguments import explained
 from jousto.base.errors import Problems, warn
 from jousto.model.model import Model
+from jousto.model.native.header import named
 from jousto.model.native.native import IMAGINARY, displaced
 from jousto.simulation.modes.linear import local, pictures
 from jousto.simulation.modes.spectrum import DENSE
@@ -254,7 +255,7 @@ def _rate(balance: Balance, at: Point, step: Array) -> Any:
     data = {}
     for i, beam in enumerate(model.beams):
         data[i] = beam.data.astype(complex)
-        data[i][61:67] -= 1j * rates[i]
+        named("jo_beam_data", data[i]).e0[...] -= 1j * rates[i]
     still, alone = step.copy(), step.copy()
     still[:nv] = 0.0
     alone[nv:] = 0.0
