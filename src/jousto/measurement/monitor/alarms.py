@@ -56,7 +56,7 @@ class AlarmLimits(Declared, by_value=True):
         "How long it must stay below that share: the hysteresis",
         unit="s",
         least=0,
-        wanted="0 or positive, s",
+        wanted="0 or positive",
         default=5.0,
     )
 
