@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.base.arguments import explained
-from jousto.base.errors import InputError, Problem, Problems, warn
+from jousto.base.declare import Declared, Number, field
+from jousto.base.errors import InputError, Problem, warn
 
 Array = NDArray[np.float64]
 
@@ -18,20 +17,11 @@ Array = NDArray[np.float64]
 MOST = 100.0
 
 
-@explained
-@dataclass(frozen=True)
-class Rayleigh:
+class Rayleigh(Declared, section="damping", tag="rayleigh", by_value=True):
     """Damping proportional to mass and stiffness, ``D = alpha M + beta K``.
 
     Mode j gets ``D_j = alpha + beta omega_j^2``, that is the damping ratio
     ``alpha / (2 omega_j) + beta omega_j / 2``.
-
-    Parameters
-    ----------
-    alpha : float
-        Mass coefficient, 1/s.
-    beta : float
-        Stiffness coefficient, s.
 
     Raises
     ------
@@ -47,15 +37,8 @@ class Rayleigh:
     array([0.02, 0.02])
     """
 
-    alpha: float
-    beta: float
-
-    def __post_init__(self) -> None:
-        problems = Problems()
-        for name, value, unit in (("alpha", self.alpha, "1/s"), ("beta", self.beta, "s")):
-            if not np.isfinite(value) or value < 0.0:
-                problems.add("Rayleigh", f"{name} is {value:g} {unit}, must be 0 or positive")
-        problems.raise_if_any()
+    alpha: Number = field("Mass coefficient", unit="1/s", least=0, wanted="0 or positive")
+    beta: Number = field("Stiffness coefficient", unit="s", least=0, wanted="0 or positive")
 
     @classmethod
     def from_ratios(cls, first: tuple[float, float], second: tuple[float, float]) -> Rayleigh:

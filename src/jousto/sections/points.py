@@ -2,36 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from jousto.base.described import described
-from jousto.base.errors import Problems
+from jousto.base.declare import Declared, Label, Number, Values, field
 from jousto.sections.profiles import Box, IBeam
 from jousto.sections.section import ROUND, Circle, Rectangle, Section, Tube
 
 Array = NDArray[np.float64]
 
 
-@described
-@dataclass(frozen=True, eq=False)
-class StressPoint:
+class StressPoint(Declared):
     """A point of a beam's section whose stress follows from the six resultants.
 
     ``[s11 s22 s33 s12 s23 s13] = rows [N Qy Qz Mx My Mz]``, with the resultants about the
     section's reference axis and in the axes of the section.
-
-    Parameters
-    ----------
-    name : str
-        Unique within the section.
-    y, z : float
-        Position in m, section axes.
-    rows : (6, 6) array_like
-        Pa per N (first three columns) and per N m (last three), such as a section analysis gives.
 
     Raises
     ------
@@ -46,22 +33,14 @@ class StressPoint:
     'top'
     """
 
-    name: str
-    y: float
-    z: float
-    rows: Array
-
-    def __init__(self, name: str, y: float, z: float, rows: ArrayLike) -> None:
-        problems = Problems()
-        where = f"StressPoint '{name}'"
-        place = problems.array(where, "position (y, z)", (y, z), (2,))
-        found = problems.array(where, "rows", rows, (6, 6))
-        problems.raise_if_any()
-        assert place is not None and found is not None
-        object.__setattr__(self, "name", str(name))
-        object.__setattr__(self, "y", float(place[0]))
-        object.__setattr__(self, "z", float(place[1]))
-        object.__setattr__(self, "rows", found)
+    kind = "StressPoint"
+    name: Label = field("Unique within the section")
+    y: Number = field("Position along y, section axes", unit="m")
+    z: Number = field("Position along z, section axes", unit="m")
+    rows: Values = field(
+        "Pa per N (first three columns) and per N m (last three), such as a section analysis gives",
+        shape=(6, 6),
+    )
 
 
 def stress_points(

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jousto.base.declare import Declared, Number, field
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.frozen import Frozen
 from jousto.base.names import check_name
@@ -38,19 +39,10 @@ WIDE = 5.0  # lengths of a beam that its section may be wide
 SLOW = 1.0  # s of stiffness damping: 1 Hz is far beyond critical
 
 
-@dataclass(frozen=True)
-class BeamDamping:
+class BeamDamping(Declared, by_value=True):
     """Damping of a beam proportional to its mass and to its stiffness.
 
     A vibration of angular frequency w has the damping ratio ``mass/(2 w) + stiffness w/2``.
-
-    Parameters
-    ----------
-    mass : float
-        Forces ``-mass M v``, 1/s: resists all motion through the world, rigid motion too. M is the
-        mass matrix of the beam, whichever it is: lumped, corrected or shared.
-    stiffness : float
-        Resultants ``s = C (e + stiffness e')``, s: resists straining alone.
 
     Raises
     ------
@@ -58,20 +50,27 @@ class BeamDamping:
         If a value is negative or not finite.
     """
 
-    mass: float = 0.0
-    stiffness: float = 0.0
+    mass: Number = field(
+        "Forces ``-mass M v``: resists all motion through the world, rigid motion too. M is the "
+        "mass matrix of the beam, whichever it is: lumped, corrected or shared",
+        unit="1/s",
+        least=0,
+        wanted="zero or positive",
+        default=0.0,
+    )
+    stiffness: Number = field(
+        "Resultants ``s = C (e + stiffness e')``: resists straining alone",
+        unit="s",
+        least=0,
+        wanted="zero or positive",
+        default=0.0,
+    )
 
-    def __post_init__(self) -> None:
-        problems = Problems()
-        for name, unit in (("mass", "1/s"), ("stiffness", "s")):
-            value = getattr(self, name)
-            problems.number(
-                "BeamDamping", name, value, unit, "zero or positive", lambda x: x >= 0.0
-            )
-        problems.raise_if_any()
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Warn of a stiffness that lets nothing vibrate."""
         if self.stiffness > SLOW:
             warn(
-                "BeamDamping",
+                where,
                 f"stiffness is {self.stiffness:g} s: a vibration of 1 Hz has the damping ratio "
                 f"{math.pi * self.stiffness:.3g}, and nothing vibrates any more; it is in s",
             )

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Discriminator, Field, Tag
 
+from jousto.mechanism.beams.body import BeamDamping
 from jousto.schema.entries.base import (
     Angle,
     AngularVelocity3,
@@ -20,16 +21,15 @@ from jousto.schema.entries.base import (
     Orientation,
     Position,
     Pressure,
-    Rate,
     Text,
-    Time,
     Unit,
     Vector,
     Velocity3,
 )
 from jousto.schema.entries.choices import by_form
-from jousto.schema.entries.declared import one_of
+from jousto.schema.entries.declared import entry_of, one_of
 from jousto.schema.entries.parts import MaterialForm, SectionEntry
+from jousto.sections.points import StressPoint
 
 MassPerLength: TypeAlias = Annotated[float, Unit("kg/m")]
 InertiaPerLength: TypeAlias = Annotated[float, Unit("kg m")]
@@ -54,13 +54,7 @@ InertiaRow: TypeAlias = Annotated[
 ]
 
 
-class StressPointEntry(Entry):
-    """`StressPoint`: a point of a section whose stress follows from the resultants."""
-
-    name: Text
-    y: Length
-    z: Length
-    rows: Matrix6 = Field(description="s11 s22 s33 s12 s23 s13 for unit N Qy Qz Mx My Mz, SI")
+StressPointEntry: Any = entry_of(StressPoint)
 
 
 class BeamSectionEntry(Entry):
@@ -102,11 +96,7 @@ OWN: Mapping[str, type[Entry]] = {"stiffness": BeamSectionEntry, "offset": Offse
 AnySection: Any = one_of("sections", "jousto.sections", others=OWN)
 
 
-class BeamDampingEntry(Entry):
-    """`BeamDamping`: proportional to mass and stiffness."""
-
-    mass: Rate | None = None
-    stiffness: Time | None = None
+BeamDampingEntry: Any = entry_of(BeamDamping)
 
 
 def _mass(value: Any) -> str:

@@ -9,6 +9,7 @@ from pydantic import Field, Tag
 from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.initial import Initial
 from jousto.mechanism.signals.event import Event
+from jousto.reduction.damping import Rayleigh
 from jousto.schema.entries import connections as connections
 from jousto.schema.entries.base import (
     Acceleration3,
@@ -23,14 +24,12 @@ from jousto.schema.entries.base import (
     Number,
     Orientation,
     Position,
-    Rate,
     Text,
-    Time,
     Velocity3,
 )
 from jousto.schema.entries.beams import BeamBodyEntry
 from jousto.schema.entries.choices import Later, by_form, tagged
-from jousto.schema.entries.declared import alone, one_of
+from jousto.schema.entries.declared import alone, entry_of, one_of
 from jousto.schema.entries.fatigue import FatigueEntry
 from jousto.schema.entries.monitor import MonitorEntry
 from jousto.schema.entries.sensors import SensorEntry
@@ -102,14 +101,7 @@ class MeshBodyEntry(ShapedEntry):
     unit: Literal["m", "mm", "cm", "in", "ft"] | None = Field(None, description="Of the file")
 
 
-class RayleighEntry(Entry):
-    """`Rayleigh`: damping proportional to mass and stiffness."""
-
-    type: Literal["rayleigh"]
-    alpha: Rate
-    beta: Time
-
-
+RayleighEntry: Any = entry_of(Rayleigh)
 DampingEntry: TypeAlias = Annotated[
     Annotated[Number, Tag("scalar")]
     | Annotated[tuple[Number, ...], Tag("list")]

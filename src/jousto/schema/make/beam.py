@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jousto.mechanism.beams.body import BeamBody, BeamDamping
+from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.beams.stiffness import BeamSection
 from jousto.schema.entries.beams import BeamBodyEntry, BeamSectionEntry, OffsetSectionEntry
 from jousto.schema.file.document import Loc
 from jousto.schema.make.declared import build_declared, build_material
-from jousto.sections.points import StressPoint
 
 if TYPE_CHECKING:
     from jousto.schema.make.context import Builder
@@ -25,7 +24,7 @@ def build_beam(builder: Builder, loc: Loc, entry: BeamBodyEntry) -> Any:
     if entry.material is not None:
         values["material"] = build_material(builder, (*loc, "material"), entry.material)
     if entry.damping is not None:
-        values["damping"] = builder.make((*loc, "damping"), BeamDamping, **entry.damping.given())
+        values["damping"] = build_declared(builder, (*loc, "damping"), entry.damping)
     if len(builder.found) > before:
         return None
     return builder.make(loc, BeamBody, **values)
@@ -39,7 +38,7 @@ def beam_section(builder: Builder, loc: Loc, entry: Any) -> Any:
             points = builder.each(
                 (*loc, "points"),
                 entry.points,
-                lambda at, e: builder.make(at, StressPoint, **e.given()),
+                lambda at, e: build_declared(builder, at, e),
             )
             if any(point is None for point in points):
                 return None

@@ -179,10 +179,8 @@ class ModelBuilder(Builder):
             return self.make(loc, RigidBody, **values)
         if isinstance(entry, sm.ShapedEntry):
             return self.shaped(loc, entry, values)
-        if isinstance(entry.damping, sm.RayleighEntry):
-            from jousto.reduction.damping import Rayleigh
-
-            values["damping"] = self.make((*loc, "damping"), Rayleigh, **entry.damping.given())
+        if hasattr(entry.damping, "declared"):
+            values["damping"] = build_declared(self, (*loc, "damping"), entry.damping)
         reduced = parts.get(entry.part)
         if reduced is None:
             self.unknown((*loc, "part"), "parts", "part", entry.part, parts)
