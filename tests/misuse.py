@@ -177,6 +177,7 @@ def _machines(made: Made, _: Path) -> list[Call]:
 
 def _parts(made: Made, folder: Path) -> list[Call]:
     beam, mesh = made["beam"], made["mesh"]
+    shape = np.ones((beam.M.shape[0], 1))
     line = {"length": 1.0, "section": jo.Circle(0.01), "elements": 2, "material": STEEL}
     return [
         (jo.Part.beam, line),
@@ -222,6 +223,7 @@ def _parts(made: Made, folder: Path) -> list[Call]:
         (jo.parts.read_matrices, {"K": "x.mtx"}),
         (jo.reduce, {"part": beam, "method": jo.CraigBampton(("start",), modes=2)}),
         (jo.reduction.certify, {"part": beam, "reduced": made["reduced"]}),
+        (jo.reduction.from_modes, {"part": beam, "modes": shape, "frequencies": [1.0]}),
         (jo.reduction.advise, {"part": beam, "interfaces": ("start",), "frequency_limit": 300.0}),
         (jo.reduction.clamp, {"reduced": made["reduced"], "node": "start"}),
         (jo.reduction.inertia_relief, {"part": beam, "loads": np.ones(beam.M.shape[0])}),
@@ -340,6 +342,10 @@ def _recovery(made: Made, folder: Path) -> list[Call]:
         (jo.recovery.Plane, {"normal": (0, 0, 1)}),
         (jo.gauges.read_record, {"path": run.to_csv(folder / "record.csv")}),
         (jo.gauges.record_of, {"run": run}),
+        (
+            jo.gauges.align,
+            {"record": made["record"], "other": run, "channel": "tip.x"},
+        ),
         (jo.gauges.compare_gauges, {"run": run, "measured": made["record"], "align": False}),
         (jo.gauges.rosette_state, {"e": [1e-4, 1e-4, 1e-4], "E": 2.1e11, "nu": 0.3}),
         (jo.gauges.gauge_rows, {"gauges": [made["mechanism"].sensors[2]]}),

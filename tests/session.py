@@ -151,6 +151,7 @@ def stress(found: Objects, _: Path) -> Objects:
         "spot": spots[0],
         "budget": jo.recovery.error_budget(spots),
         "record": jo.gauges.record_of(run),
+        "alignment": jo.gauges.align(jo.gauges.record_of(run), run, "tip.x"),
         "compared": jo.gauges.compare_gauges(run, jo.gauges.record_of(run), align=False),
         "rosette": jo.gauges.rosette_state([200e-6, 80e-6, -50e-6], E=210e9, nu=0.3),
         "friction": jo.recovery.friction_stress(run, run, "arm"),

@@ -12,6 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.base.arguments import explained
 from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.parts.part import Part
 from jousto.parts.solids.scatter import place_scatter
@@ -270,6 +271,7 @@ def _check_orthonormal(X: Array, M: sp.csr_array, where: str) -> None:
         raise InputError(Problem(where, message))
 
 
+@explained
 def from_modes(part: Part, modes: ArrayLike, frequencies: ArrayLike) -> ReducedPart:
     """Return a reduced part with given mode shapes, such as a printed table.
 

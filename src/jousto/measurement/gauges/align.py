@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arguments import explained
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.measurement.gauges.record import Record, record_of
@@ -59,6 +60,7 @@ class Alignment:
         )
 
 
+@explained
 def align(
     record: Record,
     other: Record | Solution,
