@@ -14,6 +14,7 @@ import os
 import re
 import sys
 import typing
+from collections import ChainMap
 from collections.abc import Callable, Iterable, Mapping
 from types import UnionType
 from typing import Any, TypeVar
@@ -61,6 +62,7 @@ WORDS = {
     "PathLike": "a path",
     "None": "None",
     "Callable": "a function",
+    "Sets": "a dictionary",
 }
 NUMERIC = ("ArrayLike", "Array", "Floats", "Ints", "NDArray")
 SEVERAL = ("Sequence", "Iterable", "list", "tuple", "set")
@@ -121,6 +123,9 @@ def misfits(
     except TypeError:  # too many, too few or unknown ones: Python says which
         return []
     scope = getattr(inspect.unwrap(function), "__globals__", {})
+    if function.__name__ == "__init__" and given:  # fields may come from files of other classes
+        files = (vars(sys.modules[base.__module__]) for base in type(given[0]).__mro__)
+        scope = ChainMap(scope, *files)
     found = []
     for name, value in bound.items():
         parameter = signature.parameters[name]

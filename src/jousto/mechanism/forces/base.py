@@ -9,12 +9,14 @@ from typing import Any, ClassVar
 from numpy.typing import ArrayLike
 
 from jousto.base.declare import Declared, Name, field
+from jousto.base.described import described
 from jousto.mechanism.bodies.body import MovingBody
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.signals.base import Signal
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Push:
     """A law of the engine with its numbers, and what it acts at.
