@@ -691,7 +691,7 @@ def kinds(section: str, room: str) -> dict[str, type[Declared]]:
     section : str
         Such as ``"joints"``.
     room : str
-        The package whose modules declare them, ``"jousto.mechanism.joints"``.
+        The package whose modules declare them, ``"jousto.mechanism.joints"``, or a module.
     """
     _load(room)
     return SECTIONS[section]
@@ -701,5 +701,5 @@ def kinds(section: str, room: str) -> dict[str, type[Declared]]:
 def _load(room: str) -> None:
     """Import every module of a room, which puts its classes into their register."""
     package = importlib.import_module(room)
-    for module in pkgutil.iter_modules(package.__path__):
+    for module in pkgutil.iter_modules(getattr(package, "__path__", ())):
         importlib.import_module(f"{room}.{module.name}")

@@ -145,7 +145,7 @@ BodyEntry: TypeAlias = Annotated[
 # -- simulation and the whole file ----------------------------------------------------------
 
 
-SolverEntry: Any = one_of("solvers", "jousto.simulation.solvers")
+SolverEntry: Any = one_of("solvers", "jousto.simulation.solvers.explicit")
 
 
 class SimulationEntry(Entry):
