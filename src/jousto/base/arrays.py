@@ -1,4 +1,4 @@
-"""Small array helpers shared by the files of this folder."""
+"""Kinds of arrays, and small helpers for them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+Array = NDArray[np.float64]
+Floats = Array
+Index = NDArray[np.intp]
 Ints = NDArray[np.int64]
 if TYPE_CHECKING:
     Sparse = scipy.sparse.csr_array[np.float64, tuple[int, int]]

@@ -10,13 +10,12 @@ from dataclasses import dataclass
 from typing import Any, Never
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from jousto.base.arrays import Array
 from jousto.base.declare import Field
 from jousto.base.errors import Problems
 from jousto.base.numbers import number, set_fields
-
-Array = NDArray[np.float64]
 
 UNIT_TOLERANCE = 1e-6
 

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from jousto.base.arrays import Array
 from jousto.base.errors import Problems
 from jousto.base.names import check_name
-from jousto.base.rotations import Array, readonly, rotation_matrix
+from jousto.base.rotations import readonly, rotation_matrix
 from jousto.mechanism import checks
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.bodies.body import Body, FlexibleBody, RigidBody

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from jousto.base.arrays import Array
 from jousto.base.numbers import set_fields
-from jousto.base.rotations import Array, readonly, rotation_matrix
+from jousto.base.rotations import readonly, rotation_matrix
 from jousto.mechanism.beams.body import BeamBody, BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, MovingBody, RigidBody
 from jousto.mechanism.forces.base import ForceElement

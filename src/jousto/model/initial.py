@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.mechanism.initial import Initial
 from jousto.model.builder import Builder
@@ -16,8 +16,6 @@ from jousto.model.native.native import Engine, displaced
 from jousto.model.ordering import eliminate
 from jousto.model.rank.redundancy import SHARE, constraint_matrix, dependent_rows, is_drive
 from jousto.model.start import MOST, least_motion
-
-Array = NDArray[np.float64]
 
 PIECE = 0.1  # rad, or of the size of the mechanism: how far a coordinate is moved at a time
 ITERATIONS = 30

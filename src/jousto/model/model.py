@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.mechanism.sensors.rule import MeterRule
 from jousto.model.beam_record import BeamShape
 from jousto.model.ordering import Elimination
 from jousto.reduction.fields.stress import StressModes
-
-Array = NDArray[np.float64]
 
 
 @described

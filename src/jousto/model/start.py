@@ -6,13 +6,12 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import warn
 from jousto.base.rotations import rotation_matrix
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.model.rank.redundancy import RANK, constraint_matrix
-
-Array = NDArray[np.float64]
 
 SAME = 1e-12  # of the velocities: round-off
 FITS = 1e-9  # m/s or rad/s of a mechanism of 1 m and velocities of 1: the velocities fit

@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.planar.frame import PlanarFrame
 from jousto.planar.system import Point
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.units import shown_unit
 from jousto.parts.solids.error import place_errors
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from jousto.parts.part import Part
     from jousto.reduction.reduced import ReducedPart
 
-Array = NDArray[np.float64]
 Finer: TypeAlias = Solution | StressField
 
 HOW = {

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.base.files import write_table
@@ -27,7 +27,6 @@ from jousto.reduction.reduced import ReducedPart
 from jousto.simulation.results.events import FRICTION_CHANGES
 from jousto.simulation.results.solution import Solution
 
-Array = NDArray[np.float64]
 BLOCK_BYTES = 32 << 20
 SAME = 1e-9  # s, or of the time: instants this near are the same
 

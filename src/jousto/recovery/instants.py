@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from jousto.base.arrays import Array, Index
 from jousto.base.errors import InputError, Problem
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.intp]
 
 
 def window(time: Array, start: float | None, end: float | None, where: str) -> slice:
@@ -29,7 +27,7 @@ def window(time: Array, start: float | None, end: float | None, where: str) -> s
     return slice(first, last)
 
 
-def between(time: Array, times: ArrayLike, where: str) -> tuple[Ints, Ints, Array]:
+def between(time: Array, times: ArrayLike, where: str) -> tuple[Index, Index, Array]:
     """Return the instants before and after each time, and the share of the later one.
 
     Raises

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.model.beam_record import BeamShape
 from jousto.simulation.results.records import BodyShape
 from jousto.simulation.results.solution import Solution
-
-Array = NDArray[np.float64]
 
 
 def rotation_matrices(e: ArrayLike) -> Array:

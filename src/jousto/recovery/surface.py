@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.base.arrays import Array
 from jousto.recovery.fields.build import field_from
 from jousto.recovery.shape import bracket, find_body
 from jousto.simulation.results.solution import Solution
-
-Array = NDArray[np.float64]
 
 
 def surface_stress(

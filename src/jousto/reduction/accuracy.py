@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.parts.solids.error import mesh_error
 from jousto.reduction.certificate.certificate import Check, Status, Table, number, percent, vector
 from jousto.reduction.certificate.part_checks import FullModel
 from jousto.reduction.modes.interface_modes import Modes
-
-Array = NDArray[np.float64]
 
 GOOD, USELESS = 0.1, 0.4
 """Relative error in the energy norm up to which a mesh is fine, and from which it is of no use."""

@@ -6,14 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import scipy.linalg as la
-from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.reduction.fields.invariants import EPS, Invariants
 from jousto.reduction.reduced import ReducedPart
-
-Array = NDArray[np.float64]
 
 
 @explained

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import Problems, suggest
 from jousto.base.frozen import Frozen
 from jousto.reduction.fields.invariants import Invariants
@@ -17,8 +18,6 @@ from jousto.reduction.fields.stress import StressModes
 
 if TYPE_CHECKING:
     from jousto.parts.part import Part
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

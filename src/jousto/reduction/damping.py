@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.declare import Declared, Number, field
 from jousto.base.errors import InputError, Problem, warn
-
-Array = NDArray[np.float64]
-
 
 # per cent are never more; what is held so firmly does not move
 MOST = 100.0

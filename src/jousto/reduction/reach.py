@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.reduction.certificate.certify import full_model
 from jousto.reduction.certificate.interface_loads import elastic_response
 from jousto.reduction.certificate.part_checks import FullModel
@@ -17,7 +17,6 @@ from jousto.reduction.modes.interface_modes import Modes, modes_of
 if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
 
-Array = NDArray[np.float64]
 
 ON_INTERFACE = 1e-4
 """Work with the interfaces held over that of the free body below which they carry the load."""

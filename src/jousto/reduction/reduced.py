@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.reduction.content import Content
 from jousto.reduction.modes.rigid import length_scale
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

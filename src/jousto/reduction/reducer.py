@@ -10,9 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.parts.part import Part
 from jousto.parts.solids.scatter import place_scatter
@@ -47,8 +48,6 @@ from jousto.reduction.modes.ties import interface_names
 from jousto.reduction.reduced import ReducedPart, package_versions
 from jousto.reduction.sparse import factor
 from jousto.reduction.sparse.memory import check_memory, memory_estimate
-
-Array = NDArray[np.float64]
 
 ORTHONORMALITY = 1e-10
 """Largest deviation of the modal mass matrix from the identity."""

@@ -11,6 +11,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array, Index
 from jousto.base.errors import InputError, Problem, Problems, count, warn
 from jousto.reduction.fields.invariants import EPS, Invariants
 from jousto.reduction.modes.eigen import STAND_IN
@@ -20,8 +21,6 @@ from jousto.reduction.reduced import ReducedPart, package_versions
 if TYPE_CHECKING:
     from jousto.parts.matrices.matrices import Matrices
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 DENSE_UP_TO = 6000
 """Rows above which matrices are not taken for condensed ones."""

@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.declare import Declared, Label, Number, Values, field
 from jousto.sections.profiles import Box, IBeam
 from jousto.sections.section import ROUND, Circle, Rectangle, Section, Tube
-
-Array = NDArray[np.float64]
 
 
 class StressPoint(Declared):

@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, SimulationError
 from jousto.model.model import Model
 from jousto.model.native.native import Engine, displaced
@@ -20,7 +21,6 @@ from jousto.simulation.results.keep import Keeper
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.statics.bending import Bending
 
-Array = NDArray[np.float64]
 TURN = 0.5  # rad, largest turn of a body between two assembled positions
 STRAY = 0.2  # rad, largest turn between the predicted and the assembled position
 SHORTEST = 1e-7  # share of the span of time below which a piece is not halved

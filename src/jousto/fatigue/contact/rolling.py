@@ -7,15 +7,15 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import Problems, warn
 from jousto.fatigue.contact.contact import SHALLOW, HertzContact, rolling_contact
 from jousto.fatigue.multiaxial.planes import DangVan, Findley, critical_plane
 
-Array = NDArray[np.float64]
 BELOW = np.concatenate([np.linspace(0.08, 1.2, 15), np.linspace(1.4, 4.0, 6)])
 LINE_DEPTHS = np.concatenate([[0.0, 0.0025, 0.005, 0.01, 0.02, 0.04, 0.06], BELOW])
 POINT_DEPTHS = np.concatenate([[SHALLOW], BELOW])

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.fatigue.cycles.rainflow import (
@@ -22,8 +22,6 @@ from jousto.fatigue.cycles.rainflow import (
     turning_points,
 )
 from jousto.recovery.fields.field import StressField
-
-Array = NDArray[np.float64]
 
 TRANSITIONS = ("separate", "sequence", "worst")
 """What happens between the events of a duty cycle."""

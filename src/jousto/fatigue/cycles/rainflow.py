@@ -7,13 +7,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.base.arrays import Array, Ints
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.files import Rows, Tabular
 from jousto.model.native.meter import count_cycles
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 RESIDUES = ("half", "repeat", "ignore")
 """What happens to the cycles that the end of a history leaves open."""

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.files import Rows, Tabular
@@ -23,7 +24,6 @@ from jousto.base.ranking import ranking
 from jousto.fatigue.cycles.rainflow import count_turning, turning_points
 from jousto.materials.strength.strain_life import FORMS, Form, StrainLife
 
-Array = NDArray[np.float64]
 Rule = Literal["neuber", "glinka", "elastic"]
 RULES = ("neuber", "glinka", "elastic")
 Residue = Literal["half", "repeat", "ignore"]

@@ -6,18 +6,17 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import ndtr
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.fatigue.cycles.rainflow import Cycles, rainflow
 from jousto.fatigue.miner.spectrum import Spectrum
 from jousto.materials.strength.mean_stress import MeanStress, PartCompression, WeldRatio
 from jousto.materials.strength.sn import SN, miner
-
-Array = NDArray[np.float64]
 
 FACTORS = (1e-9, 1e9)
 """Factors on the load between which the safety is sought."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array, Index
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.files import Rows, Tabular
@@ -34,9 +35,6 @@ from jousto.recovery.fields.field import StressField
 from jousto.recovery.hotspots.bounds import prepare
 from jousto.recovery.hotspots.every import largest
 from jousto.recovery.hotspots.measures import measure
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.intp]
 
 CRITICAL_PLANE = "critical-plane"
 MEMORY = 64 << 20
@@ -481,7 +479,7 @@ class _Work:
         ]
         return np.asarray(np.max(found, axis=0))
 
-    def chunks(self, chosen: Ints) -> Iterator[tuple[Ints, list[Array]]]:
+    def chunks(self, chosen: Index) -> Iterator[tuple[Index, list[Array]]]:
         """Yield places and the stress (nt, places) in each event, whole histories."""
         rows = sum(f.nt for f in self.fields)
         width = max(1, min(len(chosen), MEMORY // (8 * rows)))

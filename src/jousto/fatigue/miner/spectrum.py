@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.materials.strength.sn import SN
-
-Array = NDArray[np.float64]
 
 
 class Spectrum:

@@ -11,9 +11,9 @@ from itertools import islice
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import Problems
 from jousto.base.files import Rows, Tabular
@@ -33,7 +33,6 @@ from jousto.fatigue.multiaxial.planes import (
 from jousto.materials.strength.strain_life import StrainLife
 from jousto.model.native.planes import FINDLEY, NORMAL, STRAIN, PlaneCounter, StrainCurve
 
-Array = NDArray[np.float64]
 AT_ONCE = 64
 """Places whose histories are held at the same time."""
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.base.files import Rows, Tabular
@@ -24,7 +25,6 @@ from jousto.fatigue.multiaxial.enclosing import enclosing_ball, enclosing_circle
 from jousto.materials.strength.strain_life import StrainLife
 from jousto.recovery.fields.planes import outward
 
-Array = NDArray[np.float64]
 BLOCK_BYTES = 64 << 20
 COARSE = math.radians(9.0)
 PLANE_TIE = 1e-7  # of a value on the finest net, which lies up to 0.01 degrees beside the largest

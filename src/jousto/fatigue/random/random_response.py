@@ -12,6 +12,7 @@ import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.files import Rows, Tabular
@@ -25,7 +26,6 @@ from jousto.fatigue.random.spectral import (
 )
 from jousto.reduction.reduced import ReducedPart
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 COMPONENTS = ("s11", "s22", "s33", "s12", "s23", "s13")
 V = np.diag([1.0, 1.0, 1.0, 3.0, 3.0, 3.0])

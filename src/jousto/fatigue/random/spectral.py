@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, suggest
 
-Array = NDArray[np.float64]
 Method = Literal["dirlik", "narrow-band", "tovo-benasciutti", "wirsching-light"]
 METHODS = ("dirlik", "narrow-band", "tovo-benasciutti", "wirsching-light")
 POINTS = 6001

@@ -5,13 +5,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from jousto.base.arrays import Array
 from jousto.base.declare import Choice, Declared, Flag, Number, field
 from jousto.base.errors import Problems, suggest
 from jousto.materials.strength.sn import Strength, check_unit
-
-Array = NDArray[np.float64]
 
 
 class MeanStress(Declared, ABC, section="mean stress", by_value=True):

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from jousto.base.arrays import Array
 from jousto.base.declare import (
     Choice,
     Declared,
@@ -22,8 +23,6 @@ from jousto.base.declare import (
     field,
 )
 from jousto.base.errors import InputError, Problem, Problems, warn
-
-Array = NDArray[np.float64]
 
 BAND = "1 or larger (10 % over 90 % of survival)"
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from jousto.base.arrays import Array
 from jousto.base.declare import (
     Declared,
     Label,
@@ -18,7 +19,6 @@ from jousto.base.declare import (
 )
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 
-Array = NDArray[np.float64]
 Form = Literal["coffin-manson", "morrow", "swt"]
 NEGATIVE = "a negative number above -2"
 FORMS = ("coffin-manson", "morrow", "swt")

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.measurement.gauges.record import Record, record_of
@@ -16,7 +16,6 @@ from jousto.measurement.gauges.record import Record, record_of
 if TYPE_CHECKING:
     from jousto.simulation.results.solution import Solution
 
-Array = NDArray[np.float64]
 
 OVERLAP = 0.25
 """Share of the shorter record that must overlap."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.files import Rows, Tabular
@@ -21,8 +21,6 @@ from jousto.mechanism.sensors.bridge import quarter_bridge_strain
 
 if TYPE_CHECKING:
     from jousto.simulation.results.solution import Solution
-
-Array = NDArray[np.float64]
 
 
 @described

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import Problems
-
-Array = NDArray[np.float64]
 
 BACK = 5.0
 """Usual steps that time must jump backwards to be a restart of the clock."""

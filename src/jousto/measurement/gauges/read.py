@@ -7,17 +7,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, MissingFileError, Problem, Problems, suggest, warn
 from jousto.base.files import check_file
 from jousto.measurement.gauges.order import ordered
 from jousto.measurement.gauges.record import GAP, Record, record_of, too_large
 from jousto.measurement.gauges.table import read_table
 from jousto.measurement.gauges.units import STRAIN, parse_unit
-
-Array = NDArray[np.float64]
 
 TIMES = ("time", "t", "zeit", "aika", "timestamp", "time stamp", "datetime", "date", "temps",
          "tiempo", "tid", "x")  # fmt: skip

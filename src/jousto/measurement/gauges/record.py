@@ -8,9 +8,10 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import (
     LARGE_STRAIN,
     InputError,
@@ -27,7 +28,6 @@ from jousto.measurement.gauges.units import STRAIN
 if TYPE_CHECKING:
     from jousto.simulation.results.solution import Solution
 
-Array = NDArray[np.float64]
 
 GAP = 1.5
 """A step of so many usual ones is a gap."""

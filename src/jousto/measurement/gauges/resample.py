@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from jousto.base.arrays import Array
 from jousto.base.errors import Problems, warn
-
-Array = NDArray[np.float64]
 
 MOST = 50_000_000
 """Samples that a record may get."""

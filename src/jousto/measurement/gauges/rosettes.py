@@ -6,15 +6,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import LARGE_STRAIN, Problems, strain_remedy, warn
 from jousto.mechanism.sensors.gauge import NU_CALIBRATION
 from jousto.mechanism.sensors.rosette import ANGLES, KINDS
 
-Array = NDArray[np.float64]
 LARGE_STRESS = 1.5e9
 """Pa; von Mises stress beyond which strains were likely given in another unit."""
 

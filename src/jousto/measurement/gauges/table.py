@@ -11,10 +11,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.measurement.gauges.units import parse_unit, split_label
-
-Array = NDArray[np.float64]
 
 MISSING = {"", "nan", "na", "n/a", "-", "--", "---", "***", "null", "none", "ovl", "overflow",
            "inf", "-inf", "+inf", "1.#qnan", "#nv", "#n/a", "err", "error"}  # fmt: skip

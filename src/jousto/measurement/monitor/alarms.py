@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.declare import Declared, Field, Number, OptionalPositive, field
 from jousto.base.described import described
 from jousto.base.errors import Problems
 from jousto.measurement.monitor.health import OK
-
-Array = NDArray[np.float64]
 
 NEVER = -np.inf
 

@@ -8,13 +8,13 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem
 from jousto.measurement.twin.observer import Observer
 from jousto.measurement.twin.posterior import Posterior, Told
 from jousto.measurement.twin.reconstruction import Reconstruction
 
-Array = NDArray[np.float64]
 KEPT = 256
 """Combinations of channels whose gains are remembered."""
 

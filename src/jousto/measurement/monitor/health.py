@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.declare import Declared, Field, Number, Positive, field
 from jousto.base.described import described
 from jousto.base.errors import Problems
@@ -16,7 +17,6 @@ from jousto.measurement.monitor.stream import EMPTY, INFINITE
 from jousto.measurement.twin.signals import LARGEST
 from jousto.model.native.health import HealthCheck
 
-Array = NDArray[np.float64]
 States = NDArray[np.uint8]
 
 STATES = ("ok", "dropout", "nan", "saturated", "stuck", "spike", "back")

@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.model.native.meter import DamageMeter
-
-Array = NDArray[np.float64]
 
 PAUSE = 10.0  # usual steps of time from which on a gap is no watched time
 

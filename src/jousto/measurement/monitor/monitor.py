@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.measurement.monitor.alarms import Alarm, AlarmLimits, Alarms
@@ -24,8 +25,6 @@ from jousto.measurement.twin.reconstruction import Reconstruction
 from jousto.measurement.twin.spot_band import SpotBand
 from jousto.reduction.fields.stress import StressModes
 from jousto.reduction.reduced import ReducedPart
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.measurement.twin.observed import Observed
 from jousto.measurement.twin.observer import Observer
 from jousto.measurement.twin.posterior import Posterior
-
-Array = NDArray[np.float64]
 
 
 class Dynamic:

@@ -22,8 +22,8 @@ from typing import Any, BinaryIO
 
 import h5py
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import check_file, create, unwritable
 from jousto.base.hdf5 import Group, damage, open_format
@@ -31,8 +31,6 @@ from jousto.base.seal import Seal, sealed
 from jousto.base.version import __version__
 from jousto.simulation.results.image import SparseImage, reserve
 from jousto.simulation.results.writer import uninterrupted
-
-Array = NDArray[np.float64]
 
 FORMAT = "jousto monitor"
 FORMAT_VERSION = 1

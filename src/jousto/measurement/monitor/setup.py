@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.measurement.monitor.alarms import AlarmLimits
@@ -20,8 +20,6 @@ from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.sensors.gauge import Gauge
 from jousto.recovery.shape import find_body
 from jousto.simulation.results.solution import Solution
-
-Array = NDArray[np.float64]
 
 WIDER = 2.0
 """How much larger than in the reference run the modal coordinates may be."""

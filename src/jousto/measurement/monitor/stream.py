@@ -17,10 +17,9 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, count
 from jousto.measurement.gauges.units import UNITS as UNITS_OF_LOGGERS
-
-Array = NDArray[np.float64]
 
 PIECE = 1 << 16  # bytes that are asked for at once
 LINES = 512  # of a block; those of a file are always as many, so that a run repeats to the bit

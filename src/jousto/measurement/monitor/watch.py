@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import (
     LARGE_STRAIN,
     InputError,
@@ -31,7 +32,6 @@ from jousto.measurement.monitor.recorded import KINDS, MonitorRecord, duration
 from jousto.measurement.monitor.stream import UNITS, Block, Oddity, Place, Stream, factor
 from jousto.simulation.results.writer import uninterrupted
 
-Array = NDArray[np.float64]
 Show = Callable[["Progress"], None]
 
 TEXT = 160  # bytes of an event

@@ -12,6 +12,7 @@ from scipy.special import ndtri
 from scipy.stats import qmc
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.files import Rows, Tabular
@@ -20,7 +21,6 @@ from jousto.recovery.fields.criteria import Criterion, check_criterion, evaluate
 from jousto.reduction.fields.stress import StressModes
 from jousto.reduction.reduced import ReducedPart
 
-Array = NDArray[np.float64]
 BLOCK_BYTES = 64 << 20
 DRAWS = 128
 """Points with which the distribution of a criterion is sampled."""

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.measurement.twin.kalman import Channels, Gain
-
-Array = NDArray[np.float64]
 
 
 def drifted(before: Array, gain: Gain, channels: Channels, errors: Array, p: Array) -> Array:

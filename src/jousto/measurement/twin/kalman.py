@@ -8,10 +8,10 @@ import numpy as np
 import scipy.linalg as la
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.measurement.twin.system import System
 
-Array = NDArray[np.float64]
 STEADY = 1e-5
 """Relative change of a covariance per step below which the gain is taken as constant."""
 

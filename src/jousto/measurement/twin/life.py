@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import Rows, Tabular
@@ -20,8 +20,6 @@ from jousto.model.native.meter import DamageMeter
 from jousto.recovery.fields.criteria import Criterion, evaluate
 from jousto.reduction.fields.stress import StressModes
 from jousto.reduction.reduced import ReducedPart
-
-Array = NDArray[np.float64]
 
 
 @described

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.measurement.twin.observed import Observed
@@ -22,7 +23,6 @@ from jousto.measurement.twin.system import UnknownLoad
 from jousto.reduction.damping import modal_damping
 from jousto.reduction.reduced import ReducedPart
 
-Array = NDArray[np.float64]
 UNEVEN = 1e-6
 """How unequal the time steps of a record may be, as a share of one."""
 

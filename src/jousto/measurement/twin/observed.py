@@ -9,13 +9,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.measurement.twin.kalman import Channels, Gain
 from jousto.measurement.twin.posterior import Posterior
 from jousto.measurement.twin.reference import Reference
 from jousto.measurement.twin.system import System
-
-Array = NDArray[np.float64]
 
 
 @described

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count, warn
 from jousto.measurement.twin.drift import drifted
@@ -24,7 +25,6 @@ from jousto.measurement.twin.system import Accelerometer, System, UnknownLoad, a
 from jousto.reduction.damping import modal_damping
 from jousto.reduction.reduced import ReducedPart
 
-Array = NDArray[np.float64]
 CENTERED = 1e-6
 """Share of the mass that modes may move with their frame where loads balance its inertia."""
 JITTER = 1e-3

@@ -11,6 +11,7 @@ import scipy.linalg as la
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count
 from jousto.base.ranking import largest
@@ -19,7 +20,6 @@ from jousto.measurement.twin.signals import LARGEST, read_noise
 from jousto.measurement.twin.system import as_rows
 from jousto.reduction.reduced import ReducedPart
 
-Array = NDArray[np.float64]
 SWEEPS = 50
 
 

@@ -12,12 +12,12 @@ import scipy.linalg as la
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count, warn
 from jousto.measurement.twin.posterior import Told
 from jousto.measurement.twin.signals import LARGEST, read_noise, read_strain, read_time
 
-Array = NDArray[np.float64]
 NOISE = 1e-6
 """Default standard deviation of a gauge, m/m."""
 CONDITION = 1e4

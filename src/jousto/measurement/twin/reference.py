@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import UnivariateSpline
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.mechanism.forces.loads import Gravity
@@ -24,7 +25,6 @@ from jousto.reduction.reduced import ReducedPart
 from jousto.simulation.kinematics import kinematics
 from jousto.simulation.results.solution import Solution
 
-Array = NDArray[np.float64]
 Motion: TypeAlias = tuple[Array, Array, Array]
 """Acceleration of the frame's origin less gravity, m/s2, angular velocity, rad/s, and angular
 acceleration, rad/s2, all resolved in the body frame."""

@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg as la
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import LARGE_STRAIN, Problems, count, strain_remedy
 
-Array = NDArray[np.float64]
 LARGEST = LARGE_STRAIN
 """Strain beyond which no elastic part goes, m/m, the same for every door of the package."""
 

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem
 from jousto.measurement.twin.drift import drifts
 from jousto.measurement.twin.kalman import STEADY, Gain, backward
 from jousto.measurement.twin.observed import Observed, modal, spread
-
-Array = NDArray[np.float64]
 
 
 def smooth(observed: Observed) -> Observed:

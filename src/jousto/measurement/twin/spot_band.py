@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.measurement.twin.bands import criterion_band, floored, linear_ends, root_of, stress_of
 from jousto.model.native.recover import Recovery
@@ -15,7 +15,6 @@ from jousto.recovery.fields.criteria import Criterion, weights
 from jousto.recovery.fields.kernels import kernel
 from jousto.reduction.fields.stress import StressModes
 
-Array = NDArray[np.float64]
 KEPT = 256
 """Covariances whose roots a `SpotBand` remembers."""
 

@@ -12,12 +12,12 @@ import scipy.linalg as la
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.measurement.twin.reference import InertialForce, Motion, cross
 from jousto.reduction.reduced import ReducedPart
 
-Array = NDArray[np.float64]
 LOADS = ("fx", "fy", "fz", "mx", "my", "mz")
 """Components of a load on a node: forces, N, and moments, N m, along the body axes."""
 FADED = 4.0

@@ -6,13 +6,12 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problems
 from jousto.mechanism.sensors.gauge import Gauge, outward
 
-Array = NDArray[np.float64]
 TURN = 1e-2
 """Angle of the difference for the derivative by the direction, rad."""
 

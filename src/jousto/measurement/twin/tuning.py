@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import minimize
 from scipy.stats import chi2
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.measurement.twin.kalman import Gain, first_gain, next_gain
@@ -19,7 +20,6 @@ from jousto.measurement.twin.observer import Observer
 from jousto.measurement.twin.signals import LARGEST
 from jousto.measurement.twin.smoother import smooth
 
-Array = NDArray[np.float64]
 TOLERANCE = 0.25
 """Share by which bands may be wrong before an innovation test fails."""
 FARTHEST = 8.0

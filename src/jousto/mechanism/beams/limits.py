@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import scipy
 
-from jousto.base.rotations import Array
+from jousto.base.arrays import Array
 
 
 def highest_frequencies(elements: Mapping[str, Array]) -> Array:

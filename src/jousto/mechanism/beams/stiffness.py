@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jousto.base.arrays import Array
 from jousto.base.errors import Problems, warn
 from jousto.base.numbers import number, set_fields
-from jousto.base.rotations import Array, readonly
+from jousto.base.rotations import readonly
 from jousto.materials.library import by_name
 from jousto.materials.material import Material
 from jousto.mechanism.bodies.inertia import check_inertia

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.frozen import Frozen
 from jousto.base.names import check_name
 from jousto.base.numbers import number, set_fields
-from jousto.base.rotations import Array, parse_orientation, readonly
+from jousto.base.rotations import parse_orientation, readonly
 from jousto.mechanism.bodies.inertia import check_inertia, check_mass, damping_diagonal
 from jousto.mechanism.bodies.marker import Marker, marker_axes
 from jousto.mechanism.bodies.shapes import (

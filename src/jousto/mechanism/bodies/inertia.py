@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
-from jousto.base.rotations import Array, readonly, skew
+from jousto.base.rotations import readonly, skew
 
 if TYPE_CHECKING:
     from jousto.reduction.fields.invariants import Invariants

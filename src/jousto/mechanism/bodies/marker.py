@@ -7,9 +7,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from jousto.base.arrays import Array
 from jousto.base.declare import Field
 from jousto.base.errors import InputError, Problem, Problems
-from jousto.base.rotations import Array, exp_rotation, parse_orientation, readonly, rotation_matrix
+from jousto.base.rotations import exp_rotation, parse_orientation, readonly, rotation_matrix
 
 
 class Placed(Protocol):

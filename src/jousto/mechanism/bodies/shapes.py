@@ -11,12 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, MissingFileError, Problem, Problems, suggest
 from jousto.base.numbers import number
 from jousto.base.rotations import parse_direction, turn_onto
 from jousto.base.units import LENGTHS
-
-Array = NDArray[np.float64]
 
 FACETS = 32  # around circles that are drawn
 

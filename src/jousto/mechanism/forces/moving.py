@@ -8,9 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
+from jousto.base.arrays import Array
 from jousto.base.declare import Flag, Texts, Vector, field
 from jousto.base.errors import InputError, Problems
-from jousto.base.rotations import Array, readonly
+from jousto.base.rotations import readonly
 from jousto.mechanism.bodies.body import FlexibleBody, MovingBody, RigidBody
 from jousto.mechanism.bodies.reference import MovingBodyField
 from jousto.mechanism.forces.base import ForceElement, Push

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jousto.base.arrays import Array
 from jousto.base.declare import Field, Number, OptionalNumber, field
 from jousto.base.errors import Problems
-from jousto.base.rotations import Array, readonly
+from jousto.base.rotations import readonly
 from jousto.mechanism.bodies.body import ground
 from jousto.mechanism.bodies.marker import Marker, MarkerField
 from jousto.mechanism.bodies.reference import FlexibleField

@@ -7,9 +7,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from jousto.base.arrays import Array
 from jousto.base.declare import Number, field
 from jousto.base.errors import Problems
-from jousto.base.rotations import Array, Direction, readonly, turn_onto, unit_vector
+from jousto.base.rotations import Direction, readonly, turn_onto, unit_vector
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.joints.base import (
     AXIS,

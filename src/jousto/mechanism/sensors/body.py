@@ -7,10 +7,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from jousto.base.arrays import Array
 from jousto.base.declare import Field, field
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.numbers import set_fields
-from jousto.base.rotations import Array, readonly
+from jousto.base.rotations import readonly
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.bodies.reference import FlexibleField
 from jousto.mechanism.sensors.base import Sensor

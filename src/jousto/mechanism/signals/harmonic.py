@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from jousto.base.arrays import Array
 from jousto.base.declare import Number, field
-from jousto.base.rotations import Array
 from jousto.mechanism.signals.base import USE, Jet, Signal
 
 

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from jousto.base.arrays import Array
 from jousto.base.declare import Choice, Field, Number, field
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.files import check_file
-from jousto.base.rotations import Array
 from jousto.mechanism.signals.base import USE, Jet, Signal
 
 

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.ranking import largest
 from jousto.mechanism.sensors.rule import RESIDUES, MeterRule, check_residue, meter_rule
 from jousto.model.native import library
 from jousto.model.native.header import kinds
 
-Array = NDArray[np.float64]
 MARKS = {
     "S-N curve (S_D in Pa, N_D, k, slope below, limit in Pa)": slice(0, 5),
     "mean stress correction (kind and values)": slice(5, 8),

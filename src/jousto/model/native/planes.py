@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import Problems
 from jousto.mechanism.sensors.rule import RESIDUES, meter_rule
 from jousto.model.native import library
 from jousto.model.native.meter import native_rule
-
-Array = NDArray[np.float64]
 
 NORMAL, FINDLEY, STRAIN = range(3)
 """Numbers of `jo_plane_kind`."""

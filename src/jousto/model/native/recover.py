@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.model.native import library
 
-Array = NDArray[np.float64]
 Longs = NDArray[np.int64]
 
 LANES = 8

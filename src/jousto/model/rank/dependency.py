@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.rotations import rotation_matrix
 from jousto.model.model import JointModel, Model
 from jousto.model.native.native import Engine
 from jousto.model.ordering import eliminate
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import SimulationError
 from jousto.base.rotations import rotation_matrix
 from jousto.model.model import JointModel, Model
@@ -14,7 +14,6 @@ from jousto.model.native.native import Engine, displaced
 from jousto.model.ordering import eliminate
 from jousto.model.rank.redundancy import DENSE, NEARBY, is_drive, null_space, unit_rows
 
-Array = NDArray[np.float64]
 MOVES = 1e-6  # of unit motions in the mass metric: what is less is round-off
 SMALL = 3 * DENSE  # velocities up to which one singular value decomposition is quick
 SAMPLES = 3  # random velocities; a body that can move stands still in all with probability 0

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import warn
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.bodies.body import FlexibleBody
@@ -19,7 +19,6 @@ from jousto.mechanism.mechanism import Mechanism
 if TYPE_CHECKING:
     from jousto.reduction.reach import Reach
 
-Array = NDArray[np.float64]
 LEFT = 0.05  # share of the static work that modes may leave out
 SAG = 1e-5  # of the length of a body: mean sag under its weight that modes may leave out
 REMEDY = (

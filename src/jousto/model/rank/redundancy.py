@@ -7,15 +7,14 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import Problems
 from jousto.base.rotations import rotation_matrix
 from jousto.model.model import BodyModel, JointModel, Model
 from jousto.model.native.native import Engine, displaced
 from jousto.model.rank.dependency import dependencies, joint_fronts
 
-Array = NDArray[np.float64]
 RANK = 1e-9  # singular values of unit rows in the mass metric below this are zero
 WEAK = 2e-4
 """The same, of rows that are independent, below which solving with repeated rows loses digits: the

@@ -9,7 +9,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem
@@ -20,8 +20,6 @@ from jousto.output.style import COLORS, MUTED, PICTURES, Picture, save, styled, 
 from jousto.recovery.beams.forces import RESULTANTS, UNITS, SectionForces, component_of, find_beam
 from jousto.recovery.shape import find_body, positions
 from jousto.simulation.results.solution import Solution
-
-Array = NDArray[np.float64]
 
 WIDTH = 7.2  # inch
 TIMES: LinearSegmentedColormap = LinearSegmentedColormap.from_list("times", ("#B9C4D0", COLORS[0]))

@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from numpy.typing import NDArray
 
 from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem
@@ -20,8 +19,6 @@ from jousto.materials.strength.mean_stress import MeanStress
 from jousto.materials.strength.sn import SN
 from jousto.output.scenes.surface import STRESS_COLORS
 from jousto.output.style import COLORS, INK, MUTED, PICTURES, Picture, save, styled, target
-
-Array = NDArray[np.float64]
 
 WIDTH = 7.2  # inch
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 from matplotlib.colors import LogNorm, Normalize, to_rgb
-from numpy.typing import NDArray
 
 from jousto.base.arguments import explained_as
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.base.files import written
 from jousto.fatigue.miner.damage_field import DamageField
@@ -22,8 +22,6 @@ from jousto.output.style import MUTED, PICTURES, Picture, save, styled, target
 from jousto.recovery.shape import find_body
 from jousto.simulation.results.records import BodyShape
 from jousto.simulation.results.solution import Solution
-
-Array = NDArray[np.float64]
 
 WIDTH, LEGEND, GAP, TOP = 7.2, 1.15, 0.2, 0.62  # inch
 DECADES = 8.0  # of damage that the colours show

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
-from numpy.typing import NDArray
 
 from jousto.base.arguments import explained_as
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import written
 from jousto.output.figures.painted import extent, mark, paint
@@ -23,8 +23,6 @@ from jousto.recovery.hotspots.spots import HotSpots
 from jousto.recovery.shape import find_body
 from jousto.simulation.results.records import BodyShape
 from jousto.simulation.results.solution import Solution
-
-Array = NDArray[np.float64]
 
 WIDTH, LEGEND, GAP = 7.2, 1.1, 0.2  # inch
 CURVES = 5  # histories in a picture

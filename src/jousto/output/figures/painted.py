@@ -7,15 +7,13 @@ from collections.abc import Callable
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.output.scenes.lines import drawn
 from jousto.output.scenes.surface import DARKEST_STRESS, Skin, lit
 from jousto.output.scenes.view import View
 from jousto.output.style import INK, PAPER
 from jousto.simulation.results.records import BodyShape
-
-Array = NDArray[np.float64]
 
 PIECES = 8  # of one element of a line, each of one colour
 FADED = 0.6  # of the ink of a mark behind the body

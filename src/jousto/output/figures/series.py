@@ -7,13 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.simulation.results.naming import pick
 from jousto.simulation.results.solution import Solution
-
-Array = NDArray[np.float64]
 
 DIAGNOSTICS = ("energy", "residuals")
 TERMS = ("kinetic", "strain", "potential", "springs", "dissipated", "friction", "work")

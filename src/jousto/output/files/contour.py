@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained_as
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import written
 from jousto.output.style import target
@@ -18,7 +19,6 @@ from jousto.recovery.shape import find_body, positions
 from jousto.simulation.results.records import BodyShape
 from jousto.simulation.results.solution import Solution
 
-Array = NDArray[np.float64]
 KINDS = {2: "line", 3: "triangle"}
 
 

@@ -7,14 +7,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array, Index
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.files import written
 from jousto.reduction.reduced import ReducedPart
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 ALL_UP_TO = 500
 """Nodes of a part that are all written where none are named."""

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from jousto.base.arguments import explained_as
-from jousto.output.files.exposed import Array, damping_ratios, exposed_nodes, node_modes, write_text
+from jousto.base.arrays import Array
+from jousto.output.files.exposed import damping_ratios, exposed_nodes, node_modes, write_text
 from jousto.reduction.reduced import ReducedPart
 
 

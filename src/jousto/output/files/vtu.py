@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arguments import explained_as
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import written
-from jousto.output.files.exposed import Array
 from jousto.output.style import target
 from jousto.reduction.reduced import ReducedPart
 

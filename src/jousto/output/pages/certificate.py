@@ -10,14 +10,12 @@ from pathlib import Path
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
-from numpy.typing import NDArray
 
 from jousto.base.arguments import explained_as
+from jousto.base.arrays import Array
 from jousto.base.files import written
 from jousto.output.style import COLORS, FAINT, INK, MUTED, PAPER, Picture, styled, target
 from jousto.reduction.certificate.certificate import Certificate, Check, Silhouette, Table
-
-Array = NDArray[np.float64]
 
 WORDS = {"ok": "ok", "note": "note", "warn": "warning", "fail": "fault"}
 COLOUR = {"ok": "#2A7D5F", "note": "#1C5FA8", "warn": "#A56A00", "fail": "#B3261E"}

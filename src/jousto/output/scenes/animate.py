@@ -10,9 +10,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import Problems, warn
 from jousto.base.names import file_name
 from jousto.output.scenes.film import (
@@ -41,7 +42,6 @@ from jousto.output.scenes.view import View
 from jousto.output.style import INK, MUTED, PAPER, PICTURES, blend, save, styled, target
 from jousto.simulation.results.solution import Solution
 
-Array = NDArray[np.float64]
 Report = Callable[[int, int], None]
 
 DPI = 100

@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.mesh.mesh import Mesh
 from jousto.output.scenes.lines import drawn
@@ -33,8 +34,6 @@ from jousto.parts.part import Part
 from jousto.recovery.fields.criteria import von_mises
 from jousto.reduction.reduced import ReducedPart
 from jousto.simulation.results.records import BodyShape
-
-Array = NDArray[np.float64]
 
 WIDTH, LEGEND, GAP = 7.2, 1.35, 0.2  # inch
 MOST_FACES = 40_000  # whose edges are drawn

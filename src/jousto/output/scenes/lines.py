@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from jousto.base.arrays import Array, Index
 from jousto.output.scenes.surface import Surface, is_surface, make_surface
 from jousto.simulation.results.records import BodyShape
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.intp]
 
 STRAIGHT = np.cos(np.deg2rad(5.0))  # elements that meet at a larger angle have a corner there
 FINE = 6  # pieces of an element in a smooth line
@@ -30,7 +27,7 @@ class Chain:
         Points of the line = weights @ positions of the nodes.
     """
 
-    nodes: Ints
+    nodes: Index
     weights: Array
 
 
@@ -39,7 +36,7 @@ class Outline:
     """What is drawn of a body: its chains, and the nodes that get a dot; or its surface."""
 
     chains: tuple[Chain, ...]
-    dots: Ints
+    dots: Index
     surface: Surface | None = None
 
 
@@ -84,7 +81,7 @@ def outline(shape: BodyShape) -> Outline:
     return Outline(tuple(chains), np.array(ends, dtype=np.intp))
 
 
-def _edges(elements: Ints) -> Ints:
+def _edges(elements: Index) -> Index:
     """Return the edges (k, 2), each once; elements of more than two nodes become closed loops."""
     if elements.size == 0 or elements.shape[1] < 2:
         return np.zeros((0, 2), dtype=np.intp)

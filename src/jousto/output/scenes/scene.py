@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import Problems, suggest
 from jousto.output.scenes.lines import Outline, drawn
 from jousto.output.scenes.skins import BeamSkin, beam_skin
@@ -30,8 +30,6 @@ from jousto.recovery.shape import positions
 from jousto.recovery.surface import surface_stress
 from jousto.simulation.results.records import BodyShape
 from jousto.simulation.results.solution import Solution
-
-Array = NDArray[np.float64]
 
 WIDTH = 7.2  # inch
 MARGIN = 0.07

@@ -6,17 +6,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from jousto.base.arrays import Array, Index
 from jousto.model.beam_record import BeamShape
 from jousto.recovery.beams.forces import state_forces
 from jousto.recovery.beams.strains import elements, exponential, logarithm, poses
 from jousto.recovery.fields.criteria import evaluate
 from jousto.recovery.shape import bracket, rotation_matrices
 from jousto.simulation.results.solution import Solution
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.intp]
 
 RINGS = 48  # along a beam at least
 MOST_RINGS = 400
@@ -40,7 +38,7 @@ class BeamSkin:
     """
 
     x: Array
-    triangles: Ints
+    triangles: Index
     axes: Array
     tensors: Array | None
 
@@ -119,7 +117,7 @@ def beam_skin(
     )
 
 
-def tube(rings: int, k: int) -> Ints:
+def tube(rings: int, k: int) -> Index:
     """Return the triangles of a tube of rings of k corners, with both ends closed."""
     i = np.arange(k)
     j = (i + 1) % k

@@ -9,10 +9,8 @@ import numpy as np
 import scipy.sparse as sp
 from matplotlib.artist import Artist
 from matplotlib.colors import Colormap, LinearSegmentedColormap, to_rgb
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.intp]
+from jousto.base.arrays import Array, Index
 
 MOST_TRIANGLES = 24_000  # of a body in a picture; finer surfaces are thinned
 CREASE = np.cos(np.deg2rad(35.0))  # faces that meet at a larger angle have an edge there
@@ -42,8 +40,8 @@ class Surface:
         Whether every edge has a face on either side: the back is then never seen.
     """
 
-    nodes: Ints
-    triangles: Ints
+    nodes: Index
+    triangles: Index
     smoothing: sp.csr_array
     closed: bool
 
@@ -82,7 +80,7 @@ def face_normals(x: Array) -> Array:
     return np.asarray(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]))
 
 
-def _is_closed(corners: Ints) -> bool:
+def _is_closed(corners: Index) -> bool:
     """Return whether each edge is run through as often one way as the other."""
     edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
     size = int(corners.max()) + 1
@@ -90,7 +88,7 @@ def _is_closed(corners: Ints) -> bool:
     return bool(np.array_equal(np.sort(there), np.sort(back)))
 
 
-def _thinned(nodes: Array, triangles: Ints, most: int) -> Ints:
+def _thinned(nodes: Array, triangles: Index, most: int) -> Index:
     """Return fewer triangles: the nodes of each cell of a grid become one of them."""
     kept = triangles
     low, size = (

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.output.scenes.view import View
 from jousto.output.style import INK, MUTED, PAPER, blend
 from jousto.recovery.shape import positions
@@ -17,7 +17,6 @@ from jousto.simulation.results.connections import Connection
 from jousto.simulation.results.records import BodyShape
 from jousto.simulation.results.solution import Solution
 
-Array = NDArray[np.float64]
 Lines = list[Array]
 
 SIZE = 0.018  # of a symbol, by the size of the picture

@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.base.files import write_table
 from jousto.base.ranking import largest
@@ -29,8 +30,6 @@ from jousto.recovery.beams.strains import (
 from jousto.recovery.instants import between, window
 from jousto.recovery.shape import rotation_matrices
 from jousto.simulation.results.solution import Solution
-
-Array = NDArray[np.float64]
 
 RESULTANTS = ("N", "Qy", "Qz", "Mx", "My", "Mz")
 """Resultants of a section: N along the beam, shear forces, torque and bending moments."""

@@ -10,13 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from jousto.base.arrays import Array
 from jousto.model.beam_record import BeamShape
 from jousto.model.native.header import named
-
-Array = NDArray[np.float64]
 
 SMALL = 1e-3  # rad below which coefficients are series; the next term is then below 1e-15
 

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.model.beam_record import BeamShape
 from jousto.recovery.beams.forces import find_beam, section_forces
 from jousto.recovery.beams.strains import elements, poses
 from jousto.reduction.fields.stress import StressModes
 from jousto.simulation.results.solution import Solution
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

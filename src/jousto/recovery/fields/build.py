@@ -23,8 +23,6 @@ from jousto.reduction.located import located
 from jousto.reduction.reduced import ReducedPart
 from jousto.simulation.results.solution import Solution
 
-Array = NDArray[np.float64]
-
 
 @explained
 def stress_field(

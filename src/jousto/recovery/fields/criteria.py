@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.model.native import recover
-
-Array = NDArray[np.float64]
 
 INVARIANTS = (
     "von-mises",

@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array, Index
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.ranking import ranking
@@ -33,8 +34,6 @@ from jousto.recovery.fields.store import write_field
 from jousto.recovery.instants import between, window
 from jousto.reduction.fields.stress import StressModes
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.intp]
 Sites = str | int | Iterable[Any] | slice | None
 Frame = Literal["site", "body", "world"]
 
@@ -124,7 +123,7 @@ class StressField:
     frame: Frame = "site"
     strain: bool = False
     A: Array | None = None
-    columns: Ints | None = None
+    columns: Index | None = None
     v: Array | None = None
 
     def __post_init__(self) -> None:
@@ -217,7 +216,7 @@ class StressField:
 
     # -- choosing -----------------------------------------------------------------------------
 
-    def indices(self, sites: Sites = None) -> Ints:
+    def indices(self, sites: Sites = None) -> Index:
         """Return the places (k,) by index.
 
         Parameters
@@ -637,7 +636,7 @@ def refuse_gaps(where: str, p: Array, time: Array) -> None:
 
 def site_indices(
     modes: StressModes, sites: Sites, where: str, known: dict[str, int] | None = None
-) -> Ints:
+) -> Index:
     """Return the places (k,) of stress modes by index; see `StressField.indices`.
 
     Raises

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
@@ -15,8 +15,6 @@ from jousto.recovery.shape import find_body, rotation_matrices
 from jousto.reduction.fields.residual_stress import PRODUCTS, ResidualStress
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.state import MEMORY, State, put
-
-Array = NDArray[np.float64]
 
 
 def accelerations(run: Solution, model: Model | None = None) -> Array:

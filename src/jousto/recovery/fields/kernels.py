@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.model.native.recover import Recovery, tiles
 from jousto.recovery.fields.criteria import PAIRS, Criterion, weights
-
-Array = NDArray[np.float64]
 
 HALF_SHEARS = np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
 

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.ranking import TIE, largest, ranking
 from jousto.recovery.fields.criteria import PAIRS, principal
-
-Array = NDArray[np.float64]
 
 GRID = 400
 """Directions of the half sphere, some 7 degrees apart."""

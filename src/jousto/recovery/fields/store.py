@@ -8,15 +8,14 @@ from typing import Any, BinaryIO
 
 import h5py
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import create, unwritable
 from jousto.base.version import __version__
 from jousto.recovery.fields.criteria import Criterion
 from jousto.simulation.results.image import SparseImage, reserve
 
-Array = NDArray[np.float64]
 FORMAT = "jousto stress field"
 VERSION = 1
 

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.recovery.fields.field import StressField
 from jousto.recovery.hotspots.measures import Measure
 from jousto.recovery.hotspots.search import search
-
-Array = NDArray[np.float64]
 
 PARTS = 8
 """Pieces of the cubic between two stored instants."""

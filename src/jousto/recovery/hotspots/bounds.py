@@ -5,13 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array, Index
 from jousto.recovery.hotspots.measures import Measure
 from jousto.recovery.hotspots.windows import SAFETY, UNIT, Windows, cut, spectral
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.intp]
 
 STRIDES = (128, 16)  # instants in the windows, coarse and fine
 SMALLEST = 1e-8  # share of the mean that weighs a motion without stress
@@ -66,7 +63,7 @@ class Search:
     margin: Array
     effort: Effort = field(default_factory=Effort)
 
-    def rows(self, at: Ints | slice) -> Array:
+    def rows(self, at: Index | slice) -> Array:
         """Return B (nk, r, n) of places."""
         return np.asarray(np.matmul(self.measure.rows @ self.modes[at], self.T))
 
@@ -90,7 +87,7 @@ class Search:
             out[at] = np.minimum(box, spectral(B * scale) * reach)
         return np.asarray(out * (1.0 + SAFETY * UNIT * (len(scale) + SAFETY)) + self.margin)
 
-    def refine(self, places: Ints, below: Array) -> tuple[Array, Ints, Array]:
+    def refine(self, places: Index, below: Array) -> tuple[Array, Index, Array]:
         """Return exact values of places where they matter, when, and what bounds them then.
 
         Parameters

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jousto.base import ranking
+from jousto.base.arrays import Array
 from jousto.recovery.fields.criteria import Criterion
 from jousto.recovery.fields.field import StressField
 from jousto.recovery.hotspots.measures import Measure
 from jousto.recovery.hotspots.search import Found, Proof
 from jousto.recovery.hotspots.windows import SAFETY, UNIT
-
-Array = NDArray[np.float64]
 
 
 def every(

@@ -6,16 +6,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.ranking import TIE
 from jousto.recovery.fields.criteria import Criterion
 from jousto.recovery.fields.field import StressField
 from jousto.recovery.hotspots.between import Between
 from jousto.recovery.hotspots.search import Proof
-
-Array = NDArray[np.float64]
 
 EARLY = 0.05  # share of the time in which a largest value may belong to the start
 

@@ -6,12 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.recovery.fields.criteria import Criterion, check_criterion, evaluate, weights
 
-Array = NDArray[np.float64]
 Scale = Callable[[Array], Array]
 
 EXTREMES = ("largest", "smallest", "magnitude")

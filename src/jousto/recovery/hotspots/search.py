@@ -8,13 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array, Index
 from jousto.base.errors import JoustoError
 from jousto.base.ranking import TIE, first
 from jousto.recovery.hotspots.bounds import prepare
 from jousto.recovery.hotspots.measures import Measure
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.intp]
 
 FIRST, MOST = 32, 2048  # places refined at once
 
@@ -66,8 +64,8 @@ class Proof:
 class Found:
     """Hot spots: places, their instants and ranked values, the largest first."""
 
-    places: Ints
-    instants: Ints
+    places: Index
+    instants: Index
     ranked: Array
     certificate: Proof
 
@@ -174,7 +172,7 @@ def search(
     return Found(chosen, when[chosen], lower[chosen], certificate)
 
 
-def _refuse_standstill(places: Ints, lower: Array, upper: Array) -> None:
+def _refuse_standstill(places: Index, lower: Array, upper: Array) -> None:
     """Refuse places that were looked at twice and are not known exactly: the next pass is alike."""
     if len(places):
         k = int(places[0])

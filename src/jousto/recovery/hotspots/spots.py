@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.described import described
@@ -25,8 +24,6 @@ from jousto.recovery.hotspots.search import Proof, search
 from jousto.recovery.hotspots.words import certificate_lines, head, row, shown_value
 from jousto.recovery.hotspots.write import write_histories, write_spots
 from jousto.simulation.results.solution import Solution
-
-Array = NDArray[np.float64]
 
 
 @described

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.intp]
+from jousto.base.arrays import Array, Index
+
 BLOCK = 1 << 21  # numbers in a piece of work
 
 UNIT = 2.0**-53
@@ -53,7 +52,7 @@ class Windows:
         np.minimum(out, norm[:, None] * self.far, out=out)
         return out
 
-    def strays_of_pairs(self, columns: Array, norm: Array, at: Ints) -> Array:
+    def strays_of_pairs(self, columns: Array, norm: Array, at: Index) -> Array:
         """Return bounds (np, k) for pairs of a place (np, n) and its k windows (np, k)."""
         h = self.h[at]
         box = np.einsum("pkj,pj->pk", h, columns)

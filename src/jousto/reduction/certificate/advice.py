@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count
 from jousto.reduction.certificate.certificate import Table, number
@@ -30,7 +31,6 @@ from jousto.reduction.sparse import factor
 if TYPE_CHECKING:
     from jousto.parts.part import Part
 
-Array = NDArray[np.float64]
 
 REACH = (2.0, 4.0, 8.0)
 """Fixed-interface modes are looked for up to these multiples of the frequency limit."""

@@ -8,10 +8,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, count
 
-Array = NDArray[np.float64]
 Status = Literal["ok", "note", "warn", "fail"]
 
 STATUSES = ("ok", "note", "warn", "fail")

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.reduction.accuracy import mesh_accuracy
 from jousto.reduction.certificate import (
@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     from jousto.parts.part import Part
     from jousto.reduction.reduced import ReducedPart
 
-Array = NDArray[np.float64]
 
 FREE_MODES = 10
 """Free-free frequencies that are compared."""

@@ -5,14 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jousto.base.errors import count
 from jousto.reduction.certificate.certificate import Check, number
 from jousto.reduction.certificate.part_checks import FullModel
 from jousto.reduction.modes.interface_modes import Modes, determinate, scaled_rigid
-
-Array = NDArray[np.float64]
 
 ORTHONORMAL = 1e-5
 """Largest deviation of the modal matrices from their diagonal."""

@@ -7,13 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array, Index
 from jousto.base.errors import count
 from jousto.reduction.certificate.certificate import Check, Status, Table, number, percent
 from jousto.reduction.certificate.part_checks import FullModel
 from jousto.reduction.modes.interface_modes import Modes, determinate, scaled_rigid
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 EXACT = 1e-8
 """Relative error of a static displacement that counts as exact."""

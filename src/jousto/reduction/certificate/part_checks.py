@@ -10,6 +10,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, count
 from jousto.mesh.sets import node_graph, rigid_groups, tied
 from jousto.reduction.certificate.certificate import Check, Table, number
@@ -20,7 +21,6 @@ from jousto.reduction.modes.rigid import RigidBasis, rigid_modes
 if TYPE_CHECKING:
     from jousto.parts.part import Part
 
-Array = NDArray[np.float64]
 
 MOTIONS = ("along x", "along y", "along z", "about x", "about y", "about z")
 

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
 
 from jousto.base.errors import count
 from jousto.reduction.certificate.certificate import Check, Table, number, percent
 from jousto.reduction.certificate.part_checks import FullModel
 from jousto.reduction.modes.interface_modes import Modes
 from jousto.reduction.modes.rigid import rigid_modes
-
-Array = NDArray[np.float64]
 
 CLOSE = 0.01
 """Relative error of a frequency that counts as good."""

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.reduction.fields.stress import StressModes
-
-Array = NDArray[np.float64]
 
 SAME = 1e-6
 """Share of a section's size within which two points of it are the same."""

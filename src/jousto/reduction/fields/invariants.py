@@ -14,6 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import Problems
 from jousto.reduction.modes.rigid import rigid_modes
@@ -21,7 +22,6 @@ from jousto.reduction.modes.rigid import rigid_modes
 if TYPE_CHECKING:
     from jousto.parts.mass import MassPoints
 
-Array = NDArray[np.float64]
 
 # permutation symbol: (a x b)_i = EPS[i, j, k] a_j b_k
 EPS = np.zeros((3, 3, 3))

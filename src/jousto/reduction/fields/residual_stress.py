@@ -10,6 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.parts.loads import Spin
 from jousto.parts.part import Part
@@ -20,7 +21,6 @@ from jousto.reduction.modes.rigid import RigidBasis
 if TYPE_CHECKING:
     from jousto.reduction.files.run import Run
 
-Array = NDArray[np.float64]
 
 AXES = "xyz"
 ACCELERATIONS = (

@@ -6,12 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array, Index
 from jousto.mesh.reference import FACES, places, shape_functions
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.intp]
 
 STEPS = 16
 """Pieces into which a grid is cut along its length."""
@@ -47,7 +44,7 @@ class Foot:
 
     x: Array
     normal: Array
-    nodes: Ints
+    nodes: Index
     N: Array
     G: Array
     distance: float
@@ -65,7 +62,7 @@ class Weights:
         Weights w of their displacements; those of a strain in 1/m.
     """
 
-    nodes: Ints
+    nodes: Index
     values: Array
 
     def __call__(self, u: Array) -> Array:
@@ -73,7 +70,7 @@ class Weights:
         return np.asarray(np.tensordot(self.values, u[self.nodes], axes=([0, 1], [0, 1])))
 
     @classmethod
-    def gather(cls, nodes: Sequence[Ints], values: Sequence[Array]) -> Weights:
+    def gather(cls, nodes: Sequence[Index], values: Sequence[Array]) -> Weights:
         """Return the sum of several."""
         every, place = np.unique(np.concatenate(nodes), return_inverse=True)
         total = np.zeros((len(every), 3))
@@ -106,7 +103,7 @@ class Skin:
         Faces of 3, 4, 6 or 8 nodes, corners first, normals outwards.
     """
 
-    def __init__(self, nodes: Array, faces: Sequence[Ints]) -> None:
+    def __init__(self, nodes: Array, faces: Sequence[Index]) -> None:
         self.nodes = nodes
         self.faces = tuple(face for face in faces if len(face))
         self._middle = [nodes[face].mean(axis=1) for face in self.faces]
@@ -219,7 +216,7 @@ def grid_strain(skin: Skin, start: Foot, t: Array, length: float, width: float) 
     near = skin.around(start.x, 0.75 * (length + width))
     gauss, share = np.polynomial.legendre.leggauss(LINES)
     offsets, shares = (0.5 * width * gauss, 0.5 * share) if width > 0.0 else (np.zeros(1), [1.0])
-    nodes: list[Ints] = []
+    nodes: list[Index] = []
     values: list[Array] = []
     for offset, part in zip(offsets, shares, strict=True):
         middle, along = start, t

@@ -13,6 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.parts.frames.second_order import double_turn
 from jousto.reduction.modes.partition import whole_part_basis
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from jousto.parts.interface import Tie
     from jousto.parts.part import Part
 
-Array = NDArray[np.float64]
 
 LARGEST_FIELD = 1 << 30
 """Largest array of the field, bytes; three of them are needed at a time."""

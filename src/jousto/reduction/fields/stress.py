@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import Problems
 from jousto.base.frozen import Frozen
@@ -16,7 +17,6 @@ from jousto.base.frozen import Frozen
 if TYPE_CHECKING:
     from jousto.reduction.fields.residual_stress import ResidualStress
 
-Array = NDArray[np.float64]
 
 COMPONENTS = ("s11", "s22", "s33", "s12", "s23", "s13")
 """Voigt order of the six stress components."""

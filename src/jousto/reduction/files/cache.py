@@ -27,8 +27,6 @@ from jousto.base.errors import InputError, Problem, warn
 from jousto.base.files import DAMAGED_NPZ, written
 from jousto.reduction.reduced import ReducedPart
 
-Array = NDArray[np.float64]
-
 RECIPE = 2
 """Raised when the same input gives another result, so that older entries are not found."""
 

@@ -10,10 +10,10 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.reduction.sparse import factor
 from jousto.reduction.sparse.memory import machine_memory
 
-Array = NDArray[np.float64]
 Report = Callable[[str, float], None]
 """Function of (stage, part of it that is done, from 0 to 1)."""
 

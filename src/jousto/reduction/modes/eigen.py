@@ -15,11 +15,10 @@ import scipy.linalg
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, warn
 from jousto.reduction.modes.lanczos import lanczos
 from jousto.reduction.sparse.factor import Solver
-
-Array = NDArray[np.float64]
 
 DENSE_LIMIT = 500
 """Problems up to this size are solved densely, with all modes."""

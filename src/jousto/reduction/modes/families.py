@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.reduction.certificate.interface_loads import elastic_response
 from jousto.reduction.certificate.part_checks import FullModel
@@ -20,7 +20,6 @@ from jousto.reduction.modes.interface_modes import Modes, modes_of
 if TYPE_CHECKING:
     from jousto.parts.part import Part
 
-Array = NDArray[np.float64]
 
 SHARE = 0.95
 """Least share of a mode of the full part that the modes must hold."""

@@ -18,15 +18,12 @@ from collections.abc import Callable
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array, Index
 from jousto.base.errors import InputError, Problem
 from jousto.reduction.modes import eigen
 from jousto.reduction.modes.ties import Boundary, Coordinates, embedded
 from jousto.reduction.sparse.factor import Solver
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 HELD = 1e-7
 """Least independent motion (relative to body size) by which supports hold a body."""

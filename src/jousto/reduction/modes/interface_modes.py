@@ -8,16 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array, Index
 from jousto.reduction.certificate.part_checks import FullModel
 from jousto.reduction.modes.rigid import rigid_modes
 
 if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 LEAST_HOLD = 1e-6
 """Least independent motion over the size of the body by which six loads hold it."""

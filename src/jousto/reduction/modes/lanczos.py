@@ -14,12 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.reduction.sparse.factor import Solver
 
-Array = NDArray[np.float64]
 Apply = Callable[[Array], Array]
 
 BLOCK = 4

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array, Index
 from jousto.base.errors import InputError, Problem
 from jousto.reduction.files.run import Report, Run
 from jousto.reduction.methods import CraigBampton
@@ -25,9 +25,6 @@ from jousto.reduction.modes.ties import (
 
 if TYPE_CHECKING:
     from jousto.parts.part import Part
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 
 def dof_label(dof: int, dofs_per_node: int) -> str:

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import Problems
 from jousto.parts.part import Part
@@ -22,8 +23,6 @@ from jousto.reduction.modes.rigid import (
     mass_orthonormal_rigid_modes,
 )
 from jousto.reduction.modes.ties import boundary, coordinates
-
-Array = NDArray[np.float64]
 
 
 @described

@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
 
 if TYPE_CHECKING:
     from jousto.parts.part import Part
 
-Array = NDArray[np.float64]
 
 NEW = 1e-9
 """Part of a response, in the norm of strain energy, below which the basis holds it already."""

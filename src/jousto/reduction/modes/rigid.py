@@ -7,11 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, warn
-
-Array = NDArray[np.float64]
 
 STIFFNESS_FREEDOM = 1e-6
 """Largest force of a rigid motion, relative to the forces that cancel in it."""

@@ -7,16 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array, Index
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.reduction.modes.rigid import length_scale, rigid_modes
 
 if TYPE_CHECKING:
     from jousto.parts.part import Part
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)

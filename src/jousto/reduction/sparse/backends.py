@@ -15,7 +15,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from jousto.base.arrays import Array
 
 PIVOT = 1e-14
 """Least pivot of a matrix with unit diagonal."""

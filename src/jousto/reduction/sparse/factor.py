@@ -14,13 +14,11 @@ from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, suggest, warn
 from jousto.reduction.sparse import backends
-
-Array = NDArray[np.float64]
 
 SMALL = 6000
 """Unknowns up to which SuperLU is used whatever is installed: fast enough, the same everywhere."""

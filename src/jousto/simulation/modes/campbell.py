@@ -10,14 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem
 from jousto.model.model import Model
 from jousto.simulation.modes.large import MANY
 from jousto.simulation.modes.linear import modes
 from jousto.simulation.running.state import State
-
-Array = NDArray[np.float64]
 
 
 @described

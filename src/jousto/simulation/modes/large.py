@@ -9,6 +9,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.rotations import rotation_matrix, skew
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
@@ -16,7 +17,6 @@ from jousto.simulation.modes.spectrum import nearest, saddle
 from jousto.simulation.running.state import State, put
 from jousto.simulation.statics.balance import newton_sparse
 
-Array = NDArray[np.float64]
 MANY = 600  # velocities and rows above which matrices are sparse
 USUAL = 20  # modes of large mechanisms
 NOISE = 1e-13  # of the largest stiffness over mass: omega^2 that is round-off

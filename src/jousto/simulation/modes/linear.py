@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.base.rotations import rotation_matrix, skew
 from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.simulation.running.state import State, put
 
-Array = NDArray[np.float64]
 Eigenvalues = NDArray[np.complex128]
 NOTICED = 1e-3  # of the lowest frequency, rad/s: spin that changes a mode by as much
 NOISE = 1e-6  # of the highest frequency: no oscillation

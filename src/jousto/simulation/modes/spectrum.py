@@ -11,7 +11,8 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from jousto.base.arrays import Array
+
 blocks: Any = sp.bmat  # of which the type information knows too little
 DENSE = 360  # unknowns up to which all modes are computed
 SYMMETRIC = 1e-6  # of sqrt(wi^2 wj^2): coupling of two modes by the skew part, taken as none

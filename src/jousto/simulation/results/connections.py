@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.model.model import ForceModel, JointModel, Model
 from jousto.model.native.header import named
-
-Array = NDArray[np.float64]
 
 GROUP = "connections"
 KINDS = ("hinge", "slide", "fixed", "rod", "spring", "damper", "actuator", "bushing")

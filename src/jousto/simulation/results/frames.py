@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import write_table
 
-Array = NDArray[np.float64]
 Column = tuple[str, dict[str, Any], Array]
 """Name, ``solution.about(name)`` and values of a sensor or component."""
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.files import unwritable
 from jousto.model.beam_record import BeamShape
 from jousto.model.model import Model
@@ -28,8 +29,6 @@ from jousto.simulation.results.writer import (
     ResultsWriter,
 )
 from jousto.simulation.running.state import MEMORY
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,13 +9,13 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.model.beam_record import BeamShape
 from jousto.reduction.fields.stress import StressModes
 from jousto.simulation.results.connections import Connection
 from jousto.simulation.results.events import Happening
 
-Array = NDArray[np.float64]
 ALL = slice(None)
 
 

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, count, suggest
 from jousto.model.beam_record import BeamShape
 from jousto.reduction.fields.stress import StressModes
@@ -26,7 +26,6 @@ from jousto.simulation.results.stored import FileRecords
 from jousto.simulation.running.diagnostics import Energy, Residuals, Work
 from jousto.simulation.running.state import State
 
-Array = NDArray[np.float64]
 LONG = 100  # characters of a name that are shown
 WORK = ("dissipated", "friction", "work")
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import written
 from jousto.model.beam_record import BeamShape
@@ -23,8 +24,6 @@ from jousto.simulation.results.records import ALL, BodyShape
 from jousto.simulation.results.stress import knows_stress, read_stress
 from jousto.simulation.results.writer import EVENT_COLUMNS
 from jousto.simulation.running.state import MEMORY
-
-Array = NDArray[np.float64]
 
 
 class FileRecords:

@@ -18,8 +18,8 @@ from weakref import WeakKeyDictionary
 
 import h5py
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import create, unwritable
 from jousto.base.seal import Seal
@@ -36,7 +36,6 @@ from jousto.simulation.results.events import joints_of, sources
 from jousto.simulation.results.image import SparseImage, reserve
 from jousto.simulation.results.stress import stress_arrays
 
-Array = NDArray[np.float64]
 Facts = dict[str, Any]  # how a run ended: ended, wall_time, real_time_factor
 FORMAT = "jousto results"
 FORMAT_VERSION = 2

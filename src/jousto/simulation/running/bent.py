@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import warn
 from jousto.model.model import Model, Shape
-
-Array = NDArray[np.float64]
 
 FAR = 0.3  # rad between two places of a body
 """A cantilever that its end load turns by as much is 1 to 2 % stiffer than linear (Bisshopp and

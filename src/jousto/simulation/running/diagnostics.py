@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import count
 
-Array = NDArray[np.float64]
 ROUND_OFF = 1e-12  # share of the largest energy that the balance cannot know
 GOOD, FAIR = 1e-3, 0.05  # shares of the scale of the balance; beyond FAIR a run warns
 STEADY = 1e-3  # share of the largest kinetic energy that the scale is at least

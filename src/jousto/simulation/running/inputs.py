@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import Problems, SimulationError, suggest
 from jousto.mechanism.signals.base import Constant, Input, Signal, leaves
 from jousto.mechanism.signals.switched import Switched
 from jousto.model.inputs import substitute
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
-
-Array = NDArray[np.float64]
 
 
 class InputFailed(SimulationError):

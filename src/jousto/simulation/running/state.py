@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import Problems
 from jousto.model.model import Model
 from jousto.model.native.meter import meter_size
 from jousto.model.native.native import Engine
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

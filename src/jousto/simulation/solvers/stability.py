@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.mechanism.beams.limits import element_matrices
 from jousto.model.model import Model
 from jousto.model.native.header import named
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.simulation.solvers.explicit import Solver
 
-Array = NDArray[np.float64]
 Eigenvalues = NDArray[np.complex128]
 DENSE = 300  # states up to which all eigenvalues are computed
 MANY_STEPS = 1e6

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from jousto.base.arrays import Array
 from jousto.base.errors import Problems, suggest
 from jousto.base.rotations import rotation_matrix, skew
 from jousto.model.model import Model
@@ -17,7 +18,6 @@ from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.simulation.modes.spectrum import blocks
 from jousto.simulation.running.state import State, put
 
-Array = NDArray[np.float64]
 FIXED = 1e-9  # of the size: a rotation that the joints allow
 GRAVITY, TIME, SPEED = "gravity", "time", "speed"
 

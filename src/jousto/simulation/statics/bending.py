@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.simulation.modes.linear import free_motions
 
-Array = NDArray[np.float64]
 ITERATIONS = 40
 CLOSE = 1e-11  # of the size of the mechanism, or rad, or the modal coordinates: converged
 FAR = 1e3  # the same: lost

@@ -11,6 +11,7 @@ import scipy.sparse.linalg as spl
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import Problems, warn
 from jousto.model.model import Model
 from jousto.model.native.header import named
@@ -25,7 +26,6 @@ from jousto.simulation.statics.load_paths import LoadPath, PathFailed
 from jousto.simulation.statics.paths import load_path
 from jousto.simulation.statics.walk import Walk
 
-Array = NDArray[np.float64]
 # imaginary part over size of a load, below which a pair is two equal real loads: follower loads on
 # unequal elements split equal loads by their own errors (rings: up to 3e-3), and by round-off
 NEARLY = 1e-2

@@ -10,14 +10,13 @@ from typing import Any, TypeVar
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spl
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import SimulationError
 from jousto.simulation.modes.linear import rotations
 from jousto.simulation.modes.spectrum import Spectrum, nearest
 from jousto.simulation.statics.balance import Balance
 
-Array = NDArray[np.float64]
 SMALL = 1e-10  # length of the last increment
 STALLED = 1e-6  # length of an increment that no longer shrinks: round-off
 NEUTRAL = 1e-13  # of the largest stiffness over its metric: no stiffness

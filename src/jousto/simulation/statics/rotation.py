@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
 from jousto.base.errors import Problems, SimulationError
@@ -16,7 +16,6 @@ from jousto.simulation.statics.balance import SPEED, Balance
 from jousto.simulation.statics.continuation import NoConvergenceError, Point, at_load
 from jousto.simulation.statics.walk import Walk
 
-Array = NDArray[np.float64]
 TORQUE = 1e-9  # of the moments of inertia forces and weight: a torque that is round-off
 NOISE = 64 * float(np.finfo(float).eps)  # of the largest stiffness: forces that are round-off
 SAME = 1e-9  # of the inertia forces: what may change as everything turns on

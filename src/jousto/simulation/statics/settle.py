@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spl
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.errors import SimulationError
 from jousto.model.model import Model
 from jousto.simulation.running.state import State
@@ -23,7 +23,6 @@ from jousto.simulation.statics.continuation import (
     mover,
 )
 
-Array = NDArray[np.float64]
 TRIES = 300
 INNER = 12  # Newton iterations of a step
 CLOSE = 1e-3  # of the length of a step: its iteration is done

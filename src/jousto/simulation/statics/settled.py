@@ -8,14 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, SimulationError
 from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.model.start import MOST, modal_velocities
 from jousto.simulation.modes.linear import free_motions
 from jousto.simulation.running.state import State, put, take
-
-Array = NDArray[np.float64]
 
 ITERATIONS = 60
 FRESH = 8  # iterations with one set of slopes

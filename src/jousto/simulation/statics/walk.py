@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spl
-from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.simulation.modes.linear import local, pictures
 from jousto.simulation.modes.spectrum import Spectrum, blocks
 from jousto.simulation.running.state import State
@@ -28,7 +28,6 @@ from jousto.simulation.statics.continuation import (
 )
 from jousto.simulation.statics.load_paths import ArcLength, CriticalPoint, LoadPath, PathFailed
 
-Array = NDArray[np.float64]
 WATCHED = 6  # lowest modes that are looked at on the way
 # of the load along the critical mode, above which the point is a limit point; at a bifurcation the
 # place along the mode is known to the root of the least increment, 1e-5, alone
