@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from jousto.base.errors import count, suggest
-from jousto.mesh.holes import hole_text
 from jousto.schema.entries import solids as ss
 from jousto.schema.file.document import Loc
 from jousto.schema.file.kept import mesh_of_cad
@@ -208,6 +207,8 @@ def with_holes(mesh: Mesh) -> Mesh:
 
 def hole_nodes(builder: Builder, loc: Loc, entry: ss.HolePick, mesh: Mesh) -> Any:
     """Return the nodes on the wall of a hole, None with the problem noted if there is none."""
+    from jousto.mesh.holes import hole_text
+
     holes = mesh.holes()
     fitting = [
         hole
