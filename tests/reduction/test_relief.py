@@ -154,7 +154,9 @@ def test_residuals_of_another_part(residuals: object, message: str) -> None:
 
 def test_a_part_without_stress_has_no_gauges() -> None:
     part = box().with_interfaces(Interface("a", "left"))
-    with pytest.raises(InputError, match="residuals name the stress site 'n1', but the part knows"):
+    with pytest.raises(
+        InputError, match="residuals name the stress site 'n1', but the part has no"
+    ):
         reduce(part, CraigBampton(modes=1, residuals=("n1",)))
 
 

@@ -9,6 +9,7 @@ import pytest
 
 import jousto as jo
 from jousto.simulation.running.simulate import describe
+from jousto.simulation.solvers.growth import excess
 
 STEEL = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)
 G = (0, -9.81, 0)
@@ -35,12 +36,42 @@ def rubbing(slip: float):
     )
 
 
+def hung(stiffness: float):
+    bar = jo.RigidBody("bar", 2.0, (0.01, 0.01, 0.01))
+    rubber = jo.Bushing(
+        "rubber", jo.ground["origin"], bar["origin"], [stiffness] * 3 + [1e-3 * stiffness] * 3
+    )
+    return jo.Mechanism(bar, rubber, jo.Gravity(G), jo.PositionSensor("c", bar["center"]))
+
+
+@pytest.mark.filterwarnings("ignore:.*the energy balance misses")
+@pytest.mark.parametrize("stiffness", [1e4, 2e7, 1e9])
+def test_springs_count_in_the_choice(stiffness: float):
+    """x = -m g / c (1 - cos w t), whose mean is the static displacement."""
+    run = jo.simulate(jo.compile(hung(stiffness)), 1.0)
+    y, static = run["c"][:, 1], -2.0 * 9.81 / stiffness
+    assert np.mean(y) == pytest.approx(static, rel=0.05)
+    assert np.abs(y).max() < 2.1 * abs(static)
+
+
+def test_a_machine_that_falls_over_needs_no_other_method():
+    """An upright pendulum on a weak spring leaves its place at its own rate."""
+    mass = jo.RigidBody("mass", 1.0, (0.01, 0.01, 0.01), center=(0, 0.1, 0))
+    hinge = jo.Revolute("hinge", jo.ground["origin"], mass["origin"], axis=(0, 0, 1))
+    weak = jo.Servo("weak", hinge.angle, 0.0, kp=0.1)
+    model = jo.compile(jo.Mechanism(mass, hinge, weak, jo.Gravity(G)))
+    assert excess(model, jo.ROS2(), 1e-3) < 1e-3
+
+
+@pytest.mark.filterwarnings("ignore:.*the energy balance misses")
 @pytest.mark.parametrize(
     "make,method,why",
     [
         (pendulum, jo.ROS2, "nothing in it asks"),
         (strip, jo.GeneralizedAlpha, "exact beams"),
         (lambda: rubbing(0.5), jo.ROS2, "nothing in it asks"),
+        (lambda: hung(2e7), jo.ROS2, "fast for a step"),
+        (lambda: hung(1e9), jo.GeneralizedAlpha, "too fast for ROS2"),
         (lambda: rubbing(1e-3), jo.ROS2, "friction or dampers are steep"),
     ],
 )

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from jousto.model.model import Model
 from jousto.simulation.solvers.explicit import ROS2, Solver
+from jousto.simulation.solvers.growth import excess
 from jousto.simulation.solvers.implicit import GeneralizedAlpha
 from jousto.simulation.solvers.schedule import schedule
-from jousto.simulation.solvers.stability import damper_warning, friction_warning, stability_warning
+from jousto.simulation.solvers.stability import damper_warning, friction_warning
 
 SHORTEST = 1e-5  # s, of a step chosen for friction
+SHORT = 1e-4  # s, of a step chosen for springs; below it the implicit method costs less
+ALLOWED = 0.1  # growth of small motions in a run that is the method's
 
 
 def choose(
@@ -17,8 +22,9 @@ def choose(
     """Return a method for a model and the reason for it.
 
     `ROS2` with a step of 1 ms, whose steps cost least; with a shorter one, not below 10 us, for
-    regularised friction or damper tables that are steep. `GeneralizedAlpha` with a step of 1 ms
-    and kept factors for exact beams, and for stiffness that ROS2 does not bear at its step.
+    regularised friction or damper tables that are steep, and not below 0.1 ms for springs and
+    bushings whose motions would grow by more than a tenth in the run. `GeneralizedAlpha` with a
+    step of 1 ms and kept factors for exact beams and for springs and bushings that are faster.
 
     Parameters
     ----------
@@ -31,17 +37,27 @@ def choose(
         return schedule(model, t_end, solver, output_step, start).step
 
     plain, implicit = ROS2(), GeneralizedAlpha()
-    usual = step(plain)
     if model.beams:
         return implicit, "it has exact beams"
-    if stability_warning(model, plain, usual):
-        return implicit, "it has parts that are stiff for ROS2 at a step of 1 ms"
     chosen = plain
-    while _steep(model, chosen, step(chosen)) and chosen.step > SHORTEST:
-        chosen = ROS2(step=max(SHORTEST, 0.5 * chosen.step))
+    while excess(model, chosen, step(chosen)) * (t_end - start) > ALLOWED:
+        if chosen.step < 2.0 * SHORT:
+            return implicit, "it has springs or bushings that are too fast for ROS2"
+        chosen = ROS2(step=0.5 * chosen.step)
+    if chosen is not plain:
+        reason = "it has springs or bushings that are fast for a step of 1 ms"
+        return _for_friction(model, chosen, step), reason
+    chosen = _for_friction(model, plain, step)
     if chosen is not plain:
         return chosen, "its friction or dampers are steep for a step of 1 ms"
     return plain, "nothing in it asks for another one"
+
+
+def _for_friction(model: Model, chosen: ROS2, step: Callable[[Solver], float]) -> ROS2:
+    """Return the method with a step that follows friction and damper tables."""
+    while _steep(model, chosen, step(chosen)) and chosen.step > SHORTEST:
+        chosen = ROS2(step=max(SHORTEST, 0.5 * chosen.step))
+    return chosen
 
 
 def _steep(model: Model, solver: Solver, step: float) -> bool:

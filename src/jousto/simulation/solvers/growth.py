@@ -1,0 +1,85 @@
+"""What springs and bushings do at a step: how fast a method lets small motions grow."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.errors import InputError
+from jousto.model.model import Model
+from jousto.model.native.native import Engine, displaced
+from jousto.simulation.solvers.explicit import Solver
+from jousto.simulation.solvers.implicit import Newmark
+
+DENSE = 300  # states up to which the map of a step is formed
+ELASTIC = ("along", "bushing")  # kinds of forces that may be stiff
+DISTANCE = 1e-7  # m and rad, of the differences
+SPEED = 1e-5  # m/s and rad/s
+
+
+def excess(model: Model, solver: Solver, step: float) -> float:
+    """Return the rate by which the method makes small motions about the start grow, 1/s.
+
+    The largest eigenvalue of the map of one step, by central differences, less that of the
+    trapezoidal rule, which lets grow only what grows by itself. 0 also for machines without springs
+    and bushings, with forces in Python, or with more than 300 states, which are not examined.
+    """
+    if not any(force.kind in ELASTIC for force in model.forces) or 2 * model.nv > DENSE:
+        return 0.0
+    if any(force.kind == "user" for force in model.forces):
+        return 0.0
+    try:
+        whole = _largest(model, solver, step)
+        own = _largest(model, Newmark(step=step), step) if whole > 1.0 else 1.0
+    except (InputError, np.linalg.LinAlgError):
+        return 0.0  # the run says what is wrong
+    return max(0.0, float(np.log(whole / max(1.0, own)))) / step
+
+
+def _largest(model: Model, solver: Solver, step: float) -> float:
+    """Return the largest magnitude of the eigenvalues of the map of one step."""
+    engine = Engine(model)
+    terms = solver.baumgarte
+    native = engine.native_solver(
+        solver.method,
+        step,
+        solver.projection,
+        terms.alpha if terms else 0.0,
+        terms.beta if terms else 0.0,
+        **solver.options,
+    )
+    nv = model.nv
+
+    def after(x: Array) -> tuple[Array, Array]:
+        engine.time[0] = 0.0
+        engine.q[:] = displaced(model, model.q0, x[:nv])
+        engine.v[:] = model.v0 + x[nv:]
+        engine.restart()
+        engine.step(native)
+        return engine.q.copy(), engine.v.copy()
+
+    columns = []
+    for j in range(2 * nv):
+        size = DISTANCE if j < nv else SPEED
+        x = np.zeros(2 * nv)
+        x[j] = size
+        (q1, v1), (q0, v0) = after(x), after(-x)
+        change = np.concatenate([_increment(model, q1, q0), v1 - v0])
+        columns.append(change / (2.0 * size))
+    matrix = np.stack(columns, axis=1)
+    if not np.isfinite(matrix).all():
+        return float("inf")
+    return float(np.abs(np.linalg.eigvals(matrix)).max(initial=0.0))
+
+
+def _increment(model: Model, one: Array, other: Array) -> Array:
+    """Return the small increments (nv,) that lead from one position to the other."""
+    out = np.zeros(model.nv)
+    for b in model.bodies:
+        out[b.iv : b.iv + 3] = one[b.iq : b.iq + 3] - other[b.iq : b.iq + 3]
+        e, f = one[b.iq + 3 : b.iq + 7], other[b.iq + 3 : b.iq + 7]
+        turned = f[0] * e[1:] - e[0] * f[1:] - np.cross(f[1:], e[1:])
+        out[b.iv + 3 : b.iv + 6] = 2.0 * turned
+        out[b.iv + 6 : b.iv + 6 + b.n] = one[b.iq + 7 : b.iq + 7 + b.n]
+        out[b.iv + 6 : b.iv + 6 + b.n] -= other[b.iq + 7 : b.iq + 7 + b.n]
+    return out
