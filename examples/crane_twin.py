@@ -80,12 +80,8 @@ def watch(t: np.ndarray, rng: np.random.Generator) -> jo.twin.Observer:
         jo.twin.UnknownLoad("node4", "fx fz", rate=3e4, size=5e4, smooth=True),
         jo.twin.UnknownLoad("end", "fx fy fz mx my mz", rate=2e4, size=2e4, smooth=True),
     ]
-    given = {
-        "damping": jo.Rayleigh(0.0, 2e-3),
-        "noise": NOISE,
-        "balance": jo.twin.Balance(60.0, 40.0),
-    }
-    B = rows(part, GAUGES) / E
+    balance, B = jo.twin.Balance(60.0, 40.0), rows(part, GAUGES) / E
+    given = {"damping": jo.Rayleigh(0.0, 2e-3), "noise": NOISE, "balance": balance}
     return jo.twin.Observer(part, B, loads=loads, step=0.01, reference=motion, **given)
 
 

@@ -70,12 +70,7 @@ def robot(made: dict[str, jo.Part]) -> jo.Mechanism:
     wrist = jo.Revolute("wrist", fore["end"], hand["wrist.start"], Z)
     fold = jo.SCurve((1.2, 2.2), (0.0, OUT - FOLDED))
     unfold = jo.SCurve((1.2, 2.2), (-FOLDED, -OUT))
-    rubs = {
-        "law": jo.mechanism.StickSlip(),
-        "radius": 0.06,
-        "bearing_length": 0.08,
-        "preload": 3000.0,
-    }
+    rubs = {"law": jo.mechanism.StickSlip(), "radius": 0.06, "bearing_length": 0.08, "preload": 3e3}
     rubber = np.array((3e4, 3e4, 3e4, 0, 0, 0))  # N/m
     stress = jo.StressSensor("root", upper, SITE)
     return jo.Mechanism(

@@ -61,10 +61,8 @@ def mechanism(reduced: jo.ReducedPart, at: float | None = None) -> jo.Mechanism:
     load = jo.Table((0.0, PASS, back, 2 * back), (1.0, 1.0, EMPTY, EMPTY))
     x, load = (x, load) if at is None else (jo.Constant(at), None)
     wheels = [
-        jo.mechanism.MovingLoad(
-            f"{rail} {axle}", body, (f"{rail}.start", f"{rail}.end"), (0, 0, -WHEEL),
-            x + BASE * axle, signal=load
-        )
+        jo.mechanism.MovingLoad(f"{rail} {axle}", body, (f"{rail}.start", f"{rail}.end"),
+                                (0, 0, -WHEEL), x + BASE * axle, signal=load)
         for rail in RAILS for axle in (0, 1)
     ]  # fmt: skip
     gauges = [jo.gauges.Gauge(name, body, spot, length=0.006) for name, spot in GAUGES.items()]

@@ -44,9 +44,8 @@ def wheel(web: float) -> jo.Part:
     nodes = np.stack([r * np.cos(angle), y, r * np.sin(angle)], axis=1)
     first = 2 * np.indices((len(RINGS) - 1, LAYERS, SECTORS)).reshape(3, -1).T
     at = first[:, None] + [[int(step) for step in node] for node in LOCAL.split()]
-    cells = jo.mesh.Cells(
-        "hexahedron20", number[at[..., 0], at[..., 1], at[..., 2] % (2 * SECTORS)]
-    )
+    number = number[at[..., 0], at[..., 1], at[..., 2] % (2 * SECTORS)]
+    cells = jo.mesh.Cells("hexahedron20", number)
     bore = jo.Interface("bore", np.flatnonzero(np.isclose(r, RINGS[0])))
     return jo.Part.solid(jo.Mesh("wheel", nodes, cells), STEEL, interfaces=(bore,))
 
@@ -82,9 +81,8 @@ def roll(web: float, time: Array, forces: Array) -> tuple[jo.Solution, jo.Reduce
             pattern = np.zeros_like(reduced.nodes)
             pattern[: len(part.nodes)] = loads[sector, :, way].reshape(-1, 3)
             signal = jo.Table(time, share * forces[:, way])
-            elements.append(
-                jo.mechanism.ModalLoad(f"tread {sector} {way}", body, pattern, signal=signal)
-            )
+            name = f"tread {sector} {way}"
+            elements.append(jo.mechanism.ModalLoad(name, body, pattern, signal=signal))
     with warnings.catch_warnings():
         # the wheel's own vibration, above 2 kHz, is damped away by the step: it lives of statics
         warnings.simplefilter("ignore", jo.JoustoWarning)
@@ -130,9 +128,8 @@ def main(out: Path) -> int:
         r = np.hypot(*field.positions[:, ::2].T)
         places = np.flatnonzero((r > 0.045) & (r < 0.08))
         field = field.take(places[np.argsort(-field.envelope("von-mises").max[places])[:2]])
-        found = jo.fatigue.plane_damage(
-            field, jo.fatigue.Findley(0.25), WEB, residue="repeat", step=15.0
-        )
+        rule = jo.fatigue.Findley(0.25)
+        found = jo.fatigue.plane_damage(field, rule, WEB, residue="repeat", step=15.0)
         x, _, z = field.positions[0] / np.hypot(*field.positions[0, ::2])
         radial = field.history(field.labels[0]) @ [x * x, 0, z * z, 0, 0, 2 * x * z]
         webs[f"web of {1e3 * web:g} mm"] = radial
