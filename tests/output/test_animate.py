@@ -6,6 +6,7 @@ import base64
 import json
 import re
 import shutil
+import signal
 from pathlib import Path
 
 import numpy as np
@@ -101,8 +102,15 @@ def test_a_failing_ffmpeg_is_reported(tmp_path: Path, monkeypatch: pytest.Monkey
     script.write_text("#!/bin/sh\necho no such codec >&2\nexit 3\n")
     script.chmod(0o755)
     monkeypatch.setattr(shutil, "which", lambda name: str(script))
-    with pytest.raises(jo.InputError, match="ffmpeg failed: no such codec"):
-        jo.animate(swing(), tmp_path / "a.mp4")
+    pipe = getattr(signal, "SIGPIPE", None)
+    before = signal.signal(pipe, signal.SIG_DFL) if pipe else None  # as Gmsh leaves it
+    try:
+        with pytest.raises(jo.InputError, match="ffmpeg failed: no such codec"):
+            jo.animate(swing(), tmp_path / "a.mp4")
+        assert not pipe or signal.getsignal(pipe) == signal.SIG_DFL
+    finally:
+        if pipe:
+            signal.signal(pipe, before)
 
 
 @pytest.mark.parametrize("name", ["a.png", "a.svg"])

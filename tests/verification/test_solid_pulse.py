@@ -99,7 +99,7 @@ def simulated(method):
         model, T_END, solver=jo.RK4(step=T_END / ROWS / each), output_step=T_END / ROWS
     )
     moved = np.stack([run["hit"] - GRID.nodes[HIT], run["middle"] - GRID.nodes[MIDDLE]], axis=1)
-    stress = jo.stress_field(run, "bar", reduced=reduced).history(f"n{ROOT + 1}")[:, 0]
+    stress = jo.stress_field(run, "bar", reduced=reduced).history(f"n{ROOT + 1}")
     return run.time, moved, stress, reduced
 
 

@@ -284,7 +284,7 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         >>> smooth = SN(S_D=100e6, N_D=1e6, k=5)
         >>> rough = smooth.with_factors(0.8, 0.9)
         >>> float(rough.S_D), rough.k
-        (72000000.0, 5)
+        (72000000.0, 5.0)
         >>> turned = smooth.with_factors(0.72, pivot=1e3)
         >>> round(float(turned.amplitude(1e3) / smooth.amplitude(1e3)), 12), round(turned.k, 3)
         (1.0, 4.039)
