@@ -86,4 +86,4 @@ def test_outline_of_a_round_section_is_inscribed() -> None:
 def test_stress_point_tells_what_is_wrong() -> None:
     with pytest.raises(jo.InputError) as error:
         jo.sections.StressPoint("tip", np.nan, 0.0, np.zeros((6, 5)))
-    assert "rows" in str(error.value) and "position" in str(error.value)
+    assert "rows" in str(error.value) and "y is nan" in str(error.value)
