@@ -55,6 +55,21 @@ def test_upright_it_falls_away(model):
     assert float(found) == pytest.approx(math.sqrt(2 * 9.81 / 2.01), rel=1e-5)
 
 
+def test_what_nothing_holds_is_free_and_does_not_fall_away(tmp_path):
+    """A ball in a ball joint below its centre turns about the vertical as it likes."""
+    model = tmp_path / "ball.yaml"
+    model.write_text(
+        "bodies: [{name: ball, mass: 3 kg, inertia: [0.2, 0.3, 0.2], center: [0, -0.7, 0]}]\n"
+        "joints: [{type: spherical, name: eye, a: ground.origin, b: ball.origin}]\n"
+        "gravity: [0, -9.81, 0]\n"
+        "simulation: {t_end: 1}\n"
+    )
+    out = jousto("modes", model)
+    assert "free motion, 0 Hz, most at ball" in out
+    assert "falls away" not in out
+    assert len(re.findall(r"Hz", out)) == 3
+
+
 @pytest.mark.parametrize("ending", ["npz", "mat"])
 def test_the_linear_model_has_the_poles_of_the_pendulum(model, tmp_path, ending):
     target = tmp_path / f"bell.{ending}"

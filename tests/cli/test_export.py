@@ -67,6 +67,9 @@ def test_peaks_of_sensors_and_of_the_surface() -> None:
     row = next(line for line in text.splitlines() if "tip.z" in line)
     assert row.split() == ["tip.z", f"{z.min():.6g}", f"{run.time[z.argmin()]:.6g}", "s",
                            f"{z.max():.6g}", f"{run.time[z.argmax()]:.6g}", "s", "m"]  # fmt: skip
+    code, text = call("peaks", run.path, "pin")  # each component has its own unit
+    units = {row[0]: row[7:] for row in map(str.split, text.splitlines()) if row}
+    assert (units["pin.Fx"], units["pin.Mx"]) == (["N"], ["N", "m"])
     run = swinging_bar()
     code, text = call("peaks", run.path)
     p = np.abs(run.q[:, 7])

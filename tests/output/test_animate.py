@@ -120,6 +120,14 @@ def test_still_through_animate(name: str, tmp_path: Path) -> None:
     assert one.read_bytes() == other.read_bytes()
 
 
+@pytest.mark.filterwarnings("ignore:.*not connected to anything")
+def test_a_body_without_joints_flies_in_a_film(tmp_path: Path) -> None:
+    body = jo.RigidBody("body", 1.0, (0.1, 0.1, 0.1), velocity=(1, 0, 0))
+    run = jo.simulate(jo.compile(jo.Mechanism(body)), 0.2, output_step=0.05)
+    with Image.open(jo.animate(run, tmp_path / "a.gif")) as film:
+        assert film.n_frames > 1
+
+
 def test_bodies_are_where_they_are() -> None:
     # data coordinates of the picture are world coordinates: x to the right, z up
     scene = make_scene(swing(), np.array([0.0, 0.4]), scale=1.0, view=None, trail=None)

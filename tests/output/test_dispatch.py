@@ -76,6 +76,8 @@ def test_arguments_that_are_missing_or_unknown(tmp_path: Path) -> None:
         jo.write(made["field"], tmp_path / "field.vtu")
     with pytest.raises(jo.InputError, match="'.txt' is not a format .* known: .csv, .vtu, .pvd"):
         jo.write(made["run"], tmp_path / "run.txt")
+    with pytest.raises(jo.InputError, match=r"known: .*; its method save\(path\) writes .h5"):
+        jo.write(made["run"], tmp_path / "run.h5")
 
 
 def test_several_curves_and_several_runs() -> None:

@@ -59,6 +59,7 @@ def sensor_peaks(
     import numpy as np
 
     from jousto.recovery.instants import window
+    from jousto.simulation.results.frames import component_units
 
     time = run.time
     within = window(time, start, end, run.where)
@@ -70,8 +71,8 @@ def sensor_peaks(
         about, values = run.about(name), np.asarray(run[name])[within]
         values = values.reshape(len(values), -1)
         parts = about["components"] if values.shape[1] > 1 else ("",)
-        unit = about["unit"] if about["unit"] != "1" else ""
-        for part, column in zip(parts, values.T, strict=True):
+        units = component_units(about) if values.shape[1] > 1 else (about["unit"],)
+        for part, unit, column in zip(parts, units, values.T, strict=True):
             low, high = int(np.argmin(column)), int(np.argmax(column))
             rows.append(
                 (
@@ -80,7 +81,7 @@ def sensor_peaks(
                     f"{time[low]:.6g} s",
                     f"{column[high]:.6g}",
                     f"{time[high]:.6g} s",
-                    unit,
+                    unit if unit != "1" else "",
                 )
             )
     return rows

@@ -14,6 +14,8 @@ from jousto.cli.terminal import command, facts, most_at, numbers, plain, say
 
 MATRICES = (".npz", ".mat")
 
+FREE = 1e-6  # 1/s, below which a rate is round-off
+
 
 @offer()
 @command
@@ -67,6 +69,8 @@ def modes(
         text = f"{found.frequencies[k]:.6g} Hz"
         if value.real > abs(value.imag):
             text = f"falls away, {value.real:.6g} 1/s"
+        if abs(value) < FREE:
+            text = "free motion, 0 Hz"
         moves = most_at({name: shapes[k] for name, shapes in found.shapes.items()})
         rows.append((f"mode {k + 1}", f"{text}, most at {moves}"))
     place = "its initial pose" if initial else "rest"

@@ -48,6 +48,9 @@ WRITTEN = {
     "Certificate": {"html": "pages.certificate.write_certificate"},
 }
 
+OWN = {"csv": "to_csv", "h5": "save"}
+"""Methods of results that write a format themselves."""
+
 
 # fmt: off
 @overload
@@ -115,6 +118,8 @@ def write(thing: Any, path: File, *what: Any, **options: Any) -> Path:
     kind, formats = found(WRITTEN, thing, "write")
     suffix = Path(path).suffix.lower().lstrip(".")
     if suffix not in formats:
-        target(path, tuple(formats))
+        own = OWN.get(suffix, "")
+        hint = f"; its method {own}(path) writes .{suffix}" if hasattr(thing, own) else ""
+        target(path, tuple(formats), hint=hint)
     done: Path = call(formats[suffix], f".{suffix} of a {kind}", thing, path, *what, **options)
     return done

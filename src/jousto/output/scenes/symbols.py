@@ -182,6 +182,8 @@ class SymbolPen:
 
     def show(self, instant: int) -> None:
         """Put everything where it is at an instant."""
+        if not self.symbols.kinds:
+            return
         thin: Lines = []
         thick: Lines = []
         ends = self.symbols.ends[instant, :, :, :2]
