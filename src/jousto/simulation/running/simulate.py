@@ -38,7 +38,7 @@ from jousto.simulation.running.state import State, put
 from jousto.simulation.running.watch import Contradiction, RunWatch
 from jousto.simulation.solvers.adaptive import LONGEST, follow, too_many_steps
 from jousto.simulation.solvers.choice import choose
-from jousto.simulation.solvers.explicit import Solver
+from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.solvers.schedule import Schedule, cautions, schedule
 from jousto.simulation.solvers.stability import stability_warning
 
@@ -327,12 +327,7 @@ def _loop(
 ) -> Ending | None:
     """Step to the end in calls of about a tenth of a second; return why it ended before."""
     model = engine.model
-    alpha, beta = (
-        (solver.baumgarte.alpha, solver.baumgarte.beta) if solver.baumgarte else (0.0, 0.0)
-    )
-    native = engine.native_solver(
-        solver.method, plan.step, solver.projection, alpha, beta, **solver.options
-    )
+    native = prepared(engine, solver, plan.step)
     capacity = max(2, min(4096, BUFFER_BYTES // (8 * engine.row_size)))
     rows = np.zeros((capacity, engine.row_size))
     if solver.adaptive:

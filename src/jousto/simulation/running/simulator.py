@@ -15,7 +15,7 @@ from jousto.model.native.failures import EVENT
 from jousto.model.native.native import Engine
 from jousto.simulation.results.events import Chronicle, Happening, happenings, joints_of, sources
 from jousto.simulation.running.state import State, put, take
-from jousto.simulation.solvers.explicit import ROS2, SOLVERS, Solver
+from jousto.simulation.solvers.explicit import ROS2, SOLVERS, Solver, prepared
 
 
 @explained
@@ -83,12 +83,7 @@ class Simulator:
         self._engine = Engine(model)
         if state is not None:
             put(self._engine, state, "Simulator")
-        alpha, beta = (0.0, 0.0)
-        if chosen.baumgarte:
-            alpha, beta = chosen.baumgarte.alpha, chosen.baumgarte.beta
-        self._native = self._engine.native_solver(
-            chosen.method, chosen.step, chosen.projection, alpha, beta, **chosen.options
-        )
+        self._native = prepared(self._engine, chosen, chosen.step)
         self._rows = np.zeros((1, self._engine.row_size))
         self._chronicle = Chronicle(self._engine)
         self._known: NDArray[np.float64] | None = None

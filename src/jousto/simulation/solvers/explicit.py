@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from jousto.base.declare import Declared, Duration, Flag, Number, OptionalItem, field
 from jousto.simulation.solvers.adaptive import DormandPrince
 from jousto.simulation.solvers.implicit import GeneralizedAlpha, Newmark
+
+if TYPE_CHECKING:
+    from jousto.model.native.native import Engine
 
 
 class Solver(Protocol):
@@ -41,6 +44,15 @@ class Solver(Protocol):
 
     def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
         """Growth in a step of terms that the method treats explicitly, z = step * lambda."""
+
+
+def prepared(engine: Engine, solver: Solver, step: float) -> Any:
+    """Return the engine's own form of a method with a step in s."""
+    terms = solver.baumgarte
+    alpha, beta = (terms.alpha, terms.beta) if terms else (0.0, 0.0)
+    return engine.native_solver(
+        solver.method, step, solver.projection, alpha, beta, **solver.options
+    )
 
 
 class Baumgarte(Declared, by_value=True):

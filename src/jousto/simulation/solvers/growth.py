@@ -8,10 +8,10 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError
 from jousto.model.model import Model
 from jousto.model.native.native import Engine, displaced
-from jousto.simulation.solvers.explicit import Solver
+from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.solvers.implicit import Newmark
+from jousto.simulation.solvers.stability import DENSE
 
-DENSE = 300  # states up to which the map of a step is formed
 ELASTIC = ("along", "bushing")  # kinds of forces that may be stiff
 DISTANCE = 1e-7  # m and rad, of the differences
 SPEED = 1e-5  # m/s and rad/s
@@ -39,15 +39,7 @@ def excess(model: Model, solver: Solver, step: float) -> float:
 def _largest(model: Model, solver: Solver, step: float) -> float:
     """Return the largest magnitude of the eigenvalues of the map of one step."""
     engine = Engine(model)
-    terms = solver.baumgarte
-    native = engine.native_solver(
-        solver.method,
-        step,
-        solver.projection,
-        terms.alpha if terms else 0.0,
-        terms.beta if terms else 0.0,
-        **solver.options,
-    )
+    native = prepared(engine, solver, step)
     nv = model.nv
 
     def after(x: Array) -> tuple[Array, Array]:
@@ -58,28 +50,17 @@ def _largest(model: Model, solver: Solver, step: float) -> float:
         engine.step(native)
         return engine.q.copy(), engine.v.copy()
 
+    after(np.zeros(2 * nv))
+    back = np.linalg.pinv(engine.increments())  # small changes of q as increments
     columns = []
     for j in range(2 * nv):
         size = DISTANCE if j < nv else SPEED
         x = np.zeros(2 * nv)
         x[j] = size
         (q1, v1), (q0, v0) = after(x), after(-x)
-        change = np.concatenate([_increment(model, q1, q0), v1 - v0])
+        change = np.concatenate([back @ (q1 - q0), v1 - v0])
         columns.append(change / (2.0 * size))
     matrix = np.stack(columns, axis=1)
     if not np.isfinite(matrix).all():
         return float("inf")
     return float(np.abs(np.linalg.eigvals(matrix)).max(initial=0.0))
-
-
-def _increment(model: Model, one: Array, other: Array) -> Array:
-    """Return the small increments (nv,) that lead from one position to the other."""
-    out = np.zeros(model.nv)
-    for b in model.bodies:
-        out[b.iv : b.iv + 3] = one[b.iq : b.iq + 3] - other[b.iq : b.iq + 3]
-        e, f = one[b.iq + 3 : b.iq + 7], other[b.iq + 3 : b.iq + 7]
-        turned = f[0] * e[1:] - e[0] * f[1:] - np.cross(f[1:], e[1:])
-        out[b.iv + 3 : b.iv + 6] = 2.0 * turned
-        out[b.iv + 6 : b.iv + 6 + b.n] = one[b.iq + 7 : b.iq + 7 + b.n]
-        out[b.iv + 6 : b.iv + 6 + b.n] -= other[b.iq + 7 : b.iq + 7 + b.n]
-    return out
