@@ -8,21 +8,10 @@ import pickle
 import numpy as np
 import pytest
 
-from jousto.base.declare import (
-    SECTIONS,
-    AnyField,
-    Choice,
-    Declared,
-    Flag,
-    Name,
-    Number,
-    Numbers,
-    OptionalNumber,
-    Text,
-    field,
-    kinds,
-)
+from jousto.base.declare import SECTIONS, Declared, kinds
 from jousto.base.errors import InputError, Problems
+from jousto.base.fields import AnyField, Choice, Flag, Name, Text, field
+from jousto.base.numbers import Number, Numbers, OptionalNumber
 from jousto.schema.entries.declared import entry_of
 
 

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.base.declare import SECTIONS, OptionalNumber, field
+from jousto.base.declare import SECTIONS
 from jousto.base.errors import InputError
+from jousto.base.fields import field
+from jousto.base.numbers import OptionalNumber
 from jousto.mechanism.bodies.body import RigidBody, ground
 from jousto.mechanism.forces.friction import Friction, Regularised, StickSlip
 from jousto.mechanism.forces.springs import Bushing, JointForce, Servo, Spring

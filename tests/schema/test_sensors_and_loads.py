@@ -7,8 +7,10 @@ import pytest
 from typer.testing import CliRunner
 
 import jousto as jo
-from jousto.base.declare import SECTIONS, Number, field
+from jousto.base.declare import SECTIONS
 from jousto.base.errors import InputError
+from jousto.base.fields import field
+from jousto.base.numbers import Number
 from jousto.base.rotations import Rotate
 from jousto.mechanism.bodies.body import ground
 from jousto.mechanism.forces.springs import ModalLoad

@@ -1,12 +1,16 @@
-"""What all declarations share: setting frozen fields and checking names."""
+"""Numbers: how they are checked, and the fields of declared classes that are numbers or arrays."""
 
 from __future__ import annotations
 
+import numbers
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.errors import Problems
+from jousto.base.fields import Field, In, Out
 
 
 def set_fields(target: Any, **values: Any) -> None:
@@ -30,3 +34,215 @@ def number(problems: Problems, where: str, name: str, value: Any) -> float | Non
         problems.add(where, f"{name} is {float(array):g}, must be finite")
         return None
     return float(array)
+
+
+class _Numeric(Field[In, Out]):
+    """What numbers share: limits.
+
+    Parameters
+    ----------
+    text, unit, default, kw_only
+        As for every field.
+    least : float, optional
+        Smallest value.
+    above : float, optional
+        What the value must be larger than.
+    most : float, optional
+        Largest value.
+    below : float, optional
+        What the value must be smaller than.
+    nonzero : bool
+        Whether 0 is wrong.
+    remedy : str
+        What to do where the limits are broken.
+    """
+
+    form = "number"
+    noun = "float"
+
+    def __init__(
+        self,
+        text: str = "",
+        *,
+        unit: Any = "1",
+        least: float | None = None,
+        above: float | None = None,
+        most: float | None = None,
+        below: float | None = None,
+        nonzero: bool = False,
+        remedy: str = "",
+        **common: Any,
+    ) -> None:
+        super().__init__(text, unit=unit, **common)
+        self.least = least
+        self.above = above
+        self.most = most
+        self.below = below
+        self.nonzero = nonzero
+        self.remedy = f"; {remedy}" if remedy else ""
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return a finite float within the limits."""
+        unit = self.unit if isinstance(self.unit, str) and self.unit != "1" else ""
+        if self.wanted and not self.plain:
+            wanted = self.wanted
+            good = problems.number(
+                where, self.label, value, unit, wanted, lambda x: not self.missed(x)
+            )
+            return float(value) if good else None
+        if self.wanted:
+            found = None if isinstance(value, bool) else number(Problems(), "", "", value)
+            if found is None or self.missed(found):
+                problems.add(where, f"{self.label} is {value!r}, must be {self.wanted}")
+            return found
+        found = number(problems, where, self.label, value)
+        if found is not None and (missed := self.missed(found)):
+            shown = f"{found:g} {unit}".rstrip()
+            problems.add(where, f"{self.label} is {shown}, {missed}{self.remedy}")
+        return found
+
+    def missed(self, x: float) -> str:
+        """Return which limit a number misses, empty if none."""
+        if self.above is not None and not x > self.above:
+            return "must be positive" if self.above == 0 else f"must be above {self.above:g}"
+        if self.least is not None and not x >= self.least:
+            return "must not be negative" if self.least == 0 else f"must be {self.least:g} or more"
+        if self.most is not None and not x <= self.most:
+            return f"must be {self.most:g} or less"
+        if self.below is not None and not x < self.below:
+            return f"must be below {self.below:g}"
+        return "must not be zero" if self.nonzero and x == 0.0 else ""
+
+
+class Number(_Numeric[float, float]):
+    """A finite number."""
+
+
+class OptionalNumber(_Numeric["float | None", "float | None"]):
+    """A finite number, or None."""
+
+    optional = True
+
+
+class DefaultNumber(_Numeric["float | None", float]):
+    """A finite number, or None for one that the object finds itself."""
+
+
+class _Seconds(_Numeric[In, Out]):
+    form = "duration"
+    wish = "a positive number of seconds"
+
+    def __init__(self, text: str = "", **common: Any) -> None:
+        super().__init__(text, unit="s", above=0, wanted=self.wish, plain=True, **common)
+
+
+class Duration(_Seconds[float, float]):
+    """A time above zero."""
+
+
+class OptionalDuration(_Seconds["float | None", "float | None"]):
+    """A time above zero, or None."""
+
+    optional = True
+
+    wish = "None or positive, s"
+
+
+class OnlyPositive(_Numeric[In, Out]):
+    """What numbers above zero share."""
+
+    def __init__(self, text: str = "", **common: Any) -> None:
+        super().__init__(text, above=0, wanted="a positive number", **common)
+
+
+class Positive(OnlyPositive[float, float]):
+    """A number above zero."""
+
+
+class OptionalPositive(OnlyPositive["float | None", "float | None"]):
+    """A number above zero, or None."""
+
+    optional = True
+
+
+class Whole(Field[int, int]):
+    """A whole number.
+
+    Parameters
+    ----------
+    text, default, kw_only
+        As for every field.
+    least, most : int
+        Smallest and largest.
+    """
+
+    form = "count"
+    noun = "int"
+
+    def __init__(self, text: str = "", *, least: int, most: int, **common: Any) -> None:
+        super().__init__(text, **common)
+        self.least, self.most = least, most
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return a whole number within the limits."""
+        whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
+        if not (whole and self.least <= value <= self.most):
+            wanted = f"a whole number from {self.least} to {self.most}"
+            problems.add(where, f"{self.label} is {value!r}, must be {wanted}")
+            return None
+        return int(value)
+
+
+class Numbers(Field["float | Iterable[float]", "tuple[float, ...]"]):
+    """Numbers, or a single one; none is zero."""
+
+    form = "numbers"
+    noun = "float or sequence of float"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return them as a tuple."""
+        found = []
+        for i, x in enumerate(value if isinstance(value, Iterable) else (value,)):
+            found.append(number(problems, where, f"{self.name}[{i}]", x))
+            if found[-1] == 0.0:
+                problems.add(where, f"{self.name}[{i}] is 0, must not be zero")
+        return tuple(found)
+
+
+class Vector(Field[ArrayLike, NDArray[np.float64]]):
+    """Three numbers."""
+
+    form = "vector"
+    noun = "(3,) array_like"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return them as a read-only array."""
+        return problems.array(where, self.label, value, (3,))
+
+
+class Values(Field[ArrayLike, NDArray[np.float64]]):
+    """An array of numbers.
+
+    Parameters
+    ----------
+    text, unit, default, kw_only
+        As for every field.
+    shape : tuple
+        Lengths along its axes, None for any.
+    """
+
+    form = "array"
+
+    def __init__(self, text: str = "", *, shape: tuple[int | None, ...], **common: Any) -> None:
+        super().__init__(text, **common)
+        self.shape = shape
+
+    @property
+    def noun(self) -> str:  # type: ignore[override]
+        """The shape."""
+        sizes = ", ".join("n" if n is None else str(n) for n in self.shape)
+        return f"({sizes}{',' * (len(self.shape) == 1)}) array_like"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return a read-only array of this shape."""
+        return problems.array(where, self.label, value, self.shape)

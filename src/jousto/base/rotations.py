@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Field
 from jousto.base.errors import Problems
+from jousto.base.fields import Field
 from jousto.base.numbers import number, set_fields
 
 UNIT_TOLERANCE = 1e-6

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from jousto.base.declare import Declared, Label, Number, OptionalNumber, Positive, field
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems, warn
+from jousto.base.fields import Label, field
+from jousto.base.numbers import Number, OptionalNumber, Positive
 
 # Pa, a thousand times diamond: stiffer ones leave no digits for the rest of a model
 STIFFEST = 1e15

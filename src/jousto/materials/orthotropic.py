@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arrays import Floats
-from jousto.base.declare import Declared, Field, Label, Number, Positive, field
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems
+from jousto.base.fields import Field, Label, field
+from jousto.base.numbers import Number, Positive
 from jousto.base.rotations import Rotate, parse_orientation, rotation_matrix
 from jousto.materials.material import Material
 

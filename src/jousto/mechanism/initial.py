@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from jousto.base.declare import Declared, OptionalNumber, field
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems
+from jousto.base.fields import field
+from jousto.base.numbers import OptionalNumber
 from jousto.mechanism.joints.coordinate import RATE, VALUE, Angle, CoordinateField, Distance
 
 

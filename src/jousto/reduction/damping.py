@@ -7,8 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Declared, Number, field
+from jousto.base.declare import Declared
 from jousto.base.errors import InputError, Problem, warn
+from jousto.base.fields import field
+from jousto.base.numbers import Number
 
 # per cent are never more; what is held so firmly does not move
 MOST = 100.0

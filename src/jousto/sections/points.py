@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Declared, Label, Number, Values, field
+from jousto.base.declare import Declared
+from jousto.base.fields import Label, field
+from jousto.base.numbers import Number, Values
 from jousto.sections.profiles import Box, IBeam
 from jousto.sections.section import ROUND, Circle, Rectangle, Section, Tube
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from functools import cached_property
 
-from jousto.base.declare import Declared, Number, OptionalPositive, Positive, field
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems
+from jousto.base.fields import field
+from jousto.base.numbers import Number, OptionalPositive, Positive
 from jousto.sections.section import SectionPoint
 
 

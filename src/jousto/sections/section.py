@@ -17,18 +17,11 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from jousto.base.declare import (
-    Declared,
-    Field,
-    Items,
-    Label,
-    Number,
-    OptionalPositive,
-    Positive,
-    field,
-)
+from jousto.base.declare import Declared
 from jousto.base.described import describe
 from jousto.base.errors import Problems
+from jousto.base.fields import Field, Items, Label, field
+from jousto.base.numbers import Number, OptionalPositive, Positive
 
 Shear = tuple[tuple[float, float, float], tuple[float, float, float]]
 NO_SHEAR: Shear = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))

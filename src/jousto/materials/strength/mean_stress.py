@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Choice, Declared, Flag, Number, field
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems, suggest
+from jousto.base.fields import Choice, Flag, field
+from jousto.base.numbers import Number
 from jousto.materials.strength.sn import Strength, check_unit
 
 

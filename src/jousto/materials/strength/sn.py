@@ -11,18 +11,10 @@ import scipy
 from numpy.typing import ArrayLike
 
 from jousto.base.arrays import Array
-from jousto.base.declare import (
-    Choice,
-    Declared,
-    In,
-    Label,
-    Number,
-    OnlyPositive,
-    OptionalNumber,
-    Out,
-    field,
-)
+from jousto.base.declare import Declared
 from jousto.base.errors import InputError, Problem, Problems, warn
+from jousto.base.fields import Choice, In, Label, Out, field
+from jousto.base.numbers import Number, OnlyPositive, OptionalNumber
 
 BAND = "1 or larger (10 % over 90 % of survival)"
 

@@ -8,16 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arrays import Array
-from jousto.base.declare import (
-    Declared,
-    Label,
-    Number,
-    OptionalNumber,
-    OptionalPositive,
-    Positive,
-    field,
-)
+from jousto.base.declare import Declared
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
+from jousto.base.fields import Label, field
+from jousto.base.numbers import Number, OptionalNumber, OptionalPositive, Positive
 
 Form = Literal["coffin-manson", "morrow", "swt"]
 NEGATIVE = "a negative number above -2"

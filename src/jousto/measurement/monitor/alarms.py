@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Declared, Field, Number, OptionalPositive, field
+from jousto.base.declare import Declared
 from jousto.base.described import described
 from jousto.base.errors import Problems
+from jousto.base.fields import Field, field
+from jousto.base.numbers import Number, OptionalPositive
 from jousto.measurement.monitor.health import OK
 
 NEVER = -np.inf

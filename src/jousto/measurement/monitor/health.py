@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Declared, Field, Number, Positive, field
+from jousto.base.declare import Declared
 from jousto.base.described import described
 from jousto.base.errors import Problems
+from jousto.base.fields import Field, field
+from jousto.base.numbers import Number, Positive
 from jousto.measurement.monitor.stream import EMPTY, INFINITE
 from jousto.measurement.twin.signals import LARGEST
 from jousto.model.native.health import HealthCheck

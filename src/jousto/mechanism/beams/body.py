@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Declared, Number, field
+from jousto.base.declare import Declared
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
+from jousto.base.fields import field
 from jousto.base.frozen import Frozen
 from jousto.base.names import check_name
-from jousto.base.numbers import number, set_fields
+from jousto.base.numbers import Number, number, set_fields
 from jousto.base.rotations import euler_parameters, parse_direction, readonly, rotation_matrix
 from jousto.mechanism.beams.frames import arc_lengths, section_frames, strains, tangents
 from jousto.mechanism.beams.limits import highest_frequencies

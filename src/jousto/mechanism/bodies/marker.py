@@ -8,8 +8,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Field
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.fields import Field
 from jousto.base.rotations import exp_rotation, parse_orientation, readonly, rotation_matrix
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from jousto.base.declare import Reference
 from jousto.base.errors import Problems
+from jousto.base.fields import Reference
 from jousto.mechanism.bodies.body import FlexibleBody, MovingBody, RigidBody
 
 

@@ -4,18 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from jousto.base.declare import (
-    Declared,
-    DefaultNumber,
-    Name,
-    Nested,
-    Number,
-    OptionalPositive,
-    Positive,
-    Reference,
-    field,
-)
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems
+from jousto.base.fields import Name, Nested, Reference, field
+from jousto.base.numbers import DefaultNumber, Number, OptionalPositive, Positive
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.joints.hinges import Cylindrical, Revolute

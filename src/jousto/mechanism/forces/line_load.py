@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Field, Flag, Reference, field
 from jousto.base.errors import Problems
+from jousto.base.fields import Field, Flag, Reference, field
 from jousto.base.rotations import readonly
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.bodies.marker import Marker

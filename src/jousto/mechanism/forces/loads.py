@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from jousto.base.declare import Declared, Flag, Vector, field
+from jousto.base.declare import Declared
+from jousto.base.fields import Flag, field
+from jousto.base.numbers import Vector
 from jousto.mechanism.bodies.marker import Marker, MarkerField
 from jousto.mechanism.forces.base import ForceElement, Push
 from jousto.mechanism.signals.base import OptionalSignal

@@ -9,8 +9,9 @@ from functools import cached_property
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Flag, Texts, Vector, field
 from jousto.base.errors import InputError, Problems
+from jousto.base.fields import Flag, Texts, field
+from jousto.base.numbers import Vector
 from jousto.base.rotations import readonly
 from jousto.mechanism.bodies.body import FlexibleBody, MovingBody, RigidBody
 from jousto.mechanism.bodies.reference import MovingBodyField

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Field, Number, OptionalNumber, field
 from jousto.base.errors import Problems
+from jousto.base.fields import Field, field
+from jousto.base.numbers import Number, OptionalNumber
 from jousto.base.rotations import readonly
 from jousto.mechanism.bodies.body import ground
 from jousto.mechanism.bodies.marker import Marker, MarkerField

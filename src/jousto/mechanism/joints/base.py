@@ -15,8 +15,9 @@ from functools import cached_property
 from typing import ClassVar
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Declared, Flag, Name, field
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems
+from jousto.base.fields import Flag, Name, field
 from jousto.base.rotations import Direction, readonly, turn_onto
 from jousto.mechanism.bodies.marker import Marker, MarkerField
 from jousto.mechanism.joints.coordinate import AXES, Angle, Coordinate, Displacement, Line

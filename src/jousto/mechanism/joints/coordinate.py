@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from jousto.base.declare import AnyField, Choice, Declared, Field, OptionalText, field
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems
+from jousto.base.fields import AnyField, Choice, Field, OptionalText, field
 from jousto.mechanism.bodies.marker import Marker, MarkerField
 
 if TYPE_CHECKING:

@@ -6,8 +6,10 @@ from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from jousto.base.declare import Declared, Name, Number, Numbers, OptionalNumber, field
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems
+from jousto.base.fields import Name, field
+from jousto.base.numbers import Number, Numbers, OptionalNumber
 from jousto.mechanism.joints.coordinate import (
     VALUE,
     Angle,

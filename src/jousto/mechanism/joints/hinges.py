@@ -8,8 +8,9 @@ from typing import ClassVar
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Number, field
 from jousto.base.errors import Problems
+from jousto.base.fields import field
+from jousto.base.numbers import Number
 from jousto.base.rotations import Direction, readonly, turn_onto, unit_vector
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.joints.base import (

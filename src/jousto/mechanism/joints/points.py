@@ -5,7 +5,8 @@ from __future__ import annotations
 from functools import cached_property
 from typing import ClassVar
 
-from jousto.base.declare import OptionalNumber, field
+from jousto.base.fields import field
+from jousto.base.numbers import OptionalNumber
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.joints.base import AxisJoint, Joint, NormalJoint, along, held
 from jousto.mechanism.joints.coordinate import Displacement, Distance, Line

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from jousto.base.declare import Declared, Name, field
+from jousto.base.declare import Declared
+from jousto.base.fields import Name, field
 
 
 class Sensor(Declared, section="sensors"):

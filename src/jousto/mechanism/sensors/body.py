@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Field, field
 from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.fields import Field, field
 from jousto.base.numbers import set_fields
 from jousto.base.rotations import readonly
 from jousto.mechanism.bodies.body import FlexibleBody

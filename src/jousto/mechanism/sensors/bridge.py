@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.declare import Field, Number, field
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.fields import Field, field
 from jousto.base.names import check_name
+from jousto.base.numbers import Number
 from jousto.base.rotations import readonly
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.sensors.base import Sensor

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from jousto.base.declare import Choice, DefaultNumber, Field, Number, Reference, field
 from jousto.base.errors import Problems, suggest, warn
-from jousto.base.numbers import set_fields
+from jousto.base.fields import Choice, Field, Reference, field
+from jousto.base.numbers import DefaultNumber, Number, set_fields
 from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.sensors.body import VonMisesSensor
 from jousto.mechanism.sensors.rule import RESIDUES, MeterRule, meter_rule

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.declare import Field, Number, OptionalItem, OptionalNumber, Reference, field
 from jousto.base.errors import InputError, Problem, Problems, suggest
-from jousto.base.numbers import set_fields
+from jousto.base.fields import Field, OptionalItem, Reference, field
+from jousto.base.numbers import Number, OptionalNumber, set_fields
 from jousto.base.rotations import Direction, readonly, unit_vector
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.sensors.base import Sensor

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from jousto.base.declare import Field, Reference, field
 from jousto.base.errors import Problems
+from jousto.base.fields import Field, Reference, field
 from jousto.mechanism.bodies.marker import Marker, OptionalMarker
 from jousto.mechanism.forces.base import ForceElement
 from jousto.mechanism.forces.friction import Friction

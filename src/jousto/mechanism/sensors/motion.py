@@ -21,8 +21,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from jousto.base.declare import field
 from jousto.base.errors import Problems
+from jousto.base.fields import field
 from jousto.mechanism.bodies.marker import Marker, MarkerField, OptionalMarker
 from jousto.mechanism.sensors.base import Sensor
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from jousto.base.declare import Field, field
 from jousto.base.errors import Problems, suggest
+from jousto.base.fields import Field, field
 from jousto.mechanism.joints.coordinate import CoordinateField
 from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.signals.base import SignalField

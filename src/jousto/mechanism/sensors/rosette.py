@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Field, field
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.fields import Field, field
 from jousto.base.names import check_name
 from jousto.base.numbers import set_fields
 from jousto.base.rotations import readonly

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.declare import Choice, Field, field
 from jousto.base.errors import Problems
+from jousto.base.fields import Choice, Field, field
 from jousto.base.numbers import number, set_fields
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.forces.line_load import BeamField

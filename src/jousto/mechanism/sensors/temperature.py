@@ -5,9 +5,10 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Any
 
-from jousto.base.declare import Declared, Field, Number, field
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems
-from jousto.base.numbers import number
+from jousto.base.fields import Field, field
+from jousto.base.numbers import Number, number
 from jousto.mechanism.signals.base import Signal, SignalField
 
 

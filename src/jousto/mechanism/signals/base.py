@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Declared, Field, Name, Number, field
+from jousto.base.declare import Declared
 from jousto.base.errors import InputError, Problem, Problems
-from jousto.base.numbers import number, set_fields
+from jousto.base.fields import Field, Name, field
+from jousto.base.numbers import Number, number, set_fields
 
 # value, rate 1/s, acceleration 1/s2 at the times asked for
 Jet = tuple[Array, Array, Array]

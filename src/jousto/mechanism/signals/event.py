@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any, TypeAlias
 
-from jousto.base.declare import Choice, Declared, Field, Flag, Name, Number, field
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems, suggest
+from jousto.base.fields import Choice, Field, Flag, Name, field
+from jousto.base.numbers import Number
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.sensors.base import Sensor
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Number, field
+from jousto.base.fields import field
+from jousto.base.numbers import Number
 from jousto.mechanism.signals.base import USE, Jet, Signal
 
 

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Choice, Field, Number, field
 from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.fields import Choice, Field, field
 from jousto.base.files import check_file
+from jousto.base.numbers import Number
 from jousto.mechanism.signals.base import USE, Jet, Signal
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from jousto.base.arrays import Array
-from jousto.base.declare import Field, field
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.fields import Field, field
 from jousto.mechanism.signals.base import USE, Jet, Signal, SignalField
 
 

@@ -11,8 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from jousto.base.arrays import Floats, skew, transposed
-from jousto.base.declare import Declared, OptionalPositive, field
+from jousto.base.declare import Declared
 from jousto.base.described import described
+from jousto.base.fields import field
+from jousto.base.numbers import OptionalPositive
 
 
 class Timoshenko(Declared, section="theories", tag="timoshenko", by_value=True):

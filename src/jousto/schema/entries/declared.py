@@ -11,7 +11,8 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field as Key, create_model
 
-from jousto.base.declare import SECTIONS, Declared, Field, kinds
+from jousto.base.declare import SECTIONS, Declared, kinds
+from jousto.base.fields import Field
 from jousto.base.units import KINDS
 from jousto.schema.entries.base import (
     Amount,

@@ -9,14 +9,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.base.declare import (
-    Declared,
-    Duration,
-    Number,
-    OptionalDuration,
-    OptionalNumber,
-    field,
-)
+from jousto.base.declare import Declared
+from jousto.base.fields import field
+from jousto.base.numbers import Duration, Number, OptionalDuration, OptionalNumber
 from jousto.model.native.native import Engine
 from jousto.simulation.running.progress import Report
 

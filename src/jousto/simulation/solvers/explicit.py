@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.base.declare import Declared, Duration, Flag, Number, OptionalItem, field
+from jousto.base.declare import Declared
+from jousto.base.fields import Flag, OptionalItem, field
+from jousto.base.numbers import Duration, Number
 from jousto.simulation.solvers.adaptive import DormandPrince
 from jousto.simulation.solvers.implicit import GeneralizedAlpha, Newmark
 

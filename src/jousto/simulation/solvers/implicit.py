@@ -7,16 +7,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.base.declare import (
-    Choice,
-    Declared,
-    Duration,
-    Flag,
-    Number,
-    OptionalNumber,
-    Whole,
-    field,
-)
+from jousto.base.declare import Declared
+from jousto.base.fields import Choice, Flag, field
+from jousto.base.numbers import Duration, Number, OptionalNumber, Whole
 
 STEP: Any = field("Step size", default=1e-3)
 TOLERANCE: Any = field(
