@@ -173,21 +173,24 @@ class Whole(Field[int, int]):
     text, default, kw_only
         As for every field.
     least, most : int
-        Smallest and largest.
+        Smallest, and largest if there is one.
     """
 
     form = "count"
     noun = "int"
 
-    def __init__(self, text: str = "", *, least: int, most: int, **common: Any) -> None:
+    def __init__(
+        self, text: str = "", *, least: int, most: int | None = None, **common: Any
+    ) -> None:
         super().__init__(text, **common)
         self.least, self.most = least, most
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return a whole number within the limits."""
         whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
-        if not (whole and self.least <= value <= self.most):
-            wanted = f"a whole number from {self.least} to {self.most}"
+        if not (whole and self.least <= value and (self.most is None or value <= self.most)):
+            wanted = f"a whole number from {self.least}"
+            wanted += "" if self.most is None else f" to {self.most}"
             problems.add(where, f"{self.label} is {value!r}, must be {wanted}")
             return None
         return int(value)

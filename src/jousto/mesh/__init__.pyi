@@ -7,5 +7,6 @@ from .picks import (
     InCylinder as InCylinder,
     InSphere as InSphere,
     Nearest as Nearest,
+    OnPlane as OnPlane,
 )
 from .quality import Quality as Quality

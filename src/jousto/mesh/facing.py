@@ -1,4 +1,4 @@
-"""Nodes of a mesh on a plane, or on faces that look in one direction."""
+"""Nodes of a mesh on faces that look in one direction."""
 
 from __future__ import annotations
 
@@ -6,25 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints
+from jousto.base.arrays import Ints
 from jousto.base.errors import Problems
 from jousto.mesh.grid import Grid
-from jousto.mesh.picks import NEAR
+from jousto.mesh.picks import unit_vector
 from jousto.mesh.surface import face_normals
-
-
-def on_plane(mesh: Grid, point: Any, normal: Any, tolerance: float | None) -> Ints:
-    """Return the nodes near a plane through a point, see :meth:`Mesh.plane`."""
-    where, problems = f"mesh '{mesh.name}', plane", Problems()
-    p = problems.array(where, "point", point, (3,))
-    n = unit_vector(problems, where, "normal", normal)
-    if tolerance is not None:
-        problems.positive(where, "tolerance", tolerance, "m")
-    problems.raise_if_any()
-    assert p is not None and n is not None
-    low, high = mesh.bounds
-    slack = NEAR * float(np.max(high - low)) if tolerance is None else tolerance
-    return np.flatnonzero(np.abs((mesh.nodes - p) @ n) <= slack)
 
 
 def facing(mesh: Grid, direction: Any, angle: float) -> Ints:
@@ -42,15 +28,3 @@ def facing(mesh: Grid, direction: Any, angle: float) -> Ints:
         near = normals @ d >= (np.cos(np.radians(angle)) - 1e-12) * long
         mask[block.nodes[near]] = True
     return np.flatnonzero(mask)
-
-
-def unit_vector(problems: Problems, where: str, name: str, value: Any) -> Floats | None:
-    """Return a vector divided by its length, or note why it has no direction."""
-    vector = problems.array(where, name, value, (3,))
-    if vector is None:
-        return None
-    long = float(np.linalg.norm(vector))
-    if long == 0.0:
-        problems.add(where, f"{name} is zero, must have a direction")
-        return None
-    return vector / long

@@ -12,11 +12,11 @@ from jousto.base.arrays import Ints
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.mesh.cells import Cells
-from jousto.mesh.facing import facing, on_plane
+from jousto.mesh.facing import facing
 from jousto.mesh.grid import Grid
 from jousto.mesh.holes import Hole, find_holes
 from jousto.mesh.inspection import Finding, duplicates, inspect, merge_tolerance
-from jousto.mesh.picks import InBox, InCylinder, InSphere, Nearest
+from jousto.mesh.picks import InBox, InCylinder, InSphere, Nearest, OnPlane, Pick
 
 
 @explained
@@ -88,7 +88,7 @@ class Mesh(Grid):
         surface : bool
             Only nodes on the outer faces.
         """
-        return self._kept(InBox(lo, hi).of(self.nodes), surface)
+        return self.picked(InBox(lo, hi), surface=surface)
 
     def cylinder(
         self,
@@ -114,21 +114,20 @@ class Mesh(Grid):
         surface : bool
             Only nodes on the outer faces.
         """
-        return self._kept(InCylinder(point, axis, radius, length).of(self.nodes), surface)
+        return self.picked(InCylinder(point, axis, radius, length), surface=surface)
 
     def sphere(self, point: Any, radius: float, *, surface: bool = False) -> Ints:
         """Return the nodes within ``radius`` m of a point of the part frame."""
-        return self._kept(InSphere(point, radius).of(self.nodes), surface)
+        return self.picked(InSphere(point, radius), surface=surface)
 
     @explained
     def nearest(self, point: Any, count: int = 1, *, surface: bool = False) -> Ints:
         """Return the nodes of solid elements nearest to a point in m of the part frame, sorted."""
-        candidates = self.surface_nodes if surface else self.used
-        return candidates[Nearest(point, count).of(self.nodes[candidates])]
+        return self.picked(Nearest(point, count), surface=surface)
 
     def plane(self, point: Any, normal: Any, tolerance: float | None = None) -> Ints:
         """Return the nodes on a plane through a point, within a tolerance in m."""
-        return on_plane(self, point, normal, tolerance)
+        return self.picked(OnPlane(point, normal, tolerance))
 
     def normal_to(self, direction: Any, angle: float = 5.0) -> Ints:
         """Return the nodes of the outer faces whose normal points in a direction.
@@ -142,7 +141,21 @@ class Mesh(Grid):
         """
         return facing(self, direction, angle)
 
-    def _kept(self, nodes: Ints, surface: bool) -> Ints:
+    @explained
+    def picked(self, pick: Pick, *, surface: bool = False) -> Ints:
+        """Return the nodes of a pick such as :class:`InBox`, sorted.
+
+        Parameters
+        ----------
+        pick : Pick
+            Where they are; the nearest are found among the nodes of solid elements.
+        surface : bool
+            Only nodes on the outer faces.
+        """
+        if isinstance(pick, Nearest):
+            candidates = self.surface_nodes if surface else self.used
+            return candidates[pick.of(self.nodes[candidates])]
+        nodes = pick.of(self.nodes)
         return np.intersect1d(nodes, self.surface_nodes) if surface else nodes
 
     def holes(self, *, radius: tuple[float, float] = (0.0, np.inf)) -> tuple[Hole, ...]:

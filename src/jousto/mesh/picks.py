@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from jousto.base.arguments import explained
 from jousto.base.arrays import Floats, Ints
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems
+from jousto.base.fields import Field, field
+from jousto.base.numbers import OptionalPositive, Positive, Vector, Whole
 from jousto.base.ranking import TIE
 
 NEAR = 1e-6
@@ -20,15 +23,58 @@ def _slack(nodes: Floats) -> float:
     return NEAR * float(np.ptp(nodes, axis=0).max()) if len(nodes) else 0.0
 
 
-@explained
-@dataclass(frozen=True, eq=False)
-class InBox:
-    """The nodes in a box along the axes, those on its faces included.
+class Corner(Vector):
+    """A corner of a box; infinite values leave a side open."""
 
-    Parameters
-    ----------
-    low, high : (3,) array_like
-        Two opposite corners in m, part frame; infinite values leave a side open.
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return an array (3,)."""
+        try:
+            corner = np.array(value, dtype=np.float64)
+        except (TypeError, ValueError, OverflowError):
+            corner = np.array(np.nan)
+        if corner.shape != (3,) or np.any(np.isnan(corner)):
+            problems.add(where, f"{self.name} is {value!r}, must be three numbers")
+        return corner
+
+
+class Way(Field[ArrayLike, Floats]):
+    """A direction, kept at length 1."""
+
+    form = "direction"
+    noun = "(3,) array_like"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return a vector of length 1."""
+        return unit_vector(problems, where, self.name, value)
+
+
+def unit_vector(problems: Problems, where: str, name: str, value: Any) -> Floats | None:
+    """Return a vector divided by its length, or note why it has no direction."""
+    vector = problems.array(where, name, value, (3,))
+    if vector is None:
+        return None
+    long = float(np.linalg.norm(vector))
+    if long == 0.0:
+        problems.add(where, f"{name} is zero, must have a direction")
+        return None
+    return vector / long
+
+
+class Pick(Declared, ABC):
+    """Nodes by where they are."""
+
+    @abstractmethod
+    def of(self, nodes: Floats) -> Ints:
+        """Return the indices of those among the nodes (nn, 3), ascending."""
+
+    def __repr__(self) -> str:
+        return (
+            f"{type(self).__name__}({', '.join(f'{k}={getattr(self, k)!r}' for k in self.fields)})"
+        )
+
+
+class InBox(Pick):
+    """The nodes in a box along the axes, those on its faces included.
 
     Raises
     ------
@@ -41,25 +87,14 @@ class InBox:
     array([0])
     """
 
-    low: Any
-    high: Any
+    low: Corner = field("One corner, part frame; -inf leaves a side open", unit="m")
+    high: Corner = field("The opposite corner; inf leaves a side open", unit="m")
 
-    def __post_init__(self) -> None:
-        problems = Problems()
-        corners = []
-        for name in ("low", "high"):
-            corner = np.asarray(getattr(self, name), dtype=np.float64)
-            if corner.shape != (3,) or np.any(np.isnan(corner)):
-                problems.add("InBox", f"{name} is {getattr(self, name)!r}, must be three numbers")
-            corners.append(corner)
-            object.__setattr__(self, name, corner)
-        if not problems.found:
-            for a in np.flatnonzero(corners[0] > corners[1]):
-                problems.add(
-                    "InBox",
-                    f"low is {corners[0][a]:g} m along {'xyz'[a]}, above high, {corners[1][a]:g} m",
-                )
-        problems.raise_if_any()
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note a lower corner above the upper one."""
+        for a in np.flatnonzero(self.low > self.high):
+            low, high = self.low[a], self.high[a]
+            problems.add(where, f"low is {low:g} m along {'xyz'[a]}, above high, {high:g} m")
 
     def of(self, nodes: Floats) -> Ints:
         """Return the indices of the nodes (nn, 3) in the box, ascending."""
@@ -67,22 +102,10 @@ class InBox:
         return np.flatnonzero(np.all((nodes >= self.low - e) & (nodes <= self.high + e), axis=1))
 
 
-@dataclass(frozen=True, eq=False)
-class InCylinder:
+class InCylinder(Pick):
     """The nodes in a solid cylinder, those on its surface included: a bore, a pin, a flange.
 
     Inside a bore there are no nodes: a cylinder of its radius takes those on its wall.
-
-    Parameters
-    ----------
-    point : (3,) array_like
-        A point on the axis in m, part frame; the middle of the cylinder if it has a length.
-    axis : (3,) array_like
-        Direction of the axis, any length.
-    radius : float
-        In m.
-    length : float, optional
-        Along the axis in m; without end if not given.
 
     Raises
     ------
@@ -95,24 +118,14 @@ class InCylinder:
     array([0])
     """
 
-    point: Any
-    axis: Any
-    radius: float
-    length: float | None = None
-
-    def __post_init__(self) -> None:
-        problems = Problems()
-        point = problems.array("InCylinder", "point", self.point, (3,))
-        axis = problems.array("InCylinder", "axis", self.axis, (3,))
-        if axis is not None and not np.any(axis):
-            problems.add("InCylinder", "axis is zero, must be a direction")
-        problems.positive("InCylinder", "radius", self.radius, "m")
-        if self.length is not None:
-            problems.positive("InCylinder", "length", self.length, "m")
-        problems.raise_if_any()
-        assert axis is not None
-        object.__setattr__(self, "point", point)
-        object.__setattr__(self, "axis", axis / np.linalg.norm(axis))
+    point: Vector = field(
+        "On the axis, part frame; the middle of the cylinder if it has a length", unit="m"
+    )
+    axis: Way = field("Direction of the axis, any length")
+    radius: Positive = field("Radius", unit="m")
+    length: OptionalPositive = field(
+        "Along the axis; without end if not given", unit="m", default=None
+    )
 
     def of(self, nodes: Floats) -> Ints:
         """Return the indices of the nodes (nn, 3) in the cylinder, ascending."""
@@ -124,16 +137,8 @@ class InCylinder:
         return np.flatnonzero((away <= self.radius + e) & (np.abs(along) <= half + e))
 
 
-@dataclass(frozen=True, eq=False)
-class InSphere:
+class InSphere(Pick):
     """The nodes in a sphere, those on its surface included.
-
-    Parameters
-    ----------
-    point : (3,) array_like
-        The centre in m, part frame.
-    radius : float
-        In m.
 
     Raises
     ------
@@ -141,14 +146,8 @@ class InSphere:
         If a value is not a point or a positive number.
     """
 
-    point: Any
-    radius: float
-
-    def __post_init__(self) -> None:
-        problems = Problems()
-        object.__setattr__(self, "point", problems.array("InSphere", "point", self.point, (3,)))
-        problems.positive("InSphere", "radius", self.radius, "m")
-        problems.raise_if_any()
+    point: Vector = field("The centre, part frame", unit="m")
+    radius: Positive = field("Radius", unit="m")
 
     def of(self, nodes: Floats) -> Ints:
         """Return the indices of the nodes (nn, 3) in the sphere, ascending."""
@@ -156,17 +155,34 @@ class InSphere:
         return np.flatnonzero(away <= self.radius + _slack(nodes))
 
 
-@explained
-@dataclass(frozen=True, eq=False)
-class Nearest:
-    """The nodes nearest to a point; of equally near ones those of lower number.
+class OnPlane(Pick):
+    """The nodes on a plane.
 
-    Parameters
-    ----------
-    point : (3,) array_like
-        In m, part frame.
-    count : int
-        How many nodes.
+    Raises
+    ------
+    InputError
+        If a value is not a point, a direction or a positive number.
+
+    Examples
+    --------
+    >>> OnPlane((0, 0, 1), (0, 0, 1)).of(np.array([[0.0, 0, 0], [5, 0, 1]]))
+    array([1])
+    """
+
+    point: Vector = field("A point of the plane, part frame", unit="m")
+    normal: Way = field("Square to the plane, any length")
+    tolerance: OptionalPositive = field(
+        "Largest distance; 1e-6 of the body's size if not given", unit="m", default=None
+    )
+
+    def of(self, nodes: Floats) -> Ints:
+        """Return the indices of the nodes (nn, 3) on the plane, ascending."""
+        near = _slack(nodes) if self.tolerance is None else self.tolerance
+        return np.flatnonzero(np.abs((nodes - self.point) @ self.normal) <= near)
+
+
+class Nearest(Pick):
+    """The nodes nearest to a point; of equally near ones those of lower number.
 
     Raises
     ------
@@ -179,15 +195,8 @@ class Nearest:
     array([1])
     """
 
-    point: Any
-    count: int = 1
-
-    def __post_init__(self) -> None:
-        problems = Problems()
-        object.__setattr__(self, "point", problems.array("Nearest", "point", self.point, (3,)))
-        if self.count != int(self.count) or self.count < 1:
-            problems.add("Nearest", f"count is {self.count!r}, must be a whole number from 1")
-        problems.raise_if_any()
+    point: Vector = field("Where, part frame", unit="m")
+    count: Whole = field("How many nodes", least=1, default=1)
 
     def of(self, nodes: Floats) -> Ints:
         """Return the indices of the nodes (nn, 3) nearest to the point, ascending."""
@@ -199,6 +208,3 @@ class Nearest:
         nearer = np.flatnonzero(away < last * (1.0 - TIE))
         equal = np.flatnonzero(np.abs(away - last) <= TIE * last)
         return np.sort(np.concatenate([nearer, equal[: self.count - len(nearer)]]))
-
-
-Pick = InBox | InCylinder | InSphere | Nearest

@@ -18,7 +18,7 @@ from jousto.schema.entries.base import (
     fail,
 )
 from jousto.schema.entries.choices import by_form, tagged
-from jousto.schema.entries.declared import one_of
+from jousto.schema.entries.declared import EntryOf, one_of
 from jousto.schema.entries.parts import (
     BeamEntry,
     FePart,
@@ -83,42 +83,7 @@ MeshForm: TypeAlias = Annotated[
 # -- picks of nodes -------------------------------------------------------------------------
 
 
-class BoxPick(Entry):
-    """The nodes in a box along the axes."""
-
-    low: Position
-    high: Position
-
-
-class CylinderPick(Entry):
-    """The nodes in or on a cylinder: the wall of a bore, if it is the bore's."""
-
-    point: Position = Field(description="On the axis; the middle if there is a length")
-    axis: Direction
-    radius: Length
-    length: Length | None = Field(None, description="Without end if not given")
-
-
-class SpherePick(Entry):
-    """The nodes in a sphere."""
-
-    point: Position
-    radius: Length
-
-
-class PlanePick(Entry):
-    """The nodes on a plane."""
-
-    point: Position
-    normal: Direction
-    tolerance: Length | None = None
-
-
-class NearestPick(Entry):
-    """The nodes nearest to a point."""
-
-    point: Position
-    count: Count | None = Field(None, description="1 if not given")
+PICKS = "jousto.mesh.picks"
 
 
 class HolePick(Entry):
@@ -131,11 +96,11 @@ class HolePick(Entry):
 class PickEntry(Entry):
     """Nodes of the surface by where they are: one of these."""
 
-    box: BoxPick | None = None
-    cylinder: CylinderPick | None = None
-    sphere: SpherePick | None = None
-    plane: PlanePick | None = None
-    nearest: NearestPick | None = None
+    box: Annotated[Any, EntryOf(PICKS, "InBox")] | None = None
+    cylinder: Annotated[Any, EntryOf(PICKS, "InCylinder")] | None = None
+    sphere: Annotated[Any, EntryOf(PICKS, "InSphere")] | None = None
+    plane: Annotated[Any, EntryOf(PICKS, "OnPlane")] | None = None
+    nearest: Annotated[Any, EntryOf(PICKS, "Nearest")] | None = None
     hole: HolePick | None = None
     inside: Flag | None = Field(None, description="Nodes inside of the part, too")
 

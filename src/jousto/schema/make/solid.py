@@ -11,7 +11,7 @@ from jousto.base.errors import count, suggest
 from jousto.schema.entries import solids as ss
 from jousto.schema.file.document import Loc
 from jousto.schema.file.kept import mesh_of_cad
-from jousto.schema.make.declared import build_material
+from jousto.schema.make.declared import build_declared, build_material
 
 if TYPE_CHECKING:
     from jousto.mesh.mesh import Mesh
@@ -170,23 +170,19 @@ def picked(builder: Builder, loc: Loc, pick: Any, mesh: Mesh) -> Any:
             return None
         return np.unique(np.concatenate([mesh.node_sets[name] for name in pick]))
     form = next(key for key in ss.PickEntry.model_fields if getattr(pick, key) is not None)
-    values = getattr(pick, form).given()
     if form == "hole":
         return hole_nodes(builder, (*loc, "hole"), pick.hole, mesh)
-    if form == "plane":
-        nodes = builder.make((*loc, form), mesh.plane, **values)
-    else:
-        if form == "box":
-            values = {"lo": values["low"], "hi": values["high"]}
-        make = getattr(mesh, form)
-        nodes = builder.make((*loc, form), make, **values, surface=not pick.inside)
-    if form == "nearest" and nodes is not None and len(nodes):
-        away = np.linalg.norm(mesh.nodes[nodes] - values["point"], axis=1)
-        sentence = far_off(values["point"], mesh.nodes[nodes[np.argmin(away)]], mesh)
+    found = build_declared(builder, (*loc, form), getattr(pick, form))
+    if found is None:
+        return None
+    nodes = mesh.picked(found, surface=form != "plane" and not pick.inside)
+    if form == "nearest" and len(nodes):
+        away = np.linalg.norm(mesh.nodes[nodes] - found.point, axis=1)
+        sentence = far_off(found.point, mesh.nodes[nodes[np.argmin(away)]], mesh)
         if sentence:
             builder.note((*loc, form, "point"), sentence)
             return None
-    if nodes is not None and not len(nodes):
+    if not len(nodes):
         low, high = mesh.bounds
         size = " to ".join(
             "(" + ", ".join(f"{round(1e3 * x, 3) + 0.0:g}" for x in corner) + ")"
