@@ -8,15 +8,9 @@ from hypothesis import given, strategies as st
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
+from jousto.base.arrays import skew
 from jousto.base.errors import InputError
-from jousto.base.rotations import (
-    Rotate,
-    euler_parameters,
-    exp_rotation,
-    rotation_matrix,
-    skew,
-    turn_onto,
-)
+from jousto.base.rotations import Rotate, euler_parameters, exp_rotation, rotation_matrix, turn_onto
 from jousto.mechanism.bodies.body import RigidBody
 
 number = st.floats(-10, 10)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.base.rotations import rotation_matrix, skew
+from jousto.base.arrays import skew
+from jousto.base.rotations import rotation_matrix
 from jousto.model.compile import axial, half_inertia_rate
 from jousto.model.model import BodyModel, Model
 from jousto.model.ordering import eliminate

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+A = TypeVar("A", bound=NDArray[Any])
 
 Array = NDArray[np.float64]
 Floats = Array
@@ -18,15 +20,26 @@ else:
     Sparse = Any
 
 
-def read_only(array: Floats) -> Floats:
+def read_only(array: ArrayLike) -> Array:
     """Return a contiguous float copy of the array that cannot be written to."""
-    copy = np.array(array, dtype=np.float64, order="C")
-    copy.setflags(write=False)
-    return copy
+    return frozen(np.array(array, dtype=np.float64, order="C"))
 
 
-def skew(x: Floats) -> Floats:
-    """Return the matrices x~ with x~ y = x cross y; shapes (..., 3) -> (..., 3, 3)."""
+def frozen(array: A) -> A:
+    """Return the array itself, which cannot be written to any more."""
+    array.setflags(write=False)
+    return array
+
+
+def skew(x: ArrayLike) -> Array:
+    """Return the matrices x~ with ``x~ y = x cross y``; shapes (..., 3) -> (..., 3, 3).
+
+    Examples
+    --------
+    >>> skew([1, 2, 3]) @ [0, 0, 1]
+    array([ 2., -1.,  0.])
+    """
+    x = np.asarray(x, dtype=np.float64)
     out = np.zeros((*x.shape, 3))
     out[..., 0, 1], out[..., 0, 2] = -x[..., 2], x[..., 1]
     out[..., 1, 0], out[..., 1, 2] = x[..., 2], -x[..., 0]

@@ -12,7 +12,7 @@ from typing import Any, Never
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only, skew
 from jousto.base.errors import Problems
 from jousto.base.fields import Field
 from jousto.base.numbers import number, set_fields
@@ -21,25 +21,6 @@ UNIT_TOLERANCE = 1e-6
 
 # largest component of the shortest vector that has a direction
 SHORTEST = 1e-150
-
-
-def readonly(array: ArrayLike) -> Array:
-    """Return a read-only float copy."""
-    copy = np.array(array, dtype=np.float64)
-    copy.setflags(write=False)
-    return copy
-
-
-def skew(x: ArrayLike) -> Array:
-    """Return the skew matrix x~ with ``x~ y = x cross y``.
-
-    Examples
-    --------
-    >>> skew([1, 2, 3]) @ [0, 0, 1]
-    array([ 2., -1.,  0.])
-    """
-    x1, x2, x3 = np.asarray(x, dtype=np.float64)
-    return np.array([[0.0, -x3, x2], [x3, 0.0, -x1], [-x2, x1, 0.0]])
 
 
 def rotation_matrix(e: ArrayLike) -> Array:
@@ -240,9 +221,9 @@ def parse_orientation(problems: Problems, where: str, name: str, value: Any) -> 
     (4,) read-only array or None if there was a problem
     """
     if value is None:
-        return readonly([1.0, 0.0, 0.0, 0.0])
+        return read_only([1.0, 0.0, 0.0, 0.0])
     if isinstance(value, Rotate):
-        return readonly(value.euler_parameters)
+        return read_only(value.euler_parameters)
     if hasattr(value, "as_matrix"):
         value = value.as_matrix()
     try:
@@ -269,7 +250,7 @@ def parse_orientation(problems: Problems, where: str, name: str, value: Any) -> 
                 "must have length 1",
             )
             return None
-        return readonly(array / norm)
+        return read_only(array / norm)
     error = float(np.abs(array.T @ array - np.eye(3)).max())
     if error > UNIT_TOLERANCE:
         problems.add(
@@ -283,4 +264,4 @@ def parse_orientation(problems: Problems, where: str, name: str, value: Any) -> 
             where, f"{name} is a reflection (determinant -1), must be a right-handed rotation"
         )
         return None
-    return readonly(euler_parameters(array))
+    return read_only(euler_parameters(array))

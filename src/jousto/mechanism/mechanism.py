@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only
 from jousto.base.errors import Problems
 from jousto.base.names import check_name
-from jousto.base.rotations import readonly, rotation_matrix
+from jousto.base.rotations import rotation_matrix
 from jousto.mechanism import checks
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.bodies.body import Body, FlexibleBody, RigidBody
@@ -88,7 +88,7 @@ class Mechanism(Members):
         e : (4,) array
             Euler parameters, scalar first.
         """
-        return body.position, readonly(rotation_matrix(body.orientation)), body.orientation
+        return body.position, read_only(rotation_matrix(body.orientation)), body.orientation
 
     @property
     def mobility(self) -> int:

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only
 from jousto.base.numbers import set_fields
-from jousto.base.rotations import readonly, rotation_matrix
+from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.beams.body import BeamBody, BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, MovingBody, RigidBody
 from jousto.mechanism.forces.base import ForceElement
@@ -57,7 +57,7 @@ class Members:
             self,
             name=name,
             items=items,
-            gravity=gravity[0] if gravity else readonly(np.zeros(3)),
+            gravity=gravity[0] if gravity else read_only(np.zeros(3)),
             **fields,
         )
 

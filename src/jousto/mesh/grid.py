@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints, some
+from jousto.base.arrays import Floats, Ints, frozen, some
 from jousto.base.errors import Problems, count
 from jousto.mesh.cells import KINDS, SOLIDS, Cells, read_cells
 from jousto.mesh.quality import Quality, measure, volumes
@@ -136,12 +136,6 @@ class Grid:
     def quality(self) -> Quality:
         """Return the quality of the solid elements."""
         return measure(self.nodes, self.cells)
-
-
-def frozen(array: Ints) -> Ints:
-    """Return the array, which cannot be written to any more."""
-    array.setflags(write=False)
-    return array
 
 
 def _number(cells: tuple[Cells, ...]) -> tuple[Cells, ...]:

@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints
+from jousto.base.arrays import Floats, Ints, frozen
 from jousto.base.described import described
 from jousto.base.errors import count
 from jousto.mesh.cells import SOLIDS, Cells, base, edges
@@ -147,9 +147,7 @@ def measure(nodes: Floats, cells: Sequence[Cells]) -> Quality:
         low, high = span.min(axis=1), span.max(axis=1)
         # at most 1e100, where an edge has no length
         aspect[here] = high / np.maximum(low, 1e-100 * high + np.finfo(float).tiny)
-    for array in (scaled, ratio, aspect):
-        array.setflags(write=False)
-    return Quality(ids, scaled, ratio, aspect)
+    return Quality(ids, *map(frozen, (scaled, ratio, aspect)))
 
 
 def volumes(nodes: Floats, cells: Sequence[Cells]) -> Floats:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.base.arrays import Floats, Ints, some
+from jousto.base.arrays import Floats, Ints, frozen, some
 from jousto.base.errors import Problems, suggest
 
 NODE_NAMES_UP_TO = 10_000
@@ -46,8 +46,7 @@ def read_elements(
             where, f"elements[{i}, {j}] is node {array[i, j]}, must be an index in 0..{nn - 1}"
         )
         return None
-    array.setflags(write=False)
-    return array
+    return frozen(array)
 
 
 def read_sets(

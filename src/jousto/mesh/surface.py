@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints
+from jousto.base.arrays import Floats, Ints, frozen
 from jousto.base.described import described
 from jousto.mesh.cells import SOLIDS, SURFACES, Cells, base, faces
 
@@ -103,18 +103,14 @@ def outer_faces(cells: Sequence[Cells]) -> tuple[Faces, ...]:
         row += len(block)
         if keep.any():
             arrays = (block.nodes[keep], block.owners[keep], block.sides[keep])
-            for array in arrays:
-                array.setflags(write=False)
-            out.append(Faces(block.kind, *arrays))
+            out.append(Faces(block.kind, *map(frozen, arrays)))
     return tuple(out)
 
 
 def triangulate(blocks: Sequence[Faces]) -> Ints:
     """Return the faces as triangles (nt, 3); quadratic faces become four or six."""
     parts = [block.nodes[:, _SPLIT[block.kind]].reshape(-1, 3) for block in blocks]
-    out = np.concatenate(parts) if parts else np.zeros((0, 3), dtype=np.int64)
-    out.setflags(write=False)
-    return out
+    return frozen(np.concatenate(parts) if parts else np.zeros((0, 3), dtype=np.int64))
 
 
 def face_kind(columns: int) -> str:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from jousto.base.arguments import explained
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, skew
 from jousto.base.errors import InputError, Problem, count, warn
-from jousto.base.rotations import rotation_matrix, skew
+from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.beams.body import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.checks import used_joints

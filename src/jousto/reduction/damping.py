@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, frozen
 from jousto.base.declare import Declared
 from jousto.base.errors import InputError, Problem, warn
 from jousto.base.fields import field
@@ -117,5 +117,4 @@ def modal_damping(spec: Damping, frequencies: Sequence[float] | Array) -> Array:
         if zeta.max(initial=0.0) > 1.0:
             warn("damping", f"the ratio {zeta.max():g} is above 1 (is it in per cent?)")
         D = np.broadcast_to(2.0 * zeta * omega, f.shape).copy()
-    D.setflags(write=False)
-    return np.asarray(D, dtype=np.float64)
+    return frozen(np.asarray(D, dtype=np.float64))

@@ -11,14 +11,14 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only
 from jousto.base.declare import Declared
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.fields import field
 from jousto.base.frozen import Frozen
 from jousto.base.names import check_name
 from jousto.base.numbers import Number, number, set_fields
-from jousto.base.rotations import euler_parameters, parse_direction, readonly, rotation_matrix
+from jousto.base.rotations import euler_parameters, parse_direction, rotation_matrix
 from jousto.mechanism.beams.frames import arc_lengths, section_frames, strains, tangents
 from jousto.mechanism.beams.limits import highest_frequencies
 from jousto.mechanism.beams.stiffness import BeamSection, as_beam_section, tension_factor
@@ -285,12 +285,12 @@ class BeamBody:
             self,
             name=name,
             nodes=nodes,
-            frames=readonly(frames),
-            ends=readonly(ends),
-            lengths=readonly(lengths),
+            frames=read_only(frames),
+            ends=read_only(ends),
+            lengths=read_only(lengths),
             sections=sections,
-            offsets=readonly(arms),
-            unstressed=readonly(e0),
+            offsets=read_only(arms),
+            unstressed=read_only(e0),
             share=share,
             corrected=isinstance(mass, str) and mass == "corrected",
             bending=bool(bending),
@@ -425,7 +425,7 @@ class BeamBody:
     @cached_property
     def elements(self) -> dict[str, Array]:
         """Data (n, ...) of the elements by name, see ``jo_beam_data`` in jousto.h."""
-        return {name: readonly(values) for name, values in _element_data(self).items()}
+        return {name: read_only(values) for name, values in _element_data(self).items()}
 
 
 # -- helpers of the constructor -------------------------------------------------------------
@@ -455,7 +455,7 @@ def _nodes(problems: Problems, where: str, points: ArrayLike, elements: Any) -> 
         problems.add(where, "elements is missing: how many between the two ends of the beam?")
         return None
     xi = np.linspace(0.0, 1.0, int(elements) + 1)[:, None]
-    return readonly((1 - xi) * given[0] + xi * given[1])
+    return read_only((1 - xi) * given[0] + xi * given[1])
 
 
 def _apart(problems: Problems, where: str, name: str, points: Array) -> bool:
@@ -522,8 +522,8 @@ def _along(
     if found is None:
         return None
     if not one:  # grows along the beam
-        return readonly(np.linspace(0.0, float(found), n + 1))
-    return readonly(np.tile(found, (n + 1, 1)))
+        return read_only(np.linspace(0.0, float(found), n + 1))
+    return read_only(np.tile(found, (n + 1, 1)))
 
 
 def _check_twist(problems: Problems, where: str, turns: Array) -> None:
@@ -734,10 +734,10 @@ def _node_bodies(beam: BeamBody) -> list[BeamNode]:
                 inertia=inertia[i],
                 center=at[i],
                 position=position[i],
-                orientation=readonly(euler_parameters(frames[i])),
+                orientation=read_only(euler_parameters(frames[i])),
                 velocity=velocity[i],
                 angular_velocity=beam.angular_velocity,
-                outline=readonly(outline),
+                outline=read_only(outline),
                 damping=beam.damping.mass,
             )
         )

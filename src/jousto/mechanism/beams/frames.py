@@ -9,8 +9,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jousto.base.arrays import Array
-from jousto.base.rotations import exp_rotation, skew
+from jousto.base.arrays import Array, skew
+from jousto.base.rotations import exp_rotation
 
 
 def tangents(points: Array, corners: Sequence[int] = ()) -> Array:

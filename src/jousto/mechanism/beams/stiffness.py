@@ -13,10 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only
 from jousto.base.errors import Problems, warn
 from jousto.base.numbers import number, set_fields
-from jousto.base.rotations import readonly
 from jousto.materials.library import by_name
 from jousto.materials.material import Material
 from jousto.mechanism.bodies.inertia import check_inertia
@@ -121,7 +120,7 @@ class BeamSection:
         assert fibres is not None
         if edge is None:
             y, z = np.sqrt(3.0 * np.diag(J)[[2, 1]] / density)
-            edge = readonly(c + np.array([[-y, -z], [y, -z], [y, z], [-y, z]]))
+            edge = read_only(c + np.array([[-y, -z], [y, -z], [y, z], [-y, z]]))
         set_fields(
             self,
             stiffness=C,
@@ -302,7 +301,7 @@ def _stiffness(problems: Problems, where: str, stiffness: ArrayLike) -> Array | 
             "sizes of its coupling terms",
         )
         return None
-    return readonly((C + C.T) / 2)
+    return read_only((C + C.T) / 2)
 
 
 def _warn_units(where: str, C: Array, mass: float) -> None:

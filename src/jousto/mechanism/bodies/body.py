@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.frozen import Frozen
 from jousto.base.names import check_name
 from jousto.base.numbers import number, set_fields
-from jousto.base.rotations import parse_orientation, readonly
+from jousto.base.rotations import parse_orientation
 from jousto.mechanism.bodies.inertia import check_inertia, check_mass, damping_diagonal
 from jousto.mechanism.bodies.marker import Marker, marker_axes
 from jousto.mechanism.bodies.shapes import (
@@ -83,17 +83,17 @@ class Ground:
     @property
     def position(self) -> Array:
         """World position of the frame origin (3,), zero."""
-        return readonly(ZERO3)
+        return read_only(ZERO3)
 
     @property
     def orientation(self) -> Array:
         """Euler parameters (4,) of the world frame."""
-        return readonly([1.0, 0.0, 0.0, 0.0])
+        return read_only([1.0, 0.0, 0.0, 0.0])
 
     @property
     def modal_coordinates(self) -> Array:
         """No modal coordinates, shape (0,)."""
-        return readonly(np.zeros(0))
+        return read_only(np.zeros(0))
 
 
 ground = Ground()
@@ -390,12 +390,12 @@ class RigidBody:
     @property
     def modal_coordinates(self) -> Array:
         """No modal coordinates, shape (0,)."""
-        return readonly(np.zeros(0))
+        return read_only(np.zeros(0))
 
     @property
     def modal_velocities(self) -> Array:
         """No modal velocities, shape (0,)."""
-        return readonly(np.zeros(0))
+        return read_only(np.zeros(0))
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -524,7 +524,7 @@ class FlexibleBody:
                 [Problem(f"body {self.name!r}", p.message) for p in error.problems]
             ) from None
         return Marker(
-            self, str(point), readonly(self.reduced.nodes[node]), node, readonly(np.eye(3))
+            self, str(point), read_only(self.reduced.nodes[node]), node, read_only(np.eye(3))
         )
 
     def at(self, position: ArrayLike, axes: Any = None, name: str | None = None) -> Marker:

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only, skew
 from jousto.base.errors import InputError, Problem, Problems
-from jousto.base.rotations import readonly, skew
 
 if TYPE_CHECKING:
     from jousto.reduction.fields.invariants import Invariants
@@ -51,7 +50,7 @@ def check_inertia(problems: Problems, where: str, inertia: ArrayLike) -> Array |
             f"inertia breaks the triangle inequality: {moments}, the largest must not exceed "
             f"the sum of the others, {J1 + J2:g}",
         )
-    return readonly((J + J.T) / 2)
+    return read_only((J + J.T) / 2)
 
 
 def damping_diagonal(
@@ -61,7 +60,7 @@ def damping_diagonal(
     from jousto.reduction.damping import modal_damping
 
     try:
-        return readonly(modal_damping(damping, reduced.frequencies))
+        return read_only(modal_damping(damping, reduced.frequencies))
     except InputError as error:
         problems.found.extend(Problem(where, str(p)) for p in error.problems)
         return None

@@ -7,10 +7,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.fields import Field
-from jousto.base.rotations import exp_rotation, parse_orientation, readonly, rotation_matrix
+from jousto.base.rotations import exp_rotation, parse_orientation, rotation_matrix
 
 
 class Placed(Protocol):
@@ -111,7 +111,7 @@ class Marker:
         """World position (3,) at the initial state, ``R + A (u0 + Phi p)``, m."""
         body = self.body
         u = self.position_local + self.Phi @ body.modal_coordinates
-        return readonly(body.position + rotation_matrix(body.orientation) @ u)
+        return read_only(body.position + rotation_matrix(body.orientation) @ u)
 
     @property
     def carrier(self) -> Array:
@@ -122,18 +122,18 @@ class Marker:
     @property
     def A(self) -> Array:
         """World axes (3, 3) at the initial state, ``A exp((Psi p)~) A_0``."""
-        return readonly(self.carrier @ self.axes)
+        return read_only(self.carrier @ self.axes)
 
 
 def marker_axes(label: str, axes: Any) -> Array:
     """Return A_0 (3, 3) of an orientation given by the user, exactly E for None."""
     if axes is None:
-        return readonly(np.eye(3))
+        return read_only(np.eye(3))
     problems = Problems()
     e = parse_orientation(problems, f"marker {label}", "axes", axes)
     problems.raise_if_any()
     assert e is not None
-    return readonly(rotation_matrix(e))
+    return read_only(rotation_matrix(e))
 
 
 def as_marker(where: str, name: str, value: Any) -> Marker:

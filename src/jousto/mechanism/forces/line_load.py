@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only
 from jousto.base.errors import Problems
 from jousto.base.fields import Field, Flag, Reference, field
-from jousto.base.rotations import readonly
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.forces.base import ForceElement, Push
@@ -97,7 +96,7 @@ class LineLoad(ForceElement, tag="line"):
             rows = getattr(self, key)
             if rows.ndim == 2 and problems.array(where, key, rows, shape) is None:
                 return
-            object.__setattr__(self, key, readonly(np.broadcast_to(rows, shape)))
+            object.__setattr__(self, key, read_only(np.broadcast_to(rows, shape)))
         if not (np.any(self.force) or np.any(self.torque)):
             problems.add(where, "force and torque are zero; give force=(x, y, z) in N/m")
 

@@ -8,11 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only
 from jousto.base.errors import InputError, Problems
 from jousto.base.fields import Flag, Texts, field
 from jousto.base.numbers import Vector
-from jousto.base.rotations import readonly
 from jousto.mechanism.bodies.body import FlexibleBody, MovingBody, RigidBody
 from jousto.mechanism.bodies.reference import MovingBodyField
 from jousto.mechanism.forces.base import ForceElement, Push
@@ -77,14 +76,14 @@ class MovingLoad(ForceElement, tag="moving-load"):
     def points(self) -> Array:
         """Places (k, 3) of the nodes or corners of the path, body frame, m."""
         if isinstance(self.body, RigidBody):
-            return readonly(corners_of(Problems(), "", self.body, self.path))
-        return readonly(np.asarray(self.body.reduced.nodes)[list(self.nodes)])
+            return read_only(corners_of(Problems(), "", self.body, self.path))
+        return read_only(np.asarray(self.body.reduced.nodes)[list(self.nodes)])
 
     @property
     def lengths(self) -> Array:
         """Path length at each node of the path (k,), m, from 0."""
         steps = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
-        return readonly(np.concatenate([[0.0], np.cumsum(steps)]))
+        return read_only(np.concatenate([[0.0], np.cumsum(steps)]))
 
     @property
     def pieces(self) -> Array:
@@ -95,7 +94,7 @@ class MovingLoad(ForceElement, tag="moving-load"):
         zero = np.zeros_like(t)
         position = np.stack([x[:-1], t, zero, zero], axis=-1)[:, None]
         if isinstance(self.body, RigidBody):
-            return readonly(position)
+            return read_only(position)
         reduced, nodes = self.body.reduced, list(self.nodes)
         u = reduced.modes[nodes]
         theta = np.stack([np.asarray(reduced.rotation(k)) for k in nodes])
@@ -110,7 +109,7 @@ class MovingLoad(ForceElement, tag="moving-load"):
             (3 * rise - 2 * first - last) / h,
             (first + last - 2 * rise) / h**2,
         ]
-        return readonly(np.concatenate([position, np.stack(powers, -1).swapaxes(1, 2)], axis=1))
+        return read_only(np.concatenate([position, np.stack(powers, -1).swapaxes(1, 2)], axis=1))
 
     @property
     def pushes(self) -> tuple[Push, ...]:

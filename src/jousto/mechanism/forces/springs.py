@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only
 from jousto.base.errors import Problems
 from jousto.base.fields import Field, field
 from jousto.base.numbers import Number, OptionalNumber
-from jousto.base.rotations import readonly
 from jousto.mechanism.bodies.body import ground
 from jousto.mechanism.bodies.marker import Marker, MarkerField
 from jousto.mechanism.bodies.reference import FlexibleField
@@ -247,7 +246,7 @@ class ModalLoad(ForceElement, tag="modal-load"):
         return (Push("modal load", data, (load[6:],), body=self.body, signal=self.signal),)
 
 
-class OptionalMarker(Field["Marker | None", Marker]):
+class DefaultMarker(Field["Marker | None", Marker]):
     """A marker, or None for the origin of the world."""
 
     form = "marker"
@@ -307,7 +306,7 @@ class UserForce(ForceElement, tag="user-force"):
     ties = False
     marker: MarkerField = field("Where it acts, frame b of the function")
     function: FunctionField = field("Force and torque")
-    reference: OptionalMarker = field(
+    reference: DefaultMarker = field(
         "Frame a; None for the world, with positions and forces in world axes", default=None
     )
 
@@ -362,4 +361,4 @@ def matrix6(problems: Problems, where: str, name: str, value: Any) -> Array | No
     elif np.linalg.eigvalsh(M)[0] < -1e-9 * scale:
         lowest = np.linalg.eigvalsh(M)[0]
         problems.add(where, f"{name} has the negative eigenvalue {lowest:g}: it would add energy")
-    return readonly(M)
+    return read_only(M)

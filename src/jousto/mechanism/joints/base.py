@@ -14,11 +14,11 @@ from __future__ import annotations
 from functools import cached_property
 from typing import ClassVar
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
 from jousto.base.fields import Flag, Name, field
-from jousto.base.rotations import Direction, readonly, turn_onto
+from jousto.base.rotations import Direction, turn_onto
 from jousto.mechanism.bodies.marker import Marker, MarkerField
 from jousto.mechanism.joints.coordinate import AXES, Angle, Coordinate, Displacement, Line
 
@@ -91,7 +91,7 @@ class Joint(Declared, section="joints"):
     @property
     def axis_world(self) -> Array:
         """Unit vector (3,) of the z axes at the initial pose, world frame."""
-        return readonly(self.frames[0].A[:, 2])
+        return read_only(self.frames[0].A[:, 2])
 
     @cached_property
     def lines(self) -> tuple[Line, ...]:
@@ -194,5 +194,5 @@ def held(joint: Joint, *axes: str) -> tuple[Line, ...]:
 
 def aligned(marker: Marker, frame: Array) -> Marker:
     """Return the marker with the world axes `frame` (3, 3) at the initial pose."""
-    axes = readonly(marker.carrier.T @ frame)
+    axes = read_only(marker.carrier.T @ frame)
     return Marker(marker.body, marker.point, marker.position_local, marker.node, axes)

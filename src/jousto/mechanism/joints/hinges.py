@@ -7,11 +7,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only
 from jousto.base.errors import Problems
 from jousto.base.fields import field
 from jousto.base.numbers import Number
-from jousto.base.rotations import Direction, readonly, turn_onto, unit_vector
+from jousto.base.rotations import Direction, turn_onto, unit_vector
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.joints.base import (
     AXIS,
@@ -195,5 +195,5 @@ def reordered(marker: Marker, axes: Array) -> Marker:
         marker.point,
         marker.position_local,
         marker.node,
-        readonly(marker.axes @ axes),
+        read_only(marker.axes @ axes),
     )

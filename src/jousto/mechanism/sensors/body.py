@@ -7,11 +7,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.fields import Field, field
 from jousto.base.numbers import set_fields
-from jousto.base.rotations import readonly
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.bodies.reference import FlexibleField
 from jousto.mechanism.sensors.base import Sensor
@@ -98,7 +97,7 @@ class SiteSensor(Sensor):
         """Stress of each mode, (6 ns, n) Pa: six components of each site."""
         stress = self.body.reduced.stress
         assert stress is not None
-        return readonly(np.vstack([stress.modes[i] for i in self.indices]))
+        return read_only(np.vstack([stress.modes[i] for i in self.indices]))
 
     @property
     def components(self) -> tuple[str, ...]:

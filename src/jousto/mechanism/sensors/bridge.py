@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.fields import Field, field
 from jousto.base.names import check_name
 from jousto.base.numbers import Number
-from jousto.base.rotations import readonly
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.sensors.gauge import Gauge
@@ -189,19 +188,19 @@ class Bridge(Sensor, tag="bridge"):
         for i, arm in enumerate(self.arms):
             if arm is not None:
                 out[i] = self.gauge_factor * arm.rows[0]
-        return readonly(out)
+        return read_only(out)
 
     @property
     def arm_drift(self) -> Array:
         """Relative changes of resistance of the arms per kelvin, (4,)."""
         rates = [0.0 if a is None or a.temperature is None else a.temperature.per_kelvin
                  for a in self.arms]  # fmt: skip
-        return readonly(self.gauge_factor * np.array(rates))
+        return read_only(self.gauge_factor * np.array(rates))
 
     @property
     def rows(self) -> Array:
         """Output per unit modal coordinate, (1, n) V/V: its linear part."""
-        return readonly(0.25 * (SIGNS @ self.arm_rows)[None])
+        return read_only(0.25 * (SIGNS @ self.arm_rows)[None])
 
     @property
     def signal(self) -> Signal | None:

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.fields import Field, OptionalItem, Reference, field
 from jousto.base.numbers import Number, OptionalNumber, set_fields
-from jousto.base.rotations import Direction, readonly, unit_vector
+from jousto.base.rotations import Direction, unit_vector
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.sensors.temperature import Temperature
@@ -72,7 +72,7 @@ class Heading(Direction):
         if found is not None and not found.any():
             problems.add(where, f"{self.name} is zero")
             return None
-        return None if found is None else readonly(unit_vector(found))
+        return None if found is None else read_only(unit_vector(found))
 
 
 class Attached(Sensor):
@@ -173,7 +173,7 @@ class Gauge(Attached, tag="gauge"):
         """Place it on its part."""
         position, axis, rows = self.placed(self.reduced)
         found = {"position": position, "axis": axis, "rows": rows[None]}
-        set_fields(self, **{key: readonly(value) for key, value in found.items()})
+        set_fields(self, **{key: read_only(value) for key, value in found.items()})
 
     if TYPE_CHECKING:
 

@@ -6,12 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.fields import Field, field
 from jousto.base.names import check_name
 from jousto.base.numbers import set_fields
-from jousto.base.rotations import readonly
 from jousto.mechanism.sensors.gauge import Attached, Gauge, Heading, outward
 from jousto.mechanism.signals.base import Signal
 
@@ -87,7 +86,7 @@ class Rosette(Attached, tag="rosette"):
             raise InputError(
                 [Problem(where if "'" in p.where else p.where, p.message) for p in error.problems]
             ) from None
-        set_fields(self, normal=readonly(n), grids=grids)
+        set_fields(self, normal=read_only(n), grids=grids)
 
     @property
     def components(self) -> tuple[str, ...]:
@@ -112,7 +111,7 @@ class Rosette(Attached, tag="rosette"):
     @property
     def rows(self) -> Array:
         """Strain of each grid per unit modal coordinate, (3, n) or (2, n)."""
-        return readonly(np.concatenate([grid.rows for grid in self.grids]))
+        return read_only(np.concatenate([grid.rows for grid in self.grids]))
 
     @property
     def signal(self) -> Signal | None:

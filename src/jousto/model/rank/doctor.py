@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
+from jousto.base.arrays import skew
 from jousto.base.described import described
 from jousto.base.errors import InputError, JoustoWarning, Problem, count
-from jousto.base.rotations import rotation_matrix, skew
+from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.compile import compile
 from jousto.model.model import Model

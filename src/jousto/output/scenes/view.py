@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, frozen
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.rotations import parse_direction
 
 FLAT = 1e-3  # motion this much smaller in one direction than in the others is plane
 PLANES = {"xy": ((0, 0, 1), (0, 1, 0)), "xz": ((0, -1, 0), (0, 0, 1)), "yz": ((1, 0, 0), (0, 0, 1))}
@@ -46,11 +47,8 @@ class View:
 
     def __init__(self, direction: ArrayLike, *, up: ArrayLike = (0.0, 0.0, 1.0)) -> None:
         problems = Problems()
-        n = problems.array("View", "direction", direction, (3,))
-        u = problems.array("View", "up", up, (3,))
-        for name, vector in (("direction", n), ("up", u)):
-            if vector is not None and not vector.any():
-                problems.add("View", f"{name} is (0, 0, 0), must have a direction")
+        n = parse_direction(problems, "View", "direction", direction)
+        u = parse_direction(problems, "View", "up", up)
         problems.raise_if_any()
         assert n is not None and u is not None
         n = n / np.linalg.norm(n)
@@ -58,9 +56,7 @@ class View:
         if np.linalg.norm(right) < 1e-6:
             raise InputError(Problem("View", "up is parallel to the direction; give another one"))
         right /= np.linalg.norm(right)
-        axes = np.stack([right, np.cross(n, right), n])
-        axes.setflags(write=False)
-        object.__setattr__(self, "axes", axes)
+        object.__setattr__(self, "axes", frozen(np.stack([right, np.cross(n, right), n])))
 
     @classmethod
     def on(cls, plane: str) -> View:

@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, frozen
 from jousto.base.described import described
 from jousto.base.errors import Problems
 from jousto.reduction.modes.rigid import rigid_modes
@@ -163,9 +163,7 @@ def _symmetric(a: Array, b: Array, message: str, problems: Problems) -> Array:
     worst = np.abs(a - b).max(initial=0.0)
     if worst > SYMMETRY * size:
         problems.add("Invariants", f"{message} (difference {worst:.1e} of {size:.1e})")
-    symmetric = 0.5 * (a + b)
-    symmetric.setflags(write=False)
-    return symmetric
+    return frozen(0.5 * (a + b))
 
 
 def _tilde_tilde(outer: Array) -> Array:

@@ -9,8 +9,8 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 from numpy.typing import NDArray
 
-from jousto.base.arrays import Array
-from jousto.base.rotations import rotation_matrix, skew
+from jousto.base.arrays import Array, skew
+from jousto.base.rotations import rotation_matrix
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.simulation.modes.spectrum import nearest, saddle

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, skew
 from jousto.base.errors import InputError, Problem, Problems, warn
-from jousto.base.rotations import rotation_matrix, skew
+from jousto.base.rotations import rotation_matrix
 from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.simulation.running.state import State, put

@@ -10,9 +10,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, skew
 from jousto.base.errors import Problems, suggest
-from jousto.base.rotations import rotation_matrix, skew
+from jousto.base.rotations import parse_direction, rotation_matrix
 from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.simulation.modes.spectrum import blocks
@@ -81,10 +81,8 @@ class Balance:
                     f"friction '{friction.name}'",
                     "sticks and slips, where rest is not unique; give it law=Regularised()",
                 )
-        unit = None if axis is None else problems.array(where, "axis", axis, (3,))
+        unit = None if axis is None else parse_direction(problems, where, "axis", axis)
         at = problems.array(where, "point", point, (3,))
-        if unit is not None and not np.linalg.norm(unit) > 0.0:
-            problems.add(where, "axis is zero, must be a direction")
         problems.raise_if_any()
         self.model, self.parameter = model, parameter
         self.kind = "input" if parameter in model.inputs else parameter
