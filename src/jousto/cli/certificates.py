@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from jousto.base.errors import InputError, Problem
-from jousto.cli.group import offer
-from jousto.cli.options import Debug
-from jousto.cli.terminal import command, say
+from jousto.cli.group import command
+from jousto.cli.options import PartName, PartPath, Solver, amount
+from jousto.cli.terminal import say
 
 if TYPE_CHECKING:
     from jousto.parts.part import Part
@@ -57,15 +57,10 @@ def tell_certificate(
     return certificate.passed
 
 
-@offer()
-@command
+@command()
 def advise(
-    part: Annotated[
-        Path, typer.Argument(metavar="PART", help="YAML file of a part, or a model file.")
-    ],
-    name: Annotated[
-        str | None, typer.Argument(metavar="[NAME]", help="Which of the model's parts.")
-    ] = None,
+    part: PartPath,
+    name: PartName = None,
     frequency_limit: Annotated[
         str | None,
         typer.Option("--frequency-limit", metavar="HZ", help="Highest frequency that matters."),
@@ -79,11 +74,7 @@ def advise(
     accuracy: Annotated[
         float, typer.Option("--accuracy", metavar="SHARE", help="Largest relative error.")
     ] = 0.01,
-    solver: Annotated[
-        str | None,
-        typer.Option("--solver", metavar="NAME", help="Library for the factorisation."),
-    ] = None,
-    debug: Debug = False,
+    solver: Solver = None,
 ) -> None:
     """Propose the modes of a part for a frequency limit or loads, with what each number gains.
 
@@ -98,7 +89,7 @@ def advise(
     if file.part is None:
         message = "was reduced before: advice needs the part with its mesh"
         raise InputError(Problem(f"part '{file.name}'", message))
-    limit = None if frequency_limit is None else _hertz(frequency_limit)
+    limit = amount(frequency_limit, "Hz", "--frequency-limit")
     interfaces = file.method.interfaces if isinstance(file.method, CraigBampton) else ()
     loads: dict[str, Any] = {}
     for text in load or ():
@@ -134,15 +125,6 @@ def _entry(text: str) -> str:
     place, _, kind = text.rpartition(".")
     along = ", ".join("1" if kind[1] == axis else "0" for axis in "xyz")
     return f"{{force: [{along}], nodes: {place}}}"
-
-
-def _hertz(text: str) -> float:
-    from jousto.base.units import UnitError, quantity
-
-    try:
-        return quantity(text, "Hz")
-    except UnitError as error:
-        raise InputError(Problem("--frequency-limit", str(error))) from None
 
 
 def _load(part: Part, text: str) -> Any:

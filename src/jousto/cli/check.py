@@ -6,24 +6,23 @@ import warnings
 from typing import TYPE_CHECKING
 
 from jousto.base.errors import JoustoWarning
-from jousto.cli.group import offer
-from jousto.cli.options import Debug, Model, Trust, compile_model
-from jousto.cli.terminal import command, facts, say
+from jousto.cli.group import command
+from jousto.cli.options import Model, Trust, compile_model
+from jousto.cli.terminal import facts, say
 
 if TYPE_CHECKING:
     from jousto.schema.file.read import ModelFile
 
 
-@offer()
-@command
-def check(model: Model, trust: Trust = False, debug: Debug = False) -> None:
+@command()
+def check(model: Model, trust: Trust = False) -> None:
     """Read a model file, check everything and say what is in it and how it can move."""
     from jousto.model.rank.doctor import doctor
     from jousto.schema.file.read import read_model
 
     file = read_model(model, trust=trust)
     describe_model(file)
-    compiled = compile_model(file)
+    compiled = compile_model(file.mechanism)
     facts(doctor(compiled).lines())
     settings = file.simulation
     if settings is not None:

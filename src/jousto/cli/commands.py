@@ -11,10 +11,10 @@ import typer
 
 from jousto.base.errors import InputError, Problem, count
 from jousto.cli.check import describe_model
-from jousto.cli.group import offer
-from jousto.cli.options import Debug, Model, Output, Result, Trust, amount, compile_model, end_time
+from jousto.cli.group import command
+from jousto.cli.options import Model, Output, Result, Trust, amount, compile_model, end_time
 from jousto.cli.parts import describe_part
-from jousto.cli.terminal import command, facts, plain, progress_bar, say
+from jousto.cli.terminal import facts, plain, progress_bar, say
 
 if TYPE_CHECKING:
     from jousto.simulation.results.solution import Solution
@@ -23,8 +23,7 @@ MOST_EVENTS = 20  # that are printed
 MESHES = (".msh", ".inp", ".bdf", ".nas", ".med", ".vtk", ".vtu", ".cdb")
 
 
-@offer()
-@command
+@command()
 def run(
     model: Model,
     output: Output = None,
@@ -39,41 +38,28 @@ def run(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no summary.")] = False,
     rigid: Annotated[bool, typer.Option("--rigid", help="Make flexible bodies rigid.")] = False,
     trust: Trust = False,
-    debug: Debug = False,
 ) -> None:
     """Simulate a model; the results go to MODEL.h5 unless -o names another file."""
     from jousto.schema.file.read import read_model
     from jousto.schema.targets import RESULTS, output_path
 
     target = output_path(output, model, ".h5", kind=RESULTS)
-    end = None if t_end is None else end_time(t_end)
+    end = amount(t_end, "s", "--t-end")
     bar = sys.stderr.isatty() and not quiet
     file = read_model(model, rigid=rigid, trust=trust, progress=bar)
     settings = file.simulation
-    if end is None:
-        if settings is None:
-            raise InputError(
-                Problem(
-                    model.name,
-                    "does not say how long to simulate; add simulation: {t_end: 10 s}, "
-                    "or give --t-end",
-                )
-            )
-        end = settings.t_end
     from jousto.simulation.running.simulate import describe, simulate
     from jousto.simulation.solvers.adaptive import DormandPrince
 
-    compiled = compile_model(file)
+    compiled = compile_model(file.mechanism)
     given = settings.given(compiled) if settings is not None else {}
     if tolerance is not None:
         solver = given.get("solver")
-        if isinstance(solver, DormandPrince):
-            given["solver"] = replace(solver, tolerance=tolerance)
-        else:
-            given["solver"] = DormandPrince(tolerance=tolerance)
+        chosen = solver if isinstance(solver, DormandPrince) else DormandPrince()
+        given["solver"] = replace(chosen, tolerance=tolerance)
     solution = simulate(
         compiled,
-        end,
+        end or end_time(file, model),
         path=target,
         progress=not quiet and sys.stderr.isatty(),
         model_text=file.text,
@@ -85,14 +71,12 @@ def run(
         say(f"results in {target}", style="green")
 
 
-@offer()
-@command
+@command()
 def info(
     file: Annotated[
         Path, typer.Argument(metavar="FILE", help="Model, results, record, part or mesh.")
     ],
     trust: Trust = False,
-    debug: Debug = False,
 ) -> None:
     """Say what is in a model file, a results file, a reduced part or a mesh in m."""
     from jousto.schema.file.document import is_hdf5
@@ -112,8 +96,7 @@ def info(
     elif hdf5_format(file) == MONITOR:
         from jousto.measurement.monitor.recorded import MonitorRecord
 
-        for line in str(MonitorRecord(file)).splitlines():
-            say(line)
+        say(str(MonitorRecord(file)))
     elif hdf5_format(file) == REDUCED_PART:
         from jousto.reduction.reduced import ReducedPart
 
@@ -122,8 +105,7 @@ def info(
         describe_result(file)
 
 
-@offer()
-@command
+@command()
 def plot(
     result: Result,
     names: Annotated[
@@ -133,30 +115,27 @@ def plot(
         ),
     ] = None,
     output: Output = None,
-    debug: Debug = False,
 ) -> None:
     """Plot sensors over time; the picture goes to RESULT.png unless -o names another file."""
     from jousto.schema.targets import MONITOR, hdf5_format, output_path
 
     target = output_path(output, result, ".png")
+    from jousto.output.plot import plot as draw
+
     if hdf5_format(result) == MONITOR:
         from jousto.measurement.monitor.recorded import MonitorRecord
-        from jousto.output.plot import plot
 
         if names:
             raise InputError(Problem(names[0], "the record of a monitoring run has no sensors"))
-        plot(MonitorRecord(result), path=target)
-        say(f"plot in {target}", style="green")
-        return
-    from jousto.output.plot import plot as draw
-    from jousto.simulation.results.solution import load
+        draw(MonitorRecord(result), path=target)
+    else:
+        from jousto.simulation.results.solution import load
 
-    draw(load(result), *(names or ()), path=target)
+        draw(load(result), *(names or ()), path=target)
     say(f"plot in {target}", style="green")
 
 
-@offer()
-@command
+@command()
 def animate(
     result: Result,
     output: Output = None,
@@ -181,7 +160,6 @@ def animate(
             "--stress-limit", metavar="STRESS", help="Stress of the highest colour, '200 MPa'."
         ),
     ] = None,
-    debug: Debug = False,
 ) -> None:
     """Film the motion; it goes to RESULT.gif unless -o names another file.
 
@@ -192,7 +170,7 @@ def animate(
     from jousto.schema.targets import output_path
 
     target = output_path(output, result, ".gif")
-    limit = None if stress_limit is None else amount(stress_limit, "Pa", "--stress-limit")
+    limit = amount(stress_limit, "Pa", "--stress-limit")
     from jousto.output.scenes.animate import animate as draw
     from jousto.simulation.results.solution import load
 
@@ -211,9 +189,8 @@ def animate(
     say(f"animation in {target}", style="green")
 
 
-@offer()
-@command
-def schema(debug: Debug = False) -> None:
+@command()
+def schema() -> None:
     """Print the JSON schema of the model file, for editors."""
     import json
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from jousto.base.errors import InputError, Problem, Problems, suggest
-from jousto.cli.group import offer
+from jousto.cli.group import command
 from jousto.cli.hotspots import plane_or_name
-from jousto.cli.options import Debug, From, Output, To, amount, instant
-from jousto.cli.terminal import FAILED, command, say
+from jousto.cli.options import From, Output, Residue, Table, To, Vtu, amount, instant, tell_files
+from jousto.cli.terminal import FAILED, say
 
 if TYPE_CHECKING:
     from jousto.fatigue.cycles.duty import DutyCycle
@@ -23,8 +23,7 @@ if TYPE_CHECKING:
     from jousto.simulation.results.solution import Solution
 
 
-@offer()
-@command
+@command()
 def fatigue(
     results: Annotated[
         list[Path] | None,
@@ -42,10 +41,7 @@ def fatigue(
             " model.",
         ),
     ] = None,
-    residue: Annotated[
-        str | None,
-        typer.Option("--residue", metavar="half|repeat|ignore", help="Cycles that stay open."),
-    ] = None,
+    residue: Residue = None,
     bodies: Annotated[
         list[str] | None, typer.Option("--body", metavar="BODY", help="Bodies; all if none.")
     ] = None,
@@ -97,9 +93,7 @@ def fatigue(
     strict: Annotated[
         bool, typer.Option("--strict", help="End with code 1 if a safety is below 1.")
     ] = False,
-    csv: Annotated[
-        Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write every place.")
-    ] = None,
+    csv: Table = None,
     output: Output = None,
     quantity: Annotated[
         str, typer.Option("--quantity", metavar="damage|life|safety", help="That -o draws.")
@@ -110,10 +104,7 @@ def fatigue(
             "--cycles", metavar="FILE.png|.csv", help="Draw or list the cycles of the worst place."
         ),
     ] = None,
-    vtu: Annotated[
-        Path | None, typer.Option("--vtu", metavar="FILE.vtu", help="Write them for ParaView.")
-    ] = None,
-    debug: Debug = False,
+    vtu: Vtu = None,
 ) -> None:
     """Count cycles at every place and say what damage they do and how long the part lives.
 
@@ -156,9 +147,7 @@ def fatigue(
 
     worst = largest([item[0].damage.max(initial=0.0) for item in found])
     field, source, check = found[worst]
-    if csv is not None:
-        say(f"table in {field.to_csv(csv)}", style="green")
-    _draw(run, field, output, quantity, vtu)
+    tell_files(field, run, csv=csv, picture=output, vtu=vtu, quantity=quantity)
     if cycles is not None:
         _cycles(field, source, cycles)
     least = min(float(item[0].safety.min(initial=float("inf"))) for item in found)
@@ -291,20 +280,6 @@ def mean_rule(text: str) -> MeanStress:
         example = {"Pa": f"'{kind} 500 MPa'", "1": f"'{kind} 0.2'", "": kind}[unit]
         raise InputError(Problem("--mean", f"is {text!r}, must be such as {example}"))
     return make() if not unit else make(amount(value, unit, "--mean"))  # type: ignore[no-any-return]
-
-
-def _draw(
-    run: Solution, field: DamageField, output: Path | None, quantity: str, vtu: Path | None
-) -> None:
-    if output is not None:
-        from jousto.output.plot import plot
-
-        plot(field, run, quantity=quantity, path=output)
-        say(f"picture in {output}", style="green")
-    if vtu is not None:
-        from jousto.output.write import write
-
-        say(f"for ParaView in {write(field, vtu, run)}", style="green")
 
 
 def _cycles(field: DamageField, source: DutyCycle, path: Path) -> None:

@@ -7,13 +7,12 @@ from typing import Annotated
 import typer
 
 from jousto.base.errors import InputError, Problem
-from jousto.cli.group import offer
-from jousto.cli.options import Debug, From, Output, Result, To, instant
-from jousto.cli.terminal import command, say
+from jousto.cli.group import command
+from jousto.cli.options import From, Output, Result, To, instant, only_one
+from jousto.cli.terminal import say
 
 
-@offer()
-@command
+@command()
 def forces(
     result: Result,
     beam: Annotated[
@@ -25,7 +24,6 @@ def forces(
     start: From = None,
     end: To = None,
     output: Output = None,
-    debug: Debug = False,
 ) -> None:
     """Show the forces and moments along an exact beam: the smallest and largest, where and when.
 
@@ -47,10 +45,7 @@ def forces(
             raise InputError(Problem("--at", f"a table has one instant, not {len(moments)}"))
     run = load(result)
     names = [shape.name for shape in run.beams]
-    if beam is None and len(names) != 1:
-        found = f"name one of the beams {', '.join(names)}" if names else "this run has no beams"
-        raise InputError(Problem(run.where, found))
-    name = beam or names[0]
+    name = beam or only_one(names, run.where, "beams", "this run has no beams")
     found_forces = section_forces(
         run, name, start=instant(start, "--from"), end=instant(end, "--to")
     )

@@ -4,22 +4,21 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.base.names import file_name
-from jousto.cli.group import offer
-from jousto.cli.options import Debug, Output, Trust, compile_model, end_time
-from jousto.cli.terminal import command, say
+from jousto.cli.group import command
+from jousto.cli.options import Output, Trust, amount, compile_model, end_time, tell_files
+from jousto.cli.terminal import say
 
 if TYPE_CHECKING:
     from jousto.simulation.results.solution import Solution
 
 
-@offer()
-@command
+@command()
 def friction(
     source: Annotated[
         Path, typer.Argument(metavar="MODEL|RESULT", help="Model file, or results with friction.")
@@ -48,7 +47,6 @@ def friction(
     ] = None,
     output: Output = None,
     trust: Trust = False,
-    debug: Debug = False,
 ) -> None:
     """Say which stress is due to friction, and its peaks where joints stick and slip.
 
@@ -78,16 +76,8 @@ def friction(
     for name in names:
         found = friction_stress(*pair, name, start=start, end=end, window=window)
         say(str(found))
-        if csv is not None:
-            target = _of(csv, name, len(names))
-            found.to_csv(target)
-            say(f"table in {target}", style="green")
-        if output is not None:
-            from jousto.output.plot import plot
-
-            target = _of(output, name, len(names))
-            plot(found, path=target)
-            say(f"picture in {target}", style="green")
+        table, picture = (_of(path, name, len(names)) for path in (csv, output))
+        tell_files(found, csv=table, picture=picture)
 
 
 def _names(source: Path, asked: list[str] | None, flexible: list[str]) -> list[str]:
@@ -102,8 +92,10 @@ def _names(source: Path, asked: list[str] | None, flexible: list[str]) -> list[s
     return names
 
 
-def _of(path: Path, name: str, count: int) -> Path:
+def _of(path: Path | None, name: str, count: int) -> Path | None:
     """Return the file of one body of several."""
+    if path is None:
+        return None
     return path if count == 1 else path.with_name(f"{path.stem}-{file_name(name)}{path.suffix}")
 
 
@@ -121,15 +113,13 @@ def both_runs(
 
     file = read_model(source, trust=trust, progress=sys.stderr.isatty())
     settings = file.simulation
-    if settings is None and t_end is None:
-        raise InputError(Problem(source.name, "does not say how long to simulate; give --t-end"))
-    end = settings.t_end if t_end is None and settings is not None else end_time(str(t_end))
+    end = amount(t_end, "s", "--t-end") or end_time(file, source)
     smooth = without_friction(file.mechanism)
-    rubbed = compile_model(file)
+    rubbed = compile_model(file.mechanism)
     _names(source, asked, [shape.name for shape in rubbed.bodies if shape.n])
     runs = []
     for kind in ("friction", "frictionless"):
-        compiled = rubbed if kind == "friction" else _compiled(smooth)
+        compiled = rubbed if kind == "friction" else compile_model(smooth)
         target = output_path(None, source, f".{kind}.h5", kind=RESULTS)
         given = settings.given(compiled) if settings is not None else {}
         runs.append(
@@ -144,9 +134,3 @@ def both_runs(
         )
         say(f"results in {target}", style="green")
     return runs[0], runs[1]
-
-
-def _compiled(mechanism: Any) -> Any:
-    from jousto.model.compile import compile
-
-    return compile(mechanism)

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from jousto.base.errors import InputError, Problem
-from jousto.cli.group import offer
-from jousto.cli.options import Debug, Output, Trust
-from jousto.cli.terminal import command, say
+from jousto.cli.group import command
+from jousto.cli.options import Output, Trust
+from jousto.cli.terminal import columns, say
 
 if TYPE_CHECKING:
     from jousto.simulation.results.solution import Solution
@@ -19,8 +18,7 @@ if TYPE_CHECKING:
 GAUGE_UNITS = ("m/m", "V/V")
 
 
-@offer()
-@command
+@command()
 def gauges(
     file: Annotated[
         Path, typer.Argument(metavar="MODEL|RESULT", help="Model file, or results of a run.")
@@ -60,7 +58,6 @@ def gauges(
     ] = None,
     output: Output = None,
     trust: Trust = False,
-    debug: Debug = False,
 ) -> None:
     """List strain gauges and what they show; compare them with measured ones."""
     from jousto.schema.file.document import is_hdf5
@@ -103,8 +100,7 @@ def gauges(
         max_shift=max_shift,
         gauge_factor=gauge_factor,
     )
-    for line in str(found).splitlines():
-        say(line)
+    say(str(found))
     if csv is not None:
         found.to_csv(csv)
         say(f"values in {csv}")
@@ -158,7 +154,7 @@ def _list_model(file: Path, trust: bool) -> None:
                 f"{1e3 * first.length:.3g} x {1e3 * first.width:.3g}" if first.length else "point",
             )
         )
-    _columns(rows)
+    columns(rows)
     for name in dict.fromkeys(s.body.name for s in found):
         mine = [s for s in found if s.body.name == name and not isinstance(s, Bridge)]
         if not mine:
@@ -200,11 +196,5 @@ def _list_result(run: Solution) -> list[str]:
                     str(about["description"]),
                 )
             )
-    _columns(rows)
+    columns(rows)
     return names
-
-
-def _columns(rows: Sequence[tuple[str, ...]]) -> None:
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    for row in rows:
-        say(("  " + "  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True))).rstrip())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import inspect
 from collections.abc import Callable, Iterator, Mapping
 from importlib import import_module
 from typing import Annotated, Any, TypeVar
@@ -9,7 +11,8 @@ from typing import Annotated, Any, TypeVar
 import typer
 from typer.core import TyperGroup
 
-from jousto.cli.terminal import log_to_screen, say
+from jousto.cli.options import Debug
+from jousto.cli.terminal import log_to_screen, report, say, shown_warnings, spell_out
 
 Function = TypeVar("Function", bound=Callable[..., None])
 
@@ -48,16 +51,39 @@ OFFERED: dict[str, typer.Typer] = {}  # by modules that are imported
 SETTINGS = {"help_option_names": ["-h", "--help"]}
 
 
-def offer(name: str = "") -> Callable[[Function], Function]:
-    """Make a function a command, of its own name if none is given; to be listed in `PLACES`."""
+def command(name: str = "") -> Callable[[Function], Function]:
+    """Make a function a command, of its own name if none is given; to be listed in `PLACES`.
+
+    Its errors become lines on stderr and exit codes, or with ``--debug`` a traceback.
+    """
 
     def add(function: Function) -> Function:
+        @functools.wraps(function)
+        def guarded(*args: Any, debug: bool = False, **kwargs: Any) -> None:
+            spell_out()
+            try:
+                with shown_warnings():
+                    function(*args, **kwargs)
+            except (typer.Exit, typer.Abort):
+                raise
+            except (Exception, KeyboardInterrupt) as error:
+                if debug:
+                    raise
+                raise typer.Exit(report(error)) from None
+
+        old = inspect.signature(function, eval_str=True)
+        more = inspect.Parameter(
+            "debug", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Debug
+        )
+        guarded.__signature__ = old.replace(  # type: ignore[attr-defined]
+            parameters=[*old.parameters.values(), more]
+        )
         known = name or function.__name__
         one = typer.Typer(
             add_completion=False, pretty_exceptions_enable=False, context_settings=SETTINGS
         )
         OFFERED[known] = one
-        return one.command(known)(function)
+        return one.command(known)(guarded)  # type: ignore[return-value]
 
     return add
 

@@ -8,9 +8,20 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from jousto.base.errors import InputError, Problem
-from jousto.cli.group import offer
-from jousto.cli.options import Debug, From, Output, Result, To, amount, instant
-from jousto.cli.terminal import command, say
+from jousto.cli.group import command
+from jousto.cli.options import (
+    From,
+    Output,
+    Quantity,
+    Result,
+    Strain,
+    To,
+    Vtu,
+    amount,
+    instant,
+    tell_files,
+)
+from jousto.cli.terminal import say
 
 if TYPE_CHECKING:
     from jousto.recovery.fields.criteria import Plane
@@ -19,23 +30,14 @@ REMARK = "at stored instants, of these modes, step and mesh; jousto hotspots giv
 FINER = "finer runs tell more: jousto hotspots --finer-step, --more-modes, --finer-mesh"
 
 
-@offer()
-@command
+@command()
 def hotspots(
     result: Result,
     bodies: Annotated[
         list[str] | None, typer.Argument(metavar="[BODY]...", help="Bodies; all if none.")
     ] = None,
     count: Annotated[int, typer.Option("--count", "-n", help="How many places.")] = 10,
-    criterion: Annotated[
-        str,
-        typer.Option(
-            "--criterion",
-            metavar="NAME",
-            help="von-mises, signed-von-mises, principal-1 .. 3, signed-principal, max-shear, "
-            "s11 .. s13, or normal:x,y,z of a plane; with --strain of strain.",
-        ),
-    ] = "von-mises",
+    criterion: Quantity = "von-mises",
     separation: Annotated[
         str | None,
         typer.Option(
@@ -50,7 +52,7 @@ def hotspots(
     ] = None,
     start: From = None,
     end: To = None,
-    strain: Annotated[bool, typer.Option("--strain", help="Strain instead of stress.")] = False,
+    strain: Strain = False,
     csv: Annotated[
         Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write the table.")
     ] = None,
@@ -71,10 +73,7 @@ def hotspots(
         typer.Option("--finer-mesh", metavar="FILE.h5", help="Same run, finer mesh."),
     ] = None,
     output: Output = None,
-    vtu: Annotated[
-        Path | None, typer.Option("--vtu", metavar="FILE.vtu", help="Write them for ParaView.")
-    ] = None,
-    debug: Debug = False,
+    vtu: Vtu = None,
 ) -> None:
     """Rank the places with the largest stress at stored instants and prove that no other is worse.
 
@@ -86,7 +85,7 @@ def hotspots(
     from jousto.recovery.hotspots.spots import hot_spots
     from jousto.simulation.results.solution import load
 
-    apart = None if separation is None else amount(separation, "m", "--separation")
+    apart = amount(separation, "m", "--separation")
     first, last = instant(start, "--from"), instant(end, "--to")
     sought = plane_or_name(criterion)
     check_targets({csv: ("csv",), histories: ("csv", "h5"), vtu: ("vtu",), output: ()})
@@ -112,19 +111,9 @@ def hotspots(
     advice = found.advice()
     if advice:
         say(f"warning: {advice}", error=True, style="yellow")
-    if csv is not None:
-        say(f"table in {found.to_csv(csv)}", style="green")
     if histories is not None:
         say(f"histories in {found.write_histories(histories)}", style="green")
-    if output is not None:
-        from jousto.output.plot import plot
-
-        plot(found, run, path=output)
-        say(f"picture in {output}", style="green")
-    if vtu is not None:
-        from jousto.output.write import write
-
-        say(f"for ParaView in {write(found, vtu, run)}", style="green")
+    tell_files(found, run, csv=csv, picture=output, vtu=vtu)
 
 
 def check_targets(targets: dict[Path | None, tuple[str, ...]]) -> None:

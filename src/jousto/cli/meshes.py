@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from jousto.base.errors import InputError, Problem
-from jousto.cli.group import offer
-from jousto.cli.options import Debug, Output, amount
-from jousto.cli.terminal import BAD_INPUT, command, facts, say
+from jousto.cli.group import command
+from jousto.cli.options import Output, amount
+from jousto.cli.terminal import BAD_INPUT, facts, say
 
 if TYPE_CHECKING:
     from jousto.mesh.inspection import Finding
@@ -20,8 +20,7 @@ CAD = (".step", ".stp", ".brep", ".brp", ".iges", ".igs")
 SHOWN = 24  # sets or holes in the list
 
 
-@offer()
-@command
+@command()
 def mesh(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Mesh or CAD file.")],
     output: Output = None,
@@ -50,7 +49,6 @@ def mesh(
     mark: Annotated[
         list[str] | None, typer.Option("--mark", metavar="SET", help="Set to mark in the picture.")
     ] = None,
-    debug: Debug = False,
 ) -> None:
     """Read a mesh, or mesh a CAD file, and say what is in it and what is wrong with it.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import sys
 from pathlib import Path
@@ -11,9 +12,9 @@ import typer
 
 from jousto.base.errors import InputError, Problem
 from jousto.base.names import harmless
-from jousto.cli.group import offer
-from jousto.cli.options import Debug, Model, Output, amount, compile_model
-from jousto.cli.terminal import command, say
+from jousto.cli.group import command
+from jousto.cli.options import Model, Output, amount, compile_model
+from jousto.cli.terminal import say
 
 if TYPE_CHECKING:
     from jousto.measurement.monitor.watch import Progress
@@ -23,8 +24,7 @@ STYLES = {"alarm": "bold red", "channel": "yellow", "garbage": "yellow", "backwa
 SHOWN = 12  # events below the table
 
 
-@offer()
-@command
+@command()
 def monitor(
     model: Model,
     gauges: Annotated[
@@ -44,7 +44,6 @@ def monitor(
     plain: Annotated[
         bool, typer.Option("--plain", help="Lines instead of a table that is drawn anew.")
     ] = False,
-    debug: Debug = False,
 ) -> None:
     """Watch measured strains: stress at hot spots, damage, remaining life, alarms.
 
@@ -82,7 +81,7 @@ def monitor(
     if not quiet:
         board = Board(gauges) if drawn else Lines()
         show = board.show
-    with board.live() if board is not None and drawn else nothing():
+    with board.live() if board is not None and drawn else contextlib.nullcontext():
         record = watch(
             watcher,
             gauges,
@@ -96,8 +95,7 @@ def monitor(
     if csv is not None:
         record.to_csv(csv)
     if not quiet:
-        for line in str(record).splitlines():
-            say(line)
+        say(str(record))
         say(f"record in {target}", style="green")
 
 
@@ -121,18 +119,8 @@ def reference_run(file: ModelFile, model: Path, quiet: bool) -> Any:
         )
     if not quiet:
         say(f"reference run of {file.simulation.t_end:g} s")
-    compiled = compile_model(file)
+    compiled = compile_model(file.mechanism)
     return simulate(compiled, file.simulation.t_end, **file.simulation.given(compiled))
-
-
-class nothing:
-    """A context that does nothing."""
-
-    def __enter__(self) -> None:
-        """Do nothing."""
-
-    def __exit__(self, *error: object) -> None:
-        """Do nothing."""
 
 
 class Lines:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from jousto.base.errors import InputError, Problem, Problems, suggest
-from jousto.cli.group import offer
-from jousto.cli.options import Debug, Output, Result, amount
-from jousto.cli.terminal import command, say
+from jousto.base.errors import InputError, Problem, suggest
+from jousto.cli.group import command
+from jousto.cli.options import Output, Residue, Result, Table, amount, only_one, tell_files
+from jousto.cli.terminal import say
 
 if TYPE_CHECKING:
     from jousto.recovery.fields.field import StressField
@@ -21,15 +21,9 @@ Sites = Annotated[
     typer.Option("--site", metavar="SITE", help="Places; else those of the largest stress."),
 ]
 Count = Annotated[int, typer.Option("--count", metavar="N", help="How many of those places.")]
-Table = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write every place.")]
-ResidueOption = Annotated[
-    str | None,
-    typer.Option("--residue", metavar="half|repeat|ignore", help="Cycles that stay open."),
-]
 
 
-@offer()
-@command
+@command()
 def multiaxial(
     result: Result,
     body: Body = None,
@@ -45,11 +39,10 @@ def multiaxial(
         str | None,
         typer.Option("--sn", metavar="NAME", help="S-N curve for damage, such as S355 or fat71."),
     ] = None,
-    residue: ResidueOption = None,
+    residue: Residue = None,
     sites: Sites = None,
     count: Count = 5,
     csv: Table = None,
-    debug: Debug = False,
 ) -> None:
     """Find the critical planes of the worst places; with --sn the damage of each plane."""
     from jousto.fatigue.multiaxial.counted_planes import PlaneDamage, plane_damage
@@ -68,19 +61,17 @@ def multiaxial(
 
         found = plane_damage(field, rule, sn_curve(sn), residue=_residue(residue))
         say(str(found))
-    if csv is not None:
-        say(f"table in {found.to_csv(csv)}", style="green")
+    tell_files(found, csv=csv)
 
 
-@offer("strain-life")
-@command
+@command("strain-life")
 def strain_life_command(
     result: Result,
     body: Body = None,
     material: Annotated[
         str, typer.Option("--material", metavar="NAME", help="Such as sae-1045 or rqc-100.")
     ] = "",
-    residue: ResidueOption = None,
+    residue: Residue = None,
     criterion: Annotated[
         str, typer.Option("--criterion", metavar="NAME", help="Stress that is followed.")
     ] = "signed-von-mises",
@@ -94,7 +85,6 @@ def strain_life_command(
     count: Count = 5,
     csv: Table = None,
     output: Output = None,
-    debug: Debug = False,
 ) -> None:
     """Follow local stress and strain in the worst places and count their hysteresis loops."""
     from jousto.fatigue.local.strain_life import strain_damage
@@ -107,8 +97,7 @@ def strain_life_command(
     field = _field(result, body, sites, count)
     found = strain_damage(field, curve, criterion=criterion, **options)
     say(str(found))
-    if csv is not None:
-        say(f"table in {found.to_csv(csv)}", style="green")
+    tell_files(found, csv=csv)
     if output is not None:
         from jousto.base.ranking import ranking
         from jousto.output.plot import plot
@@ -119,8 +108,7 @@ def strain_life_command(
         say(f"loops of {worst} in {output}", style="green")
 
 
-@offer()
-@command
+@command()
 def hertz(
     force: Annotated[str, typer.Option("--force", metavar="F", help="Normal force, '10 kN'.")],
     radius: Annotated[str, typer.Option("--radius", metavar="R", help="Radius, '100 mm'.")],
@@ -137,22 +125,19 @@ def hertz(
     friction: Annotated[
         float, typer.Option("--friction", metavar="MU", help="Tangential over normal traction.")
     ] = 0.0,
-    debug: Debug = False,
 ) -> None:
     """Tell pressure and stress of a wheel on a flat rail, along a line or at a point."""
     from jousto.fatigue.contact.contact import hertz_line, hertz_point, shakedown_limit
     from jousto.materials.library import material as named
 
-    problems = Problems()
     if (length is None) == (crown is None):
-        problems.add("hertz", "give --length of a line contact or --crown of a point contact")
-    problems.raise_if_any()
+        message = "give --length of a line contact or --crown of a point contact"
+        raise InputError(Problem("hertz", message))
     F, R = amount(force, "N", "--force"), amount(radius, "m", "--radius")
     both = named(material)
     if length is not None:
         contact = hertz_line(F, length=amount(length, "m", "--length"), radius=R, material=both)
     else:
-        assert crown is not None
         contact = hertz_point(F, radii=(R, amount(crown, "m", "--crown")), material=both)
     shear, depth = contact.largest_shear()
     say(str(contact))
@@ -172,12 +157,7 @@ def _field(result: Path, body: str | None, sites: list[str] | None, count: int) 
     from jousto.simulation.results.solution import load
 
     run = load(result)
-    if body is None:
-        names = list(run.stressed)
-        if len(names) != 1:
-            which = "none has stress" if not names else f"name one of {', '.join(names)}"
-            raise InputError(Problem(str(result), f"which body? {which}"))
-        body = names[0]
+    body = body or only_one(run.stressed, run.where, "bodies", "no body has stress data")
     if count < 1:
         raise InputError(Problem("--count", f"is {count}, must be 1 or more"))
     field = stress_field(run, body, sites=tuple(sites) if sites else None)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from jousto.base.errors import InputError, Problem
+from jousto.cli.terminal import say
 
 if TYPE_CHECKING:
     from jousto.schema.file.read import ModelFile
@@ -23,40 +25,111 @@ Trust = Annotated[
     bool, typer.Option("--trust", help="Run Python functions that the model file names.")
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+Table = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write every place.")]
+Vtu = Annotated[
+    Path | None, typer.Option("--vtu", metavar="FILE.vtu", help="Write them for ParaView.")
+]
+Quantity = Annotated[
+    str,
+    typer.Option(
+        "--criterion",
+        metavar="NAME",
+        help="von-mises, signed-von-mises, principal-1 .. 3, signed-principal, max-shear, "
+        "s11 .. s13, or normal:x,y,z of a plane; with --strain of strain.",
+    ),
+]
+Strain = Annotated[bool, typer.Option("--strain", help="Strain instead of stress.")]
+Residue = Annotated[
+    str | None,
+    typer.Option("--residue", metavar="half|repeat|ignore", help="Cycles that stay open."),
+]
+PartPath = Annotated[
+    Path, typer.Argument(metavar="PART", help="YAML file of a part, or a model file.")
+]
+PartName = Annotated[
+    str | None, typer.Argument(metavar="[NAME]", help="Which of the model's parts.")
+]
+Solver = Annotated[
+    str | None, typer.Option("--solver", metavar="NAME", help="Library for the factorisation.")
+]
+Initial = Annotated[
+    bool, typer.Option("--initial", help="About the initial pose, not the rest position.")
+]
 
 
-def compile_model(file: ModelFile) -> Any:
-    """Return the compiled model of a model file."""
+def compile_model(mechanism: Any) -> Any:
+    """Return the compiled model of a mechanism."""
     from jousto.model.compile import compile
 
-    return compile(file.mechanism)
+    return compile(mechanism)
 
 
-def end_time(text: str) -> float:
-    """Return the end time of an option, s."""
-    return amount(text, "s", "--t-end")
+def compiled_model(path: Path, trust: bool) -> Any:
+    """Return the compiled model of a model file."""
+    from jousto.schema.file.read import read_model
+
+    return compile_model(read_model(path, trust=trust).mechanism)
 
 
 def instant(text: str | None, option: str) -> float | None:
     """Return the time of an option in s, None if it is not given."""
-    from jousto.base.units import UnitError, quantity
+    return None if text is None else value_of(text, "s", option)
 
+
+def amount(text: str | None, unit: str, option: str) -> Any:
+    """Return the positive value of an option such as '12 mm' in SI, None if it is not given."""
     if text is None:
         return None
-    try:
-        return quantity(text, "s")
-    except UnitError as error:
-        raise InputError(Problem(option, str(error))) from None
-
-
-def amount(text: str, unit: str, option: str) -> float:
-    """Return the positive value of an option, a number or a text such as '12 mm', in SI."""
-    from jousto.base.units import UnitError, quantity
-
-    try:
-        value = quantity(text, unit)
-    except UnitError as error:
-        raise InputError(Problem(option, str(error))) from None
+    value = value_of(text, unit, option)
     if value <= 0:
         raise InputError(Problem(option, f"is {value:g} {unit}, must be positive"))
     return value
+
+
+def value_of(text: str, unit: str, option: str) -> float:
+    """Return the value of an option, a number or a text such as '12 mm', in SI."""
+    from jousto.base.units import UnitError, quantity
+
+    try:
+        return quantity(text, unit)
+    except UnitError as error:
+        raise InputError(Problem(option, str(error))) from None
+
+
+def end_time(file: ModelFile, source: Path, wanted: str = "how long to simulate") -> float:
+    """Return the end of the run that a model file asks for, s."""
+    if file.simulation is None:
+        message = f"does not say {wanted}; add simulation: {{t_end: 10 s}}, or give --t-end"
+        raise InputError(Problem(source.name, message))
+    return file.simulation.t_end
+
+
+def only_one(names: Iterable[str], where: str, kind: str, none: str) -> str:
+    """Return the one name of several kinds of bodies that is meant if none is given."""
+    some = list(names)
+    if len(some) != 1:
+        found = f"name one of the {kind} {', '.join(some)}" if some else none
+        raise InputError(Problem(where, found))
+    return some[0]
+
+
+def tell_files(
+    found: Any,
+    *more: Any,
+    csv: Path | None = None,
+    picture: Path | None = None,
+    vtu: Path | None = None,
+    **how: Any,
+) -> None:
+    """Write a result as a table, a picture and for ParaView where asked for, and say where."""
+    if csv is not None:
+        say(f"table in {found.to_csv(csv)}", style="green")
+    if picture is not None:
+        from jousto.output.plot import plot
+
+        plot(found, *more, path=picture, **how)
+        say(f"picture in {picture}", style="green")
+    if vtu is not None:
+        from jousto.output.write import write
+
+        say(f"for ParaView in {write(found, vtu, *more)}", style="green")

@@ -11,23 +11,18 @@ import typer
 from jousto.base.errors import InputError, MissingFileError, Problem
 from jousto.base.names import file_name
 from jousto.cli.certificates import Html, page_path, tell_certificate
-from jousto.cli.group import offer
-from jousto.cli.options import Debug, Output
-from jousto.cli.terminal import FAILED, command, facts, say
+from jousto.cli.group import command
+from jousto.cli.options import Output, PartName, PartPath, Solver
+from jousto.cli.terminal import FAILED, facts, say
 
 if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
 
 
-@offer("reduce")
-@command
+@command("reduce")
 def reduce_part(
-    part: Annotated[
-        Path, typer.Argument(metavar="PART", help="YAML file of a part, or a model file.")
-    ],
-    name: Annotated[
-        str | None, typer.Argument(metavar="[NAME]", help="Which of the model's parts.")
-    ] = None,
+    part: PartPath,
+    name: PartName = None,
     output: Output = None,
     html: Html = None,
     bare: Annotated[
@@ -36,10 +31,7 @@ def reduce_part(
     strict: Annotated[
         bool, typer.Option("--strict", help="End with code 1 if the certificate has a fault.")
     ] = False,
-    solver: Annotated[
-        str | None,
-        typer.Option("--solver", metavar="NAME", help="Library for the factorisation."),
-    ] = None,
+    solver: Solver = None,
     cache: Annotated[
         bool | None,
         typer.Option(
@@ -49,7 +41,6 @@ def reduce_part(
         ),
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")] = False,
-    debug: Debug = False,
 ) -> None:
     """Reduce a part to modes; it goes to NAME.h5 next to the file unless -o names another file.
 
@@ -83,8 +74,7 @@ def reduce_part(
         raise typer.Exit(FAILED)
 
 
-@offer()
-@command
+@command()
 def export(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Reduced part or results (HDF5).")],
     output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="File to write.")],
@@ -92,7 +82,6 @@ def export(
         list[str] | None,
         typer.Argument(metavar="[NAME]...", help="Sensors of results; all if none."),
     ] = None,
-    debug: Debug = False,
 ) -> None:
     """Write a reduced part or results for other programs; the ending selects which.
 

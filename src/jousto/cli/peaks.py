@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from jousto.base.errors import InputError, Problem, suggest
-from jousto.cli.group import offer
+from jousto.cli.group import command
 from jousto.cli.hotspots import FINER
-from jousto.cli.options import Debug, From, Result, To, instant
-from jousto.cli.terminal import command, say
+from jousto.cli.options import From, Result, To, instant
+from jousto.cli.terminal import columns, say
 
 if TYPE_CHECKING:
     from jousto.recovery.hotspots.spots import HotSpots
@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 HEAD = ("", "smallest", "at", "largest", "at", "")
 
 
-@offer()
-@command
+@command()
 def peaks(
     result: Result,
     names: Annotated[
@@ -28,7 +27,6 @@ def peaks(
     ] = None,
     start: From = None,
     end: To = None,
-    debug: Debug = False,
 ) -> None:
     """List the smallest and largest value of sensors, and the largest stress of bodies."""
     from jousto.recovery.budget import error_budget
@@ -39,13 +37,7 @@ def peaks(
     rows = [HEAD, *sensor_peaks(run, tuple(names or run.sensors), *span)]
     worst = [] if names else worst_places(run, *span)
     rows += stress_peaks(run, worst)
-    widths = [max(len(row[k]) for row in rows) for k in range(len(HEAD))]
-    for row in rows:
-        cells = [
-            row[0].ljust(widths[0]),
-            *(c.rjust(w) for c, w in zip(row[1:5], widths[1:5], strict=True)),
-        ]
-        say(("  " + "  ".join(cells) + "  " + row[5]).rstrip())
+    columns(rows, "<>>>><")
     for found in worst:
         say(f"  {str(error_budget(found)).splitlines()[0]}")
     if worst:

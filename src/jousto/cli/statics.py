@@ -8,9 +8,9 @@ from typing import Annotated, Any
 import typer
 
 from jousto.base.errors import InputError, Problem
-from jousto.cli.group import offer
-from jousto.cli.options import Debug, Model, Output, Trust, compile_model
-from jousto.cli.terminal import command, facts, most_at, numbers, say
+from jousto.cli.group import command
+from jousto.cli.options import Model, Output, Trust, compiled_model, tell_files
+from jousto.cli.terminal import facts, most_at, numbers, say
 
 Input = Annotated[
     str | None,
@@ -20,8 +20,7 @@ Start = Annotated[float | None, typer.Option("--start", help="First value; now o
 Steps = Annotated[int, typer.Option("--steps", min=1, help="Steps to the last value.")]
 
 
-@offer()
-@command
+@command()
 def path(
     model: Model,
     parameter: Input = None,
@@ -41,17 +40,14 @@ def path(
     ] = None,
     output: Output = None,
     trust: Trust = False,
-    debug: Debug = False,
 ) -> None:
     """Follow the equilibrium of a model while an input grows; -o draws it over a sensor."""
     from jousto.output.figures.load_path import sensor_place
-    from jousto.output.plot import plot
     from jousto.output.style import PICTURES, target
     from jousto.output.write import write
-    from jousto.schema.file.read import read_model
     from jousto.simulation.statics.paths import load_path
 
-    compiled = compile_model(read_model(model, trust=trust))
+    compiled = compiled_model(model, trust)
     name = _parameter(compiled, parameter, model)
     if to is None:
         raise InputError(Problem(model.name, f"does not say how far {name} grows; give --to VALUE"))
@@ -84,15 +80,12 @@ def path(
     facts(rows, f"{model.name} over {name}")
     if table is not None:
         say(f"table in {write(found, table)}", style="green")
-    if output is not None:
-        plot(found, shown, path=output)
-        say(f"picture in {output}", style="green")
+    tell_files(found, shown, picture=output)
     if not found.complete:
         say(f"the path ends before {name} = {to:g}: {found.ended}", style="yellow")
 
 
-@offer()
-@command
+@command()
 def buckle(
     model: Model,
     parameter: Input = None,
@@ -105,13 +98,11 @@ def buckle(
     ] = None,
     start: Start = None,
     trust: Trust = False,
-    debug: Debug = False,
 ) -> None:
     """Find the loads at which a model buckles, the lowest first, and where it moves."""
-    from jousto.schema.file.read import read_model
     from jousto.simulation.statics.buckling import buckling
 
-    compiled = compile_model(read_model(model, trust=trust))
+    compiled = compiled_model(model, trust)
     name = _parameter(compiled, parameter, model)
     found = buckling(
         compiled, name, count, method="path" if along else "linear", start=start, to=to

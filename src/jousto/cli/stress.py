@@ -10,11 +10,10 @@ import numpy as np
 import typer
 from numpy.typing import NDArray
 
-from jousto.base.errors import InputError, Problem
-from jousto.cli.group import offer
+from jousto.cli.group import command
 from jousto.cli.hotspots import REMARK, plane_or_name
-from jousto.cli.options import Debug, From, Output, Result, To, instant
-from jousto.cli.terminal import command, say
+from jousto.cli.options import From, Output, Quantity, Result, Strain, To, instant, only_one
+from jousto.cli.terminal import columns, say
 
 if TYPE_CHECKING:
     from jousto.recovery.fields.criteria import Criterion
@@ -26,8 +25,7 @@ Array = NDArray[Any]
 SHOWN = 12
 
 
-@offer()
-@command
+@command()
 def stress(
     result: Result,
     body: Annotated[str | None, typer.Argument(metavar="[BODY]", help="Body; may be left out.")] = (
@@ -39,15 +37,7 @@ def stress(
             "--site", "-s", metavar="SITE", help="Label, node set or node number from 0; again."
         ),
     ] = None,
-    criterion: Annotated[
-        str,
-        typer.Option(
-            "--criterion",
-            metavar="NAME",
-            help="von-mises, signed-von-mises, principal-1 .. 3, signed-principal, max-shear, "
-            "s11 .. s13, or normal:x,y,z of a plane; with --strain of strain.",
-        ),
-    ] = "von-mises",
+    criterion: Quantity = "von-mises",
     frame: Annotated[
         str, typer.Option("--frame", metavar="site|body|world", help="Axes of components.")
     ] = "site",
@@ -56,12 +46,11 @@ def stress(
     at: Annotated[
         str | None, typer.Option("--at", metavar="TIME", help="One instant, '0.5 s'.")
     ] = None,
-    strain: Annotated[bool, typer.Option("--strain", help="Strain instead of stress.")] = False,
+    strain: Strain = False,
     residual: Annotated[
         bool, typer.Option("--residual", help="Add what the modes leave out (mode acceleration).")
     ] = False,
     output: Output = None,
-    debug: Debug = False,
 ) -> None:
     """Show the stress of a body: its smallest and largest value at places, and when.
 
@@ -76,7 +65,7 @@ def stress(
     run = load(result)
     field = stress_field(
         run,
-        body or only_body(run),
+        body or only_one(run.stressed, run.where, "bodies", "no body has stress data"),
         sites=None if not site else [int(x) if x.isdecimal() else x for x in site],
         start=first,
         end=last,
@@ -141,15 +130,6 @@ def worst_first(
     return ranking(worst, labels)
 
 
-def only_body(run: Solution) -> str:
-    """Return the only body of a run whose stress is known."""
-    names = list(run.stressed)
-    if len(names) != 1:
-        found = f"name one of the bodies {', '.join(names)}" if names else "no body has stress data"
-        raise InputError(Problem(run.where, found))
-    return names[0]
-
-
 def factor(field: StressField) -> float:
     """Return the factor to the unit of tables."""
     return 1e6 if field.strain else 1e-6
@@ -161,12 +141,8 @@ def unit(field: StressField) -> str:
 
 
 def table(rows: list[tuple[str, ...]], count: int) -> None:
-    """Print rows, the first column to the left."""
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    for row in rows:
-        cells = [row[0].ljust(widths[0])]
-        cells += [c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True)]
-        say(("  " + "  ".join(cells)).rstrip())
+    """Print rows, the first column to the left, and how many places there are."""
+    columns(rows, "<>")
     if count > len(rows) - 1:
         say(f"  ... of {count} places; -o FILE.csv has all of them")
 

@@ -8,24 +8,31 @@ import typer
 
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import written
-from jousto.cli.group import offer
-from jousto.cli.options import Debug, Model, Output, Trust, compile_model, end_time
-from jousto.cli.terminal import command, facts, most_at, numbers, plain, say
+from jousto.cli.group import command
+from jousto.cli.options import (
+    Initial,
+    Model,
+    Output,
+    Trust,
+    amount,
+    compile_model,
+    compiled_model,
+    end_time,
+)
+from jousto.cli.terminal import facts, most_at, numbers, plain, say
 
 MATRICES = (".npz", ".mat")
 
 FREE = 1e-6  # 1/s, below which a rate is round-off
 
 
-@offer()
-@command
-def equilibrium(model: Model, trust: Trust = False, debug: Debug = False) -> None:
+@command()
+def equilibrium(model: Model, trust: Trust = False) -> None:
     """Find where a model rests: positions of the bodies and values of the sensors."""
     from jousto.model.native.native import Engine
-    from jousto.schema.file.read import read_model
     from jousto.simulation.statics.equilibrium import equilibrium as rest
 
-    compiled = compile_model(read_model(model, trust=trust))
+    compiled = compiled_model(model, trust)
     state = rest(compiled)
     engine = Engine(compiled)
     engine.q[:], engine.v[:], engine.time[0] = state.q, state.v, state.time
@@ -44,25 +51,20 @@ def equilibrium(model: Model, trust: Trust = False, debug: Debug = False) -> Non
     facts(rows, f"{model.name} at rest")
 
 
-@offer()
-@command
+@command()
 def modes(
     model: Model,
     count: Annotated[
         int, typer.Option("--count", "-n", min=1, help="How many, the slowest first.")
     ] = 10,
-    initial: Annotated[
-        bool, typer.Option("--initial", help="About the initial pose, not the rest position.")
-    ] = False,
+    initial: Initial = False,
     trust: Trust = False,
-    debug: Debug = False,
 ) -> None:
     """Compute the natural modes of a model, without damping, about where it rests."""
-    from jousto.schema.file.read import read_model
     from jousto.simulation.modes.linear import modes as natural
     from jousto.simulation.statics.equilibrium import equilibrium as rest
 
-    compiled = compile_model(read_model(model, trust=trust))
+    compiled = compiled_model(model, trust)
     found = natural(compiled, None if initial else rest(compiled))
     rows = []
     for k, value in enumerate(found.eigenvalues[:count]):
@@ -77,21 +79,16 @@ def modes(
     facts(rows or [("modes", "none: nothing is free to move")], f"{model.name} about {place}")
 
 
-@offer()
-@command
+@command()
 def linearise(
     model: Model,
     output: Output = None,
-    initial: Annotated[
-        bool, typer.Option("--initial", help="About the initial pose, not the rest position.")
-    ] = False,
+    initial: Initial = False,
     trust: Trust = False,
-    debug: Debug = False,
 ) -> None:
     """Linearise a model: A, B, C, D of its inputs and sensors, into MODEL.npz or -o FILE.mat."""
     import numpy as np
 
-    from jousto.schema.file.read import read_model
     from jousto.schema.targets import output_path
     from jousto.simulation.modes.linear import linearise as small_motions
     from jousto.simulation.statics.equilibrium import equilibrium as rest
@@ -99,7 +96,7 @@ def linearise(
     target = output_path(output, model, ".npz")
     if target.suffix not in MATRICES:
         raise InputError(Problem(str(target), f"must end with {' or '.join(MATRICES)}"))
-    compiled = compile_model(read_model(model, trust=trust))
+    compiled = compiled_model(model, trust)
     found = small_motions(compiled, None if initial else rest(compiled))
     values: dict[str, Any] = {
         "A": found.A,
@@ -109,14 +106,13 @@ def linearise(
         "inputs": np.array(found.input_names, dtype=str),
         "outputs": np.array(found.output_names, dtype=str),
     }
-    if target.suffix == ".mat":
-        from scipy.io import savemat
+    with written(target) as beside:
+        if target.suffix == ".mat":
+            from scipy.io import savemat
 
-        names = ("inputs", "outputs")
-        with written(target) as beside:
+            names = ("inputs", "outputs")
             savemat(beside, values | {name: values[name].astype(object) for name in names})
-    else:
-        with written(target) as beside:
+        else:
             np.savez(beside, **values)
     rows = [
         ("states", str(len(found.A))),
@@ -127,8 +123,7 @@ def linearise(
     say(f"A, B, C, D in {target}", style="green")
 
 
-@offer()
-@command
+@command()
 def kinematics(
     model: Model,
     output: Output = None,
@@ -139,7 +134,6 @@ def kinematics(
         int, typer.Option("--instants", "-n", min=1, help="How many instants, evenly spaced.")
     ] = 101,
     trust: Trust = False,
-    debug: Debug = False,
 ) -> None:
     """Move a fully driven model without integration, with the forces of its drives."""
     import numpy as np
@@ -150,17 +144,8 @@ def kinematics(
 
     target = output_path(output, model, ".h5", kind=RESULTS)
     file = read_model(model, trust=trust)
-    end = None if t_end is None else end_time(t_end)
-    if end is None:
-        if file.simulation is None:
-            raise InputError(
-                Problem(
-                    model.name,
-                    "does not say until when; add simulation: {t_end: 10 s}, or give --t-end",
-                )
-            )
-        end = file.simulation.t_end
-    found = motion(compile_model(file), np.linspace(0.0, end, instants), path=target)
+    end = amount(t_end, "s", "--t-end") or end_time(file, model, "until when")
+    found = motion(compile_model(file.mechanism), np.linspace(0.0, end, instants), path=target)
     rows = [
         ("instants", str(len(found.time))),
         ("last instant (s)", plain(float(found.time[-1]))),

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import contextlib
-import functools
 import logging
 import os
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from io import TextIOWrapper
-from typing import Any, ParamSpec, TextIO
-
-import typer
+from typing import Any, TextIO
 
 from jousto.base.errors import InputError, JoustoWarning, SimulationError
 from jousto.base.names import harmless
-
-P = ParamSpec("P")
 
 FAILED, BAD_INPUT = 1, 2
 
@@ -61,38 +56,11 @@ def shown_warnings() -> Iterator[None]:
         yield
 
 
-def _spell_out() -> None:
+def spell_out() -> None:
     """Let letters that the terminal or file does not know be written as their codes."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper) and stream.errors == "strict":
             stream.reconfigure(errors="backslashreplace")
-
-
-def command(function: Callable[P, None]) -> Callable[P, None]:
-    """Turn the errors of a command into lines on stderr and exit codes."""
-
-    @functools.wraps(function)
-    def guarded(*args: P.args, **kwargs: P.kwargs) -> None:
-        debug = bool(kwargs.get("debug"))
-        _spell_out()
-        try:
-            with shown_warnings():
-                function(*args, **kwargs)
-        except (InputError, SimulationError, KeyboardInterrupt, OSError) as error:
-            if debug:
-                raise
-            raise typer.Exit(report(error)) from None
-        except (typer.Exit, typer.Abort):
-            raise
-        except Exception as error:
-            if debug:
-                raise
-            text = f"{type(error).__name__}: {error}".splitlines()[0]
-            say(f"internal error, {text}", error=True, style="red")
-            say("this is a bug of jousto; run again with --debug to see where", error=True)
-            raise typer.Exit(FAILED) from None
-
-    return guarded
 
 
 def report(error: BaseException) -> int:
@@ -105,6 +73,11 @@ def report(error: BaseException) -> int:
         name = f"{error.filename}: " if error.filename else ""
         say(f"{name}{error.strerror or error}", error=True, style="red")
         return BAD_INPUT
+    if not isinstance(error, SimulationError | KeyboardInterrupt):
+        text = f"{type(error).__name__}: {error}".splitlines()[0]
+        say(f"internal error, {text}", error=True, style="red")
+        say("this is a bug of jousto; run again with --debug to see where", error=True)
+        return FAILED
     say(str(error) or "interrupted", error=True, style="red")
     solution = getattr(error, "solution", None)
     if isinstance(error, SimulationError) and solution is not None:
@@ -119,6 +92,15 @@ def facts(rows: list[tuple[str, str]], title: str = "") -> None:
     width = max((len(name) for name, _ in rows), default=0)
     for name, value in rows:
         say(f"  {name:<{width}}  {value}".rstrip())
+
+
+def columns(rows: Iterable[Sequence[str]], sides: str = "<") -> None:
+    """Print rows in columns, each to the left or right: ``<`` or ``>``, the last for all others."""
+    rows = list(rows)
+    widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
+    for row in rows:
+        cells = zip(row, sides.ljust(len(row), sides[-1]), widths, strict=True)
+        say(("  " + "  ".join(f"{cell:{side}{width}}" for cell, side, width in cells)).rstrip())
 
 
 def most_at(shape: Mapping[str, Any]) -> str:
