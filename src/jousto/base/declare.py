@@ -74,14 +74,15 @@ class Declared:
         )
         own: dict[str, Field[Any, Any]] = {}
         for key, facts in said.items():
+            by_name = facts.kw_only or kw_only
             made: Field[Any, Any] = types[key](
-                facts.text, default=facts.default, kw_only=facts.kw_only, **facts.facts
+                facts.text, default=facts.default, kw_only=by_name, **facts.facts
             )
             made.name = key
+            made.key = made.key or key
             made.label = made.label or key
             own[key] = made
             keep = {} if made.required else {"default": facts.default}
-            by_name = facts.kw_only or kw_only
             setattr(cls, key, dataclasses.field(kw_only=by_name, compare=facts.compare, **keep))
         inherited = [vars(base).get("fields", {}) for base in reversed(cls.__mro__[1:])]
         cls.fields = {key: kind for some in (*inherited, own) for key, kind in some.items()}
@@ -104,11 +105,12 @@ class Declared:
 
     def __post_init__(self) -> None:
         problems = Problems()
-        where = self.place(problems)
+        where = self.heading(problems)
         wrong = {"name"} if problems.found else set()
         for key, kind in self.fields.items():
             value = getattr(self, key)
-            if value is None and (kind.optional or kind.default is None):
+            left_out = value is None and (kind.optional or kind.default is None)
+            if left_out and not kind.checks_none:
                 continue
             before = len(problems.found)
             object.__setattr__(self, key, kind.check(problems, where, value))
@@ -118,7 +120,7 @@ class Declared:
             self.consistent(problems, where)
         problems.raise_if_any()
 
-    def place(self, problems: Problems) -> str:
+    def heading(self, problems: Problems) -> str:
         """Return what messages say first, ``joint 'hinge'``; note what is wrong with the name."""
         kind = self.kind or type(self).__name__
         name = getattr(self, "name", "") if "name" in self.fields else ""
@@ -128,6 +130,11 @@ class Declared:
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Note what is wrong between fields that are right by themselves."""
+
+    @property
+    def made(self) -> Any:
+        """What a model file declares with it: itself, or the object that it describes."""
+        return self
 
     def __repr__(self) -> str:
         return describe(self)
@@ -139,7 +146,7 @@ def document(cls: type[Declared]) -> None:
     if "Parameters\n---" in text or not cls.fields:
         return
     rows = []
-    for kind in cls.fields.values():
+    for kind in sorted(cls.fields.values(), key=lambda kind: kind.kw_only):
         unit = f", {kind.unit}" if str(kind.unit) not in ("", "1") else ""
         rows += [kind.line(), f"    {kind.text}{unit}."]
     head, *rest = re.split(

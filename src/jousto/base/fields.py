@@ -67,6 +67,8 @@ class Field(Generic[In, Out]):
         SI unit; empty where there is none.
     file : bool
         Whether model files may give it.
+    key : str
+        What model files call it; its name if empty.
     label : str
         What messages call it; its name if empty.
     wanted : str
@@ -75,12 +77,14 @@ class Field(Generic[In, Out]):
         Whether messages show the value as it was given, without its unit.
     """
 
-    form: ClassVar[str] = ""
+    form: str = ""
     """How model files write it; `jousto.schema` knows how to read each form."""
-    noun: ClassVar[str] = ""
+    noun: str = ""
     """What it is called in help."""
     optional: ClassVar[bool] = False
     """Whether None is a value, also where it is not the default."""
+    checks_none: ClassVar[bool] = False
+    """Whether None stands for a value, which `check` returns."""
     spread: ClassVar[bool] = False
     """Whether the constructor takes its items one after the other, ``Sum(a, b, c)``."""
 
@@ -92,12 +96,14 @@ class Field(Generic[In, Out]):
         kw_only: bool = False,
         unit: Any = "",
         file: bool = True,
+        key: str = "",
         label: str = "",
         wanted: str = "",
         plain: bool = False,
     ) -> None:
         self.text = text
         self.file = file
+        self.key = key
         self.default = default
         self.kw_only = kw_only
         self.unit = unit
@@ -158,7 +164,29 @@ class Text(Field[str, str]):
 
 
 class AnyField(Field[Any, Any]):
-    """Anything."""
+    """Anything; what it must be is checked with the other fields, in `consistent`.
+
+    Parameters
+    ----------
+    text, unit, default, kw_only
+        As for every field.
+    form, noun : str
+        How model files write it, and what it is called in help.
+    shape : tuple
+        Of one value, where there may be one for all or a list of them.
+    """
+
+    def __init__(
+        self,
+        text: str = "",
+        *,
+        form: str = "",
+        noun: str = "",
+        shape: tuple[int | None, ...] = (),
+        **common: Any,
+    ) -> None:
+        super().__init__(text, **common)
+        self.form, self.noun, self.shape = form, noun, shape
 
 
 class OptionalText(Field["str | None", str]):

@@ -43,7 +43,7 @@ class Initial(Declared, section="initial"):
         "Rate; None leaves it to what else is given", unit=RATE, default=None, kw_only=True
     )
 
-    def place(self, problems: Problems) -> str:
+    def heading(self, problems: Problems) -> str:
         """Return what messages say first, ``initial 'crank.angle'``."""
         return f"initial {getattr(self.coordinate, 'name', '')!r}"
 

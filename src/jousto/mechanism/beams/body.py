@@ -18,12 +18,18 @@ from jousto.base.fields import field
 from jousto.base.frozen import Frozen
 from jousto.base.names import check_name
 from jousto.base.numbers import Number, number, set_fields
-from jousto.base.rotations import euler_parameters, parse_direction, rotation_matrix
+from jousto.base.rotations import (
+    euler_parameters,
+    parse_direction,
+    parse_orientation,
+    rotation_matrix,
+)
 from jousto.mechanism.beams.frames import arc_lengths, section_frames, strains, tangents
 from jousto.mechanism.beams.limits import highest_frequencies
 from jousto.mechanism.beams.stiffness import BeamSection, as_beam_section, tension_factor
-from jousto.mechanism.bodies.body import ZERO3, RigidBody, initial_pose
+from jousto.mechanism.bodies.body import RigidBody
 from jousto.mechanism.bodies.marker import Marker, marker_axes
+from jousto.mechanism.bodies.posed import ZERO3
 from jousto.parts.frames.members import check_elements
 
 SHARES = {"lumped": 0.0, "corrected": 0.0, "consistent": 1.0}
@@ -72,20 +78,19 @@ class BeamDamping(Declared, by_value=True):
             )
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
 class BeamNode(RigidBody):
     """A node of a beam: a rigid body with the mass of its half elements.
 
     Made by `BeamBody`; its frame is that of the section there.
 
-    Attributes
+    Parameters
     ----------
     beam : str
         Name of the beam.
     place : int
         Number of the node from 0.
-    damping : float
-        Of its momenta, proportional to its mass, 1/s.
+    **fields
+        Those of `RigidBody`, and the damping of its momenta, proportional to its mass, 1/s.
     """
 
     beam: str
@@ -239,7 +244,12 @@ class BeamBody:
         problems = Problems()
         where = check_name(problems, "body", name)
         nodes = _nodes(problems, where, points, elements)
-        pose = initial_pose(problems, where, position, orientation, velocity, angular_velocity)
+        pose = {
+            "position": problems.array(where, "position", position, (3,)),
+            "orientation": parse_orientation(problems, where, "orientation", orientation),
+            "velocity": problems.array(where, "velocity", velocity, (3,)),
+            "angular_velocity": problems.array(where, "angular_velocity", angular_velocity, (3,)),
+        }
         sections = _sections(problems, where, section, material, nodes)
         if mass is None:
             mass = "corrected" if bending else "lumped"

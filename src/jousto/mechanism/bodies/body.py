@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+import inspect
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, ParamSpec, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,14 +13,25 @@ from numpy.typing import ArrayLike
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array, read_only
 from jousto.base.errors import InputError, Problem, Problems, suggest
-from jousto.base.frozen import Frozen
-from jousto.base.names import check_name
-from jousto.base.numbers import number, set_fields
-from jousto.base.rotations import parse_orientation
-from jousto.mechanism.bodies.inertia import check_inertia, check_mass, damping_diagonal
+from jousto.base.fields import AnyField, Field, Reference, field
+from jousto.base.numbers import Number, Vector, set_fields
+from jousto.base.rotations import Direction
+from jousto.base.units import LENGTHS
+from jousto.mechanism.bodies.inertia import check_mass, damping_diagonal
 from jousto.mechanism.bodies.marker import Marker, marker_axes
+from jousto.mechanism.bodies.posed import (
+    ZERO3,
+    Inertia,
+    Mass,
+    OptionalMass,
+    Outline,
+    Points,
+    Posed,
+)
 from jousto.mechanism.bodies.shapes import (
-    body_arguments,
+    Lengths,
+    LengthUnit,
+    Solid,
     box,
     closed_surface,
     cylinder,
@@ -28,10 +40,9 @@ from jousto.mechanism.bodies.shapes import (
 )
 
 if TYPE_CHECKING:
-    from jousto.reduction.reduced import ReducedPart
+    from jousto.reduction.reduced import ReducedPart as ReducedPart
 
-ZERO3 = (0.0, 0.0, 0.0)
-DROPPABLE = ("I5", "I9")
+P = ParamSpec("P")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -46,7 +57,7 @@ class Ground:
     <Marker 'ground.at(1, 0, 0.5)'>
     """
 
-    name: str = field(default="ground", init=False)
+    name: ClassVar[str] = "ground"
 
     __iter__: ClassVar[None] = None  # points have names: no sequence
 
@@ -99,32 +110,147 @@ class Ground:
 ground = Ground()
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class RigidBody:
+class Shaped(Posed):
+    """A homogeneous rigid body that is given by its shape."""
+
+    mass: OptionalMass = field(
+        "Of the two, give it or the density", unit="kg", default=None, kw_only=True
+    )
+    density: OptionalMass = field("Instead of the mass", unit="kg/m3", default=None, kw_only=True)
+    at: Vector = field(
+        "Where the origin of the shape, or its middle, is in the body frame",
+        unit="m",
+        default=ZERO3,
+        kw_only=True,
+    )
+    markers: Points = field("Named points in the body frame", unit="m", default=None, kw_only=True)
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note a mass and a density, or none of them."""
+        if (self.mass is None) == (self.density is None):
+            problems.add(where, "give either mass (kg) or density (kg/m3)")
+
+    @property
+    def solid(self) -> Solid:
+        """The solid of density 1 about its origin."""
+        raise NotImplementedError
+
+    @property
+    def made(self) -> RigidBody:
+        """The rigid body."""
+        solid = self.solid
+        rho = self.density if self.mass is None else self.mass / solid.volume
+        assert rho is not None
+        given = {key: getattr(self, key) for key in ("markers", *Posed.fields)}
+        return RigidBody(
+            **given,
+            mass=rho * solid.volume,
+            inertia=rho * solid.inertia,
+            center=solid.center + self.at,
+            outline=solid.triangles + self.at,
+        )
+
+
+class BoxBody(Shaped, tag="box"):
+    """A homogeneous box with its mass, inertia and shape.
+
+    Examples
+    --------
+    >>> RigidBody.box("crate", (1.0, 0.5, 0.2), density=700)
+    <RigidBody 'crate': 70 kg>
+    """
+
+    size: Lengths = field("Lengths along the axes of the body frame", unit="m")
+
+    @property
+    def solid(self) -> Solid:
+        """The solid of density 1 about its middle."""
+        return box(self.size)
+
+
+class CylinderBody(Shaped, tag="cylinder"):
+    """A homogeneous cylinder with its mass, inertia and shape.
+
+    Examples
+    --------
+    >>> RigidBody.cylinder("wheel", radius=0.3, length=0.1, mass=12)
+    <RigidBody 'wheel': 12 kg>
+    """
+
+    radius: Number = field("Its radius", unit="m", above=0)
+    length: Number = field("Along its axis", unit="m", above=0)
+    axis: Direction = field(
+        "Direction of its axis in the body frame", default=(0.0, 0.0, 1.0), kw_only=True
+    )
+
+    @property
+    def solid(self) -> Solid:
+        """The solid of density 1 about its middle."""
+        return cylinder(self.radius, self.length, np.asarray(self.axis))
+
+
+class SphereBody(Shaped, tag="sphere"):
+    """A homogeneous sphere with its mass, inertia and shape.
+
+    Examples
+    --------
+    >>> RigidBody.sphere("ball", radius=0.11, mass=0.43)
+    <RigidBody 'ball': 0.43 kg>
+    """
+
+    radius: Number = field("Its radius", unit="m", above=0)
+
+    @property
+    def solid(self) -> Solid:
+        """The solid of density 1 about its middle."""
+        return sphere(self.radius)
+
+
+class SurfaceBody(Shaped, tag="surface"):
+    """A homogeneous body of any shape, from its closed surface.
+
+    Mass, centre and inertia are exact for the triangles, by the divergence theorem.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or the surface is open or turned inside out in parts.
+    """
+
+    surface: AnyField = field(
+        "A file with triangles (STL, OBJ, PLY and what else meshio reads), a `Mesh` of solids, "
+        "or the corners of triangles",
+        form="file",
+        noun="path, Mesh or (nt, 3, 3) array_like",
+        key="file",
+    )
+    unit: LengthUnit = field(
+        "Unit of a file or an array", words=tuple(LENGTHS), default="m", kw_only=True
+    )
+
+    @property
+    def solid(self) -> Solid:
+        """The solid of density 1 in the coordinates of the surface."""
+        where = f"body {self.name!r}"
+        return closed_surface(where, read_surface(where, self.surface, self.unit))
+
+
+def built(word: str, shape: Callable[P, Shaped]) -> Callable[P, RigidBody]:
+    """Return the function that makes the rigid body of a shape."""
+
+    def make(*given: P.args, **named: P.kwargs) -> RigidBody:
+        return shape(*given, **named).made
+
+    make.__name__, make.__qualname__ = word, f"RigidBody.{word}"
+    make.__doc__ = (inspect.getdoc(shape) or "").replace("A ", "Return a ", 1)
+    make.__dict__["__signature__"] = inspect.signature(shape).replace(return_annotation="RigidBody")
+    return explained(make)
+
+
+class RigidBody(Posed, tag="rigid"):
     """A rigid body with its initial pose and velocity.
 
-    Parameters
-    ----------
-    name : str
-        Name, unique among the bodies.
-    mass : float
-        Mass, kg.
-    inertia : (3, 3) or (3,) array_like
-        Inertia tensor about the centre of mass in body axes, kg m2; three numbers are its
-        diagonal. Products of inertia with their minus sign, as in the tensor.
-    center : (3,) array_like
-        Centre of mass in the body frame, m.
-    markers : mapping of str to (3,) array_like
-        Named points in the body frame, m. "origin" and "center" always exist.
-    position, orientation : (3,) array_like, orientation
-        Initial pose of the body frame in the world, m; None, Euler parameters (scalar first),
-        rotation matrix, scipy Rotation or `Rotate`.
-    velocity, angular_velocity : (3,) array_like
-        Initial velocity of the body frame's origin, m/s, and angular velocity, rad/s, both
-        resolved in the world frame.
-    outline : (k, 3) or (nt, 3, 3) array_like, optional
-        Polyline in the body frame, m, to draw the body with, or the triangles of its surface,
-        counterclockwise seen from outside.
+    "origin" and "center" always exist among its named points.
 
     Raises
     ------
@@ -142,221 +268,28 @@ class RigidBody:
     <Marker 'rod.tip'>
     """
 
-    name: str
-    mass: float
-    inertia: Array
-    center: Array
-    markers: Mapping[str, Array]
-    position: Array
-    orientation: Array
-    velocity: Array
-    angular_velocity: Array
-    outline: Array | None
+    mass: Mass = field("Its mass", unit="kg")
+    inertia: Inertia = field(
+        "Tensor about the centre of mass in body axes; three numbers are its diagonal. Products "
+        "of inertia with their minus sign, as in the tensor",
+        unit="kg m2",
+    )
+    center: Vector = field(
+        "Centre of mass in the body frame", unit="m", default=ZERO3, kw_only=True
+    )
+    markers: Points = field("Named points in the body frame", unit="m", default=None, kw_only=True)
+    outline: Outline = field(
+        "Polyline in the body frame to draw the body with, or the triangles of its surface, "
+        "counterclockwise seen from outside",
+        unit="m",
+        default=None,
+        kw_only=True,
+    )
 
-    def __init__(
-        self,
-        name: str,
-        mass: float,
-        inertia: ArrayLike,
-        *,
-        center: ArrayLike = ZERO3,
-        markers: Mapping[str, ArrayLike] | None = None,
-        position: ArrayLike = ZERO3,
-        orientation: Any = None,
-        velocity: ArrayLike = ZERO3,
-        angular_velocity: ArrayLike = ZERO3,
-        outline: ArrayLike | None = None,
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, "body", name)
-        kilograms = number(problems, where, "mass", mass)
-        if kilograms is not None and kilograms <= 0:
-            problems.add(where, f"mass is {kilograms:g} kg, must be a positive number")
-        tensor = check_inertia(problems, where, inertia)
-        named: Any = {} if markers is None else markers
-        if not isinstance(named, Mapping):
-            problems.add(where, f"markers is {named!r}, must be a mapping of names to positions")
-            named = {}
-        points = {
-            str(point): problems.array(where, f"markers[{point!r}]", at, (3,))
-            for point, at in named.items()
-        }
-        for point in points:
-            if point in ("origin", "center"):
-                problems.add(
-                    where, f"marker {point!r}: the name is taken by the body's own {point}"
-                )
-        values = {
-            "center": problems.array(where, "center", center, (3,)),
-            **initial_pose(problems, where, position, orientation, velocity, angular_velocity),
-            "outline": None
-            if outline is None
-            else problems.array(
-                where, "outline", outline, (None, 3) if np.ndim(outline) < 3 else (None, 3, 3)
-            ),
-        }
-        problems.raise_if_any()
-        set_fields(
-            self,
-            name=name,
-            mass=kilograms,
-            inertia=tensor,
-            markers=Frozen(points),
-            **values,
-        )
-
-    @classmethod
-    def box(
-        cls,
-        name: str,
-        size: ArrayLike,
-        *,
-        mass: float | None = None,
-        density: float | None = None,
-        at: ArrayLike = ZERO3,
-        **options: Any,
-    ) -> RigidBody:
-        """Return a homogeneous box with its mass, inertia and shape.
-
-        Parameters
-        ----------
-        name : str
-            Name, unique among the bodies.
-        size : (3,) array_like
-            Lengths along the axes of the body frame, m.
-        mass, density : float, optional
-            kg or kg/m3, one of the two.
-        at : (3,) array_like
-            Where its middle is in the body frame, m.
-        **options
-            markers, position, orientation, velocity and angular_velocity of the body.
-
-        Examples
-        --------
-        >>> RigidBody.box("crate", (1.0, 0.5, 0.2), density=700)
-        <RigidBody 'crate': 70 kg>
-        """
-        made = body_arguments(name, lambda where, p: box(where, size, p), mass, density, at)
-        return cls(name, **made, **options)
-
-    @classmethod
-    def cylinder(
-        cls,
-        name: str,
-        radius: float,
-        length: float,
-        *,
-        axis: ArrayLike = (0.0, 0.0, 1.0),
-        mass: float | None = None,
-        density: float | None = None,
-        at: ArrayLike = ZERO3,
-        **options: Any,
-    ) -> RigidBody:
-        """Return a homogeneous cylinder with its mass, inertia and shape.
-
-        Parameters
-        ----------
-        name : str
-            Name, unique among the bodies.
-        radius, length : float
-            m.
-        axis : (3,) array_like
-            Direction of its axis in the body frame.
-        mass, density : float, optional
-            kg or kg/m3, one of the two.
-        at : (3,) array_like
-            Where its middle is in the body frame, m.
-        **options
-            markers, position, orientation, velocity and angular_velocity of the body.
-
-        Examples
-        --------
-        >>> RigidBody.cylinder("wheel", radius=0.3, length=0.1, mass=12)
-        <RigidBody 'wheel': 12 kg>
-        """
-        made = body_arguments(
-            name, lambda where, p: cylinder(where, radius, length, axis, p), mass, density, at
-        )
-        return cls(name, **made, **options)
-
-    @classmethod
-    def sphere(
-        cls,
-        name: str,
-        radius: float,
-        *,
-        mass: float | None = None,
-        density: float | None = None,
-        at: ArrayLike = ZERO3,
-        **options: Any,
-    ) -> RigidBody:
-        """Return a homogeneous sphere with its mass, inertia and shape.
-
-        Parameters
-        ----------
-        name : str
-            Name, unique among the bodies.
-        radius : float
-            m.
-        mass, density : float, optional
-            kg or kg/m3, one of the two.
-        at : (3,) array_like
-            Where its middle is in the body frame, m.
-        **options
-            markers, position, orientation, velocity and angular_velocity of the body.
-
-        Examples
-        --------
-        >>> RigidBody.sphere("ball", radius=0.11, mass=0.43)
-        <RigidBody 'ball': 0.43 kg>
-        """
-        made = body_arguments(name, lambda where, p: sphere(where, radius, p), mass, density, at)
-        return cls(name, **made, **options)
-
-    @classmethod
-    @explained
-    def from_mesh(
-        cls,
-        name: str,
-        surface: Any,
-        *,
-        unit: str = "m",
-        mass: float | None = None,
-        density: float | None = None,
-        at: ArrayLike = ZERO3,
-        **options: Any,
-    ) -> RigidBody:
-        """Return a homogeneous body of any shape, from its closed surface.
-
-        Mass, centre and inertia are exact for the triangles, by the divergence theorem.
-
-        Parameters
-        ----------
-        name : str
-            Name, unique among the bodies.
-        surface : path, Mesh or (nt, 3, 3) array_like
-            A file with triangles (STL, OBJ, PLY and what else meshio reads), a `Mesh` of solids,
-            or the corners of triangles.
-        unit : {"m", "mm", "cm", "in", "ft"}
-            Unit of a file or an array.
-        mass, density : float, optional
-            kg or kg/m3, one of the two.
-        at : (3,) array_like
-            Where the origin of the surface is in the body frame, m.
-        **options
-            markers, position, orientation, velocity and angular_velocity of the body.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be read, or the surface is open or turned inside out in parts.
-        """
-        made = body_arguments(
-            name,
-            lambda where, p: closed_surface(where, read_surface(where, surface, unit)),
-            *(mass, density, at),
-        )
-        return cls(name, **made, **options)
+    box = staticmethod(built("box", BoxBody))
+    cylinder = staticmethod(built("cylinder", CylinderBody))
+    sphere = staticmethod(built("sphere", SphereBody))
+    from_mesh = staticmethod(built("from_mesh", SurfaceBody))
 
     __iter__: ClassVar[None] = None
 
@@ -398,33 +331,55 @@ class RigidBody:
         return read_only(np.zeros(0))
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class FlexibleBody:
+class Reduced(Reference["ReducedPart", "ReducedPart"]):
+    """A reduced part; a model file gives its name."""
+
+    section = "parts"
+    word = "part"
+    noun = "ReducedPart"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the part."""
+        if not all(hasattr(value, a) for a in ("modes", "frequencies", "invariants")):
+            hint = "; reduce it first, reduce(part, method)" if hasattr(value, "K") else ""
+            problems.add(where, f"reduced is a {type(value).__name__}, must be a ReducedPart{hint}")
+        return value
+
+
+class Dropped(Field[Iterable[str], frozenset[str]]):
+    """Names of inertia invariants."""
+
+    form = "choices"
+    noun = 'iterable of {"I5", "I9"}'
+    words = ("I5", "I9")
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return them as a set."""
+        names: Any = (value,) if isinstance(value, str) else value
+        if not isinstance(names, Iterable):
+            problems.add(where, f"{self.name} is {names!r}, must be names such as 'I5'")
+            return None
+        dropped = tuple(names)
+        for name in dropped:
+            if name not in self.words:
+                hint = suggest(str(name), self.words)
+                problems.add(where, f"{self.name}: {name!r} cannot be dropped{hint}")
+        return frozenset(dropped)
+
+
+class Modal(Field["ArrayLike | None", Array]):
+    """One number of each mode; None for zero. The body checks how many there are."""
+
+    form = "array"
+    noun = "(n,) array_like"
+    shape = (None,)
+
+
+class FlexibleBody(Posed, tag="flexible"):
     """A reduced part in a floating frame with its initial state.
 
     A particle with undeformed local position u0 and mode shapes Phi (3, n) is at
     ``r = R + A (u0 + Phi p)`` (Rantalainen 2007, section 3.2).
-
-    Parameters
-    ----------
-    name : str
-        Name, unique among the bodies.
-    reduced : ReducedPart
-        Modes, invariants and nodes; may be shared by several bodies.
-    damping : float, sequence of float or Rayleigh
-        Modal damping ratio for all modes, one for each mode, or Rayleigh coefficients. The ratio
-        is that of the modes of the free body (``reduced.frequencies``): a vibration that joints
-        lower to a frequency f has less. For a ratio zeta at f use ``Rayleigh(0, zeta/(pi f))``.
-    position, orientation : (3,) array_like, orientation
-        Initial pose of the floating frame (the part's frame) in the world, m.
-    velocity, angular_velocity : (3,) array_like
-        Initial velocity of the frame's origin, m/s, and angular velocity, rad/s, both
-        resolved in the world frame.
-    modal_coordinates, modal_velocities : (n,) array_like, optional
-        Initial p, kg^0.5 m, and p', kg^0.5 m/s; None for zero.
-    drop_invariants : iterable of {"I5", "I9"}
-        Inertia invariants to leave out for speed (Rantalainen 2007, section 3.6.2); this
-        makes the equations approximate.
 
     Attributes
     ----------
@@ -438,71 +393,45 @@ class FlexibleBody:
         mass lies on one line.
     """
 
-    name: str
-    reduced: ReducedPart
-    damping: Any
-    position: Array
-    orientation: Array
-    velocity: Array
-    angular_velocity: Array
-    modal_coordinates: Array
-    modal_velocities: Array
+    together = ("reduced",)
     modal_damping: Array
-    drop_invariants: frozenset[str]
+    reduced: Reduced = field(
+        "Modes, invariants and nodes; may be shared by several bodies", key="part"
+    )
+    damping: AnyField = field(
+        "Modal damping ratio for all modes, one for each mode, or Rayleigh coefficients. The ratio "
+        "is that of the modes of the free body (``reduced.frequencies``): a vibration that joints "
+        "lower to a frequency f has less. For a ratio zeta at f use ``Rayleigh(0, zeta/(pi f))``",
+        form="damping",
+        noun="float, sequence of float or Rayleigh",
+        default=0.0,
+        kw_only=True,
+    )
+    modal_coordinates: Modal = field(
+        "Initial p; None for zero", unit="kg^0.5 m", default=None, kw_only=True
+    )
+    modal_velocities: Modal = field(
+        "Initial p'; None for zero", unit="kg^0.5 m/s", default=None, kw_only=True
+    )
+    drop_invariants: Dropped = field(
+        "Inertia invariants to leave out for speed (Rantalainen 2007, section 3.6.2); this "
+        "makes the equations approximate",
+        default=(),
+        kw_only=True,
+    )
 
-    def __init__(
-        self,
-        name: str,
-        reduced: ReducedPart,
-        *,
-        damping: Any = 0.0,
-        position: ArrayLike = ZERO3,
-        orientation: Any = None,
-        velocity: ArrayLike = ZERO3,
-        angular_velocity: ArrayLike = ZERO3,
-        modal_coordinates: ArrayLike | None = None,
-        modal_velocities: ArrayLike | None = None,
-        drop_invariants: Iterable[str] = (),
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, "body", name)
-        values = initial_pose(problems, where, position, orientation, velocity, angular_velocity)
-        names: Any = (drop_invariants,) if isinstance(drop_invariants, str) else drop_invariants
-        if not isinstance(names, Iterable):
-            problems.add(where, f"drop_invariants is {names!r}, must be names such as 'I5'")
-            names = ()
-        dropped = tuple(names)
-        for invariant in dropped:
-            if invariant not in DROPPABLE:
-                problems.add(
-                    where,
-                    f"drop_invariants: {invariant!r} cannot be dropped"
-                    f"{suggest(str(invariant), DROPPABLE)}",
-                )
-        if not all(hasattr(reduced, a) for a in ("modes", "frequencies", "invariants")):
-            hint = "; reduce it first, reduce(part, method)" if hasattr(reduced, "K") else ""
-            problems.add(
-                where, f"reduced is a {type(reduced).__name__}, must be a ReducedPart{hint}"
-            )
-            problems.raise_if_any()
-        n = len(reduced.frequencies)
-        for key, given in (
-            ("modal_coordinates", modal_coordinates),
-            ("modal_velocities", modal_velocities),
-        ):
-            values[key] = problems.array(where, key, np.zeros(n) if given is None else given, (n,))
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Keep what there is of each mode; note what does not fit to the modes."""
+        damping = self.damping
         damping = tuple(damping) if isinstance(damping, list | np.ndarray) else damping
-        values["modal_damping"] = damping_diagonal(problems, where, damping, reduced)
-        problems.raise_if_any()
-        set_fields(
-            self,
-            name=name,
-            reduced=reduced,
-            damping=damping,
-            drop_invariants=frozenset(dropped),
-            **values,
-        )
-        check_mass(name, reduced.invariants, self.modal_coordinates)
+        set_fields(self, damping=damping)
+        for key in ("modal_coordinates", "modal_velocities"):
+            given = np.zeros(self.n) if vars(self)[key] is None else vars(self)[key]
+            set_fields(self, **{key: problems.array(where, key, given, (self.n,))})
+        diagonal = damping_diagonal(problems, where, damping, self.reduced)
+        set_fields(self, modal_damping=diagonal)
+        if not problems.found:
+            check_mass(self.name, self.reduced.invariants, self.modal_coordinates)
 
     __iter__: ClassVar[None] = None
 
@@ -559,20 +488,3 @@ def marker_at(body: Ground | RigidBody, position: ArrayLike, axes: Any, name: st
     assert at is not None
     point = name or "at(" + ", ".join(f"{x:g}" for x in at) + ")"
     return Marker(body, point, at, None, marker_axes(f"{body.name}.{point}", axes))
-
-
-def initial_pose(
-    problems: Problems,
-    where: str,
-    position: ArrayLike,
-    orientation: Any,
-    velocity: ArrayLike,
-    angular_velocity: ArrayLike,
-) -> dict[str, Any]:
-    """Return the checked initial pose and velocity of a body frame."""
-    return {
-        "position": problems.array(where, "position", position, (3,)),
-        "orientation": parse_orientation(problems, where, "orientation", orientation),
-        "velocity": problems.array(where, "velocity", velocity, (3,)),
-        "angular_velocity": problems.array(where, "angular_velocity", angular_velocity, (3,)),
-    }

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, MissingFileError, Problem, Problems, suggest
-from jousto.base.numbers import number
-from jousto.base.rotations import parse_direction, turn_onto
+from jousto.base.fields import Choice
+from jousto.base.numbers import Vector
+from jousto.base.rotations import turn_onto
 from jousto.base.units import LENGTHS
 
 FACETS = 32  # around circles that are drawn
@@ -42,14 +42,29 @@ class Solid:
     triangles: Array
 
 
-def box(where: str, size: ArrayLike, problems: Problems) -> Solid | None:
+class Lengths(Vector):
+    """Three lengths above zero."""
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return them as a read-only array."""
+        lengths = super().check(problems, where, value)
+        if lengths is not None and (lengths <= 0.0).any():
+            problems.add(where, f"{self.name} is {lengths.tolist()} m, must be positive")
+        return lengths
+
+
+class LengthUnit(Choice):
+    """A unit of length."""
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the word."""
+        if value not in self.words:
+            problems.add(where, f"{self.name} is {value!r}{suggest(value, self.words)}")
+        return value
+
+
+def box(lengths: Array) -> Solid:
     """Return a box about the origin: ``I_xx = m (ly^2 + lz^2) / 12``."""
-    lengths = problems.array(where, "size", size, (3,))
-    if lengths is None:
-        return None
-    if (lengths <= 0.0).any():
-        problems.add(where, f"size is {lengths.tolist()} m, must be positive")
-        return None
     squares = lengths**2
     volume = float(np.prod(lengths))
     inertia = np.diag(volume * (squares.sum() - squares) / 12.0)
@@ -68,15 +83,8 @@ def box(where: str, size: ArrayLike, problems: Problems) -> Solid | None:
     return Solid(volume, np.zeros(3), inertia, np.array(outward))
 
 
-def cylinder(
-    where: str, radius: float, length: float, axis: ArrayLike, problems: Problems
-) -> Solid | None:
+def cylinder(r: float, long: float, direction: Array) -> Solid:
     """Return a cylinder about the origin: ``m r^2 / 2`` along and ``m (3 r^2 + l^2) / 12``."""
-    r = positive(problems, where, "radius", radius)
-    long = positive(problems, where, "length", length)
-    direction = parse_direction(problems, where, "axis", axis)
-    if r is None or long is None or direction is None:
-        return None
     volume = float(np.pi * r * r * long)
     across = (3.0 * r * r + long * long) / 12.0
     A = turn_onto(np.eye(3), direction)
@@ -85,11 +93,8 @@ def cylinder(
     return Solid(volume, np.zeros(3), inertia, revolved(profile) @ A.T)
 
 
-def sphere(where: str, radius: float, problems: Problems) -> Solid | None:
+def sphere(r: float) -> Solid:
     """Return a sphere about the origin: ``2 m r^2 / 5``."""
-    r = positive(problems, where, "radius", radius)
-    if r is None:
-        return None
     volume = float(4.0 / 3.0 * np.pi * r**3)
     angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, FACETS // 2 + 1)
     profile = r * np.stack([np.cos(angle), np.sin(angle)], axis=1)
@@ -183,8 +188,6 @@ def _refuse(where: str, points: Array, edges: NDArray[np.int_]) -> None:
 
 def read_surface(where: str, source: Any, unit: str) -> Array:
     """Return the triangles (nt, 3, 3), m, of a file, a `Mesh` or an array."""
-    if unit not in LENGTHS:
-        raise InputError(Problem(where, f"unit is {unit!r}{suggest(unit, LENGTHS)}"))
     if hasattr(source, "triangles") and hasattr(source, "nodes"):  # a mesh of solids, in m
         mesh: Any = source
         return np.asarray(mesh.nodes[mesh.triangles], dtype=np.float64)
@@ -214,53 +217,3 @@ def _file(where: str, path: Path) -> Array:
         raise InputError(Problem(where, f"'{path.name}' holds no triangles"))
     points = np.asarray(mesh.points, dtype=np.float64)
     return np.asarray(points[np.concatenate(blocks)])
-
-
-def positive(problems: Problems, where: str, name: str, value: Any) -> float | None:
-    """Return a length above zero, or note why the value is none."""
-    found = number(problems, where, name, value)
-    if found is not None and found <= 0.0:
-        problems.add(where, f"{name} is {found:g} m, must be positive")
-        return None
-    return found
-
-
-def body_arguments(
-    name: Any,
-    make: Callable[[str, Problems], Solid | None],
-    mass: float | None,
-    density: float | None,
-    at: ArrayLike,
-) -> dict[str, Any]:
-    """Return mass, inertia, centre and outline of a rigid body with a shape.
-
-    Parameters
-    ----------
-    name : str
-        Of the body, for messages.
-    make : function
-        Of the place for messages and the problems: the solid.
-    mass, density : float, optional
-        kg or kg/m3, one of the two.
-    at : (3,) array_like
-        Where the origin of the shape is in the body frame, m.
-    """
-    where = f"body {name!r}"
-    problems = Problems()
-    solid = make(where, problems)
-    shift = problems.array(where, "at", at, (3,))
-    if (mass is None) == (density is None):
-        problems.add(where, "give either mass (kg) or density (kg/m3)")
-    key, given = ("mass", mass) if density is None else ("density", density)
-    value = None if given is None else number(problems, where, key, given)
-    if value is not None and value <= 0.0:
-        problems.add(where, f"{key} is {value:g}, must be a positive number")
-    problems.raise_if_any()
-    assert solid is not None and shift is not None and value is not None
-    rho = value if density is not None else value / solid.volume
-    return {
-        "mass": rho * solid.volume,
-        "inertia": rho * solid.inertia,
-        "center": solid.center + shift,
-        "outline": solid.triangles + shift,
-    }

@@ -49,7 +49,7 @@ class Coordinate(Declared, section="coordinates"):
         file=False,
     )
 
-    def place(self, problems: Problems) -> str:
+    def heading(self, problems: Problems) -> str:
         """Return what messages say first; a coordinate without a name is called by its kind."""
         kind, name = type(self).__name__.lower(), self.__dict__["name"]
         return kind if name is None else f"{kind} {name!r}"

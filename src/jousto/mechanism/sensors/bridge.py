@@ -157,7 +157,7 @@ class Bridge(Sensor, tag="bridge"):
         "R of each arm, for shunt calibration", unit="ohm", above=0, default=350.0, kw_only=True
     )
 
-    def place(self, problems: Problems) -> str:
+    def heading(self, problems: Problems) -> str:
         """Return what messages say first."""
         return check_name(problems, "bridge", self.name)
 

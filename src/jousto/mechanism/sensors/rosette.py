@@ -65,7 +65,7 @@ class Rosette(Attached, tag="rosette"):
         @property
         def grids(self) -> tuple[Gauge, ...]: ...  # noqa: D102
 
-    def place(self, problems: Problems) -> str:
+    def heading(self, problems: Problems) -> str:
         """Return what messages say first."""
         return check_name(problems, "rosette", self.name)
 

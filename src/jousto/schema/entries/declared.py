@@ -113,14 +113,14 @@ def entry_of(cls: type[Declared], implied: bool = False) -> Any:
         return SPECIAL[cls]
     word = (Literal[cls.tag], cls.tag if implied else ...)
     keys: dict[str, Any] = {"type": word} if cls.tag else {}
-    for name, field in cls.fields.items():
+    for field in cls.fields.values():
         if not field.file:
             continue
         form = FORMS[field.form](field)
         if field.required:
-            keys[name] = (form, Key(description=said(field)))
+            keys[field.key] = (form, Key(description=said(field)))
         else:
-            keys[name] = (form | None, Key(None, description=said(field)))
+            keys[field.key] = (form | None, Key(None, description=said(field)))
     made: Any = create_model(f"{cls.__name__}Entry", __base__=Entry, **keys)
     made.__doc__ = f"`{cls.__name__}`: {(inspect.getdoc(cls) or '').partition(chr(10))[0]}"
     made.declared = cls
@@ -136,7 +136,8 @@ def said(field: Field[Any, Any]) -> str | None:
     """Return what editors show of a field, None if there is nothing to say."""
     known = isinstance(field.unit, str) and field.unit.replace("^", "") in ("", *KINDS)
     unit = "" if known else f", {field.unit}".removesuffix(", ")
-    plain = field.required or field.default is None or isinstance(field.default, bool)
+    zero = isinstance(field.default, tuple) and not any(field.default)
+    plain = field.required or field.default is None or isinstance(field.default, bool) or zero
     default = "" if plain else f"; {field.default} if not given"
     return f"{field.text}{unit}{default}" or None
 
@@ -160,12 +161,20 @@ class Declarations(Tagged):
         Returns the type of a mapping that does not say it.
     others : mapping, optional
         Entries of other words.
+    unsaid : tuple of str
+        The words that may be left out, where not all may.
     """
 
     def __init__(
-        self, section: str, room: str, implied: Implied = None, others: Others = NO_OTHERS
+        self,
+        section: str,
+        room: str,
+        implied: Implied = None,
+        others: Others = NO_OTHERS,
+        unsaid: tuple[str, ...] = (),
     ) -> None:
         super().__init__(implied)
+        self.unsaid = unsaid
         self.others = others
         self.section = section
         self.room = room
@@ -186,13 +195,15 @@ class Declarations(Tagged):
 
     def entry(self, kind: Any) -> type[Entry]:
         """Return the entry of a class."""
-        found: type[Entry] = kind if issubclass(kind, Entry) else entry_of(kind, bool(self.tag))
+        word = getattr(kind, "tag", "")
+        implied = bool(self.tag) and word in (self.unsaid or (word,))
+        found: type[Entry] = kind if issubclass(kind, Entry) else entry_of(kind, implied)
         return found
 
 
-def one_of(section: str, room: str, implied: Implied = None, others: Others = NO_OTHERS) -> Any:
+def one_of(*given: Any, **named: Any) -> Any:
     """Return the type of an entry of a section; for its arguments see `Declarations`."""
-    return Annotated[Any, Declarations(section, room, implied, others)]
+    return Annotated[Any, Declarations(*given, **named)]
 
 
 class EntryOf:

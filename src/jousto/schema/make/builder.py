@@ -11,6 +11,7 @@ import numpy as np
 from jousto.base.errors import InputError, Problems, suggest
 from jousto.base.names import check_name
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
+from jousto.mechanism.bodies.posed import Posed
 from jousto.mechanism.forces.loads import Gravity
 from jousto.mechanism.mechanism import Mechanism
 from jousto.schema.entries import model as sm, parts as sp
@@ -174,33 +175,8 @@ class ModelBuilder(Builder):
         """Return the body of an entry, None if anything is wrong with it."""
         if isinstance(entry, BeamBodyEntry):
             return build_beam(self, loc, entry)
-        values = self.orientations(loc, entry.given("part"))
-        if isinstance(entry, sm.RigidBodyEntry):
-            return self.make(loc, RigidBody, **values)
-        if isinstance(entry, sm.ShapedEntry):
-            return self.shaped(loc, entry, values)
-        if hasattr(entry.damping, "declared"):
-            values["damping"] = build_declared(self, (*loc, "damping"), entry.damping)
-        reduced = parts.get(entry.part)
-        if reduced is None:
-            self.unknown((*loc, "part"), "parts", "part", entry.part, parts)
-        if reduced is None or ("damping" in values and values["damping"] is None):
-            return None
-        if self.rigid:
-            return self.make(loc, rigid_body, reduced=reduced, **values)
-        return self.make(loc, FlexibleBody, reduced=reduced, **values)
-
-    def shaped(self, loc: Loc, entry: sm.ShapedEntry, values: dict[str, Any]) -> Any:
-        """Return the rigid body of a shape, None if anything is wrong with it."""
-        makers: dict[type, Callable[..., Any]] = {
-            sm.BoxBodyEntry: RigidBody.box,
-            sm.CylinderBodyEntry: RigidBody.cylinder,
-            sm.SphereBodyEntry: RigidBody.sphere,
-            sm.MeshBodyEntry: RigidBody.from_mesh,
-        }
-        if isinstance(entry, sm.MeshBodyEntry):
-            values["surface"] = self.file(values.pop("file"))
-        return self.make(loc, makers[type(entry)], **values)
+        body = build_declared(self, loc, entry, {"parts": parts})
+        return rigid_body(body) if self.rigid and isinstance(body, FlexibleBody) else body
 
     def section_items(
         self, key: str, entries: Any, index: list[int], build: Callable[[Loc, Any], Any]
@@ -332,21 +308,20 @@ class ModelBuilder(Builder):
         return made
 
 
-def rigid_body(name: str, *, reduced: Any, **values: Any) -> RigidBody:
-    """Return the rigid body with mass, inertia and named nodes of a reduced part."""
+def rigid_body(body: FlexibleBody) -> RigidBody:
+    """Return the rigid body with mass, inertia and named nodes of a flexible one."""
+    reduced = body.reduced
     invariants = reduced.invariants
     mass, U = invariants.mass, invariants.second_moment
     center = invariants.first_moment / mass
     U = U - mass * np.outer(center, center)
     nodes = {key: reduced.nodes[m[0]] for key, m in reduced.node_sets.items() if len(m) == 1}
-    pose = ("position", "orientation", "velocity", "angular_velocity")
     return RigidBody(
-        name,
-        mass,
-        np.trace(U) * np.eye(3) - U,
+        **{key: getattr(body, key) for key in Posed.fields},
+        mass=mass,
+        inertia=np.trace(U) * np.eye(3) - U,
         center=center,
         markers=nodes,
-        **{key: values[key] for key in pose if key in values},
         outline=drawn_outline(reduced.nodes, reduced.elements),
     )
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
+from jousto.base.declare import Declared
 from jousto.base.errors import InputError, JoustoWarning, Problem, suggest
 from jousto.base.rotations import Rotate
 from jousto.mechanism.bodies.body import FlexibleBody, ground
@@ -78,6 +79,8 @@ class Builder:
             warnings.simplefilter("always")
             try:
                 result = make(*args, **kwargs)
+                if isinstance(result, Declared):
+                    result = result.made
             except InputError as error:
                 errors = error
         # outside of the block, or what is passed on would be caught again without end

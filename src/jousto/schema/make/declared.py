@@ -85,16 +85,16 @@ def build_declared(
     values: dict[str, Any] = {}
     items: tuple[Any, ...] = ()
     for key, field in cls.fields.items():
-        if key not in given:
+        if field.key not in given:
             continue
         make = builder.forms.get(field.form) or FORMS.get(field.form)
         if make is None:
-            values[key] = given[key]
+            values[key] = given[field.key]
         elif values.get(getattr(field.unit, "field", ""), given) is None:
             values[key] = None  # of no unit, since the coordinate that it depends on is wrong
         else:
-            place = Place(builder, (*loc, key), field, known, values, use)
-            values[key] = make(place, given[key])
+            place = Place(builder, (*loc, field.key), field, known, values, use)
+            values[key] = make(place, given[field.key])
     if any(value is None for value in values.values()):
         return None
     for key in [key for key in values if cls.fields[key].spread]:
@@ -140,7 +140,9 @@ def reference(place: Place, name: str) -> Any:
 
 
 def nested(place: Place, value: Any) -> Any:
-    """Return the object that an entry declares inside."""
+    """Return the object that an entry declares inside; other values stay as they are."""
+    if not isinstance(value, Entry):
+        return value
     return build_declared(place.builder, place.loc, value, place.known)
 
 
@@ -177,6 +179,11 @@ def event(place: Place, value: Any) -> Any:
     return place.builder.event(place.loc, value)
 
 
+def file(place: Place, value: str) -> Any:
+    """Return the path of a file, relative to the model file."""
+    return place.builder.file(value)
+
+
 def items(place: Place, value: Any) -> Any:
     """Return the objects that an entry declares in a list, None if one is wrong."""
     found = [nested(place.at(i), one) for i, one in enumerate(value)]
@@ -194,6 +201,8 @@ FORMS: dict[str, Callable[[Place, Any], Any]] = {
     "reference": reference,
     "nested": nested,
     "item": nested,
+    "damping": nested,
+    "file": file,
     "coordinate": coordinate,
     "coordinates": coordinates,
     "series": series,

@@ -1,0 +1,128 @@
+"""What all bodies declare: mass, inertia, named points, and the initial pose of a frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from jousto.base.arrays import Array
+from jousto.base.declare import Declared
+from jousto.base.errors import Problems
+from jousto.base.fields import Field, Name, field
+from jousto.base.frozen import Frozen
+from jousto.base.numbers import Number, OptionalNumber, Vector
+from jousto.base.rotations import parse_orientation
+from jousto.mechanism.bodies.inertia import check_inertia
+
+ZERO3 = (0.0, 0.0, 0.0)
+
+
+class Mass(Number):
+    """A mass, a density or a mass per length."""
+
+    def missed(self, x: float) -> str:
+        """Return what is wrong with a number, empty if nothing."""
+        return "" if x > 0 else "must be a positive number"
+
+
+class OptionalMass(OptionalNumber):
+    """A mass or a density, or None."""
+
+    def missed(self, x: float) -> str:
+        """Return what is wrong with a number, empty if nothing."""
+        return "" if x > 0 else "must be a positive number"
+
+
+class Inertia(Field[ArrayLike, Array]):
+    """A tensor of inertia, or its diagonal."""
+
+    form = "inertia"
+    noun = "(3, 3) or (3,) array_like"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the tensor (3, 3), or note why no body can have it."""
+        return check_inertia(problems, where, value)
+
+
+class Points(Field["Mapping[str, ArrayLike] | None", "Mapping[str, Array]"]):
+    """Named points."""
+
+    form = "points"
+    noun = "mapping of str to (3,) array_like"
+    checks_none = True
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the points as read-only arrays."""
+        named: Any = {} if value is None else value
+        if not isinstance(named, Mapping):
+            problems.add(where, f"markers is {named!r}, must be a mapping of names to positions")
+            return None
+        points = {
+            str(point): problems.array(where, f"markers[{point!r}]", at, (3,))
+            for point, at in named.items()
+        }
+        for point in points:
+            if point in ("origin", "center"):
+                problems.add(
+                    where, f"marker {point!r}: the name is taken by the body's own {point}"
+                )
+        return Frozen(points)
+
+
+class Outline(Field["ArrayLike | None", "Array | None"]):
+    """A polyline or triangles."""
+
+    form = "array"
+    noun = "(k, 3) or (nt, 3, 3) array_like"
+    shape = (None, 3)
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return them as a read-only array."""
+        shape = self.shape if np.ndim(value) < 3 else (None, 3, 3)
+        return problems.array(where, self.name, value, shape)
+
+
+class Orientation(Field[Any, Array]):
+    """An orientation, kept as Euler parameters."""
+
+    form = "orientation"
+    noun = "orientation"
+    checks_none = True
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the Euler parameters."""
+        return parse_orientation(problems, where, self.name, value)
+
+
+class Posed(Declared, section="bodies"):
+    """A body frame with its initial pose and velocity."""
+
+    kind = "body"
+    name: Name = field("Unique among the bodies")
+    position: Vector = field(
+        "Initial place of the body frame's origin in the world",
+        unit="m",
+        default=ZERO3,
+        kw_only=True,
+    )
+    orientation: Orientation = field(
+        "Initial orientation of the body frame in the world: None, Euler parameters (scalar "
+        "first), a rotation matrix, a scipy Rotation or `Rotate`",
+        default=None,
+        kw_only=True,
+    )
+    velocity: Vector = field(
+        "Initial velocity of the body frame's origin, resolved in the world frame",
+        unit="m/s",
+        default=ZERO3,
+        kw_only=True,
+    )
+    angular_velocity: Vector = field(
+        "Initial angular velocity, resolved in the world frame",
+        unit="rad/s",
+        default=ZERO3,
+        kw_only=True,
+    )
