@@ -64,14 +64,3 @@ int jo_measure(const jo_model *m, jo_data *d)
     }
     return JO_OK;
 }
-
-/* damage and closed cycles of each meter */
-void jo_damage(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
-{
-    for (int k = 0; k < s->count / 2; k++) {
-        const jo_meter *r = &m->meter[s->object + k];
-        const double *memory = d->memory + r->at;
-        y[2 * k] = jo_meter_damage(r, memory, r->residue, d->scratch);
-        y[2 * k + 1] = memory[JO_METER_CLOSED];
-    }
-}

@@ -11,18 +11,6 @@ void jo_use_step(const jo_model *m, jo_data *d, double gh)
     d->gh = gh;
 }
 
-/* poses and velocities of the bodies and positions of the markers at q, v */
-static void refresh(const jo_model *m, jo_data *d)
-{
-    for (int i = 0; i < m->nbody; i++) {
-        const jo_body *b = &m->body[i];
-        jo_body_pose(b, &d->body[i], d->q + b->iq);
-        jo_body_twist(b, &d->body[i], d->v + b->iv);
-    }
-    jo_marker_position(m, d, m->nactive);
-    if (m->ncoordinate) jo_coordinates(m, d, m->ncoordinate);
-}
-
 /* whether masses of different bodies are coupled: in ROS2 by the stiffness of beams, else by their consistent mass */
 static int couples(const jo_model *m, int set)
 {
@@ -39,7 +27,7 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
     d->power[0] = d->power[1] = d->power[2] = 0.0;
     d->counts[0]++;
     if (!d->current) {
-        refresh(m, d);
+        jo_refresh(m, d);
         jo_marker_velocity(m, d, m->nactive);
     }
     d->current = 0;
@@ -109,20 +97,6 @@ int jo_accelerations(const jo_model *m, jo_data *d)
     return status;
 }
 
-/* q = q0 moved by increments [dR (world), dtheta (local), dp] */
-void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment)
-{
-    for (int i = 0; i < m->nbody; i++) {
-        const jo_body *b = &m->body[i];
-        const jo_real *x = q0 + b->iq, *dx = increment + b->iv;
-        jo_real *y = q + b->iq;
-        for (int j = 0; j < 3; j++) y[j] = x[j] + dx[j];
-        for (int j = 0; j < 4; j++) y[3 + j] = x[3 + j];
-        jo_rotate(y + 3, dx + 3);
-        for (int j = 0; j < b->n; j++) y[7 + j] = x[7 + j] + dx[6 + j];
-    }
-}
-
 /* increment = -M^-1 Cq^T S^-1 c with the factors of the last evaluation */
 static void correction(const jo_model *m, jo_data *d, jo_real *increment)
 {
@@ -163,13 +137,13 @@ void jo_project(const jo_model *m, jo_data *d)
     enum { JO_CORRECTIONS = 4 };
     if (!m->njoint) return;
     const double small = 1e-12 * m->size, small_rate = 1e-10 * m->size;   /* m, m/s */
-    refresh(m, d);
+    jo_refresh(m, d);
     double residual = jo_joint_residual(m, d);
     for (int k = 0; k < JO_CORRECTIONS; k++) {
         const double before = residual;
         newton(m, d, 0);
         jo_displace(m, d->q, d->q, d->rate);
-        refresh(m, d);
+        jo_refresh(m, d);
         residual = jo_joint_residual(m, d);
         if (residual <= small || !(residual < 0.5 * before)) break;   /* closed, or no use */
     }
@@ -201,7 +175,7 @@ static int close_joints(const jo_model *m, jo_data *d, int iterations, double to
 {
     enum { JO_SHORTENED = 10 };
     d->fresh = d->current = 0;
-    refresh(m, d);
+    jo_refresh(m, d);
     double residual = jo_joint_residual(m, d);
     for (int k = 0; k < iterations && residual > tolerance; k++) {
         const double before = residual, merit = sum_of_squares(m, d);
@@ -215,7 +189,7 @@ static int close_joints(const jo_model *m, jo_data *d, int iterations, double to
         for (int l = 0; l < JO_SHORTENED; l++, part *= 0.5) {
             for (int i = 0; i < m->nv; i++) d->dq[i] = part * d->rate[i];
             jo_displace(m, d->q, d->q0, d->dq);
-            refresh(m, d);
+            jo_refresh(m, d);
             residual = jo_joint_residual(m, d);
             if (sum_of_squares(m, d) < merit) break;
         }
@@ -229,7 +203,7 @@ static int close_joints(const jo_model *m, jo_data *d, int iterations, double to
         newton(m, d, 1);
         for (int i = 0; i < m->nv; i++) d->v[i] += d->rate[i];
     }
-    refresh(m, d);
+    jo_refresh(m, d);
     if (m->nturn) jo_count_turns(m, d);
     d->fresh = d->current = 0;
     return JO_OK;
@@ -241,73 +215,6 @@ int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance)
     const int status = close_joints(m, d, iterations, tolerance);
     d->smooth = 0;
     return status;
-}
-
-/* largest position and velocity residual */
-void jo_residuals(const jo_model *m, jo_data *d, jo_real *out)
-{
-    refresh(m, d);
-    jo_marker_velocity(m, d, m->nactive);
-    out[0] = jo_joint_residual(m, d);
-    out[1] = jo_joint_residual_rate(m, d);
-}
-
-void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot)
-{
-    jo_real unused[2];
-    jo_residuals(m, d, unused);
-    for (int i = 0; i < m->njoint; i++)
-        for (int r = 0; r < m->joint[i].nrow; r++) {
-            c[m->joint[i].row + r] = d->joint[i].c[r];
-            cdot[m->joint[i].row + r] = d->joint[i].cdot[r];
-        }
-}
-
-/* kinetic energy of a body: half of m V.V + 2 V.(w x S + I3 p') + w.(J w + 2 B p') + p'.p' */
-static jo_real kinetic(const jo_body *b, const jo_body_work *w)
-{
-    jo_real t[3], Jw[3], x = b->mass[0] * jo_dot3(w->V, w->V);
-    jo_cross(t, w->w, w->S);
-    jo_sym3(Jw, w->J, w->w);
-    for (int j = 0; j < b->n; j++) {
-        for (int i = 0; i < 3; i++) {
-            t[i] += b->I3[i * b->np + j] * w->pd[j];
-            Jw[i] += 2.0 * w->B[i * b->np + j] * w->pd[j];
-        }
-        x += w->pd[j] * w->pd[j];
-    }
-    return 0.5 * (x + 2.0 * jo_dot3(w->V, t) + jo_dot3(w->w, Jw));
-}
-
-void jo_energy(const jo_model *m, jo_data *d, jo_real *out)
-{
-    jo_real T = 0.0, U = 0.0, P = 0.0, unused = 0.0;
-    for (int i = 0; i < m->nbody; i++) {
-        const jo_body *b = &m->body[i];
-        jo_body_work *w = &d->body[i];
-        jo_real centre[3];
-        jo_body_pose(b, w, d->q + b->iq);
-        jo_body_twist(b, w, d->v + b->iv);
-        jo_body_inertia(b, w, &unused);
-        T += kinetic(b, w);
-        for (int j = 0; j < b->n; j++) U += 0.5 * b->K[j] * w->p[j] * w->p[j];
-        jo_mul3(centre, w->A, w->S);
-        jo_axpy3(centre, b->mass[0], d->q + b->iq);
-        P -= jo_dot3(m->gravity, centre);
-    }
-    if (m->nbeam) {
-        T += jo_beam_kinetic(m, d);
-        U += jo_beam_stored(m, d);
-    }
-    out[0] = T;
-    out[1] = U;
-    out[2] = P;
-    out[3] = 0.0;
-    if (m->nforce) {
-        jo_marker_position(m, d, m->nactive);
-        if (m->ncoordinate) jo_coordinates(m, d, m->ncoordinate);
-        out[3] = jo_stored(m, d);
-    }
 }
 
 /* mass matrix of one body for [R'' (body frame), w', p''] at the present q */

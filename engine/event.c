@@ -60,20 +60,6 @@ static void bring_back(jo_data *d)
 
 /* -- what is watched ------------------------------------------------------------------------ */
 
-/* sensors of positions and velocities need no accelerations */
-int jo_needs_accelerations(const jo_sensor *s)
-{
-    switch (s->type) {
-    case JO_SENSOR_POSITION: case JO_SENSOR_VELOCITY: case JO_SENSOR_ORIENTATION: case JO_SENSOR_ANGULAR_VELOCITY: case JO_SENSOR_MODAL:
-    case JO_SENSOR_STRESS: case JO_SENSOR_VON_MISES: case JO_SENSOR_PRINCIPAL: case JO_SENSOR_COORDINATE: case JO_SENSOR_RATE: case JO_SENSOR_SIGNAL:
-    case JO_SENSOR_DAMAGE:
-    case JO_SENSOR_BRIDGE:
-        return 0;
-    case JO_SENSOR_ENERGY: return s->object >= 4;   /* work: its last step waits for the power at its end */
-    default: return 1;
-    }
-}
-
 /* the watched sensors alone, `list` has room for them */
 void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list)
 {

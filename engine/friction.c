@@ -6,11 +6,7 @@
  */
 #include "friction.h"
 
-#define JO_PASSES 1e-7      /* of the size of the mechanism per second: a slip along two coordinates that does not stop */
-#define JO_REST 1e-10      /* of the size of the mechanism, 1/s: slip below this is rest */
 #define JO_HOLDS 1e-9      /* share of the static friction by which a joint may be overloaded, for round-off */
-
-static int *lock_of(const jo_model *m, jo_data *d, const jo_friction *f) { return &d->locked[m->joint[f->lock].lock]; }
 
 void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, const jo_real *lam, jo_real *y)
 {
@@ -40,19 +36,19 @@ static jo_real mu_by_speed(const jo_friction *f, jo_real square)
     return (top + (kinetic - top) * x * x * x * (10.0 - x * (15.0 - 6.0 * x))) / speed;
 }
 
-static void slip_velocity(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *s)
+void jo_friction_slip(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *s)
 {
     s[1] = 0.0;
     for (int k = 0; k < jo_slips(f); k++) s[k] = jo_slip_arm(m, f, k) * d->coordinate[jo_slip_of(f, k)].rate;
 }
 
 /* unit direction of the slip: the state says it; while nothing is decided, the velocity */
-static void direction(const jo_model *m, const jo_data *d, int i, jo_real *e)
+void jo_friction_direction(const jo_model *m, const jo_data *d, int i, jo_real *e)
 {
     const jo_friction *f = &m->friction[i];
     const jo_real *old = d->direction + 2 * i;
     jo_real s[2];
-    slip_velocity(m, d, f, s);
+    jo_friction_slip(m, d, f, s);
     e[0] = e[1] = 0.0;
     if (d->slip[i] && jo_slips(f) == 1) {
         e[0] = d->slip[i];
@@ -74,9 +70,9 @@ int jo_friction_weights(const jo_model *m, const jo_data *d, int i, jo_real *pre
     const jo_friction *f = &m->friction[i];
     jo_real e[2], mu = f->data->mu_kinetic;
     if (f->law) {
-        direction(m, d, i, e);
+        jo_friction_direction(m, d, i, e);
     } else {
-        slip_velocity(m, d, f, e);
+        jo_friction_slip(m, d, f, e);
         mu = mu_by_speed(f, e[0] * e[0] + e[1] * e[1]);
     }
     for (int k = 0; k < jo_slips(f); k++) {
@@ -129,10 +125,10 @@ void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y
     if (jo_sticks(m, d, f)) return;
     jo_friction_reaction(m, d, f, d->lam, F);
     const jo_real N = jo_friction_press(m, f, F, &collar);
-    slip_velocity(m, d, f, s);
+    jo_friction_slip(m, d, f, s);
     const jo_real square = s[0] * s[0] + s[1] * s[1];
     if (f->law) {
-        direction(m, d, i, e);
+        jo_friction_direction(m, d, i, e);
         const jo_real speed = jo_length2(s[0], s[1]);
         const int follows = jo_slips(f) == 2 && JO_RE(speed) > 1e-10 * m->size;
         for (int k = 0; k < 2; k++) {
@@ -195,148 +191,9 @@ jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i)
         return limit * N - jo_length2(y[0] / jo_slip_arm(m, f, 0), y[1] / jo_slip_arm(m, f, 1));
     }
     if (!f->law || !d->slip[i]) return 1.0;
-    slip_velocity(m, d, f, y);
+    jo_friction_slip(m, d, f, y);
     const jo_real *e = d->direction + 2 * i;
     return JO_REST * m->size + (jo_slips(f) == 1 ? d->slip[i] * y[0] : e[0] * y[0] + e[1] * y[1]);
-}
-
-static int evaluate(const jo_model *m, jo_data *d)
-{
-    d->fresh = d->current = 0;
-    const int status = jo_evaluate(m, d, 0, 0);
-    d->fresh = status == JO_OK;
-    return status;
-}
-
-/* friction i lets go: it slips where the held force pushed it */
-static void let_go(const jo_model *m, jo_data *d, int i)
-{
-    const jo_friction *f = &m->friction[i];
-    jo_real y[2], *e = d->direction + 2 * i;
-    jo_friction_held(m, d, f, y);
-    for (int k = 0; k < jo_slips(f); k++) y[k] /= jo_slip_arm(m, f, k);
-    const jo_real whole = jo_length2(y[0], y[1]);
-    for (int k = 0; k < 2; k++) e[k] = JO_RE(whole) > 0.0 ? -y[k] / whole : (k ? 0.0 : 1.0);
-    d->slip[i] = jo_slips(f) == 2 || JO_RE(e[0]) > 0.0 ? 1 : -1;
-    *lock_of(m, d, f) = 0;
-    d->restart = 1;
-}
-
-/* friction i holds its coordinates where they are */
-static void hold(const jo_model *m, jo_data *d, int i)
-{
-    const jo_friction *f = &m->friction[i];
-    for (int k = 0; k < jo_slips(f); k++)
-        d->held[2 * m->joint[f->lock].lock + k] = d->coordinate[jo_slip_of(f, k)].value;
-    *lock_of(m, d, f) = 1;
-    d->slip[i] = 0;
-    d->restart = 1;
-}
-
-/* the velocities obey the rows that hold now; what they lose is lost to friction */
-static int stop(const jo_model *m, jo_data *d)
-{
-    jo_real before[4], after[4];
-    int status = evaluate(m, d);
-    if (status != JO_OK) return status;
-    jo_energy(m, d, before);
-    jo_project(m, d);
-    jo_energy(m, d, after);
-    d->work[1] += before[0] - after[0];
-    return evaluate(m, d);
-}
-
-/* whether friction i is to slip along its one coordinate from rest, but is accelerated against that */
-static int pushed_back(const jo_model *m, const jo_data *d, int i)
-{
-    const jo_friction *f = &m->friction[i];
-    jo_real s[2], a[6], b[6];
-    if (!f->law || jo_sticks(m, d, f) || !d->slip[i] || jo_slips(f) == 2) return 0;
-    slip_velocity(m, d, f, s);
-    if (fabs(JO_RE(s[0])) > 2.0 * JO_REST * m->size) return 0;
-    const jo_coordinate *c = &m->coordinate[f->coordinate];
-    const jo_coordinate_work *w = &d->coordinate[f->coordinate];
-    jo_marker_acceleration(m, d, c->a, a);
-    jo_marker_acceleration(m, d, c->b, b);
-    for (int j = 0; j < 3; j++) b[j] -= a[j];
-    const jo_real second = jo_dot3(w->along, b) + jo_dot3(w->turn_a, a + 3) + jo_dot3(w->turn_b, b + 3) + w->bias;
-    return d->slip[i] * JO_RE(jo_slip_arm(m, f, 0) * second) < -1e-9 * m->size;
-}
-
-/* What cannot hold lets go, the most overloaded first. Others that have just let go may be pushed back by it: they hold again.
- * Coupled frictions seldom need more than a few rounds; the number is bounded. */
-static int release(const jo_model *m, jo_data *d)
-{
-    for (int round = 0; round < 8 + 4 * m->nfriction; round++) {
-        int weakest = -1, back = -1;
-        double least = 0.0;
-        for (int i = 0; i < m->nfriction; i++) {
-            if (pushed_back(m, d, i)) back = i;
-            if (!jo_sticks(m, d, &m->friction[i])) continue;
-            jo_real y[2];
-            jo_friction_held(m, d, &m->friction[i], y);
-            const double margin = JO_RE(jo_friction_margin(m, d, i)), load = fabs(JO_RE(y[0])) + fabs(JO_RE(y[1]));
-            if (margin < 0.0 && margin < least * load) {
-                least = margin / load;
-                weakest = i;
-            }
-        }
-        if (weakest >= 0) let_go(m, d, weakest);
-        else if (back >= 0) hold(m, d, back);
-        else break;
-        const int status = evaluate(m, d);
-        if (status != JO_OK) return status;
-    }
-    return JO_OK;
-}
-
-/* the state of friction i ends, after jo_evaluate: what sticks lets go, what slips sticks if it can, else it turns round */
-int jo_friction_switch(const jo_model *m, jo_data *d, int i)
-{
-    const jo_friction *f = &m->friction[i];
-    if (!f->law) return JO_OK;
-    int status;
-    if (jo_sticks(m, d, f)) {
-        let_go(m, d, i);
-        status = evaluate(m, d);
-    } else {
-        jo_real e[2];
-        slip_velocity(m, d, f, e);
-        const jo_real speed = jo_length2(e[0], e[1]);
-        if (jo_slips(f) == 2 && JO_RE(speed) > JO_PASSES * m->size) {   /* it turned past rest without coming to rest */
-            for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k] / speed;
-            d->restart = 1;
-            return evaluate(m, d);
-        }
-        hold(m, d, i);
-        status = stop(m, d);
-    }
-    return status == JO_OK ? release(m, d) : status;
-}
-
-/* frictions whose state nobody has said: what moves slips, what rests sticks if it can */
-int jo_friction_settle(const jo_model *m, jo_data *d)
-{
-    int undecided = 0, resting = 0, status = JO_OK;
-    for (int i = 0; i < m->nfriction; i++)
-        undecided += m->friction[i].law && !d->slip[i] && !jo_sticks(m, d, &m->friction[i]);
-    if (!undecided) return JO_OK;
-    status = evaluate(m, d);
-    for (int i = 0; i < m->nfriction && status == JO_OK; i++) {
-        const jo_friction *f = &m->friction[i];
-        jo_real e[2];
-        if (!f->law || d->slip[i] || jo_sticks(m, d, f)) continue;
-        direction(m, d, i, e);
-        if (e[0] == 0.0 && e[1] == 0.0) {
-            hold(m, d, i);
-            resting = 1;
-        } else {
-            for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k];
-            d->slip[i] = jo_slips(f) == 2 || JO_RE(e[0]) > 0.0 ? 1 : -1;
-        }
-    }
-    if (status == JO_OK) status = resting ? stop(m, d) : evaluate(m, d);
-    return status == JO_OK ? release(m, d) : status;
 }
 
 /* at the end of a step: friction that slips along two coordinates follows the velocity */
@@ -346,7 +203,7 @@ void jo_friction_turn(const jo_model *m, jo_data *d)
         const jo_friction *f = &m->friction[i];
         if (!f->law || jo_sticks(m, d, f) || jo_slips(f) == 1) continue;
         jo_real e[2];
-        direction(m, d, i, e);
+        jo_friction_direction(m, d, i, e);
         for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k];
     }
 }

@@ -4,6 +4,8 @@
 
 #include "internal.h"
 
+#define JO_REST 1e-10      /* of the size of the mechanism, 1/s: slip below this is rest */
+
 static inline int jo_slips(const jo_friction *f) { return f->other >= 0 ? 2 : 1; }   /* coordinates along which it may slide */
 static inline int jo_slip_of(const jo_friction *f, int k) { return k ? f->other : f->coordinate; }
 static inline int jo_slip_turns(const jo_model *m, const jo_friction *f, int k)
@@ -46,6 +48,8 @@ static inline jo_real jo_friction_press(const jo_model *m, const jo_friction *f,
 }
 
 /* friction.c */
+void jo_friction_slip(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *s);   /* velocity (2), m/s */
+void jo_friction_direction(const jo_model *m, const jo_data *d, int i, jo_real *e);
 /* sliding forces (2) for a unit of what presses and of the moment of a collar; 1 unless all are 0 */
 int jo_friction_weights(const jo_model *m, const jo_data *d, int i, jo_real *press, jo_real *collar);
 void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, const jo_real *lam, jo_real *y);   /* axes of side 0 */

@@ -286,6 +286,15 @@ void jo_marker_velocity(const jo_model *m, jo_data *d, int count);
 void jo_marker_bias(const jo_model *m, jo_data *d, int count);
 void jo_marker_reduce(const jo_model *m, jo_data *d, int count);
 
+/* motion of a marker, world frame */
+typedef struct {
+    jo_real r[3], v[3], a[3];      /* position, velocity, acceleration */
+    jo_real om[3], al[3];          /* angular velocity and acceleration */
+} jo_motion;
+/* after jo_marker_bias; accelerations 0: not those */
+void jo_marker_motion(const jo_model *m, const jo_data *d, int marker, int accelerations, jo_motion *y);
+void jo_marker_acceleration(const jo_model *m, const jo_data *d, int marker, jo_real *y);
+
 /* signal.c */
 jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_real time);
 
@@ -323,11 +332,10 @@ void jo_joint_setup(const jo_model *m, jo_data *d, int set);
 int jo_joint_factor(const jo_model *m, jo_data *d);
 void jo_joint_solve(const jo_model *m, jo_data *d);
 
-/* sensor.c */
+/* reaction.c */
 void jo_reaction(const jo_model *m, const jo_data *d, int joint, jo_real *y);   /* force and moment on side 1, world */
 void jo_reaction_of(const jo_model *m, const jo_data *d, int joint, const jo_real *lam, jo_real *y);   /* of its multipliers lam */
-void jo_marker_acceleration(const jo_model *m, const jo_data *d, int marker, jo_real *y);
-void jo_quaternion(jo_real *e, const jo_real *A);   /* scalar first and not negative */
+void jo_react(const jo_model *m, jo_data *d);   /* -Cq^T lam acts on the bodies */
 
 /* force.c */
 int jo_apply_forces(const jo_model *m, jo_data *d);
@@ -373,16 +381,17 @@ int jo_friction_solve(const jo_model *m, jo_data *d, const jo_solver *s);
 /* friction.c */
 void jo_friction_push(const jo_model *m, jo_data *d);
 jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i);
-int jo_friction_switch(const jo_model *m, jo_data *d, int i);
-int jo_friction_settle(const jo_model *m, jo_data *d);
 void jo_friction_turn(const jo_model *m, jo_data *d);
 /* changes of the two sliding forces with the rates of the coordinates, and with force and moment (world) of the reaction */
 typedef struct { jo_real rate[2][2], force[2][3], moment[2][3]; } jo_slopes;
 void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y);
 
+/* friction_switch.c */
+int jo_friction_switch(const jo_model *m, jo_data *d, int i);
+int jo_friction_settle(const jo_model *m, jo_data *d);
+
 /* step.c */
 int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* by exactly s->step */
-void jo_add_work(jo_data *d);
 
 /* event.c */
 int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* the same, with the events on the way */
@@ -394,13 +403,13 @@ int jo_event_happen(const jo_model *m, jo_data *d, int *chain);
 int jo_log_room(const jo_model *m);
 int jo_log_has_room(const jo_model *m, const jo_data *d);
 
+/* sensor.c */
 int jo_needs_accelerations(const jo_sensor *s);
 
 /* damage.c */
 void jo_damage_setup(const jo_model *m, jo_data *d, jo_sensor *list);
 int jo_damage_scratch(const jo_model *m);
 int jo_measure(const jo_model *m, jo_data *d);   /* the present state is accepted: the meters count it */
-void jo_damage(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y);
 
 /* newton.c */
 typedef struct { jo_real *at; int stride; } jo_block;
@@ -420,7 +429,6 @@ void jo_newton_joint(const jo_model *m, jo_data *d, int joint);
 
 /* tangent.c */
 void jo_balance(const jo_model *m, const jo_data *d, jo_real *r);   /* M a less the forces that stand in fr and fp */
-void jo_react(const jo_model *m, jo_data *d);                       /* -Cq^T lam acts on the bodies */
 
 /* coupled.c */
 int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_solver *s);   /* a and joint[].x */
@@ -434,15 +442,25 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s);
 /* dynamics.c */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set);
 void jo_use_step(const jo_model *m, jo_data *d, double gh);
-void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment);
 void jo_project(const jo_model *m, jo_data *d);
 
-/* step.c */
+/* energy.c */
+void jo_add_work(jo_data *d);
+
+/* state.c */
+void jo_refresh(const jo_model *m, jo_data *d);
+void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment);
 void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *v);
 int jo_check(const jo_model *m, jo_data *d);   /* JO_OK if the state is finite and of a reasonable size */
+
+/* row.c */
 int jo_write_row(const jo_model *m, jo_data *d, jo_real *row);
 
-/* adaptive.c */
+/* dopri.c */
 int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen);
+double jo_increments(const jo_model *m, jo_real *x, const jo_real *q0, const jo_real *q);
+void jo_recall_stage(const jo_model *m, jo_data *d, int last);   /* the first or the last stage of the step */
+void jo_interpolate(const jo_model *m, jo_data *d, double u);
+double jo_defect(const jo_model *m, const jo_data *d, int i, int n);
 
 #endif

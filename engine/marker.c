@@ -282,3 +282,46 @@ void jo_marker_reduce(const jo_model *m, jo_data *d, int count)
         X[3] += 1.0; X[10] += 1.0; X[17] += 1.0;
     }
 }
+
+/* add M x of a (3 x np) array to y, x without padding */
+static void add_modal(jo_real *y, const jo_real *M, const jo_real *x, int n, int np)
+{
+    for (int c = 0; c < 3; c++)
+        for (int j = 0; j < n; j++) y[c] += M[c * np + j] * x[j];
+}
+
+/* R'' + A (w' x u + Phi p'' + bias) and A (w' + T Psi p'' + bias), exact on flexible bodies */
+void jo_marker_motion(const jo_model *m, const jo_data *d, int marker, int accelerations, jo_motion *y)
+{
+    const jo_marker *k = &m->marker[marker];
+    const jo_marker_work *w = &d->marker[marker];
+    jo_set3(y->r, w->r);
+    jo_to_world(y->v, m, d, marker, w->v);
+    jo_to_world(y->om, m, d, marker, w->om);
+    for (int j = 0; j < 3; j++) y->a[j] = y->al[j] = 0.0;
+    if (k->body < 0 || !accelerations) return;
+    const jo_body *b = &m->body[k->body];
+    const jo_real *a = d->a + b->iv, *A = d->body[k->body].A;
+    jo_real t[3];
+    jo_cross(t, a + 3, w->u);
+    jo_add3(t, w->bv);
+    if (k->Phi) add_modal(t, w->Phi, a + 6, b->n, b->np);
+    jo_mul3(y->a, A, t);
+    jo_add3(y->a, a);
+    if (!k->turns) return;
+    for (int j = 0; j < 3; j++) t[j] = 0.0;
+    if (k->Psi) add_modal(t, w->Psi, a + 6, b->n, b->np);
+    if (k->Psi) jo_mul3(t, w->T, t);
+    jo_add3(t, w->bom);
+    jo_add3(t, a + 3);
+    jo_mul3(y->al, A, t);
+}
+
+/* translation and rotation (6), world, after jo_evaluate */
+void jo_marker_acceleration(const jo_model *m, const jo_data *d, int marker, jo_real *y)
+{
+    jo_motion of;
+    jo_marker_motion(m, d, marker, 1, &of);
+    jo_set3(y, of.a);
+    jo_set3(y + 3, of.al);
+}

@@ -1,108 +1,8 @@
 /* sensor.c - what is measured, evaluated where the engine stands. */
 #include "internal.h"
 
-/* quaternion (scalar first) of a rotation matrix, from its largest component */
-void jo_quaternion(jo_real *e, const jo_real *A)
-{
-    jo_real t[4] = {1.0 + A[0] + A[4] + A[8], 1.0 + A[0] - A[4] - A[8], 1.0 - A[0] + A[4] - A[8], 1.0 - A[0] - A[4] + A[8]};
-    int k = 0;
-    for (int i = 1; i < 4; i++)
-        if (JO_RE(t[i]) > JO_RE(t[k])) k = i;
-    jo_real s = 0.5 / jo_sqrt(t[k]);
-    jo_real x[4][4] = {
-        {t[0], A[7] - A[5], A[2] - A[6], A[3] - A[1]},
-        {A[7] - A[5], t[1], A[1] + A[3], A[2] + A[6]},
-        {A[2] - A[6], A[1] + A[3], t[2], A[5] + A[7]},
-        {A[3] - A[1], A[2] + A[6], A[5] + A[7], t[3]},
-    };
-    if (JO_RE(x[k][0]) < 0.0) s = -s;
-    for (int i = 0; i < 4; i++) e[i] = x[k][i] * s;
-}
-
-/* force and moment with which the joint acts on marker b, world */
-void jo_reaction(const jo_model *m, const jo_data *d, int joint, jo_real *y)
-{
-    jo_reaction_of(m, d, joint, d->lam + m->joint[joint].row, y);
-}
-
-void jo_reaction_of(const jo_model *m, const jo_data *d, int joint, const jo_real *lam, jo_real *y)
-{
-    const jo_joint *k = &m->joint[joint];
-    const jo_real *Aa = d->marker[k->side[0]].A, *Ab = d->marker[k->side[1]].A;
-    for (int i = 0; i < 6; i++) y[i] = 0.0;
-    if (k->coincident) {
-        for (int i = 0; i < 3; i++) y[i] = -lam[i];
-        lam += 3;
-    }
-    for (int r = 0; r < k->nperp; r++) {
-        jo_real f[3], h[3], s[3];
-        for (int i = 0; i < 3; i++) { f[i] = Aa[3 * i + k->perp_a[r]]; h[i] = Ab[3 * i + k->perp_b[r]]; }
-        jo_cross(s, f, h);
-        jo_axpy3(y + 3, lam[r], s);
-    }
-    lam += k->nperp;
-    for (int l = 0; l < k->nline; l++) {
-        const jo_line *line = &m->line[k->line + l];
-        for (int j = 0; j < line->count; j++) {
-            if (line->side[j]) continue;   /* a coupling reacts here with its first coordinate only */
-            const jo_coordinate_work *c = &d->coordinate[line->coordinate[j]];
-            jo_axpy3(y, -lam[l] * line->data->factor[j], c->along);
-            jo_axpy3(y + 3, -lam[l] * line->data->factor[j], c->turn_b);
-        }
-    }
-}
-
-/* motion of a marker, world frame */
-typedef struct {
-    jo_real r[3], v[3], a[3];      /* position, velocity, acceleration */
-    jo_real om[3], al[3];          /* angular velocity and acceleration */
-} motion;
-
-/* add M x of a (3 x np) array to y, x without padding */
-static void add_modal(jo_real *y, const jo_real *M, const jo_real *x, int n, int np)
-{
-    for (int c = 0; c < 3; c++)
-        for (int j = 0; j < n; j++) y[c] += M[c * np + j] * x[j];
-}
-
-/* R'' + A (w' x u + Phi p'' + bias) and A (w' + T Psi p'' + bias), exact on flexible bodies */
-static void marker_motion(const jo_model *m, const jo_data *d, int marker, int accelerations, motion *y)
-{
-    const jo_marker *k = &m->marker[marker];
-    const jo_marker_work *w = &d->marker[marker];
-    jo_set3(y->r, w->r);
-    jo_to_world(y->v, m, d, marker, w->v);
-    jo_to_world(y->om, m, d, marker, w->om);
-    for (int j = 0; j < 3; j++) y->a[j] = y->al[j] = 0.0;
-    if (k->body < 0 || !accelerations) return;
-    const jo_body *b = &m->body[k->body];
-    const jo_real *a = d->a + b->iv, *A = d->body[k->body].A;
-    jo_real t[3];
-    jo_cross(t, a + 3, w->u);
-    jo_add3(t, w->bv);
-    if (k->Phi) add_modal(t, w->Phi, a + 6, b->n, b->np);
-    jo_mul3(y->a, A, t);
-    jo_add3(y->a, a);
-    if (!k->turns) return;
-    for (int j = 0; j < 3; j++) t[j] = 0.0;
-    if (k->Psi) add_modal(t, w->Psi, a + 6, b->n, b->np);
-    if (k->Psi) jo_mul3(t, w->T, t);
-    jo_add3(t, w->bom);
-    jo_add3(t, a + 3);
-    jo_mul3(y->al, A, t);
-}
-
-/* translation and rotation (6), world, after jo_evaluate */
-void jo_marker_acceleration(const jo_model *m, const jo_data *d, int marker, jo_real *y)
-{
-    motion of;
-    marker_motion(m, d, marker, 1, &of);
-    jo_set3(y, of.a);
-    jo_set3(y + 3, of.al);
-}
-
 /* y as an observer sees it who moves and turns with o: v - v_o - om_o x r, and so on with all derivatives in its frame */
-static void observe(motion *y, const motion *o)
+static void observe(jo_motion *y, const jo_motion *o)
 {
     jo_real c[3];
     jo_sub3(y->r, o->r);
@@ -158,11 +58,11 @@ static int is_acceleration(const jo_sensor *s) { return s->type == JO_SENSOR_ACC
 static void marker_sensor(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
 {
     const int accelerations = is_acceleration(s);
-    motion of;
-    marker_motion(m, d, s->object, accelerations, &of);
+    jo_motion of;
+    jo_marker_motion(m, d, s->object, accelerations, &of);
     if (s->other >= 0) {
-        motion from;
-        marker_motion(m, d, s->other, accelerations, &from);
+        jo_motion from;
+        jo_marker_motion(m, d, s->other, accelerations, &from);
         observe(&of, &from);
     }
     const jo_real *x = of.r;
@@ -292,6 +192,31 @@ static void section(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_
     for (int i = 0; i < s->count; i++) y[i] = first + i < 24 ? all[first + i] : 0.0;
 }
 
+/* damage and closed cycles of each meter */
+static void damage(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
+{
+    for (int k = 0; k < s->count / 2; k++) {
+        const jo_meter *r = &m->meter[s->object + k];
+        const double *memory = d->memory + r->at;
+        y[2 * k] = jo_meter_damage(r, memory, r->residue, d->scratch);
+        y[2 * k + 1] = memory[JO_METER_CLOSED];
+    }
+}
+
+/* sensors of positions and velocities need no accelerations */
+int jo_needs_accelerations(const jo_sensor *s)
+{
+    switch (s->type) {
+    case JO_SENSOR_POSITION: case JO_SENSOR_VELOCITY: case JO_SENSOR_ORIENTATION: case JO_SENSOR_ANGULAR_VELOCITY: case JO_SENSOR_MODAL:
+    case JO_SENSOR_STRESS: case JO_SENSOR_VON_MISES: case JO_SENSOR_PRINCIPAL: case JO_SENSOR_COORDINATE: case JO_SENSOR_RATE: case JO_SENSOR_SIGNAL:
+    case JO_SENSOR_DAMAGE:
+    case JO_SENSOR_BRIDGE:
+        return 0;
+    case JO_SENSOR_ENERGY: return s->object >= 4;   /* work: its last step waits for the power at its end */
+    default: return 1;
+    }
+}
+
 void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
 {
     jo_marker_position(m, d, m->nmarker);
@@ -336,7 +261,7 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
         case JO_SENSOR_STRESS:
         case JO_SENSOR_VON_MISES:
         case JO_SENSOR_PRINCIPAL: stress(m, d, s, y); break;
-        case JO_SENSOR_DAMAGE: jo_damage(m, d, s, y); break;
+        case JO_SENSOR_DAMAGE: damage(m, d, s, y); break;
         case JO_SENSOR_BRIDGE: bridge(m, d, s, y); break;
         case JO_SENSOR_SECTION: section(m, d, s, y); break;
         default: break;

@@ -49,6 +49,14 @@ static inline jo_real jo_dot3(const jo_real *a, const jo_real *b)
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
+static inline double jo_larger(double a, double b) { return a > b ? a : b; }
+
+static inline double jo_length(const jo_real *x, int n)
+{
+    double sum = 0.0;
+    for (int i = 0; i < n; i++) sum += JO_RE(x[i]) * JO_RE(x[i]);
+    return sqrt(sum);
+}
 /* y = a x b */
 static inline void jo_cross(jo_real *y, const jo_real *a, const jo_real *b)
 {
@@ -92,6 +100,24 @@ static inline void jo_rotation(jo_real *A, const jo_real *e)
     A[0] = 1.0 - 2.0 * (e2 * e2 + e3 * e3); A[1] = 2.0 * (e1 * e2 - e0 * e3); A[2] = 2.0 * (e1 * e3 + e0 * e2);
     A[3] = 2.0 * (e1 * e2 + e0 * e3); A[4] = 1.0 - 2.0 * (e1 * e1 + e3 * e3); A[5] = 2.0 * (e2 * e3 - e0 * e1);
     A[6] = 2.0 * (e1 * e3 - e0 * e2); A[7] = 2.0 * (e2 * e3 + e0 * e1); A[8] = 1.0 - 2.0 * (e1 * e1 + e2 * e2);
+}
+
+/* quaternion (scalar first and not negative) of a rotation matrix, from its largest component */
+static inline void jo_quaternion(jo_real *e, const jo_real *A)
+{
+    jo_real t[4] = {1.0 + A[0] + A[4] + A[8], 1.0 + A[0] - A[4] - A[8], 1.0 - A[0] + A[4] - A[8], 1.0 - A[0] - A[4] + A[8]};
+    int k = 0;
+    for (int i = 1; i < 4; i++)
+        if (JO_RE(t[i]) > JO_RE(t[k])) k = i;
+    jo_real s = 0.5 / jo_sqrt(t[k]);
+    jo_real x[4][4] = {
+        {t[0], A[7] - A[5], A[2] - A[6], A[3] - A[1]},
+        {A[7] - A[5], t[1], A[1] + A[3], A[2] + A[6]},
+        {A[2] - A[6], A[1] + A[3], t[2], A[5] + A[7]},
+        {A[3] - A[1], A[2] + A[6], A[5] + A[7], t[3]},
+    };
+    if (JO_RE(x[k][0]) < 0.0) s = -s;
+    for (int i = 0; i < 4; i++) e[i] = x[k][i] * s;
 }
 
 /* f[0..2] = sin(x)/x, (1 - cos x)/x^2, (x - sin x)/x^3 as functions of s = x^2, all smooth at 0 */

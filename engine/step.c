@@ -4,20 +4,6 @@
  */
 #include "internal.h"
 
-#define JO_LARGEST 1e15   /* no coordinate of a machine is as large, in any unit: the run has diverged */
-
-/* rate of the increments x at the velocities v */
-void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *v)
-{
-    for (int i = 0; i < m->nbody; i++) {
-        const jo_body *b = &m->body[i];
-        const int o = b->iv;
-        jo_set3(rate + o, v + o);
-        jo_rotation_rate(rate + o + 3, x + o + 3, v + o + 3);
-        for (int j = 6; j < 6 + b->n; j++) rate[o + j] = v[o + j];
-    }
-}
-
 /* classical Runge-Kutta (Rantalainen 2007, chapter 4) on the index-1 equations */
 static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s)
 {
@@ -57,15 +43,6 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s)
     jo_displace(m, d->q, d->q0, d->dq);
     for (int i = 0; i < m->nv; i++) d->v[i] = d->v0[i] + d->dv[i];
     return JO_OK;
-}
-
-/* the last step's work by the trapezoidal rule between states, now that the power at its end is known; the
- * stages in between say little about modes that the step does not resolve */
-void jo_add_work(jo_data *d)
-{
-    d->work[0] += 0.5 * d->waiting * (d->power0[0] + d->power[0]);
-    d->work[2] += 0.5 * d->waiting * (d->power0[2] + d->power[2] - d->drive);   /* drives and friction: stage by stage */
-    d->waiting = 0.0;
 }
 
 static void no_extra(const jo_model *m, jo_data *d)
@@ -147,21 +124,6 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
     return JO_OK;
 }
 
-int jo_check(const jo_model *m, jo_data *d)
-{
-    for (int i = 0; i < m->nbody; i++) {
-        const jo_body *b = &m->body[i];
-        double sum = 0.0;
-        for (int j = 0; j < 6 + b->n; j++) sum += fabs(JO_RE(d->v[b->iv + j]));
-        for (int j = 0; j < 7 + b->n; j++) sum += fabs(JO_RE(d->q[b->iq + j]));
-        if (!(sum < JO_LARGEST)) {
-            d->error_index = i;
-            return JO_NOT_FINITE;
-        }
-    }
-    return JO_OK;
-}
-
 int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     int status;
@@ -183,128 +145,4 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
     }
     if (m->nbeam) jo_beam_accept(m, d);
     return jo_check(m, d);
-}
-
-static int step(const jo_model *m, jo_data *d, const jo_solver *s)
-{
-    return jo_watched(m) ? jo_event_step(m, d, s) : jo_one_step(m, d, s);
-}
-
-/* the caller may have changed the state: what hangs on it is computed again */
-static void enter(jo_data *d)
-{
-    d->again = d->fresh;
-    d->current = d->fresh = 0;
-    d->logged = 0;
-    if (JO_RE(d->time[0]) != d->left) jo_restart(d);
-}
-
-void jo_restart(jo_data *d)
-{
-    d->restart = 1;
-    d->watching = d->grid.valid = 0;
-    jo_beam_forget(d);
-}
-
-int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
-{
-    enter(d);
-    int status = step(m, d, s);
-    if (status == JO_OK) status = jo_measure(m, d);
-    d->left = JO_RE(d->time[0]);
-    return status;
-}
-
-int jo_row_size(const jo_model *m)
-{
-    return 1 + m->nq + m->nv + m->nrow + JO_BALANCE + m->nout + m->nturn + 3 * m->nlock + 3 * m->nfriction
-           + m->nevent + m->ninput + m->nmemory;
-}
-
-int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
-{
-    int status = d->fresh ? JO_OK : jo_accelerations(m, d);
-    if (status != JO_OK) return status;
-    jo_add_work(d);
-    *row++ = d->time[0];
-    for (int i = 0; i < m->nq; i++) *row++ = d->q[i];
-    for (int i = 0; i < m->nv; i++) *row++ = d->v[i];
-    for (int i = 0; i < m->nrow; i++) *row++ = d->lam[i];
-    jo_energy(m, d, row);
-    for (int i = 0; i < 3; i++) row[4 + i] = d->work[i];
-    jo_residuals(m, d, row + 7);
-    row[9] = (double)d->counts[0];
-    row[10] = (double)d->counts[1];
-    row[11] = (double)d->counts[5];
-    row[12] = (double)d->counts[3];
-    row[13] = d->control.length;
-    jo_sensors(m, d, row + JO_BALANCE);
-    row += JO_BALANCE + m->nout;
-    for (int i = 0; i < m->nturn; i++) *row++ = d->turn[i];
-    for (int i = 0; i < m->nlock; i++) *row++ = d->locked[i];
-    for (int i = 0; i < m->nfriction; i++) *row++ = d->slip[i];
-    for (int i = 0; i < 2 * m->nlock; i++) *row++ = d->held[i];
-    for (int i = 0; i < 2 * m->nfriction; i++) *row++ = d->direction[i];
-    for (int i = 0; i < m->nevent; i++) *row++ = d->happened[i];
-    for (int i = 0; i < m->ninput; i++) *row++ = d->input[i];
-    for (int i = 0; i < m->nmemory; i++) *row++ = d->memory[i];
-    return JO_OK;
-}
-
-int jo_row(const jo_model *m, jo_data *d, jo_real *row)
-{
-    d->current = d->fresh = 0;
-    int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
-    if (status == JO_OK) status = jo_measure(m, d);
-    return status == JO_OK ? jo_write_row(m, d, row) : status;
-}
-
-/* rounded before it is added, so that time does not depend on how a run is cut into calls */
-static double instant(long long count, double step)
-{
-    volatile double product = (double)count * step;
-    return product;
-}
-
-static int run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
-               long long *count, int *written, jo_real *rows)
-{
-    const size_t size = (size_t)jo_row_size(m);
-    if (!d->grid.valid || d->grid.count != *count || d->grid.step != s->step)
-        d->grid.start = d->time[0] - instant(*count, s->step);
-    for (long long i = 0; i < nsteps && (!jo_watched(m) || jo_log_has_room(m, d)); i++) {
-        int status = step(m, d, s);
-        if (status == JO_EVENT) {
-            const int event = d->error_index;
-            int failed = jo_measure(m, d);
-            if (failed == JO_OK) failed = jo_write_row(m, d, rows + (size_t)*written * size);
-            if (failed != JO_OK) return failed;
-            d->error_index = event;
-            ++*written;
-        }
-        if (status != JO_OK) return status;
-        ++*count;
-        d->time[0] = d->grid.start + instant(*count, s->step);
-        status = jo_measure(m, d);
-        if (status != JO_OK) return status;
-        if (*count % every == 0) {
-            status = jo_write_row(m, d, rows + (size_t)*written * size);
-            if (status != JO_OK) return status;
-            ++*written;
-        }
-    }
-    return JO_OK;
-}
-
-int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
-           long long *count, int *written, jo_real *rows)
-{
-    *written = 0;
-    enter(d);
-    const int status = run(m, d, s, nsteps, every, count, written, rows);
-    d->left = JO_RE(d->time[0]);
-    d->grid.valid = status == JO_OK;
-    d->grid.count = *count;
-    d->grid.step = s->step;
-    return status;
 }

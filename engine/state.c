@@ -1,0 +1,87 @@
+/* state.c - the state of a mechanism, time, q and v: where the bodies stand by it, how it moves, whether it is sound.
+ *
+ * Positions move by increments [dR (world), dtheta (local), dp]; orientations are e o exp(dtheta).
+ */
+#include "internal.h"
+
+#define JO_LARGEST 1e15   /* no coordinate of a machine is as large, in any unit: the run has diverged */
+
+/* poses and velocities of the bodies and positions of the markers at q, v */
+void jo_refresh(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        jo_body_pose(b, &d->body[i], d->q + b->iq);
+        jo_body_twist(b, &d->body[i], d->v + b->iv);
+    }
+    jo_marker_position(m, d, m->nactive);
+    if (m->ncoordinate) jo_coordinates(m, d, m->ncoordinate);
+}
+
+/* largest position and velocity residual */
+void jo_residuals(const jo_model *m, jo_data *d, jo_real *out)
+{
+    jo_refresh(m, d);
+    jo_marker_velocity(m, d, m->nactive);
+    out[0] = jo_joint_residual(m, d);
+    out[1] = jo_joint_residual_rate(m, d);
+}
+
+void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot)
+{
+    jo_real unused[2];
+    jo_residuals(m, d, unused);
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) {
+            c[m->joint[i].row + r] = d->joint[i].c[r];
+            cdot[m->joint[i].row + r] = d->joint[i].cdot[r];
+        }
+}
+
+/* q = q0 moved by increments [dR (world), dtheta (local), dp] */
+void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const jo_real *x = q0 + b->iq, *dx = increment + b->iv;
+        jo_real *y = q + b->iq;
+        for (int j = 0; j < 3; j++) y[j] = x[j] + dx[j];
+        for (int j = 0; j < 4; j++) y[3 + j] = x[3 + j];
+        jo_rotate(y + 3, dx + 3);
+        for (int j = 0; j < b->n; j++) y[7 + j] = x[7 + j] + dx[6 + j];
+    }
+}
+
+/* rate of the increments x at the velocities v */
+void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *v)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const int o = b->iv;
+        jo_set3(rate + o, v + o);
+        jo_rotation_rate(rate + o + 3, x + o + 3, v + o + 3);
+        for (int j = 6; j < 6 + b->n; j++) rate[o + j] = v[o + j];
+    }
+}
+
+int jo_check(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        double sum = 0.0;
+        for (int j = 0; j < 6 + b->n; j++) sum += fabs(JO_RE(d->v[b->iv + j]));
+        for (int j = 0; j < 7 + b->n; j++) sum += fabs(JO_RE(d->q[b->iq + j]));
+        if (!(sum < JO_LARGEST)) {
+            d->error_index = i;
+            return JO_NOT_FINITE;
+        }
+    }
+    return JO_OK;
+}
+
+void jo_restart(jo_data *d)
+{
+    d->restart = 1;
+    d->watching = d->grid.valid = 0;
+    jo_beam_forget(d);
+}
