@@ -346,7 +346,9 @@ int jo_newton_assemble(const jo_model *m, jo_data *d)
         for (int j = 0; j < 6; j++) d->marker[i].load[j] = 0.0;
         if (m->marker[i].body >= 0) marker_motion(m, d, i);
     }
-    const int status = jo_newton_elements(m, d);
+    for (int i = 0; i < m->njoint; i++) jo_newton_joint(m, d, i);
+    if (m->nfriction) jo_newton_frictions(m, d);
+    const int status = jo_newton_forces(m, d);
     if (status != JO_OK) return status;
     if (d->weights.q != 0.0)
         for (int i = 0; i < m->nactive; i++)

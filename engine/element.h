@@ -20,6 +20,9 @@ enum { JO_DR = 0, JO_DPHI = 3, JO_DV = 6, JO_DOM = 9, JO_OF_B = 12 };
  * G[3..5] turn_a, G[6..8] turn_b, with respect to [r_b - r_a, phi_a, phi_b]. */
 typedef struct { jo_real s[24], rate[24], G[9][9]; } jo_gradients;
 
+/* x = column i of A */
+static inline void jo_axis(jo_real *x, const jo_real *A, int i) { x[0] = A[i]; x[1] = A[3 + i]; x[2] = A[6 + i]; }
+
 void jo_element_start(jo_element *e, int a, int b);
 void jo_element_skew(jo_element *e, int i, int j, jo_real s, const jo_real *a);   /* rows i.., columns j.. += s a~ */
 void jo_element_finish(const jo_model *m, jo_data *d, const jo_element *e);   /* into the matrix */
@@ -27,6 +30,5 @@ void jo_element_gradients(const jo_model *m, const jo_data *d, int coordinate, j
 /* a force f along the coordinate, with its derivatives with respect to s and s' */
 void jo_element_along(const jo_data *d, jo_element *e, int coordinate, const jo_gradients *g, jo_real f, jo_real fs,
                       jo_real frate);
-int jo_newton_forces(const jo_model *m, jo_data *d);   /* force.c */
 
 #endif

@@ -339,6 +339,7 @@ void jo_react(const jo_model *m, jo_data *d);   /* -Cq^T lam acts on the bodies 
 
 /* force.c */
 int jo_apply_forces(const jo_model *m, jo_data *d);
+int jo_newton_forces(const jo_model *m, jo_data *d);
 jo_real jo_stored(const jo_model *m, const jo_data *d);   /* in springs, where markers and coordinates stand */
 
 /* push.c */
@@ -423,9 +424,11 @@ int jo_newton_assemble(const jo_model *m, jo_data *d);   /* at the state of the 
 void jo_newton_masses(const jo_model *m, jo_data *d);    /* bodies and beams only */
 void jo_newton_rows(const jo_model *m, jo_data *d);      /* joints only, without multipliers */
 
-/* elements.c */
-int jo_newton_elements(const jo_model *m, jo_data *d);
+/* joint_tangent.c */
 void jo_newton_joint(const jo_model *m, jo_data *d, int joint);
+
+/* friction_tangent.c */
+void jo_newton_frictions(const jo_model *m, jo_data *d);
 
 /* tangent.c */
 void jo_balance(const jo_model *m, const jo_data *d, jo_real *r);   /* M a less the forces that stand in fr and fp */

@@ -1,0 +1,93 @@
+"""The files of the engine: who calls whom, how long a function is, where a kind of force is."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+from jousto.model.native import declarations
+
+ENGINE = Path(declarations.__file__).parents[4] / "engine"
+pytestmark = pytest.mark.skipif(not ENGINE.exists(), reason="an installed package")
+
+# functions and constants start at the left edge, and a function ends there unless it is one line
+FUNCTION = re.compile(
+    r"^(static )?[a-z][\w *]*?(\w+)\([^;{}]*\)\s*\{(?:[^\n]*\}$|.*?^\}$)", re.MULTILINE | re.DOTALL
+)
+CONSTANT = re.compile(r"^const \w+ (\w+) =", re.MULTILINE)
+PROTOTYPE = re.compile(r"^(?:extern [^;{}]*|[a-z][\w *]*\w\([^;{}]*\));", re.MULTILINE)
+RECURSIVE = ["jo_signal_at"]  # the operands of a signal are signals
+
+
+def sources() -> dict[str, str]:
+    """The text of each file, without comments, strings and prototypes."""
+    texts = {}
+    for path in sorted(ENGINE.glob("*.[ch]")):
+        text = re.sub(r"/\*.*?\*/", _blank, path.read_text("utf-8"), flags=re.DOTALL)
+        texts[path.name] = re.sub(r'"(?:\\.|[^"\\\n])*"', '""', text)
+    return texts
+
+
+def _blank(comment: re.Match[str]) -> str:
+    return "\n" * comment[0].count("\n")
+
+
+def calls() -> dict[str, set[str]]:
+    """Of each file those that define what it uses: functions, and rows of the table of forces."""
+    texts = {name: PROTOTYPE.sub("", text) for name, text in sources().items()}
+    defined = [(found, name) for name, text in texts.items() for found in _names(text)]
+    twice = [name for name, count in Counter(found for found, _ in defined).items() if count > 1]
+    assert not twice, f"defined in two files: {twice}"
+    home = dict(defined)
+    used = {name: set(re.findall(r"\w+", text)) for name, text in texts.items()}
+    return {name: {home[w] for w in words & home.keys()} - {name} for name, words in used.items()}
+
+
+def _names(text: str) -> list[str]:
+    return [m[2] for m in FUNCTION.finditer(text) if not m[1]] + CONSTANT.findall(text)
+
+
+def functions() -> dict[tuple[str, str], str]:
+    """Each function by its file and name."""
+    return {(file, m[2]): m[0] for file, text in sources().items() for m in FUNCTION.finditer(text)}
+
+
+def test_no_file_calls_one_that_calls_it():
+    """Not through others either, so that any file can be read after those it uses.
+
+    A step that ends at an event is repeated by jo_event_step (event.c), which calls jo_one_step
+    (step.c); what calls jo_event_step is above both: run.c and adaptive.c.
+    """
+    graph = calls()
+    assert {"state.c", "event.c", "dopri.c"} <= graph["adaptive.c"]
+    assert "force_along.c" in graph["force.c"]
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        pytest.fail(f"a circle: {' <- '.join(error.args[1])}")
+
+
+def test_only_what_is_recursive_calls_itself():
+    texts = functions()
+    home = {name: file for file, name in texts}
+    graph = {}
+    for (file, name), text in texts.items():
+        called = set(re.findall(r"(\w+)\(", text.partition("{")[2]))
+        here = {(file, other) for other in called if (file, other) in texts}
+        graph[file, name] = here | {(home[w], w) for w in called & home.keys() if w[:3] == "jo_"}
+    assert [key[1] for key, called in graph.items() if key in called] == RECURSIVE
+    TopologicalSorter({key: called - {key} for key, called in graph.items()}).prepare()
+
+
+def test_each_kind_of_force_has_a_file_and_a_row():
+    texts = sources()
+    kinds = re.findall(r"\b(JO_FORCE_\w+) = \d", texts["jousto.h"])
+    rows = dict(re.findall(r"^    \[(JO_FORCE_\w+)\] = &(\w+),$", texts["force.c"], re.MULTILINE))
+    assert list(rows) == kinds
+    files = {name: CONSTANT.findall(text) for name, text in texts.items() if "force_" in name}
+    assert sorted(files.values()) == sorted([row] for row in rows.values())
+    assert all(f"jo_{name[:-2]}" == row for name, [row] in files.items())
