@@ -165,8 +165,8 @@ class OptionalPositive(OnlyPositive["float | None", "float | None"]):
     optional = True
 
 
-class Whole(Field[int, int]):
-    """A whole number.
+class _Whole(Field[In, Out]):
+    """What whole numbers share: limits.
 
     Parameters
     ----------
@@ -196,6 +196,16 @@ class Whole(Field[int, int]):
         return int(value)
 
 
+class Whole(_Whole[int, int]):
+    """A whole number."""
+
+
+class OptionalWhole(_Whole["int | None", "int | None"]):
+    """A whole number, or None."""
+
+    optional = True
+
+
 class Numbers(Field["float | Iterable[float]", "tuple[float, ...]"]):
     """Numbers, or a single one; none is zero."""
 
@@ -223,8 +233,8 @@ class Vector(Field[ArrayLike, NDArray[np.float64]]):
         return problems.array(where, self.label, value, (3,))
 
 
-class Values(Field[ArrayLike, NDArray[np.float64]]):
-    """An array of numbers.
+class _Values(Field[In, Out]):
+    """What arrays of numbers share: their shape.
 
     Parameters
     ----------
@@ -249,3 +259,13 @@ class Values(Field[ArrayLike, NDArray[np.float64]]):
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return a read-only array of this shape."""
         return problems.array(where, self.label, value, self.shape)
+
+
+class Values(_Values[ArrayLike, NDArray[np.float64]]):
+    """An array of numbers."""
+
+
+class OptionalValues(_Values["ArrayLike | None", "NDArray[np.float64] | None"]):
+    """An array of numbers, or None."""
+
+    optional = True

@@ -5,12 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from jousto.base.arrays import Floats, Ints, read_only, skew
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems, suggest, warn
+from jousto.base.fields import Choice, Field, field
+from jousto.base.numbers import OptionalValues
 from jousto.mesh.area import KINDS, area_matrix
 from jousto.mesh.cylinders import cylinder_middle
 from jousto.mesh.holes import Hole
@@ -22,8 +25,33 @@ LOOSE, NARROW = 1e-8, 1e-3
 """Least ratio of the weakest to the strongest of the six motions of the tied nodes."""
 
 
-@dataclass(frozen=True, eq=False)
-class Interface:
+class Own(Field[str, str]):
+    """The name of an interface; those of nodes are kept for them."""
+
+    form = "text"
+    noun = "str"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the name."""
+        if not isinstance(value, str) or not value:
+            problems.add(where, f"its name is {value!r}, must be a word")
+        elif re.fullmatch(r"node\d+", value):
+            problems.add(where, "this name is kept for the node of that number; take another")
+        return value
+
+
+class Tied(Field[Any, Any]):
+    """Nodes of a part, in one of several ways; they are found where the part is known."""
+
+    form = "pick"
+    noun = "str, array_like of int, Hole or pick"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return what was given; of a hole its nodes."""
+        return value.nodes if isinstance(value, Hole) else value
+
+
+class Interface(Declared):
     """Where a part meets its neighbours: nodes tied to a reference node of six motions.
 
     Solids have nodes that only translate. A joint or a torque needs one that turns, and a pin
@@ -36,22 +64,6 @@ class Interface:
       ``R_i = [E, -s_i~]``. Adds no stiffness; forces spread as an even and linear traction: for
       bores with play, soft bushings and loads.
 
-    Parameters
-    ----------
-    name : str
-        Name of the interface; the reduced part has its reference node under this name.
-    nodes : str, array_like of int, Hole or pick
-        Name of a node set, node indices, a hole of the mesh (``mesh.holes()``), ``InBox``,
-        ``InCylinder``, ``InSphere``, ``Nearest``, or faces as rows of node indices (nf, k),
-        corners first, then the middles of the sides.
-    kind : "rigid" or "average"
-    at : (3,) array_like, optional
-        Reference point in m, part frame. If not given: the middle of the axis if the nodes lie on
-        a cylinder, else their centroid.
-    weights : (k,) array_like, optional
-        Weights of the nodes in the order of `nodes`, for averages. If not given: by area
-        (``int N N^T dA``) where the faces are known, else equal.
-
     Raises
     ------
     InputError
@@ -63,37 +75,47 @@ class Interface:
     <Interface 'pin': average of 'bore'>
     """
 
-    name: str
-    nodes: Any
-    kind: Literal["rigid", "average"] = "rigid"
-    at: Any = None
-    weights: Any = None
+    name: Own = field("Name of the interface; the reduced part has its reference node under it")
+    nodes: Tied = field(
+        "Name of a node set, node indices, a hole of the mesh (``mesh.holes()``), ``InBox``, "
+        "``InCylinder``, ``InSphere``, ``OnPlane``, ``Nearest``, or faces as rows of node indices "
+        "(nf, k), corners first, then the middles of the sides; in files a set, a list of sets, or "
+        "a pick such as {hole: ...}"
+    )
+    kind: Choice = field(  # type: ignore[misc]
+        "rigid (RBE2): a stiff flange; average (RBE3): a pin with play",
+        words=("rigid", "average"),
+        wanted="'rigid' (the nodes follow the reference node) or 'average' (it follows the nodes)",
+        default="rigid",
+    )
+    at: OptionalValues = field(
+        "Reference point, part frame. If not given: the middle of the axis if the nodes lie on a "
+        "cylinder, else their centroid",
+        unit="m",
+        shape=(3,),
+        default=None,
+    )
+    weights: OptionalValues = field(
+        "Weights of the nodes in the order of `nodes`, for averages. If not given: by area "
+        "(``int N N^T dA``) where the faces are known, else equal",
+        shape=(None,),
+        file=False,
+        default=None,
+    )
+    together = ("kind", "weights")
 
-    def __post_init__(self) -> None:
-        where, problems = f"interface {self.name!r}", Problems()
-        if isinstance(self.nodes, Hole):
-            object.__setattr__(self, "nodes", self.nodes.nodes)
-        name: object = self.name
-        if not isinstance(name, str) or not name:
-            problems.add(where, f"its name is {name!r}, must be a word")
-        elif re.fullmatch(r"node\d+", name):
-            problems.add(where, "this name is kept for the node of that number; take another")
-        if self.kind not in ("rigid", "average"):
-            problems.add(
-                where,
-                f"kind is {self.kind!r}, must be 'rigid' (the nodes follow the reference node) or"
-                " 'average' (it follows the nodes)",
-            )
-        if self.at is not None:
-            object.__setattr__(self, "at", problems.array(where, "at", self.at, (3,)))
-        if self.weights is not None:
-            weights = problems.array(where, "weights", self.weights, (None,))
-            object.__setattr__(self, "weights", weights)
-            if self.kind == "rigid":
-                problems.add(where, "a rigid interface has no weights; use kind='average'")
-            elif weights is not None and (np.any(weights < 0.0) or not np.any(weights)):
-                problems.add(where, "weights must not be negative and not all zero")
-        problems.raise_if_any()
+    def place(self, problems: Problems) -> str:
+        """Return what messages say first."""
+        return f"interface {self.name!r}"
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note weights that cannot be used."""
+        if self.weights is None:
+            return
+        if self.kind == "rigid":
+            problems.add(where, "a rigid interface has no weights; use kind='average'")
+        elif np.any(self.weights < 0.0) or not np.any(self.weights):
+            problems.add(where, "weights must not be negative and not all zero")
 
     def __repr__(self) -> str:
         shown = repr(self.nodes)
@@ -131,7 +153,7 @@ class Tie:
     """
 
     name: str
-    kind: Literal["rigid", "average"]
+    kind: str
     nodes: Ints
     at: Floats
     following: Floats

@@ -8,27 +8,62 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import ArrayLike
 
 from jousto.base.arrays import Floats, Ints, Sparse, as_csr, node_dofs, read_only, scatter, skew
+from jousto.base.declare import Declared
 from jousto.base.described import described
 from jousto.base.errors import Problems
+from jousto.base.fields import Field, field
+from jousto.base.numbers import Number
 
 
-@described
-@dataclass(frozen=True)
-class PointMass:
+class NodeField(Field["int | str", "int | str"]):
+    """A node, or the name of a set; it is found where the part is known."""
+
+    form = "text"
+    noun = "int or str"
+
+
+class Tensor(Field[ArrayLike | None, Floats]):
+    """Moments of inertia or an inertia tensor, None for none."""
+
+    form = "inertia"
+    noun = "(3,) or (3, 3) array_like"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return a tensor that a body can have."""
+        J = np.zeros(3) if value is None else value
+        J = problems.array(where, "inertia", J, (3,) if np.ndim(J) == 1 else (3, 3))
+        if J is None:
+            return None
+        J = np.diag(J) if J.ndim == 1 else J
+        scale = np.abs(J).max()
+        if np.abs(J - J.T).max() > 1e-9 * scale:
+            problems.add(where, "inertia is not symmetric")
+        elif np.linalg.eigvalsh(second_moment(J)).min() < -1e-9 * scale:
+            moments = ", ".join(f"{x:.6g}" for x in np.linalg.eigvalsh(J))
+            problems.add(
+                where,
+                f"principal moments of inertia are {moments} kg m^2; they must not be negative"
+                " and none may exceed the sum of the two others",
+            )
+        return read_only(J)
+
+
+class Arm(Field[ArrayLike | None, Floats]):
+    """A vector (3,), None for none."""
+
+    form = "vector"
+    noun = "(3,) array_like"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return a read-only array."""
+        return problems.array(where, self.name, np.zeros(3) if value is None else value, (3,))
+
+
+class PointMass(Declared):
     """A rigid mass fixed to a node.
-
-    Parameters
-    ----------
-    node : int or str
-        Node index (from 0) or the name of a node set with one node (``"node1"``, ``"end"``).
-    mass : float
-        Mass in kg, zero or positive.
-    inertia : (3,) or (3, 3) array_like, optional
-        Moments of inertia, or inertia tensor, about the mass's own centre in kg m^2, part axes.
-    offset : (3,) array_like, optional
-        From the node to the centre of the mass in m, part frame.
 
     Raises
     ------
@@ -42,35 +77,22 @@ class PointMass:
     2.5
     """
 
-    node: int | str
-    mass: float
-    inertia: Any = None
-    offset: Any = None
+    node: NodeField = field(
+        'Node index (from 0), or the name of a node set such as ``"node1"`` or ``"end"``'
+    )
+    mass: Number = field("Mass", unit="kg", least=0, wanted="zero or positive")
+    inertia: Tensor = field(
+        "About its own centre, part axes: three moments or a 3 x 3 tensor",
+        unit="kg m^2",
+        default=(0.0, 0.0, 0.0),
+    )
+    offset: Arm = field(
+        "From the node to the centre of the mass, part frame", unit="m", default=(0.0, 0.0, 0.0)
+    )
 
-    def __post_init__(self) -> None:
-        where = f"point mass at node {self.node!r}"
-        problems = Problems()
-        problems.number(where, "mass", self.mass, "kg", "zero or positive", lambda m: m >= 0.0)
-        offset = (0.0, 0.0, 0.0) if self.offset is None else self.offset
-        object.__setattr__(self, "offset", problems.array(where, "offset", offset, (3,)))
-
-        J = np.zeros(3) if self.inertia is None else self.inertia
-        J = problems.array(where, "inertia", J, (3,) if np.ndim(J) == 1 else (3, 3))
-        if J is not None:
-            J = np.diag(J) if J.ndim == 1 else J
-            scale = np.abs(J).max()
-            if np.abs(J - J.T).max() > 1e-9 * scale:
-                problems.add(where, "inertia is not symmetric")
-            elif np.linalg.eigvalsh(second_moment(J)).min() < -1e-9 * scale:
-                moments = ", ".join(f"{x:.6g}" for x in np.linalg.eigvalsh(J))
-                problems.add(
-                    where,
-                    f"principal moments of inertia are {moments} kg m^2; they must not be negative"
-                    " and none may exceed the sum of the two others",
-                )
-            J = read_only(J)
-        object.__setattr__(self, "inertia", J)
-        problems.raise_if_any()
+    def place(self, problems: Problems) -> str:
+        """Return what messages say first."""
+        return f"point mass at node {self.node!r}"
 
 
 def second_moment(J: Floats) -> Floats:

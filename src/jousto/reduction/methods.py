@@ -2,20 +2,67 @@
 
 from __future__ import annotations
 
-import operator
-from dataclasses import dataclass
+from collections.abc import Iterable
 from typing import Any
 
-import numpy as np
-
-from jousto.base.arguments import explained
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems
+from jousto.base.fields import Field, Flag, field
+from jousto.base.numbers import OptionalNumber, OptionalWhole
 from jousto.reduction.modes.residuals import read_residuals
 
 
-@explained
-@dataclass(frozen=True, repr=False)
-class CraigBampton:
+class Places(Field["str | Iterable[str]", "tuple[str, ...]"]):
+    """Names of interfaces or node sets, or a single one."""
+
+    form = "texts"
+    noun = "tuple of str"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the names; note what is none, and what is named twice."""
+        if not isinstance(value, Iterable):
+            problems.add(where, f"{self.name} is {value!r}, must be names")
+            return ()
+        names = (value,) if isinstance(value, str) else tuple(value)
+        for name in names:
+            if not isinstance(name, str):
+                problems.add(
+                    where, f"interface {name!r} is not the name of an interface or node set"
+                )
+            elif names.count(name) > 1:
+                problems.add(where, f"interface '{name}' is named more than once")
+                break
+        return names
+
+
+class Residuals(Field[Any, "tuple[Any, ...]"]):
+    """Loads whose static response is exact, and stress sites."""
+
+    form = "residuals"
+    noun = "sequence of (ndof,) or (ndof, m) arrays and str"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return them as a tuple."""
+        return read_residuals(where, value, problems)
+
+
+class Limit(OptionalNumber):
+    """The highest frequency kept, Hz."""
+
+    def __init__(self, text: str = "", **common: Any) -> None:
+        super().__init__(text, unit="Hz", above=0, wanted="positive, in Hz", plain=True, **common)
+
+
+class Reduction(Declared, section="reductions", by_value=True):
+    """A choice of modes, up to a number, a frequency or both."""
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note that no limit is given."""
+        if all(getattr(self, key) is None for key in ("modes", "frequency_limit")):
+            problems.add(where, "give modes=number or frequency_limit=Hz (or both)")
+
+
+class CraigBampton(Reduction, tag="craig-bampton"):
     """Fixed-interface modes plus constraint modes of the interface nodes.
 
     ``T = [E 0; Phi_C Phi_N]`` (Rantalainen 2007, eqs. 3.24-3.31), then orthonormalised and freed
@@ -26,22 +73,6 @@ class CraigBampton:
 
     Residual vectors ``(K_II^-1 - Phi_N W^-2 Phi_N^T) f`` add what the fixed-interface modes leave
     out of a static response: one more mode for each load or stress component.
-
-    Parameters
-    ----------
-    interfaces : tuple of str
-        Where joints and forces act: interfaces of the part, or node sets, of which every node is
-        an interface node then. All interfaces of the part if none is named.
-    modes : int, optional
-        Number of fixed-interface modes, the lowest are taken; 0 is static condensation.
-    frequency_limit : float, optional
-        Highest fixed-interface frequency kept, Hz. With `modes` as well, both limits hold.
-    residuals : sequence of (ndof,) or (ndof, m) arrays and str
-        Nodal load patterns in the part's degrees of freedom, any unit: the static response to them
-        is exact. Names of stress sites: their static stress is exact under all loads.
-    inertia_relief : bool
-        Whether the response to the six rigid accelerations is added too: weight and slow
-        acceleration then act on the part as on its mesh.
 
     Raises
     ------
@@ -54,20 +85,30 @@ class CraigBampton:
     CraigBampton(interfaces=('start',), modes=4, frequency_limit=None)
     """
 
-    interfaces: tuple[str, ...] = ()
-    modes: int | None = None
-    frequency_limit: float | None = None
-    residuals: tuple[Any, ...] = ()
-    inertia_relief: bool = False
-
-    def __post_init__(self) -> None:
-        problems = Problems()
-        names = _names("CraigBampton", self.interfaces, problems)
-        _check_limits("CraigBampton", self.modes, self.frequency_limit, problems)
-        residuals = read_residuals("CraigBampton", self.residuals, problems)
-        problems.raise_if_any()
-        object.__setattr__(self, "interfaces", names)
-        object.__setattr__(self, "residuals", residuals)
+    interfaces: Places = field(
+        "Where joints and forces act: interfaces of the part, or node sets, of which every node is "
+        "an interface node then. All interfaces of the part if none is named",
+        default=(),
+    )
+    modes: OptionalWhole = field(
+        "Number of fixed-interface modes, the lowest are taken; 0 is static condensation",
+        least=0,
+        default=None,
+    )
+    frequency_limit: Limit = field(
+        "Highest fixed-interface frequency kept. With `modes` as well, both limits hold",
+        default=None,
+    )
+    residuals: Residuals = field(
+        "Nodal load patterns in the part's degrees of freedom, any unit: the static response to "
+        "them is exact. Names of stress sites: their static stress is exact under all loads",
+        default=(),
+    )
+    inertia_relief: Flag = field(
+        "Whether the response to the six rigid accelerations is added too: weight and slow "
+        "acceleration then act on the part as on its mesh",
+        default=False,
+    )
 
     def __repr__(self) -> str:
         more = f", residuals={self.residuals}" if self.residuals else ""
@@ -78,25 +119,12 @@ class CraigBampton:
         )
 
 
-@explained
-@dataclass(frozen=True, repr=False)
-class FreeFree:
+class FreeFree(Reduction, tag="free-free"):
     """Free-free elastic modes of the whole part: no interface, mean-axis frame.
 
     Good for a part that nothing holds; near a joint they converge slower than `CraigBampton`,
     unless attachment modes are added: what the modes leave out of the response to unit forces and
     moments on the interfaces of the accelerated part (MacNeal 1971, Rubin 1975).
-
-    Parameters
-    ----------
-    modes : int, optional
-        Number of elastic modes, the lowest are taken. The rigid-body modes do not count.
-    frequency_limit : float, optional
-        Highest frequency kept, Hz. With `modes` as well, both limits hold.
-    interfaces : tuple of str
-        Interfaces or node sets that get attachment modes.
-    residuals : sequence of (ndof,) or (ndof, m) arrays and str
-        Load patterns and stress sites as in `CraigBampton`.
 
     Raises
     ------
@@ -109,21 +137,22 @@ class FreeFree:
     FreeFree(modes=None, frequency_limit=500.0)
     """
 
-    modes: int | None = None
-    frequency_limit: float | None = None
-    interfaces: tuple[str, ...] = ()
-    residuals: tuple[Any, ...] = ()
+    modes: OptionalWhole = field(
+        "Number of elastic modes, the lowest are taken. The rigid-body modes do not count",
+        least=0,
+        default=None,
+    )
+    frequency_limit: Limit = field(
+        "Highest frequency kept. With `modes` as well, both limits hold", default=None
+    )
+    interfaces: Places = field("Interfaces or node sets that get attachment modes", default=())
+    residuals: Residuals = field("Load patterns and stress sites as in `CraigBampton`", default=())
 
-    def __post_init__(self) -> None:
-        problems = Problems()
-        names = _names("FreeFree", self.interfaces, problems)
-        _check_limits("FreeFree", self.modes, self.frequency_limit, problems)
-        residuals = read_residuals("FreeFree", self.residuals, problems)
-        if self.modes == 0 and not residuals and not names:
-            problems.add("FreeFree", "modes is 0, must be at least 1")
-        problems.raise_if_any()
-        object.__setattr__(self, "interfaces", names)
-        object.__setattr__(self, "residuals", residuals)
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note that there would be no mode."""
+        super().consistent(problems, where)
+        if self.modes == 0 and not self.residuals and not self.interfaces:
+            problems.add(where, "modes is 0, must be at least 1")
 
     def __repr__(self) -> str:
         more = f", interfaces={self.interfaces}" if self.interfaces else ""
@@ -132,35 +161,3 @@ class FreeFree:
 
 
 Method = CraigBampton | FreeFree
-
-
-def _names(where: str, given: Any, problems: Problems) -> tuple[str, ...]:
-    names = (given,) if isinstance(given, str) else tuple(given)
-    for name in names:
-        if not isinstance(name, str):
-            problems.add(where, f"interface {name!r} is not the name of an interface or node set")
-        elif names.count(name) > 1:
-            problems.add(where, f"interface '{name}' is named more than once")
-            break
-    return names
-
-
-def _check_limits(
-    where: str, modes: int | None, frequency_limit: float | None, problems: Problems
-) -> None:
-    if modes is None and frequency_limit is None:
-        problems.add(where, "give modes=number or frequency_limit=Hz (or both)")
-    if modes is not None:
-        try:
-            number = operator.index(modes)
-        except TypeError:
-            number = -1
-        if number < 0 or isinstance(modes, bool):
-            problems.add(where, f"modes is {modes!r}, must be a whole number, 0 or more")
-    if frequency_limit is not None:
-        try:
-            limit = float(frequency_limit)
-        except (TypeError, ValueError):
-            limit = np.nan
-        if not limit > 0.0:
-            problems.add(where, f"frequency_limit is {frequency_limit!r}, must be positive, in Hz")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import scipy.sparse as sp
@@ -12,8 +12,11 @@ from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Floats, Ints, Sparse, as_csr
-from jousto.base.described import described
+from jousto.base.declare import Declared
+from jousto.base.described import describe
 from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.fields import Choice, Label, field
+from jousto.base.numbers import Number, Vector
 from jousto.mesh.reference import CORNERS, FACES, shape_functions
 from jousto.parts.frames.stress import StressOperator
 from jousto.parts.solids.stress import SolidStress
@@ -79,24 +82,27 @@ def _reading(where: str, reading: str) -> tuple[tuple[float, ...], tuple[float, 
     return READINGS[reading]
 
 
-@explained
-@described
-@dataclass(frozen=True)
-class WeldToe:
-    """A place on the toe of a weld, where its structural hot-spot stress is wanted.
+class ReadingWord(Choice):
+    """A reading; close words are suggested."""
 
-    Parameters
-    ----------
-    name : str
-        Name of the stress site.
-    at : (3,) sequence
-        Place on the toe, part frame, m.
-    away : (3,) sequence
-        Direction along the plate's surface, square to the toe, away from the weld; part frame.
-    thickness : float
-        Of the plate, m; not used by the readings of edges.
-    reading : {"fine", "coarse", "quadratic", "edge", "edge-coarse"}
-        Where the stress is read, see `hot_spot_stress`.
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the word."""
+        if value not in self.words:
+            problems.add(where, f"{self.name} is {value!r}{suggest(value, self.words)}")
+        return value
+
+
+class Triple(Vector):
+    """Three numbers, kept as a tuple."""
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the tuple."""
+        found = super().check(problems, where, value)
+        return None if found is None else tuple(found.tolist())
+
+
+class WeldToe(Declared, by_value=True):
+    """A place on the toe of a weld, where its structural hot-spot stress is wanted.
 
     Raises
     ------
@@ -104,27 +110,29 @@ class WeldToe:
         Values out of range; all problems at once.
     """
 
-    name: str
-    at: tuple[float, float, float]
-    away: tuple[float, float, float]
-    thickness: float = 0.0
-    reading: Reading = "fine"
+    kind = "weld toe"
+    name: Label = field("Name of the stress site")
+    at: Triple = field("Place on the toe, part frame", unit="m")
+    away: Triple = field(
+        "Direction along the plate's surface, square to the toe, away from the weld; part frame"
+    )
+    thickness: Number = field(
+        "Of the plate; not used by the readings of edges", unit="m", default=0.0
+    )
+    reading: ReadingWord = field(
+        "Where the stress is read before the toe, see `hot_spot_stress`",
+        words=tuple(READINGS),
+        default="fine",
+    )
+    together = ("away", "thickness")
+    __repr__ = describe
 
-    def __post_init__(self) -> None:
-        where = f"weld toe '{self.name}'"
-        problems = Problems()
-        at = problems.array(where, "at", self.at, (3,))
-        away = problems.array(where, "away", self.away, (3,))
-        if away is not None and not np.linalg.norm(away) > 0.0:
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note a toe without direction, and a plate without thickness."""
+        if not np.any(self.away):
             problems.add(where, "away is (0, 0, 0), must be a direction")
-        if self.reading not in READINGS:
-            problems.add(where, f"reading is {self.reading!r}{suggest(self.reading, READINGS)}")
-        elif not self.reading.startswith("edge"):
+        if self.reading in READINGS and not self.reading.startswith("edge"):
             problems.positive(where, "thickness", self.thickness, "m")
-        problems.raise_if_any()
-        assert at is not None and away is not None
-        object.__setattr__(self, "at", tuple(float(x) for x in at))
-        object.__setattr__(self, "away", tuple(float(x) for x in away))
 
     @property
     def places(self) -> Floats:

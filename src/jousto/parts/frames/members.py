@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arrays import Floats, Ints, some
-from jousto.base.described import described
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems
+from jousto.base.fields import Field, Label, Nested, field
+from jousto.base.numbers import OptionalValues, Vector
 from jousto.materials.library import by_name
 from jousto.materials.material import Material
 from jousto.parts.frames.element import default_orientation
@@ -36,26 +38,47 @@ def check_elements(problems: Problems, where: str, value: Any) -> bool:
     return good
 
 
-@described
-@dataclass(frozen=True, eq=False)
-class Member:
-    """A straight member between two nodes, divided into equal beam elements.
+class Elements(Field[int, int]):
+    """How many elements; see `check_elements`."""
 
-    Parameters
-    ----------
-    start, end : (3,) array_like
-        Positions of the end nodes in m, part frame.
-    section : Section
-    material : Material
-    elements : int
-        Number of elements.
-    orientation : (3,) array_like, optional
-        Vector near the section's z axis, part frame. If not given: (0, 0, 1), and (1, 0, 0) for
-        members parallel to z.
-    start_offset, end_offset : (3,) array_like
-        Rigid arms from the end nodes to the ends of the flexible member in m, part frame.
-    name : str
-        Gives the node sets ``name``, ``name.start`` and ``name.end``.
+    form = "count"
+    noun = "int"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the number."""
+        return int(value) if check_elements(problems, where, value) else None
+
+
+class SectionField(Nested[Section, Section]):
+    """The cross section of a beam."""
+
+    section = "sections"
+    room = "jousto.sections"
+    noun = "Section"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the section."""
+        if not isinstance(value, Section):
+            problems.add(where, f"{self.name} is {value!r}, must be a Section")
+        return value
+
+
+class MaterialField(Field[Material, Material]):
+    """A material; a model file may give its name in the library."""
+
+    form = "material"
+    noun = "Material"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the material."""
+        if not isinstance(value, Material):
+            how = by_name(value)
+            problems.add(where, f"{self.name} is {value!r}, must be a Material{how}")
+        return value
+
+
+class Member(Declared):
+    """A straight member between two nodes, divided into equal beam elements.
 
     Raises
     ------
@@ -70,34 +93,33 @@ class Member:
     5.0
     """
 
-    start: Any
-    end: Any
-    section: Section
-    material: Material
-    elements: int = 1
-    orientation: Any = None
-    start_offset: Any = (0.0, 0.0, 0.0)
-    end_offset: Any = (0.0, 0.0, 0.0)
-    name: str = ""
+    kind = "member"
+    start: Vector = field("Position of the first end node, part frame", unit="m")
+    end: Vector = field("Position of the other end node, part frame", unit="m")
+    section: SectionField = field("Cross section")  # type: ignore[assignment,misc]
+    material: MaterialField = field("Its material")
+    elements: Elements = field("Number of elements", default=1)
+    orientation: OptionalValues = field(
+        "Vector near the section's z axis, part frame. If not given: (0, 0, 1), and (1, 0, 0) for "
+        "members parallel to z",
+        shape=(3,),
+        default=None,
+    )
+    start_offset: Vector = field(
+        "Rigid arm from the first end node to the flexible member, part frame",
+        unit="m",
+        default=(0.0, 0.0, 0.0),
+    )
+    end_offset: Vector = field(
+        "Rigid arm from the other end node", unit="m", default=(0.0, 0.0, 0.0)
+    )
+    name: Label = field("Gives the node sets ``name``, ``name.start`` and ``name.end``", default="")
 
-    def __post_init__(self) -> None:
-        where, problems = f"member '{self.name}'" if self.name else "member", Problems()
-        for field in ("start", "end", "start_offset", "end_offset"):
-            object.__setattr__(
-                self, field, problems.array(where, field, getattr(self, field), (3,))
-            )
-        if self.orientation is not None:
-            up = problems.array(where, "orientation", self.orientation, (3,))
-            object.__setattr__(self, "orientation", up)
-        for value, kind in ((self.section, Section), (self.material, Material)):
-            if not isinstance(value, kind):
-                name = kind.__name__
-                how = by_name(value) if kind is Material else ""
-                problems.add(where, f"{name.lower()} is {value!r}, must be a {name}{how}")
-        check_elements(problems, where, self.elements)
-        if not problems.found and self.length == 0.0:
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note a member without length, and an orientation along it."""
+        if self.length == 0.0:
             problems.add(where, f"has zero length, from {self.start} to {self.end} m with offsets")
-        if not problems.found and self.orientation is not None:
+        elif self.orientation is not None:
             along = (self.end + self.end_offset - self.start - self.start_offset) / self.length
             size = float(np.linalg.norm(self.orientation))
             if float(np.linalg.norm(np.cross(along, self.orientation))) <= 1e-6 * size:
@@ -106,7 +128,6 @@ class Member:
                     f"orientation {self.orientation.tolist()} is zero or parallel to the member;"
                     " give a vector across it, near the local z axis",
                 )
-        problems.raise_if_any()
 
     @property
     def length(self) -> float:

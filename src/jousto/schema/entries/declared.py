@@ -127,9 +127,9 @@ def entry_of(cls: type[Declared], implied: bool = False) -> Any:
     return made
 
 
-def extended(entry: Any, **keys: Any) -> Any:
-    """Return an entry with further keys."""
-    return create_model(entry.__name__, __base__=entry, **keys)
+def extended(entry: Any, prefix: str = "", **keys: Any) -> Any:
+    """Return an entry with further keys, and another name if there is a prefix."""
+    return create_model(f"{prefix}{entry.__name__}", __base__=entry, **keys)
 
 
 def said(field: Field[Any, Any]) -> str | None:
@@ -213,12 +213,16 @@ class EntryOf:
     ----------
     module, name : str
         Where the class is.
+    **keys
+        Keys that take the place of those of its fields, and the prefix of its name.
     """
 
-    def __init__(self, module: str, name: str) -> None:
+    def __init__(self, module: str, name: str, **keys: Any) -> None:
         self.module = module
         self.name = name
+        self.keys = keys
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         """Validate with the entry of the class."""
-        return handler(entry_of(getattr(importlib.import_module(self.module), self.name)))
+        made = entry_of(getattr(importlib.import_module(self.module), self.name))
+        return handler(extended(made, **self.keys) if self.keys else made)

@@ -15,13 +15,12 @@ from jousto.schema.entries.base import (
     Frequency,
     InertiaTensor,
     Length,
-    Mass,
     Position,
     Text,
     Vector,
 )
-from jousto.schema.entries.choices import by_form, tagged
-from jousto.schema.entries.declared import entry_of, one_of
+from jousto.schema.entries.choices import by_form
+from jousto.schema.entries.declared import FORMS, EntryOf, entry_of, one_of
 
 MaterialEntry: Any = entry_of(Material, implied=True)
 MaterialForm: TypeAlias = Annotated[
@@ -29,17 +28,8 @@ MaterialForm: TypeAlias = Annotated[
 ]
 SectionEntry: Any = one_of("sections", "jousto.sections")
 TheoryEntry: Any = one_of("theories", "jousto.parts.frames")
-
-
-class PointMassEntry(Entry):
-    """`PointMass`: a rigid mass fixed to a node."""
-
-    node: Text = Field(description="Name of a node such as end or node3")
-    mass: Mass
-    inertia: InertiaTensor | None = Field(
-        None, description="About its own centre, part axes: three moments or a 3 x 3 tensor"
-    )
-    offset: Position | None = Field(None, description="From the node to the centre of the mass")
+PointMassEntry: Any = Annotated[Any, EntryOf("jousto.parts.mass", "PointMass")]
+MemberEntry: Any = Annotated[Any, EntryOf("jousto.parts.frames.members", "Member")]
 
 
 class LoadPatternEntry(Entry):
@@ -69,41 +59,15 @@ Residual: TypeAlias = Annotated[
 ]
 
 
-class CraigBamptonEntry(Entry):
-    """`CraigBampton`: fixed-interface modes plus constraint modes of the interface nodes."""
-
-    type: Literal["craig-bampton"]
-    interfaces: tuple[Text, ...] | None = Field(
-        None, description="Where joints and forces act: interfaces or node sets; all if none"
-    )
-    modes: Count | None = Field(None, description="Number of fixed-interface modes")
-    frequency_limit: Frequency | None = Field(None, description="Highest frequency kept")
-    residuals: tuple[Residual, ...] | None = Field(
-        None, description="Loads between the interfaces, or stress sites, to be exact in statics"
-    )
-    inertia_relief: Flag | None = Field(
-        None, description="Whether the response to weight and slow acceleration is exact, too"
-    )
-
-
-class FreeFreeEntry(Entry):
-    """`FreeFree`: elastic modes of the whole, unsupported part."""
-
-    type: Literal["free-free"]
-    modes: Count | None = Field(None, description="Number of elastic modes")
-    frequency_limit: Frequency | None = Field(None, description="Highest frequency kept")
-    interfaces: tuple[Text, ...] | None = Field(
-        None, description="Interfaces or node sets that get attachment modes"
-    )
-    residuals: tuple[Residual, ...] | None = Field(
-        None, description="Loads on the accelerated part, or stress sites, to be exact in statics"
-    )
-
-
-MethodEntry: TypeAlias = Annotated[
-    Annotated[CraigBamptonEntry, Tag("craig-bampton")] | Annotated[FreeFreeEntry, Tag("free-free")],
-    tagged(),
-]
+FORMS.update(
+    {
+        "inertia": lambda field: InertiaTensor,
+        "material": lambda field: MaterialForm,
+        "residuals": lambda field: tuple[Residual, ...],
+    }
+)
+METHODS = ("reductions", "jousto.reduction.methods")
+MethodEntry: Any = one_of(*METHODS)
 
 
 class ModeChoice(Entry):
@@ -148,20 +112,6 @@ class BeamEntry(BeamOptionsEntry):
     elements: Count = Field(description="Number of elements")
     material: MaterialForm
     orientation: Direction | None = Field(None, description="Vector near the section's z axis")
-
-
-class MemberEntry(Entry):
-    """`Member`: a straight member between two points."""
-
-    name: Text | None = None
-    start: Position
-    end: Position
-    section: SectionEntry
-    material: MaterialForm
-    elements: Count | None = Field(None, description="Number of elements, 1 if not given")
-    orientation: Direction | None = Field(None, description="Vector near the section's z axis")
-    start_offset: Position | None = Field(None, description="Rigid arm at the start")
-    end_offset: Position | None = Field(None, description="Rigid arm at the end")
 
 
 class MembersEntry(BeamOptionsEntry):
@@ -214,25 +164,16 @@ class SuperelementEntry(Entry):
     frequency_limit: Frequency | None = Field(None, description="Highest frequency kept")
 
 
-MatricesMethod: TypeAlias = Annotated[
-    Annotated[CraigBamptonEntry, Tag("craig-bampton")]
-    | Annotated[FreeFreeEntry, Tag("free-free")]
-    | Annotated[SuperelementEntry, Tag("superelement")],
-    tagged(),
+MatricesMethod: Any = one_of(*METHODS, others={"superelement": SuperelementEntry})
+SetInterfaceEntry: Any = Annotated[
+    Any,
+    EntryOf(
+        "jousto.parts.interface",
+        "Interface",
+        prefix="Set",
+        nodes=(Text, Field(description="A node set")),
+    ),
 ]
-
-
-class SetInterfaceEntry(Entry):
-    """`Interface`: a node set tied to one node that translates and turns."""
-
-    name: Text
-    nodes: Text = Field(description="A node set")
-    kind: Literal["rigid", "average"] | None = Field(
-        None, description="rigid (RBE2, if none): a stiff flange; average (RBE3): a pin with play"
-    )
-    at: Position | None = Field(
-        None, description="Reference point; the axis of a bore or the centroid if none"
-    )
 
 
 class MatricesEntry(ModeChoice):

@@ -8,7 +8,6 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from jousto.schema.entries.base import (
     Count,
-    Direction,
     Entry,
     Flag,
     Length,
@@ -18,7 +17,7 @@ from jousto.schema.entries.base import (
     fail,
 )
 from jousto.schema.entries.choices import by_form, tagged
-from jousto.schema.entries.declared import EntryOf, one_of
+from jousto.schema.entries.declared import FORMS, EntryOf, one_of
 from jousto.schema.entries.parts import (
     BeamEntry,
     FePart,
@@ -124,29 +123,9 @@ Pick: TypeAlias = Annotated[
 # -- the part -------------------------------------------------------------------------------
 
 
-class InterfaceEntry(Entry):
-    """`Interface`: nodes tied to one node that translates and turns, where a joint may act."""
-
-    name: Text
-    nodes: Pick = Field(description="A set, a list of sets, or a pick such as {hole: ...}")
-    kind: Literal["rigid", "average"] | None = Field(
-        None, description="rigid (RBE2, if none): a stiff flange; average (RBE3): a pin with play"
-    )
-    at: Position | None = Field(
-        None, description="Reference point; the axis of a bore or the centroid if none"
-    )
-
-
-class WeldToeEntry(Entry):
-    """`WeldToe`: a place on the toe of a weld, a stress site of its structural stress."""
-
-    name: Text
-    at: Position = Field(description="On the toe, part frame")
-    away: Direction = Field(description="Along the plate, square to the toe, away from the weld")
-    thickness: Length | None = Field(None, description="Of the plate; not for edges")
-    reading: Literal["fine", "coarse", "quadratic", "edge", "edge-coarse"] | None = Field(
-        None, description="Where the stress is read before the toe, fine if none"
-    )
+FORMS["pick"] = lambda field: Pick
+InterfaceEntry: Any = Annotated[Any, EntryOf("jousto.parts.interface", "Interface")]
+WeldToeEntry: Any = Annotated[Any, EntryOf("jousto.fatigue.welds.toes", "WeldToe")]
 
 
 class SolidEntry(FePart):

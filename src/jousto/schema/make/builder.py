@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.errors import InputError, Problems, suggest
+from jousto.base.errors import InputError, Problems
 from jousto.base.names import check_name
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.bodies.posed import Posed
@@ -26,13 +26,13 @@ from jousto.schema.make.elements import FORMS as OF_FORCES
 from jousto.schema.make.happen import is_late, watches_late
 from jousto.schema.make.matrices import build_matrices, build_superelement, is_superelement
 from jousto.schema.make.sense import FORMS as OF_SENSORS
-from jousto.schema.make.solid import build_solid
+from jousto.schema.make.solid import FORMS as OF_PARTS, build_solid
 
 
 class ModelBuilder(Builder):
     """Builds parts, bodies and the mechanism of a document."""
 
-    forms = {**OF_FORCES, **OF_SENSORS}
+    forms = {**OF_FORCES, **OF_SENSORS, **OF_PARTS}
 
     # -- parts ------------------------------------------------------------------------------
 
@@ -62,38 +62,7 @@ class ModelBuilder(Builder):
 
     def method(self, loc: Loc, entry: Any, part: Any = None) -> Any:
         """Return the CraigBampton or FreeFree of an entry, None if it is wrong."""
-        from jousto.reduction.methods import CraigBampton, FreeFree
-
-        craig = isinstance(entry.reduce, sp.CraigBamptonEntry)
-        kind: Any = CraigBampton if craig else FreeFree
-        values = entry.reduce.given()
-        if craig:
-            values.setdefault("interfaces", ())
-        if "residuals" in values:
-            values["residuals"] = self.residuals((*loc, "reduce", "residuals"), entry, part)
-        return self.make((*loc, "reduce"), kind, **values)
-
-    def residuals(self, loc: Loc, entry: Any, part: Any) -> tuple[Any, ...]:
-        """Return load patterns (ndof,) and names of stress sites; note sets that do not exist."""
-        found: list[Any] = []
-        for i, item in enumerate(entry.reduce.residuals):
-            if isinstance(item, str):
-                found.append(item)
-            elif part is not None and isinstance(item, sp.PressurePatternEntry):
-                from jousto.parts.loads import Pressure
-
-                here = (*loc, i, "pressure")
-                found.append(self.make(here, part.load, Pressure(item.pressure, 1.0)))
-            elif part is not None:
-                if item.nodes not in part.node_sets:
-                    known = suggest(item.nodes, part.node_sets)
-                    self.note((*loc, i, "nodes"), f"no set {item.nodes!r}{known}")
-                    continue
-                nodes = np.asarray(part.node_sets[item.nodes])
-                pattern = np.zeros((len(part.nodes), part.dofs_per_node))
-                pattern[nodes, :3] = np.asarray(item.force) / len(nodes)
-                found.append(pattern.ravel())
-        return tuple(item for item in found if item is not None)
+        return build_declared(self, (*loc, "reduce"), entry.reduce, {"part": part})
 
     def reduction(self, loc: Loc, entry: Any, part: Any, method: Any) -> Any:
         """Return the ReducedPart of a part as the entry asks for, None if anything is wrong."""
@@ -142,32 +111,12 @@ class ModelBuilder(Builder):
 
     def beams(self, loc: Loc, values: dict[str, Any]) -> None:
         """Replace the entries in the arguments of a part made of beams by objects."""
-        from jousto.parts.mass import PointMass
-
         for key, value in values.items():
             here = (*loc, key)
-            if key in ("section", "sections"):
+            if key in ("section", "sections", "theory", "point_masses", "members"):
                 values[key] = self.each(here, value, lambda at, e: build_declared(self, at, e))
             elif key in ("material", "materials"):
                 values[key] = self.each(here, value, lambda at, e: build_material(self, at, e))
-            elif key == "theory":
-                values[key] = build_declared(self, here, value)
-            elif key == "point_masses":
-                values[key] = self.each(
-                    here, value, lambda at, e: self.make(at, PointMass, **e.given())
-                )
-            elif key == "members":
-                values[key] = self.each(here, value, self.member)
-
-    def member(self, loc: Loc, entry: sp.MemberEntry) -> Any:
-        """Return the Member of an entry."""
-        from jousto.parts.frames.members import Member
-
-        values = entry.given()
-        self.beams(loc, values)
-        if values["section"] is None or values["material"] is None:
-            return None
-        return self.make(loc, Member, **values)
 
     # -- mechanism --------------------------------------------------------------------------
 

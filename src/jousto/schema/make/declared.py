@@ -18,8 +18,8 @@ from jousto.schema.make.tables import build_table
 if TYPE_CHECKING:
     from jousto.schema.make.context import Builder
 
-Known: TypeAlias = Mapping[str, Mapping[str, Any]]
-"""For each section the objects made before, by their names."""
+Known: TypeAlias = Mapping[str, Any]
+"""For each section the objects made before, by their names; the part or mesh that is read."""
 NOTHING: Known = MappingProxyType({})
 
 
@@ -111,6 +111,11 @@ def build_material(builder: Builder, loc: Loc, entry: Any) -> Any:
     return build_declared(builder, loc, entry)
 
 
+def a_material(place: Place, value: Any) -> Any:
+    """Return the material of an entry or of a name in the library."""
+    return build_material(place.builder, place.loc, value)
+
+
 def number(place: Place, value: Any) -> Any:
     """Return a number in SI; those of a fixed unit are it already."""
     if not isinstance(value, str):
@@ -197,6 +202,7 @@ def orientation(place: Place, value: Any) -> Any:
 
 FORMS: dict[str, Callable[[Place, Any], Any]] = {
     "number": number,
+    "material": a_material,
     "marker": marker,
     "reference": reference,
     "nested": nested,

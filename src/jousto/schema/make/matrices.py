@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from jousto.schema.entries.parts import MatricesEntry, SuperelementEntry
 from jousto.schema.file.document import Loc
 from jousto.schema.file.files import read_matrix, read_points
+from jousto.schema.make.declared import build_declared
 
 if TYPE_CHECKING:
     from jousto.schema.make.context import Builder
@@ -25,14 +26,13 @@ def is_superelement(entry: Any) -> bool:
 
 def build_matrices(builder: Builder, loc: Loc, name: str, entry: MatricesEntry) -> Any:
     """Return the Part of an entry, None if anything is wrong with it."""
-    from jousto.parts.interface import Interface
     from jousto.parts.matrices.plain import SUFFIXES
     from jousto.parts.part import Part
 
     values = entry.given("reduce", "in_plane", "keep", "interfaces")
     before = len(builder.found)
     values["interfaces"] = [
-        builder.make((*loc, "interfaces", i), Interface, **item.given())
+        build_declared(builder, (*loc, "interfaces", i), item)
         for i, item in enumerate(entry.interfaces or ())
     ]
     if len(builder.found) > before:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -9,9 +10,10 @@ import numpy as np
 
 from jousto.base.errors import count, suggest
 from jousto.schema.entries import solids as ss
+from jousto.schema.entries.parts import PressurePatternEntry
 from jousto.schema.file.document import Loc
 from jousto.schema.file.kept import mesh_of_cad
-from jousto.schema.make.declared import build_declared, build_material
+from jousto.schema.make.declared import Place, build_declared, build_material
 
 if TYPE_CHECKING:
     from jousto.mesh.mesh import Mesh
@@ -23,13 +25,12 @@ SHOWN = 6  # holes or sets named in a message
 
 def build_solid(builder: Builder, loc: Loc, name: str, entry: ss.SolidEntry) -> Any:
     """Return the Part of an entry, None if anything is wrong with it."""
-    from jousto.parts.mass import PointMass
     from jousto.parts.part import Part
 
     before = len(builder.found)
     materials = solid_materials(builder, loc, entry)
     masses = [
-        builder.make((*loc, "point_masses", i), PointMass, **mass.given())
+        build_declared(builder, (*loc, "point_masses", i), mass)
         for i, mass in enumerate(entry.point_masses or ())
     ]
     mesh = read_solid_mesh(builder, loc, entry)
@@ -45,7 +46,7 @@ def build_solid(builder: Builder, loc: Loc, name: str, entry: ss.SolidEntry) -> 
             mesh = mesh.with_set(key, nodes)
     mesh = with_stress_set(builder, loc, entry, mesh)
     interfaces = [
-        build_interface(builder, (*loc, "interfaces", i), item, mesh)
+        build_declared(builder, (*loc, "interfaces", i), item, {"mesh": mesh})
         for i, item in enumerate(entry.interfaces or ())
     ]
     if len(builder.found) > before:
@@ -71,11 +72,10 @@ def build_solid(builder: Builder, loc: Loc, name: str, entry: ss.SolidEntry) -> 
 
 def with_welds(builder: Builder, loc: Loc, part: Any, entry: ss.SolidEntry) -> Any:
     """Return the part with its weld toes as further stress sites, None if one is wrong."""
-    from jousto.fatigue.welds.toes import WeldToe, weld_stress
+    from jousto.fatigue.welds.toes import weld_stress
 
     toes = [
-        builder.make((*loc, "welds", i), WeldToe, **toe.given())
-        for i, toe in enumerate(entry.welds or ())
+        build_declared(builder, (*loc, "welds", i), toe) for i, toe in enumerate(entry.welds or ())
     ]
     if any(toe is None for toe in toes):
         return None
@@ -123,15 +123,12 @@ def read_solid_mesh(builder: Builder, loc: Loc, entry: ss.SolidEntry) -> Mesh | 
     return builder.make(here, mesh_of_cad, builder.file(form.cad), keep, **values)
 
 
-def build_interface(builder: Builder, loc: Loc, entry: ss.InterfaceEntry, mesh: Mesh) -> Any:
-    """Return the Interface of an entry, None if anything is wrong with it."""
-    from jousto.parts.interface import Interface
-
-    values = entry.given("nodes")
-    if isinstance(entry.nodes, str) and entry.nodes in mesh.node_sets:
-        return builder.make(loc, Interface, **values, nodes=entry.nodes)
-    nodes = picked(builder, (*loc, "nodes"), entry.nodes, mesh)
-    return None if nodes is None else builder.make(loc, Interface, **values, nodes=nodes)
+def pick(place: Place, value: Any) -> Any:
+    """Return the name of a set, or the nodes of a pick of a mesh; None if there are none."""
+    mesh = place.known.get("mesh")
+    if mesh is None or (isinstance(value, str) and value in mesh.node_sets):
+        return value
+    return picked(place.builder, place.loc, value, mesh)
 
 
 def with_stress_set(builder: Builder, loc: Loc, entry: ss.SolidEntry, mesh: Mesh) -> Mesh:
@@ -243,3 +240,38 @@ def far_off(point: Any, found: Any, mesh: Mesh) -> str:
         return sentence
     meant = ", ".join(f"{x:g} mm" if x else "0" for x in point)
     return f"{sentence}; numbers without a unit are m, was [{meant}] meant?"
+
+
+# -- reduction ------------------------------------------------------------------------------
+
+
+def residuals(place: Place, value: Any) -> Any:
+    """Return load patterns (ndof,) and names of stress sites, None if one is wrong."""
+    part = place.known["part"]
+    found = [
+        item if isinstance(item, str) else pattern(place.at(i), item, part)
+        for i, item in enumerate(value)
+        if isinstance(item, str) or part is not None
+    ]
+    return None if any(item is None for item in found) else tuple(found)
+
+
+def pattern(place: Place, entry: Any, part: Any) -> Any:
+    """Return the nodal forces (ndof,) of a load, None with the problem noted if it is wrong."""
+    from jousto.parts.loads import Pressure
+
+    if isinstance(entry, PressurePatternEntry):
+        load = Pressure(entry.pressure, 1.0)
+        return place.builder.make((*place.loc, "pressure"), part.load, load)
+    if entry.nodes not in part.node_sets:
+        known = suggest(entry.nodes, part.node_sets)
+        place.builder.note((*place.loc, "nodes"), f"no set {entry.nodes!r}{known}")
+        return None
+    forces = np.zeros((len(part.nodes), part.dofs_per_node))
+    nodes = np.asarray(part.node_sets[entry.nodes])
+    forces[nodes, :3] = np.asarray(entry.force) / len(nodes)
+    return forces.ravel()
+
+
+FORMS: dict[str, Callable[[Place, Any], Any]] = {"pick": pick, "residuals": residuals}
+"""How a value of each form becomes an object."""
