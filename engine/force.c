@@ -1,14 +1,8 @@
-/* force.c - the table of forces: a row for each kind, which its own file fills; see force.h. */
+/* force.c - the table of forces: what the file of each kind defines; see force.h. */
 #include "force.h"
 
-static const jo_force_kind *const table[] = {
-    [JO_FORCE_LOAD] = &jo_force_load,
-    [JO_FORCE_ALONG] = &jo_force_along,
-    [JO_FORCE_BUSHING] = &jo_force_bushing,
-    [JO_FORCE_MODAL_LOAD] = &jo_force_modal,
-    [JO_FORCE_USER] = &jo_force_user,
-    [JO_FORCE_MOVING_LOAD] = &jo_force_moving,
-};
+#define JO_FORCE_ENTRY(name, ...) &jo_force_##name,
+static const jo_force_kind *const table[] = {JO_FORCES(JO_FORCE_ENTRY)};
 
 int jo_apply_forces(const jo_model *m, jo_data *d)
 {

@@ -1,4 +1,4 @@
-/* force.h - one file and one row of the table in force.c for each kind of force. */
+/* force.h - what the file of each kind of force defines; the rows of the kinds stand in jousto.h. */
 #ifndef JO_FORCE_H
 #define JO_FORCE_H
 
@@ -12,7 +12,8 @@ typedef struct {
     int (*tangent)(const jo_model *m, jo_data *d, const jo_force *f, const jo_force_work *y);
 } jo_force_kind;
 
-extern const jo_force_kind jo_force_load, jo_force_along, jo_force_bushing, jo_force_modal, jo_force_user, jo_force_moving;
+#define JO_FORCE_DECLARED(name, ...) extern const jo_force_kind jo_force_##name;
+JO_FORCES(JO_FORCE_DECLARED)
 
 /* relative.c: motion of b against a, resolved in a */
 void jo_relative_pose(const jo_data *d, const jo_force *f, jo_real *r, jo_real *R);

@@ -20,8 +20,34 @@ typedef double complex jo_real;  /* complex-step derivatives of anything the eng
 typedef double jo_real;
 #endif
 
+/* The kinds of force: a row each, ROW(name, its numbers), read by the Python binding as well. A row makes the number of the kind,
+ * JO_FORCE_name, and the type of its data, jo_name_data, and puts jo_force_name, which its file force_name.c defines, into the
+ * table of force.c.
+ *
+ * load: at b; in the world or following b, times signal
+ * along: f = stiffness (reference - s) + damping (reference' - s') + preload signal(t) + spring(s) + damper(s'),
+ *   reference = free + its signal; limited to +-limit if limit > 0
+ * bushing: [force, torque] on b, resolved in a, from [r_b - r_a, rotation vector]; matrices by rows
+ * modal_load: on the body's frame, local, then (np) on its modes; times signal
+ * user: calls its function, has no data
+ * moving_load: a force in the world or following the body; then s.. (count), then (count - 1) pieces (1 + modes) x 3 x 4:
+ *   (s - s_k)^0..3 of the position and of each mode; at s = reference(t), times signal; nothing beyond the ends */
+#define JO_FORCES(ROW) \
+    ROW(load, force[3], torque[3]) \
+    ROW(along, stiffness, damping, free, preload, limit) \
+    ROW(bushing, K[36], D[36], preload[6]) \
+    ROW(modal_load, force[3], torque[3]) \
+    ROW(user, none) \
+    ROW(moving_load, count, modes, force[3]) \
+    /* the last row */
+
+#define JO_FORCE_NUMBER(name, ...) JO_FORCE_##name,
+#define JO_FORCE_DATA(name, ...) typedef struct { jo_real __VA_ARGS__; } jo_##name##_data;
+typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
+JO_FORCES(JO_FORCE_DATA)
+
 /* BEGIN */
-enum { JO_ABI = 8 };           /* raised whenever a struct or a meaning below changes */
+enum { JO_ABI = 9 };           /* raised whenever a struct or a meaning below changes */
 enum { JO_PAD = 4 };           /* modal coordinates are padded to a multiple of this */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -54,8 +80,6 @@ typedef enum { JO_COORDINATE_AXES = 1,        /* (axis_a of a) . (axis_b of b) *
                JO_COORDINATE_DISTANCE = 3,    /* |r_b - r_a|, m */
                JO_COORDINATE_ANGLE = 4        /* turn of b against a about z of a, rad, without jumps of 2 pi */
 } jo_coordinate_type;
-typedef enum { JO_FORCE_LOAD = 1, JO_FORCE_ALONG = 2, JO_FORCE_BUSHING = 3, JO_FORCE_MODAL_LOAD = 4, JO_FORCE_USER = 5,
-               JO_FORCE_MOVING_LOAD = 6 } jo_force_type;
 typedef enum { JO_SENSOR_POSITION = 1, JO_SENSOR_VELOCITY = 2, JO_SENSOR_ORIENTATION = 3, JO_SENSOR_ANGULAR_VELOCITY = 4,
                JO_SENSOR_MODAL = 5, JO_SENSOR_REACTION = 6, JO_SENSOR_STRESS = 7, JO_SENSOR_ACCELERATION = 8,
                JO_SENSOR_ANGULAR_ACCELERATION = 9, JO_SENSOR_COORDINATE = 10, JO_SENSOR_RATE = 11,
@@ -186,23 +210,9 @@ typedef struct {
  * velocity (3), angular velocity (3)] of b against a, resolved in a. Returns 0, or not 0 for an error. */
 typedef int (*jo_callback)(double time, const double *x, double *y, void *user);
 
-/* Data of forces by their kind. */
-/* LOAD, at b: in the world or following b, times signal */
-typedef struct { jo_real force[3], torque[3]; } jo_load_data;
-/* ALONG: f = stiffness (reference - s) + damping (reference' - s') + preload signal(t) + spring(s) + damper(s'),
- * reference = free + its signal; limited to +-limit if limit > 0 */
-typedef struct { jo_real stiffness, damping, free, preload, limit; } jo_along_data;
-/* BUSHING: [force, torque] on b, resolved in a, from [r_b - r_a, rotation vector]; matrices by rows */
-typedef struct { jo_real K[36], D[36], preload[6]; } jo_bushing_data;
-/* MODAL_LOAD: on the body's frame, local, then (np) on its modes; times signal */
-typedef struct { jo_real force[3], torque[3]; } jo_modal_data;
-/* MOVING_LOAD: a force in the world or following the body; then s.. (count), then (count - 1) pieces (1 + modes) x 3 x 4:
- * (s - s_k)^0..3 of the position and of each mode; at s = reference(t), times signal; nothing beyond the ends */
-typedef struct { jo_real count, modes, force[3]; } jo_moving_data;
-
 /* Where something pushes. */
 typedef struct {
-    int type;               /* jo_force_type */
+    int type;               /* jo_force_type: JO_FORCE_load, ... */
     int a, b;               /* markers, -1 where not used */
     int coordinate, body;   /* -1 where not used */
     int follow, active;     /* active: its power counts as work, nothing as stored or dissipated */

@@ -8,7 +8,8 @@ Blocks are executed page by page in their order, in an empty folder:
   ``# NAME.yml`` is a part alone, which ``jousto reduce`` must accept.
 * ``console``: lines after ``$ jousto ...`` are its output, ``$ echo $?`` asks for its exit code.
 
-In outputs ``...`` stands for anything.
+In outputs ``...`` stands for anything. The page `OWN` adds a force to the engine: it runs in a
+copy of the sources, see test_own_element.py.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from jousto.cli.group import app
 
 ROOT = Path(__file__).parent.parent
 PAGES = ["README.md", *(f"docs/{path.name}" for path in sorted((ROOT / "docs").glob("*.md")))]
+OWN = "docs/own-element.md"
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.M | re.S)
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
@@ -94,9 +96,14 @@ def run_console(text: str, where: str) -> None:
 
 
 @pytest.mark.filterwarnings("default")
-@pytest.mark.parametrize("page", PAGES)
+@pytest.mark.parametrize("page", [page for page in PAGES if page != OWN])
 def test_code_of_the_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+    run_page(page)
+
+
+def run_page(page: str) -> None:
+    """Run all blocks of a page in this folder."""
     names: dict[str, object] = {"__name__": "page"}
     printed, noted, where = None, False, page
     for language, text, line, follows in blocks(page):

@@ -154,3 +154,36 @@ def test_a_class_may_be_declared_anywhere():
         assert Local("x", "a").letter == "a"
     finally:
         del SECTIONS["pets of the test"]["local"]
+
+
+class Foam(Declared, section="matter of the test", tag="foam"):
+    """Matter of units that no other class has."""
+
+    name: Name = field("Unique")
+
+    hardening: Number = field("Its cubic stiffness", unit="N/m3")
+    growth: Number = field("By temperature", unit="1/K", default=0.0)
+
+
+def test_a_field_may_have_any_unit_of_the_vocabulary():
+    entry = entry_of(Foam)
+    one = entry.model_validate({"type": "foam", "name": "f", "hardening": "2 N/mm3"})
+    assert one.hardening == 2e9
+    one = {"type": "foam", "name": "f", "hardening": 1, "growth": "12e-6 1/K"}
+    assert entry.model_validate(one).growth == 12e-6
+    with pytest.raises(ValueError, match=r"expects a number in N/m3, got 3 N/m \(a stiffness"):
+        entry.model_validate({"type": "foam", "name": "f", "hardening": "3 N/m"})
+
+    said = entry.model_json_schema()["properties"]
+    assert said["hardening"]["description"] == "Its cubic stiffness, N/m3"
+
+
+def test_a_unit_of_other_words_is_refused_where_the_class_is_written():
+    with pytest.raises(InputError) as error:
+
+        class Odd(Foam, tag="odd"):
+            load: Number = field("What it carries", unit="Nn/m3")
+            free: Number = field("What files cannot give", unit="N or N m", file=False)
+
+    assert str(error.value) == ("Odd.load: its unit is 'Nn/m3': no unit 'Nn'; did you mean 'N'?")
+    assert "odd" not in SECTIONS["matter of the test"]

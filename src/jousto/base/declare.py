@@ -29,6 +29,7 @@ from jousto.base.described import describe
 from jousto.base.errors import Problems
 from jousto.base.fields import Facts, Field, Name, field
 from jousto.base.names import check_name
+from jousto.base.units import KINDS, check_unit
 
 SECTIONS: dict[str, dict[str, type[Declared]]] = {}
 """Classes by their word ``type`` in each section of a model file."""
@@ -72,6 +73,7 @@ class Declared:
         types = inspect.get_annotations(
             cls, globals=here.f_globals, locals=here.f_locals, eval_str=bool(said)
         )
+        problems = Problems()
         own: dict[str, Field[Any, Any]] = {}
         for key, facts in said.items():
             by_name = facts.kw_only or kw_only
@@ -81,9 +83,12 @@ class Declared:
             made.name = key
             made.key = made.key or key
             made.label = made.label or key
+            if made.file and isinstance(made.unit, str) and made.unit not in KINDS:
+                check_unit(problems, f"{cls.__name__}.{key}", made.unit)
             own[key] = made
             keep = {} if made.required else {"default": facts.default}
             setattr(cls, key, dataclasses.field(kw_only=by_name, compare=facts.compare, **keep))
+        problems.raise_if_any()
         inherited = [vars(base).get("fields", {}) for base in reversed(cls.__mro__[1:])]
         cls.fields = {key: kind for some in (*inherited, own) for key, kind in some.items()}
         # dataclasses look words up in the module, which code that is only executed has not

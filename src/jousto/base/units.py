@@ -15,7 +15,7 @@ from collections.abc import Callable
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
-from jousto.base.errors import suggest
+from jousto.base.errors import Problems, suggest
 
 if TYPE_CHECKING:
     import pint
@@ -55,6 +55,10 @@ psi = pound_force / inch ** 2
 ksi = 1000 psi
 standard_gravity = 9.80665 meter / second ** 2 = g0
 percent = 0.01
+kelvin = [temperature] = K
+volt = [voltage] = V
+ohm = [resistance]
+cycle = 1 = cycles
 """
 
 # what a field expects, by its SI unit; also used to say what was found instead
@@ -88,6 +92,8 @@ KINDS = {
     "N s/rad": "a force for an angular velocity",
 }
 
+NAMED = KINDS.keys() - {"1"}
+
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
 """Units of length of files, in m."""
 
@@ -111,6 +117,33 @@ USUAL = {
 }
 TOO_LARGE = "is too large, must be below 1e308"
 SUPERSCRIPTS = str.maketrans("⁻¹²³⁴", "-1234")
+
+
+def kind_of(unit: str) -> str:
+    """Return what a field in an SI unit expects.
+
+    Examples
+    --------
+    >>> kind_of("kg/m3"), kind_of("N/m3")
+    ('a density', 'a number in N/m3')
+    """
+    return KINDS.get(unit, f"a number in {unit}")
+
+
+@functools.cache
+def vocabulary() -> frozenset[str]:
+    """Return all words for units, with their prefixes."""
+    lines = [line.split(" = ") for line in DEFINITIONS.splitlines() if line]
+    prefixes = {word.strip("-") for words in lines for word in words if word.endswith("-")}
+    names = {word for words in lines for word in (words[0], *words[2:]) if word[-1] != "-"}
+    return frozenset(["", *(prefix + name for prefix in ("", *prefixes) for name in names)])
+
+
+def check_unit(problems: Problems, where: str, unit: str) -> None:
+    """Note words in the unit of a field that no model file could convert to."""
+    for word in re.findall(r"[^\W\d_]+", unit):
+        if word not in vocabulary():
+            problems.add(where, f"its unit is {unit!r}: no unit {word!r}{suggest(word, COMMON)}")
 
 
 def shown_unit(unit: str) -> tuple[str, float]:
@@ -178,7 +211,7 @@ def quantity(value: Any, unit: str) -> float:
     value : int, float or str
         Numbers and strings without a unit are in `unit`.
     unit : str
-        SI unit of the field, a key of `KINDS`.
+        SI unit of the field.
 
     Raises
     ------
@@ -190,7 +223,7 @@ def quantity(value: Any, unit: str) -> float:
     >>> quantity("7.85 g/cm3", "kg/m3"), quantity("60 rpm", "Hz"), quantity(0.5, "m")
     (7850.0, 1.0, 0.5)
     """
-    kind = KINDS[unit]
+    kind = kind_of(unit)
     example = "" if unit == "1" else f" such as 3 or '3 {unit}'"
     if isinstance(value, str):
         match = NUMBER.match(value.strip())
@@ -226,7 +259,7 @@ def _convert(text: str, number: str, unit_text: str, unit: str) -> float:
         if found == "a number":
             found = "no unit at all"
         got = f"got {text}" + (f" ({found})" if found else "")
-        raise UnitError(f"expects {KINDS[unit]}{'' if unit == '1' else f' ({unit})'}, {got}")
+        raise UnitError(f"expects {kind_of(unit)}{f' ({unit})' if unit in NAMED else ''}, {got}")
     return _checked(number, lambda x: registry().convert(x, source, target))
 
 

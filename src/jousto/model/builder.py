@@ -224,7 +224,7 @@ class Builder:
         return place
 
     def _push(self, name: str, push: Push) -> ForceModel:
-        struct = f"jo_{push.kind.partition(' ')[0]}_data"
+        struct = f"jo_{push.kind.replace(' ', '_')}_data"
         return ForceModel(
             name=name,
             kind=push.kind,

@@ -203,7 +203,7 @@ class SignalModel:
 @described
 @dataclass(frozen=True, eq=False)
 class ForceModel:
-    """What pushes: "load", "along", "bushing", "modal load", "user" "moving load" (jousto.h)."""
+    """What pushes; its kind is one of jousto.h: "load", "along", "modal load"."""
 
     name: str
     kind: str

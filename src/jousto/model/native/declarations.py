@@ -17,12 +17,16 @@ MODULE = "declared"  # beside the libraries
 
 
 def declarations(header: Path) -> str:
-    """Return the C declarations of jousto.h for cffi (between BEGIN and END).
+    """Return the C declarations of jousto.h for cffi: its rows of forces and all from BEGIN to END.
 
     ``jo_real`` appears in them only behind pointers, so that they fit all builds.
     """
-    body = header.read_text(encoding="utf-8").split("/* BEGIN */")[1].split("/* END */")[0]
-    return "typedef double jo_real;" + re.sub(r"/\*.*?\*/", "", body, flags=re.DOTALL)
+    head, body = header.read_text(encoding="utf-8").split("/* END */")[0].split("/* BEGIN */")
+    rows = re.findall(r"^    ROW\((\w+), (.+)\) \\$", head, flags=re.MULTILINE)
+    names = ", ".join(f"JO_FORCE_{name}" for name, _ in rows)
+    data = [f"typedef struct {{ jo_real {numbers}; }} jo_{name}_data;" for name, numbers in rows]
+    forces = "\n".join([f"typedef enum {{ {names} }} jo_force_type;", *data])
+    return f"typedef double jo_real;\n{forces}" + re.sub(r"/\*.*?\*/", "", body, flags=re.DOTALL)
 
 
 def parsed(text: str) -> Any:

@@ -15,7 +15,7 @@ from jousto.model.native.library import ffi
 
 @functools.cache
 def kinds(enum: str) -> dict[str, int]:
-    """Return the numbers of an enum by name: of ``JO_FORCE_MODAL_LOAD`` that of "modal load"."""
+    """Return the numbers of an enum by name: of ``JO_FORCE_modal_load`` that of "modal load"."""
     numbers: dict[str, int] = ffi().typeof(enum).relements
     prefix = f"{enum.rpartition('_')[0]}_".upper()  # jo_force_type: JO_FORCE_
     return {

@@ -73,7 +73,8 @@ class Unit:
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
         """Describe as a number or a string."""
-        text = KINDS[self.unit][0].upper() + KINDS[self.unit][1:]
+        text = KINDS.get(self.unit, "a number")
+        text = text[0].upper() + text[1:]
         if self.unit != "1":
             text += f"; a number is in {self.unit}, a string may have another unit"
         return {"type": ["number", "string"], "description": text}

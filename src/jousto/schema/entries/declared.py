@@ -13,7 +13,6 @@ from pydantic import Field as Key, create_model
 
 from jousto.base.declare import SECTIONS, Declared, kinds
 from jousto.base.fields import Field
-from jousto.base.units import KINDS
 from jousto.schema.entries.base import (
     Amount,
     Count,
@@ -70,8 +69,7 @@ def amount(unit: Any) -> Any:
     """Return the type of a number; a unit that depends on other fields is checked with them."""
     if not isinstance(unit, str):
         return Amount
-    unit = unit.replace("^", "")
-    return Annotated[float, Unit(unit if unit in KINDS else "1")]
+    return Annotated[float, Unit(unit.replace("^", ""))]
 
 
 def vector(unit: Any) -> Any:
@@ -134,8 +132,7 @@ def extended(entry: Any, prefix: str = "", **keys: Any) -> Any:
 
 def said(field: Field[Any, Any]) -> str | None:
     """Return what editors show of a field, None if there is nothing to say."""
-    known = isinstance(field.unit, str) and field.unit.replace("^", "") in ("", *KINDS)
-    unit = "" if known else f", {field.unit}".removesuffix(", ")
+    unit = f", {field.unit}" if str(field.unit) not in ("", "1") else ""
     zero = isinstance(field.default, tuple) and not any(field.default)
     plain = field.required or field.default is None or isinstance(field.default, bool) or zero
     default = "" if plain else f"; {field.default} if not given"

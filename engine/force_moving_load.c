@@ -1,8 +1,8 @@
-/* force_moving.c - a force that travels along a body. */
+/* force_moving_load.c - a force that travels along a body. */
 #include "force.h"
 
 /* the piece of a path at s and the powers of the way into it; 0 beyond the ends */
-static const jo_real *piece(const jo_moving_data *x, jo_real s, jo_real *power)
+static const jo_real *piece(const jo_moving_load_data *x, jo_real s, jo_real *power)
 {
     const int count = (int)JO_RE(x->count), n = (int)JO_RE(x->modes);
     const jo_real *at = (const jo_real *)(x + 1);
@@ -22,7 +22,7 @@ static void shape(jo_real *y, const jo_real *c, const jo_real *power)
 
 static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work *out)
 {
-    const jo_moving_data *x = (const jo_moving_data *)f->data;
+    const jo_moving_load_data *x = (const jo_moving_load_data *)f->data;
     jo_body_work *w = &d->body[f->body];
     const int n = (int)JO_RE(x->modes);
     const double lead[2] = {0.0, d->lead};
@@ -63,7 +63,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work
 
 static int tangent(const jo_model *m, jo_data *d, const jo_force *f, const jo_force_work *y)
 {
-    const jo_moving_data *x = (const jo_moving_data *)f->data;
+    const jo_moving_load_data *x = (const jo_moving_load_data *)f->data;
     const jo_block N = jo_newton_find(m, d, f->body, f->body);
     const jo_body_work *w = &d->body[f->body];
     const jo_real q = d->weights.q;
@@ -99,4 +99,4 @@ static int tangent(const jo_model *m, jo_data *d, const jo_force *f, const jo_fo
     return JO_OK;
 }
 
-const jo_force_kind jo_force_moving = {apply, 0, tangent};
+const jo_force_kind jo_force_moving_load = {apply, 0, tangent};

@@ -1,11 +1,11 @@
-/* force_modal.c - a load with a pattern over a body: force and torque on its frame and forces on its modes, times a signal. */
+/* force_modal_load.c - a load with a pattern over a body: force and torque on its frame and forces on its modes, times a signal. */
 #include "force.h"
 
 static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work *out)
 {
     jo_body_work *w = &d->body[f->body];
     const int np = m->body[f->body].np;
-    const jo_modal_data *x = (const jo_modal_data *)f->data;
+    const jo_modal_load_data *x = (const jo_modal_load_data *)f->data;
     const jo_real *modes = (const jo_real *)(x + 1);
     jo_real factor = 1.0, now = 1.0, power = jo_dot3(x->force, w->V) + jo_dot3(x->torque, w->w);
     if (f->signal >= 0) {
@@ -40,4 +40,4 @@ static int tangent(const jo_model *m, jo_data *d, const jo_force *f, const jo_fo
     return JO_OK;
 }
 
-const jo_force_kind jo_force_modal = {apply, 0, tangent};
+const jo_force_kind jo_force_modal_load = {apply, 0, tangent};
