@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import functools
+import inspect
 import io
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import matplotlib
 from cycler import cycler
+from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import check_file, unwritable, written
 
@@ -98,6 +103,69 @@ def styled() -> Iterator[None]:
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(STYLE)
         yield
+
+
+def drawing(function: Callable[..., Picture]) -> Callable[..., Picture]:
+    """Let a function draw in the style, and write its picture where `path` is given."""
+
+    @functools.wraps(function)
+    def draw(*given: Any, path: str | Path | None = None, **options: Any) -> Picture:
+        out = None if path is None else target(path, PICTURES)
+        with styled():
+            figure = function(*given, **options)
+        if out is not None:
+            save(figure, out)
+        return figure
+
+    old = inspect.signature(function)
+    more = inspect.Parameter(
+        "path", inspect.Parameter.KEYWORD_ONLY, default=None, annotation="str | Path | None"
+    )
+    draw.__signature__ = old.replace(  # type: ignore[attr-defined]
+        parameters=[*old.parameters.values(), more]
+    )
+    return explained_as("plot")(draw)
+
+
+def panels_below(count: int) -> tuple[Picture, list[Axes]]:
+    """Return a picture of panels one below the other, over the same time."""
+    height = 0.75 + (2.9 if count == 1 else 2.1 if count < 4 else 1.75) * count
+    layout = ConstrainedLayoutEngine(h_pad=0.09, w_pad=0.09, hspace=0.02)
+    figure = Picture(figsize=(8.0, height), layout=layout)
+    axes = list(figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0])
+    axes[-1].set_xlabel("time (s)")
+    return figure, axes
+
+
+def headline(ax: Axes, title: str, note: str = "") -> None:
+    """Write a title above a panel, on the left, and a pale note on its right."""
+    ax.set_title(title, loc="left", fontsize=10.5, fontweight="bold", pad=7)
+    ax.annotate(
+        note,
+        (1, 1),
+        xytext=(0, 7),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        ha="right",
+        va="baseline",
+        color=MUTED,
+        fontsize=8.5,
+    )
+
+
+def scale_at(figure: Figure, place: tuple[float, float, float], title: str) -> Axes:
+    """Return the axes of a scale of colours with its title; place is left, bottom and height."""
+    left, bottom, height = place
+    height = min(height, 2.4 / figure.get_figheight())
+    ax = figure.add_axes((left, bottom, 0.13 / figure.get_figwidth(), height))
+    ax.set_xticks([])
+    ax.yaxis.tick_right()
+    ax.tick_params(length=0, which="both")
+    ax.grid(False)
+    ax.spines[:].set_visible(False)
+    y = bottom + height + 0.08 / figure.get_figheight()
+    figure.text(left, y, title, color=MUTED, fontsize=8.5, va="bottom")
+    return ax
 
 
 def target(path: str | Path, formats: tuple[str, ...], *, hint: str = "") -> Path:

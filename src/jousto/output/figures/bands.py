@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.measurement.twin.bands import Band
-from jousto.output.style import COLORS, INK, PICTURES, Picture, save, styled, target
+from jousto.output.style import COLORS, INK, Picture, drawing
 
 MOST = 6  # places in a picture
 HEIGHT, WIDTH = 1.9, 7.2  # inch
 
 
-@explained_as("plot")
+@drawing
 def plot_band(
     band: Band,
     *,
     sites: Sequence[str] | str | None = None,
     truth: ArrayLike | None = None,
-    path: str | Path | None = None,
 ) -> Picture:
     """Draw the stress of some places over time with its band, one panel each.
 
@@ -43,7 +40,6 @@ def plot_band(
     InputError
         For an unknown place, a truth of another shape, an unknown suffix or an unwritable path.
     """
-    out = None if path is None else target(path, PICTURES)
     given = band.labels[:MOST] if sites is None else (sites,) if isinstance(sites, str) else sites
     problems = Problems()
     for site in given:
@@ -60,21 +56,18 @@ def plot_band(
                 f"truth has shape {true.shape}, must be ({len(band.time)}, {len(given)})",
             )
         )
-    with styled():
-        figure = Picture(figsize=(WIDTH, HEIGHT * len(given) + 0.4), layout="constrained")
-        axes = np.atleast_1d(figure.subplots(len(given), 1, sharex=True))
-        for i, (ax, site) in enumerate(zip(axes, given, strict=True)):
-            k = band.labels.index(site)
-            low, value, high = (1e-6 * x[:, k] for x in (band.low, band.value, band.high))
-            share = f"{100 * band.level:g} %"
-            ax.fill_between(band.time, low, high, color=COLORS[1], alpha=0.3, lw=0, label=share)
-            ax.plot(band.time, value, color=COLORS[1], label="twin")
-            if true is not None:
-                ax.plot(band.time, 1e-6 * true[:, i], color=COLORS[0], lw=0.9, label="truth")
-            ax.set_ylabel("MPa")
-            ax.set_title(f"{site}, {band.criterion}", color=INK)
-        axes[0].legend()
-        axes[-1].set_xlabel("time (s)")
-    if out is not None:
-        save(figure, out)
+    figure = Picture(figsize=(WIDTH, HEIGHT * len(given) + 0.4), layout="constrained")
+    axes = np.atleast_1d(figure.subplots(len(given), 1, sharex=True))
+    for i, (ax, site) in enumerate(zip(axes, given, strict=True)):
+        k = band.labels.index(site)
+        low, value, high = (1e-6 * x[:, k] for x in (band.low, band.value, band.high))
+        share = f"{100 * band.level:g} %"
+        ax.fill_between(band.time, low, high, color=COLORS[1], alpha=0.3, lw=0, label=share)
+        ax.plot(band.time, value, color=COLORS[1], label="twin")
+        if true is not None:
+            ax.plot(band.time, 1e-6 * true[:, i], color=COLORS[0], lw=0.9, label="truth")
+        ax.set_ylabel("MPa")
+        ax.set_title(f"{site}, {band.criterion}", color=INK)
+    axes[0].legend()
+    axes[-1].set_xlabel("time (s)")
     return figure

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, Normalize
@@ -12,11 +11,12 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained_as
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
-from jousto.base.files import written
+from jousto.output.files.paraview import Cells, save_series
 from jousto.output.scenes.skins import beam_skin
 from jousto.output.scenes.view import View, choose_view
-from jousto.output.style import COLORS, MUTED, PICTURES, Picture, save, styled, target
+from jousto.output.style import COLORS, MUTED, Picture, drawing, target
 from jousto.recovery.beams.forces import RESULTANTS, UNITS, SectionForces, component_of, find_beam
 from jousto.recovery.shape import find_body, positions
 from jousto.simulation.results.solution import Solution
@@ -26,14 +26,13 @@ TIMES: LinearSegmentedColormap = LinearSegmentedColormap.from_list("times", ("#B
 SHOWN = 9  # instants of a shape if none are given
 
 
-@explained_as("plot")
+@drawing
 def plot_section_forces(
     forces: SectionForces,
     *,
     components: Sequence[str] | str | None = None,
     times: ArrayLike | None = None,
     at: float | str | None = None,
-    path: str | Path | None = None,
 ) -> Picture:
     """Draw resultants of a beam: along it at some instants with the envelope, or over time.
 
@@ -63,34 +62,30 @@ def plot_section_forces(
     --------
     ``plot(section_forces(run, "cable"), times=[0.1, 0.2], path="forces.png")``
     """
-    out = None if path is None else target(path, PICTURES)
     names = [components] if isinstance(components, str) else list(components or _present(forces))
     for name in names:
         component_of(forces.name, name)
     instants = np.atleast_1d(
         np.asarray(forces.time[-1] if times is None else times, dtype=np.float64)
     )
-    with styled():
-        layout = ConstrainedLayoutEngine(h_pad=0.06, w_pad=0.08)
-        figure = Picture(figsize=(WIDTH, 0.9 + 1.7 * len(names)), layout=layout)
-        axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
-        for ax, name in zip(axes, names, strict=True):
-            ax.set_ylabel(f"{name} ({UNITS[RESULTANTS.index(name)]})")
-            if at is not None:
-                ax.plot(forces.time, forces.history(name, at), color=COLORS[0])
-                continue
-            low, _, high, _ = forces.envelope(name)
-            ax.fill_between(forces.s_nodes, low, high, color=MUTED, alpha=0.15, linewidth=0)
-            for k, t in enumerate(instants):
-                color = COLORS[k % len(COLORS)]
-                ax.plot(*forces.diagram(name, float(t)), color=color, label=f"{t:.4g} s")
-        where = "" if at is None else f" at {at}" + ("" if isinstance(at, str) else " m")
-        axes[0].set_title(f"{forces.name}{where}", loc="left", fontsize=10.5, fontweight="bold")
-        axes[-1].set_xlabel("time (s)" if at is not None else "length along the beam (m)")
-        if at is None and len(instants) > 1:
-            axes[0].legend(loc="best", fontsize=8.5, frameon=False)
-        if out is not None:
-            save(figure, out)
+    layout = ConstrainedLayoutEngine(h_pad=0.06, w_pad=0.08)
+    figure = Picture(figsize=(WIDTH, 0.9 + 1.7 * len(names)), layout=layout)
+    axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+    for ax, name in zip(axes, names, strict=True):
+        ax.set_ylabel(f"{name} ({UNITS[RESULTANTS.index(name)]})")
+        if at is not None:
+            ax.plot(forces.time, forces.history(name, at), color=COLORS[0])
+            continue
+        low, _, high, _ = forces.envelope(name)
+        ax.fill_between(forces.s_nodes, low, high, color=MUTED, alpha=0.15, linewidth=0)
+        for k, t in enumerate(instants):
+            color = COLORS[k % len(COLORS)]
+            ax.plot(*forces.diagram(name, float(t)), color=color, label=f"{t:.4g} s")
+    where = "" if at is None else f" at {at}" + ("" if isinstance(at, str) else " m")
+    axes[0].set_title(f"{forces.name}{where}", loc="left", fontsize=10.5, fontweight="bold")
+    axes[-1].set_xlabel("time (s)" if at is not None else "length along the beam (m)")
+    if at is None and len(instants) > 1:
+        axes[0].legend(loc="best", fontsize=8.5, frameon=False)
     return figure
 
 
@@ -102,14 +97,13 @@ def _present(forces: SectionForces) -> list[str]:
     return kept or ["N"]
 
 
-@explained_as("plot")
+@drawing
 def plot_beam(
     run: Solution,
     *,
     beam: str | Sequence[str],
     times: ArrayLike | None = None,
     view: View | str | None = None,
-    path: str | Path | None = None,
 ) -> Picture:
     """Draw the axis of a beam at some instants, from pale to dark, with equal scales.
 
@@ -138,7 +132,6 @@ def plot_beam(
     --------
     ``plot(run, beam="cable", times=[0, 0.5, 1.0])`` as the last line of a notebook cell shows it.
     """
-    out = None if path is None else target(path, PICTURES)
     names = (beam,) if isinstance(beam, str) else tuple(beam)
     if not names:
         raise InputError(Problem("plot", "name one beam at least"))
@@ -147,25 +140,21 @@ def plot_beam(
     instants = np.atleast_1d(np.asarray(wanted, dtype=np.float64))
     lines = [positions(run, find_body(run, name), instants) for name in names]
     cloud = np.concatenate([x.reshape(-1, 3) for x in lines])
-    corners = np.stack([cloud.min(axis=0), cloud.max(axis=0)])
-    eye = choose_view(view, corners, run.attributes.get("gravity"))
+    eye = choose_view(view, cloud, run.attributes.get("gravity"))
     span = Normalize(float(instants[0]), float(max(instants[-1], instants[0] + 1e-300)))
-    with styled():
-        figure = Picture(figsize=(WIDTH, 0.7 * WIDTH), layout=ConstrainedLayoutEngine())
-        ax = figure.subplots()
-        for x in lines:
-            for k, t in enumerate(instants):
-                right, up = eye.project(x[k])[:, :2].T
-                last = k == len(instants) - 1
-                ax.plot(right, up, color=TIMES(span(t)), linewidth=2.2 if last else 1.3)
-        ax.set_aspect("equal", adjustable="datalim")
-        ax.set_xlabel(f"{eye.plane[0]} (m)" if eye.plane else "m")
-        ax.set_ylabel(f"{eye.plane[1]} (m)" if eye.plane else "m")
-        ax.set_title(", ".join(names), loc="left", fontsize=10.5, fontweight="bold")
-        note = f"{len(instants)} instants, {instants[0]:.4g} to {instants[-1]:.4g} s"
-        ax.set_title(note, loc="right", fontsize=8.5, color=MUTED)
-        if out is not None:
-            save(figure, out)
+    figure = Picture(figsize=(WIDTH, 0.7 * WIDTH), layout=ConstrainedLayoutEngine())
+    ax = figure.subplots()
+    for x in lines:
+        for k, t in enumerate(instants):
+            right, up = eye.project(x[k])[:, :2].T
+            last = k == len(instants) - 1
+            ax.plot(right, up, color=TIMES(span(t)), linewidth=2.2 if last else 1.3)
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_xlabel(f"{eye.plane[0]} (m)" if eye.plane else "m")
+    ax.set_ylabel(f"{eye.plane[1]} (m)" if eye.plane else "m")
+    ax.set_title(", ".join(names), loc="left", fontsize=10.5, fontweight="bold")
+    note = f"{len(instants)} instants, {instants[0]:.4g} to {instants[-1]:.4g} s"
+    ax.set_title(note, loc="right", fontsize=8.5, color=MUTED)
     return figure
 
 
@@ -193,31 +182,17 @@ def write_beam(
     InputError
         If there is no such beam, for another ending, or several instants in a .vtu file.
     """
-    import meshio
-
     out = target(path, ("vtu", "pvd"))
     shape = find_beam(run, beam)
-    single = out.suffix == ".vtu"
-    instants = run.time[-1:] if single else run.time
+    instants = run.time[-1:] if out.suffix == ".vtu" else run.time
     if times is not None:
         instants = np.atleast_1d(np.asarray(times, dtype=np.float64))
-    if single and len(instants) != 1:
-        message = f"one instant fits into a .vtu file, not {len(instants)}; write a .pvd file"
-        raise InputError(Problem(str(out), message))
-    digits = len(str(max(len(instants) - 1, 1)))
-    entries = []
-    for k, t in enumerate(instants):
+
+    def content(t: float) -> tuple[Array, Cells, dict[str, Array]]:
         skin = beam_skin(run, shape, [t])
         data = {f"section {c}": skin.axes[0, :, :, i].copy() for i, c in enumerate("xyz")}
         if skin.tensors is not None and skin.mises is not None:
             data |= {"von Mises (Pa)": skin.mises[0], "s11 (Pa)": skin.tensors[0, :, 0].copy()}
-        piece = out if single else out.with_name(f"{out.stem}_{k:0{digits}d}.vtu")
-        mesh = meshio.Mesh(skin.x[0], [("triangle", skin.triangles)], point_data=data)
-        with written(piece) as beside:
-            meshio.write(beside, mesh, file_format="vtu")
-        entries.append(f'<DataSet timestep="{t:.15g}" part="0" file={quoteattr(piece.name)}/>')
-    if not single:
-        head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
-        with written(out) as beside:
-            beside.write_text(head + "\n".join(entries) + "\n</Collection>\n</VTKFile>\n", "utf-8")
-    return out
+        return skin.x[0], [("triangle", skin.triangles)], data
+
+    return save_series(out, instants, content)

@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem, suggest
-from jousto.output.style import COLORS, MUTED, PICTURES, Picture, save, styled, target
+from jousto.output.style import COLORS, MUTED, Picture, drawing
 from jousto.simulation.modes.campbell import Campbell
 
 SIZE = (8.0, 4.6)  # inch
 KINDS = ("frequencies", "root locus")
 
 
-@explained_as("plot")
+@drawing
 def plot_campbell(
     data: Campbell,
     *,
     kind: Literal["frequencies", "root locus"] = "frequencies",
     orders: Sequence[float] = (),
-    path: str | Path | None = None,
 ) -> Picture:
     """Draw frequencies over the parameter, or the paths of the eigenvalues.
 
@@ -46,16 +43,12 @@ def plot_campbell(
     """
     if kind not in KINDS:
         raise InputError(Problem("plot", f"kind is {kind!r}{suggest(str(kind), KINDS)}"))
-    out = None if path is None else target(path, PICTURES)
-    with styled():
-        figure = Picture(figsize=SIZE, layout="constrained")
-        ax = figure.subplots()
-        if kind == "frequencies":
-            _frequencies(ax, data, orders)
-        else:
-            _locus(ax, data)
-    if out is not None:
-        save(figure, out)
+    figure = Picture(figsize=SIZE, layout="constrained")
+    ax = figure.subplots()
+    if kind == "frequencies":
+        _frequencies(ax, data, orders)
+    else:
+        _locus(ax, data)
     return figure
 
 

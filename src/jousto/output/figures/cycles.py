@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,25 +10,23 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem
 from jousto.fatigue.cycles.rainflow import Cycles
 from jousto.fatigue.miner.damage import equivalents
 from jousto.materials.strength.mean_stress import MeanStress
 from jousto.materials.strength.sn import SN
 from jousto.output.scenes.surface import STRESS_COLORS
-from jousto.output.style import COLORS, INK, MUTED, PICTURES, Picture, save, styled, target
+from jousto.output.style import COLORS, INK, MUTED, Picture, drawing
 
 WIDTH = 7.2  # inch
 
 
-@explained_as("plot")
+@drawing
 def plot_sn(
     curves: SN | Sequence[SN],
     cycles: Cycles | None = None,
     *,
     mean: MeanStress | None = None,
-    path: str | Path | None = None,
 ) -> Picture:
     """Draw S-N curves, and the cycles of a history as the steps of how many are as large.
 
@@ -52,26 +49,21 @@ def plot_sn(
     InputError
         For an unknown suffix or an unwritable path.
     """
-    out = None if path is None else target(path, PICTURES)
     chosen = (curves,) if isinstance(curves, SN) else tuple(curves)
     if not chosen:
         raise InputError(Problem("plot", "there is no curve to draw"))
-    with styled():
-        figure = _figure(3.9)
-        _sn(figure.subplots(), chosen, cycles, mean)
-        if out is not None:
-            save(figure, out)
+    figure = _figure(3.9)
+    _sn(figure.subplots(), chosen, cycles, mean)
     return figure
 
 
-@explained_as("plot")
+@drawing
 def plot_cycles(
     cycles: Cycles,
     sn: SN | None = None,
     *,
     mean: MeanStress | None = None,
     bins: int = 32,
-    path: str | Path | None = None,
 ) -> Picture:
     """Draw the rainflow matrix, the level crossings and, with a curve, the S-N plot of a history.
 
@@ -92,21 +84,17 @@ def plot_cycles(
     InputError
         For an unknown suffix, an unwritable path or a history without cycles.
     """
-    out = None if path is None else target(path, PICTURES)
     if not len(cycles):
         raise InputError(Problem("plot", "the history is constant: there are no cycles"))
-    with styled():
-        figure = _figure(3.1 if sn is None else 6.4)
-        if sn is None:
-            left, right = figure.subplots(1, 2)
-        else:
-            grid = figure.add_gridspec(2, 2)
-            left, right = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
-            _sn(figure.add_subplot(grid[1, :]), (sn,), cycles, mean)
-        _matrix(figure, left, cycles, bins)
-        _levels(right, cycles)
-        if out is not None:
-            save(figure, out)
+    figure = _figure(3.1 if sn is None else 6.4)
+    if sn is None:
+        left, right = figure.subplots(1, 2)
+    else:
+        grid = figure.add_gridspec(2, 2)
+        left, right = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
+        _sn(figure.add_subplot(grid[1, :]), (sn,), cycles, mean)
+    _matrix(figure, left, cycles, bins)
+    _levels(right, cycles)
     return figure
 
 

@@ -12,13 +12,13 @@ from matplotlib.colors import LogNorm, Normalize, to_rgb
 from jousto.base.arguments import explained_as
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, suggest
-from jousto.base.files import written
 from jousto.fatigue.miner.damage_field import DamageField
 from jousto.output.figures.painted import extent, mark, paint
+from jousto.output.files.paraview import cells_of, save_vtu
 from jousto.output.scenes.scene import UNKNOWN
 from jousto.output.scenes.surface import STRESS_COLORS
 from jousto.output.scenes.view import View, choose_view
-from jousto.output.style import MUTED, PICTURES, Picture, save, styled, target
+from jousto.output.style import MUTED, Picture, drawing, scale_at, target
 from jousto.recovery.shape import find_body
 from jousto.simulation.results.records import BodyShape
 from jousto.simulation.results.solution import Solution
@@ -28,7 +28,7 @@ DECADES = 8.0  # of damage that the colours show
 QUANTITIES = ("damage", "life", "safety")
 
 
-@explained_as("plot")
+@drawing
 def plot_damage(
     field: DamageField,
     run: Solution,
@@ -36,7 +36,6 @@ def plot_damage(
     quantity: str = "damage",
     view: View | str | None = None,
     marks: int = 3,
-    path: str | Path | None = None,
 ) -> Picture:
     """Draw damage, life or safety over a body, with the worst places.
 
@@ -60,7 +59,6 @@ def plot_damage(
     InputError
         If the run has no such body, for an unknown quantity or suffix, or an unwritable path.
     """
-    out = None if path is None else target(path, PICTURES)
     if quantity not in QUANTITIES:
         known = suggest(quantity, QUANTITIES)
         raise InputError(Problem("plot", f"quantity is {quantity!r}{known}"))
@@ -68,12 +66,8 @@ def plot_damage(
     values = node_values(
         shape, field, getattr(field, quantity), max if quantity == "damage" else min
     )
-    corners = np.stack([shape.nodes.min(axis=0), shape.nodes.max(axis=0)])
-    eye = choose_view(view, corners, None)
-    with styled():
-        figure = _picture(shape, field, values, quantity, eye, marks)
-        if out is not None:
-            save(figure, out)
+    eye = choose_view(view, shape.nodes, None)
+    figure = _picture(shape, field, values, quantity, eye, marks)
     return figure
 
 
@@ -97,8 +91,6 @@ def write_damage(field: DamageField, path: str | Path, run: Solution) -> Path:
     InputError
         If the run has no such body, for another ending or an unwritable path.
     """
-    import meshio
-
     out = target(path, ("vtu",))
     shape = find_body(run, field.body)
     damage = node_values(shape, field, field.damage, max)
@@ -111,15 +103,7 @@ def write_damage(field: DamageField, path: str | Path, run: Solution) -> Path:
         "safety": np.minimum(node_values(shape, field, field.safety, min), 1e30),
         "largest stress (Pa)": node_values(shape, field, np.abs(field.peak), max),
     }
-    corners = shape.elements.shape[1] if shape.elements.ndim == 2 else 0
-    kind = {2: "line", 3: "triangle"}.get(corners if len(shape.elements) else 0)
-    cells: Any = (
-        [(kind, shape.elements)] if kind else [("vertex", np.arange(len(shape.nodes))[:, None])]
-    )
-    mesh = meshio.Mesh(shape.nodes, cells, point_data=fields)
-    with written(out) as beside:
-        meshio.write(beside, mesh, file_format="vtu")
-    return out
+    return save_vtu(out, shape.nodes, cells_of(shape.elements), fields)
 
 
 def node_values(
@@ -196,22 +180,9 @@ def _picture(
 def _bar(
     figure: Picture, norm: Any, shades: Any, quantity: str, place: tuple[float, float, float]
 ) -> None:
-    left, bottom, height = place
-    height = min(height, 2.4 / figure.get_figheight())
-    ax = figure.add_axes((left, bottom, 0.13 / figure.get_figwidth(), height))
+    ax = scale_at(figure, place, "life (s)" if quantity == "life" else quantity)
     log = isinstance(norm, LogNorm)
-    edges = (
-        np.geomspace(norm.vmin, norm.vmax, 257) if log else np.linspace(norm.vmin, norm.vmax, 257)
-    )
+    edges = (np.geomspace if log else np.linspace)(norm.vmin, norm.vmax, 257)
     ax.pcolormesh([0.0, 1.0], edges, edges[:-1, None], cmap=shades, norm=norm)
     if log:
         ax.set_yscale("log")
-    ax.set_xticks([])
-    ax.yaxis.tick_right()
-    ax.tick_params(length=0, which="both")
-    ax.grid(False)
-    for spine in ax.spines.values():
-        spine.set_visible(False)
-    unit = "life (s)" if quantity == "life" else quantity
-    y = bottom + height + 0.08 / figure.get_figheight()
-    figure.text(left, y, unit, color=MUTED, fontsize=8.5, va="bottom")

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem
 from jousto.output.figures.series import Panel, panels
 from jousto.output.style import (
@@ -20,26 +17,22 @@ from jousto.output.style import (
     DASHES,
     INK,
     MUTED,
-    PICTURES,
     Picture,
     blend,
-    save,
-    styled,
-    target,
+    drawing,
+    headline,
+    panels_below,
 )
 from jousto.simulation.results.solution import Solution
 
-WIDTH = 8.0  # inch
 PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 3: "k", 6: "M", 9: "G"}
 PREFIXED = ("m", "m/s", "m/s²", "m/m", "N", "N m", "Pa", "J", "rad")
 NONE = (None, None)  # no dashes
 LABELLED = 10  # more lines than this are not named one by one
 
 
-@explained_as("plot")
-def plot_run(
-    run: Solution | Mapping[str, Solution], *names: str, path: str | Path | None = None
-) -> Picture:
+@drawing
+def plot_run(run: Solution | Mapping[str, Solution], *names: str) -> Picture:
     """Draw sensors against time, one panel below the other.
 
     Parameters
@@ -67,29 +60,18 @@ def plot_run(
     --------
     ``plot(run, "middle.y", "energy", path="pendulum.png")``
     """
-    out = None if path is None else target(path, PICTURES)
     runs = {"": run} if isinstance(run, Solution) else dict(run)
     if not runs:
         raise InputError(Problem("plot", "there is no run to draw"))
-    with styled():
-        figure = draw(panels(runs, names), tuple(runs))
-    if out is not None:
-        save(figure, out)
+    figure = draw(panels(runs, names), tuple(runs))
     return figure
 
 
 def draw(rows: list[Panel], labels: tuple[str, ...]) -> Picture:
     """Return the figure of these panels; `labels` name the runs."""
-    height = 0.75 + (2.9 if len(rows) == 1 else 2.1 if len(rows) < 4 else 1.75) * len(rows)
-    figure = Picture(
-        figsize=(WIDTH, height), layout=ConstrainedLayoutEngine(h_pad=0.09, w_pad=0.09, hspace=0.02)
-    )
-    axes = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
+    figure, axes = panels_below(len(rows))
     for ax, panel in zip(axes, rows, strict=True):
         _panel(ax, panel, labels)
-    for ax in axes[:-1]:
-        ax.tick_params(labelbottom=False)
-    axes[-1].set_xlabel("time (s)")
     if len(labels) > 1:
         alone = all(len({c.name for c in p.curves}) == 1 for p in rows)
         keys = [
@@ -101,18 +83,7 @@ def draw(rows: list[Panel], labels: tuple[str, ...]) -> Picture:
 
 
 def _panel(ax: Axes, panel: Panel, labels: tuple[str, ...]) -> None:
-    ax.set_title(panel.title, loc="left", fontsize=10.5, fontweight="bold", pad=7)
-    ax.annotate(
-        panel.subtitle,
-        (1, 1),
-        xytext=(0, 7),
-        xycoords="axes fraction",
-        textcoords="offset points",
-        ha="right",
-        va="baseline",
-        color=MUTED,
-        fontsize=8.5,
-    )
+    headline(ax, panel.title, panel.subtitle)
     ax.set_ylabel(panel.unit)
     if panel.log:
         ax.set_yscale("log")

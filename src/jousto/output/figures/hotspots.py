@@ -13,12 +13,12 @@ from matplotlib.colors import to_rgb
 from jousto.base.arguments import explained_as
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
-from jousto.base.files import written
 from jousto.output.figures.painted import extent, mark, paint
+from jousto.output.files.paraview import cells_of, save_vtu
 from jousto.output.scenes.scene import UNKNOWN, color_bar
 from jousto.output.scenes.surface import STRESS_COLORS
 from jousto.output.scenes.view import View, choose_view
-from jousto.output.style import COLORS, INK, MUTED, PICTURES, Picture, save, styled, target
+from jousto.output.style import COLORS, INK, MUTED, Picture, drawing, target
 from jousto.recovery.hotspots.spots import HotSpots
 from jousto.recovery.shape import find_body
 from jousto.simulation.results.records import BodyShape
@@ -30,13 +30,12 @@ VALUES = 2e8  # that the colours are worked out from, at most
 POINTS = 4000  # of a curve
 
 
-@explained_as("plot")
+@drawing
 def plot_hotspots(
     found: HotSpots,
     run: Solution,
     *,
     view: View | str | None = None,
-    path: str | Path | None = None,
 ) -> Picture:
     """Draw the worst value at every place, the numbered hot spots, and their histories.
 
@@ -60,11 +59,7 @@ def plot_hotspots(
     InputError
         For an unknown suffix or an unwritable path, or a run that has no such body.
     """
-    out = None if path is None else target(path, PICTURES)
-    with styled():
-        figure = _picture(run, found, view)
-        if out is not None:
-            save(figure, out)
+    figure = _picture(run, found, view)
     return figure
 
 
@@ -87,10 +82,10 @@ def write_hotspots(found: HotSpots, path: str | Path, run: Solution) -> Path:
     InputError
         For another ending or a path that cannot be written.
     """
-    import meshio
-
     out = target(path, ("vtu",))
-    nodes, cells, offset = [], [], 0
+    nodes: list[Array] = []
+    cells: list[tuple[str, Any]] = []
+    offset = 0
     fields: dict[str, list[Array]] = {}
     for number, field in enumerate(found.fields, 1):
         shape = find_body(run, field.name)
@@ -104,19 +99,10 @@ def write_hotspots(found: HotSpots, path: str | Path, run: Solution) -> Path:
         for key, column in data.items():
             fields.setdefault(key, []).append(column)
         nodes.append(shape.nodes)
-        corners = shape.elements.shape[1] if shape.elements.ndim == 2 else 0
-        if len(shape.elements) and corners in (2, 3):
-            kind = "line" if corners == 2 else "triangle"
-            cells.append((kind, shape.elements + offset))
+        cells += cells_of(shape.elements, offset)
         offset += len(shape.nodes)
-    mesh = meshio.Mesh(
-        np.concatenate(nodes),
-        cells or [("vertex", np.arange(offset)[:, None])],
-        point_data={key: np.concatenate(columns) for key, columns in fields.items()},
-    )
-    with written(out) as beside:
-        meshio.write(beside, mesh, file_format="vtu")
-    return out
+    columns = {key: np.concatenate(parts) for key, parts in fields.items()}
+    return save_vtu(out, np.concatenate(nodes), cells, columns)
 
 
 def node_values(shape: BodyShape, found: HotSpots, k: int) -> tuple[Array, int]:
@@ -163,7 +149,7 @@ def _picture(run: Solution, found: HotSpots, view: View | str | None) -> Picture
     known = [node_values(s, found, places.index(s.name)) for s in shapes]
     limit = max(float(np.nanmax(values)) for values, _ in known)
     limit = limit if limit > 0.0 else 1e-300
-    chosen = [_view(shape, view) for shape in shapes]
+    chosen = [choose_view(view, shape.nodes, None) for shape in shapes]
     heights = [_height(shape, v) for shape, v in zip(shapes, chosen, strict=True)]
     below, top = 2.3, 0.5
     total = sum(heights) + 0.35 * len(shapes) + below + top
@@ -197,10 +183,6 @@ def _picture(run: Solution, found: HotSpots, view: View | str | None) -> Picture
     )
     _histories(axes, found)
     return figure
-
-
-def _view(shape: BodyShape, view: View | str | None) -> View:
-    return choose_view(view, np.stack([shape.nodes.min(axis=0), shape.nodes.max(axis=0)]), None)
 
 
 def _height(shape: BodyShape, view: View) -> float:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.base.arguments import explained_as
-from jousto.output.style import COLORS, MUTED, PICTURES, Picture, save, styled, target
+from jousto.output.style import COLORS, MUTED, Picture, drawing
 
 if TYPE_CHECKING:
     from jousto.fatigue.local.strain_life import Rule
@@ -21,13 +19,12 @@ SIZE = (6.4, 4.6)  # inch
 MOST = 80  # turning points that are drawn
 
 
-@explained_as("plot")
+@drawing
 def plot_hysteresis(
     material: StrainLife,
     series: ArrayLike,
     *,
     rule: Rule = "neuber",
-    path: str | Path | None = None,
 ) -> Picture:
     """Draw local stress over local strain at a notch, the first 80 reversals.
 
@@ -48,7 +45,6 @@ def plot_hysteresis(
     """
     from jousto.fatigue.local.strain_life import local_path
 
-    out = None if path is None else target(path, PICTURES)
     whole = local_path(series, material, rule=rule)
     S = whole.elastic[:MOST]
     e, s = [0.0], [0.0]
@@ -59,29 +55,25 @@ def plot_hysteresis(
             there = local_path([*S[:k], part], material, rule=rule)
             e.append(float(there.strain[-1]))
             s.append(float(there.stress[-1]))
-    with styled():
-        figure = Picture(figsize=SIZE, layout="constrained")
-        ax = figure.subplots()
-        ax.plot(1e6 * np.array(e), 1e-6 * np.array(s), color=COLORS[0])
-        points = 1e6 * whole.strain[:MOST], 1e-6 * whole.stress[:MOST]
-        ax.plot(*points, ".", color=COLORS[1])
-        ax.axhline(0.0, color=MUTED, linewidth=0.6)
-        ax.axvline(0.0, color=MUTED, linewidth=0.6)
-        ax.set_xlabel("local strain (um/m)")
-        ax.set_ylabel("local stress (MPa)")
-        ax.set_title(f"{material.name or 'material'}, {rule}")
-    if out is not None:
-        save(figure, out)
+    figure = Picture(figsize=SIZE, layout="constrained")
+    ax = figure.subplots()
+    ax.plot(1e6 * np.array(e), 1e-6 * np.array(s), color=COLORS[0])
+    points = 1e6 * whole.strain[:MOST], 1e-6 * whole.stress[:MOST]
+    ax.plot(*points, ".", color=COLORS[1])
+    ax.axhline(0.0, color=MUTED, linewidth=0.6)
+    ax.axvline(0.0, color=MUTED, linewidth=0.6)
+    ax.set_xlabel("local strain (um/m)")
+    ax.set_ylabel("local stress (MPa)")
+    ax.set_title(f"{material.name or 'material'}, {rule}")
     return figure
 
 
-@explained_as("plot")
+@drawing
 def plot_spectrum(
     response: RandomResponse,
     sites: Sequence[str] | str,
     *,
     criterion: str = "von-mises",
-    path: str | Path | None = None,
 ) -> Picture:
     """Draw the spectral density of a stress at some places.
 
@@ -101,18 +93,14 @@ def plot_spectrum(
     InputError
         For an unknown place or criterion, an unknown suffix or an unwritable path.
     """
-    out = None if path is None else target(path, PICTURES)
     labels, _ = response.sites(sites)
     densities = response.psd(criterion, labels)
-    with styled():
-        figure = Picture(figsize=SIZE, layout="constrained")
-        ax = figure.subplots()
-        for k, (label, density) in enumerate(zip(labels, densities, strict=True)):
-            color = COLORS[k % len(COLORS)]
-            ax.semilogy(response.frequency, 1e-12 * density, color=color, label=label)
-        ax.set_xlabel("frequency (Hz)")
-        ax.set_ylabel(f"{criterion} (MPa²/Hz)")
-        ax.legend()
-    if out is not None:
-        save(figure, out)
+    figure = Picture(figsize=SIZE, layout="constrained")
+    ax = figure.subplots()
+    for k, (label, density) in enumerate(zip(labels, densities, strict=True)):
+        color = COLORS[k % len(COLORS)]
+        ax.semilogy(response.frequency, 1e-12 * density, color=color, label=label)
+    ax.set_xlabel("frequency (Hz)")
+    ax.set_ylabel(f"{criterion} (MPa²/Hz)")
+    ax.legend()
     return figure

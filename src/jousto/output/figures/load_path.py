@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.base.files import write_table
-from jousto.output.style import COLORS, INK, MUTED, PICTURES, Picture, save, styled, target
+from jousto.output.style import COLORS, INK, MUTED, Picture, drawing, target
 from jousto.simulation.statics.load_paths import LoadPath
 
 SIZE = (7.6, 4.6)  # inch
@@ -54,8 +54,8 @@ def _column(data: LoadPath, sensor: str) -> tuple[NDArray[np.float64], str]:
     return np.asarray(values), f"{sensor} ({unit})" if unit else sensor
 
 
-@explained_as("plot")
-def plot_load_path(data: LoadPath, sensor: str, *, path: str | Path | None = None) -> Picture:
+@drawing
+def plot_load_path(data: LoadPath, sensor: str) -> Picture:
     """Draw the load over a sensor value; unstable equilibria dashed, critical points marked.
 
     Parameters
@@ -73,22 +73,18 @@ def plot_load_path(data: LoadPath, sensor: str, *, path: str | Path | None = Non
         For an unknown sensor or suffix or an unwritable path.
     """
     values, label = _column(data, sensor)
-    out = None if path is None else target(path, PICTURES)
-    with styled():
-        figure = Picture(figsize=SIZE, layout="constrained")
-        ax = figure.subplots()
-        stable = data.stable
-        for k in range(len(data) - 1):
-            both = bool(stable[k] and stable[k + 1])
-            ax.plot(values[k : k + 2], data.load[k : k + 2], "-" if both else "--", color=COLORS[0])
-        ax.plot(values, data.load, ".", color=COLORS[0], markersize=4)
-        _mark_critical(ax, data, values)
-        ax.axhline(0.0, color=MUTED, linewidth=0.6)
-        ax.margins(x=0.03)
-        ax.set_xlabel(label)
-        ax.set_ylabel(data.parameter)
-    if out is not None:
-        save(figure, out)
+    figure = Picture(figsize=SIZE, layout="constrained")
+    ax = figure.subplots()
+    stable = data.stable
+    for k in range(len(data) - 1):
+        both = bool(stable[k] and stable[k + 1])
+        ax.plot(values[k : k + 2], data.load[k : k + 2], "-" if both else "--", color=COLORS[0])
+    ax.plot(values, data.load, ".", color=COLORS[0], markersize=4)
+    _mark_critical(ax, data, values)
+    ax.axhline(0.0, color=MUTED, linewidth=0.6)
+    ax.margins(x=0.03)
+    ax.set_xlabel(label)
+    ax.set_ylabel(data.parameter)
     return figure
 
 

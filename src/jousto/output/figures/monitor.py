@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.base.arguments import explained_as
 from jousto.measurement.monitor.health import STATES
-from jousto.output.style import COLORS, MUTED, PICTURES, Picture, save, styled, target
+from jousto.output.style import COLORS, MUTED, Picture, drawing
 
 if TYPE_CHECKING:
     from jousto.measurement.monitor.recorded import MonitorRecord
@@ -20,8 +18,8 @@ MOST = 4000  # points of a line; more are drawn as smallest and largest of their
 BAD = COLORS[1]
 
 
-@explained_as("plot")
-def plot_monitor(record: MonitorRecord, *, path: str | Path | None = None) -> Picture:
+@drawing
+def plot_monitor(record: MonitorRecord) -> Picture:
     """Draw stress with its band, damage, and the health of the channels over time.
 
     Parameters
@@ -36,69 +34,65 @@ def plot_monitor(record: MonitorRecord, *, path: str | Path | None = None) -> Pi
     InputError
         For an unknown suffix or an unwritable path.
     """
-    out = None if path is None else target(path, PICTURES)
     time, counted = record.time, record.counted
     rows = 3 if counted else 2
-    with styled():
-        figure = Picture(figsize=(WIDTH, 2.4 * rows + 0.6), layout="constrained")
-        axes = figure.subplots(rows, 1, sharex=True)
-        top, health = axes[0], axes[-1]
-        low, high, stress = record.low / 1e6, record.high / 1e6, record.stress / 1e6
-        for k, spot in enumerate(record.spots):
-            color = COLORS[k % len(COLORS)]
-            t, (a, b) = thinned(time, low[:, k], high[:, k])
-            top.fill_between(t, a, b, color=color, alpha=0.25, linewidth=0)
-            t, (a, b) = thinned(time, stress[:, k], stress[:, k])
-            top.fill_between(t, a, b, color=color, linewidth=0.8, label=spot)
-        limit = record.attributes.get("limit_stress")
-        if limit is not None:
-            for sign in (1.0, -1.0):
-                top.axhline(sign * limit / 1e6, color=MUTED, dashes=(5, 2), linewidth=0.8)
-        top.set_ylabel("stress (MPa)")
-        top.set_title(
-            f"{record.attributes['criterion']}, {100 * record.attributes['level']:g} % band",
-            loc="left",
+    figure = Picture(figsize=(WIDTH, 2.4 * rows + 0.6), layout="constrained")
+    axes = figure.subplots(rows, 1, sharex=True)
+    top, health = axes[0], axes[-1]
+    low, high, stress = record.low / 1e6, record.high / 1e6, record.stress / 1e6
+    for k, spot in enumerate(record.spots):
+        color = COLORS[k % len(COLORS)]
+        t, (a, b) = thinned(time, low[:, k], high[:, k])
+        top.fill_between(t, a, b, color=color, alpha=0.25, linewidth=0)
+        t, (a, b) = thinned(time, stress[:, k], stress[:, k])
+        top.fill_between(t, a, b, color=color, linewidth=0.8, label=spot)
+    limit = record.attributes.get("limit_stress")
+    if limit is not None:
+        for sign in (1.0, -1.0):
+            top.axhline(sign * limit / 1e6, color=MUTED, dashes=(5, 2), linewidth=0.8)
+    top.set_ylabel("stress (MPa)")
+    top.set_title(
+        f"{record.attributes['criterion']}, {100 * record.attributes['level']:g} % band",
+        loc="left",
+    )
+    if len(record.spots) <= 8:
+        # above the axes: within them it would cover peaks
+        top.legend(
+            loc="lower right",
+            bbox_to_anchor=(1.0, 1.0),
+            borderaxespad=0.0,
+            ncols=min(4, len(record.spots)),
         )
-        if len(record.spots) <= 8:
-            # above the axes: within them it would cover peaks
-            top.legend(
-                loc="lower right",
-                bbox_to_anchor=(1.0, 1.0),
-                borderaxespad=0.0,
-                ncols=min(4, len(record.spots)),
+    if counted:
+        t = record.summary("time")
+        D, a, b = (record.summary(n) for n in ("damage", "damage_low", "damage_high"))
+        for k in range(len(record.spots)):
+            color = COLORS[k % len(COLORS)]
+            axes[1].fill_between(t, a[:, k], b[:, k], color=color, alpha=0.2, linewidth=0)
+            axes[1].plot(t, D[:, k], color=color)
+        axes[1].set_ylabel("damage")
+        if np.any(D > 0.0):
+            axes[1].set_yscale("log")
+            axes[1].set_ylim(bottom=1e-4 * float(D.max()))
+    states = record.states
+    for c, _ in enumerate(record.channels):
+        for first, last, state in pieces(states[:, c]):
+            ends = (time[first], time[min(last, len(time) - 1)])
+            health.plot(
+                ends,
+                (c, c),
+                color=BAD if state else COLORS[2],
+                linewidth=5,
+                solid_capstyle="butt",
             )
-        if counted:
-            t = record.summary("time")
-            D, a, b = (record.summary(n) for n in ("damage", "damage_low", "damage_high"))
-            for k in range(len(record.spots)):
-                color = COLORS[k % len(COLORS)]
-                axes[1].fill_between(t, a[:, k], b[:, k], color=color, alpha=0.2, linewidth=0)
-                axes[1].plot(t, D[:, k], color=color)
-            axes[1].set_ylabel("damage")
-            if np.any(D > 0.0):
-                axes[1].set_yscale("log")
-                axes[1].set_ylim(bottom=1e-4 * float(D.max()))
-        states = record.states
-        for c, _ in enumerate(record.channels):
-            for first, last, state in pieces(states[:, c]):
-                ends = (time[first], time[min(last, len(time) - 1)])
-                health.plot(
-                    ends,
-                    (c, c),
-                    color=BAD if state else COLORS[2],
-                    linewidth=5,
-                    solid_capstyle="butt",
+            if state and STATES[state] != "back":
+                health.annotate(
+                    STATES[state], (ends[0], c), (0, 4), textcoords="offset points", fontsize=7
                 )
-                if state and STATES[state] != "back":
-                    health.annotate(
-                        STATES[state], (ends[0], c), (0, 4), textcoords="offset points", fontsize=7
-                    )
-        health.set_yticks(range(len(record.channels)), record.channels)
-        health.set_ylim(len(record.channels) - 0.4, -0.8)
-        health.grid(False)
-        health.set_xlabel("time (s)")
-    if out is not None:
-        save(figure, out)
+    health.set_yticks(range(len(record.channels)), record.channels)
+    health.set_ylim(len(record.channels) - 0.4, -0.8)
+    health.grid(False)
+    health.set_xlabel("time (s)")
     return figure
 
 

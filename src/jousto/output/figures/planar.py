@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from jousto.base.arguments import explained_as
-from jousto.output.style import COLORS, MUTED, PICTURES, Picture, blend, save, styled, target
+from jousto.output.style import COLORS, MUTED, Picture, blend, drawing
 from jousto.planar.results import PlanarPath, PlanarRun
 
 SHAPES = 7  # drawn of a motion
 
 
-@explained_as("plot")
-def plot_planar(run: PlanarRun | PlanarPath, *, path: str | Path | None = None) -> Picture:
+@drawing
+def plot_planar(run: PlanarRun | PlanarPath) -> Picture:
     """Draw shapes of a frame, the last one darkest, and what goes with them.
 
     Parameters
@@ -36,27 +33,23 @@ def plot_planar(run: PlanarRun | PlanarPath, *, path: str | Path | None = None) 
     InputError
         For an unknown suffix or an unwritable path.
     """
-    out = None if path is None else target(path, PICTURES)
     motion = isinstance(run, PlanarRun)
-    with styled():
-        figure = Picture(figsize=(9.5, 3.6), layout="constrained")
-        axes = figure.subplots(1, 3 if motion else 2)
-        _shapes(axes[0], run)
-        if isinstance(run, PlanarRun):
-            axes[1].plot(run.time, run.energies[:, 0], color=COLORS[0], label="kinetic")
-            axes[1].plot(run.time, run.energies[:, 1], color=COLORS[1], label="strain")
-            axes[1].set(xlabel="time (s)", ylabel="energy (J)")
-            axes[1].legend()
-            axes[2].plot(run.time[1:], run.evaluations[1:], ".", color=COLORS[0], markersize=2)
-            axes[2].set(xlabel="time (s)", ylabel="residuals evaluated per step", ylim=(0, None))
-        else:
-            size = np.hypot(run.displacements[:, :, 0], run.displacements[:, :, 1])
-            k = int(size.max(axis=0).argmax())
-            axes[1].plot(size[:, k], run.factors, ".-", color=COLORS[0])
-            name = list(run.frame.nodes)[k]
-            axes[1].set(xlabel=f"displacement of node {name} (m)", ylabel="load factor")
-    if out is not None:
-        save(figure, out)
+    figure = Picture(figsize=(9.5, 3.6), layout="constrained")
+    axes = figure.subplots(1, 3 if motion else 2)
+    _shapes(axes[0], run)
+    if isinstance(run, PlanarRun):
+        axes[1].plot(run.time, run.energies[:, 0], color=COLORS[0], label="kinetic")
+        axes[1].plot(run.time, run.energies[:, 1], color=COLORS[1], label="strain")
+        axes[1].set(xlabel="time (s)", ylabel="energy (J)")
+        axes[1].legend()
+        axes[2].plot(run.time[1:], run.evaluations[1:], ".", color=COLORS[0], markersize=2)
+        axes[2].set(xlabel="time (s)", ylabel="residuals evaluated per step", ylim=(0, None))
+    else:
+        size = np.hypot(run.displacements[:, :, 0], run.displacements[:, :, 1])
+        k = int(size.max(axis=0).argmax())
+        axes[1].plot(size[:, k], run.factors, ".-", color=COLORS[0])
+        name = list(run.frame.nodes)[k]
+        axes[1].set(xlabel=f"displacement of node {name} (m)", ylabel="load factor")
     return figure
 
 

@@ -13,19 +13,18 @@ from jousto.base.errors import InputError, Problem
 from jousto.base.files import written
 from jousto.output.figures.histories import draw
 from jousto.output.figures.series import Curve, Panel
-from jousto.output.style import PICTURES, Picture, save, styled, target
+from jousto.output.style import Picture, drawing, target
 from jousto.recovery.fields.criteria import Criterion
 from jousto.recovery.fields.field import StressField
 
 MOST = 10
 
 
-@explained_as("plot")
+@drawing
 def plot_stress(
     field: StressField,
     *,
     criterion: Criterion = "von-mises",
-    path: str | Path | None = None,
 ) -> Picture:
     """Draw the history of a criterion at the places of a field.
 
@@ -43,7 +42,6 @@ def plot_stress(
     InputError
         For an unknown suffix, an unwritable path, or too many places.
     """
-    out = None if path is None else target(path, PICTURES)
     if field.ns > MOST:
         message = f"{field.ns} histories cannot be distinguished: choose at most {MOST} sites"
         raise InputError(Problem(f"stress of '{field.name}'", message))
@@ -53,10 +51,7 @@ def plot_stress(
     )
     kind = "strain" if field.strain else "stress"
     title = f"{criterion} {kind} of {field.name}"
-    with styled():
-        figure = draw([Panel(title, f"{field.frame} axes", field.unit, curves)], ("",))
-        if out is not None:
-            save(figure, out)
+    figure = draw([Panel(title, f"{field.frame} axes", field.unit, curves)], ("",))
     return figure
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,15 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 from jousto.base.arguments import explained_as
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
-from jousto.base.files import written
+from jousto.output.files.paraview import Cells, cells_of, save_series, save_vtu
 from jousto.output.style import target
 from jousto.recovery.fields.criteria import Criterion
 from jousto.recovery.fields.field import StressField
 from jousto.recovery.shape import find_body, positions
 from jousto.simulation.results.records import BodyShape
 from jousto.simulation.results.solution import Solution
-
-KINDS = {2: "line", 3: "triangle"}
 
 
 @explained_as("write")
@@ -74,7 +71,7 @@ def write_contour(
     if nodes is None or not np.any(nodes >= 0):
         message = "its places are no nodes of the body: there is nothing to colour"
         raise InputError(Problem(f"stress of '{field.name}'", message))
-    name = f"{criterion} ({field.unit})"
+    name, cells = f"{criterion} ({field.unit})", cells_of(shape.elements)
     if out.suffix == ".vtu" and times is None:
         found = field.envelope(criterion)
         high, low = _winners(shape, nodes, found.max), _winners(shape, nodes, -found.min)
@@ -84,24 +81,15 @@ def write_contour(
             f"smallest {name}": _nodal(low, found.min),
             "time of the smallest (s)": _nodal(low, found.min_time),
         }
-        return _write(out, shape, shape.nodes, fields)
+        return save_vtu(out, shape.nodes, cells, fields)
     instants = field.time if times is None else np.atleast_1d(np.asarray(times, dtype=np.float64))
-    if out.suffix == ".vtu" and len(instants) != 1:
-        message = f"one instant fits into a .vtu file, not {len(instants)}; write a .pvd file"
-        raise InputError(Problem(str(out), message))
-    digits = len(str(max(len(instants) - 1, 1)))
-    lines = []
-    for k, t in enumerate(instants):
+
+    def content(t: float) -> tuple[Array, Cells, dict[str, Array]]:
         values = field.values(criterion, times=[t])[0]
         x = positions(run, field.name, [t], scale=scale)[0]
-        piece = out if out.suffix == ".vtu" else out.with_name(f"{out.stem}_{k:0{digits}d}.vtu")
-        _write(piece, shape, x, {name: _nodal(_winners(shape, nodes, values), values)})
-        lines.append(f'<DataSet timestep="{t:.15g}" part="0" file={quoteattr(piece.name)}/>')
-    if out.suffix == ".pvd":
-        head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
-        with written(out) as beside:
-            beside.write_text(head + "\n".join(lines) + "\n</Collection>\n</VTKFile>\n", "utf-8")
-    return out
+        return x, cells, {name: _nodal(_winners(shape, nodes, values), values)}
+
+    return save_series(out, instants, content)
 
 
 def _winners(shape: BodyShape, nodes: NDArray[np.int64], values: Array) -> NDArray[np.intp]:
@@ -115,16 +103,3 @@ def _winners(shape: BodyShape, nodes: NDArray[np.int64], values: Array) -> NDArr
 
 def _nodal(winners: NDArray[np.intp], values: Array) -> Array:
     return np.where(winners >= 0, values[winners], np.nan)
-
-
-def _write(path: Path, shape: BodyShape, x: Array, fields: dict[str, Array]) -> Path:
-    import meshio
-
-    corners = shape.elements.shape[1] if shape.elements.ndim == 2 else 0
-    cells = [("vertex", np.arange(len(x))[:, None])]
-    if len(shape.elements) and corners in KINDS:
-        cells = [(KINDS[corners], shape.elements)]
-    mesh = meshio.Mesh(x, cells, point_data=fields)
-    with written(path) as beside:
-        meshio.write(beside, mesh, file_format="vtu")
-    return path

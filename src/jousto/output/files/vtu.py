@@ -10,7 +10,7 @@ import numpy as np
 from jousto.base.arguments import explained_as
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
-from jousto.base.files import written
+from jousto.output.files.paraview import save_vtu
 from jousto.output.style import target
 from jousto.reduction.reduced import ReducedPart
 
@@ -51,8 +51,6 @@ def write_vtu(reduced: ReducedPart, path: str | Path, *, stress: bool = True) ->
     InputError
         If the file has another ending or cannot be written.
     """
-    import meshio
-
     out = target(path, ("vtu",))
     digits = len(str(reduced.n))
     fields: dict[str, Any] = {}
@@ -64,14 +62,8 @@ def write_vtu(reduced: ReducedPart, path: str | Path, *, stress: bool = True) ->
     if nodal is not None:
         for j in range(reduced.n):
             fields[f"stress {j + 1:0{digits}d}"] = np.ascontiguousarray(nodal[:, :, j])
-    if reduced.elements.size:
-        cells = [(_kind(reduced), reduced.elements)]
-    else:
-        cells = [("vertex", np.arange(len(reduced.nodes))[:, None])]
-    mesh = meshio.Mesh(reduced.nodes, cells, point_data=fields)
-    with written(out) as beside:
-        meshio.write(beside, mesh, file_format="vtu")
-    return out
+    cells = [(_kind(reduced), reduced.elements)] if reduced.elements.size else []
+    return save_vtu(out, reduced.nodes, cells, fields)
 
 
 def _kind(reduced: ReducedPart) -> str:

@@ -191,7 +191,7 @@ def _mode_stress(reduced: ReducedPart, mode: int) -> Array | None:
 def _picture(subject: Subject, view: View | str | None) -> Picture:
     """Return the figure."""
     nodes = subject.shape.nodes
-    chosen = choose_view(view, np.stack([nodes.min(axis=0), nodes.max(axis=0)]), None)
+    chosen = choose_view(view, nodes, None)
     x = chosen.project(nodes)
     used = np.unique(subject.shape.elements)
     low, high = x[used, :2].min(axis=0), x[used, :2].max(axis=0)

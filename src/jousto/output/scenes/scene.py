@@ -25,7 +25,7 @@ from jousto.output.scenes.symbols import (
     size_of,
 )
 from jousto.output.scenes.view import View, choose_view
-from jousto.output.style import COLORS, MUTED, Picture
+from jousto.output.style import COLORS, MUTED, Picture, scale_at
 from jousto.recovery.shape import positions
 from jousto.recovery.surface import surface_stress
 from jousto.simulation.results.records import BodyShape
@@ -297,29 +297,18 @@ def color_bar(
     unit: str = "Pa",
 ) -> None:
     """Draw the colours of stress from 0 to a limit; place is left, bottom and height."""
-    left, bottom, height = place
-    height = min(height, 2.4 / figure.get_figheight())
-    ax = figure.add_axes((left, bottom, 0.13 / figure.get_figwidth(), height))
     power, prefix = next(
         ((p, s) for p, s in ((6, "M"), (3, "k"), (0, "")) if limit >= 10.0**p), (0, "")
     )
-    top = limit / 10.0**power
+    ax = scale_at(figure, place, f"{title}\n{prefix}{unit}")
     ax.imshow(
         np.linspace(0.0, 1.0, 256)[:, None],
         cmap=STRESS_COLORS,
         aspect="auto",
         origin="lower",
-        extent=(0.0, 1.0, 0.0, top),
+        extent=(0.0, 1.0, 0.0, limit / 10.0**power),
     )
-    ax.set_xticks([])
-    ax.yaxis.tick_right()
     ax.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
-    ax.tick_params(length=0)
-    ax.grid(False)
-    for spine in ax.spines.values():
-        spine.set_visible(False)
-    y = bottom + height + 0.08 / figure.get_figheight()
-    figure.text(left, y, f"{title}\n{prefix}{unit}", color=MUTED, fontsize=8.5, va="bottom")
 
 
 def _rulers(ax: Axes, view: View) -> None:
