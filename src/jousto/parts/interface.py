@@ -104,7 +104,7 @@ class Interface(Declared):
     )
     together = ("kind", "weights")
 
-    def place(self, problems: Problems) -> str:
+    def heading(self, problems: Problems) -> str:
         """Return what messages say first."""
         return f"interface {self.name!r}"
 

@@ -90,7 +90,7 @@ class PointMass(Declared):
         "From the node to the centre of the mass, part frame", unit="m", default=(0.0, 0.0, 0.0)
     )
 
-    def place(self, problems: Problems) -> str:
+    def heading(self, problems: Problems) -> str:
         """Return what messages say first."""
         return f"point mass at node {self.node!r}"
 
