@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import re
+import sys
 from importlib.metadata import version as installed_version
 from operator import attrgetter
+from pathlib import Path
 from typing import Any
 
 import jousto as jo
 from jousto.base.rooms import public_names
+
+sys.path.insert(0, str(Path(__file__).parent))
+from tables import filled
 
 project = "jousto"
 author = "jousto contributors"
@@ -47,7 +52,7 @@ html_copy_source = False
 
 
 def entries_of_rooms(app: Any, page: str, source: list[str]) -> None:
-    """Replace ``PUBLIC rooms`` in a page by the documentation of their public names."""
+    """Replace ``PUBLIC rooms`` in a page by the help of their public names, fill its tables."""
 
     def entries(match: re.Match[str]) -> str:
         rooms = tuple(f"jousto.{room}." for room in match[1].split())
@@ -63,7 +68,7 @@ def entries_of_rooms(app: Any, page: str, source: list[str]) -> None:
                 lines.append(f".. auto{kind}:: {module}.{place.rpartition('.')[2]}")
         return "\n\n".join(lines)
 
-    source[0] = re.sub(r"^PUBLIC (.+)$", entries, source[0], flags=re.M)
+    source[0] = filled(re.sub(r"^PUBLIC (.+)$", entries, source[0], flags=re.M))
 
 
 def setup(app: Any) -> None:

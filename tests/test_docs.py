@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import contextlib
 import doctest
+import importlib
 import io
 import re
 import shlex
@@ -28,6 +29,7 @@ import pytest
 from typer.testing import CliRunner
 
 import jousto as jo
+from jousto.base.declare import kinds
 from jousto.cli.group import app
 
 ROOT = Path(__file__).parent.parent
@@ -157,3 +159,28 @@ def test_these_tests_see_a_wrong_output() -> None:
     same("a ... c\n", "a b c\n", "here")
     assert run_python("print(1)", "here", {}) == ("1\n", False)
     assert run_python("import jousto as jo; jo.Material(1e5, 0.3, 7850)", "here", {})[1]
+
+
+def test_tables_of_pages_have_every_declared_kind(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    tables = importlib.import_module("tables")
+    page = (ROOT / "docs/model-file.md").read_text(encoding="utf-8")
+    asked = re.findall(r"^KINDS (\S+) (\S+)$", page, re.M)
+    assert len(asked) == 7
+    filled = tables.filled(page)
+    assert "KINDS" not in filled
+    for section, room in asked:
+        rows = list(tables.table(section, room))
+        for word, cls in kinds(section, room).items():
+            (row,) = [row for row in rows[: rows.index("")] if row.startswith(f"| `{word}` |")]
+            assert row in filled
+            shown = [key for key, field in cls.fields.items() if field.file and f"`{key}`" in row]
+            assert {*shown} | {"name", "a", "b", "as_placed"} >= {
+                key for key, field in cls.fields.items() if field.file
+            }
+    assert "| `gear` | Two angles turn in a ratio: `b - b0 = ratio (a - a0)`;" in filled
+    assert "| `cylindrical` | " in filled and "| *`axis`* | `angle`, `displacement` |" in filled
+    assert (
+        "| `pitch` | `screw` | Displacement in one turn; negative for a left-hand thread, m |"
+        in filled
+    )

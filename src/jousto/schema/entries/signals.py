@@ -12,7 +12,7 @@ from jousto.base.units import describe
 from jousto.mechanism.signals.piecewise import Table
 from jousto.schema.entries.base import Amount, Entry, Text, Time, fail
 from jousto.schema.entries.choices import by_form
-from jousto.schema.entries.declared import FORMS, SPECIAL, one_of
+from jousto.schema.entries.declared import FORMS, SPECIAL, one_of, said
 
 
 class _Column:
@@ -45,8 +45,8 @@ class TableEntry(Entry):
 
     declared: ClassVar[type[Declared]] = Table
     type: Literal["table"]
-    times: tuple[Time, ...] | None = None
-    values: tuple[Amount, ...] | None = None
+    times: tuple[Time, ...] | None = Field(None, description=said(Table.fields["times"]))
+    values: tuple[Amount, ...] | None = Field(None, description=said(Table.fields["values"]))
     interpolation: Literal["linear", "cubic"] | None = Field(None, description=LINES)
     file: Text | None = Field(None, description=FILE)
     columns: tuple[Column, Column] | None = Field(None, description=COLUMNS)
