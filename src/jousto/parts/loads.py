@@ -3,138 +3,88 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from jousto.base.arrays import Floats, Ints, Sparse, times
-from jousto.base.described import described
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems, suggest
+from jousto.base.fields import AnyField, field
+from jousto.base.numbers import Number, Vector
 from jousto.mesh.area import area_matrix, face_points
 from jousto.mesh.picks import Pick
 from jousto.mesh.sets import read_integers
 from jousto.parts.geometry import Geometry
 
-
-@described
-@dataclass(frozen=True, eq=False)
-class Pressure:
-    """A pressure on a surface of a solid, against its outward normal.
-
-    Parameters
-    ----------
-    on : str, array_like of int or pick
-        Surface or node set, node indices or a pick such as ``InCylinder``: the outer faces whose
-        nodes are all among these.
-    pressure : float
-        In Pa; negative pulls.
-    """
-
-    on: Any
-    pressure: float
+ZERO = (0.0, 0.0, 0.0)
+SURFACE = "str, array_like of int or pick"
 
 
-@described
-@dataclass(frozen=True, eq=False)
-class Traction:
-    """An even force per area on a surface of a solid.
+class Load(Declared):
+    """A load; `Part.load` checks its values with those of all others."""
 
-    Parameters
-    ----------
-    on : str, array_like of int or pick
-        As for :class:`Pressure`.
-    traction : (3,) array_like
-        In Pa, part frame.
-    """
-
-    on: Any
-    traction: Any
+    def __post_init__(self) -> None:
+        """Keep the values as they are."""
 
 
-@described
-@dataclass(frozen=True, eq=False)
-class SurfaceLoad:
+class Pressure(Load):
+    """A pressure on a surface of a solid, against its outward normal."""
+
+    on: AnyField = field(
+        "Surface or node set, node indices or a pick such as ``InCylinder``: the outer faces whose "
+        "nodes are all among these",
+        noun=SURFACE,
+    )
+    pressure: Number = field("Negative pulls", unit="Pa", wanted="a finite number")
+
+
+class Traction(Load):
+    """An even force per area on a surface of a solid."""
+
+    on: AnyField = field("As for :class:`Pressure`", noun=SURFACE)
+    traction: Vector = field("Part frame", unit="Pa")
+
+
+class SurfaceLoad(Load):
     """A force and a moment spread over a surface of a solid.
 
     The traction is ``a + b x (x - c)``, with a and b such that its resultants are the force and the
     moment about the surface's centroid c.
-
-    Parameters
-    ----------
-    on : str, array_like of int or pick
-        As for :class:`Pressure`.
-    force : (3,) array_like
-        In N, part frame.
-    moment : (3,) array_like
-        In N m about the centroid of the surface, part frame.
     """
 
-    on: Any
-    force: Any = (0.0, 0.0, 0.0)
-    moment: Any = (0.0, 0.0, 0.0)
+    on: AnyField = field("As for :class:`Pressure`", noun=SURFACE)
+    force: Vector = field("Part frame", unit="N", default=ZERO)
+    moment: Vector = field(
+        "About the centroid of the surface, part frame", unit="N m", default=ZERO
+    )
 
 
-@described
-@dataclass(frozen=True, eq=False)
-class NodalForce:
-    """A force, and a moment where nodes can turn, shared equally by nodes.
+class NodalForce(Load):
+    """A force, and a moment where nodes can turn, shared equally by nodes."""
 
-    Parameters
-    ----------
-    on : str, int, array_like of int or pick
-        Node set, node indices or a pick.
-    force : (3,) array_like
-        In N, part frame; together.
-    moment : (3,) array_like
-        In N m, part frame; for parts of six degrees of freedom per node.
-    """
-
-    on: Any
-    force: Any = (0.0, 0.0, 0.0)
-    moment: Any = (0.0, 0.0, 0.0)
+    on: AnyField = field(
+        "Node set, node indices or a pick", noun="str, int, array_like of int or pick"
+    )
+    force: Vector = field("Of all nodes together, part frame", unit="N", default=ZERO)
+    moment: Vector = field(
+        "Part frame; for parts of six degrees of freedom per node", unit="N m", default=ZERO
+    )
 
 
-@described
-@dataclass(frozen=True, eq=False)
-class Weight:
-    """The weight of the part's mass in a field such as gravity.
+class Weight(Load):
+    """The weight of the part's mass in a field such as gravity."""
 
-    Parameters
-    ----------
-    acceleration : (3,) array_like
-        In m/s^2, part frame: ``(0, 0, -9.81)`` pulls downwards along z.
-    """
-
-    acceleration: Any
+    acceleration: Vector = field(
+        "Part frame: ``(0, 0, -9.81)`` pulls downwards along z", unit="m/s^2"
+    )
 
 
-@described
-@dataclass(frozen=True, eq=False)
-class Spin:
-    """The centrifugal force of a steady rotation, ``-rho w x (w x (x - c))``.
+class Spin(Load):
+    """The centrifugal force of a steady rotation, ``-rho w x (w x (x - c))``."""
 
-    Parameters
-    ----------
-    velocity : (3,) array_like
-        Angular velocity w in rad/s, part frame.
-    centre : (3,) array_like
-        A point c of the axis in m, part frame.
-    """
-
-    velocity: Any
-    centre: Any = (0.0, 0.0, 0.0)
-
-
-Load = Pressure | Traction | SurfaceLoad | NodalForce | Weight | Spin
-_FIELDS = {
-    Pressure: (),
-    Traction: ("traction",),
-    SurfaceLoad: ("force", "moment"),
-    NodalForce: ("force", "moment"),
-    Weight: ("acceleration",),
-    Spin: ("velocity", "centre"),
-}
+    velocity: Vector = field("Angular velocity w, part frame", unit="rad/s")
+    centre: Vector = field("A point c of the axis, part frame", unit="m", default=ZERO)
 
 
 def load_vector(part: Geometry, M: Sparse, loads: Sequence[Load]) -> Floats:
@@ -144,39 +94,36 @@ def load_vector(part: Geometry, M: Sparse, loads: Sequence[Load]) -> Floats:
     for number, load in enumerate(loads):
         given: object = load
         label = f"part '{part.name}', load {number + 1}"
-        if type(given) not in _FIELDS:
-            kinds = ", ".join(kind.__name__ for kind in _FIELDS)
+        if not isinstance(given, Load):
+            kinds = ", ".join(kind.__name__ for kind in Load.__subclasses__())
             problems.add(label, f"is {given!r}, must be one of {kinds}")
             continue
         label += f" ({type(load).__name__})"
-        vectors = {
-            name: problems.array(label, name, getattr(load, name), (3,))
-            for name in _FIELDS[type(load)]
+        known = {
+            name: kind.check(problems, label, getattr(load, name))
+            for name, kind in load.fields.items()
         }
-        if any(v is None for v in vectors.values()):
+        if any(value is None for name, value in known.items() if name != "on"):
             continue
-        known = {name: v for name, v in vectors.items() if v is not None}
         if isinstance(load, Weight):
             total += _inertial(part, M, np.broadcast_to(known["acceleration"], part.nodes.shape))
         elif isinstance(load, Spin):
             w, r = known["velocity"], part.nodes - known["centre"]
             total += _inertial(part, M, -np.cross(w, np.cross(w, r)))
         else:
-            nodes = pick_nodes(problems, label, part, load.on)
+            nodes = pick_nodes(problems, label, part, known["on"])
             if nodes is None:
                 continue
             if isinstance(load, NodalForce):
                 _on_nodes(problems, label, total, nodes, known)
                 continue
-            faces = _faces(problems, label, part, load.on, nodes)
+            faces = _faces(problems, label, part, known["on"], nodes)
             if faces is None:
                 continue
             if isinstance(load, Pressure):
-                if not problems.number(label, "pressure", load.pressure, "Pa"):
-                    continue
                 for group in faces:
                     N, area, _ = face_points(part.nodes, group)
-                    force = np.einsum("qk,fqx->fkx", N, -load.pressure * area)
+                    force = np.einsum("qk,fqx->fkx", N, -known["pressure"] * area)
                     np.add.at(total[:, :3], group.ravel(), force.reshape(-1, 3))
             elif isinstance(load, Traction):
                 t = np.broadcast_to(known["traction"], part.nodes.shape)
@@ -195,7 +142,7 @@ def _inertial(part: Geometry, M: Sparse, field: Floats) -> Floats:
 
 
 def _on_nodes(
-    problems: Problems, label: str, total: Floats, nodes: Ints, known: dict[str, Floats]
+    problems: Problems, label: str, total: Floats, nodes: Ints, known: dict[str, Any]
 ) -> None:
     np.add.at(total[:, :3], nodes, known["force"] / len(nodes))
     if np.any(known["moment"] != 0.0):
@@ -214,7 +161,7 @@ def _spread(
     part: Geometry,
     faces: list[Ints],
     total: Floats,
-    known: dict[str, Floats],
+    known: dict[str, Any],
 ) -> None:
     A = area_matrix(part.nodes, faces)
     share = times(A, np.ones(len(part.nodes)))

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.fields import AnyField, Field, Item, Text, field
+from jousto.base.numbers import Duration, Number
 from jousto.measurement.monitor.alarms import AlarmLimits
 from jousto.measurement.monitor.health import ChannelRules
 from jousto.measurement.monitor.monitor import Monitor
 from jousto.measurement.twin.reconstruction import Reconstruction
-from jousto.measurement.twin.tolerance import check_errors, gauge_errors
+from jousto.measurement.twin.tolerance import GaugeErrors, gauge_errors
 from jousto.mechanism.bodies.body import FlexibleBody
+from jousto.mechanism.sensors.damage import Correction, Curve, Residue
 from jousto.mechanism.sensors.gauge import Gauge
+from jousto.mechanism.sensors.rule import RESIDUES
 from jousto.recovery.shape import find_body
 from jousto.simulation.results.solution import Solution
 
@@ -28,45 +30,25 @@ LOOSE = 0.02
 """Share of their variance that is not bound to other modes as in the reference run."""
 
 
-@described
-@dataclass(frozen=True, eq=False)
-class MonitorSettings:
-    """The monitoring of a part by its gauges.
+class Gauges(Field[Iterable[Gauge], "tuple[Gauge, ...]"]):
+    """Gauges; a model file gives their names."""
 
-    Parameters
-    ----------
-    gauges : tuple of Gauge
-        On one flexible body; their names are those of the columns.
-    spots : tuple of str or int
-        Stress sites to watch, or how many hot spots of the reference run.
-    separation : float
-        Least distance of hot spots that are found, m.
-    criterion : str
-        Of the stress.
-    noise : float
-        Standard deviation of the gauges, m/m; what the modes leave out belongs to it.
-    reference : str
-        "" for none, "run" to simulate the model, or a results file of it: gives the size of the
-        modal coordinates, so that there may be fewer gauges than modes, and the hot spots.
-    sn, mean, residue : optional
-        S-N curve, mean stress correction and what open cycles count.
-    limits : AlarmLimits
-        What raises an alarm.
-    rules : ChannelRules
-        When a channel is not believed.
-    level : float
-        Share of the bands.
-    every : float
-        Time between summaries, s.
-    columns : mapping of str to str
-        Column of the data for each gauge; the same name if it is not there.
-    unit : str
-        Of columns that name none.
-    scale : float
-        Errors in proportion that all stress shares, of modulus and common gauge factor, as of
-        `stress_band`.
-    factor, position, angle : float
-        Errors of each gauge for itself, m and rad, as of `gauge_errors`.
+    form = "arms"
+    noun = "sequence of Gauge"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return them as a tuple."""
+        return problems.several(where, self.name, value, Gauge)
+
+
+class Strain(Number):
+    """A strain."""
+
+    form = "strain"
+
+
+class MonitorSettings(GaugeErrors):
+    """The monitoring of a part by its gauges: stress, damage, remaining life and alarms.
 
     Raises
     ------
@@ -74,31 +56,52 @@ class MonitorSettings:
         With everything that does not fit together.
     """
 
-    gauges: tuple[Gauge, ...]
-    spots: tuple[str, ...] | int
-    separation: float = 0.0
-    criterion: str = "signed-von-mises"
-    noise: float = 1e-6
-    reference: str = ""
-    sn: Any = None
-    mean: Any = None
-    residue: str = "half"
-    limits: AlarmLimits = field(default_factory=AlarmLimits)
-    rules: ChannelRules = field(default_factory=ChannelRules)
-    level: float = 0.95
-    every: float = 1.0
-    columns: Mapping[str, str] = field(default_factory=dict)
-    unit: str | None = None
-    scale: float = 0.0
-    factor: float = 0.0
-    position: float = 0.0
-    angle: float = 0.0
+    kind = "monitor"
+    gauges: Gauges = field("On one flexible body; their names are those of the columns")
+    spots: AnyField = field(
+        "Stress sites to watch such as e1.a.top, or how many hot spots of the reference run",
+        form="spots",
+        noun="tuple of str, or int",
+    )
+    separation: Number = field("Least distance of hot spots that are found", unit="m", default=0.0)
+    criterion: Text = field("Of the stress", default="signed-von-mises")
+    noise: Strain = field(
+        "Standard deviation of the gauges; what the modes leave out belongs to it",
+        unit="m/m",
+        above=0,
+        wanted="a positive number",
+        default=1e-6,
+    )
+    reference: AnyField = field(
+        "Empty for none, run to simulate the model first, or a results file of it: gives the size "
+        "of the modal coordinates, so that there may be fewer gauges than modes, and the hot spots",
+        form="run",
+        noun="str",
+        default="",
+    )
+    sn: Curve = field("S-N curve", default=None)
+    mean: Correction = field("Mean stress correction", default=None)
+    residue: Residue = field("What open cycles count", words=RESIDUES, default="half")
+    limits: Item[AlarmLimits] = field("What raises an alarm", default=AlarmLimits())
+    rules: Item[ChannelRules] = field(
+        "When a channel is not believed", key="channels", default=ChannelRules()
+    )
+    level: Number = field("Share of the bands", default=0.95)
+    every: Duration = field("Time between summaries", default=1.0)
+    columns: AnyField = field(
+        "Column of the data for each gauge; the same name if it is not there",
+        form="columns",
+        noun="mapping of str to str",
+        default=None,
+    )
+    unit: AnyField = field(
+        "Of columns that name none, such as um/m", form="text", noun="str", default=None
+    )
+    together = ("gauges", "reference")
 
-    def __post_init__(self) -> None:
-        problems = Problems()
-        where = "monitor"
-        gauges = tuple(self.gauges)
-        object.__setattr__(self, "gauges", gauges)
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note gauges of several bodies, and hot spots without a reference run."""
+        gauges = self.gauges
         if not gauges:
             problems.add(where, "no gauges; add sensors of type gauge to the model")
         bodies = {gauge.body.name for gauge in gauges}
@@ -117,13 +120,6 @@ class MonitorSettings:
                     "hot spots are found in a reference run: give reference: run (or a results "
                     "file of the model), or name the spots",
                 )
-        problems.positive(where, "noise", self.noise, "m/m")
-        problems.positive(where, "every", self.every, "s")
-        problems.number(
-            where, "scale", self.scale, "", "from 0 to below 1", lambda x: 0.0 <= x < 1.0
-        )
-        check_errors(problems, where, factor=self.factor, position=self.position, angle=self.angle)
-        problems.raise_if_any()
 
     @property
     def body(self) -> str:

@@ -9,11 +9,44 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
+from jousto.base.declare import Declared
 from jousto.base.errors import InputError, Problems
+from jousto.base.fields import field
+from jousto.base.numbers import Number
 from jousto.mechanism.sensors.gauge import Gauge, outward
 
 TURN = 1e-2
 """Angle of the difference for the derivative by the direction, rad."""
+
+
+class GaugeErrors(Declared, kw_only=True):
+    """Standard deviations of errors that stay through a record and that no record shows."""
+
+    scale: Number = field(
+        "Of all stress, relative: modulus, common gauge factor, as of `stress_band`",
+        least=0,
+        below=1,
+        wanted="from 0 to below 1",
+        default=0.0,
+    )
+    factor: Number = field(
+        "Of each gauge's factor, relative, as of `gauge_errors`",
+        least=0,
+        below=1,
+        wanted="from 0 to below 1",
+        default=0.0,
+    )
+    position: Number = field(
+        "Of each gauge's place", unit="m", least=0, wanted="0 or positive", default=0.0
+    )
+    angle: Number = field(
+        "Of each gauge's direction",
+        unit="rad",
+        least=0,
+        most=0.5,
+        wanted="from 0 to 0.5",
+        default=0.0,
+    )
 
 
 @explained
@@ -64,7 +97,8 @@ def gauge_errors(
     """
     problems = Problems()
     where = "gauge_errors"
-    check_errors(problems, where, factor=factor, position=position, angle=angle)
+    for key, value in (("factor", factor), ("position", position), ("angle", angle)):
+        GaugeErrors.fields[key].check(problems, where, value)
     if not gauges:
         problems.add(where, "there is no gauge")
     problems.raise_if_any()
@@ -81,15 +115,6 @@ def gauge_errors(
         found.append([angle * _turn(gauge) for gauge in gauges])
     n = gauges[0].rows.shape[1]
     return np.array(found).reshape(-1, len(gauges), n)
-
-
-def check_errors(
-    problems: Problems, where: str, *, factor: float, position: float, angle: float
-) -> None:
-    """Note what is wrong with the sizes of errors of gauges."""
-    problems.number(where, "factor", factor, "", "from 0 to below 1", lambda x: 0.0 <= x < 1.0)
-    problems.number(where, "position", position, "m", "0 or positive", lambda x: x >= 0.0)
-    problems.number(where, "angle", angle, "rad", "from 0 to 0.5", lambda x: 0.0 <= x <= 0.5)
 
 
 def _rows(gauge: Gauge, at: Array, direction: Array) -> Array:

@@ -88,13 +88,18 @@ class Later:
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         """Validate with the class."""
+        return later(lambda: source)
 
-        def check(value: Any, info: Any) -> Any:
-            return source.model_validate(value, context=info.context)
 
-        return core_schema.with_info_plain_validator_function(
-            check, metadata={CHOICES: lambda: [source]}
-        )
+def later(find: Callable[[], Any]) -> Any:
+    """Return the core schema of one class, which is found when a file needs it."""
+
+    def check(value: Any, info: Any) -> Any:
+        return find().model_validate(value, context=info.context)
+
+    return core_schema.with_info_plain_validator_function(
+        check, metadata={CHOICES: lambda: [find()]}
+    )
 
 
 def by_form() -> Discriminator:

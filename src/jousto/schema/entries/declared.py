@@ -27,7 +27,7 @@ from jousto.schema.entries.base import (
     Unit,
     Vector,
 )
-from jousto.schema.entries.choices import Later, Tagged
+from jousto.schema.entries.choices import Later, Tagged, later
 
 Implied: TypeAlias = Callable[[dict[str, Any]], str | None] | None
 Others: TypeAlias = Mapping[str, type[Entry]]
@@ -98,7 +98,7 @@ def several(item: Any) -> Any:
 
 
 @functools.cache
-def entry_of(cls: type[Declared], implied: bool = False) -> Any:
+def entry_of(cls: type[Declared], implied: bool = False, without: tuple[str, ...] = ()) -> Any:
     """Return the entry of a class in model files: its word, and a key for each field.
 
     Parameters
@@ -106,13 +106,15 @@ def entry_of(cls: type[Declared], implied: bool = False) -> Any:
     cls : type
     implied : bool
         Whether its word may be left out.
+    without : tuple of str
+        Fields that the file writes in another way.
     """
     if cls in SPECIAL:
         return SPECIAL[cls]
     word = (Literal[cls.tag], cls.tag if implied else ...)
     keys: dict[str, Any] = {"type": word} if cls.tag else {}
     for field in cls.fields.values():
-        if not field.file:
+        if not field.file or field.name in without:
             continue
         form = FORMS[field.form](field)
         if field.required:
@@ -133,9 +135,10 @@ def extended(entry: Any, prefix: str = "", **keys: Any) -> Any:
 def said(field: Field[Any, Any]) -> str | None:
     """Return what editors show of a field, None if there is nothing to say."""
     unit = f", {field.unit}" if str(field.unit) not in ("", "1") else ""
-    zero = isinstance(field.default, tuple) and not any(field.default)
-    plain = field.required or field.default is None or isinstance(field.default, bool) or zero
-    default = "" if plain else f"; {field.default} if not given"
+    some = field.default
+    empty = some == "" or (isinstance(some, tuple | Mapping) and not any(some))
+    plain = field.required or some is None or isinstance(some, bool | Declared) or empty
+    default = "" if plain else f"; {some} if not given"
     return f"{field.text}{unit}{default}" or None
 
 
@@ -204,22 +207,32 @@ def one_of(*given: Any, **named: Any) -> Any:
 
 
 class EntryOf:
-    """Annotation of the entry of one class, which is imported when a file needs it.
+    """Annotation of the entry of one class, which is imported when a file has one.
 
     Parameters
     ----------
     module, name : str
         Where the class is.
+    without : tuple of str
+        As for `entry_of`.
     **keys
-        Keys that take the place of those of its fields, and the prefix of its name.
+        Further keys, and the prefix of its name, as for `extended`.
     """
 
-    def __init__(self, module: str, name: str, **keys: Any) -> None:
+    def __init__(self, module: str, name: str, without: tuple[str, ...] = (), **keys: Any) -> None:
         self.module = module
         self.name = name
+        self.without = without
         self.keys = keys
+
+    @functools.cached_property
+    def entry(self) -> Any:
+        """The entry."""
+        made = entry_of(
+            getattr(importlib.import_module(self.module), self.name), without=self.without
+        )
+        return extended(made, **self.keys) if self.keys else made
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         """Validate with the entry of the class."""
-        made = entry_of(getattr(importlib.import_module(self.module), self.name))
-        return handler(extended(made, **self.keys) if self.keys else made)
+        return later(lambda: self.entry)

@@ -108,4 +108,4 @@ class ModelEntry(Entry):
     events: tuple[EventEntry, ...] | None = None
     simulation: Annotated[SimulationEntry, Later()] | None = None
     fatigue: Annotated[FatigueEntry, Later()] | None = None
-    monitor: Annotated[MonitorEntry, Later()] | None = None
+    monitor: MonitorEntry | None = None

@@ -65,7 +65,12 @@ class Place:
 
 
 def build_declared(
-    builder: Builder, loc: Loc, entry: Any, known: Known = NOTHING, use: str = "1"
+    builder: Builder,
+    loc: Loc,
+    entry: Any,
+    known: Known = NOTHING,
+    use: str = "1",
+    more: Mapping[str, Any] = NOTHING,
 ) -> Any:
     """Return the object of an entry, None if anything is wrong with it.
 
@@ -77,6 +82,8 @@ def build_declared(
         What the entry may name.
     use : str
         SI unit of what a signal is used for.
+    more : mapping
+        Fields that the entry does not give.
     """
     cls = entry.declared
     if cls in SPECIAL:
@@ -99,7 +106,7 @@ def build_declared(
         return None
     for key in [key for key in values if cls.fields[key].spread]:
         items = values.pop(key)
-    return builder.make(loc, cls, *items, **values)
+    return builder.make(loc, cls, *items, **values, **more)
 
 
 def build_material(builder: Builder, loc: Loc, entry: Any) -> Any:

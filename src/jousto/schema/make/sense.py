@@ -52,6 +52,11 @@ def mean(place: Place, value: Any) -> Any:
     return build_mean(place.builder, place.loc, value)
 
 
+def run(place: Place, name: str) -> Any:
+    """Return the word run, or the path of a results file."""
+    return name if name in ("", "run") else str(place.builder.file(name))
+
+
 FORMS: dict[str, Callable[[Place, Any], Any]] = {
     "axes": axes,
     "sites": sites,
@@ -59,5 +64,6 @@ FORMS: dict[str, Callable[[Place, Any], Any]] = {
     "expansion": expansion,
     "sn": curve,
     "mean": mean,
+    "run": run,
 }
 """How a value of each form becomes an object."""
