@@ -4,33 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems
+from jousto.base.fields import field
+from jousto.base.numbers import Number, Positive
 from jousto.materials.material import Material
 from jousto.sections.section import Section
 
 Node = Hashable
 Signal = Callable[[float], float]
+NOT_NEGATIVE = "zero or a positive number"
 
 
-@dataclass(frozen=True)
-class PlanarSection:
+class PlanarSection(Declared, by_value=True):
     """Stiffness and mass of a beam in its plane: ``[N, Q, M] = [EA eps, GA gam, EI kap]``.
-
-    Parameters
-    ----------
-    EA, GA : float
-        Axial and shear stiffness in N; GA with its shear coefficient.
-    EI : float
-        Bending stiffness in N m^2.
-    mass : float
-        kg/m.
-    rotary : float
-        rho I, kg m.
 
     Raises
     ------
@@ -43,21 +35,13 @@ class PlanarSection:
     15555555.6
     """
 
-    EA: float
-    GA: float
-    EI: float
-    mass: float = 0.0
-    rotary: float = 0.0
-
-    def __post_init__(self) -> None:
-        problems = Problems()
-        for name, unit in (("EA", "N"), ("GA", "N"), ("EI", "N m^2")):
-            problems.positive("PlanarSection", name, getattr(self, name), unit)
-        for name, unit in (("mass", "kg/m"), ("rotary", "kg m")):
-            value = getattr(self, name)
-            wanted = "zero or a positive number"
-            problems.number("PlanarSection", name, value, unit, wanted, lambda x: x >= 0.0)
-        problems.raise_if_any()
+    EA: Positive = field("Axial stiffness", unit="N")
+    GA: Positive = field("Shear stiffness with its shear coefficient", unit="N")
+    EI: Positive = field("Bending stiffness", unit="N m^2")
+    mass: Number = field("Mass of a length", unit="kg/m", least=0, wanted=NOT_NEGATIVE, default=0.0)
+    rotary: Number = field(
+        "Inertia of a length, rho I", unit="kg m", least=0, wanted=NOT_NEGATIVE, default=0.0
+    )
 
     @classmethod
     def of(cls, section: Section, material: Material, *, GA: float | None = None) -> PlanarSection:
@@ -251,33 +235,29 @@ class FunctionLink:
     nodes: tuple[Node, ...]
     masters: tuple[Node, ...]
     function: Callable[[Any], Any]
-    coordinates: tuple[str, ...] = field(default=())
+    coordinates: tuple[str, ...] = ()
 
 
 Link = RigidLink | LinearLink | FunctionLink
 
 
-@dataclass(frozen=True)
-class PlanarDamping:
-    """Damping of all beams.
+class PlanarDamping(Declared, by_value=True):
+    """Damping of all beams."""
 
-    Parameters
-    ----------
-    mass : float
-        1/s; forces ``-mass M u'`` on everything that moves, also on rigid motion.
-    stiffness : float
-        s; Kelvin-Voigt: the resultants are ``D (e + stiffness e')``, so that rigid motion is free.
-    """
-
-    mass: float = 0.0
-    stiffness: float = 0.0
-
-    def __post_init__(self) -> None:
-        problems = Problems()
-        for name, unit in (("mass", "1/s"), ("stiffness", "s")):
-            value, wanted = getattr(self, name), "zero or a positive number"
-            problems.number("PlanarDamping", name, value, unit, wanted, lambda x: x >= 0.0)
-        problems.raise_if_any()
+    mass: Number = field(
+        "Forces ``-mass M u'`` on everything that moves, also on rigid motion",
+        unit="1/s",
+        least=0,
+        wanted=NOT_NEGATIVE,
+        default=0.0,
+    )
+    stiffness: Number = field(
+        "Kelvin-Voigt: the resultants are ``D (e + stiffness e')``, so that rigid motion is free",
+        unit="s",
+        least=0,
+        wanted=NOT_NEGATIVE,
+        default=0.0,
+    )
 
 
 def vector(x: Any) -> np.ndarray[Any, Any]:

@@ -139,9 +139,42 @@ class Records:
         )
 
 
+class Shapes:
+    """What motions and equilibria of a frame share."""
+
+    frame: PlanarFrame
+    displacements: Array
+    strains: Array
+
+    @property
+    def positions(self) -> Array:
+        """Positions of the nodes, (nt, nodes, 2), m."""
+        unloaded = np.array(list(self.frame.nodes.values()), dtype=float)
+        return np.asarray(unloaded + self.displacements[:, :, :2])
+
+    @property
+    def resultants(self) -> Array:
+        """N, Q (N), M (N m) at the middles of the elements, (nt, ne, 3), without their damping."""
+        return np.asarray(self.strains * self.frame.system.D)
+
+    def node(self, name: object) -> int:
+        """Return the place of a node in the arrays.
+
+        Raises
+        ------
+        InputError
+            With the nearest name if there is none.
+        """
+        names = list(self.frame.nodes)
+        if name not in names:
+            hint = suggest(name, map(str, names))
+            raise InputError(Problem(f"node {name!r}", f"there is none{hint}"))
+        return names.index(name)
+
+
 @described
 @dataclass(frozen=True, eq=False)
-class PlanarRun:
+class PlanarRun(Shapes):
     """Motion of a planar frame; arrays over time, nodes in the order of ``frame.nodes``.
 
     Attributes
@@ -197,26 +230,6 @@ class PlanarRun:
         """Whether the run came to its end."""
         return not self.failure
 
-    @property
-    def positions(self) -> Array:
-        """Positions of the nodes, (nt, nodes, 2), m."""
-        return np.asarray(_rest(self.frame) + self.displacements[:, :, :2])
-
-    @property
-    def resultants(self) -> Array:
-        """N, Q (N), M (N m) at the middles of the elements, (nt, ne, 3), without their damping."""
-        return np.asarray(self.strains * self.frame.system.D)
-
-    def node(self, name: object) -> int:
-        """Return the place of a node in the arrays.
-
-        Raises
-        ------
-        InputError
-            With the nearest name if there is none.
-        """
-        return _node(self.frame, name)
-
     def state(self, k: int = -1) -> PlanarState:
         """Return the state at a step to continue from, exactly where it is the last one."""
         last = k in (-1, self.steps)
@@ -226,7 +239,7 @@ class PlanarRun:
 
 @described
 @dataclass(frozen=True, eq=False)
-class PlanarPath:
+class PlanarPath(Shapes):
     """Equilibria of a planar frame under growing loads.
 
     Attributes
@@ -255,33 +268,6 @@ class PlanarPath:
     negative: NDArray[np.int_]
     residuals: tuple[tuple[float, ...], ...]
 
-    @property
-    def positions(self) -> Array:
-        """Positions of the nodes, (nt, nodes, 2), m."""
-        return np.asarray(_rest(self.frame) + self.displacements[:, :, :2])
-
-    @property
-    def resultants(self) -> Array:
-        """N, Q (N), M (N m) at the middles of the elements, (nt, ne, 3)."""
-        return np.asarray(self.strains * self.frame.system.D)
-
-    def node(self, name: object) -> int:
-        """Return the place of a node in the arrays."""
-        return _node(self.frame, name)
-
     def state(self, k: int = -1) -> PlanarState:
         """Return an equilibrium as the start of a run."""
         return PlanarState(self.q[k], np.zeros_like(self.q[k]))
-
-
-def _rest(frame: PlanarFrame) -> Array:
-    return np.array(list(frame.nodes.values()), dtype=float)
-
-
-def _node(frame: PlanarFrame, name: object) -> int:
-    names = list(frame.nodes)
-    if name not in names:
-        raise InputError(
-            Problem(f"node {name!r}", f"there is none{suggest(name, map(str, names))}")
-        )
-    return names.index(name)

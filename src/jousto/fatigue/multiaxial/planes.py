@@ -17,9 +17,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
+from jousto.base.declare import Declared
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, warn
+from jousto.base.fields import field
 from jousto.base.files import Rows, Tabular
+from jousto.base.numbers import Number, Positive
 from jousto.base.ranking import largest, ranking
 from jousto.fatigue.multiaxial.enclosing import enclosing_ball, enclosing_circles
 from jousto.materials.strength.strain_life import StrainLife
@@ -28,19 +31,14 @@ from jousto.recovery.fields.planes import outward
 BLOCK_BYTES = 64 << 20
 COARSE = math.radians(9.0)
 PLANE_TIE = 1e-7  # of a value on the finest net, which lies up to 0.01 degrees beside the largest
+SENSITIVITY = "in [0, 10]"
 VOIGT = ((0, 3, 5), (3, 1, 4), (5, 4, 2))
 
 
-@dataclass(frozen=True)
-class Findley:
+class Findley(Declared, by_value=True):
     """Findley's criterion: shear amplitude plus k times the largest normal stress.
 
     ``f = max over planes of (t_a + k s_n,max)`` (W. N. Findley, *J. Eng. Ind.* 81 (1959) 301-306).
-
-    Parameters
-    ----------
-    k : float
-        Sensitivity to normal stress; 0.2 to 0.3 for ductile steels.
 
     Examples
     --------
@@ -48,12 +46,13 @@ class Findley:
     0.247
     """
 
-    k: float = 0.3
-
-    def __post_init__(self) -> None:
-        problems = Problems()
-        problems.number("Findley", "k", self.k, "", "in [0, 10]", lambda k: 0.0 <= k <= 10.0)
-        problems.raise_if_any()
+    k: Number = field(
+        "Sensitivity to normal stress; 0.2 to 0.3 for ductile steels",
+        least=0,
+        most=10,
+        wanted=SENSITIVITY,
+        default=0.3,
+    )
 
     @classmethod
     def of(cls, torsion: float, bending: float) -> Findley:
@@ -73,37 +72,28 @@ class Findley:
         return np.asarray(2.0 * np.asarray(value) / (self.k + math.sqrt(1.0 + self.k**2)))
 
 
-@dataclass(frozen=True)
-class FatemiSocie:
+class FatemiSocie(Declared, by_value=True):
     """Fatemi and Socie's criterion: shear strain amplitude, opened by the normal stress.
 
     ``max over planes of g_a (1 + k s_n,max / S_y)`` (*Fatigue Fract. Eng. Mater. Struct.* 11 (1988)
     149-165) with elastic strains ``g = t / G``.
-
-    Parameters
-    ----------
-    S_y : float
-        Yield stress, Pa.
-    E, nu : float
-        Young's modulus, Pa, and Poisson's ratio.
-    k : float
-        Sensitivity to normal stress; 0.6 to 1 for steels.
     """
 
-    S_y: float
-    E: float
-    nu: float = 0.3
-    k: float = 1.0
+    S_y: Positive = field("Yield stress", unit="Pa", label="yield stress S_y")
+    E: Positive = field("Young's modulus", unit="Pa", label="Young's modulus E")
+    nu: Number = field(
+        "Poisson's ratio", above=-1, below=0.5, wanted="above -1 and below 0.5", default=0.3
+    )
+    k: Number = field(
+        "Sensitivity to normal stress; 0.6 to 1 for steels",
+        least=0,
+        most=10,
+        wanted=SENSITIVITY,
+        default=1.0,
+    )
 
-    def __post_init__(self) -> None:
-        problems = Problems()
-        problems.positive("FatemiSocie", "yield stress S_y", self.S_y, "Pa")
-        problems.positive("FatemiSocie", "Young's modulus E", self.E, "Pa")
-        problems.number(
-            "FatemiSocie", "nu", self.nu, "", "above -1 and below 0.5", lambda v: -1.0 < v < 0.5
-        )
-        problems.number("FatemiSocie", "k", self.k, "", "in [0, 10]", lambda k: 0.0 <= k <= 10.0)
-        problems.raise_if_any()
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Warn of a yield stress that was perhaps given in MPa."""
         if self.S_y < 1e5:
             warn("FatemiSocie", f"S_y = {self.S_y:g} Pa is very weak; was it given in MPa?")
 
@@ -146,20 +136,12 @@ class NormalStress:
         return np.asarray(value, dtype=np.float64)
 
 
-@dataclass(frozen=True)
-class DangVan:
+class DangVan(Declared, by_value=True):
     """Dang Van's criterion: no endless life where ``max_t (t(t) + a s_h(t)) > b``.
 
     t is the Tresca shear stress of the grain after shakedown, whose residual stress is the centre
     of the smallest ball around the path of the deviator; s_h is the hydrostatic stress (K. Dang Van
     et al., ASTM STP 1020 (1989) 72-102).
-
-    Parameters
-    ----------
-    a : float
-        Sensitivity to hydrostatic stress.
-    b : float
-        Fatigue limit in torsion at R = -1, Pa.
 
     Examples
     --------
@@ -167,14 +149,8 @@ class DangVan:
     0.36
     """
 
-    a: float
-    b: float
-
-    def __post_init__(self) -> None:
-        problems = Problems()
-        problems.number("DangVan", "a", self.a, "", "in [0, 10]", lambda a: 0.0 <= a <= 10.0)
-        problems.positive("DangVan", "fatigue limit b", self.b, "Pa")
-        problems.raise_if_any()
+    a: Number = field("Sensitivity to hydrostatic stress", least=0, most=10, wanted=SENSITIVITY)
+    b: Positive = field("Fatigue limit in torsion at R = -1", unit="Pa", label="fatigue limit b")
 
     @classmethod
     def of(cls, torsion: float, bending: float) -> DangVan:

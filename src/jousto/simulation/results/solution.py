@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import shutil
 import tempfile
 import weakref
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -25,6 +26,8 @@ from jousto.simulation.results.records import BodyShape, Records
 from jousto.simulation.results.stored import FileRecords
 from jousto.simulation.running.diagnostics import Energy, Residuals, Work
 from jousto.simulation.running.state import State
+
+T = TypeVar("T")
 
 LONG = 100  # characters of a name that are shown
 WORK = ("dissipated", "friction", "work")
@@ -184,31 +187,24 @@ class Solution(Mapping[str, Array]):
         """Lagrange multipliers (nt, nrow), N or N m."""
         return self._records.read("state/multipliers")
 
+    def _diagnostics(self, kind: type[T], suffix: str = "") -> T:
+        names = (field.name for field in dataclasses.fields(kind))  # type: ignore[arg-type]
+        return kind(*(self._records.read(f"diagnostics/{name}{suffix}") for name in names))
+
     @property
     def energy(self) -> Energy:
         """Energy balance."""
-        names = (
-            "kinetic",
-            "strain",
-            "potential",
-            "springs",
-            "dissipated",
-            "friction",
-            "work",
-        )
-        return Energy(**{name: self._records.read(f"diagnostics/{name}") for name in names})
+        return self._diagnostics(Energy)
 
     @property
     def residuals(self) -> Residuals:
         """Constraint residuals."""
-        names = ("position", "velocity")
-        return Residuals(*(self._records.read(f"diagnostics/{name}_residual") for name in names))
+        return self._diagnostics(Residuals, "_residual")
 
     @property
     def work(self) -> Work:
         """Steps taken and what they cost."""
-        names = ("steps", "rejected", "evaluations", "iterations", "step")
-        return Work(**{name: self._records.read(f"diagnostics/{name}") for name in names})
+        return self._diagnostics(Work)
 
     @property
     def events(self) -> tuple[Happening, ...]:

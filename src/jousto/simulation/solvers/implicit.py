@@ -49,6 +49,30 @@ class Newton(Declared, section="solvers", by_value=True):
     adaptive: ClassVar[bool] = False
     baumgarte: ClassVar[None] = None
 
+    @property
+    def coefficients(self) -> tuple[float, float, float, float]:
+        """alpha_m, alpha_f, beta and gamma."""
+        raise NotImplementedError
+
+    @property
+    def options(self) -> dict[str, float | int]:
+        """Further fields of the engine's jo_solver."""
+        names = ("alpha_m", "alpha_f", "newmark_beta", "newmark_gamma")
+        solver: Any = self
+        return dict(zip(names, self.coefficients, strict=True)) | {
+            "tolerance": solver.tolerance or 0.0,
+            "iterations": solver.max_iterations,
+            "modified": int(solver.tangent == "modified"),
+            "plain_inertia": int(not solver.inertia_tangents),
+        }
+
+    def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
+        """Return where a linear oscillation grows at this step; generalised alpha: nowhere."""
+        alpha_m, alpha_f, beta, gamma = self.coefficients
+        if (alpha_m, alpha_f) != (0.0, 0.0) or 2.0 * beta >= gamma:
+            return np.zeros(len(eigenvalues), dtype=bool)
+        return np.asarray(spectral_radius(self, step * eigenvalues) > 1.0 + 1e-9)
+
     def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
         """Return 0: nothing is explicit."""
         return np.zeros(len(z))
@@ -94,15 +118,6 @@ class GeneralizedAlpha(Newton, tag="GeneralizedAlpha"):
         gamma = 0.5 + alpha_f - alpha_m
         return alpha_m, alpha_f, 0.25 * (gamma + 0.5) ** 2, gamma
 
-    @property
-    def options(self) -> dict[str, float | int]:
-        """Further fields of the engine's jo_solver."""
-        return _options(self)
-
-    def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
-        """Return where a linear oscillation grows at this step: nowhere."""
-        return _unstable(self, step, eigenvalues)
-
 
 class Newmark(Newton, tag="Newmark"):
     """Newmark's implicit method (J. Eng. Mech. Div. ASCE 85, 1959) with Newton's iteration.
@@ -142,20 +157,11 @@ class Newmark(Newton, tag="Newmark"):
         """alpha_m = 0, alpha_f = 0, beta and gamma."""
         return 0.0, 0.0, self.beta, self.gamma
 
-    @property
-    def options(self) -> dict[str, float | int]:
-        """Further fields of the engine's jo_solver."""
-        return _options(self)
-
-    def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
-        """Return where a linear oscillation grows at this step."""
-        return _unstable(self, step, eigenvalues)
-
 
 Implicit = GeneralizedAlpha | Newmark
 
 
-def spectral_radius(solver: Implicit, z: NDArray[np.complex128]) -> NDArray[np.float64]:
+def spectral_radius(solver: Newton, z: NDArray[np.complex128]) -> NDArray[np.float64]:
     """Return the growth in a step of the oscillator with eigenvalues lambda, z = step * lambda.
 
     ``s'' = -2 d w s' - w^2 s`` with ``lambda = w (-d +- i sqrt(1 - d^2))``: the largest magnitude
@@ -174,26 +180,3 @@ def spectral_radius(solver: Implicit, z: NDArray[np.complex128]) -> NDArray[np.f
         step = np.vstack([rows[0] + beta * new, rows[1] + gamma * new, new])
         out[i] = np.abs(np.linalg.eigvals(step)).max()
     return out
-
-
-def _unstable(
-    solver: Implicit, step: float, eigenvalues: NDArray[np.complex128]
-) -> NDArray[np.bool_]:
-    _, _, beta, gamma = solver.coefficients
-    if isinstance(solver, GeneralizedAlpha) or 2.0 * beta >= gamma:
-        return np.zeros(len(eigenvalues), dtype=bool)
-    return np.asarray(spectral_radius(solver, step * eigenvalues) > 1.0 + 1e-9)
-
-
-def _options(solver: Implicit) -> dict[str, float | int]:
-    alpha_m, alpha_f, beta, gamma = solver.coefficients
-    return {
-        "alpha_m": alpha_m,
-        "alpha_f": alpha_f,
-        "newmark_beta": beta,
-        "newmark_gamma": gamma,
-        "tolerance": solver.tolerance or 0.0,
-        "iterations": solver.max_iterations,
-        "modified": int(solver.tangent == "modified"),
-        "plain_inertia": int(not solver.inertia_tangents),
-    }
