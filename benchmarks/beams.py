@@ -89,8 +89,8 @@ def run(model: jo.Model, solver: Any, end: float, tries: int = 3) -> Cost:
         begin = time.process_time()
         status, _ = engine.run(native, steps, steps // INSTANTS, rows)
         best = min(best, time.process_time() - begin)
-        assert status == 0, f"{solver} stopped with status {status}"
-    iterations = int(engine.counts[1]) / steps
+        assert status == "ok", f"{solver} stopped with status {status}"
+    iterations = int(engine.counts.iterations) / steps
     at = 1 + model.nq + model.nv + model.nrow + BALANCE
     return Cost(1e6 * best / steps, iterations, rows[:, at : at + 3])
 

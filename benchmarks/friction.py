@@ -73,14 +73,14 @@ def evaluation(machine: jo.Mechanism) -> float:
     for _ in range(ROUNDS):
         engine = jo.model.Engine(model)
         engine.assemble()
-        solver = engine.native_solver(1, H, True)
+        solver = engine.native_solver("rk4", H, True)
         rows = np.zeros((STEPS // 10, engine.row_size))
         engine.run(solver, 10, 10, rows)
-        engine.counts[:] = 0
+        engine.counts.evaluations = 0
         start = time.process_time()
         status, _ = engine.run(solver, STEPS, STEPS, rows)
-        best = min(best, (time.process_time() - start) / int(engine.counts[0]))
-        assert status == 0
+        best = min(best, (time.process_time() - start) / int(engine.counts.evaluations))
+        assert status == "ok"
     return 1e6 * best
 
 

@@ -50,12 +50,12 @@ def cost(model: jo.Model, solver: Any, steps: int) -> tuple[float, float]:
         )
         rows = np.zeros((1, engine.row_size))
         engine.run(native, 2, 10**9, rows)  # the first step starts up
-        before = int(engine.counts[1])
+        before = int(engine.counts.iterations)
         begin = time.process_time()
         status, _ = engine.run(native, steps, 10**9, rows)
         best = min(best, time.process_time() - begin)
-        assert status == 0, f"{solver} stopped with status {status}"
-        iterations = (int(engine.counts[1]) - before) / steps
+        assert status == "ok", f"{solver} stopped with status {status}"
+        iterations = (int(engine.counts.iterations) - before) / steps
     return 1e6 * best / steps, iterations
 
 

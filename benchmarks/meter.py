@@ -101,7 +101,7 @@ def in_engine(steps: int = 20_000) -> None:
     for more in ((), (life,)):
         model = jo.compile(jo.Mechanism(arm, pin, jo.Gravity((0, 0, -9.81)), stress, *more))
         engine = jo.model.Engine(model)
-        solver = engine.native_solver(2, 1e-4, True)
+        solver = engine.native_solver("ros2", 1e-4, True)
         rows = np.zeros((steps // 1000 + 1, engine.row_size))
         spent.append(best(lambda e=engine, s=solver, r=rows: e.run(s, steps, 1000, r)))
     plain, metered = (1e9 * x / steps for x in spent)

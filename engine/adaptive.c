@@ -11,7 +11,8 @@
 static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, double t, jo_real *row)
 {
     const int known = d->fresh || d->control.known;
-    const jo_real time = d->time[0], work[3] = {d->work[0], d->work[1], d->work[2]};
+    const jo_real time = d->time[0];
+    const jo_work work = d->work;
     for (int i = 0; i < m->nq; i++) d->q1[i] = d->q[i];
     for (int i = 0; i < m->nv; i++) d->v1[i] = d->v[i];
     for (int i = 0; i < m->nrow; i++) d->lam1[i] = d->lam[i];
@@ -30,7 +31,7 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
     for (int i = 0; i < m->nq; i++) d->q[i] = d->q1[i];
     for (int i = 0; i < m->nv; i++) d->v[i] = d->v1[i];
     for (int i = 0; i < m->nrow; i++) d->lam[i] = d->lam1[i];
-    for (int i = 0; i < 3; i++) d->work[i] = work[i];
+    d->work = work;
     d->time[0] = time;
     jo_recall_stage(m, d, 1);
     d->control.known = known;
@@ -146,12 +147,12 @@ static void withdraw(const jo_model *m, jo_data *d, double shorter)
 {
     for (int i = 0; i < m->nq; i++) d->q[i] = d->q0[i];
     for (int i = 0; i < m->nv; i++) d->v[i] = d->v0[i];
-    for (int i = 0; i < 3; i++) d->work[i] = d->control.work[i];
+    d->work = d->control.work;
     d->time[0] = d->control.from;
     jo_recall_stage(m, d, 0);
     d->control.next = shorter;
     d->control.shortened = 1;
-    d->counts[3]++;
+    d->counts.rejected++;
 }
 
 static int give_up(jo_data *d)
@@ -220,7 +221,7 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double en
     c->status = JO_OK;
     if (whole) d->time[0] = limit + (d->time[0] - JO_RE(d->time[0]));
     if (broken) d->fresh = 0;
-    d->counts[5]++;
+    d->counts.steps++;
     if (m->nturn) jo_count_turns(m, d);
     remember_extent(m, d);
     if (m->nbeam) jo_beam_accept(m, d);

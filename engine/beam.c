@@ -56,7 +56,8 @@ static jo_real arc(jo_beam_work *w)
 static int strain(const jo_model *m, const jo_data *d, const int i)
 {
     const jo_beam *b = &m->beam[i];
-    const jo_real *x = b->data, *end[2] = {d->q + m->body[b->a].iq, d->q + m->body[b->b].iq};
+    const jo_beam_data *x = b->data;
+    const jo_real *end[2] = {d->q + m->body[b->a].iq, d->q + m->body[b->b].iq};
     const jo_body_work *body[2] = {&d->body[b->a], &d->body[b->b]};
     jo_beam_work *w = &d->beam[i];
     jo_real e[2][4], mid[4], t[3], r[3];
@@ -86,17 +87,17 @@ static int strain(const jo_model *m, const jo_data *d, const int i)
     for (int k = 0; k < 2; k++) {
         transposed33(w->G[k], body[k]->A, w->Q);
         if (!w->offset) continue;
-        const jo_real *u = x + (k ? JO_BEAM_UB : JO_BEAM_UA);
+        const jo_real *u = k ? x->u_b : x->u_a;
         jo_mul3t(w->U[k], w->G[k], u);
         jo_mul3(t, body[k]->A, u);
         jo_axpy3(r, k ? 1.0 : -1.0, t);
     }
     jo_mul3t(w->d, w->Q, r);
-    for (int j = 0; j < 3; j++) w->d[j] /= x[0];
-    const jo_real angle = 4.0 * arc(w) / x[0];
+    for (int j = 0; j < 3; j++) w->d[j] /= x->length;
+    const jo_real angle = 4.0 * arc(w) / x->length;
     for (int j = 0; j < 3; j++) {
-        w->e[j] = w->d[j] - (j == 0 ? 1.0 : 0.0) - x[JO_BEAM_E0 + j];
-        w->e[3 + j] = angle * w->tau[j] - x[JO_BEAM_E0 + 3 + j];
+        w->e[j] = w->d[j] - (j == 0 ? 1.0 : 0.0) - x->e0[j];
+        w->e[3 + j] = angle * w->tau[j] - x->e0[3 + j];
     }
     if (w->helical) jo_beam_helix(m, d, i);
     if (w->fibrous) jo_beam_fibre(m, d, i);
@@ -126,8 +127,8 @@ static void strain_rate(const jo_model *m, const jo_data *d, const int i)
     jo_cross(t, w->d, w->om_m);
     jo_beam_h(w->rate + 3, w, x);
     for (int j = 0; j < 3; j++) {
-        w->rate[j] = w->dv[j] / b->data[JO_BEAM_LENGTH] + t[j];
-        w->rate[3 + j] /= b->data[JO_BEAM_LENGTH];
+        w->rate[j] = w->dv[j] / b->data->length + t[j];
+        w->rate[3 + j] /= b->data->length;
     }
     if (w->helical) jo_beam_helix_rate(m, d, i);
     if (w->fibrous) jo_beam_fibre_rate(d, i);
@@ -136,7 +137,7 @@ static void strain_rate(const jo_model *m, const jo_data *d, const int i)
 /* strains, and resultants s = C (e + beta e') */
 static int section(const jo_model *m, const jo_data *d, const int i)
 {
-    const jo_real *x = m->beam[i].data;
+    const jo_beam_data *x = m->beam[i].data;
     jo_beam_work *w = &d->beam[i];
     jo_real e[6];
     const int status = strain(m, d, i);
@@ -144,10 +145,10 @@ static int section(const jo_model *m, const jo_data *d, const int i)
     for (int j = 0; j < 6; j++) e[j] = w->e[j];
     if (w->damped) {
         strain_rate(m, d, i);
-        for (int j = 0; j < 6; j++) e[j] += x[JO_BEAM_BETA] * w->rate[j];
+        for (int j = 0; j < 6; j++) e[j] += x->beta * w->rate[j];
     }
     for (int j = 0; j < 6; j++) {
-        const jo_real *C = x + JO_BEAM_C + 6 * j;
+        const jo_real *C = x->C + 6 * j;
         w->s[j] = C[0] * e[0] + C[1] * e[1] + C[2] * e[2] + C[3] * e[3] + C[4] * e[4] + C[5] * e[5];
         w->f[j] = w->s[j];
     }
@@ -162,7 +163,7 @@ static void end_moments(const jo_model *m, const jo_data *d, const int i)
     jo_beam_work *w = &d->beam[i];
     jo_real h[3], x[3];
     jo_cross(w->t, w->f, w->d);
-    for (int j = 0; j < 3; j++) w->t[j] *= m->beam[i].data[JO_BEAM_LENGTH];
+    for (int j = 0; j < 3; j++) w->t[j] *= m->beam[i].data->length;
     jo_cross(x, w->tau, w->t);
     jo_beam_h(h, w, w->f + 3);
     for (int k = 0; k < 2; k++) {
@@ -195,10 +196,10 @@ static void internal(const jo_model *m, jo_data *d, const int i)
     if (w->damped) {
         jo_real power = 0.0;
         for (int j = 0; j < 6; j++) {
-            const jo_real *C = b->data + JO_BEAM_C + 6 * j;
+            const jo_real *C = b->data->C + 6 * j;
             for (int l = 0; l < 6; l++) power += w->rate[j] * C[l] * w->rate[l];
         }
-        d->power[0] += b->data[JO_BEAM_LENGTH] * b->data[JO_BEAM_BETA] * power;
+        d->power.damping += b->data->length * b->data->beta * power;
     }
 }
 
@@ -241,12 +242,13 @@ jo_real jo_beam_stored(const jo_model *m, const jo_data *d)
 {
     jo_real U = 0.0;
     for (int i = 0; i < m->nbeam; i++) {
-        const jo_real *x = m->beam[i].data, *e = d->beam[i].e;
+        const jo_beam_data *x = m->beam[i].data;
+        const jo_real *e = d->beam[i].e;
         if (strain(m, d, i) != JO_OK) continue;
         jo_real sum = 0.0;
         for (int j = 0; j < 6; j++)
-            for (int k = 0; k < 6; k++) sum += e[j] * x[JO_BEAM_C + 6 * j + k] * e[k];
-        U += 0.5 * x[0] * sum;
+            for (int k = 0; k < 6; k++) sum += e[j] * x->C[6 * j + k] * e[k];
+        U += 0.5 * x->length * sum;
     }
     return U;
 }
@@ -256,7 +258,7 @@ jo_real jo_beam_stored(const jo_model *m, const jo_data *d)
 void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y)
 {
     const jo_beam_work *w = &d->beam[i];
-    const jo_real *x = m->beam[i].data;
+    const jo_beam_data *x = m->beam[i].data;
     if (section(m, d, i) != JO_OK) return;
     for (int j = 0; j < 6; j++) {
         y[j] = w->e[j];
@@ -264,7 +266,7 @@ void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y)
     }
     end_moments(m, d, i);
     for (int k = 0; k < 2; k++) {
-        const jo_real *B = x + (k ? JO_BEAM_BB : JO_BEAM_BA);
+        const jo_real *B = k ? x->B_b : x->B_a;
         jo_real M[3], t[3], *z = y + 12 + 6 * k;
         for (int j = 0; j < 3; j++) M[j] = (k ? 1.0 : -1.0) * w->M[k][j];
         jo_mul3(t, w->G[k], w->f);
@@ -279,15 +281,15 @@ void jo_beam_setup(const jo_model *m, jo_data *d)
 {
     static const double unit[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
     for (int i = 0; i < m->nbeam; i++) {
-        const jo_real *x = m->beam[i].data;
+        const jo_beam_data *x = m->beam[i].data;
         jo_beam_work *w = &d->beam[i];
-        jo_quaternion(w->B[0], x + JO_BEAM_BA);
-        jo_quaternion(w->B[1], x + JO_BEAM_BB);
-        for (int j = 0; j < 9; j++) w->turned |= x[JO_BEAM_BA + j] != unit[j] || x[JO_BEAM_BB + j] != unit[j];
-        for (int j = 0; j < 3; j++) w->offset |= x[JO_BEAM_UA + j] != 0.0 || x[JO_BEAM_UB + j] != 0.0;
-        w->damped = x[JO_BEAM_BETA] != 0.0;
-        w->helical = x[JO_BEAM_HELICAL] != 0.0;
-        w->fibrous = x[JO_BEAM_POLAR] != 0.0;
+        jo_quaternion(w->B[0], x->B_a);
+        jo_quaternion(w->B[1], x->B_b);
+        for (int j = 0; j < 9; j++) w->turned |= x->B_a[j] != unit[j] || x->B_b[j] != unit[j];
+        for (int j = 0; j < 3; j++) w->offset |= x->u_a[j] != 0.0 || x->u_b[j] != 0.0;
+        w->damped = x->beta != 0.0;
+        w->helical = x->helical != 0.0;
+        w->fibrous = x->polar != 0.0;
     }
 }
 
@@ -296,7 +298,7 @@ void jo_beam_accept(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nbeam; i++) {
         jo_beam_work *w = &d->beam[i];
-        const double bent = 4.0 * atan(sqrt(JO_RE(w->square))), tension = JO_RE(w->s[0] * m->beam[i].data[JO_BEAM_LIMIT]);
+        const double bent = 4.0 * atan(sqrt(JO_RE(w->square))), tension = JO_RE(w->s[0] * m->beam[i].data->limit);
         jo_set3(w->last, w->tau);
         if (bent > d->bent[2 * i]) d->bent[2 * i] = bent;
         if (tension > d->bent[2 * i + 1]) d->bent[2 * i + 1] = tension;

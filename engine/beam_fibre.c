@@ -11,11 +11,11 @@
 /* the strain of the axis */
 void jo_beam_fibre(const jo_model *m, const jo_data *d, const int i)
 {
-    const jo_real *x = m->beam[i].data;
+    const jo_beam_data *x = m->beam[i].data;
     jo_beam_work *w = &d->beam[i];
-    const jo_real rest = x[JO_BEAM_E0 + 3], kappa = w->e[3] + rest;
-    w->lean = x[JO_BEAM_POLAR] * kappa;
-    w->e[0] += 0.5 * x[JO_BEAM_POLAR] * w->e[3] * (kappa + rest);
+    const jo_real rest = x->e0[3], kappa = w->e[3] + rest;
+    w->lean = x->polar * kappa;
+    w->e[0] += 0.5 * x->polar * w->e[3] * (kappa + rest);
 }
 
 void jo_beam_fibre_rate(const jo_data *d, const int i)
@@ -35,9 +35,10 @@ void jo_beam_fibre_force(const jo_data *d, const int i)
 void jo_beam_fibre_tangent(const jo_model *m, const jo_data *d, const int i, jo_real *C, jo_real *X)
 {
     const jo_beam_work *w = &d->beam[i];
-    const jo_real *x = m->beam[i].data, p = x[JO_BEAM_POLAR];
+    const jo_beam_data *x = m->beam[i].data;
+    const jo_real p = x->polar;
     for (int j = 0; j < 36; j++) {
-        C[j] = x[JO_BEAM_C + j];
+        C[j] = x->C[j];
         X[j] = 0.0;
     }
     for (int r = 0; r < 6; r++) C[6 * r + 3] += w->lean * C[6 * r];
@@ -45,6 +46,6 @@ void jo_beam_fibre_tangent(const jo_model *m, const jo_data *d, const int i, jo_
     X[21] = p * w->s[0];
     if (!w->damped) return;
     /* the rate of e_x changes with the lean */
-    const jo_real rate = x[JO_BEAM_BETA] * p * w->rate[3];
+    const jo_real rate = x->beta * p * w->rate[3];
     for (int r = 0; r < 6; r++) X[6 * r + 3] += rate * C[6 * r];
 }

@@ -38,8 +38,9 @@ static void factor(jo_real k[3], const jo_real x)
 /* turn of half the element, and k with its derivatives */
 static void half_turn(const jo_model *m, const jo_data *d, const int i, jo_real *psi, jo_real k[3])
 {
-    const jo_real *x = m->beam[i].data, *e = d->beam[i].e;
-    for (int j = 0; j < 3; j++) psi[j] = 0.5 * x[JO_BEAM_LENGTH] * (e[3 + j] + x[JO_BEAM_E0 + 3 + j]);
+    const jo_beam_data *x = m->beam[i].data;
+    const jo_real *e = d->beam[i].e;
+    for (int j = 0; j < 3; j++) psi[j] = 0.5 * x->length * (e[3 + j] + x->e0[3 + j]);
     factor(k, jo_dot3(psi, psi));
 }
 
@@ -93,7 +94,7 @@ void jo_beam_helix(const jo_model *m, const jo_data *d, const int i)
 void jo_beam_helix_rate(const jo_model *m, const jo_data *d, const int i)
 {
     jo_beam_work *w = &d->beam[i];
-    const jo_real h = 0.5 * m->beam[i].data[JO_BEAM_LENGTH];
+    const jo_real h = 0.5 * m->beam[i].data->length;
     jo_real psi[3], k[3], A[9], x[3];
     half_turn(m, d, i, psi, k);
     bending(A, w->d, psi, k);
@@ -107,7 +108,7 @@ void jo_beam_helix_rate(const jo_model *m, const jo_data *d, const int i)
 void jo_beam_helix_force(const jo_model *m, const jo_data *d, const int i)
 {
     jo_beam_work *w = &d->beam[i];
-    const jo_real h = 0.5 * m->beam[i].data[JO_BEAM_LENGTH];
+    const jo_real h = 0.5 * m->beam[i].data->length;
     jo_real psi[3], k[3], A[9], x[3];
     half_turn(m, d, i, psi, k);
     bending(A, w->d, psi, k);
@@ -120,7 +121,8 @@ void jo_beam_helix_force(const jo_model *m, const jo_data *d, const int i)
 void jo_beam_helix_tangent(const jo_model *m, const jo_data *d, const int i, const jo_real *C, jo_real *E, jo_real *X)
 {
     const jo_beam_work *w = &d->beam[i];
-    const jo_real *x = m->beam[i].data, h = 0.5 * x[0];
+    const jo_beam_data *x = m->beam[i].data;
+    const jo_real h = 0.5 * x->length;
     jo_real psi[3], k[3], A[9], J[36], CJ[36];
     half_turn(m, d, i, psi, k);
     bending(A, w->d, psi, k);
@@ -162,6 +164,6 @@ void jo_beam_helix_tangent(const jo_model *m, const jo_data *d, const int i, con
             for (int j = 0; j < 6; j++) row[c] += H[6 * c + j] * w->raw[j];
         }
         for (int r = 0; r < 6; r++)
-            for (int c = 0; c < 6; c++) X[6 * r + c] += x[JO_BEAM_BETA] * CJ[6 * a + r] * row[c];
+            for (int c = 0; c < 6; c++) X[6 * r + c] += x->beta * CJ[6 * a + r] * row[c];
     }
 }

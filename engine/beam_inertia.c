@@ -24,8 +24,8 @@ static void motion(const jo_model *m, const jo_data *d, const jo_beam *b, const 
     const jo_real *v = d->v + iv;
     jo_real t[3];
     y->A = d->body[body].A;
-    y->u = b->data + (k ? JO_BEAM_UB : JO_BEAM_UA);
-    y->B = b->data + (k ? JO_BEAM_BB : JO_BEAM_BA);
+    y->u = k ? b->data->u_b : b->data->u_a;
+    y->B = k ? b->data->B_b : b->data->B_a;
     y->w = v + 3;
     jo_cross(y->wu, y->w, y->u);
     jo_cross(y->acc, y->w, y->wu);
@@ -45,8 +45,8 @@ static void motion(const jo_model *m, const jo_data *d, const jo_beam *b, const 
 /* forces (world) and torques (frames of the ends) that the inertia needs, and those of the damping; its power */
 static jo_real momenta(const jo_beam *b, const end_motion *e, jo_real f[2][3], jo_real T[2][3], jo_real *p)
 {
-    const jo_real *J = b->data + JO_BEAM_J, alpha = b->data[JO_BEAM_ALPHA], share = b->data[JO_BEAM_SHARE] / 6.0;
-    const jo_real c = share * b->data[JO_BEAM_MASS];
+    const jo_real *J = b->data->J, alpha = b->data->alpha, share = b->data->share / 6.0;
+    const jo_real c = share * b->data->mass;
     jo_real x[3], pd[3], power = 0.0;
     for (int j = 0; j < 3; j++) x[j] = share * (e[1].W[j] - e[0].W[j]);
     jo_sym3(p, J, x);
@@ -72,7 +72,7 @@ void jo_beam_inertia(const jo_model *m, jo_data *d, int i, const jo_real *a)
     end_motion e[2];
     jo_real f[2][3], T[2][3], p[3], F[3], t[3];
     for (int k = 0; k < 2; k++) motion(m, d, b, k, a, &e[k]);
-    d->power[0] += momenta(b, e, f, T, p);
+    d->power.damping += momenta(b, e, f, T, p);
     for (int k = 0; k < 2; k++) {
         jo_real *fr = d->body[k ? b->b : b->a].fr;
         jo_mul3t(F, e[k].A, f[k]);
@@ -95,8 +95,8 @@ jo_real jo_beam_kinetic(const jo_model *m, const jo_data *d)
         jo_real v[3], W[3], JW[3];
         for (int k = 0; k < 2; k++) motion(m, d, b, k, 0, &e[k]);
         for (int j = 0; j < 3; j++) { v[j] = e[1].v[j] - e[0].v[j]; W[j] = e[1].W[j] - e[0].W[j]; }
-        jo_sym3(JW, b->data + JO_BEAM_J, W);
-        T -= b->data[JO_BEAM_SHARE] / 12.0 * (b->data[JO_BEAM_MASS] * jo_dot3(v, v) + jo_dot3(W, JW));
+        jo_sym3(JW, b->data->J, W);
+        T -= b->data->share / 12.0 * (b->data->mass * jo_dot3(v, v) + jo_dot3(W, JW));
     }
     return T;
 }
@@ -122,7 +122,7 @@ static void add_block(jo_block N, int row, int column, const jo_real *M)
 static void translation(jo_block N[2][2], const jo_beam *b, const jo_weights *c, const end_motion *e, jo_real f[2][3],
                         const jo_real *const *turn, int offset)
 {
-    const jo_real part = b->data[JO_BEAM_SHARE] * b->data[JO_BEAM_MASS] / 6.0, alpha = b->data[JO_BEAM_ALPHA];
+    const jo_real part = b->data->share * b->data->mass / 6.0, alpha = b->data->alpha;
     jo_real X[2][9] = {{0.0}}, Y[2][9] = {{0.0}}, At[2][9];
     if (offset)
         for (int k = 0; k < 2; k++) {   /* how the acceleration and the velocity of the end change as its body turns, local */
@@ -167,7 +167,7 @@ static void translation(jo_block N[2][2], const jo_beam *b, const jo_weights *c,
 /* their torques, which know velocities only */
 static void rotation(jo_block N[2][2], const jo_beam *b, const jo_weights *c, const end_motion *e, const jo_real *p)
 {
-    const jo_real *x = b->data + JO_BEAM_J, share = b->data[JO_BEAM_SHARE] / 6.0, alpha = b->data[JO_BEAM_ALPHA];
+    const jo_real *x = b->data->J, share = b->data->share / 6.0, alpha = b->data->alpha;
     const jo_real J[9] = {x[0], x[5], x[4], x[5], x[1], x[3], x[4], x[3], x[2]};
     for (int i = 0; i < 2; i++) {
         jo_real WJ[9];

@@ -274,7 +274,7 @@ static void elastic(const jo_model *m, jo_data *d, const int i)
     const jo_beam *b = &m->beam[i];
     const jo_beam_work *w = &d->beam[i];
     const jo_weights *c = &d->weights;
-    const jo_real L = b->data[JO_BEAM_LENGTH], beta = b->data[JO_BEAM_BETA], *C = b->data + JO_BEAM_C;
+    const jo_real L = b->data->length, beta = b->data->beta, *C = b->data->C;
     jo_real fibrous[36], effective[36], changing[36] = {0.0}, right[3][3 * BLOCK];
     jo_real B[6 * ROW], S[6 * ROW], K[9 * ROW], V[9 * ROW], X[9 * ROW], Y[9 * ROW];
     spins p;

@@ -156,7 +156,7 @@ int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_solver *s)
         if (status != JO_OK) return status;
         assemble(m, d);
         status = jo_newton_factor(m, d);
-        d->counts[2]--;   /* counted as an evaluation */
+        d->counts.factorisations--;   /* counted as an evaluation */
         if (status != JO_OK) return status;
         if (d->set) {   /* the first stage of ROS2 */
             for (int i = 0; i < m->nv; i++) {

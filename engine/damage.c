@@ -47,7 +47,7 @@ int jo_measure(const jo_model *m, jo_data *d)
     if (d->metered_demanding && !d->fresh) {
         const int status = jo_accelerations(m, d);
         if (status != JO_OK) return status;
-        jo_add_work(d);
+        jo_close_work(d);
     } else if (!d->current) {
         jo_real unused[2];
         jo_residuals(m, d, unused);

@@ -184,7 +184,7 @@ jo_real *jo_data_v(jo_data *d) { return d->v; }
 jo_real *jo_data_a(jo_data *d) { return d->a; }
 jo_real *jo_data_lam(jo_data *d) { return d->lam; }
 jo_real *jo_data_time(jo_data *d) { return d->time; }
-jo_real *jo_data_work(jo_data *d) { return d->work; }
+jo_work *jo_data_work(jo_data *d) { return &d->work; }
 jo_real *jo_data_input(jo_data *d) { return d->input; }
 jo_real *jo_data_turn(jo_data *d) { return d->turn; }
 int *jo_data_locked(jo_data *d) { return d->locked; }
@@ -195,7 +195,7 @@ jo_real *jo_data_rub(jo_data *d) { return d->rub; }
 double *jo_data_memory(jo_data *d) { return d->memory; }
 double *jo_data_bent(jo_data *d) { return d->bent; }
 int *jo_data_happened(jo_data *d) { return d->happened; }
-long long *jo_data_counts(jo_data *d) { return d->counts; }
+jo_counts *jo_data_counts(jo_data *d) { return &d->counts; }
 const double *jo_data_log(const jo_data *d) { return d->log; }
 int jo_data_logged(const jo_data *d) { return d->logged; }
 int jo_data_error_index(const jo_data *d) { return d->error_index; }

@@ -67,6 +67,9 @@ double jo_increments(const jo_model *m, jo_real *x, const jo_real *q0, const jo_
     return turn;
 }
 
+/* what follows the increments and the velocities of a stage or a change */
+static jo_work *work_of(const jo_model *m, jo_real *x) { return (jo_work *)(x + 2 * m->nv); }
+
 static void keep_stage(const jo_model *m, jo_data *d, int k, const jo_real *rate)
 {
     jo_real *x = d->stage + k * width(m);
@@ -74,15 +77,15 @@ static void keep_stage(const jo_model *m, jo_data *d, int k, const jo_real *rate
         x[i] = rate[i];
         x[m->nv + i] = d->a[i];
     }
-    for (int i = 0; i < 3; i++) x[2 * m->nv + i] = d->power[i];
+    *work_of(m, x) = d->power;
 }
 
 /* the accelerations and the power of a stage, kept, belong to the present state again, bodies and markers do not */
 void jo_recall_stage(const jo_model *m, jo_data *d, int last)
 {
-    const jo_real *x = d->stage + (last ? JO_STAGES - 1 : 0) * width(m);
+    jo_real *x = d->stage + (last ? JO_STAGES - 1 : 0) * width(m);
     for (int i = 0; i < m->nv; i++) d->a[i] = x[m->nv + i];
-    for (int i = 0; i < 3; i++) d->power[i] = x[2 * m->nv + i];
+    d->power = *work_of(m, x);
     d->fresh = d->current = 0;
     d->control.known = 1;
 }
@@ -100,7 +103,7 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
     c->known = 0;
     for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
     for (int i = 0; i < nv; i++) d->v0[i] = d->v[i];
-    for (int i = 0; i < 3; i++) c->work[i] = d->work[i];
+    c->work = d->work;
     c->from = JO_RE(t0);
     c->length = h;
     keep_stage(m, d, 0, d->v);
@@ -127,31 +130,40 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
         jo_increment_rate(m, d->rate, d->dq, d->v);
         keep_stage(m, d, k, d->rate);
     }
-    for (int i = 0; i < 3; i++) d->work[i] += h * blend(d, WEIGHT[JO_STAGES - 1], JO_STAGES - 1, nk, 2 * nv + i);
+    for (int i = 2 * nv; i < nk; i++) d->change[i] = blend(d, WEIGHT[JO_STAGES - 1], JO_STAGES - 1, nk, i);
+    jo_add_work(&d->work, h, work_of(m, d->change));
     for (int i = 0; i < nv; i++) {
         d->change[i] = d->dq[i];
         d->change[nv + i] = d->v[i] - d->v0[i];
     }
-    for (int i = 0; i < 3; i++) d->change[2 * nv + i] = d->work[i] - c->work[i];
+    *work_of(m, d->change) = d->work;
+    jo_add_work(work_of(m, d->change), -1.0, &c->work);
     d->time[0] = t0 + h;
     d->fresh = 1;
     return JO_OK;
+}
+
+/* what has changed at the part `u` of the last step */
+static jo_real changed(const jo_data *d, double u, int nk, int i)
+{
+    const double h = d->control.length;
+    const jo_real y = d->change[i], r3 = h * d->stage[i] - y, r4 = y - h * d->stage[(JO_STAGES - 1) * nk + i] - r3;
+    const jo_real r5 = h * blend(d, DENSE, JO_STAGES, nk, i);
+    return u * (y + (1.0 - u) * (r3 + u * (r4 + (1.0 - u) * r5)));
 }
 
 /* the state at the part `u` of the last step */
 void jo_interpolate(const jo_model *m, jo_data *d, double u)
 {
     const int nv = m->nv, nk = width(m);
-    const double h = d->control.length;
-    const jo_real *first = d->stage, *last = d->stage + (JO_STAGES - 1) * nk;
-    for (int i = 0; i < nk; i++) {
-        const jo_real y = d->change[i], r3 = h * first[i] - y, r4 = y - h * last[i] - r3;
-        const jo_real r5 = h * blend(d, DENSE, JO_STAGES, nk, i);
-        const jo_real x = u * (y + (1.0 - u) * (r3 + u * (r4 + (1.0 - u) * r5)));
-        if (i < nv) d->dq[i] = x;
-        else if (i < 2 * nv) d->v[i - nv] = d->v0[i - nv] + x;
-        else d->work[i - 2 * nv] = d->control.work[i - 2 * nv] + x;
+    const jo_work *start = &d->control.work;
+    for (int i = 0; i < nv; i++) {
+        d->dq[i] = changed(d, u, nk, i);
+        d->v[i] = d->v0[i] + changed(d, u, nk, nv + i);
     }
+    d->work.damping = start->damping + changed(d, u, nk, 2 * nv);
+    d->work.friction = start->friction + changed(d, u, nk, 2 * nv + 1);
+    d->work.forces = start->forces + changed(d, u, nk, 2 * nv + 2);
     jo_displace(m, d->q, d->q0, d->dq);
 }
 

@@ -23,15 +23,16 @@ static int couples(const jo_model *m, int set)
 /* a and lam at time, q, v; the modal mass is that of the set */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
 {
+    static const jo_work none = {0.0, 0.0, 0.0};
     d->set = set;
-    d->power[0] = d->power[1] = d->power[2] = 0.0;
-    d->counts[0]++;
+    d->power = none;
+    d->counts.evaluations++;
     if (!d->current) {
         jo_refresh(m, d);
         jo_marker_velocity(m, d, m->nactive);
     }
     d->current = 0;
-    for (int i = 0; i < m->nbody; i++) jo_body_inertia(&m->body[i], &d->body[i], &d->power[0]);
+    for (int i = 0; i < m->nbody; i++) jo_body_inertia(&m->body[i], &d->body[i], &d->power.damping);
     if (m->ncoordinate) jo_coordinates_rate(m, d, m->ncoordinate);
     if (m->nforce) {
         const int applied = jo_apply_forces(m, d);
@@ -72,7 +73,7 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
         if (status != JO_OK) return status;
     }
     d->drive = m->nline ? jo_joint_power(m, d) : 0.0;
-    d->power[2] += d->drive;
+    d->power.forces += d->drive;
     for (int i = 0; i < m->njoint; i++)
         for (int r = 0; r < m->joint[i].nrow; r++) d->lam[m->joint[i].row + r] = d->joint[i].x[r];
     if (d->coupled) return JO_OK;

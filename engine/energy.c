@@ -17,7 +17,7 @@ static jo_real kinetic(const jo_body *b, const jo_body_work *w)
     return 0.5 * (x + 2.0 * jo_dot3(w->V, t) + jo_dot3(w->w, Jw));
 }
 
-void jo_energy(const jo_model *m, jo_data *d, jo_real *out)
+void jo_energy(const jo_model *m, jo_data *d, jo_energies *out)
 {
     jo_real T = 0.0, U = 0.0, P = 0.0, unused = 0.0;
     for (int i = 0; i < m->nbody; i++) {
@@ -37,22 +37,22 @@ void jo_energy(const jo_model *m, jo_data *d, jo_real *out)
         T += jo_beam_kinetic(m, d);
         U += jo_beam_stored(m, d);
     }
-    out[0] = T;
-    out[1] = U;
-    out[2] = P;
-    out[3] = 0.0;
+    out->kinetic = T;
+    out->strain = U;
+    out->potential = P;
+    out->springs = 0.0;
     if (m->nforce) {
         jo_marker_position(m, d, m->nactive);
         if (m->ncoordinate) jo_coordinates(m, d, m->ncoordinate);
-        out[3] = jo_stored(m, d);
+        out->springs = jo_stored(m, d);
     }
 }
 
 /* the last step's work by the trapezoidal rule between states, now that the power at its end is known; the
  * stages in between say little about modes that the step does not resolve */
-void jo_add_work(jo_data *d)
+void jo_close_work(jo_data *d)
 {
-    d->work[0] += 0.5 * d->waiting * (d->power0[0] + d->power[0]);
-    d->work[2] += 0.5 * d->waiting * (d->power0[2] + d->power[2] - d->drive);   /* drives and friction: stage by stage */
+    d->work.damping += 0.5 * d->waiting * (d->power0.damping + d->power.damping);
+    d->work.forces += 0.5 * d->waiting * (d->power0.forces + d->power.forces - d->drive);   /* drives and friction: stage by stage */
     d->waiting = 0.0;
 }

@@ -30,11 +30,9 @@ static void keep(jo_data *d)
     jo_kept *k = &d->kept;
     memcpy(k->state, d->state, d->state_bytes);
     k->time = d->time[0];
-    for (int i = 0; i < 3; i++) {
-        k->work[i] = d->work[i];
-        k->power[i] = d->power[i];
-        k->power0[i] = d->power0[i];
-    }
+    k->work = d->work;
+    k->power = d->power;
+    k->power0 = d->power0;
     k->drive = d->drive;
     k->waiting = d->waiting;
     k->fresh = d->fresh;
@@ -46,11 +44,9 @@ static void bring_back(jo_data *d)
     const jo_kept *k = &d->kept;
     memcpy(d->state, k->state, d->state_bytes);
     d->time[0] = k->time;
-    for (int i = 0; i < 3; i++) {
-        d->work[i] = k->work[i];
-        d->power[i] = k->power[i];
-        d->power0[i] = k->power0[i];
-    }
+    d->work = k->work;
+    d->power = k->power;
+    d->power0 = k->power0;
     d->drive = k->drive;
     d->waiting = k->waiting;
     d->fresh = k->fresh;
@@ -86,7 +82,7 @@ static int values(const jo_model *m, jo_data *d, double *g)
     if (d->demanding && !d->fresh) {
         const int status = jo_accelerations(m, d);
         if (status != JO_OK) return status;
-        jo_add_work(d);
+        jo_close_work(d);
     } else if (!d->current) {
         jo_real unused[2];
         jo_residuals(m, d, unused);   /* bodies and markers stand at q and v */
@@ -265,7 +261,7 @@ static int all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
     /* the power until here, before forces jump */
     int status = d->fresh ? JO_OK : jo_accelerations(m, d);
     if (status != JO_OK) return status;
-    jo_add_work(d);
+    jo_close_work(d);
     status = events_happen(m, d, stop, chain);
     if (status == JO_OK && m->nlock) {
         const int before = d->logged;
@@ -349,9 +345,9 @@ int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, 
         return JO_OK;
     }
     for (int i = 0; i < jo_watched(m); i++) d->scale[i] = fabs(d->above[i] - d->level[i]);
-    const long long steps = d->counts[5];
+    const long long steps = d->counts.steps;
     status = locate(m, d, s, length);
-    d->counts[5] = steps;
+    d->counts.steps = steps;
     return status;
 }
 

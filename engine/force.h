@@ -5,7 +5,7 @@
 #include "element.h"
 
 typedef struct {
-    /* pushes on the bodies, fills y and adds to the power that is lost (d->power[0]) or done by forces (d->power[2]) */
+    /* pushes on the bodies, fills y and adds to the power that is lost (d->power.damping) or done by forces (d->power.forces) */
     int (*apply)(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work *y);
     jo_real (*stored)(const jo_data *d, const jo_force *f);   /* energy, J; 0: none */
     /* adds how the force that stands in y changes to Newton's matrix, and y to the loads of its markers */

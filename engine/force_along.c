@@ -38,10 +38,10 @@ static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work
     const jo_real later = along_at(m, d, f, d->time[0] + d->lead);
     if (f->active) {
         const jo_real now = d->lead != 0.0 ? along_at(m, d, f, d->time[0]) : later;
-        d->power[2] += now * w->rate;
+        d->power.forces += now * w->rate;
     } else {
-        d->power[0] += w->rate * (damping * w->rate - optional(m, d, f->damper, w->rate).value);
-        d->power[2] += w->rate * optional(m, d, f->spring, w->value).value;
+        d->power.damping += w->rate * (damping * w->rate - optional(m, d, f->damper, w->rate).value);
+        d->power.forces += w->rate * optional(m, d, f->spring, w->value).value;
     }
     y->y[0] = later;
     y->stored = stored(d, f);

@@ -67,7 +67,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work
     for (int i = 0; i < 6; i++) {
         jo_real damping = 0.0;
         for (int j = 0; j < 6; j++) damping += c->D[6 * i + j] * rate[j];
-        d->power[0] += damping * rate[i];
+        d->power.damping += damping * rate[i];
         g[i] = c->preload[i] - g[i] - damping;
     }
     jo_set3(y, g);

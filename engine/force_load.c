@@ -17,10 +17,10 @@ static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work
         jo_mul3(T, w->A, T);
     }
     jo_to_world(v, m, d, f->b, w->v);
-    d->power[2] += now * jo_dot3(F, v);
+    d->power.forces += now * jo_dot3(F, v);
     if (m->marker[f->b].turns) {
         jo_to_world(om, m, d, f->b, w->om);
-        d->power[2] += now * jo_dot3(T, om);
+        d->power.forces += now * jo_dot3(T, om);
     }
     for (int j = 0; j < 3; j++) {
         y->y[j] = F[j] *= factor;

@@ -21,7 +21,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work
     jo_mul3(out->y, w->A, x->force);
     jo_mul3(out->y + 3, w->A, x->torque);
     for (int j = 0; j < 6; j++) out->y[j] *= factor;
-    d->power[2] += now * power;
+    d->power.forces += now * power;
     return JO_OK;
 }
 

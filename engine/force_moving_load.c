@@ -55,7 +55,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work
         } else {
             jo_cross(t, w->w, u);
             jo_add3(v, t);
-            d->power[2] += jo_dot3(F, v);
+            d->power.forces += jo_dot3(F, v);
         }
     }
     return JO_OK;

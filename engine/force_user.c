@@ -23,7 +23,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work
     if (status != JO_OK) return status;
     for (int i = 0; i < 6; i++) now[i] = y[i];
     if (d->lead != 0.0) status = ask(f, d->time[0], x, now);
-    d->power[2] += jo_dot3(now, x + 12) + jo_dot3(now + 3, x + 15);
+    d->power.forces += jo_dot3(now, x + 12) + jo_dot3(now + 3, x + 15);
     jo_push_between(m, d, f, y, out);
     return status;
 }

@@ -302,7 +302,7 @@ int jo_friction_solve(const jo_model *m, jo_data *d, const jo_solver *s)
         for (int k = 0; k < slider->count; k++) {
             const int c = slider->first + k;
             f[2 * slider->friction + k] = w->f[c];
-            d->power[1] -= w->f[c] * d->coordinate[w->coordinate[c]].rate;
+            d->power.friction -= w->f[c] * d->coordinate[w->coordinate[c]].rate;
         }
     }
     for (int i = 0; i < m->nfriction; i++)

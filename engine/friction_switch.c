@@ -33,13 +33,13 @@ static void hold(const jo_model *m, jo_data *d, int i)
 /* the velocities obey the rows that hold now; what they lose is lost to friction */
 static int stop(const jo_model *m, jo_data *d)
 {
-    jo_real before[4], after[4];
+    jo_energies before, after;
     int status = jo_accelerations(m, d);
     if (status != JO_OK) return status;
-    jo_energy(m, d, before);
+    jo_energy(m, d, &before);
     jo_project(m, d);
-    jo_energy(m, d, after);
-    d->work[1] += before[0] - after[0];
+    jo_energy(m, d, &after);
+    d->work.friction += before.kinetic - after.kinetic;
     return jo_accelerations(m, d);
 }
 

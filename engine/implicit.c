@@ -65,7 +65,7 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
     d->current = 0;
     int status = jo_evaluate(m, d, 0, 0);
     if (status != JO_OK) return status;
-    for (int i = 0; i < 3; i++) d->power0[i] = d->power[i];
+    d->power0 = d->power;
     for (int i = 0; i < m->nrow; i++) d->end_lam[i] = d->lam[i];
     for (int i = 0; i < m->nv; i++) {
         d->algorithmic[i] = d->end_a[i] = d->a[i];
@@ -136,7 +136,7 @@ static int factors(const jo_model *m, jo_data *d)
     if (status != JO_OK) return status;
     status = jo_newton_factor(m, d);
     if (status == JO_SINGULAR_JOINT && m->redundant == 0) {   /* a singular position is passed */
-        d->counts[4]++;
+        d->counts.singular++;
         d->regular = 1;
         status = jo_newton_assemble(m, d);
         if (status == JO_OK) status = jo_newton_factor(m, d);
@@ -182,14 +182,14 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s)
         move(m, d, s);
         int status = jo_residual(m, d, d->acc);
         if (status != JO_OK) return status;
-        d->counts[0]++;
+        d->counts.evaluations++;
         const int renewed = !JO_KEEP || !s->modified || !d->factored;
         if (renewed) status = factors(m, d);
         if (status == JO_NOT_FINITE) return JO_NO_CONVERGENCE;
         if (status != JO_OK) return status;
         right_hand_side(m, d, k == 0);
         jo_newton_solve(m, d);
-        d->counts[1]++;
+        d->counts.iterations++;
         double size = 0.0, most = -1.0;
         for (int i = 0; i < m->nbody; i++) {
             const jo_real *x = solution_of(m, d, i);
@@ -263,23 +263,22 @@ static void close_joints(const jo_model *m, jo_data *d)
 }
 
 /* the work of the step by the trapezoidal rule, with the forces and multipliers at its end */
-static int add_work(const jo_model *m, jo_data *d, double h)
+static int finish_work(const jo_model *m, jo_data *d, double h)
 {
     const int status = jo_residual(m, d, d->acc);
     if (status != JO_OK) return status;
-    d->counts[0]++;
+    d->counts.evaluations++;
     for (int i = 0; i < m->njoint; i++)
         for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->lam[m->joint[i].row + r];
-    d->power[2] += m->nline ? jo_joint_power(m, d) : 0.0;
+    d->power.forces += m->nline ? jo_joint_power(m, d) : 0.0;
     for (int i = 0; i < m->nfriction; i++) {
         const int coordinate[2] = {m->friction[i].coordinate, m->friction[i].other};
         for (int k = 0; k < 2; k++)
-            if (coordinate[k] >= 0) d->power[1] -= d->rub[2 * i + k] * d->coordinate[coordinate[k]].rate;
+            if (coordinate[k] >= 0) d->power.friction -= d->rub[2 * i + k] * d->coordinate[coordinate[k]].rate;
     }
-    for (int i = 0; i < 3; i++) {
-        d->work[i] += 0.5 * h * (d->power0[i] + d->power[i]);
-        d->power0[i] = d->power[i];
-    }
+    jo_add_work(&d->power0, 1.0, &d->power);
+    jo_add_work(&d->work, 0.5 * h, &d->power0);
+    d->power0 = d->power;
     return JO_OK;
 }
 
@@ -313,12 +312,12 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
     for (int i = 0; i < m->nv; i++) d->v0[i] = d->v[i];
     d->time[0] = t0 + h;
     predict(m, d, s);
-    const long long passed = d->counts[4];
+    const long long passed = d->counts.singular;
     int status = newton(m, d, s);
     if (status != JO_OK && s->modified) {   /* kept factors were too old: once more with those of every iteration */
         jo_solver exact = *s;
         exact.modified = d->factored = 0;
-        d->counts[4] = passed;   /* singular positions of a path that is not taken */
+        d->counts.singular = passed;   /* singular positions of a path that is not taken */
         predict(m, d, s);
         status = newton(m, d, &exact);
     }
@@ -329,7 +328,7 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
             d->end_a[i] = d->a[i];
         }
         for (int i = 0; i < m->nrow; i++) d->end_lam[i] = d->lam[i];
-        status = add_work(m, d, h);
+        status = finish_work(m, d, h);
     }
     if (status != JO_OK) {   /* back to the last good state */
         for (int i = 0; i < m->nq; i++) d->q[i] = d->q0[i];

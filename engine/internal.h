@@ -137,7 +137,8 @@ typedef struct {
 
 /* What the start of a step was, to repeat it. */
 typedef struct {
-    jo_real time, drive, work[3], power[3], power0[3];
+    jo_real time, drive;
+    jo_work work, power, power0;
     double waiting;
     int fresh, restart;
     char *state;            /* copy of the arrays */
@@ -165,7 +166,7 @@ typedef struct {
     double from, length;    /* the last step began at `from`; the state stands at from + length */
     double next;            /* length that the next step should have */
     double error;           /* of the last accepted step, 1 is what the tolerance allows */
-    jo_real work[3];        /* at the start of the last step */
+    jo_work work;           /* at the start of the last step */
     long long tries;        /* since the last row */
     int shortened;          /* the last try was rejected */
     int known;              /* a and power belong to the present state though it is not fresh */
@@ -179,8 +180,8 @@ typedef struct {
 
 struct jo_data {
     jo_real time[1];
-    jo_real work[3], power[3];      /* lost to damping, to friction, done by forces: energy so far, rate at the last evaluation */
-    jo_real power0[3];      /* rate at the start of the last step, whose half is not yet in work */
+    jo_work work, power;    /* so far, and the rates at the last evaluation */
+    jo_work power0;         /* rates at the start of the last step, whose half is not yet in work */
     double waiting;         /* length of that step, or 0 */
     double lead;            /* forces act as they will be so much later: the time derivative in ROS2 */
     jo_real *q, *v, *a, *lam;
@@ -226,7 +227,7 @@ struct jo_data {
     int logged;
     double left;            /* time at the end of the last call */
     struct { jo_real start; double step; long long count; int valid; } grid;   /* of the instants of jo_run, and its last call */
-    long long counts[6];    /* evaluations, Newton iterations, factorisations, rejected steps, singular positions, steps */
+    jo_counts counts;
     int regular;            /* S is regularised */
     jo_pair_plan *pairs;
     jo_column_plan *columns;
@@ -235,7 +236,7 @@ struct jo_data {
     jo_real **fills;        /* (nfill) blocks that are zero before elimination */
     int nfill;
     jo_real *S, *S0;        /* (nblock x JO_BLOCK); S0 before it is factored, with redundant rows */
-    jo_real drive;          /* part of power[2] that drives do */
+    jo_real drive;          /* part of power.forces that drives do */
     jo_real *gram[2];       /* (npair x 36) */
     double gh;              /* g h of set 1 */
     int set;                /* set in use */
@@ -258,6 +259,14 @@ struct jo_data {
     int error_index;
     void *arena;
 };
+
+/* y += s x */
+static inline void jo_add_work(jo_work *y, double s, const jo_work *x)
+{
+    y->damping += s * x->damping;
+    y->friction += s * x->friction;
+    y->forces += s * x->forces;
+}
 
 /* world vector of a local one; ground is its own world */
 static inline void jo_to_world(jo_real *y, const jo_model *m, const jo_data *d, int marker, const jo_real *x)
@@ -448,7 +457,7 @@ void jo_use_step(const jo_model *m, jo_data *d, double gh);
 void jo_project(const jo_model *m, jo_data *d);
 
 /* energy.c */
-void jo_add_work(jo_data *d);
+void jo_close_work(jo_data *d);
 
 /* state.c */
 void jo_refresh(const jo_model *m, jo_data *d);

@@ -60,7 +60,6 @@ typedef enum { JO_METER_POINTS = 0, JO_METER_SAMPLES = 1, JO_METER_DROPPED = 2, 
                JO_METER_SHED_DAMAGE = 9, JO_METER_TIME = 10, JO_METER_SMALLEST = 11, JO_METER_LARGEST = 12,
                JO_METER = 13 } jo_meter_place;
 enum { JO_MAX_SIDES = 4 };     /* markers of one joint: two, or those of two coupled coordinates */
-enum { JO_BALANCE = 14 };      /* entries of a row of results between the multipliers and the sensors */
 
 typedef enum { JO_OK = 0, JO_NOT_FINITE = 1, JO_SINGULAR_BODY = 2, JO_SINGULAR_JOINT = 3, JO_NO_MEMORY = 4,
                JO_CALLBACK_FAILED = 5,    /* error_index: force */
@@ -86,9 +85,27 @@ typedef enum { JO_SENSOR_POSITION = 1, JO_SENSOR_VELOCITY = 2, JO_SENSOR_ORIENTA
                JO_SENSOR_MULTIPLIER = 12, JO_SENSOR_ELEMENT = 13, JO_SENSOR_ENERGY = 14, JO_SENSOR_SIGNAL = 15,
                JO_SENSOR_VON_MISES = 16, JO_SENSOR_PRINCIPAL = 17, JO_SENSOR_FRICTION = 18, JO_SENSOR_DAMAGE = 19,
                JO_SENSOR_BRIDGE = 21, JO_SENSOR_SECTION = 22 } jo_sensor_type;
+typedef enum { JO_ENERGY_KINETIC = 0, JO_ENERGY_STRAIN = 1, JO_ENERGY_POTENTIAL = 2, JO_ENERGY_SPRINGS = 3,
+               JO_ENERGY_DISSIPATED = 4, JO_ENERGY_FRICTION = 5, JO_ENERGY_WORK = 6 } jo_energy_kind;
 typedef enum { JO_RESIDUE_HALF = 0, JO_RESIDUE_REPEAT = 1, JO_RESIDUE_IGNORE = 2 } jo_residue;
 typedef enum { JO_MEAN_NONE = 0, JO_MEAN_LINE = 1, JO_MEAN_GERBER = 2, JO_MEAN_WALKER = 3, JO_MEAN_FKM = 4,
                JO_MEAN_WELD = 5, JO_MEAN_COMPRESSION = 6 } jo_mean;
+
+/* Energy that a mechanism has, J: that of modes and beams is `strain`. */
+typedef struct { jo_real kinetic, strain, potential, springs; } jo_energies;
+
+/* Energy lost to damping and to friction and work done by forces and drives, J, or their rates, W. */
+typedef struct { jo_real damping, friction, forces; } jo_work;
+
+/* What a row of results says of the instant, between the multipliers and the sensors: energy, J; largest |C| and |Cq v|;
+ * since the start evaluations, Newton iterations, steps and those tried again; length of the last step, s. */
+typedef struct {
+    jo_real kinetic, strain, potential, springs, dissipated, friction, work, position_residual, velocity_residual;
+    jo_real evaluations, iterations, steps, rejected, step;
+} jo_diagnostics;
+
+/* How often something was done; singular: evaluations in a singular position. */
+typedef struct { long long evaluations, iterations, factorisations, rejected, singular, steps; } jo_counts;
 
 /* A rigid (n = 0) or modal body: displacement field u = u0 + Phi p in a floating frame. */
 typedef struct {
@@ -136,7 +153,7 @@ typedef struct {
 } jo_beam_data;
 typedef struct {
     int a, b;               /* bodies */
-    const jo_real *data;    /* of a jo_beam_data */
+    const jo_beam_data *data;
 } jo_beam;
 
 /* A scalar function of two frames a, b. */
@@ -193,8 +210,9 @@ typedef struct { int node, width, lower, upper; } jo_branch;
 typedef struct { int target, stride, left, right; } jo_fill;   /* target -= lower of branch left, upper of branch right */
 typedef struct { int node, local; } jo_place;   /* of a body or joint among the nodes */
 
-/* Data of signals: CONSTANT and INPUT: value; HARMONIC, STEP, SPEED as here; TABLE: t.., f..;
+/* Data of signals: CONSTANT and INPUT, HARMONIC, STEP, SPEED as here; TABLE: t.., f..;
  * PIECES: t.., then (count - 1) x (degree + 1) coefficients of (t - t_k)^0, ^1, ..; held outside */
+typedef struct { jo_real value; } jo_constant_data;
 typedef struct { jo_real offset, amplitude, omega, phase; } jo_harmonic_data;
 typedef struct { jo_real time, before, after; } jo_step_data;
 typedef struct { jo_real offset, speed; } jo_speed_data;
@@ -246,7 +264,7 @@ typedef struct {
 
 typedef struct {
     int type;               /* jo_sensor_type */
-    int object;             /* marker, body, joint, coordinate, force, signal, beam, or kind of energy;
+    int object;             /* marker, body, joint, coordinate, force, signal, beam, or jo_energy_kind;
                              * SECTION: strains (6) and resultants (6) in the middle of the beam element, in its axes */
     int other, frame;       /* markers: of the observer, of the axes; -1: the world. ELEMENT, SECTION: other is the first component;
                              * STRESS, BRIDGE: other is a signal of apparent strain, of change of temperature; -1: none */
@@ -259,9 +277,9 @@ typedef struct {
  *
  * Damage of a cycle of amplitude s = |range| / 2: (s / amplitude)^slope / cycles, below the knee with the slope `below`
  * (infinite: none), none at all below `cut`. Before that s is corrected for the mean stress M of the cycle:
- * LINE: s / (1 - M / data[0]), M < 0 counts if data[1] (Goodman, Soderberg, Morrow); GERBER: s / (1 - (M / data[0])^2), M > 0
- * WALKER: (M + s)^(1 - data[0]) s^data[0] (1/2: Smith, Watson, Topper); FKM: sensitivity data[0]
- * WELD: s / f(R) of the IIW, data[0] 0, 1, 2: high, medium, low residual stress; COMPRESSION counts by the part data[0]
+ * LINE: s / (1 - M / strength), M < 0 counts if `credit` (Goodman, Soderberg, Morrow); GERBER: s / (1 - (M / strength)^2), M > 0
+ * WALKER: (M + s)^(1 - exponent) s^exponent (1/2: Smith, Watson, Topper); FKM: `sensitivity`
+ * WELD: s / f(R) of the IIW, `relief` 0, 1, 2: high, medium, low residual stress; COMPRESSION counts by its `share`
  *
  * Memory (JO_METER + depth doubles): points on the stack, samples, samples dropped (not finite), damage of closed cycles
  * and what its sum lost to rounding, closed cycles, of these closed by force, their largest range, half cycles taken from
@@ -275,7 +293,7 @@ typedef struct {
     double factor;          /* in a model: samples are values times it */
     double width;           /* samples are rounded to multiples of it; 0: not */
     double amplitude, cycles, slope, below, cut;   /* of the S-N curve; amplitudes in the unit of the samples */
-    double data[2];         /* of the mean stress correction */
+    double strength, credit, exponent, sensitivity, relief, share;   /* of the mean stress correction, those that it has */
 } jo_meter;
 
 typedef struct {
@@ -341,7 +359,7 @@ jo_real *jo_data_v(jo_data *d);                  /* (nv) */
 jo_real *jo_data_a(jo_data *d);                  /* (nv) */
 jo_real *jo_data_lam(jo_data *d);                /* (nrow) */
 jo_real *jo_data_time(jo_data *d);               /* (1) s */
-jo_real *jo_data_work(jo_data *d);               /* (3) J: dissipated by damping, by friction, done by forces and drives */
+jo_work *jo_data_work(jo_data *d);
 jo_real *jo_data_input(jo_data *d);              /* (ninput) external inputs */
 jo_real *jo_data_turn(jo_data *d);               /* (nturn) last accepted value of every unwrapped angle, rad */
 int *jo_data_locked(jo_data *d);                 /* (nlock) optional joints that hold now */
@@ -356,15 +374,14 @@ int *jo_data_happened(jo_data *d);               /* (nevent) how often each even
 const double *jo_data_log(const jo_data *d);     /* (logged x 3) of the last jo_run or jo_step: time, event and +1 rising
                                                   * or -1 falling, or nevent + friction and its slip from then on */
 int jo_data_logged(const jo_data *d);
-long long *jo_data_counts(jo_data *d);           /* (6) evaluations, Newton iterations, factorisations,
-                                                  * rejected steps, evaluations in a singular position, steps */
+jo_counts *jo_data_counts(jo_data *d);
 int jo_data_error_index(const jo_data *d);       /* body or joint of the last error */
 
 int jo_accelerations(const jo_model *m, jo_data *d);          /* a, lam from time, q, v */
 int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance);
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s);
 void jo_restart(jo_data *d);      /* the state was replaced: what methods and events remember of the last step is forgotten */
-void jo_energy(const jo_model *m, jo_data *d, jo_real *out);      /* (4) kinetic strain potential springs */
+void jo_energy(const jo_model *m, jo_data *d, jo_energies *out);
 void jo_residuals(const jo_model *m, jo_data *d, jo_real *out);   /* (2) largest |C|, |Cq v| */
 void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot);   /* (nrow) each */
 void jo_mass_matrix(const jo_model *m, jo_data *d, int body, jo_real *M);        /* (6+n)^2, local */
@@ -376,8 +393,7 @@ int jo_newton_values(const jo_model *m, jo_data *d, double ca, double cv, double
 void jo_sensors(const jo_model *m, jo_data *d, jo_real *out);     /* (nout), after jo_accelerations */
 
 /* Advance nsteps; whenever the step count is a multiple of `every` write one row
- * [time q v lam kinetic strain potential springs dissipated friction work |C| |Cq v| evaluations iterations
- *  steps rejected length-of-the-last-step sensors turn locked slip held direction happened input memory].
+ * [time q v lam jo_diagnostics sensors turn locked slip held direction happened input memory].
  * `count` holds the steps done before and is advanced, `written` the rows. At an event that stops the run a row more is
  * written there. Does fewer steps when the log of events is full. Returns a jo_status. */
 int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,

@@ -30,32 +30,33 @@ static double fkm(double M, double s, double mean)
 }
 
 /* bonus of the stress ratio of welds, IIW-2259-15, 3.5.2 */
-static double weld(double residual, double s, double mean)
+static double weld(double relief, double s, double mean)
 {
-    if (residual == 0.0) return s;
-    const double offset = residual == 2.0 ? 1.2 : 0.9, most = residual == 2.0 ? 1.6 : 1.3, peak = mean + s;
+    if (relief == 0.0) return s;
+    const double offset = relief == 2.0 ? 1.2 : 0.9, most = relief == 2.0 ? 1.6 : 1.3, peak = mean + s;
     const double R = peak > 0.0 ? (mean - s) / peak : -INFINITY, f = R < -1.0 ? most : offset - 0.4 * R;
     return s / (f < 1.0 ? 1.0 : f > most ? most : f);
 }
 
 double jo_cycle_amplitude(const jo_meter *r, double from, double to)
 {
-    const double s = 0.5 * fabs(from - to), mean = 0.5 * (from + to), x = r->data[0];
+    const double s = 0.5 * fabs(from - to), mean = 0.5 * (from + to);
     const double high = mean + s, low = mean - s;
     double rest;
     switch (r->mean) {
     case JO_MEAN_LINE:
-        rest = 1.0 - (r->data[1] != 0.0 ? mean : positive(mean)) / x;
+        rest = 1.0 - (r->credit != 0.0 ? mean : positive(mean)) / r->strength;
         return rest > 0.0 ? s / rest : INFINITY;
     case JO_MEAN_GERBER:
-        rest = 1.0 - positive(mean) / x * (positive(mean) / x);
+        rest = 1.0 - positive(mean) / r->strength * (positive(mean) / r->strength);
         return rest > 0.0 ? s / rest : INFINITY;
     case JO_MEAN_WALKER:
-        return x == 0.5 ? sqrt(positive(high) * s) : pow(positive(high), 1.0 - x) * pow(s, x);
-    case JO_MEAN_FKM: return fkm(x, s, mean);
-    case JO_MEAN_WELD: return weld(x, s, mean);
+        if (r->exponent == 0.5) return sqrt(positive(high) * s);
+        return pow(positive(high), 1.0 - r->exponent) * pow(s, r->exponent);
+    case JO_MEAN_FKM: return fkm(r->sensitivity, s, mean);
+    case JO_MEAN_WELD: return weld(r->relief, s, mean);
     case JO_MEAN_COMPRESSION:
-        return 0.5 * (positive(high) - positive(low) + x * (positive(-low) - positive(-high)));
+        return 0.5 * (positive(high) - positive(low) + r->share * (positive(-low) - positive(-high)));
     default: return s;
     }
 }

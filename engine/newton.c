@@ -285,7 +285,7 @@ static int node_joint(const jo_model *m, int node)
 /* the factors of d->N in place, d->regular says whether rows repeat one another */
 int jo_newton_factor(const jo_model *m, jo_data *d)
 {
-    d->counts[2]++;
+    d->counts.factorisations++;
     if (d->regular) regularise(m, d);
     for (int c = 0; c < m->nnode; c++) {
         const jo_node *node = &m->node[c];

@@ -1,31 +1,48 @@
 /* row.c - one row of results: the state, its energies and residuals, counts, sensors and what methods remember. */
 #include "internal.h"
 
+enum { JO_DIAGNOSTICS = sizeof(jo_diagnostics) / sizeof(jo_real) };
+
 int jo_row_size(const jo_model *m)
 {
-    return 1 + m->nq + m->nv + m->nrow + JO_BALANCE + m->nout + m->nturn + 3 * m->nlock + 3 * m->nfriction
+    return 1 + m->nq + m->nv + m->nrow + JO_DIAGNOSTICS + m->nout + m->nturn + 3 * m->nlock + 3 * m->nfriction
            + m->nevent + m->ninput + m->nmemory;
+}
+
+static void diagnose(const jo_model *m, jo_data *d, jo_diagnostics *y)
+{
+    jo_energies energy;
+    jo_real largest[2];
+    jo_energy(m, d, &energy);
+    y->kinetic = energy.kinetic;
+    y->strain = energy.strain;
+    y->potential = energy.potential;
+    y->springs = energy.springs;
+    y->dissipated = d->work.damping;
+    y->friction = d->work.friction;
+    y->work = d->work.forces;
+    jo_residuals(m, d, largest);
+    y->position_residual = largest[0];
+    y->velocity_residual = largest[1];
+    y->evaluations = (double)d->counts.evaluations;
+    y->iterations = (double)d->counts.iterations;
+    y->steps = (double)d->counts.steps;
+    y->rejected = (double)d->counts.rejected;
+    y->step = d->control.length;
 }
 
 int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
 {
     int status = d->fresh ? JO_OK : jo_accelerations(m, d);
     if (status != JO_OK) return status;
-    jo_add_work(d);
+    jo_close_work(d);
     *row++ = d->time[0];
     for (int i = 0; i < m->nq; i++) *row++ = d->q[i];
     for (int i = 0; i < m->nv; i++) *row++ = d->v[i];
     for (int i = 0; i < m->nrow; i++) *row++ = d->lam[i];
-    jo_energy(m, d, row);
-    for (int i = 0; i < 3; i++) row[4 + i] = d->work[i];
-    jo_residuals(m, d, row + 7);
-    row[9] = (double)d->counts[0];
-    row[10] = (double)d->counts[1];
-    row[11] = (double)d->counts[5];
-    row[12] = (double)d->counts[3];
-    row[13] = d->control.length;
-    jo_sensors(m, d, row + JO_BALANCE);
-    row += JO_BALANCE + m->nout;
+    diagnose(m, d, (jo_diagnostics *)row);
+    jo_sensors(m, d, row + JO_DIAGNOSTICS);
+    row += JO_DIAGNOSTICS + m->nout;
     for (int i = 0; i < m->nturn; i++) *row++ = d->turn[i];
     for (int i = 0; i < m->nlock; i++) *row++ = d->locked[i];
     for (int i = 0; i < m->nfriction; i++) *row++ = d->slip[i];

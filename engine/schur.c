@@ -346,7 +346,7 @@ int jo_joint_factor(const jo_model *m, jo_data *d)
     d->regular = m->redundant > 0;
     int status = factor(m, d);
     if (status == JO_SINGULAR_JOINT && m->redundant == 0) {
-        d->counts[4]++;
+        d->counts.singular++;
         d->regular = 1;
         status = factor(m, d);
     }

@@ -154,16 +154,22 @@ static void bridge(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_r
     y[0] = 0.5 * (r[0] - r[1]) / (2.0 + r[0] + r[1]) + 0.5 * (r[2] - r[3]) / (2.0 + r[2] + r[3]);
 }
 
-/* kinetic strain potential springs, then dissipated friction work so far */
-static void energy(const jo_model *m, jo_data *d, int kind, jo_real *y)
+static jo_real energy(const jo_model *m, jo_data *d, int kind)
 {
-    jo_real now[4];
-    if (kind >= 4) {
-        y[0] = d->work[kind - 4];
-        return;
+    jo_energies now;
+    switch (kind) {
+    case JO_ENERGY_DISSIPATED: return d->work.damping;
+    case JO_ENERGY_FRICTION: return d->work.friction;
+    case JO_ENERGY_WORK: return d->work.forces;
+    default: break;
     }
-    jo_energy(m, d, now);
-    y[0] = now[kind];
+    jo_energy(m, d, &now);
+    switch (kind) {
+    case JO_ENERGY_KINETIC: return now.kinetic;
+    case JO_ENERGY_STRAIN: return now.strain;
+    case JO_ENERGY_POTENTIAL: return now.potential;
+    default: return now.springs;
+    }
 }
 
 static void modal(const jo_model *m, const jo_data *d, int body, jo_real *y)
@@ -212,7 +218,7 @@ int jo_needs_accelerations(const jo_sensor *s)
     case JO_SENSOR_DAMAGE:
     case JO_SENSOR_BRIDGE:
         return 0;
-    case JO_SENSOR_ENERGY: return s->object >= 4;   /* work: its last step waits for the power at its end */
+    case JO_SENSOR_ENERGY: return s->object >= JO_ENERGY_DISSIPATED;   /* work: its last step waits for the power at its end */
     default: return 1;
     }
 }
@@ -244,7 +250,7 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
         case JO_SENSOR_MULTIPLIER: multiplier(m, d, s, y); break;
         case JO_SENSOR_COORDINATE: y[0] = d->coordinate[s->object].value; break;
         case JO_SENSOR_RATE: y[0] = d->coordinate[s->object].rate; break;
-        case JO_SENSOR_ENERGY: energy(m, d, s->object, y); break;
+        case JO_SENSOR_ENERGY: y[0] = energy(m, d, s->object); break;
         case JO_SENSOR_SIGNAL: y[0] = jo_signal_at(m, d, s->object, d->time[0]).value; break;
         case JO_SENSOR_ELEMENT:   /* `other`: the first of its components */
             for (int j = 0; j < s->count; j++) y[j] = d->force[s->object].y[s->other + j];

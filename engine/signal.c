@@ -21,7 +21,7 @@ jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_
     const double t = JO_RE(time);
     jo_signal_work y = {0.0, 0.0, 0.0};
     switch (s->type) {
-    case JO_SIGNAL_CONSTANT: y.value = x[0]; break;
+    case JO_SIGNAL_CONSTANT: y.value = ((const jo_constant_data *)x)->value; break;
     case JO_SIGNAL_SPEED: {
         const jo_speed_data *c = (const jo_speed_data *)x;
         y.value = c->offset + c->speed * time;

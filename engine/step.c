@@ -29,7 +29,7 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s)
         if (k || !d->fresh || baumgarte) {
             int status = jo_evaluate(m, d, s, 0);
             if (status != JO_OK) return status;
-            if (!k && d->again && !baumgarte) d->counts[0]--;   /* counts do not tell how a run is cut into calls */
+            if (!k && d->again && !baumgarte) d->counts.evaluations--;   /* counts do not tell how a run is cut into calls */
         }
         d->again = 0;
         jo_increment_rate(m, d->rate, d->rate, d->v);
@@ -38,7 +38,7 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s)
             d->dq[i] += weight[k] * h * d->rate[i];
             d->dv[i] += weight[k] * h * d->a[i];
         }
-        for (int i = 0; i < 3; i++) d->work[i] += weight[k] * h * d->power[i];
+        jo_add_work(&d->work, weight[k] * h, &d->power);
     }
     jo_displace(m, d->q, d->q0, d->dq);
     for (int i = 0; i < m->nv; i++) d->v[i] = d->v0[i] + d->dv[i];
@@ -92,12 +92,12 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
         d->dq[i] = h * (d->v[i] + gh * d->a[i]);
         d->v[i] += h * d->a[i];
     }
-    jo_add_work(d);
+    jo_close_work(d);
     d->waiting = h;
-    for (int i = 0; i < 3; i++) d->power0[i] = d->power[i];
-    d->power0[2] -= d->drive;
-    d->work[1] += 0.5 * h * d->power[1];
-    d->work[2] += 0.5 * h * d->drive;   /* multipliers lead in stage 1 as they lag in stage 2 */
+    d->power0 = d->power;
+    d->power0.forces -= d->drive;
+    d->work.friction += 0.5 * h * d->power.friction;
+    d->work.forces += 0.5 * h * d->drive;   /* multipliers lead in stage 1 as they lag in stage 2 */
     jo_displace(m, d->q, d->q0, d->dq);
     d->time[0] = t0 + h;
     for (int i = 0; i < m->nbody; i++) {   /* stage 2: extra = -g h K (p' - 2 g h a1) + 2 g h (K (p0' + g h a1) + D a1) */
@@ -113,8 +113,8 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
     d->second = 0;
     no_extra(m, d);
     if (status != JO_OK) return status;
-    d->work[1] += 0.5 * h * d->power[1];
-    d->work[2] += 0.5 * h * d->drive;
+    d->work.friction += 0.5 * h * d->power.friction;
+    d->work.forces += 0.5 * h * d->drive;
     jo_increment_rate(m, d->rate, d->dq, d->v);
     for (int i = 0; i < m->nv; i++) {
         d->dq[i] = 0.5 * h * (d->v0[i] + d->rate[i] + gh * (d->a[i] - d->acc[i]));
@@ -127,7 +127,7 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
 int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     int status;
-    d->counts[5]++;
+    d->counts.steps++;
     d->control.known = 0;
     d->control.length = s->step;
     if (s->method == JO_DOPRI) status = jo_step_dopri(m, d, s, s->step, JO_RE(d->time[0]) + s->step);

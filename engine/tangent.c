@@ -42,11 +42,12 @@ void jo_balance(const jo_model *m, const jo_data *d, jo_real *r)
 
 int jo_residual(const jo_model *m, jo_data *d, jo_real *r)
 {
+    static const jo_work none = {0.0, 0.0, 0.0};
     jo_real largest[2];
     d->fresh = d->current = 0;
-    d->power[0] = d->power[1] = d->power[2] = 0.0;
+    d->power = none;
     jo_residuals(m, d, largest);   /* poses, velocities, markers and coordinates at q, v */
-    for (int i = 0; i < m->nbody; i++) jo_body_inertia(&m->body[i], &d->body[i], &d->power[0]);
+    for (int i = 0; i < m->nbody; i++) jo_body_inertia(&m->body[i], &d->body[i], &d->power.damping);
     if (m->ncoordinate) jo_coordinates_rate(m, d, m->ncoordinate);
     if (m->nforce) {
         const int applied = jo_apply_forces(m, d);

@@ -12,23 +12,23 @@
 #define CHECK(x) \
     do { if (!(x)) { fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #x); exit(1); } } while (0)
 
-static double data[80];
+static jo_beam_data data;
 
 static void fill(double beta, double alpha, double share, double helical)
 {
-    memset(data, 0, sizeof data);
-    data[JO_BEAM_LENGTH] = 0.9;
+    memset(&data, 0, sizeof data);
+    data.length = 0.9;
     for (int k = 0; k < 2; k++) {   /* ends off the origins, their frames turned about z */
         const double angle = k ? 0.2 : -0.1, c = cos(angle), s = sin(angle);
         const double u[3] = {0.05, -0.1, 0.07 * (k + 1)}, B[9] = {c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0};
-        memcpy(data + (k ? 13 : 1), u, sizeof u);
-        memcpy(data + (k ? 16 : 4), B, sizeof B);
+        memcpy(k ? data.u_b : data.u_a, u, sizeof u);
+        memcpy(k ? data.B_b : data.B_a, B, sizeof B);
     }
     for (int i = 0; i < 6; i++)
-        for (int j = 0; j < 6; j++) data[JO_BEAM_C + 6 * i + j] = i == j ? 20.0 * (6 - i) : 1.0 / (1 + i + j);
-    for (int i = 0; i < 6; i++) data[JO_BEAM_E0 + i] = 0.02 * i - 0.05;
-    data[JO_BEAM_BETA] = beta; data[JO_BEAM_ALPHA] = alpha; data[JO_BEAM_SHARE] = share; data[JO_BEAM_MASS] = 0.8;
-    data[JO_BEAM_J + 0] = 0.06; data[JO_BEAM_J + 1] = 0.05; data[JO_BEAM_J + 2] = 0.04; data[JO_BEAM_J + 3] = 0.01; data[JO_BEAM_LIMIT] = 1e-3; data[JO_BEAM_HELICAL] = helical;
+        for (int j = 0; j < 6; j++) data.C[6 * i + j] = i == j ? 20.0 * (6 - i) : 1.0 / (1 + i + j);
+    for (int i = 0; i < 6; i++) data.e0[i] = 0.02 * i - 0.05;
+    data.beta = beta; data.alpha = alpha; data.share = share; data.mass = 0.8;
+    data.J[0] = 0.06; data.J[1] = 0.05; data.J[2] = 0.04; data.J[3] = 0.01; data.limit = 1e-3; data.helical = helical;
 }
 
 static void place(const jo_model *m, jo_data *d)
@@ -87,20 +87,20 @@ static double worst_tangent(const jo_model *m, jo_data *d)
 static double drift(const jo_model *m, double step)
 {
     jo_data *d = jo_data_new(m);
-    double e[4], start = 0.0;
+    jo_energies e;
     jo_solver rk4;
     memset(&rk4, 0, sizeof rk4);
     rk4.method = JO_RK4;
     rk4.step = step;
     CHECK(d);
     place(m, d);
-    jo_energy(m, d, e);
-    for (int i = 0; i < 3; i++) start += e[i];
+    jo_energy(m, d, &e);
+    const double start = e.kinetic + e.strain + e.potential;
     for (int i = 0; i < (int)(0.5 / step + 0.5); i++) CHECK(jo_step(m, d, &rk4) == JO_OK);
     CHECK(jo_data_bent(d)[0] > 0.3 && jo_data_bent(d)[1] > 0.0);
-    jo_energy(m, d, e);
+    jo_energy(m, d, &e);
     jo_data_free(d);
-    return fabs(e[0] + e[1] + e[2] - start);
+    return fabs(e.kinetic + e.strain + e.potential - start);
 }
 
 int main(int argc, char **argv)
@@ -108,7 +108,7 @@ int main(int argc, char **argv)
     static const double mass[2] = {1.5, 2.0}, S0[3] = {0.1, 0.0, -0.05}, J0[6] = {0.3, 0.4, 0.5, 0.02, 0.0, 0.01}, zero[3] = {0};
     jo_body body[2] = {{0, 0, 0, 0, mass, S0, J0, 0, 0, 0, 0, 0, 0, 0, 0.0},
                        {0, 0, 7, 6, mass + 1, S0, J0, 0, 0, 0, 0, 0, 0, 0, 0.0}};
-    jo_beam beam[1] = {{0, 1, data}};
+    jo_beam beam[1] = {{0, 1, &data}};
     jo_node node[2] = {{0, 6, 6, 0, 0, 0, 1}, {1, 6, 6, 6, 144, 1, 0}};
     jo_branch branch[1] = {{1, 6, 48, 96}};
     jo_fill fill_in[1] = {{144, 8, 0, 0}};
@@ -153,7 +153,7 @@ int main(int argc, char **argv)
     jo_sensors(&m, d, y);
     for (int i = 0; i < 6; i++) {
         sum = 0.0;
-        for (int j = 0; j < 6; j++) sum += data[JO_BEAM_C + 6 * i + j] * y[j];
+        for (int j = 0; j < 6; j++) sum += data.C[6 * i + j] * y[j];
         CHECK(fabs(sum - y[6 + i]) < 1e-12 * (1.0 + fabs(sum)));
     }
     memcpy(jo_data_q(d) + 10, jo_data_q(d) + 3, 4 * sizeof(double));

@@ -41,7 +41,8 @@ static void astm(void)
     double memory[SIZE] = {0}, scratch[JO_METER + 2 * DEPTH + 2], cycles[10], damage = 0.0;
     jo_meter r = meter(DEPTH);
     CHECK(jo_meter_trace(&r, memory, x, 9, cycles) == 1 && cycles[0] == -1.0 && cycles[1] == 3.0);
-    CHECK(memory[0] == 7.0 && memory[1] == 9.0 && memory[5] == 1.0 && memory[11] == -4.0 && memory[12] == 5.0);
+    CHECK(memory[JO_METER_POINTS] == 7.0 && memory[JO_METER_SAMPLES] == 9.0 && memory[JO_METER_CLOSED] == 1.0
+          && memory[JO_METER_SMALLEST] == -4.0 && memory[JO_METER_LARGEST] == 5.0);
     CHECK(jo_meter_valid(&r, memory));
 
     double scaled[9];
@@ -62,9 +63,9 @@ static void astm(void)
     jo_meter deep = r;
     deep.depth = DEPTH;
     jo_meter_push(&deep, twice, scaled, 9);
-    const double once = twice[3];
+    const double once = twice[JO_METER_DAMAGE];
     jo_meter_push(&deep, twice, scaled, 9);
-    CHECK(near(once + repeated - once, twice[3] - once, 1e-13));
+    CHECK(near(once + repeated - once, twice[JO_METER_DAMAGE] - once, 1e-13));
 }
 
 /* what is not a number leaves no trace but its count */
@@ -93,7 +94,7 @@ static void full(void)
         jo_meter_push(&r, small, &x, 1);
         jo_meter_push(&deep, large, &x, 1);
     }
-    CHECK(small[8] == 392.0 && small[6] == 0.0 && large[8] == 0.0);
+    CHECK(small[JO_METER_SHED] == 392.0 && small[JO_METER_FORCED] == 0.0 && large[JO_METER_SHED] == 0.0);
     CHECK(near(jo_meter_damage(&r, small, JO_RESIDUE_HALF, scratch), jo_meter_damage(&deep, large, JO_RESIDUE_HALF, scratch), 1e-13));
     for (int i = 400; i > 0; i--) {
         const double x = (i % 2 ? -1e6 : 1e6) * i;
@@ -144,7 +145,7 @@ static void blocks(void)
         const long long closed = jo_rainflow(column, LONG, cycles, where, residue, residue_where, &length);
         CHECK(jo_meter_trace(&deep, memory, column, LONG, traced) == closed);
         CHECK(!memcmp(cycles, traced, (size_t)closed * 2 * sizeof *cycles));
-        CHECK((long long)memory[0] == length && !memcmp(memory + JO_METER, residue, (size_t)length * sizeof *residue));
+        CHECK((long long)memory[JO_METER_POINTS] == length && !memcmp(memory + JO_METER, residue, (size_t)length * sizeof *residue));
         for (long long k = 0; k < 2 * closed; k++) CHECK(column[where[k]] == cycles[k]);
         for (long long k = 0; k < length; k++) CHECK(column[residue_where[k]] == residue[k]);
     }
@@ -159,7 +160,7 @@ static void spoiled(void)
     CHECK(jo_meter_valid(&r, good));
     jo_meter_push(&r, good, x, 5);
     CHECK(jo_meter_valid(&r, good));
-    const int place[6] = {0, 0, 3, 5, JO_METER, JO_METER + 1};
+    const int place[6] = {JO_METER_POINTS, JO_METER_POINTS, JO_METER_DAMAGE, JO_METER_CLOSED, JO_METER, JO_METER + 1};
     const double value[6] = {9.0, -1.0, -1.0, NAN, 3.0, NAN};
     for (int i = 0; i < 6; i++) {
         memcpy(bad, good, sizeof bad);

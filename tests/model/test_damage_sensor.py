@@ -166,7 +166,7 @@ def test_the_build_for_derivatives_counts_real_parts(rod):
     model = swing(rod)
     engines = [jo.model.Engine(model), jo.model.Engine(model, complex_scalars=True)]
     for engine in engines:
-        native = engine.native_solver(2, 1e-3, True)
+        native = engine.native_solver("ros2", 1e-3, True)
         for _ in range(50):
             engine.step(native)
     np.testing.assert_allclose(engines[1].meters, engines[0].meters, rtol=1e-9, atol=1e-20)

@@ -256,7 +256,7 @@ def march(model: Any, solver: Any, t_end: float, output_step: float | None = Non
     rows = np.zeros((1 + steps // every, engine.row_size))
     rows[0] = engine.row()
     status, written = engine.run(native, steps, every, rows[1:])
-    assert status == 0, f"the engine stopped with status {status}"
+    assert status == "ok", f"the engine stopped with status {status}"
     assert written == steps // every
     cuts = np.cumsum([1, model.nq, model.nv, model.nrow, 7, 2, 5])
     time, q, v, lam, energy, residuals, _, out = np.split(rows, cuts, axis=1)

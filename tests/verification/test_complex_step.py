@@ -26,7 +26,7 @@ def end_state(model, solver, steps, *, override=None, v0=None, complex_scalars=F
         engine.v[:] = v0
     native = engine.native_solver(solver.method, solver.step, solver.projection)
     rows = np.zeros((1, engine.row_size), engine.dtype)
-    assert engine.run(native, steps, steps, rows) == (0, 1)
+    assert engine.run(native, steps, steps, rows) == ("ok", 1)
     cut = 1 + model.nq + model.nv
     return np.concatenate([rows[0, 1:cut], rows[0, cut + model.nrow + 7 :], rows[0, cut:][:5]])
 

@@ -206,9 +206,9 @@ def test_thirty_rubbing_hinges_of_a_flexible_chain_do_not_chatter():
         items += [body, joint, rub]
         at = body["end"]
     engine = jo.model.Engine(jo.compile(jo.Mechanism(*items)))
-    solver = engine.native_solver(1, 1e-4, True)
+    solver = engine.native_solver("rk4", 1e-4, True)
     engine.row()
     for _ in range(30):
         engine.step(solver)
-    assert engine.counts[0] < 30 * 60
+    assert engine.counts.evaluations < 30 * 60
     assert engine.work[1] > 0.0

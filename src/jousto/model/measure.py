@@ -24,7 +24,6 @@ from jousto.mechanism.sensors.gauge import Gauge
 from jousto.mechanism.sensors.loads import ForceSensor, ReactionSensor
 from jousto.mechanism.sensors.motion import MotionSensor
 from jousto.mechanism.sensors.readings import (
-    ENERGIES,
     CoordinateSensor,
     EnergySensor,
     RateSensor,
@@ -34,6 +33,7 @@ from jousto.mechanism.sensors.rosette import Rosette
 from jousto.mechanism.sensors.section import SectionSensor
 from jousto.model.builder import Builder
 from jousto.model.model import MeterModel, SensorModel
+from jousto.model.native.header import kinds
 
 NOT_UNIQUE = " (not unique: least norm)"
 ROWS = {
@@ -130,7 +130,7 @@ class Measures:
             kind = "coordinate" if isinstance(sensor, CoordinateSensor) else "rate"
             return Measure(kind, self._builder.declared(sensor.coordinate))
         if isinstance(sensor, EnergySensor):
-            return Measure("energy", ENERGIES.index(sensor.energy))
+            return Measure("energy", kinds("jo_energy_kind")[sensor.energy])
         if isinstance(sensor, SignalSensor):
             return Measure("signal", self._builder.signal(sensor.signal))
         if isinstance(sensor, DamageSensor):

@@ -14,9 +14,9 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, SimulationError
 from jousto.model.model import Model
+from jousto.model.native.header import places
 from jousto.model.native.native import Engine, displaced
 from jousto.model.rank.redundancy import RANK, null_space, repeated_rows, unit_rows
-from jousto.simulation.results.columns import DIAGNOSTICS
 from jousto.simulation.results.keep import Keeper
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.statics.bending import Bending
@@ -164,8 +164,7 @@ def _write(model: Model, instants: Array, path: str | Path | None) -> Solution:
         "evaluations_per_step": 1,
     }
     first = 1 + model.nq + model.nv + model.nrow
-    names = [name for name, _, _ in DIAGNOSTICS]
-    unknown = [first + names.index(name) for name in UNKNOWN]
+    unknown = [first + places("jo_diagnostics")[name].start for name in UNKNOWN]
     keeper = Keeper(path, model, len(instants), attributes)
     started = clock.perf_counter()
 

@@ -89,7 +89,7 @@ def equivalents(cycles: Cycles, mean: MeanStress | None) -> Array:
 
 def proportional(mean: MeanStress | None) -> bool:
     """Return whether equivalent amplitudes grow as the load does; Goodman's and Gerber's do not."""
-    return mean is None or mean.numbers[0] not in (1, 2)
+    return mean is None or mean.law[0] not in ("line", "gerber")
 
 
 @explained

@@ -31,7 +31,7 @@ from jousto.fatigue.multiaxial.planes import (
     plane_rows,
 )
 from jousto.materials.strength.strain_life import StrainLife
-from jousto.model.native.planes import FINDLEY, NORMAL, STRAIN, PlaneCounter, StrainCurve
+from jousto.model.native.planes import PlaneCounter, StrainCurve
 
 AT_ONCE = 64
 """Places whose histories are held at the same time."""
@@ -177,7 +177,7 @@ def _counter(
         slope = min(-1.0 / curve.b, -1.0 / curve.c)
         lives = StrainCurve(lambda x: criterion.cycles(x, curve), criterion.G, slope)
         k = criterion.k / criterion.S_y
-        return PlaneCounter(STRAIN, k, rows, turns, lives, residue=residue)
+        return PlaneCounter("strain", k, rows, turns, lives, residue=residue)
     if isinstance(criterion, Findley):
-        return PlaneCounter(FINDLEY, criterion.k, rows, turns, curve, residue=residue)
-    return PlaneCounter(NORMAL, 0.0, rows, turns, curve, residue=residue, mean=mean)
+        return PlaneCounter("findley", criterion.k, rows, turns, curve, residue=residue)
+    return PlaneCounter("normal", 0.0, rows, turns, curve, residue=residue, mean=mean)

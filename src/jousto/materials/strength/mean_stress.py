@@ -27,13 +27,8 @@ class MeanStress(Declared, ABC, section="mean stress", by_value=True):
 
     @property
     @abstractmethod
-    def numbers(self) -> tuple[int, float, float]:
-        """Kind and two values, for other code.
-
-        1: ``S_a / (1 - S_m / a)`` (b = 1: compressive means lengthen life; 0: taken as zero).
-        2: Gerber with S_u = a. 3: Walker with exponent a (0.5 is SWT). 4: FKM with M = a.
-        5: IIW f(R), a = 0 high, 1 medium, 2 low residual stress. 6: compression times a.
-        """
+    def law(self) -> tuple[str, dict[str, float]]:
+        """Name and values of the law, for other code: those of a ``jo_meter`` in jousto.h."""
 
     @property
     def name(self) -> str:
@@ -72,9 +67,9 @@ class Goodman(MeanStress, tag="goodman"):
         return _line(*_pair(amplitude, mean), self.S_u, self.credit)
 
     @property
-    def numbers(self) -> tuple[int, float, float]:
-        """Kind 1."""
-        return 1, float(self.S_u), float(self.credit)
+    def law(self) -> tuple[str, dict[str, float]]:
+        """See the class."""
+        return "line", {"strength": float(self.S_u), "credit": float(self.credit)}
 
 
 class Soderberg(MeanStress, tag="soderberg"):
@@ -91,9 +86,9 @@ class Soderberg(MeanStress, tag="soderberg"):
         return _line(*_pair(amplitude, mean), self.S_y, self.credit)
 
     @property
-    def numbers(self) -> tuple[int, float, float]:
-        """Kind 1."""
-        return 1, float(self.S_y), float(self.credit)
+    def law(self) -> tuple[str, dict[str, float]]:
+        """See the class."""
+        return "line", {"strength": float(self.S_y), "credit": float(self.credit)}
 
 
 class Morrow(MeanStress, tag="morrow"):
@@ -110,9 +105,9 @@ class Morrow(MeanStress, tag="morrow"):
         return _line(*_pair(amplitude, mean), self.sf, self.credit)
 
     @property
-    def numbers(self) -> tuple[int, float, float]:
-        """Kind 1."""
-        return 1, float(self.sf), float(self.credit)
+    def law(self) -> tuple[str, dict[str, float]]:
+        """See the class."""
+        return "line", {"strength": float(self.sf), "credit": float(self.credit)}
 
 
 class Gerber(MeanStress, tag="gerber"):
@@ -135,9 +130,9 @@ class Gerber(MeanStress, tag="gerber"):
         return np.where(rest > 0.0, S_a / np.where(rest > 0.0, rest, 1.0), np.inf)
 
     @property
-    def numbers(self) -> tuple[int, float, float]:
-        """Kind 2."""
-        return 2, float(self.S_u), 0.0
+    def law(self) -> tuple[str, dict[str, float]]:
+        """See the class."""
+        return "gerber", {"strength": float(self.S_u)}
 
 
 class Walker(MeanStress, tag="walker"):
@@ -159,9 +154,9 @@ class Walker(MeanStress, tag="walker"):
         return np.asarray(top ** (1.0 - self.gamma) * S_a**self.gamma)
 
     @property
-    def numbers(self) -> tuple[int, float, float]:
-        """Kind 3."""
-        return 3, float(self.gamma), 0.0
+    def law(self) -> tuple[str, dict[str, float]]:
+        """See the class."""
+        return "walker", {"exponent": float(self.gamma)}
 
 
 class SWT(MeanStress, tag="swt"):
@@ -179,9 +174,9 @@ class SWT(MeanStress, tag="swt"):
         return np.asarray(np.sqrt(np.maximum(S_a + S_m, 0.0) * S_a))
 
     @property
-    def numbers(self) -> tuple[int, float, float]:
-        """Kind 3 with 0.5."""
-        return 3, 0.5, 0.0
+    def law(self) -> tuple[str, dict[str, float]]:
+        """See the class."""
+        return "walker", {"exponent": 0.5}
 
 
 # mean stress sensitivity M = a S_u / 1000 MPa + b
@@ -260,9 +255,9 @@ class FKM(MeanStress, tag="fkm"):
         )
 
     @property
-    def numbers(self) -> tuple[int, float, float]:
-        """Kind 4."""
-        return 4, float(self.M), 0.0
+    def law(self) -> tuple[str, dict[str, float]]:
+        """See the class."""
+        return "fkm", {"sensitivity": float(self.M)}
 
 
 class WeldRatio(MeanStress, tag="weld-ratio"):
@@ -297,9 +292,9 @@ class WeldRatio(MeanStress, tag="weld-ratio"):
         return np.asarray(S_a / factor)
 
     @property
-    def numbers(self) -> tuple[int, float, float]:
-        """Kind 5: 0 high, 1 medium, 2 low."""
-        return 5, float(("high", "medium", "low").index(self.residual)), 0.0
+    def law(self) -> tuple[str, dict[str, float]]:
+        """See the class."""
+        return "weld", {"relief": float(("high", "medium", "low").index(self.residual))}
 
 
 class PartCompression(MeanStress, tag="part-compression"):
@@ -330,6 +325,6 @@ class PartCompression(MeanStress, tag="part-compression"):
         return np.asarray(0.5 * (tension + self.share * compression))
 
     @property
-    def numbers(self) -> tuple[int, float, float]:
-        """Kind 6."""
-        return 6, float(self.share), 0.0
+    def law(self) -> tuple[str, dict[str, float]]:
+        """See the class."""
+        return "compression", {"share": float(self.share)}

@@ -9,9 +9,10 @@ import numpy as np
 
 from jousto.base.errors import Problems, suggest
 from jousto.base.numbers import number
+from jousto.materials.strength.mean_stress import MeanStress
 
 RESIDUES = ("half", "repeat", "ignore")
-"""How what the rainflow count leaves over is counted, in the order of the engine's numbers."""
+"""How what the rainflow count leaves over is counted."""
 SHALLOWEST = 6
 
 
@@ -24,8 +25,8 @@ class MeterRule:
     curve : tuple of five floats
         S_D (Pa, amplitude), N_D, k, slope below the knee, and the amplitude below which there is no
         damage: ``SN.numbers``.
-    mean : tuple of (int, float, float)
-        Kind and values of the mean stress correction, (0, 0, 0) for none: ``MeanStress.numbers``.
+    mean : MeanStress or None
+        Mean stress correction.
     residue : str
         One of `RESIDUES`.
     depth : int
@@ -35,10 +36,15 @@ class MeterRule:
     """
 
     curve: tuple[float, float, float, float, float]
-    mean: tuple[int, float, float]
+    mean: MeanStress | None
     residue: str
     depth: int
     resolution: float
+
+    @property
+    def correction(self) -> tuple[str, dict[str, float]]:
+        """The law of the mean stress correction and its values: ``MeanStress.law``."""
+        return ("none", {}) if self.mean is None else self.mean.law
 
 
 def check_residue(problems: Problems, where: str, residue: Any) -> None:
@@ -76,14 +82,13 @@ def meter_rule(
     if not isinstance(curve, tuple) or len(curve) != 5:
         problems.add(where, f"sn is {sn!r}, must be an S-N curve: jo.SN(S_D=.., N_D=.., k=..)")
         curve = (1.0, 1.0, 1.0, 1.0, 0.0)
-    correction = (0, 0.0, 0.0) if mean is None else getattr(mean, "numbers", None)
-    if not isinstance(correction, tuple) or len(correction) != 3:
+    if not isinstance(mean, MeanStress | None):
         problems.add(
             where,
             f"mean is {mean!r}, must be a mean stress correction such as "
             "jo.fatigue.Goodman(S_u=..)",
         )
-        correction = (0, 0.0, 0.0)
+        mean = None
     check_residue(problems, where, residue)
     if not isinstance(depth, int | np.integer) or isinstance(depth, bool) or depth < SHALLOWEST:
         problems.add(where, f"depth is {depth!r}, must be a whole number from {SHALLOWEST} on")
@@ -94,7 +99,7 @@ def meter_rule(
     S_D, N_D, k, below, cut = map(float, curve)
     return MeterRule(
         (S_D, N_D, k, below, cut),
-        (int(correction[0]), float(correction[1]), float(correction[2])),
+        mean,
         str(residue),
         int(depth),
         float(width or 0.0),

@@ -7,43 +7,41 @@ from jousto.model.model import Model
 from jousto.model.native.callback import BadAnswer
 from jousto.model.native.header import named
 
-OK, NOT_FINITE, SINGULAR_BODY, SINGULAR_JOINT, NO_MEMORY = range(5)
-CALLBACK_FAILED, NO_CONVERGENCE, FRICTION_FAILED, EVENT, STEP_TOO_SMALL, ENDLESS, BENT = range(
-    5, 12
-)
-AT_BODY = (NOT_FINITE, SINGULAR_BODY, NO_CONVERGENCE)  # whose index is that of a body
+AT_BODY = ("not finite", "singular body", "no convergence")  # whose index is that of a body
 
 
-def failure(model: Model, status: int, index: int, cause: BaseException | None = None) -> Problem:
+def failure(model: Model, status: str, index: int, cause: BaseException | None = None) -> Problem:
     """Return place, cause and remedy of a status of the engine.
 
     Parameters
     ----------
     model : Model
         For the names.
-    status, index : int
-        jo_status, and the object that it is about.
+    status : str
+        Name of a jo_status.
+    index : int
+        The object that it is about.
     cause : exception, optional
         What a user's function raised.
     """
     if status in AT_BODY and not 0 <= index < len(model.bodies):
         index = 0
-    if status == NOT_FINITE:
+    if status == "not finite":
         return Problem("", f"body '{model.bodies[index].name}' is no longer finite")
-    if status == SINGULAR_BODY:
+    if status == "singular body":
         return Problem(
             f"body '{model.bodies[index].name}'",
             "its mass matrix is singular: there is no inertia about some axis (all mass on "
             "one line or at one point); give the part rotary inertia (rotary_inertia=True) "
             "or a point mass with inertia",
         )
-    if status == SINGULAR_JOINT:
+    if status == "singular joint":
         return Problem(
             f"joint '{model.joints[index].name}'",
             "its constraints cannot be distinguished from those of other joints: a body is "
             "lighter than its neighbours by a factor of 1e12 or more; join it with one of them",
         )
-    if status == CALLBACK_FAILED:
+    if status == "callback failed":
         where = f"force '{model.forces[index].name}'"
         if isinstance(cause, BadAnswer):
             return Problem(
@@ -58,7 +56,7 @@ def failure(model: Model, status: int, index: int, cause: BaseException | None =
             "the positions and velocities of this time",
         )
     beams = {i: beam.body for beam in model.beams for i in (beam.a, beam.b)}
-    if status == NO_CONVERGENCE and index in beams:
+    if status == "no convergence" and index in beams:
         return Problem(
             f"beam '{beams[index]}'",
             f"Newton's iteration did not converge, the largest residual is at its node "
@@ -67,13 +65,13 @@ def failure(model: Model, status: int, index: int, cause: BaseException | None =
             "time instead of at once, and check that no element is under more tension than shear "
             "bears or is squeezed to nothing",
         )
-    if status == NO_CONVERGENCE:
+    if status == "no convergence":
         return Problem(
             f"body '{model.bodies[index].name}'",
             "Newton's iteration did not converge, the largest residual is at this body; take a "
             "smaller step or more iterations, and look for forces that jump",
         )
-    if status == FRICTION_FAILED:
+    if status == "friction failed":
         friction = model.frictions[index]
         data = named("jo_friction_data", friction.data)
         return Problem(
@@ -83,20 +81,20 @@ def failure(model: Model, status: int, index: int, cause: BaseException | None =
             f"{data.mu_static.real:g} it presses itself harder than it slips (it jams); lower mu "
             "or the radius, lengthen the bearing or bring the load nearer to it",
         )
-    if status == STEP_TOO_SMALL:
+    if status == "step too small":
         return Problem(
             "",
             "the tolerance asks for steps below the resolution of time: a force jumps or is very "
             "stiff here; make it smoother, switch it by an event, give a larger tolerance, or take "
             "a method with a fixed step such as ROS2",
         )
-    if status == ENDLESS and index >= len(model.events):
+    if status == "endless" and index >= len(model.events):
         return Problem(
             f"friction '{model.frictions[index - len(model.events)].name}'",
             "sticks and slips again and again within one step; take a smaller step, or "
             "law=Regularised(velocity), which has no such instants",
         )
-    if status == ENDLESS:
+    if status == "endless":
         name = model.events[index].name if index < len(model.events) else ""
         return Problem(
             f"event '{name}'",
@@ -104,7 +102,7 @@ def failure(model: Model, status: int, index: int, cause: BaseException | None =
             "one direction only, keep the thresholds of opposed events apart, or take a smaller "
             "step",
         )
-    if status == BENT:
+    if status == "bent":
         beam = model.beams[index] if 0 <= index < len(model.beams) else None
         return Problem(
             f"beam '{beam.body}', element '{beam.name}'" if beam else "a beam element",
@@ -112,4 +110,4 @@ def failure(model: Model, status: int, index: int, cause: BaseException | None =
             "divide the beam into more elements (half a radian each is accurate), or take smaller "
             "steps if it only passes through here by too long a one",
         )
-    return Problem("", f"engine status {status}")
+    return Problem("", f"engine status {status!r}")

@@ -17,11 +17,18 @@ from jousto.model.native.library import ffi
 def kinds(enum: str) -> dict[str, int]:
     """Return the numbers of an enum by name: of ``JO_FORCE_modal_load`` that of "modal load"."""
     numbers: dict[str, int] = ffi().typeof(enum).relements
-    prefix = f"{enum.rpartition('_')[0]}_".upper()  # jo_force_type: JO_FORCE_
+    prefix = f"{enum}_".upper()  # jo_residue: JO_RESIDUE_
+    if not all(name.startswith(prefix) for name in numbers):
+        prefix = f"{enum.rpartition('_')[0]}_".upper()  # jo_force_type: JO_FORCE_
     return {
         name.removeprefix(prefix).removeprefix("JO_").lower().replace("_", " "): number
         for name, number in numbers.items()
     }
+
+
+def kind(enum: str, number: int) -> str:
+    """Return the name of a number of an enum; see `kinds`."""
+    return next((name for name, value in kinds(enum).items() if value == number), str(number))
 
 
 @functools.cache

@@ -118,6 +118,10 @@ class Layout:
             self._shared[id(shared)] = (shared, pointer)
         return pointer
 
+    def _cast(self, struct: str, array: Any, key: tuple[str, int, str]) -> Any:
+        """Return `_constant` as a pointer to the struct that it consists of."""
+        return self._ffi.cast(f"{struct} *", self._constant(array, key))
+
     def _place(self, flat: NDArray[Any]) -> Any:
         """Copy an array behind the one before; large ones start on a cache line."""
         size = self._dtype.itemsize
@@ -277,7 +281,7 @@ class Layout:
     def _beams(self) -> Any:
         structs = self._copied("jo_beam", self._source.beams)
         for i, beam in enumerate(self._source.beams):
-            structs[i].data = self._constant(beam.data, ("beam", i, "data"))
+            structs[i].data = self._cast("jo_beam_data", beam.data, ("beam", i, "data"))
         return structs
 
     def _markers(self) -> Any:
@@ -321,7 +325,7 @@ class Layout:
                 s.side[k] = 2 * pairs.index((coordinate.a, coordinate.b))
             factor = (*line.factors, 0.0)[:2]
             data = packed("jo_line_data", offset=line.offset, factor=factor)
-            s.data = self._ffi.cast("jo_line_data *", self._constant(data, ("line", i, "data")))
+            s.data = self._cast("jo_line_data", data, ("line", i, "data"))
         return structs
 
     def _joints(self) -> Any:
@@ -365,9 +369,7 @@ class Layout:
         for i, friction in enumerate(self._source.frictions):
             s = structs[i]
             s.law = int(friction.sticks)
-            s.data = self._ffi.cast(
-                "jo_friction_data *", self._constant(friction.data, ("friction", i, "data"))
-            )
+            s.data = self._cast("jo_friction_data", friction.data, ("friction", i, "data"))
         return structs
 
     def _sensors(self) -> Any:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.ranking import largest
-from jousto.mechanism.sensors.rule import RESIDUES, MeterRule, check_residue, meter_rule
+from jousto.mechanism.sensors.rule import MeterRule, check_residue, meter_rule
 from jousto.model.native import library
 from jousto.model.native.header import kinds
 
@@ -25,9 +25,12 @@ MARKS = {
 def native_rule(ffi: Any, rule: MeterRule) -> Any:
     """Return the jo_meter of a rule."""
     r = ffi.new("jo_meter *")
-    r.depth, r.residue, r.width = rule.depth, RESIDUES.index(rule.residue), rule.resolution
+    r.depth, r.residue, r.width = rule.depth, kinds("jo_residue")[rule.residue], rule.resolution
     r.amplitude, r.cycles, r.slope, r.below, r.cut = rule.curve
-    r.mean, r.data = rule.mean[0], rule.mean[1:]
+    law, values = rule.correction
+    r.mean = kinds("jo_mean")[law]
+    for name, value in values.items():
+        setattr(r, name, value)
     r.factor = 1.0
     return r
 
@@ -44,7 +47,9 @@ def _place(name: str) -> int:
 
 def fingerprint(rule: MeterRule) -> Array:
     """Return the numbers (9,) that the damage of a memory depends on; see `MARKS`."""
-    return np.array([*rule.curve, *rule.mean, rule.resolution])
+    law, values = rule.correction
+    mean = [kinds("jo_mean")[law], *values.values(), 0.0, 0.0][:3]
+    return np.array([*rule.curve, *mean, rule.resolution])
 
 
 class DamageMeter:
@@ -223,7 +228,7 @@ class DamageMeter:
             self._rule,
             self._pointer(self._memory),
             self.n,
-            RESIDUES.index(rule),
+            kinds("jo_residue")[rule],
             self._pointer(self._scratch),
             self._pointer(out),
         )

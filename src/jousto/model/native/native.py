@@ -14,16 +14,8 @@ from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, SimulationError
 from jousto.model.model import Model
 from jousto.model.native import library
-from jousto.model.native.failures import (
-    AT_BODY,
-    CALLBACK_FAILED,
-    EVENT,
-    FRICTION_FAILED,
-    OK,
-    SINGULAR_BODY,
-    SINGULAR_JOINT,
-    failure,
-)
+from jousto.model.native.failures import AT_BODY, failure
+from jousto.model.native.header import kind, kinds, named, places
 from jousto.model.native.layout import Layout
 from jousto.model.native.meter import meter_size
 from jousto.model.newton import newton_entries, newton_pattern
@@ -108,7 +100,7 @@ class Engine:
         self.lam = self._view(self._library.jo_data_lam(data), model.nrow)
         self.time = self._view(self._library.jo_data_time(data), 1)
         self.gravity = self._view(self._model.gravity, 3)  # m/s2, of this engine alone
-        self.work = self._view(self._library.jo_data_work(data), 3)
+        self.work = self._view(self._library.jo_data_work(data), len(places("jo_work")))
         self.input = self._view(self._library.jo_data_input(data), len(model.inputs))
         turns = sum(c.kind == "angle" for c in model.coordinates)
         self.turn = self._view(self._library.jo_data_turn(data), turns)
@@ -124,13 +116,13 @@ class Engine:
         self.meters = self._view(self._library.jo_data_memory(data), memory, np.float64)
         bent = self._view(self._library.jo_data_bent(data), 2 * len(model.beams), np.float64)
         self.bent = bent.reshape(-1, 2)
-        self.counts = self._view(self._library.jo_data_counts(data), 6, np.longlong)
+        self.counts = self._library.jo_data_counts(data)
         self.row_size = int(self._library.jo_row_size(self._model))
         self._count = self._ffi.new("long long *", 0)
         self._entries: tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]] | None = None
         for signal in model.signals:
             if signal.kind == "input":
-                self.input[signal.count] = signal.data[0]
+                self.input[signal.count] = named("jo_constant_data", signal.data).value
         self.q[:] = model.q0
         self.v[:] = model.v0
 
@@ -150,13 +142,13 @@ class Engine:
         """Advance by one step of a native solver (see `native_solver`)."""
         self._check(self._library.jo_step(self._model, self._data, solver))
 
-    def run(self, solver: Any, steps: int, every: int, rows: Scalars) -> tuple[int, int]:
+    def run(self, solver: Any, steps: int, every: int, rows: Scalars) -> tuple[str, int]:
         """Advance `steps` steps and fill `rows` (k, row_size) every `every` steps.
 
         Returns
         -------
-        status : int
-            0, EVENT where an event stopped the run, or what the engine could not do (see
+        status : str
+            "ok", "event" where an event stopped the run, or what the engine could not do (see
             `problem`).
         written : int
             Rows written.
@@ -179,7 +171,7 @@ class Engine:
         status = self._library.jo_run(
             self._model, self._data, solver, steps, every, self._count, written, pointer
         )
-        return int(status), int(written[0])
+        return kind("jo_status", status), int(written[0])
 
     def happenings(self) -> NDArray[np.float64]:
         """Return time, event and direction (k, 3) of what happened in the last `run` or `step`."""
@@ -193,7 +185,7 @@ class Engine:
         """Forget what methods and events remember of the last step: the state was replaced."""
         self._library.jo_restart(self._data)
 
-    def follow(self, solver: Any, last: int, tries: int, rows: Scalars) -> tuple[int, int]:
+    def follow(self, solver: Any, last: int, tries: int, rows: Scalars) -> tuple[str, int]:
         """Advance with error control until `rows` is full, row `last` written or `tries` spent.
 
         Rows are at times ``start + k step``; the first call begins at the present state, which is
@@ -201,8 +193,8 @@ class Engine:
 
         Returns
         -------
-        status : int
-            0, or what the engine could not do (see `problem`).
+        status : str
+            "ok", or what the engine could not do (see `problem`).
         written : int
             Rows written.
         """
@@ -218,7 +210,7 @@ class Engine:
             written,
             self._pointer(rows),
         )
-        return int(status), int(written[0])
+        return kind("jo_status", status), int(written[0])
 
     def row(self) -> Scalars:
         """Return the present state as one row of `run`."""
@@ -242,8 +234,10 @@ class Engine:
 
     def energy(self) -> Scalars:
         """Return kinetic, strain, potential energy and that of the springs (4,), J."""
-        out = np.zeros(4, self.dtype)
-        self._library.jo_energy(self._model, self._data, self._pointer(out))
+        out = np.zeros(len(places("jo_energies")), self.dtype)
+        self._library.jo_energy(
+            self._model, self._data, self._ffi.cast("jo_energies *", out.ctypes.data)
+        )
         return out
 
     def constraints(self) -> tuple[Scalars, Scalars]:
@@ -351,16 +345,17 @@ class Engine:
 
     def native_solver(
         self,
-        method: int,
+        method: str,
         step: float,
         projection: bool,
         alpha: float = 0.0,
         beta: float = 0.0,
         **options: Any,
     ) -> Any:
-        """Return a jo_solver; the options are its further fields."""
+        """Return a jo_solver of a jo_method such as "rk4"; the options are its further fields."""
         solver = self._ffi.new("jo_solver *")
-        solver.method, solver.projection, solver.step = method, int(projection), step
+        solver.method = kinds("jo_method")[method]
+        solver.projection, solver.step = int(projection), step
         solver.alpha, solver.beta = alpha, beta
         for name, value in options.items():
             setattr(solver, name, value)
@@ -378,17 +373,20 @@ class Engine:
 
     # -- errors -----------------------------------------------------------------------------
 
-    def _check(self, status: int) -> None:
-        if status in (OK, EVENT):
+    def _check(self, number: int) -> None:
+        if not number:
+            return
+        status = kind("jo_status", number)
+        if status == "event":
             return
         problem = self.problem(status)
-        if status in (SINGULAR_BODY, FRICTION_FAILED):
+        if status in ("singular body", "friction failed"):
             raise InputError(problem)
-        if status == SINGULAR_JOINT:
+        if status == "singular joint":
             raise SingularJoints(problem)
         body = self.model.bodies[self.error_index].name if status in AT_BODY else ""
         raise SimulationError(str(problem), time=float(self.time[0].real), body=body) from (
-            self.cause if status == CALLBACK_FAILED else None
+            self.cause if status == "callback failed" else None
         )
 
     @property
@@ -396,7 +394,7 @@ class Engine:
         """What a user's Python function raised last, or None."""
         return self._layout.raised[-1] if self._layout.raised else None
 
-    def problem(self, status: int) -> Problem:
+    def problem(self, status: str) -> Problem:
         """Return the sentence for what the engine could not do."""
         return failure(self.model, status, self.error_index, self.cause)
 

@@ -10,12 +10,11 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import Problems
-from jousto.mechanism.sensors.rule import RESIDUES, meter_rule
+from jousto.mechanism.sensors.rule import meter_rule
 from jousto.model.native import library
+from jousto.model.native.header import kinds
 from jousto.model.native.meter import native_rule
 
-NORMAL, FINDLEY, STRAIN = range(3)
-"""Numbers of `jo_plane_kind`."""
 FINEST, COARSEST, POINTS = 1e-7, 1.0, 65_536
 """Strains that the table of a strain-life curve covers, and its points: 2.5e-4 apart in logarithm,
 which leaves 1e-7 of the life between them."""
@@ -52,10 +51,10 @@ class PlaneCounter:
 
     Parameters
     ----------
-    kind : int
-        NORMAL, FINDLEY or STRAIN.
+    kind : str
+        "normal", "findley" or "strain".
     k : float
-        Sensitivity to the normal stress; of STRAIN 1/Pa.
+        Sensitivity to the normal stress; of "strain" 1/Pa.
     rows : (m, 3, 6) array
         Per plane the rows of the normal stress and of the shear along two directions.
     turns : (l, 2) array
@@ -65,7 +64,7 @@ class PlaneCounter:
     residue : str
         "half", "repeat" or "ignore".
     mean : optional
-        Mean stress correction, of NORMAL.
+        Mean stress correction, of "normal".
 
     Raises
     ------
@@ -75,7 +74,7 @@ class PlaneCounter:
 
     def __init__(
         self,
-        kind: int,
+        kind: str,
         k: float,
         rows: Array,
         turns: Array,
@@ -88,8 +87,8 @@ class PlaneCounter:
         self._rows = np.ascontiguousarray(rows, dtype=np.float64)
         self._turns = np.ascontiguousarray(turns, dtype=np.float64)
         r = self._ffi.new("jo_planes *")
-        r.kind, r.residue, r.k = kind, RESIDUES.index(residue), k
-        r.planes, r.turns = len(self._rows), 1 if kind == NORMAL else len(self._turns)
+        r.kind, r.residue, r.k = kinds("jo_plane_kind")[kind], kinds("jo_residue")[residue], k
+        r.planes, r.turns = len(self._rows), 1 if kind == "normal" else len(self._turns)
         r.rows, r.turn = self._pointer(self._rows), self._pointer(self._turns)
         self._meter = self._ffi.new("jo_meter *")
         if isinstance(curve, StrainCurve):

@@ -6,24 +6,25 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from jousto.model.model import Model
+from jousto.model.native.header import places
 from jousto.simulation.running.state import MEMORY, memory_sizes
 
-DIAGNOSTICS = (
-    ("kinetic", "J", "kinetic energy"),
-    ("strain", "J", "strain energy of the modes"),
-    ("potential", "J", "potential energy in the field of gravity"),
-    ("springs", "J", "energy stored in springs and bushings"),
-    ("dissipated", "J", "energy lost to modal damping and dampers since the start"),
-    ("friction", "J", "energy lost to friction since the start"),
-    ("work", "J", "work done by forces, torques and drives since the start"),
-    ("position_residual", "m or 1", "largest position constraint residual |C|"),
-    ("velocity_residual", "m/s or 1/s", "largest velocity constraint residual |Cq v|"),
-    ("evaluations", "1", "evaluations of the accelerations since the start"),
-    ("iterations", "1", "iterations of Newton's method since the start"),
-    ("steps", "1", "steps taken since the start"),
-    ("rejected", "1", "steps tried again with a shorter one since the start"),
-    ("step", "s", "length of the last step"),
-)
+DIAGNOSTICS = {
+    "kinetic": ("J", "kinetic energy"),
+    "strain": ("J", "strain energy of the modes"),
+    "potential": ("J", "potential energy in the field of gravity"),
+    "springs": ("J", "energy stored in springs and bushings"),
+    "dissipated": ("J", "energy lost to modal damping and dampers since the start"),
+    "friction": ("J", "energy lost to friction since the start"),
+    "work": ("J", "work done by forces, torques and drives since the start"),
+    "position_residual": ("m or 1", "largest position constraint residual |C|"),
+    "velocity_residual": ("m/s or 1/s", "largest velocity constraint residual |Cq v|"),
+    "evaluations": ("1", "evaluations of the accelerations since the start"),
+    "iterations": ("1", "iterations of Newton's method since the start"),
+    "steps": ("1", "steps taken since the start"),
+    "rejected": ("1", "steps tried again with a shorter one since the start"),
+    "step": ("s", "length of the last step"),
+}
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,8 @@ def columns(model: Model) -> tuple[Column, ...]:
         unit="N or N m",
         description="lam in M a + Cq^T lam = Q, joint after joint",
     )
-    for name, unit, description in DIAGNOSTICS:
+    for name in places("jo_diagnostics"):
+        unit, description = DIAGNOSTICS[name]
         add(f"diagnostics/{name}", None, unit=unit, description=description)
     for sensor in model.sensors:
         add(

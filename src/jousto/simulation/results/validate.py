@@ -38,7 +38,7 @@ def check_results(file: Group) -> None:
     if not np.isfinite(time).all() or (np.diff(time) < 0.0).any():
         raise ValueError("time is not finite and ascending")
     check_dataset(file["model"], (), "OS")
-    for name, _, _ in DIAGNOSTICS:
+    for name in DIAGNOSTICS:
         check_dataset(file[f"diagnostics/{name}"], (room,))
     nq, nv = _bodies(file)
     check_dataset(file["state/q"], (room, nq))

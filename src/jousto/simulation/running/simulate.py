@@ -16,14 +16,6 @@ from numpy.typing import NDArray
 from jousto.base.arguments import explained
 from jousto.base.errors import JoustoError, SimulationError, warn
 from jousto.model.model import Model
-from jousto.model.native.failures import (
-    EVENT,
-    NO_CONVERGENCE,
-    NOT_FINITE,
-    SINGULAR_BODY,
-    SINGULAR_JOINT,
-    STEP_TOO_SMALL,
-)
 from jousto.model.native.header import named
 from jousto.model.native.native import Engine
 from jousto.model.rank.redundancy import is_drive
@@ -291,7 +283,7 @@ def _run(
     warn_bent(engine)
     if not watch.rubbed:
         _warn_idle_friction(engine)
-    if engine.counts[4] and not engine.model.redundant:
+    if engine.counts.singular and not engine.model.redundant:
         warn(
             f"simulate {engine.model.name!r}",
             "the mechanism passed a position in which its joints repeat one another; beyond it the "
@@ -348,9 +340,9 @@ def _loop(
         status, written = engine.run(native, count, plan.every, rows)
         now = clock.perf_counter()
         record(rows[:written])
-        if status == EVENT:
+        if status == "event":
             return stopped(engine)
-        if status:
+        if status != "ok":
             return _cause(model, solver, plan, engine, status)
         count = engine.steps_done - first  # fewer if the log of events was full
         done += count
@@ -378,11 +370,11 @@ def _adaptive(
         engine.steps_done = 0  # rows from here
         seen: Record = record if done == 0 else _without_first(record)
         status = follow(engine, native, count, rows, seen, report)
-        if status == EVENT:
+        if status == "event":
             return stopped(engine)
-        if status == STEP_TOO_SMALL:
+        if status == "step too small":
             return Ending(*too_many_steps(engine, plan.start + done * plan.step, plan.step))
-        if status:
+        if status != "ok":
             return _cause(engine.model, solver, plan, engine, status)
         done += count
     return None
@@ -405,25 +397,25 @@ def stopped(engine: Engine) -> Ending:
     return Ending(f"stopped by event '{name}' at {engine.time[0]:.9g} s", failed=False)
 
 
-def _cause(model: Model, solver: Solver, plan: Schedule, engine: Engine, status: int) -> Ending:
+def _cause(model: Model, solver: Solver, plan: Schedule, engine: Engine, status: str) -> Ending:
     """Return why the run cannot go on, and which body shows it."""
-    if status == NO_CONVERGENCE:
+    if status == "no convergence":
         body = model.bodies[engine.error_index].name
         return Ending(
             f"{engine.problem(status)}; the step is {plan.step:.3g} s, try {0.5 * plan.step:.3g} s",
             body,
         )
-    if status not in (NOT_FINITE, SINGULAR_BODY, SINGULAR_JOINT):
+    if status not in ("not finite", "singular body", "singular joint"):
         return Ending(str(engine.problem(status)))
     sentence = stability_warning(model, solver, plan.step)
     gap = engine.residuals()[0]
     fast = float(np.abs(engine.v).max()) > 1e6 * max(1.0, float(np.abs(model.v0).max(initial=0.0)))
     diverged = bool(sentence) or not gap < 1e-3 * model.size or fast
-    if status != NOT_FINITE and not diverged:
+    if status != "not finite" and not diverged:
         problem = engine.problem(status)
         return Ending(f"{problem} (it was regular at the start: a singular position was reached)")
     body = ""
-    if status == NOT_FINITE:
+    if status == "not finite":
         body = model.bodies[engine.error_index].name
     if not sentence:
         sentence = (

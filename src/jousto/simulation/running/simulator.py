@@ -11,7 +11,6 @@ from jousto.base.arguments import explained
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, SimulationError, suggest
 from jousto.model.model import Model
-from jousto.model.native.failures import EVENT
 from jousto.model.native.native import Engine
 from jousto.simulation.results.events import Chronicle, Happening, happenings, joints_of, sources
 from jousto.simulation.running.state import State, put, take
@@ -130,10 +129,10 @@ class Simulator:
             self.events += happenings(
                 self._chronicle.read(), names, len(self.model.events), joints_of(self.model)
             )
-            if status == EVENT:
+            if status == "event":
                 self.stopped = self.model.events[engine.error_index].name
                 return
-            if status:
+            if status != "ok":
                 problem = engine.problem(status)
                 raise SimulationError(
                     f"the simulator stopped at {self.time:.6g} s: {problem}", time=self.time

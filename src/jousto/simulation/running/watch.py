@@ -6,9 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.errors import warn
+from jousto.mechanism.sensors.readings import ENERGIES
 from jousto.model.model import Model
+from jousto.model.native.header import named, places
 from jousto.model.rank.redundancy import disagreement
-from jousto.simulation.running.diagnostics import FAIR, STEADY
+from jousto.simulation.running.diagnostics import FAIR, STEADY, Energy
 from jousto.simulation.running.spin import Spin
 
 GAP_LIMIT = 1e-9  # of the size of the mechanism, with projection
@@ -26,8 +28,8 @@ class RunWatch:
         self._model = model
         self._projected = projected
         self._first = 1 + model.nq + model.nv + model.nrow
-        self._low = np.full(7, np.inf)
-        self._high = np.full(7, -np.inf)
+        self._low = dict.fromkeys(ENERGIES, np.inf)
+        self._high = dict.fromkeys(ENERGIES, -np.inf)
         self._start: float | None = None
         self._missed = 0.0
         self._gap = 0.0
@@ -40,16 +42,18 @@ class RunWatch:
         """Look at rows of the engine."""
         if not len(rows):
             return
-        terms = rows[:, self._first : self._first + 7]
-        balance = terms[:, :6].sum(axis=1) - terms[:, 6]
+        found = named("jo_diagnostics", rows[:, self._first :])
+        energy = Energy(**{name: getattr(found, name) for name in ENERGIES})
+        balance = energy.total + energy.dissipated + energy.friction - energy.work
+        for name, term in vars(energy).items():
+            self._low[name] = min(self._low[name], float(term.min()))
+            self._high[name] = max(self._high[name], float(term.max()))
         if self._start is None:
             self._start = float(balance[0])
         self._missed = max(self._missed, float(np.abs(balance - self._start).max()))
-        self._low = np.minimum(self._low, terms.min(axis=0))
-        self._high = np.maximum(self._high, terms.max(axis=0))
         for spin in self._spins:
             spin.see(rows)
-        gaps = rows[:, self._first + 7]
+        gaps = found.position_residual
         if gaps.max() > self._gap:
             self._gap, self._open = float(gaps.max()), rows[int(np.argmax(gaps))].copy()
         if self._projected and self._model.redundant:
@@ -64,25 +68,27 @@ class RunWatch:
     @property
     def rubbed(self) -> bool:
         """Whether friction took energy, or nothing moved."""
-        return bool(self._high[5] > self._low[5]) or not self._high[0] > 0.0
+        lost = self._high["friction"] > self._low["friction"]
+        return lost or not self._high["kinetic"] > 0.0
 
     def judge(self) -> None:
         """Warn if the balance misses a noticeable share of the energy exchanged or kinetic."""
         where = f"simulate {self._model.name!r}"
         for sentence in filter(None, (spin.sentence for spin in self._spins)):
             warn(where, sentence)
-        exchanged = float((self._high - self._low)[:4].sum())
+        exchanged = sum(self._high[name] - self._low[name] for name in places("jo_energies"))
         # shares of what moves only by round-off mean nothing
-        level = np.maximum(np.abs(self._high), np.abs(self._low))
+        level = {name: max(abs(self._high[name]), abs(self._low[name])) for name in ENERGIES}
+        potential, kinetic = level.pop("potential"), level["kinetic"]
         mass = sum(float(b.mass[0]) for b in self._model.bodies)
         weight = mass * np.abs(self._model.gravity).max()
         small = max(
-            1e-6 * float(level[[0, 1, 3, 4, 5, 6]].max()),
-            1e-12 * float(level[2]),
+            1e-6 * max(level.values()),
+            1e-12 * potential,
             1e-12 * float(weight) * self._model.size,
             1e-18 * mass,  # a speed of 1 nm/s
         )
-        scale = max(exchanged, STEADY * float(level[0]))
+        scale = max(exchanged, STEADY * kinetic)
         if self._missed > FAIR * scale and self._missed > small:
             warn(
                 where,

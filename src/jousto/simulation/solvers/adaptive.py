@@ -36,7 +36,7 @@ class DormandPrince(Declared, section="solvers", tag="DormandPrince", by_value=T
     1e-08
     """
 
-    method: ClassVar[int] = 4
+    method: ClassVar[str] = "dopri"
     order: ClassVar[int] = 5
     evaluations: ClassVar[int] = 6
     adaptive: ClassVar[bool] = True
@@ -112,8 +112,8 @@ def follow(
     rows: NDArray[np.float64],
     record: Callable[[NDArray[np.float64]], None],
     report: Report,
-) -> int:
-    """Run to row `last` in calls of about a tenth of a second; return 0 or why it ended before."""
+) -> str:
+    """Run to row `last` in calls of about a tenth of a second; return "ok" or why it ended."""
     started = clock.perf_counter()
     tries = 1
     while engine.steps_done <= last:  # rows so far
@@ -121,12 +121,12 @@ def follow(
         status, written = engine.follow(native, last, tries, rows)
         now = clock.perf_counter()
         record(rows[:written])
-        if status:
+        if status != "ok":
             return status
         report(float(engine.time[0].real), now - started)
         spent = max(now - before, 1e-6)
         tries = max(1, min(int(tries * WALL_PER_CALL / spent), 4 * tries))
-    return 0
+    return "ok"
 
 
 def too_many_steps(engine: Engine, start: float, output: float) -> tuple[str, str]:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class Solver(Protocol):
     """What `simulate` needs to know of a method."""
 
-    method: ClassVar[int]
+    method: ClassVar[str]
     order: ClassVar[int]
     evaluations: ClassVar[int]
     adaptive: ClassVar[bool]
@@ -103,7 +103,7 @@ class RK4(Explicit, tag="RK4"):
     RK4(step=0.001, projection=True, baumgarte=None)
     """
 
-    method: ClassVar[int] = 1
+    method: ClassVar[str] = "rk4"
     order: ClassVar[int] = 4
     evaluations: ClassVar[int] = 4
 
@@ -125,7 +125,7 @@ class ROS2(Explicit, tag="ROS2"):
     frequencies do not limit the step; modes that the step cannot resolve are damped.
     """
 
-    method: ClassVar[int] = 2
+    method: ClassVar[str] = "ros2"
     order: ClassVar[int] = 2
     evaluations: ClassVar[int] = 2
 

@@ -43,7 +43,7 @@ INERTIA: Any = field(
 class Newton(Declared, section="solvers", by_value=True):
     """What the implicit methods share."""
 
-    method: ClassVar[int] = 3
+    method: ClassVar[str] = "alpha"
     order: ClassVar[int] = 2
     evaluations: ClassVar[int] = 3
     adaptive: ClassVar[bool] = False
