@@ -22,20 +22,24 @@ import inspect
 import pkgutil
 import re
 import sys
-from collections.abc import Mapping
-from typing import Any, ClassVar, dataclass_transform
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar, ParamSpec, Protocol, TypeVar, dataclass_transform
 
+from jousto.base.arguments import explained
 from jousto.base.described import describe
 from jousto.base.errors import Problems
-from jousto.base.fields import Facts, Field, Name, field
+from jousto.base.fields import MISSING, Facts, Field, Name, field, kept
 from jousto.base.names import check_name
 from jousto.base.units import KINDS, check_unit
+
+P = ParamSpec("P")
+Out = TypeVar("Out", covariant=True)
 
 SECTIONS: dict[str, dict[str, type[Declared]]] = {}
 """Classes by their word ``type`` in each section of a model file."""
 
 
-@dataclass_transform(field_specifiers=(field,))
+@dataclass_transform(field_specifiers=(field, kept))
 class Declared:
     """Base of every class that is declared by its fields.
 
@@ -47,7 +51,8 @@ class Declared:
     kind: ClassVar[str] = ""
     """What it is called in messages, before its name: ``joint 'hinge'``."""
     tag: ClassVar[str] = ""
-    section: ClassVar[str] = ""
+    register: ClassVar[str] = ""
+    """The section of model files whose classes it belongs to."""
     by_value: ClassVar[bool] = False
     """Whether objects with equal fields are equal, and show as the call that makes them."""
     fields: ClassVar[Mapping[str, Field[Any, Any]]] = {}
@@ -100,12 +105,14 @@ class Declared:
         for key in own:  # defaults live in the constructor alone
             if key in vars(cls):
                 delattr(cls, key)
+        for key in [key for key, value in vars(cls).items() if value is MISSING]:
+            delattr(cls, key)
         if section:
-            cls.section = section
+            cls.register = section
             SECTIONS.setdefault(section, {})
         cls.tag = tag
         if tag:
-            SECTIONS[cls.section][tag] = cls
+            SECTIONS[cls.register][tag] = cls
         document(cls)
 
     def __post_init__(self) -> None:
@@ -159,6 +166,36 @@ def document(cls: type[Declared]) -> None:
     )
     parameters = "\n".join(["Parameters", "----------", *rows])
     cls.__doc__ = "\n\n".join([head, parameters, *rest])
+
+
+class Makes(Protocol[Out]):
+    """What a declared class is whose objects stand for another object."""
+
+    @property
+    def made(self) -> Out:
+        """The object."""
+
+
+def maker(name: str, cls: Callable[P, Makes[Out]]) -> Callable[P, Out]:
+    """Return the function that makes what the objects of a declared class stand for.
+
+    Parameters
+    ----------
+    name : str
+        How users call it, ``"RigidBody.box"``.
+    cls : type
+        The class; the function has its arguments and its help.
+    """
+
+    def make(*given: P.args, **named: P.kwargs) -> Out:
+        return cls(*given, **named).made
+
+    make.__qualname__, make.__name__ = name, name.rpartition(".")[2]
+    make.__module__ = cls.__module__
+    make.__doc__ = (inspect.getdoc(cls) or "").replace("A ", "Return a ", 1)
+    signature = inspect.signature(cls).replace(return_annotation=name.partition(".")[0])
+    make.__dict__["__signature__"] = signature
+    return explained(make)
 
 
 def kinds(section: str, room: str) -> dict[str, type[Declared]]:

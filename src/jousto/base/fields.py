@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable
-from typing import Any, ClassVar, Generic, TypeVar, get_args, overload
+from typing import Any, ClassVar, Generic, Literal, TypeVar, get_args, overload
 
 from jousto.base.errors import Problems
 
@@ -43,6 +43,11 @@ def field(
         Arguments of the type: unit, limits.
     """
     return Facts(text, default, kw_only, compare, facts)
+
+
+def kept(*, init: Literal[False] = False) -> Any:
+    """Mark an attribute that the object computes from its fields when it is made."""
+    return MISSING
 
 
 @dataclasses.dataclass(frozen=True)
@@ -172,8 +177,8 @@ class AnyField(Field[Any, Any]):
         As for every field.
     form, noun : str
         How model files write it, and what it is called in help.
-    shape : tuple
-        Of one value, where there may be one for all or a list of them.
+    shapes : tuple of tuple
+        Shapes of arrays that it may be, None for any length.
     """
 
     def __init__(
@@ -182,11 +187,11 @@ class AnyField(Field[Any, Any]):
         *,
         form: str = "",
         noun: str = "",
-        shape: tuple[int | None, ...] = (),
+        shapes: tuple[tuple[int | None, ...], ...] = (),
         **common: Any,
     ) -> None:
         super().__init__(text, **common)
-        self.form, self.noun, self.shape = form, noun, shape
+        self.form, self.noun, self.shapes = form, noun, shapes
 
 
 class OptionalText(Field["str | None", str]):

@@ -269,3 +269,7 @@ class OptionalValues(_Values["ArrayLike | None", "NDArray[np.float64] | None"]):
     """An array of numbers, or None."""
 
     optional = True
+
+
+class DefaultValues(_Values["ArrayLike | None", NDArray[np.float64]]):
+    """An array of numbers, or None for one that the object finds itself."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -14,14 +13,12 @@ from numpy.typing import ArrayLike
 from jousto.base.arrays import Array, read_only
 from jousto.base.declare import Declared
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
-from jousto.base.fields import field
+from jousto.base.fields import AnyField, Field, field, kept
 from jousto.base.frozen import Frozen
-from jousto.base.names import check_name
-from jousto.base.numbers import Number, number, set_fields
+from jousto.base.numbers import Number, OptionalValues, number, set_fields
 from jousto.base.rotations import (
     euler_parameters,
     parse_direction,
-    parse_orientation,
     rotation_matrix,
 )
 from jousto.mechanism.beams.frames import arc_lengths, section_frames, strains, tangents
@@ -29,7 +26,7 @@ from jousto.mechanism.beams.limits import highest_frequencies
 from jousto.mechanism.beams.stiffness import BeamSection, as_beam_section, tension_factor
 from jousto.mechanism.bodies.body import RigidBody
 from jousto.mechanism.bodies.marker import Marker, marker_axes
-from jousto.mechanism.bodies.posed import ZERO3
+from jousto.mechanism.bodies.posed import ZERO3, Posed
 from jousto.parts.frames.members import check_elements
 
 SHARES = {"lumped": 0.0, "corrected": 0.0, "consistent": 1.0}
@@ -111,65 +108,45 @@ class BeamNode(RigidBody):
         return f"<BeamNode {self.name!r}: {self.mass:g} kg>"
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class BeamBody:
+class Damping(Field["BeamDamping | None", BeamDamping]):
+    """Damping of a beam; None for none."""
+
+    form = "item"
+    noun = "BeamDamping"
+    of = BeamDamping
+    checks_none = True
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the damping."""
+        found = BeamDamping() if value is None else value
+        if not isinstance(found, BeamDamping):
+            wanted = "must be a BeamDamping(mass=, stiffness=)"
+            problems.add(where, f"{self.name} is {value!r}, {wanted}")
+        return found
+
+
+class Share(Field["str | float | None", float]):
+    """How the elements have their mass; the beam keeps how much it is."""
+
+    form = "beam inertia"
+    noun = '"lumped", "corrected", "consistent" or float'
+
+
+class Elements(Field["int | None", "dict[str, Array]"]):
+    """The number of elements; the beam keeps their data."""
+
+    form = "count"
+    noun = "int"
+
+
+class BeamBody(Posed, tag="beam"):
     """A geometrically exact beam: it bends, twists, stretches and shears without any limit.
 
     Elements of two nodes stand between the nodes, each with one strain (Reissner-Simo measures, the
     relative rotation halved): ``Gamma = Q_m^T (r_b - r_a)/L - e1``, ``kappa = log(Q_a^T Q_b)/L``
     and resultants ``s = C (e - e0)``. Rigid motions strain nothing, whatever their size. The nodes
-    are bodies of the mechanism and carry markers for joints, forces and sensors.
-
-    Parameters
-    ----------
-    name : str
-        Name, unique among the bodies.
-    points : (2, 3) or (n + 1, 3) array_like
-        Ends of a straight beam, or its nodes, in the body frame, m. Several points are points of a
-        smooth curve unless `corners` says otherwise.
-    section : Section, BeamSection or sequence of n of them
-        Cross section; one for all elements or one each.
-    material : Material, optional
-        Of a `Section`; a `BeamSection` has its own.
-    elements : int, optional
-        Number of elements n between two points; three or more points decide it themselves.
-    up : (3,) or (n + 1, 3) array_like, optional
-        Direction near the z axis of the first section, body frame, from which the others follow by
-        the smallest rotations along the curve; or one for each node. None for (0, 0, 1), of beams
-        that begin along z (1, 0, 0).
-    twist : float or (n + 1,) array_like
-        Turn of the sections about the axis beyond that, rad: of the end, growing along the beam,
-        or of each node.
-    corners : sequence of int
-        Nodes (from 0) at which the axis has a corner: two elements are welded there at an angle.
-    mass : "lumped", "corrected", "consistent" or float, optional
-        Inertia of the elements and, as mass is pulled where it is, their weight: of their halves
-        at the nodes (0), of linear shape functions (1) or between (mass centres on the axis
-        only), all of order 2 in the length of the elements; or that of their halves with the end
-        correction of Euler and Maclaurin, for which bending vibrations of straight beams with
-        `bending` are of order 3 and a straight one bends under its weight as it should. None for
-        "corrected" with `bending`, else "lumped".
-    bending : bool
-        Straight beams bent in a plane converge with fourth order instead of second, curved and
-        twisted ones with smaller errors: the axis of an element is a screw line between its ends
-        (Sonneville, Cardona and Bruls 2014) instead of its chord, and the residual bending
-        flexibility is added (see `BeamSection.with_bending`). Elements become softer in shear,
-        which lowers the tension that they bear.
-    damping : BeamDamping, optional
-        Damping proportional to mass and stiffness; None for none.
-    offset : (2,) or (n + 1, 2) array_like
-        Section axis (y, z) relative to the line of nodes, section axes, m: rigid arms.
-    straight : bool
-        The unstressed beam is straight: it is placed bent, and springs back.
-    reference : (n + 1, 3) array_like, optional
-        Nodes of the unstressed shape, m; None for that of `points`.
-    markers : mapping of str to int, optional
-        Names of nodes (from 0). "start", "end" and "node1"... always exist.
-    position, orientation : (3,) array_like, orientation
-        Initial pose of the body frame in the world, m.
-    velocity, angular_velocity : (3,) array_like
-        Initial velocity of the body frame's origin, m/s, and angular velocity, rad/s, of the beam
-        that moves as a rigid body; resolved in the world frame.
+    are bodies of the mechanism and carry markers for joints, forces and sensors. The initial
+    velocity is that of the beam which moves as a rigid body.
 
     Attributes
     ----------
@@ -183,6 +160,10 @@ class BeamBody:
         Unstressed lengths of the elements, m.
     sections : tuple of BeamSection
         One for each element.
+    mass : float
+        Mass, kg.
+    elements : dict of array
+        Data (n, ...) of the elements by name, see ``jo_beam_data`` in jousto.h.
 
     Raises
     ------
@@ -200,100 +181,169 @@ class BeamBody:
     <Marker 'cable.end'>
     """
 
-    name: str
-    nodes: Array
-    frames: Array
-    ends: Array
-    lengths: Array
-    sections: tuple[BeamSection, ...]
-    offsets: Array
-    unstressed: Array
-    share: float
-    corrected: bool
-    bending: bool
-    damping: BeamDamping
-    markers: Mapping[str, int]
-    position: Array
-    orientation: Array
-    velocity: Array
-    angular_velocity: Array
+    together = ("points",)
+    nodes: Array = kept()
+    frames: Array = kept()
+    ends: Array = kept()
+    lengths: Array = kept()
+    sections: tuple[BeamSection, ...] = kept()
+    offsets: Array = kept()
+    unstressed: Array = kept()
+    share: float = kept()
+    corrected: bool = kept()
+    points: AnyField = field(
+        "Ends of a straight beam, or its nodes, in the body frame. Several points are points of a "
+        "smooth curve unless `corners` says otherwise",
+        form="shapes",
+        noun="(2, 3) or (n + 1, 3) array_like",
+        unit="m",
+        shapes=((None, 3),),
+    )
+    section: AnyField = field(
+        "Cross section; one for all elements or one each",
+        form="beam sections",
+        noun="Section, BeamSection or sequence of n of them",
+    )
+    material: AnyField = field(
+        "Of a `Section`; a `BeamSection` has its own",
+        form="material",
+        noun="Material",
+        default=None,
+    )
+    elements: Elements = field(
+        "Number of elements n between two points; three or more points decide it themselves",
+        default=None,
+        kw_only=True,
+    )
+    up: AnyField = field(
+        "Direction near the z axis of the first section, body frame, from which the others follow "
+        "by the smallest rotations along the curve; or one for each node. None for (0, 0, 1), of "
+        "beams that begin along z (1, 0, 0)",
+        form="shapes",
+        noun="(3,) or (n + 1, 3) array_like",
+        shapes=((3,), (None, 3)),
+        default=None,
+        kw_only=True,
+    )
+    twist: AnyField = field(
+        "Turn of the sections about the axis beyond that: of the end, growing along the beam, or "
+        "of each node",
+        form="shapes",
+        noun="float or (n + 1,) array_like",
+        unit="rad",
+        shapes=((), (None,)),
+        default=0.0,
+        kw_only=True,
+    )
+    corners: AnyField = field(
+        "Nodes (from 0) at which the axis has a corner: two elements are welded there at an angle",
+        form="counts",
+        noun="sequence of int",
+        default=(),
+        kw_only=True,
+    )
+    mass: Share = field(
+        "Inertia of the elements and, as mass is pulled where it is, their weight: of their halves "
+        "at the nodes (0), of linear shape functions (1) or between (mass centres on the axis "
+        "only), all of order 2 in the length of the elements; or that of their halves with the end "
+        "correction of Euler and Maclaurin, for which bending vibrations of straight beams with "
+        "`bending` are of order 3 and a straight one bends under its weight as it should. None for "
+        '"corrected" with `bending`, else "lumped"',
+        default=None,
+        kw_only=True,
+    )
+    bending: AnyField = field(
+        "Straight beams bent in a plane converge with fourth order instead of second, curved and "
+        "twisted ones with smaller errors: the axis of an element is a screw line between its ends "
+        "(Sonneville, Cardona and Bruls 2014) instead of its chord, and the residual bending "
+        "flexibility is added (see `BeamSection.with_bending`). Elements become softer in shear, "
+        "which lowers the tension that they bear",
+        form="flag",
+        noun="bool",
+        default=False,
+        kw_only=True,
+    )
+    damping: Damping = field(
+        "Damping proportional to mass and stiffness; None for none", default=None, kw_only=True
+    )
+    offset: AnyField = field(
+        "Section axis (y, z) relative to the line of nodes, or that at each node, section axes: "
+        "rigid arms",
+        form="shapes",
+        noun="(2,) or (n + 1, 2) array_like",
+        unit="m",
+        shapes=((2,), (None, 2)),
+        default=(0.0, 0.0),
+        kw_only=True,
+    )
+    straight: AnyField = field(
+        "The unstressed beam is straight: it is placed bent, and springs back",
+        form="flag",
+        noun="bool",
+        default=False,
+        kw_only=True,
+    )
+    reference: OptionalValues = field(
+        "Nodes of the unstressed shape; None for that of `points`",
+        unit="m",
+        shape=(None, 3),
+        default=None,
+        kw_only=True,
+    )
+    markers: AnyField = field(
+        'Names of nodes (from 0). "start", "end" and "node1"... always exist',
+        form="nodes",
+        noun="mapping of str to int",
+        default=None,
+        kw_only=True,
+    )
 
-    def __init__(
-        self,
-        name: str,
-        points: ArrayLike,
-        section: Any,
-        material: Any = None,
-        *,
-        elements: int | None = None,
-        up: ArrayLike | None = None,
-        twist: ArrayLike = 0.0,
-        corners: Sequence[int] = (),
-        mass: str | float | None = None,
-        bending: bool = False,
-        damping: Any = None,
-        offset: ArrayLike = (0.0, 0.0),
-        straight: bool = False,
-        reference: ArrayLike | None = None,
-        markers: Mapping[str, int] | None = None,
-        position: ArrayLike = ZERO3,
-        orientation: Any = None,
-        velocity: ArrayLike = ZERO3,
-        angular_velocity: ArrayLike = ZERO3,
-    ) -> None:
-        problems = Problems()
-        where = check_name(problems, "body", name)
-        nodes = _nodes(problems, where, points, elements)
-        pose = {
-            "position": problems.array(where, "position", position, (3,)),
-            "orientation": parse_orientation(problems, where, "orientation", orientation),
-            "velocity": problems.array(where, "velocity", velocity, (3,)),
-            "angular_velocity": problems.array(where, "angular_velocity", angular_velocity, (3,)),
-        }
-        sections = _sections(problems, where, section, material, nodes)
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Keep nodes, frames and unstressed strains; note what does not fit together."""
+        mass, elements, reference = vars(self)["mass"], vars(self)["elements"], self.reference
+        nodes = _nodes(problems, where, self.points, elements)
+        sections = _sections(problems, where, self.section, self.material, nodes)
         if mass is None:
-            mass = "corrected" if bending else "lumped"
+            mass = "corrected" if self.bending else "lumped"
         share = _share(problems, where, mass)
-        if damping is not None and not isinstance(damping, BeamDamping):
-            problems.add(where, f"damping is {damping!r}, must be a BeamDamping(mass=, stiffness=)")
-        if straight and reference is not None:
+        if self.straight and reference is not None:
             problems.add(where, "straight and reference both tell the unstressed shape; give one")
         if nodes is None:
-            problems.raise_if_any()
-        assert nodes is not None
+            return
         n = len(nodes) - 1
-        turns = _along(problems, where, "twist", twist, n, ())
-        arms = _along(problems, where, "offset", offset, n, (2,))
+        turns = _along(problems, where, "twist", self.twist, n, ())
+        arms = _along(problems, where, "offset", self.offset, n, (2,))
         if turns is not None:
             _check_twist(problems, where, turns)
         if share:
             _check_share(problems, where, sections)
-        kinks = _places(problems, where, "corners", corners, range(1, n))
-        named = _markers(problems, where, markers, n)
-        z = _up(problems, where, up, nodes)
-        rest = None
+        kinks = _places(problems, where, "corners", self.corners, range(1, n))
+        named = _markers(problems, where, self.markers, n)
+        z = _up(problems, where, self.up, nodes)
         if reference is not None:
-            rest = problems.array(where, "reference", reference, (n + 1, 3))
-            if rest is not None:
-                _apart(problems, where, "reference", rest)
-        problems.raise_if_any()
+            reference = problems.array(where, "reference", reference, (n + 1, 3))
+            if reference is not None:
+                _apart(problems, where, "reference", reference)
+        if problems.found:
+            return
         assert turns is not None and arms is not None and z is not None
         frames, ends, r = _shape(problems, where, nodes, z, turns, kinks, arms)
-        problems.raise_if_any()
+        if problems.found:
+            return
         lengths = arc_lengths(r, ends)
-        if straight:
+        if self.straight:
             e0 = np.zeros((n, 6))
             e0[:, 3] = np.diff(turns) / lengths
-        elif rest is not None:
-            _, ends0, r0 = _shape(problems, where, rest, z, turns, kinks, arms)
-            problems.raise_if_any()
+        elif reference is not None:
+            _, ends0, r0 = _shape(problems, where, reference, z, turns, kinks, arms)
+            if problems.found:
+                return
             lengths = arc_lengths(r0, ends0)
-            e0 = strains(r0, ends0, lengths, helical=bool(bending))
+            e0 = strains(r0, ends0, lengths, helical=bool(self.bending))
         else:
-            e0 = strains(r, ends, lengths, helical=bool(bending))
+            e0 = strains(r, ends, lengths, helical=bool(self.bending))
         set_fields(
             self,
-            name=name,
             nodes=nodes,
             frames=read_only(frames),
             ends=read_only(ends),
@@ -303,12 +353,12 @@ class BeamBody:
             unstressed=read_only(e0),
             share=share,
             corrected=isinstance(mass, str) and mass == "corrected",
-            bending=bool(bending),
-            damping=damping or BeamDamping(),
+            mass=float(sum(s.mass * L for s, L in zip(sections, lengths, strict=True))),
+            bending=bool(self.bending),
             markers=Frozen(named),
-            **pose,
         )
-
+        data = _element_data(self)
+        set_fields(self, elements={key: read_only(values) for key, values in data.items()})
         coarsest = float((lengths * np.linalg.norm(e0[:, 3:], axis=1)).max())
         if coarsest > COARSE:
             twisted = float(np.abs(np.diff(turns)).max())
@@ -382,7 +432,7 @@ class BeamBody:
     def _place(self, point: str) -> int:
         known = {"start": 0, "end": self.n, **self.markers}
         if point in known:
-            return known[point]
+            return int(known[point])
         digits = str(point).removeprefix("node")
         if digits != point and digits.isdecimal() and 1 <= int(digits) <= self.n + 1:
             return int(digits) - 1
@@ -413,11 +463,6 @@ class BeamBody:
         return float(self.lengths.sum())
 
     @property
-    def mass(self) -> float:
-        """Mass, kg."""
-        return float(sum(s.mass * L for s, L in zip(self.sections, self.lengths, strict=True)))
-
-    @property
     def s(self) -> Array:
         """Arc length (n + 1,) of the nodes along the unstressed axis, m."""
         return np.concatenate([[0.0], np.cumsum(self.lengths)])
@@ -431,11 +476,6 @@ class BeamBody:
     def bodies(self) -> tuple[BeamNode, ...]:
         """The nodes as bodies: half of every element's mass and rotary inertia at its ends."""
         return tuple(_node_bodies(self))
-
-    @cached_property
-    def elements(self) -> dict[str, Array]:
-        """Data (n, ...) of the elements by name, see ``jo_beam_data`` in jousto.h."""
-        return {name: read_only(values) for name, values in _element_data(self).items()}
 
 
 # -- helpers of the constructor -------------------------------------------------------------

@@ -7,18 +7,19 @@ Axes of a section: x along the beam, y to the left and z up when looking along i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arrays import Array, read_only
+from jousto.base.declare import Declared, maker
 from jousto.base.errors import Problems, warn
-from jousto.base.numbers import number, set_fields
+from jousto.base.fields import AnyField, Field, Items, field
+from jousto.base.numbers import DefaultValues, Number, OptionalValues, Values, set_fields
 from jousto.materials.library import by_name
 from jousto.materials.material import Material
-from jousto.mechanism.bodies.inertia import check_inertia
+from jousto.mechanism.bodies.posed import Inertia, Mass
 from jousto.sections.points import StressPoint, section_outline, stress_points
 from jousto.sections.section import Section
 
@@ -31,37 +32,121 @@ POLAR = 10.0  # times (EIy + EIz)/EA or a part of it: polar of something else
 SINGULAR = 1e-13
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class BeamSection:
+class Stiffness(Field[ArrayLike, Array]):
+    """A symmetric, positive definite matrix (6, 6), or its diagonal."""
+
+    form = "shapes"
+    noun = "(6, 6) or (6,) array_like"
+    shapes = ((6,), (6, 6))
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the matrix."""
+        return _stiffness(problems, where, value)
+
+
+class OffsetSection(Declared, section="beam sections", tag="offset"):
+    """A section of one material, with centroid and shear centre where they are.
+
+    With the strains of the centroid and of the shear centre, ``Gamma_x + z_c kappa_y - y_c
+    kappa_z`` and ``Gamma_y - z_s kappa_x, Gamma_z + y_s kappa_x``, the stiffness is
+    ``C = T^T diag(EA, ky GA, kz GA, GJ, EIy, EIz) T``.
+
+    Raises
+    ------
+    InputError
+        Without shear coefficients or density.
+
+    Examples
+    --------
+    >>> from jousto import Material, Rectangle
+    >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> offset = BeamSection.of(Rectangle(0.02, 0.01), steel, centroid=(0.0, 0.1))
+    >>> bool(np.isclose(offset.stiffness[0, 4], 210e9 * 2e-4 * 0.1))
+    True
+    """
+
+    together = ("section", "material")
+    section: AnyField = field(
+        "Constants about its centroid and principal axes, which are the section axes",
+        form="section",
+        noun="Section",
+    )
+    material: AnyField = field("Its density must not be zero", form="material", noun="Material")
+    centroid: Values = field(
+        "Centroid (y, z) from the reference axis; the mass is there too",
+        unit="m",
+        shape=(2,),
+        default=(0.0, 0.0),
+        kw_only=True,
+    )
+    shear_center: OptionalValues = field(
+        "Shear centre (y, z) from the reference axis; None for the centroid",
+        unit="m",
+        shape=(2,),
+        default=None,
+        kw_only=True,
+    )
+    fibres: AnyField = field(
+        "Whether twist stretches the fibres, ``polar = (Iy + Iz)/A + |s - c|^2``",
+        form="flag",
+        noun="bool",
+        default=True,
+        kw_only=True,
+    )
+
+    def heading(self, problems: Problems) -> str:
+        """Return what messages say first."""
+        return f"section {type(self.section).__name__}"
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note what is no section or material, and what they lack."""
+        section, material = self.section, self.material
+        if not isinstance(section, Section):
+            problems.add(
+                where,
+                f"is {section!r}, must be a section such as Rectangle, Tube or GeneralSection, or "
+                "a BeamSection",
+            )
+        if not isinstance(material, Material):
+            problems.add(where, f"material is {material!r}, must be a Material{by_name(material)}")
+        if problems.found:
+            return
+        for name in ("ky", "kz"):
+            if getattr(section, name) is None:
+                problems.add(
+                    where,
+                    f"{name} is missing: an exact beam shears; give the shear coefficients, "
+                    "GeneralSection(..., ky=5/6, kz=5/6)",
+                )
+        if material.rho == 0.0:
+            problems.add(where, "rho is 0: every piece of an exact beam needs mass")
+
+    @property
+    def made(self) -> BeamSection:
+        """The stiffness and inertia of the section."""
+        section, material, c = self.section, self.material, self.centroid
+        s = c if self.shear_center is None else self.shear_center
+        E, G, rho = material.E, material.G, material.rho
+        A, Iy, Iz = section.A, section.Iy, section.Iz
+        D = np.diag([E * A, section.ky * G * A, section.kz * G * A, G * section.J, E * Iy, E * Iz])
+        T = shifted_strains(c, s)
+        return BeamSection(
+            T.T @ D @ T,
+            rho * A,
+            (rho * (Iy + Iz), rho * Iy, rho * Iz),
+            center=c,
+            points=stress_points(section, (c[0], c[1]), (s[0], s[1])),
+            outline=section_outline(section, (c[0], c[1])),
+            elasticity=(E, material.nu),
+            polar=float((Iy + Iz) / A + (c - s) @ (c - s)) if self.fibres else 0.0,
+        )
+
+
+class BeamSection(Declared, section="beam sections", tag="stiffness"):
     """Stiffness and inertia of a beam's section, any composite or offset one.
 
     The section carries ``s = C e``: resultants ``[N, Qy, Qz, Mx, My, Mz]`` by the strains of the
     reference axis ``[Gamma_x, Gamma_y, Gamma_z, kappa_x, kappa_y, kappa_z]``, both in section axes.
-
-    Parameters
-    ----------
-    stiffness : (6, 6) or (6,) array_like
-        C, symmetric and positive definite: N, N m and N m2; six numbers are its diagonal
-        ``EA, GAy, GAz, GJ, EIy, EIz``.
-    mass : float
-        Mass per length, kg/m.
-    inertia : (3, 3) or (3,) array_like
-        Rotary inertia per length about the mass centre, section axes, kg m. Of a homogeneous
-        section it is ``rho (Iy + Iz), rho Iy, rho Iz``; of any flat one the first is the sum of
-        the others, not rho times the torsion constant.
-    center : (2,) array_like
-        Mass centre (y, z) from the reference axis, m.
-    points : sequence of StressPoint
-        Places of the section where stress is recovered, and what it is for unit resultants.
-    outline : (k, 2) array_like, optional
-        Outer edge of the section for pictures, counterclockwise seen from ahead, m; None for the
-        rectangle of the same rotary inertia.
-    elasticity : (float, float), optional
-        Young's modulus, Pa, and Poisson's ratio, for strain gauges; None if there are none.
-    polar : float
-        ``(Iy + Iz)/A`` about the shear centre, m2: a twist kappa stretches the fibres by
-        ``polar kappa^2 / 2`` on the mean, so that tension N stiffens them against twist, GJ becomes
-        ``GJ + N polar`` (Wagner 1929, Biot 1939). 0: it does not.
 
     Raises
     ------
@@ -82,142 +167,68 @@ class BeamSection:
     <BeamSection: 1.2 kg/m, EA 2.8e+07 N>
     """
 
-    stiffness: Array
-    mass: float
-    inertia: Array
-    center: Array
-    points: tuple[StressPoint, ...]
-    outline: Array
-    elasticity: tuple[float, float] | None
-    polar: float
+    stiffness: Stiffness = field(
+        "C, symmetric and positive definite: N, N m and N m2; six numbers are its diagonal "
+        "``EA, GAy, GAz, GJ, EIy, EIz``"
+    )
+    mass: Mass = field("Mass per length", unit="kg/m")
+    inertia: Inertia = field(
+        "Rotary inertia per length about the mass centre, section axes, three moments or a 3 x 3 "
+        "tensor. Of a homogeneous section it is ``rho (Iy + Iz), rho Iy, rho Iz``; of any flat one "
+        "the first is the sum of the others, not rho times the torsion constant",
+        unit="kg m",
+    )
+    center: Values = field(
+        "Mass centre (y, z) from the reference axis",
+        unit="m",
+        shape=(2,),
+        default=(0.0, 0.0),
+        kw_only=True,
+    )
+    points: Items[StressPoint] = field(
+        "Places of the section where stress is recovered, and what it is for unit resultants",
+        default=(),
+        kw_only=True,
+    )
+    outline: DefaultValues = field(
+        "Outer edge (y, z) of the section for pictures, counterclockwise seen from ahead; None for "
+        "the rectangle of the same rotary inertia",
+        unit="m",
+        shape=(None, 2),
+        default=None,
+        kw_only=True,
+    )
+    elasticity: AnyField = field(
+        "Young's modulus, Pa, and Poisson's ratio, for strain gauges; None if there are none",
+        form="elasticity",
+        noun="(float, float)",
+        default=None,
+        kw_only=True,
+    )
+    polar: Number = field(
+        "``(Iy + Iz)/A`` about the shear centre: a twist kappa stretches the fibres by "
+        "``polar kappa^2 / 2`` on the mean, so that tension N stiffens them against twist, GJ "
+        "becomes ``GJ + N polar`` (Wagner 1929, Biot 1939). 0: it does not",
+        unit="m2",
+        least=0,
+        wanted="zero or positive",
+        default=0.0,
+        kw_only=True,
+    )
 
-    def __init__(
-        self,
-        stiffness: ArrayLike,
-        mass: float,
-        inertia: ArrayLike,
-        *,
-        center: ArrayLike = (0.0, 0.0),
-        points: Any = (),
-        outline: ArrayLike | None = None,
-        elasticity: tuple[float, float] | None = None,
-        polar: float = 0.0,
-    ) -> None:
-        problems, where = Problems(), "BeamSection"
-        C = _stiffness(problems, where, stiffness)
-        density = number(problems, where, "mass", mass)
-        if density is not None and density <= 0:
-            problems.add(where, f"mass is {density:g} kg/m, must be a positive number")
-        J = check_inertia(problems, where, inertia)
-        c = problems.array(where, "center", center, (2,))
-        fibres = number(problems, where, "polar", polar)
-        if fibres is not None and fibres < 0.0:
-            problems.add(where, f"polar is {fibres:g} m2, must be zero or positive")
-        named = problems.several(where, "points", points, StressPoint)
-        edge = None if outline is None else problems.array(where, "outline", outline, (None, 2))
-        problems.raise_if_any()
-        assert C is not None and density is not None and J is not None and c is not None
-        assert fibres is not None
-        if edge is None:
-            y, z = np.sqrt(3.0 * np.diag(J)[[2, 1]] / density)
-            edge = read_only(c + np.array([[-y, -z], [y, -z], [y, z], [-y, z]]))
-        set_fields(
-            self,
-            stiffness=C,
-            mass=density,
-            inertia=J,
-            center=c,
-            points=named,
-            outline=edge,
-            elasticity=elasticity,
-            polar=fibres,
-        )
-        _warn_units(where, C, density)
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Draw the section without an outline; warn of what has other units."""
+        if vars(self)["outline"] is None:
+            y, z = np.sqrt(3.0 * np.diag(self.inertia)[[2, 1]] / self.mass)
+            edge = self.center + np.array([[-y, -z], [y, -z], [y, z], [-y, z]])
+            set_fields(self, outline=read_only(edge))
+        _warn_units(where, self.stiffness, self.mass)
         _warn_moments(where, self)
 
     def __repr__(self) -> str:
         return f"<BeamSection: {self.mass:g} kg/m, EA {self.stiffness[0, 0]:g} N>"
 
-    @classmethod
-    def of(
-        cls,
-        section: Any,
-        material: Any,
-        *,
-        centroid: ArrayLike = (0.0, 0.0),
-        shear_center: ArrayLike | None = None,
-        fibres: bool = True,
-    ) -> BeamSection:
-        """Return the section of one material, with centroid and shear centre where they are.
-
-        With the strains of the centroid and of the shear centre, ``Gamma_x + z_c kappa_y - y_c
-        kappa_z`` and ``Gamma_y - z_s kappa_x, Gamma_z + y_s kappa_x``, the stiffness is
-        ``C = T^T diag(EA, ky GA, kz GA, GJ, EIy, EIz) T``.
-
-        Parameters
-        ----------
-        section : Section
-            Constants about its centroid and principal axes, which are the section axes.
-        material : Material
-            Its density must not be zero.
-        centroid : (2,) array_like
-            Centroid (y, z) from the reference axis, m; the mass is there too.
-        shear_center : (2,) array_like, optional
-            Shear centre (y, z) from the reference axis, m; None for the centroid.
-        fibres : bool
-            Whether twist stretches the fibres, ``polar = (Iy + Iz)/A + |s - c|^2``.
-
-        Raises
-        ------
-        InputError
-            Without shear coefficients or density.
-
-        Examples
-        --------
-        >>> from jousto import Material, Rectangle
-        >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
-        >>> offset = BeamSection.of(Rectangle(0.02, 0.01), steel, centroid=(0.0, 0.1))
-        >>> bool(np.isclose(offset.stiffness[0, 4], 210e9 * 2e-4 * 0.1))
-        True
-        """
-        problems, where = Problems(), f"section {type(section).__name__}"
-        if not isinstance(section, Section):
-            problems.add(
-                where,
-                f"is {section!r}, must be a section such as Rectangle, Tube or GeneralSection, or "
-                "a BeamSection",
-            )
-        if not isinstance(material, Material):
-            problems.add(where, f"material is {material!r}, must be a Material{by_name(material)}")
-        problems.raise_if_any()
-        for name in ("ky", "kz"):
-            if getattr(section, name) is None:
-                problems.add(
-                    where,
-                    f"{name} is missing: an exact beam shears; give the shear coefficients, "
-                    "GeneralSection(..., ky=5/6, kz=5/6)",
-                )
-        if material.rho == 0.0:
-            problems.add(where, "rho is 0: every piece of an exact beam needs mass")
-        c = problems.array(where, "centroid", centroid, (2,))
-        s = c if shear_center is None else problems.array(where, "shear_center", shear_center, (2,))
-        problems.raise_if_any()
-        assert c is not None and s is not None
-        assert section.ky is not None and section.kz is not None
-        E, G, rho = material.E, material.G, material.rho
-        A, Iy, Iz = section.A, section.Iy, section.Iz
-        D = np.diag([E * A, section.ky * G * A, section.kz * G * A, G * section.J, E * Iy, E * Iz])
-        T = shifted_strains(c, s)
-        return cls(
-            T.T @ D @ T,
-            rho * A,
-            (rho * (Iy + Iz), rho * Iy, rho * Iz),
-            center=c,
-            points=stress_points(section, (c[0], c[1]), (s[0], s[1])),
-            outline=section_outline(section, (c[0], c[1])),
-            elasticity=(E, material.nu),
-            polar=float((Iy + Iz) / A + (c - s) @ (c - s)) if fibres else 0.0,
-        )
+    of = staticmethod(maker("BeamSection.of", OffsetSection))
 
     def with_bending(self, length: float) -> Array:
         """Return the stiffness (6, 6) of an element with the residual bending flexibility.

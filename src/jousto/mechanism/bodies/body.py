@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, ParamSpec, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array, read_only
+from jousto.base.declare import maker
 from jousto.base.errors import InputError, Problem, Problems, suggest
-from jousto.base.fields import AnyField, Field, Reference, field
+from jousto.base.fields import AnyField, Field, Reference, field, kept
 from jousto.base.numbers import Number, Vector, set_fields
 from jousto.base.rotations import Direction
 from jousto.base.units import LENGTHS
@@ -41,8 +41,6 @@ from jousto.mechanism.bodies.shapes import (
 
 if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart as ReducedPart
-
-P = ParamSpec("P")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -235,18 +233,6 @@ class SurfaceBody(Shaped, tag="surface"):
         return closed_surface(where, read_surface(where, self.surface, self.unit))
 
 
-def built(word: str, shape: Callable[P, Shaped]) -> Callable[P, RigidBody]:
-    """Return the function that makes the rigid body of a shape."""
-
-    def make(*given: P.args, **named: P.kwargs) -> RigidBody:
-        return shape(*given, **named).made
-
-    make.__name__, make.__qualname__ = word, f"RigidBody.{word}"
-    make.__doc__ = (inspect.getdoc(shape) or "").replace("A ", "Return a ", 1)
-    make.__dict__["__signature__"] = inspect.signature(shape).replace(return_annotation="RigidBody")
-    return explained(make)
-
-
 class RigidBody(Posed, tag="rigid"):
     """A rigid body with its initial pose and velocity.
 
@@ -282,14 +268,15 @@ class RigidBody(Posed, tag="rigid"):
         "Polyline in the body frame to draw the body with, or the triangles of its surface, "
         "counterclockwise seen from outside",
         unit="m",
+        shape=(None, 3),
         default=None,
         kw_only=True,
     )
 
-    box = staticmethod(built("box", BoxBody))
-    cylinder = staticmethod(built("cylinder", CylinderBody))
-    sphere = staticmethod(built("sphere", SphereBody))
-    from_mesh = staticmethod(built("from_mesh", SurfaceBody))
+    box = staticmethod(maker("RigidBody.box", BoxBody))
+    cylinder = staticmethod(maker("RigidBody.cylinder", CylinderBody))
+    sphere = staticmethod(maker("RigidBody.sphere", SphereBody))
+    from_mesh = staticmethod(maker("RigidBody.from_mesh", SurfaceBody))
 
     __iter__: ClassVar[None] = None
 
@@ -368,7 +355,7 @@ class Dropped(Field[Iterable[str], frozenset[str]]):
 
 
 class Modal(Field["ArrayLike | None", Array]):
-    """One number of each mode; None for zero. The body checks how many there are."""
+    """One number of each mode, which the body counts, or None for zero."""
 
     form = "array"
     noun = "(n,) array_like"
@@ -394,7 +381,7 @@ class FlexibleBody(Posed, tag="flexible"):
     """
 
     together = ("reduced",)
-    modal_damping: Array
+    modal_damping: Array = kept()
     reduced: Reduced = field(
         "Modes, invariants and nodes; may be shared by several bodies", key="part"
     )
@@ -408,10 +395,10 @@ class FlexibleBody(Posed, tag="flexible"):
         kw_only=True,
     )
     modal_coordinates: Modal = field(
-        "Initial p; None for zero", unit="kg^0.5 m", default=None, kw_only=True
+        "Initial p, one of each mode; None for zero", unit="kg^0.5 m", default=None, kw_only=True
     )
     modal_velocities: Modal = field(
-        "Initial p'; None for zero", unit="kg^0.5 m/s", default=None, kw_only=True
+        "Initial p', one of each mode; None for zero", unit="kg^0.5 m/s", default=None, kw_only=True
     )
     drop_invariants: Dropped = field(
         "Inertia invariants to leave out for speed (Rantalainen 2007, section 3.6.2); this "

@@ -13,7 +13,7 @@ from jousto.base.declare import Declared
 from jousto.base.errors import Problems
 from jousto.base.fields import Field, Name, field
 from jousto.base.frozen import Frozen
-from jousto.base.numbers import Number, OptionalNumber, Vector
+from jousto.base.numbers import Number, OptionalNumber, OptionalValues, Vector
 from jousto.base.rotations import parse_orientation
 from jousto.mechanism.bodies.inertia import check_inertia
 
@@ -39,8 +39,9 @@ class OptionalMass(OptionalNumber):
 class Inertia(Field[ArrayLike, Array]):
     """A tensor of inertia, or its diagonal."""
 
-    form = "inertia"
+    form = "shapes"
     noun = "(3, 3) or (3,) array_like"
+    shapes = ((3,), (3, 3))
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return the tensor (3, 3), or note why no body can have it."""
@@ -72,12 +73,10 @@ class Points(Field["Mapping[str, ArrayLike] | None", "Mapping[str, Array]"]):
         return Frozen(points)
 
 
-class Outline(Field["ArrayLike | None", "Array | None"]):
+class Outline(OptionalValues):
     """A polyline or triangles."""
 
-    form = "array"
     noun = "(k, 3) or (nt, 3, 3) array_like"
-    shape = (None, 3)
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return them as a read-only array."""

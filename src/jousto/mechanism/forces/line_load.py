@@ -35,7 +35,8 @@ class BeamField(Reference[BeamBody, BeamBody]):
 class Rows(Field[ArrayLike, Array]):
     """Three numbers, or three for every node of a beam."""
 
-    form = "rows"
+    form = "shapes"
+    shapes = ((3,), (None, 3))
     noun = "(3,) or (n + 1, 3) array_like"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:

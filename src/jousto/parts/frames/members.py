@@ -96,7 +96,7 @@ class Member(Declared):
     kind = "member"
     start: Vector = field("Position of the first end node, part frame", unit="m")
     end: Vector = field("Position of the other end node, part frame", unit="m")
-    section: SectionField = field("Cross section")  # type: ignore[assignment,misc]
+    section: SectionField = field("Cross section")
     material: MaterialField = field("Its material")
     elements: Elements = field("Number of elements", default=1)
     orientation: OptionalValues = field(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import reduce
+from operator import or_
 from typing import Annotated, Any, TypeAlias
 
 from pydantic import BaseModel, Discriminator, Tag
@@ -17,7 +19,7 @@ from jousto.schema.entries.base import (
     fail,
 )
 from jousto.schema.entries.choices import by_form
-from jousto.schema.entries.declared import FORMS, NOTED, ROW, one_of, vector
+from jousto.schema.entries.declared import FORMS, NOTED, array, one_of
 from jousto.schema.entries.signals import CurveEntry
 
 # -- coordinates ----------------------------------------------------------------------------
@@ -97,17 +99,18 @@ class _Function:
         return {"type": "string", "pattern": r"^.+:[^:]+$", "description": "module:function"}
 
 
-def _rows(value: Any) -> str:
-    """Return whether a list holds lists (one row each) or numbers."""
-    first = value[0] if value and isinstance(value, list | tuple) else None
-    return "rows" if isinstance(first, list | tuple) else "one"
+def depth(value: Any) -> int:
+    """Return how many lists are in one another."""
+    return 1 + depth(value[0]) if value and isinstance(value, list | tuple) else 0
 
 
-def rows(unit: str) -> Any:
-    """Return the type of three numbers, or a list of so many."""
-    row = vector(unit)
-    one, several = NOTED[row, Tag("one")], NOTED[ROW[row, ...], Tag("rows")]
-    return NOTED[one | several, Discriminator(_rows)]
+def shapes(unit: str, known: tuple[tuple[int | None, ...], ...]) -> Any:
+    """Return the type of an array that may have one of some shapes of one, two... dimensions."""
+    tags = [f"{len(shape)}" for shape in known]
+    each = [NOTED[array(unit, shape), Tag(tag)] for shape, tag in zip(known, tags, strict=True)]
+    least, most = len(known[0]), len(known[-1])
+    choice = Discriminator(lambda v: f"{min(max(depth(v), least), most)}")
+    return NOTED[reduce(or_, each), choice] if len(each) > 1 else array(unit, known[0])
 
 
 FORMS.update(
@@ -117,7 +120,7 @@ FORMS.update(
         "curve": lambda field: CurveEntry,
         "matrix6": lambda field: SixOrMatrix,
         "wrench": lambda field: Six,
-        "rows": lambda field: rows(field.unit),
+        "shapes": lambda field: shapes(field.unit, field.shapes),
         "pattern": lambda field: Pattern,
         "function": lambda field: Annotated[str, _Function()],
         "watched": lambda field: WatchedEntry,

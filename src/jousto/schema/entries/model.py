@@ -10,17 +10,15 @@ from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.initial import Initial
 from jousto.mechanism.signals.event import Event
 from jousto.reduction.damping import Rayleigh
-from jousto.schema.entries import connections as connections
+from jousto.schema.entries import beams as beams, connections as connections
 from jousto.schema.entries.base import (
     Acceleration3,
     Duration,
     Entry,
-    InertiaTensor,
     Number,
     Position,
     Text,
 )
-from jousto.schema.entries.beams import BeamBodyEntry
 from jousto.schema.entries.choices import Later, by_form
 from jousto.schema.entries.declared import FORMS, alone, entry_of, one_of, several
 from jousto.schema.entries.fatigue import FatigueEntry
@@ -40,7 +38,6 @@ DampingEntry: TypeAlias = Annotated[
 ]
 FORMS.update(
     {
-        "inertia": lambda field: InertiaTensor,
         "points": lambda field: dict[Text, Position],
         "damping": lambda field: DampingEntry,
         "choices": lambda field: several(Literal[field.words]),
@@ -59,8 +56,7 @@ def _kind_of_body(data: dict[str, Any]) -> str | None:
 
 BodyEntry: Any = one_of(
     *("bodies", "jousto.mechanism.bodies", _kind_of_body),
-    others={"beam": BeamBodyEntry},
-    unsaid=("rigid", "flexible"),
+    unsaid=("rigid", "flexible", "beam"),
 )
 
 # -- simulation and the whole file ----------------------------------------------------------

@@ -15,11 +15,9 @@ from jousto.mechanism.bodies.posed import Posed
 from jousto.mechanism.forces.loads import Gravity
 from jousto.mechanism.mechanism import Mechanism
 from jousto.schema.entries import model as sm, parts as sp
-from jousto.schema.entries.beams import BeamBodyEntry
 from jousto.schema.entries.fatigue import build_curves
 from jousto.schema.entries.solids import SolidEntry
 from jousto.schema.file.document import Loc
-from jousto.schema.make.beam import build_beam
 from jousto.schema.make.context import Builder
 from jousto.schema.make.declared import build_declared, build_material
 from jousto.schema.make.elements import FORMS as OF_FORCES
@@ -122,8 +120,6 @@ class ModelBuilder(Builder):
 
     def body(self, loc: Loc, entry: Any, parts: dict[str, Any]) -> Any:
         """Return the body of an entry, None if anything is wrong with it."""
-        if isinstance(entry, BeamBodyEntry):
-            return build_beam(self, loc, entry)
         body = build_declared(self, loc, entry, {"parts": parts})
         return rigid_body(body) if self.rigid and isinstance(body, FlexibleBody) else body
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -191,6 +192,12 @@ def event(place: Place, value: Any) -> Any:
     return place.builder.event(place.loc, value)
 
 
+def each(place: Place, value: Any) -> Any:
+    """Return the object of an entry or of each of a list, None if one is wrong."""
+    found = place.builder.each(place.loc, value, partial(build_declared, place.builder))
+    return None if isinstance(found, list) and None in found else found
+
+
 def file(place: Place, value: str) -> Any:
     """Return the path of a file, relative to the model file."""
     return place.builder.file(value)
@@ -215,6 +222,8 @@ FORMS: dict[str, Callable[[Place, Any], Any]] = {
     "nested": nested,
     "item": nested,
     "damping": nested,
+    "section": nested,
+    "beam sections": each,
     "file": file,
     "coordinate": coordinate,
     "coordinates": coordinates,
