@@ -433,6 +433,13 @@ int jo_newton_assemble(const jo_model *m, jo_data *d);   /* at the state of the 
 void jo_newton_masses(const jo_model *m, jo_data *d);    /* bodies and beams only */
 void jo_newton_rows(const jo_model *m, jo_data *d);      /* joints only, without multipliers */
 
+/* marker_tangent.c */
+void jo_newton_marker(const jo_model *m, jo_data *d, int marker);
+void jo_newton_stress(const jo_model *m, jo_data *d, int marker);   /* of the loads on it */
+
+/* body_tangent.c */
+void jo_newton_body(const jo_model *m, jo_data *d, int body);
+
 /* joint_tangent.c */
 void jo_newton_joint(const jo_model *m, jo_data *d, int joint);
 
