@@ -84,16 +84,14 @@ class Builder:
             self._places[key] = len(self.markers) - 1
         return len(self.markers) - 1
 
-    def coordinate(
-        self, name: str, kind: str, a: Marker, b: Marker, axis_a: int = 2, axis_b: int = 2
-    ) -> int:
+    def coordinate(self, name: str, kind: str, a: Marker, b: Marker, axis: int = 2) -> int:
         """Return the index of a coordinate: "axes", "along", "distance" or "angle"."""
         place_a = self.marker(a, kind != "distance")
         place_b = self.marker(b, kind in ("axes", "angle"))
-        key = ("coordinate", kind, place_a, place_b, axis_a, axis_b)
+        key = ("coordinate", kind, place_a, place_b, axis)
         if key not in self._places:
             self._places[key] = len(self.coordinates)
-            self.coordinates.append(CoordinateModel(name, kind, place_a, place_b, axis_a, axis_b))
+            self.coordinates.append(CoordinateModel(name, kind, place_a, place_b, axis))
         return self._places[key]
 
     def declared(self, coordinate: Coordinate) -> int:

@@ -112,17 +112,6 @@ class Section(Protocol):
         ...
 
 
-def polar_moment(section: Section) -> float:
-    """Return Iy + Iz in m^4, the polar second moment of area about the centroid.
-
-    Examples
-    --------
-    >>> round(polar_moment(Circle(2.0)), 6) == round(math.pi / 2, 6)
-    True
-    """
-    return section.Iy + section.Iz
-
-
 class Rectangle(Declared, section="sections", tag="rectangle", by_value=True):
     """Solid rectangle.
 

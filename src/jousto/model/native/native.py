@@ -133,9 +133,9 @@ class Engine:
         self._check(self._library.jo_accelerations(self._model, self._data))
         return self.a, self.lam
 
-    def assemble(self, iterations: int = 100, tolerance: float = 1e-14) -> None:
+    def assemble(self, iterations: int = 100) -> None:
         """Close the joints by projecting q and v in the mass metric."""
-        scale = tolerance * max(1.0, float(np.abs(self.q).max(initial=0.0)))
+        scale = 1e-14 * max(1.0, float(np.abs(self.q).max(initial=0.0)))
         self._check(self._library.jo_assemble(self._model, self._data, iterations, scale))
 
     def step(self, solver: Any) -> None:

@@ -257,18 +257,16 @@ def _round_step(value: float) -> float:
 # -- the picture ----------------------------------------------------------------------------
 
 
-def new_picture(
-    scene: Scene, title: str, note: str, *, width: float = WIDTH
-) -> tuple[Picture, Axes]:
+def new_picture(scene: Scene, title: str, note: str) -> tuple[Picture, Axes]:
     """Return a figure with everything in it that does not move."""
     size = scene.box[1] - scene.box[0]
     left, right, bottom, top = (0.62, 0.2, 0.55, 0.5) if scene.flat else (0.15, 0.15, 0.15, 0.5)
     right += LEGEND if scene.limit else 0.0
-    inner = width - left - right
+    inner = WIDTH - left - right
     height = inner * size[1] / size[0]
     total = height + bottom + top
-    figure = Picture(figsize=(width, total))
-    ax = figure.add_axes((left / width, bottom / total, inner / width, height / total))
+    figure = Picture(figsize=(WIDTH, total))
+    ax = figure.add_axes((left / WIDTH, bottom / total, inner / WIDTH, height / total))
     ax.set_xlim(scene.box[0, 0], scene.box[1, 0])
     ax.set_ylim(scene.box[0, 1], scene.box[1, 1])
     if scene.flat:
@@ -278,13 +276,13 @@ def new_picture(
         _draw_floor(ax, scene)
     _origin(ax, scene)
     draw_grounds(ax, scene.symbols, size_of(scene.box))
-    figure.text(left / width, 1 - 0.3 / total, title, fontsize=10.5, fontweight="bold", va="center")
+    figure.text(left / WIDTH, 1 - 0.3 / total, title, fontsize=10.5, fontweight="bold", va="center")
     if note:
-        x = 1 - right / width  # beside the colours of stress, never below them
+        x = 1 - right / WIDTH  # beside the colours of stress, never below them
         figure.text(x, 0.14 / total, note, color=MUTED, fontsize=8.5, ha="right", va="center")
     if scene.limit:
         color_bar(
-            figure, scene.limit, (1 - (LEGEND - 0.05) / width, bottom / total, height / total)
+            figure, scene.limit, (1 - (LEGEND - 0.05) / WIDTH, bottom / total, height / total)
         )
     return figure, ax
 

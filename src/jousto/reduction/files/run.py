@@ -17,21 +17,6 @@ from jousto.reduction.sparse.memory import machine_memory
 Report = Callable[[str, float], None]
 """Function of (stage, part of it that is done, from 0 to 1)."""
 
-STAGES = (
-    "checks",
-    "factorisation",
-    "constraint modes",
-    "fixed-interface modes",
-    "residual vectors",
-    "free-free modes",
-    "orthonormalisation",
-    "invariants",
-    "stress modes",
-    "residual stress",
-    "stiffening",
-)
-"""Stages in their order; a reduction runs those it needs."""
-
 
 class Keeper(Protocol):
     """Where results of stages are kept, such as an entry of the cache."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.base.arrays import Array, Index
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.reduction.files.run import Report, Run
 from jousto.reduction.methods import CraigBampton
@@ -20,7 +20,6 @@ from jousto.reduction.modes.ties import (
     coordinates,
     embedded,
     interface_names,
-    scaled_rigid,
 )
 
 if TYPE_CHECKING:
@@ -37,12 +36,6 @@ def dof_label(dof: int, dofs_per_node: int) -> str:
     """
     node, kind = divmod(int(dof), dofs_per_node)
     return f"node{node + 1} " + ("ux", "uy", "uz", "rx", "ry", "rz")[kind]
-
-
-def determinate_dofs(nodes: Array, dofs_per_node: int, candidates: Index) -> Index | None:
-    """Return six of the candidate degrees of freedom that hold the body, or None if none do."""
-    middle, length = nodes.mean(axis=0), length_scale(nodes)
-    return determinate(scaled_rigid(nodes, dofs_per_node, middle, length), candidates)
 
 
 def craig_bampton_basis(

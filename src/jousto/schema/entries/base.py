@@ -138,7 +138,6 @@ TorqueNm: TypeAlias = Annotated[float, Unit("N m")]
 Pressure: TypeAlias = Annotated[float, Unit("Pa")]
 Density: TypeAlias = Annotated[float, Unit("kg/m3")]
 Area: TypeAlias = Annotated[float, Unit("m2")]
-SecondMoment: TypeAlias = Annotated[float, Unit("m4")]
 Inertia: TypeAlias = Annotated[float, Unit("kg m2")]
 Frequency: TypeAlias = Annotated[float, Unit("Hz")]
 Rate: TypeAlias = Annotated[float, Unit("1/s")]
@@ -150,7 +149,6 @@ AngularVelocity3: TypeAlias = Annotated[
 ]
 Acceleration3: TypeAlias = Annotated[tuple[Acceleration, Acceleration, Acceleration], Vector(3)]
 Force3: TypeAlias = Annotated[tuple[ForceN, ForceN, ForceN], Vector(3)]
-Torque3: TypeAlias = Annotated[tuple[TorqueNm, TorqueNm, TorqueNm], Vector(3)]
 Direction: TypeAlias = Annotated[tuple[Number, Number, Number], Vector(3)]
 
 
