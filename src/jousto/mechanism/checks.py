@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from jousto.base.errors import Problems, suggest, warn
-from jousto.mechanism.beams.body import BeamBody, BeamNode
+from jousto.mechanism.beams.body import BeamBody
+from jousto.mechanism.beams.pieces import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, Ground, RigidBody
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.forces.base import ForceElement

@@ -11,7 +11,8 @@ import numpy as np
 from jousto.base.arrays import Array, read_only
 from jousto.base.numbers import set_fields
 from jousto.base.rotations import rotation_matrix
-from jousto.mechanism.beams.body import BeamBody, BeamNode
+from jousto.mechanism.beams.body import BeamBody
+from jousto.mechanism.beams.pieces import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, MovingBody, RigidBody
 from jousto.mechanism.forces.base import ForceElement
 from jousto.mechanism.forces.friction import Friction

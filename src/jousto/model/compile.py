@@ -13,7 +13,7 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array, skew
 from jousto.base.errors import InputError, Problem, count, warn
 from jousto.base.rotations import rotation_matrix
-from jousto.mechanism.beams.body import BeamNode
+from jousto.mechanism.beams.pieces import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.checks import used_joints
 from jousto.mechanism.mechanism import Mechanism

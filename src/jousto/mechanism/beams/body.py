@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -15,26 +14,30 @@ from jousto.base.declare import Declared
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.fields import AnyField, Field, field, kept
 from jousto.base.frozen import Frozen
-from jousto.base.numbers import Number, OptionalValues, number, set_fields
-from jousto.base.rotations import (
-    euler_parameters,
-    parse_direction,
-    rotation_matrix,
-)
-from jousto.mechanism.beams.frames import arc_lengths, section_frames, strains, tangents
+from jousto.base.numbers import Number, OptionalValues, set_fields
+from jousto.mechanism.beams.frames import arc_lengths, strains
 from jousto.mechanism.beams.limits import highest_frequencies
-from jousto.mechanism.beams.stiffness import BeamSection, as_beam_section, tension_factor
-from jousto.mechanism.bodies.body import RigidBody
+from jousto.mechanism.beams.pieces import BeamNode, element_data, node_bodies
+from jousto.mechanism.beams.placing import (
+    COARSE,
+    WIDE,
+    along_nodes,
+    check_apart,
+    check_share,
+    check_twist,
+    checked_nodes,
+    checked_sections,
+    checked_up,
+    inertia_share,
+    inner_nodes,
+    named_nodes,
+    outlined,
+    placed_shape,
+)
+from jousto.mechanism.beams.stiffness import BeamSection
 from jousto.mechanism.bodies.marker import Marker, marker_axes
 from jousto.mechanism.bodies.posed import ZERO3, Posed
-from jousto.parts.frames.members import check_elements
 
-SHARES = {"lumped": 0.0, "corrected": 0.0, "consistent": 1.0}
-MOST_TWIST = 3.0  # rad of an element
-CENTRED = 1e-6  # radii of gyration that a mass centre may be off the axis
-ROTARY = 1.2  # of the inertia that a first moment needs at least
-COARSE = 1.0  # rad that an unstressed element may turn
-WIDE = 5.0  # lengths of a beam that its section may be wide
 SLOW = 1.0  # s of stiffness damping: 1 Hz is far beyond critical
 
 
@@ -73,39 +76,6 @@ class BeamDamping(Declared, by_value=True):
                 f"stiffness is {self.stiffness:g} s: a vibration of 1 Hz has the damping ratio "
                 f"{math.pi * self.stiffness:.3g}, and nothing vibrates any more; it is in s",
             )
-
-
-class BeamNode(RigidBody):
-    """A node of a beam: a rigid body with the mass of its half elements.
-
-    Made by `BeamBody`; its frame is that of the section there.
-
-    Parameters
-    ----------
-    beam : str
-        Name of the beam.
-    place : int
-        Number of the node from 0.
-    **fields
-        Those of `RigidBody`, and the damping of its momenta, proportional to its mass, 1/s.
-    """
-
-    beam: str
-    place: int
-    damping: float
-
-    def __init__(self, beam: str, place: int, **fields: Any) -> None:
-        set_fields(
-            self,
-            name=f"{beam}.node{place + 1}",
-            beam=beam,
-            place=place,
-            markers=Frozen({}),
-            **fields,
-        )
-
-    def __repr__(self) -> str:
-        return f"<BeamNode {self.name!r}: {self.mass:g} kg>"
 
 
 class Damping(Field["BeamDamping | None", BeamDamping]):
@@ -301,33 +271,33 @@ class BeamBody(Posed, tag="beam"):
     def consistent(self, problems: Problems, where: str) -> None:
         """Keep nodes, frames and unstressed strains; note what does not fit together."""
         mass, elements, reference = vars(self)["mass"], vars(self)["elements"], self.reference
-        nodes = _nodes(problems, where, self.points, elements)
-        sections = _sections(problems, where, self.section, self.material, nodes)
+        nodes = checked_nodes(problems, where, self.points, elements)
+        sections = checked_sections(problems, where, self.section, self.material, nodes)
         if mass is None:
             mass = "corrected" if self.bending else "lumped"
-        share = _share(problems, where, mass)
+        share = inertia_share(problems, where, mass)
         if self.straight and reference is not None:
             problems.add(where, "straight and reference both tell the unstressed shape; give one")
         if nodes is None:
             return
         n = len(nodes) - 1
-        turns = _along(problems, where, "twist", self.twist, n, ())
-        arms = _along(problems, where, "offset", self.offset, n, (2,))
+        turns = along_nodes(problems, where, "twist", self.twist, n, ())
+        arms = along_nodes(problems, where, "offset", self.offset, n, (2,))
         if turns is not None:
-            _check_twist(problems, where, turns)
+            check_twist(problems, where, turns)
         if share:
-            _check_share(problems, where, sections)
-        kinks = _places(problems, where, "corners", self.corners, range(1, n))
-        named = _markers(problems, where, self.markers, n)
-        z = _up(problems, where, self.up, nodes)
+            check_share(problems, where, sections)
+        kinks = inner_nodes(problems, where, "corners", self.corners, range(1, n))
+        named = named_nodes(problems, where, self.markers, n)
+        z = checked_up(problems, where, self.up, nodes)
         if reference is not None:
             reference = problems.array(where, "reference", reference, (n + 1, 3))
             if reference is not None:
-                _apart(problems, where, "reference", reference)
+                check_apart(problems, where, "reference", reference)
         if problems.found:
             return
         assert turns is not None and arms is not None and z is not None
-        frames, ends, r = _shape(problems, where, nodes, z, turns, kinks, arms)
+        frames, ends, r = placed_shape(problems, where, nodes, z, turns, kinks, arms)
         if problems.found:
             return
         lengths = arc_lengths(r, ends)
@@ -335,7 +305,7 @@ class BeamBody(Posed, tag="beam"):
             e0 = np.zeros((n, 6))
             e0[:, 3] = np.diff(turns) / lengths
         elif reference is not None:
-            _, ends0, r0 = _shape(problems, where, reference, z, turns, kinks, arms)
+            _, ends0, r0 = placed_shape(problems, where, reference, z, turns, kinks, arms)
             if problems.found:
                 return
             lengths = arc_lengths(r0, ends0)
@@ -357,7 +327,7 @@ class BeamBody(Posed, tag="beam"):
             bending=bool(self.bending),
             markers=Frozen(named),
         )
-        data = _element_data(self)
+        data = element_data(self)
         set_fields(self, elements={key: read_only(values) for key, values in data.items()})
         coarsest = float((lengths * np.linalg.norm(e0[:, 3:], axis=1)).max())
         if coarsest > COARSE:
@@ -369,9 +339,7 @@ class BeamBody(Posed, tag="beam"):
             )
             text = f"its elements turn by up to {coarsest:.3g} rad each, which is coarse; {remedy}"
             warn(where, text)
-        width = max(
-            (float(np.ptp(x.outline, axis=0).max()) for x in _outlined(sections)), default=0
-        )
+        width = max((float(np.ptp(x.outline, axis=0).max()) for x in outlined(sections)), default=0)
         if width > WIDE * lengths.sum():
             warn(
                 where,
@@ -475,326 +443,10 @@ class BeamBody(Posed, tag="beam"):
     @cached_property
     def bodies(self) -> tuple[BeamNode, ...]:
         """The nodes as bodies: half of every element's mass and rotary inertia at its ends."""
-        return tuple(_node_bodies(self))
+        return tuple(node_bodies(self))
 
 
 # -- helpers of the constructor -------------------------------------------------------------
 
 
-def _nodes(problems: Problems, where: str, points: ArrayLike, elements: Any) -> Array | None:
-    """Return the nodes (n + 1, 3), or note why there are none."""
-    given = problems.array(where, "points", points, (None, 3))
-    whole = elements is None or check_elements(problems, where, elements)
-    if given is None:
-        return None
-    if len(given) < 2:
-        problems.add(where, f"points has {len(given)} point, must have two ends at least")
-        return None
-    if not _apart(problems, where, "points", given) or not whole:
-        return None
-    if len(given) > 2:
-        if elements is not None and elements != len(given) - 1:
-            problems.add(
-                where,
-                f"elements is {elements}, but {len(given)} points make {len(given) - 1} elements; "
-                "leave elements out, or give the two ends of a straight beam",
-            )
-            return None
-        return given
-    if elements is None:
-        problems.add(where, "elements is missing: how many between the two ends of the beam?")
-        return None
-    xi = np.linspace(0.0, 1.0, int(elements) + 1)[:, None]
-    return read_only((1 - xi) * given[0] + xi * given[1])
-
-
-def _apart(problems: Problems, where: str, name: str, points: Array) -> bool:
-    """Return whether neighbours differ, or note which do not."""
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    extent = float(np.linalg.norm(np.ptp(points, axis=0)))
-    for i in np.flatnonzero(steps <= 1e-9 * max(extent, 1e-300)):
-        problems.add(where, f"{name}[{i}] and {name}[{i + 1}] are at one place; leave one out")
-        return False
-    return True
-
-
-def _outlined(sections: tuple[BeamSection, ...]) -> list[BeamSection]:
-    """Return the different sections whose outline is known: those of one material."""
-    return [x for x in {id(x): x for x in sections}.values() if x.elasticity is not None]
-
-
-def _sections(
-    problems: Problems, where: str, section: Any, material: Any, nodes: Array | None
-) -> tuple[BeamSection, ...]:
-    """Return the section of every element, or note what is wrong."""
-    several = isinstance(section, list | tuple)
-    made: dict[int, BeamSection] = {}
-    for item in section if several else (section,):
-        try:
-            if id(item) not in made:
-                made[id(item)] = as_beam_section(item, material)
-        except InputError as error:
-            problems.found.extend(Problem(where, str(p)) for p in error.problems)
-            return ()
-    n = 0 if nodes is None else len(nodes) - 1
-    if several:
-        if nodes is not None and len(section) != n:
-            problems.add(where, f"section: {len(section)} sections for {n} elements; one each")
-        return tuple(made[id(item)] for item in section)
-    return (made[id(section)],) * n
-
-
-def _share(problems: Problems, where: str, mass: Any) -> float:
-    """Return the share of consistent inertia, or note what is wrong."""
-    if isinstance(mass, str):
-        if mass not in SHARES:
-            problems.add(
-                where, f"mass is {mass!r}{suggest(mass, SHARES)}, or a number from 0 (lumped) to 1"
-            )
-        return SHARES.get(mass, 0.0)
-    share = number(problems, where, "mass", mass)
-    if share is not None and not 0.0 <= share <= 1.0:
-        problems.add(where, f"mass is {share:g}, must be from 0 (lumped) to 1 (consistent)")
-    return share or 0.0
-
-
-def _along(
-    problems: Problems, where: str, name: str, value: ArrayLike, n: int, one: tuple[int, ...]
-) -> Array | None:
-    """Return values at all nodes (n + 1, ...) of one for all (or of the end) or of each."""
-    try:
-        shape = np.shape(value)
-    except ValueError:
-        shape = (-1,)
-    if shape != one:
-        return problems.array(where, name, value, (n + 1, *one))
-    found = problems.array(where, name, value, one)
-    if found is None:
-        return None
-    if not one:  # grows along the beam
-        return read_only(np.linspace(0.0, float(found), n + 1))
-    return read_only(np.tile(found, (n + 1, 1)))
-
-
-def _check_twist(problems: Problems, where: str, turns: Array) -> None:
-    """Refuse a twist that the ends of an element do not show: whole turns would be lost."""
-    steps = np.abs(np.diff(turns))
-    worst = int(np.argmax(steps))
-    if steps[worst] < MOST_TWIST:
-        return
-    degrees = "; it is in rad: were degrees meant?" if np.abs(turns).max() > 2 * np.pi else ""
-    needed = int(np.ceil(len(steps) * steps[worst]))
-    problems.add(
-        where,
-        f"twist turns element {worst} by {steps[worst]:.3g} rad, of which its ends show less than "
-        f"half a turn; take {needed} elements, for a radian each{degrees}",
-    )
-
-
-def _check_share(problems: Problems, where: str, sections: Sequence[BeamSection]) -> None:
-    """Refuse consistent inertia of sections whose mass centre is off the axis."""
-    off = [i for i, s in enumerate(sections) if float(np.hypot(*s.center)) > CENTRED * _radius(s)]
-    if off:
-        y, z = sections[off[0]].center
-        problems.add(
-            where,
-            f"mass: the mass centre of element {off[0]} is {1e3 * y:.4g} mm, {1e3 * z:.4g} mm off "
-            "the axis, and consistent inertia is that of a centre on it; take 'corrected' or "
-            "'lumped', or put the axis through the mass centre and use offset=",
-        )
-
-
-def _radius(section: BeamSection) -> float:
-    """Return the smallest radius of gyration of a section, m."""
-    return float(np.sqrt(np.linalg.eigvalsh(section.inertia)[0] / section.mass))
-
-
-def _places(
-    problems: Problems, where: str, name: str, value: Any, allowed: range
-) -> tuple[int, ...]:
-    """Return node numbers, or note those that do not exist."""
-    items = tuple(value) if isinstance(value, Sequence | np.ndarray) else (value,)
-    good = tuple(
-        int(i) for i in items if isinstance(i, int | np.integer) and not isinstance(i, bool)
-    )
-    bad = [i for i in items if i not in good] + [i for i in good if i not in allowed]
-    if bad:
-        span = f"{allowed.start} to {allowed.stop - 1}" if len(allowed) else "none"
-        problems.add(where, f"{name}: {bad[0]!r} is no inner node; they are {span}")
-    return good
-
-
-def _markers(problems: Problems, where: str, markers: Any, n: int) -> dict[str, int]:
-    """Return the named nodes, or note what is wrong."""
-    if markers is None:
-        return {}
-    if not isinstance(markers, Mapping):
-        problems.add(where, f"markers is {markers!r}, must be a mapping of names to nodes")
-        return {}
-    named: dict[str, int] = {}
-    for point, place in markers.items():
-        if point in ("start", "end") or str(point).removeprefix("node").isdecimal():
-            problems.add(where, f"marker {point!r}: the name is taken by a node")
-        elif not isinstance(place, int | np.integer) or not 0 <= place <= n:
-            problems.add(where, f"marker {point!r}: no node {place!r}; they are 0 to {n}")
-        else:
-            named[str(point)] = int(place)
-    return named
-
-
-def _up(problems: Problems, where: str, up: ArrayLike | None, nodes: Array) -> Array | None:
-    """Return the direction (3,) or directions (n + 1, 3) near the sections' z axes."""
-    if up is None:
-        chord = nodes[1] - nodes[0]
-        across = float(np.linalg.norm(chord[:2]))
-        return np.array(
-            [1.0, 0.0, 0.0] if across <= 1e-6 * float(np.linalg.norm(chord)) else [0.0, 0.0, 1.0]
-        )
-    if np.ndim(up) == 2:
-        return problems.array(where, "up", up, (len(nodes), 3))
-    return parse_direction(problems, where, "up", up)
-
-
-def _shape(
-    problems: Problems,
-    where: str,
-    nodes: Array,
-    up: Array,
-    twist: Array,
-    corners: tuple[int, ...],
-    offsets: Array,
-) -> tuple[Array, Array, Array]:
-    """Return frames of nodes (n + 1, 3, 3) and ends (n, 2, 3, 3), and the ends (n, 2, 3)."""
-    along = tangents(nodes, corners)
-    for i in np.flatnonzero(np.einsum("ij,ij->i", along[:-1, 1], along[1:, 0]) < -1 + 1e-9):
-        problems.add(where, f"points[{i + 1}]: the beam turns back on itself there")
-        return nodes, along, along
-    ends = section_frames(along, up, twist)
-    if not np.all(np.isfinite(ends)):
-        problems.add(
-            where,
-            "up is parallel to the beam, so that it does not orient its sections; give a "
-            "direction across it, up=(x, y, z)",
-        )
-    frames = np.concatenate([ends[:, 0], ends[-1:, 1]])
-    arm = np.concatenate([np.zeros((len(nodes), 1)), offsets], axis=1)
-    at = nodes + np.einsum("nij,nj->ni", frames, arm)
-    return frames, ends, np.stack([at[:-1], at[1:]], axis=1)
-
-
 # -- what the engine gets -------------------------------------------------------------------
-
-
-def _arms(beam: BeamBody) -> tuple[Array, Array]:
-    """Return arms u (n, 2, 3) and orientations B (n, 2, 3, 3) of the ends in their nodes."""
-    u = np.concatenate([np.zeros((beam.n + 1, 1)), beam.offsets], axis=1)
-    frames = np.stack([beam.frames[:-1], beam.frames[1:]], axis=1)
-    B = np.swapaxes(frames, 2, 3) @ beam.ends
-    same = np.abs(B - np.eye(3)).max(axis=(2, 3)) < 1e-14
-    B[same] = np.eye(3)
-    return np.stack([u[:-1], u[1:]], axis=1), B
-
-
-def _element_data(beam: BeamBody) -> dict[str, Array]:
-    u, B = _arms(beam)
-    made: dict[tuple[int, float], tuple[Array, float]] = {}
-    sections = []
-    for section, L in zip(beam.sections, beam.lengths, strict=True):
-        key = (id(section), float(L) if beam.bending else 0.0)
-        if key not in made:
-            C = section.with_bending(float(L)) if beam.bending else section.stiffness
-            made[key] = C, tension_factor(C)
-        C, factor = made[key]
-        J = L * section.inertia
-        tensor = J[0, 0], J[1, 1], J[2, 2], J[1, 2], J[0, 2], J[0, 1]
-        sections.append((C, L * section.mass, tensor, factor, section.polar))
-    C, mass, J, limit, polar = (np.array(x, float) for x in zip(*sections, strict=True))
-    damping = beam.damping
-    return {
-        "length": np.array(beam.lengths),
-        "u_a": u[:, 0],
-        "B_a": B[:, 0],
-        "u_b": u[:, 1],
-        "B_b": B[:, 1],
-        "C": C,
-        "e0": np.array(beam.unstressed),
-        "beta": np.full(beam.n, damping.stiffness, float),
-        "alpha": np.full(beam.n, damping.mass, float),
-        "share": np.full(beam.n, beam.share, float),
-        "mass": mass,
-        "J": J,
-        "limit": limit,
-        "helical": np.full(beam.n, beam.bending, float),
-        "polar": polar,
-    }
-
-
-def _node_bodies(beam: BeamBody) -> list[BeamNode]:
-    """Return the node bodies with mass, centre and inertia of their half elements.
-
-    The sum over the nodes is the trapezoidal rule for the kinetic energy ``int f ds`` of
-    ``f = rho A v.v / 2``. Corrected, each element of mass m and length h adds
-    ``(h^2/12) (f'(0) - f'(h))`` (Euler, Maclaurin) with ``v' = w x t``: the first moment m h/12
-    along the axis t towards its inside. At equal elements these cancel but for the ends. A little
-    rotary inertia where they do not, of order 3, keeps the mass matrix positive.
-    """
-    n = beam.n
-    u, B = _arms(beam)
-    half = 0.5 * beam.lengths * np.array([s.mass for s in beam.sections])
-    center = np.array([[0.0, *s.center] for s in beam.sections])
-    J = 0.5 * beam.lengths[:, None, None] * np.stack([s.inertia for s in beam.sections])
-    mass, first, second = np.zeros(n + 1), np.zeros((n + 1, 3)), np.zeros((n + 1, 3, 3))
-    extra = np.zeros((n + 1, 3))
-    for end in (0, 1):
-        rows = slice(end, n + end)
-        x = u[:, end] + np.einsum("nij,nj->ni", B[:, end], center)
-        mass[rows] += half
-        first[rows] += half[:, None] * x
-        turned = B[:, end] @ J @ np.swapaxes(B[:, end], 1, 2)
-        second[rows] += turned + half[:, None, None] * _steiner(x)
-        if beam.corrected:
-            ahead = (1 - 2 * end) * (beam.lengths * half / 6)[:, None] * B[:, end, :, 0]
-            extra[rows] += ahead
-            second[rows] += 2 * np.einsum("ni,ni->n", x, ahead)[:, None, None] * np.eye(3)
-            second[rows] -= x[:, :, None] * ahead[:, None] + ahead[:, :, None] * x[:, None]
-    first += extra
-    second += ROTARY * _steiner(extra) / mass[:, None, None]
-    at = first / mass[:, None]
-    inertia = second - mass[:, None, None] * _steiner(at)
-    inertia = 0.5 * (inertia + np.swapaxes(inertia, 1, 2))
-    A = rotation_matrix(beam.orientation)
-    reach = A @ beam.nodes.T
-    position = beam.position + reach.T
-    velocity = beam.velocity + np.cross(beam.angular_velocity, reach.T)
-    frames = A @ beam.frames
-    for array in (position, velocity, at, inertia):
-        array.setflags(write=False)
-    bodies = []
-    for i in range(n + 1):
-        before = 0.5 * beam.lengths[i - 1] if i > 0 else 0.0
-        after = 0.5 * beam.lengths[i] if i < n else 0.0
-        arm = np.array([0.0, *beam.offsets[i]])
-        outline = np.stack([arm, arm])
-        outline[0, 0], outline[1, 0] = -before, after
-        bodies.append(
-            BeamNode(
-                beam.name,
-                i,
-                mass=float(mass[i]),
-                inertia=inertia[i],
-                center=at[i],
-                position=position[i],
-                orientation=read_only(euler_parameters(frames[i])),
-                velocity=velocity[i],
-                angular_velocity=beam.angular_velocity,
-                outline=read_only(outline),
-                damping=beam.damping.mass,
-            )
-        )
-    return bodies
-
-
-def _steiner(x: Array) -> Array:
-    """Return ``|x|^2 E - x x^T`` (k, 3, 3) of vectors (k, 3)."""
-    square = np.einsum("ni,ni->n", x, x)
-    return np.asarray(square[:, None, None] * np.eye(3) - x[:, :, None] * x[:, None, :])
