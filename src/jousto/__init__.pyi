@@ -1,5 +1,6 @@
 # the public names; they are loaded from here when they are first used
 from . import (
+    design as design,
     fatigue as fatigue,
     materials as materials,
     mechanism as mechanism,
@@ -20,6 +21,7 @@ from .base.errors import (
 )
 from .base.rotations import Rotate as Rotate
 from .base.version import __version__ as __version__
+from .design.studies.parameter import Parameter as Parameter
 from .fatigue.miner.damage_field import damage_field as damage_field
 from .materials.library import material as material
 from .materials.material import Material as Material

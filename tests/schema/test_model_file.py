@@ -336,7 +336,7 @@ def test_the_schema_knows_every_key_of_the_file():
     schema = model_schema()
     assert set(schema["properties"]) == {
         "$schema", "name", "parts", "bodies", "joints", "couplings", "forces", "frictions",
-        "gravity", "sensors", "events", "initial", "simulation", "fatigue", "monitor",
+        "parameters", "gravity", "sensors", "events", "initial", "simulation", "fatigue", "monitor",
     }  # fmt: skip
     assert schema["required"] == ["bodies"]
     assert schema["additionalProperties"] is False

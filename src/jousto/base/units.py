@@ -246,6 +246,19 @@ def quantity(value: Any, unit: str) -> float:
     return number
 
 
+def converted(text: str, unit: str) -> float:
+    """Return a number with a unit in another unit of the same dimension, which may be any.
+
+    >>> converted("2 mm2", "m**2")
+    2e-06
+    """
+    match = NUMBER.fullmatch(text.strip())
+    if match is None:
+        raise UnitError(f"expects a number with a unit, got {text!r}")
+    source, target = parse_unit(match[2]), parse_unit(unit)
+    return _checked(match[1], lambda x: registry().convert(x, source, target))
+
+
 def _convert(text: str, number: str, unit_text: str, unit: str) -> float:
     usual = USUAL.get((unit_text, unit))
     if usual is not None:

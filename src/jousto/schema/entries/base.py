@@ -152,6 +152,7 @@ Force3: TypeAlias = Annotated[tuple[ForceN, ForceN, ForceN], Vector(3)]
 Direction: TypeAlias = Annotated[tuple[Number, Number, Number], Vector(3)]
 
 
+EXPRESSION = r"^\$\{.*\}$"  # in JSON schemas; it is replaced before anything is checked
 LARGEST = 2**53  # whole numbers up to here are exact as numbers of any kind
 
 
@@ -172,8 +173,8 @@ class _Integer:
         return core_schema.no_info_plain_validator_function(check)
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        """Describe as an integer."""
-        return {"type": "integer"}
+        """Describe as an integer, or an expression that gives one."""
+        return {"type": ["integer", "string"], "pattern": EXPRESSION}
 
 
 class _Flag:
@@ -300,7 +301,7 @@ class _Orientation:
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
         """Describe the three forms."""
-        numbers = {"type": "number"}
+        numbers = {"type": ["number", "string"], "pattern": EXPRESSION}
         row = {"type": "array", "items": numbers, "minItems": 3, "maxItems": 3}
         return {
             "anyOf": [

@@ -13,6 +13,7 @@ from jousto.reduction.damping import Rayleigh
 from jousto.schema.entries import beams as beams, connections as connections
 from jousto.schema.entries.base import (
     Acceleration3,
+    Amount,
     Duration,
     Entry,
     Number,
@@ -87,11 +88,29 @@ EventEntry: Any = alone(Event)
 ForceEntry: Any = one_of("forces", "jousto.mechanism.forces")
 
 
+class ParameterEntry(Entry):
+    """A number that ``${name}`` stands for, and what studies need to know of it."""
+
+    value: Amount
+    bounds: tuple[Amount, Amount] | None = Field(None, description="Smallest and largest value")
+    distribution: Text | None = Field(
+        None, description="How it scatters, such as lognormal(mean=1 kN, sd=100 N)"
+    )
+
+
+ParameterForm: TypeAlias = Annotated[
+    Annotated[Amount, Tag("scalar")] | Annotated[ParameterEntry, Tag("mapping")], by_form()
+]
+
+
 class ModelEntry(Entry):
     """A jousto model."""
 
     schema_: Text | None = Field(None, alias="$schema", description="For editors, not used")
     name: Text | None = None
+    parameters: dict[Text, ParameterForm] | None = Field(
+        None, description="Numbers that ${name} and ${2 * name + 1 mm} stand for"
+    )
     parts: dict[Text, PartEntry] | None = None
     bodies: tuple[BodyEntry, ...]
     joints: tuple[JointEntry, ...] | None = None

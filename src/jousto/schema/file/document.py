@@ -35,6 +35,8 @@ class Document:
         Line number (from 1) of every entry by its path, such as ``("joints", 0, "b")``.
     folder : Path
         Folder against which file names in the document are resolved.
+    expressions : dict
+        Text of every expression that was replaced by its value, by its path.
     """
 
     name: str
@@ -42,6 +44,7 @@ class Document:
     data: dict[str, Any]
     lines: dict[Loc, int]
     folder: Path = field(default_factory=Path)
+    expressions: dict[Loc, str] = field(default_factory=dict)
 
     def line(self, loc: Loc) -> int:
         """Return the line of an entry, or of the innermost existing one around it."""
@@ -58,6 +61,11 @@ class Document:
             except (KeyError, IndexError, TypeError):
                 return None
         return value
+
+    def told(self, loc: Loc, message: str) -> str:
+        """Return a message with the expression that the value at a path comes from."""
+        text = self.expressions.get(loc)
+        return message if text is None else f"{message}; from {text}"
 
     def where(self, loc: Loc) -> str:
         """Return the place of an entry for messages, ``boom.yaml:18: joints.0.b``."""
@@ -124,7 +132,7 @@ def parse_document(text: str, *, name: str = "model", folder: Path | None = None
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
     try:
-        root = compose(text)
+        root = compose(shielded(text))
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = mark.line + 1 if mark is not None else 1
@@ -221,7 +229,7 @@ class _Reader:
         return data
 
     def scalar(self, node: Any, loc: Loc) -> Any:
-        text, kind = str(node.value), str(node.tag).rpartition(":")[2]
+        text, kind = bare(str(node.value)), str(node.tag).rpartition(":")[2]
         if node.style in ("'", '"', "|", ">"):
             # ruamel.yaml marks with a bell where it folded a line
             return text.replace("\a", "") if node.style == ">" else text
@@ -241,6 +249,28 @@ class _Reader:
         path = ".".join(str(key) for key in loc)
         place = f"{self.name}:{line or node.start_mark.line + 1}" + (f": {path}" if path else "")
         self.problems.add(place, message)
+
+
+EXPRESSION = re.compile(r"\$\{([^{}\n]*)\}")
+SHIELD = 0xE000  # the private area of Unicode
+SHIELDED = re.compile("[\ue020-\ue07e]")
+
+
+def shielded(text: str) -> str:
+    """Return text in which signs within ``${...}`` mean nothing to YAML; see `bare`."""
+    if "${" not in text or SHIELDED.search(text):
+        return text
+    return EXPRESSION.sub(lambda found: "$" + "".join(map(_shield, found[0][1:])), text)
+
+
+def _shield(sign: str) -> str:
+    plain = sign.isalnum() or sign == " " or not " " < sign <= "~"
+    return sign if plain else chr(SHIELD + ord(sign))
+
+
+def bare(text: str) -> str:
+    """Return text as it was before it was shielded."""
+    return SHIELDED.sub(lambda found: chr(ord(found[0]) - SHIELD), text)
 
 
 def parse_int(text: str) -> int | str:

@@ -34,7 +34,7 @@ def explain(
     for raw in error.errors(include_url=False):
         item: Any = {**raw, "loc": (*prefix, *raw["loc"])}
         loc, message = sentence(item, document, classes)
-        problem = Problem(document.where(loc), message)
+        problem = Problem(document.where(loc), document.told(loc, message))
         if (loc, problem) not in found:
             found.append((loc, problem))
     return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 from jousto.base.arguments import explained
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, suggest
+from jousto.design.studies.parameter import Parameter
 from jousto.mechanism.mechanism import Mechanism
 from jousto.schema.entries.choices import WholeSchema
 from jousto.schema.entries.fatigue import Fatigue, build_fatigue, flexible_bodies
@@ -20,6 +22,7 @@ from jousto.schema.entries.parts import ReducedEntry
 from jousto.schema.entries.solids import PartEntry
 from jousto.schema.file.document import Document, Loc, parse_document, read_document
 from jousto.schema.file.explain import explain, finish
+from jousto.schema.file.parameters import SECTION, expand
 from jousto.schema.make.builder import ModelBuilder
 from jousto.schema.make.context import Builder
 from jousto.schema.make.declared import build_declared
@@ -85,6 +88,8 @@ class ModelFile:
         S-N curves and what is to be checked, if the file says so.
     monitor : MonitorSettings or None
         How measured strains are to be watched, if the file says so.
+    parameters : tuple of Parameter
+        Numbers that a study may vary.
     """
 
     mechanism: Mechanism
@@ -92,11 +97,17 @@ class ModelFile:
     text: str = ""
     fatigue: Fatigue | None = None
     monitor: Any = None
+    parameters: tuple[Parameter, ...] = ()
 
 
 @explained
 def read_model(
-    path: str | Path, *, rigid: bool = False, trust: bool = False, progress: Any = None
+    path: str | Path,
+    *,
+    rigid: bool = False,
+    trust: bool = False,
+    progress: Any = None,
+    parameters: Mapping[str, float] | None = None,
 ) -> ModelFile:
     """Read a YAML or JSON model file.
 
@@ -113,6 +124,8 @@ def read_model(
         They can do anything that you can on this computer: only for files whose author you know.
     progress : bool or function, optional
         What `reduce` reports to, for parts that take long.
+    parameters : dict of str to float, optional
+        Values of parameters of the file in SI units, instead of those that it gives.
 
     Raises
     ------
@@ -122,10 +135,10 @@ def read_model(
     Warns
     -----
     JoustoWarning
-        What the constructors warn about, with lines.
+        What the constructors warn about, with lines; parameters that nothing uses.
     """
     document = read_document(path)
-    return build_model(document, rigid=rigid, trust=trust, progress=progress)
+    return build_model(document, rigid=rigid, trust=trust, progress=progress, parameters=parameters)
 
 
 def parse_model(
@@ -147,9 +160,16 @@ def parse_model(
 
 
 def build_model(
-    document: Document, *, rigid: bool = False, trust: bool = False, progress: Any = None
+    document: Document,
+    *,
+    rigid: bool = False,
+    trust: bool = False,
+    progress: Any = None,
+    parameters: Mapping[str, float] | None = None,
 ) -> ModelFile:
     """Validate and build a document; see `read_model`."""
+    expanded = expand(document, parameters)
+    document = expanded.document
     if "bodies" not in document.data and document.data.get("type") in PART_TYPES:
         message = (
             f"is a part, not a model: jousto reduce {document.name} makes its modes, "
@@ -168,9 +188,13 @@ def build_model(
             fatigue = build_fatigue(builder, entry.fatigue, flexible_bodies(entry), builder.curves)
         if entry.monitor is not None and mechanism is not None and not rigid:
             monitor = build_monitor(builder, entry.monitor, mechanism)
-    finish(document, [*invalid, *builder.found], builder.warnings)
+    unused = (
+        f"{document.where((SECTION, name))}: nothing depends on it; ${{{name}}} stands for it"
+        for name in expanded.unused
+    )
+    finish(document, [*invalid, *builder.found], [*unused, *builder.warnings])
     assert mechanism is not None
-    return ModelFile(mechanism, simulation, document.text, fatigue, monitor)
+    return ModelFile(mechanism, simulation, document.text, fatigue, monitor, expanded.parameters)
 
 
 def validate(
@@ -302,7 +326,7 @@ def read_part_file(
     InputError
         Everything that is wrong with the part, with lines.
     """
-    document = read_document(path)
+    document = expand(read_document(path)).document
     loc: Loc = ()
     data: Any = document.data
     if isinstance(data.get("parts"), dict):

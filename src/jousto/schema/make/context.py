@@ -64,7 +64,7 @@ class Builder:
 
     def note(self, loc: Loc, message: str) -> None:
         """Note a problem at a place of the document."""
-        problem = Problem(self.document.where(loc), message)
+        problem = Problem(self.document.where(loc), self.document.told(loc, message))
         if problem not in self.noted:
             self.noted.add(problem)
             self.found.append((loc, problem))

@@ -1,0 +1,1 @@
+from .studies.distributions import read_distribution as read_distribution

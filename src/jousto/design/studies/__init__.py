@@ -1,0 +1,1 @@
+"""studies: a model as a function of its parameters, at many points."""
