@@ -162,65 +162,71 @@ static int give_up(jo_data *d)
     return JO_STEP_TOO_SMALL;
 }
 
-/* try one step, not beyond `end`; JO_OK if it was taken or has to be tried again with a shorter one */
-static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double end)
+/* the length of a step that is tried */
+typedef struct {
+    double h, wanted;       /* s; what it would be without a limit */
+    double limit, seen;     /* it ends there at most; forces at its end are seen as at that time */
+    int whole, broken;      /* it goes up to the limit, and forces of the next step may differ at once */
+} attempt;
+
+/* the next step, not beyond a break or `end` */
+static attempt attempted(const jo_model *m, const jo_data *d, const jo_solver *s, double end)
+{
+    const double t = JO_RE(d->time[0]), kink = next_break(m, t), turn = fastest_turn(m, d);
+    attempt x;
+    x.limit = kink < end ? kink : end;
+    x.h = d->control.next;
+    if (s->largest > 0.0 && x.h > s->largest) x.h = s->largest;
+    if (turn * x.h > JO_TURN) x.h = JO_TURN / turn;
+    x.wanted = x.h;
+    x.whole = t + 1.01 * x.h >= x.limit;
+    if (x.whole) x.h = x.limit - t;
+    else if (t + 2.0 * x.h > x.limit) x.h = 0.5 * (x.limit - t);   /* two steps of one length */
+    x.broken = x.whole && kink <= end;
+    x.seen = x.broken ? nextafter(x.limit, t) : x.whole ? x.limit : t + x.h;
+    return x;
+}
+
+/* whether the step that was tried is short enough, with the length of the next one; else it is withdrawn */
+static int passes(const jo_model *m, jo_data *d, const jo_solver *s, const attempt *x, double *error)
 {
     jo_control *c = &d->control;
-    const double t = JO_RE(d->time[0]), kink = next_break(m, t), limit = kink < end ? kink : end;
-    if (!(c->next > 16.0 * DBL_EPSILON * jo_larger(fabs(t), s->step)) || c->tries >= s->iterations) return give_up(d);
-    c->tries++;
-    if (!d->fresh && !c->known) {
-        const int status = jo_accelerations(m, d);
-        if (status != JO_OK) return status;
-    }
-    if (jo_watched(m)) {
-        const int status = jo_event_keep(m, d);
-        if (status != JO_OK) return status;
-    }
-    const double turn = fastest_turn(m, d);
-    double h = c->next;
-    if (s->largest > 0.0 && h > s->largest) h = s->largest;
-    if (turn * h > JO_TURN) h = JO_TURN / turn;
-    const double wanted = h;
-    int whole = t + 1.01 * h >= limit;   /* up to the limit */
-    if (whole) h = limit - t;
-    else if (t + 2.0 * h > limit) h = 0.5 * (limit - t);   /* two steps of one length */
-    int broken = whole && kink <= end;   /* forces of the next step may differ at once */
-    const double seen = broken ? nextafter(limit, t) : whole ? limit : t + h;
-    int status = jo_step_dopri(m, d, s, h, seen), found = 0;
-    if (status != JO_OK) {
-        c->status = status;
-        withdraw(m, d, 0.25 * h);
-        return JO_OK;
-    }
     if (jo_increments(m, d->dq, d->q0, d->q) > 2.0 * JO_TURN) {
-        withdraw(m, d, 0.5 * h);
-        return JO_OK;
+        withdraw(m, d, 0.5 * x->h);
+        return 0;
     }
-    const double error = step_error(m, d, s);
-    const double plain = 0.9 / pow(jo_larger(error, 1e-10), 0.2 - 0.75 * 0.04);   /* factor of the next step */
-    if (!(error <= 1.0)) {
+    *error = step_error(m, d, s);
+    const double plain = 0.9 / pow(jo_larger(*error, 1e-10), 0.2 - 0.75 * 0.04);   /* factor of the next step */
+    if (!(*error <= 1.0)) {
         c->status = JO_OK;
-        withdraw(m, d, h * (plain > 0.2 ? plain : 0.2));
-        return JO_OK;
+        withdraw(m, d, x->h * (plain > 0.2 ? plain : 0.2));
+        return 0;
     }
     double factor = plain * pow(c->error, 0.04);   /* proportional and integral */
     factor = factor < 0.2 ? 0.2 : factor > 10.0 ? 10.0 : factor;
     if (c->shortened && factor > 1.0) factor = 1.0;
-    c->next = h * factor;
-    if (h < wanted && c->next < wanted) c->next = wanted;   /* the limit made it short */
+    c->next = x->h * factor;
+    if (x->h < x->wanted && c->next < x->wanted) c->next = x->wanted;   /* the limit made it short */
+    return 1;
+}
+
+/* the step is taken, up to the first event in it */
+static int finish(const jo_model *m, jo_data *d, const jo_solver *s, attempt *x, double error)
+{
+    jo_control *c = &d->control;
+    int found = 0;
     if (jo_watched(m)) {   /* the step may end earlier */
-        double shorter = h;
-        status = jo_event_find(m, d, s, c->first, &shorter, &found);
+        double shorter = x->h;
+        const int status = jo_event_find(m, d, s, c->first, &shorter, &found);
         if (status != JO_OK) return status;
         c->first = 0;
-        if (shorter < h) whole = broken = 0;
+        if (shorter < x->h) x->whole = x->broken = 0;
     }
     c->error = jo_larger(error, 1e-4);
     c->shortened = 0;
     c->status = JO_OK;
-    if (whole) d->time[0] = limit + (d->time[0] - JO_RE(d->time[0]));
-    if (broken) d->fresh = 0;
+    if (x->whole) d->time[0] = x->limit + (d->time[0] - JO_RE(d->time[0]));
+    if (x->broken) d->fresh = 0;
     d->counts.steps++;
     if (m->nturn) jo_count_turns(m, d);
     remember_extent(m, d);
@@ -229,6 +235,27 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double en
     c->found = found;
     if (!found) c->chain = 0;
     return JO_OK;
+}
+
+/* try one step, not beyond `end`; JO_OK if it was taken or has to be tried again with a shorter one */
+static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double end)
+{
+    jo_control *c = &d->control;
+    if (!(c->next > 16.0 * DBL_EPSILON * jo_larger(fabs(JO_RE(d->time[0])), s->step)) || c->tries >= s->iterations)
+        return give_up(d);
+    c->tries++;
+    int status = d->fresh || c->known ? JO_OK : jo_accelerations(m, d);
+    if (status == JO_OK && jo_watched(m)) status = jo_event_keep(m, d);
+    if (status != JO_OK) return status;
+    attempt x = attempted(m, d, s, end);
+    status = jo_step_dopri(m, d, s, x.h, x.seen);
+    if (status != JO_OK) {
+        c->status = status;
+        withdraw(m, d, 0.25 * x.h);
+        return JO_OK;
+    }
+    double error;
+    return passes(m, d, s, &x, &error) ? finish(m, d, s, &x, error) : JO_OK;
 }
 
 static int begin(const jo_model *m, jo_data *d, const jo_solver *s, long long last)

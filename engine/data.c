@@ -14,10 +14,9 @@ static void *take(arena *a, size_t bytes)
 }
 static jo_real *reals(arena *a, int n) { return take(a, (size_t)n * sizeof(jo_real)); }
 
-static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched, jo_sensor **metered)
+/* what the next step needs from the last, one block */
+static void lay_state(const jo_model *m, arena *a, jo_data *d)
 {
-    jo_data spare_data, *taken = take(a, sizeof(jo_data)), *d = taken ? taken : &spare_data;
-    /* state: what the next step needs from the last, one block */
     d->state = take(a, 0);
     const size_t state = a->used;
     d->q = reals(a, m->nq);
@@ -40,9 +39,13 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched, jo_sen
     d->end_lam = reals(a, m->nrow);
     d->end_time = reals(a, 1);
     d->started = take(a, sizeof(int));
-    /* end of state */
     d->state_bytes = a->used - state;
-    d->kept.state = take(a, jo_watched(m) ? d->state_bytes : 0);
+    d->kept.state = take(a, jo_watched(m) ? d->state_bytes : 0);   /* the same once more */
+}
+
+/* stages of a step and the state at its end */
+static void lay_steps(const jo_model *m, arena *a, jo_data *d)
+{
     d->q0 = reals(a, m->nq);
     d->v0 = reals(a, m->nv);
     d->dq = reals(a, m->nv);
@@ -55,55 +58,11 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched, jo_sen
     d->v1 = reals(a, m->nv);
     d->lam1 = reals(a, m->nrow);
     d->extent = take(a, 3 * (size_t)m->nbody * sizeof(double));
-    d->S = reals(a, JO_BLOCK * m->nblock);
-    d->S0 = reals(a, m->redundant >= 0 ? JO_BLOCK * m->nblock : 0);
-    for (int s = 0; s < 2; s++) d->gram[s] = reals(a, 36 * m->npair);
-    d->body = take(a, (size_t)m->nbody * sizeof(jo_body_work));
-    d->nbeam = m->nbeam;
-    d->beam = take(a, (size_t)m->nbeam * sizeof(jo_beam_work));
-    d->bent = take(a, 2 * (size_t)m->nbeam * sizeof(double));
-    d->marker = take(a, (size_t)m->nmarker * sizeof(jo_marker_work));
-    d->joint = take(a, (size_t)m->njoint * sizeof(jo_joint_work));
-    for (int i = 0; i < m->njoint; i++) {
-        jo_joint_work spare, *w = a->base ? &d->joint[i] : &spare;
-        w->side = take(a, (size_t)m->joint[i].nside * sizeof *w->side);
-    }
-    const int nbelow = m->nblock - m->ncolumn, nupdate = m->ncolumn ? m->update_first[m->ncolumn] : 0;
-    d->pairs = take(a, (size_t)m->npair * sizeof *d->pairs);
-    d->columns = take(a, (size_t)m->ncolumn * sizeof *d->columns);
-    d->belows = take(a, (size_t)nbelow * sizeof *d->belows);
-    d->updates = take(a, (size_t)nupdate * sizeof *d->updates);
-    d->fills = take(a, (size_t)nbelow * sizeof *d->fills);
-    d->coordinate = take(a, (size_t)m->ncoordinate * sizeof(jo_coordinate_work));
-    d->force = take(a, (size_t)m->nforce * sizeof(jo_force_work));
-    d->N = reals(a, m->nnewton + JO_PAD);
-    d->x = reals(a, m->nv + m->nrow);
-    d->base = reals(a, m->nv);
-    d->base_lam = reals(a, m->nrow);
-    d->stiff = reals(a, JO_BEAM_KEPT * m->nbeam);
-    d->lag = reals(a, m->nv);
-    d->sum = reals(a, m->nv);
-    d->pivot = take(a, (size_t)(m->nv + m->nrow) * sizeof(int));
-    d->mixing.slider = take(a, (size_t)m->nfriction * sizeof(jo_slider));
-    d->mixing.coordinate = take(a, 2 * (size_t)m->nfriction * sizeof(int));
-    d->mixing.lam = reals(a, m->nfriction ? m->nrow : 0);
-    d->mixing.reach = reals(a, m->nfriction ? JO_REACH * m->nrow : 0);
-    jo_real **mixing[5] = {&d->mixing.f, &d->mixing.g, &d->mixing.r, &d->mixing.before, &d->mixing.change};
-    for (int i = 0; i < 5; i++) *mixing[i] = reals(a, 2 * m->nfriction);
-    for (int i = 0; i < JO_PAIRS; i++) {
-        d->mixing.dF[i] = reals(a, 2 * m->nfriction);
-        d->mixing.dR[i] = reals(a, 2 * m->nfriction);
-        d->mixing.Q[i] = reals(a, 2 * m->nfriction);
-    }
-    double **event_values[] = {&d->level, &d->below, &d->above, &d->trial, &d->scale};
-    for (int i = 0; i < 5; i++) *event_values[i] = take(a, (size_t)jo_watched(m) * sizeof(double));
-    d->side = take(a, (size_t)jo_watched(m) * sizeof(int));
-    d->log = take(a, 3 * (size_t)jo_log_room(m) * sizeof(double));
-    d->measured = reals(a, m->nevent ? m->nout : 0);
-    *watched = take(a, m->nevent ? (size_t)m->nsensor * sizeof(jo_sensor) : 0);
-    d->reading = reals(a, m->nmeter ? m->nout : 0);
-    d->scratch = take(a, (size_t)jo_damage_scratch(m) * sizeof(double));
-    *metered = take(a, m->nmeter ? (size_t)m->nsensor * sizeof(jo_sensor) : 0);
+}
+
+/* arrays of the bodies, of a spare one while bytes are only counted */
+static void lay_bodies(const jo_model *m, arena *a, jo_data *d)
+{
     for (int i = 0; i < m->nbody; i++) {
         jo_body_work spare, *w = a->base ? &d->body[i] : &spare;
         const int np = m->body[i].np;
@@ -123,6 +82,11 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched, jo_sen
             w->set[s].I3w = reals(a, 3 * np);
         }
     }
+}
+
+/* the same of markers */
+static void lay_markers(const jo_model *m, arena *a, jo_data *d)
+{
     for (int i = 0; i < m->nmarker; i++) {
         jo_marker_work spare, *w = a->base ? &d->marker[i] : &spare;
         const jo_marker *k = &m->marker[i];
@@ -141,6 +105,89 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched, jo_sen
         w->L = reals(a, 6 * row);
         w->W = reals(a, 12 * row);
     }
+}
+
+/* joints, and the matrix of their multipliers with its plan */
+static void lay_joints(const jo_model *m, arena *a, jo_data *d)
+{
+    d->S = reals(a, JO_BLOCK * m->nblock);
+    d->S0 = reals(a, m->redundant >= 0 ? JO_BLOCK * m->nblock : 0);
+    for (int s = 0; s < 2; s++) d->gram[s] = reals(a, 36 * m->npair);
+    d->joint = take(a, (size_t)m->njoint * sizeof(jo_joint_work));
+    for (int i = 0; i < m->njoint; i++) {
+        jo_joint_work spare, *w = a->base ? &d->joint[i] : &spare;
+        w->side = take(a, (size_t)m->joint[i].nside * sizeof *w->side);
+    }
+    const int nbelow = m->nblock - m->ncolumn, nupdate = m->ncolumn ? m->update_first[m->ncolumn] : 0;
+    d->pairs = take(a, (size_t)m->npair * sizeof *d->pairs);
+    d->columns = take(a, (size_t)m->ncolumn * sizeof *d->columns);
+    d->belows = take(a, (size_t)nbelow * sizeof *d->belows);
+    d->updates = take(a, (size_t)nupdate * sizeof *d->updates);
+    d->fills = take(a, (size_t)nbelow * sizeof *d->fills);
+}
+
+/* Newton's matrix and the accelerations of coupled masses */
+static void lay_newton(const jo_model *m, arena *a, jo_data *d)
+{
+    d->N = reals(a, m->nnewton + JO_PAD);
+    d->x = reals(a, m->nv + m->nrow);
+    d->base = reals(a, m->nv);
+    d->base_lam = reals(a, m->nrow);
+    d->stiff = reals(a, JO_BEAM_KEPT * m->nbeam);
+    d->lag = reals(a, m->nv);
+    d->sum = reals(a, m->nv);
+    d->pivot = take(a, (size_t)(m->nv + m->nrow) * sizeof(int));
+}
+
+/* the iteration for forces of friction */
+static void lay_friction(const jo_model *m, arena *a, jo_data *d)
+{
+    jo_mixing *x = &d->mixing;
+    x->slider = take(a, (size_t)m->nfriction * sizeof(jo_slider));
+    x->coordinate = take(a, 2 * (size_t)m->nfriction * sizeof(int));
+    x->lam = reals(a, m->nfriction ? m->nrow : 0);
+    x->reach = reals(a, m->nfriction ? JO_REACH * m->nrow : 0);
+    jo_real **mixing[5] = {&x->f, &x->g, &x->r, &x->before, &x->change};
+    for (int i = 0; i < 5; i++) *mixing[i] = reals(a, 2 * m->nfriction);
+    for (int i = 0; i < JO_PAIRS; i++) {
+        x->dF[i] = reals(a, 2 * m->nfriction);
+        x->dR[i] = reals(a, 2 * m->nfriction);
+        x->Q[i] = reals(a, 2 * m->nfriction);
+    }
+}
+
+/* what events and damage meters watch */
+static void lay_watch(const jo_model *m, arena *a, jo_data *d, jo_sensor **watched, jo_sensor **metered)
+{
+    double **event_values[] = {&d->level, &d->below, &d->above, &d->trial, &d->scale};
+    for (int i = 0; i < 5; i++) *event_values[i] = take(a, (size_t)jo_watched(m) * sizeof(double));
+    d->side = take(a, (size_t)jo_watched(m) * sizeof(int));
+    d->log = take(a, 3 * (size_t)jo_log_room(m) * sizeof(double));
+    d->measured = reals(a, m->nevent ? m->nout : 0);
+    *watched = take(a, m->nevent ? (size_t)m->nsensor * sizeof(jo_sensor) : 0);
+    d->reading = reals(a, m->nmeter ? m->nout : 0);
+    d->scratch = take(a, (size_t)jo_damage_scratch(m) * sizeof(double));
+    *metered = take(a, m->nmeter ? (size_t)m->nsensor * sizeof(jo_sensor) : 0);
+}
+
+static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched, jo_sensor **metered)
+{
+    jo_data spare_data, *taken = take(a, sizeof(jo_data)), *d = taken ? taken : &spare_data;
+    lay_state(m, a, d);
+    lay_steps(m, a, d);
+    d->body = take(a, (size_t)m->nbody * sizeof(jo_body_work));
+    d->nbeam = m->nbeam;
+    d->beam = take(a, (size_t)m->nbeam * sizeof(jo_beam_work));
+    d->bent = take(a, 2 * (size_t)m->nbeam * sizeof(double));
+    d->marker = take(a, (size_t)m->nmarker * sizeof(jo_marker_work));
+    d->coordinate = take(a, (size_t)m->ncoordinate * sizeof(jo_coordinate_work));
+    d->force = take(a, (size_t)m->nforce * sizeof(jo_force_work));
+    lay_joints(m, a, d);
+    lay_newton(m, a, d);
+    lay_friction(m, a, d);
+    lay_watch(m, a, d, watched, metered);
+    lay_bodies(m, a, d);
+    lay_markers(m, a, d);
     return taken;
 }
 

@@ -20,13 +20,9 @@ static int couples(const jo_model *m, int set)
     return 0;
 }
 
-/* a and lam at time, q, v; the modal mass is that of the set */
-int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
+/* poses, velocities, inertia and forces at time, q, v */
+static int load(const jo_model *m, jo_data *d)
 {
-    static const jo_work none = {0.0, 0.0, 0.0};
-    d->set = set;
-    d->power = none;
-    d->counts.evaluations++;
     if (!d->current) {
         jo_refresh(m, d);
         jo_marker_velocity(m, d, m->nactive);
@@ -34,19 +30,19 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
     d->current = 0;
     for (int i = 0; i < m->nbody; i++) jo_body_inertia(&m->body[i], &d->body[i], &d->power.damping);
     if (m->ncoordinate) jo_coordinates_rate(m, d, m->ncoordinate);
-    if (m->nforce) {
-        const int applied = jo_apply_forces(m, d);
-        if (applied != JO_OK) return applied;
-    }
-    if (m->nbeam) {
-        const int bent = jo_beam_forces(m, d, d->second ? d->base : 0);
-        if (bent != JO_OK) return bent;
-    }
+    const int status = m->nforce ? jo_apply_forces(m, d) : JO_OK;
+    if (status != JO_OK || !m->nbeam) return status;
+    return jo_beam_forces(m, d, d->second ? d->base : 0);
+}
+
+/* masses factored, bodies moving as they would without joints, and the rows of the joints */
+static int reduce(const jo_model *m, jo_data *d, const jo_solver *s, int set)
+{
     for (int i = 0; i < m->nbody; i++) {
-        int regular = jo_body_factor(&m->body[i], &d->body[i], set);
-        if (regular != JO_OK) {
+        const int status = jo_body_factor(&m->body[i], &d->body[i], set);
+        if (status != JO_OK) {
             d->error_index = i;
-            return regular;
+            return status;
         }
         jo_body_free(&m->body[i], &d->body[i], set);
     }
@@ -57,21 +53,36 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
         jo_joint_residual_rate(m, d);
     }
     jo_joint_rows(m, d);
-    d->coupled = couples(m, set);
+    return JO_OK;
+}
+
+/* multipliers in joint[].x, with the friction that belongs to them */
+static int solve(const jo_model *m, jo_data *d, const jo_solver *s, int set)
+{
     int status;
+    d->coupled = couples(m, set);
     if (d->coupled) {
         status = jo_coupled_accelerations(m, d, s);
-        if (status != JO_OK) return status;
     } else {
         jo_joint_acceleration(m, d, s);
         status = jo_joint_factor(m, d);
-        if (status != JO_OK) return status;
-        jo_joint_solve(m, d);
+        if (status == JO_OK) jo_joint_solve(m, d);
     }
-    if (m->nfriction && !d->smooth) {
-        status = jo_friction_solve(m, d, s);
-        if (status != JO_OK) return status;
-    }
+    if (status == JO_OK && m->nfriction && !d->smooth) status = jo_friction_solve(m, d, s);
+    return status;
+}
+
+/* a and lam at time, q, v; the modal mass is that of the set */
+int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
+{
+    static const jo_work none = {0.0, 0.0, 0.0};
+    d->set = set;
+    d->power = none;
+    d->counts.evaluations++;
+    int status = load(m, d);
+    if (status == JO_OK) status = reduce(m, d, s, set);
+    if (status == JO_OK) status = solve(m, d, s, set);
+    if (status != JO_OK) return status;
     d->drive = m->nline ? jo_joint_power(m, d) : 0.0;
     d->power.forces += d->drive;
     for (int i = 0; i < m->njoint; i++)

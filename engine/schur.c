@@ -53,8 +53,7 @@ static const int *lock_of(const jo_model *m, const jo_data *d, int joint)
 
 static inline int off(const int *lock) { return lock && !*lock; }
 
-/* where everything lies, and what comes first into each block */
-void jo_joint_plan(const jo_model *m, jo_data *d)
+static void plan_sides(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->njoint; i++)
         for (int s = 0; s < m->joint[i].nside; s++) {
@@ -65,7 +64,12 @@ void jo_joint_plan(const jo_model *m, jo_data *d)
             w->L = k->body < 0 || !m->body[k->body].n ? 0 : w->body->L;
             w->T = k->Psi ? w->marker->T : 0;
         }
-    for (int b = 0; b < m->nblock; b++) d->S[JO_BLOCK * b] = 1.0;   /* no pair yet */
+}
+
+/* and which pair comes first into its block: S is 1 where there is none */
+static void plan_pairs(const jo_model *m, jo_data *d)
+{
+    for (int b = 0; b < m->nblock; b++) d->S[JO_BLOCK * b] = 1.0;
     for (int i = 0; i < m->npair; i++) {
         const jo_pair *p = &m->pair[i];
         jo_pair_plan *w = &d->pairs[i];
@@ -79,46 +83,63 @@ void jo_joint_plan(const jo_model *m, jo_data *d)
         w->lock_l = lock_of(m, d, p->joint_l);
         w->S[0] = 0.0;
     }
+}
+
+/* the blocks below the diagonal of a column */
+static void plan_below(const jo_model *m, jo_data *d, const jo_column *col)
+{
+    for (int i = col->first; i < col->first + col->count; i++) {
+        const int row = m->below[i].joint;
+        jo_below_plan *x = &d->belows[i];
+        x->X = d->S + JO_BLOCK * m->below[i].block;
+        x->x = d->joint[row].x;
+        x->rows = m->joint[row].nrow;
+        x->ld = jo_padded(x->rows);
+        x->kind = kind_of(x->ld, m->joint[col->joint].nrow);
+        x->lock = lock_of(m, d, row);
+        if (JO_RE(x->X[0]) != 0.0) d->fills[d->nfill++] = x->X;
+    }
+}
+
+/* what the elimination of a column changes in later ones */
+static void plan_update(const jo_model *m, jo_data *d, const jo_column *col, int u)
+{
+    const jo_update *up = &m->update[u];
+    const int n = m->joint[col->joint].nrow;
+    jo_update_plan *x = &d->updates[u];
+    x->T = d->S + JO_BLOCK * up->target;
+    x->X = d->S + JO_BLOCK * up->left;
+    x->Y = d->S + JO_BLOCK * up->right;
+    x->ld = jo_padded(up->left_rows);
+    x->ny = up->right_rows;
+    x->kind = up->right_rows == n ? kind_of(x->ld, n) : 5;
+    for (int i = col->first; i < col->first + col->count; i++) {
+        if (m->below[i].block == up->left) x->lock_x = d->belows[i].lock;
+        if (m->below[i].block == up->right) x->lock_y = d->belows[i].lock;
+    }
+}
+
+/* where everything lies, and what comes first into each block */
+void jo_joint_plan(const jo_model *m, jo_data *d)
+{
+    plan_sides(m, d);
+    plan_pairs(m, d);
     for (int c = 0; c < m->ncolumn; c++) {
         const jo_column *col = &m->column[c];
-        const jo_joint *k = &m->joint[col->joint];
         jo_joint_work *joint = &d->joint[col->joint];
         jo_column_plan *w = &d->columns[c];
         w->S = d->S + JO_BLOCK * c;
         w->x = joint->x;
         w->scale = joint->scale;
-        w->n = k->nrow;
+        w->n = m->joint[col->joint].nrow;
         w->first = col->first;
         w->count = col->count;
         w->update = m->update_first[c];
         w->updates = m->update_first[c + 1] - w->update;
         w->lock = lock_of(m, d, col->joint);
         if (JO_RE(w->S[0]) != 0.0) d->fills[d->nfill++] = w->S;   /* both sides on ground */
-        for (int i = col->first; i < col->first + col->count; i++) {
-            const int row = m->below[i].joint;
-            jo_below_plan *x = &d->belows[i];
-            x->X = d->S + JO_BLOCK * m->below[i].block;
-            x->x = d->joint[row].x;
-            x->rows = m->joint[row].nrow;
-            x->ld = jo_padded(x->rows);
-            x->kind = kind_of(x->ld, k->nrow);
-            x->lock = lock_of(m, d, row);
-            if (JO_RE(x->X[0]) != 0.0) d->fills[d->nfill++] = x->X;
-        }
-        for (int u = w->update; u < w->update + w->updates; u++) {
-            const jo_update *up = &m->update[u];
-            jo_update_plan *x = &d->updates[u];
-            x->T = d->S + JO_BLOCK * up->target;
-            x->X = d->S + JO_BLOCK * up->left;
-            x->Y = d->S + JO_BLOCK * up->right;
-            x->ld = jo_padded(up->left_rows);
-            x->ny = up->right_rows;
-            x->kind = up->right_rows == k->nrow ? kind_of(x->ld, k->nrow) : 5;
-            for (int i = col->first; i < col->first + col->count; i++) {
-                if (m->below[i].block == up->left) x->lock_x = d->belows[i].lock;
-                if (m->below[i].block == up->right) x->lock_y = d->belows[i].lock;
-            }
-        }
+        plan_below(m, d, col);
+        for (int u = w->update; u < w->update + w->updates; u++) plan_update(m, d, col, u);
     }
 }
 
