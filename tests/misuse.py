@@ -56,7 +56,7 @@ def calls(folder: Path) -> dict[str, Call]:
     """Return calls by the name of what is called; arguments left out have defaults."""
     made = objects()
     found: dict[str, Call] = {}
-    for part in (_machines, _parts, _analyses, _recovery, _fatigue, _twins):
+    for part in (_machines, _parts, _analyses, _recovery, _fatigue, _twins, _design):
         for what, given in part(made, folder):
             name = what.__qualname__
             found[name] = (what, given)
@@ -470,4 +470,19 @@ def _twins(made: Made, folder: Path) -> list[Call]:
         (jo.monitor.ChannelRules, {}),
         (jo.monitor.watch, {"monitor": watched.monitor(), "source": data, "path": folder / "w.h5"}),
         (jo.monitor.MonitorRecord, {"path": made["watched"].path}),
+    ]
+
+
+def _design(made: Made, _: Path) -> list[Call]:
+    design = jo.design
+    pair = [design.Random(name, design.by_moments("normal", 5.0, 1.0)) for name in "ab"]
+    state = {"limit": lambda x: x["a"] + x["b"] - 6.0, "variables": pair}
+    return [
+        (design.by_moments, {"kind": "normal", "mean": 1.0, "deviation": 1.0, "start": 0.0}),
+        (design.Random, {"name": "a", "distribution": pair[0].distribution, "keep": "cov"}),
+        (design.Conditional, {"name": "a", "distribution": lambda x: x}),
+        (design.Nataf, {"variables": pair, "correlation": {("a", "b"): 0.1}, "measure": "normal"}),
+        (design.Rosenblatt, {"variables": pair}),
+        (design.LimitState, {"function": state["limit"], "step": 1e-4, "name": "g"}),
+        (design.form, {**state, "method": "hlrf", "start": {"a": 5.0, "b": 5.0}, "far": 9.0}),
     ]

@@ -1,4 +1,4 @@
-"""Design: what to decide from many runs: studies."""
+"""Design: what to decide: studies of many runs, and how probable a failure is."""
 
 from jousto.base.rooms import open_room
 
