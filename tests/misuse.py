@@ -485,4 +485,5 @@ def _design(made: Made, _: Path) -> list[Call]:
         (design.Rosenblatt, {"variables": pair}),
         (design.LimitState, {"function": state["limit"], "step": 1e-4, "name": "g"}),
         (design.form, {**state, "method": "hlrf", "start": {"a": 5.0, "b": 5.0}, "far": 9.0}),
+        (design.sorm, {**state, "step": 0.1}),
     ]

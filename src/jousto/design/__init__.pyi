@@ -10,5 +10,6 @@ from .reliability.random import (
     Random as Random,
     by_moments as by_moments,
 )
+from .reliability.sorm import SormResult as SormResult, sorm as sorm
 from .reliability.transform import Joint as Joint, Nataf as Nataf, Rosenblatt as Rosenblatt
 from .studies.distributions import read_distribution as read_distribution

@@ -1,0 +1,215 @@
+"""SORM: what the curvature of the limit surface makes of the probability of its tangent."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.special import log_ndtr, ndtr, ndtri
+
+from jousto.base.arguments import explained
+from jousto.base.arrays import Array
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems, count, warn
+from jousto.design.reliability.errors import DesignPointError
+from jousto.design.reliability.form import FormResult, form
+from jousto.design.reliability.limit import LimitState
+from jousto.design.reliability.space import Space
+
+STEP = 1e-3  # of differences of a given gradient
+STEP_OF_VALUES = 3.0  # times the root of that of a gradient
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class SormResult:
+    """Probabilities of failure with the main curvatures of the limit surface.
+
+    Attributes
+    ----------
+    form : FormResult
+        The design point.
+    curvatures : (n - 1,) array
+        Main curvatures at the design point, positive where the surface bends away from the
+        origin: less failure than beyond the tangent.
+    breitung, hohenbichler, tvedt : float
+        Probabilities of failure; NaN where a formula does not hold.
+    calls, gradients : int
+        All calls, with those of FORM.
+    """
+
+    form: FormResult
+    curvatures: Array
+    breitung: float
+    hohenbichler: float
+    tvedt: float
+    calls: int
+    gradients: int
+
+    @property
+    def probability(self) -> float:
+        """That of Tvedt, or of Breitung where his does not hold."""
+        return self.breitung if math.isnan(self.tvedt) else self.tvedt
+
+    @property
+    def beta(self) -> float:
+        """Index that belongs to the probability."""
+        return float(-ndtri(self.probability))
+
+    def _facts(self) -> str:
+        three = f"Breitung {self.breitung:.4g}, Hohenbichler-Rackwitz {self.hohenbichler:.4g}"
+        work = count(self.calls, "call")
+        return f"Pf {self.form.probability:.4g} by FORM, {three}, Tvedt {self.tvedt:.4g}; {work}"
+
+
+@explained
+def sorm(
+    limit: LimitState | Callable[..., Any] | FormResult,
+    variables: Any = None,
+    *,
+    step: float | None = None,
+    **options: Any,
+) -> SormResult:
+    """Return probabilities of failure with the curvature of the limit surface: second order.
+
+    In the tangent plane of the design point the surface is ``u_n = beta + sum kappa_i v_i^2 / 2``.
+    K. Breitung (*J. Eng. Mech.* 110 (1984) 357-366):
+    ``Phi(-beta) prod (1 + beta kappa_i)^(-1/2)``; M. Hohenbichler and R. Rackwitz (*J. Eng. Mech.*
+    114 (1988) 2195-2199) put ``phi(beta) / Phi(-beta)`` for beta in the product; L. Tvedt (1983)
+    adds two more terms.
+
+    Parameters
+    ----------
+    limit : LimitState, callable or FormResult
+        ``G(x) <= 0`` is failure; of a result of `form`, nothing else is needed.
+    variables : sequence of Random, Nataf, Rosenblatt or Joint, optional
+        The random variables.
+    step : float, optional
+        Of second differences, in standard deviations. None takes 1e-3 for a given gradient and
+        three roots of the step of the limit state, 0.01, for values.
+    **options
+        Of `form`.
+
+    Returns
+    -------
+    SormResult
+        Curvatures cost ``2 (n - 1)`` given gradients, or ``(n - 1) (n + 2) / 2 + 1`` calls.
+
+    Raises
+    ------
+    InputError
+        If there are no variables, or for a step that is not positive.
+    DesignPointError
+        If there is no design point, or the point is not the nearest: the surface bends towards the
+        origin more than a sphere does.
+
+    Warns
+    -----
+    JoustoWarning
+        Where one of the formulas does not hold.
+
+    Examples
+    --------
+    >>> from scipy.stats import norm
+    >>> from jousto.design import Random
+    >>> x = [Random("a", norm(0, 1)), Random("b", norm(0, 1))]
+    >>> found = sorm(lambda x: 3 + 0.1 * x["b"] ** 2 - x["a"], x)
+    >>> print(f"{found.curvatures[0]:.3f}")  # the second derivative of a by b
+    0.200
+    """
+    if isinstance(limit, FormResult):
+        if variables is not None or options:
+            message = "a result of form has its variables; give it alone"
+            raise InputError(Problem("sorm", message))
+        found = limit
+    else:
+        found = form(limit, variables, **options)
+    problems = Problems()
+    if step is not None:
+        problems.positive("sorm", "step", step, "")
+    problems.raise_if_any()
+    space = Space(found.limit, found.variables, dict(found.fixed))
+    kappa = _curvatures(space, found, step)
+    # of a negative index the safe side is the small one
+    side = 1.0 if found.beta >= 0.0 else -1.0
+    three = [_of_safe(p, side) for p in probabilities(abs(found.beta), side * kappa)]
+    if math.isnan(three[0]):
+        worst = float(np.min(side * kappa))
+        message = (
+            f"beta is {found.beta:.4g} and the least curvature {worst:.4g}: below -1/beta the "
+            "point is not the nearest one of the surface; another start of form may find that"
+        )
+        raise DesignPointError(f"{space.counted.where}: {message}", found.u)
+    for name, p in zip(("Hohenbichler-Rackwitz", "Tvedt"), three[1:], strict=True):
+        if math.isnan(p):
+            warn(f"limit state '{found.name}'", f"the formula of {name} does not hold here")
+    calls, gradients = found.calls + space.calls, found.gradients + space.gradients
+    kappa.setflags(write=False)
+    return SormResult(found, kappa, *three, calls=calls, gradients=gradients)
+
+
+def _of_safe(p: float, side: float) -> float:
+    return p if side > 0.0 else 1.0 - p
+
+
+def probabilities(beta: float, kappa: Array) -> tuple[float, float, float]:
+    """Return the probabilities of Breitung, Hohenbichler and Rackwitz, and Tvedt.
+
+    Examples
+    --------
+    >>> probabilities(3.0, np.zeros(2)) == (float(ndtr(-3.0)),) * 3
+    True
+    """
+    tail = float(ndtr(-beta))
+    if np.any(1.0 + beta * kappa <= 0.0):
+        return (math.nan,) * 3
+    breitung = tail * _product(beta, kappa)
+    log_density = -0.5 * beta * beta - 0.5 * math.log(2.0 * math.pi)
+    psi = math.exp(log_density - float(log_ndtr(-beta)))
+    hohenbichler = tail * _product(psi, kappa)
+    both = _product(beta + 1.0, kappa)
+    a = beta * tail - math.exp(log_density)
+    turned = complex(np.prod(1.0 / np.sqrt(1.0 + (beta + 1j) * kappa)))
+    first = _product(beta, kappa)
+    tvedt = breitung + a * (first - both) + (beta + 1.0) * a * (first - turned.real)
+    return breitung, hohenbichler, tvedt if tvedt > 0.0 else math.nan
+
+
+def _product(factor: float, kappa: Array) -> float:
+    inside = 1.0 + factor * kappa
+    return float(np.prod(1.0 / np.sqrt(inside))) if np.all(inside > 0.0) else math.nan
+
+
+def _curvatures(space: Space, found: FormResult, step: float | None) -> Array:
+    """Return the main curvatures, by differences in the tangent plane."""
+    u, n = found.u, space.n
+    if n == 1:
+        return np.zeros(0)
+    plane = np.linalg.svd(found.alpha[None, :])[2][1:].T  # (n, n - 1), orthonormal
+    size = float(np.linalg.norm(found.gradient))
+    m = n - 1
+    H = np.empty((m, m))
+    if space.counted.has_gradient:
+        h = STEP if step is None else step
+        for i in range(m):
+            ends = []
+            for side in (1.0, -1.0):
+                point = u + side * h * plane[:, i]
+                ends.append(plane.T @ space.gradient(point, 0.0))
+            H[i] = (ends[0] - ends[1]) / (2.0 * h)
+        return np.asarray(np.linalg.eigvalsh(0.5 * (H + H.T)) / size)
+    h = STEP_OF_VALUES * math.sqrt(space.limit.step) if step is None else step
+    pairs = [(i, j) for i in range(m) for j in range(i)]
+    moves = [side * plane[:, i] for i in range(m) for side in (1.0, -1.0)]
+    moves += [plane[:, i] + plane[:, j] for i, j in pairs]
+    values = space.many(np.stack([u + h * move for move in moves], axis=1))
+    g = space.g(u)
+    up, down = values[0 : 2 * m : 2], values[1 : 2 * m : 2]
+    np.fill_diagonal(H, up - 2.0 * g + down)
+    for (i, j), g_ij in zip(pairs, values[2 * m :], strict=True):
+        # g(a + b) = g + a + b + H_ab of the parts that are even in both
+        H[i, j] = H[j, i] = g_ij - up[i] - up[j] + g
+    return np.asarray(np.linalg.eigvalsh(H / h**2) / size)
