@@ -135,20 +135,21 @@ def sorm(
     kappa = _curvatures(space, found, step)
     # of a negative index the safe side is the small one
     side = 1.0 if found.beta >= 0.0 else -1.0
-    three = [_of_safe(p, side) for p in probabilities(abs(found.beta), side * kappa)]
-    if math.isnan(three[0]):
+    given = probabilities(abs(found.beta), side * kappa)
+    breitung, hohenbichler, tvedt = (_of_safe(p, side) for p in given)
+    if math.isnan(breitung):
         worst = float(np.min(side * kappa))
         message = (
             f"beta is {found.beta:.4g} and the least curvature {worst:.4g}: below -1/beta the "
             "point is not the nearest one of the surface; another start of form may find that"
         )
         raise DesignPointError(f"{space.counted.where}: {message}", found.u)
-    for name, p in zip(("Hohenbichler-Rackwitz", "Tvedt"), three[1:], strict=True):
+    for name, p in (("Hohenbichler-Rackwitz", hohenbichler), ("Tvedt", tvedt)):
         if math.isnan(p):
             warn(f"limit state '{found.name}'", f"the formula of {name} does not hold here")
     calls, gradients = found.calls + space.calls, found.gradients + space.gradients
     kappa.setflags(write=False)
-    return SormResult(found, kappa, *three, calls=calls, gradients=gradients)
+    return SormResult(found, kappa, breitung, hohenbichler, tvedt, calls, gradients)
 
 
 def _of_safe(p: float, side: float) -> float:
@@ -165,7 +166,7 @@ def probabilities(beta: float, kappa: Array) -> tuple[float, float, float]:
     """
     tail = float(ndtr(-beta))
     if np.any(1.0 + beta * kappa <= 0.0):
-        return (math.nan,) * 3
+        return math.nan, math.nan, math.nan
     breitung = tail * _product(beta, kappa)
     log_density = -0.5 * beta * beta - 0.5 * math.log(2.0 * math.pi)
     psi = math.exp(log_density - float(log_ndtr(-beta)))
