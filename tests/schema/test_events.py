@@ -91,3 +91,26 @@ def test_a_mistake_has_its_field_and_remedy(old, new, sentence):
     with pytest.raises(jo.InputError) as error:
         parse_model(TEXT.replace(old, new, 1))
     assert any(sentence in str(problem) for problem in error.value.problems), str(error.value)
+
+
+def test_an_event_that_watches_a_force_switches_another_one():
+    """Names are looked up when they are needed, in any order of the file."""
+    brake = """\
+  - name: brake
+    type: joint-force
+    coordinate: slewing.angle
+    signal: {type: switched, event: reversed, before: 0, after: -50}
+sensors:"""
+    mechanism = parse_model(TEXT.replace("sensors:", brake, 1)).mechanism
+    event = mechanism.forces[1].signal.event
+    assert event is mechanism.events[3]
+    assert event.watch.force is mechanism.forces[0]
+    assert [force.name for force in mechanism.forces[:2]] == ["motor", "brake"]
+
+
+def test_what_stands_on_itself_is_reported():
+    counted = (
+        "  - {name: d, type: damage, sensor: d, residue: half, sn: {S_D: 71 MPa, N_D: 2e6, k: 3}}\n"
+    )
+    with pytest.raises(jo.InputError, match=r"sensors\.2: 'd' stands on itself"):
+        parse_model(TEXT.replace("events:\n", f"{counted}events:\n"))

@@ -26,8 +26,6 @@ class Sensor(Declared, section="sensors"):
     kind = "sensor"
     flexible: ClassVar[bool] = False
     """Whether it measures what rigid bodies do not have: modes, stress, strain."""
-    late: ClassVar[bool] = False
-    """Whether it stands on forces, couplings or signals, which events may switch, or on others."""
     name: Name = field("Unique among the sensors")
 
     if TYPE_CHECKING:

@@ -146,7 +146,6 @@ class Bridge(Sensor, tag="bridge"):
     frame: ClassVar[str] = "gauge"
     components: ClassVar[tuple[str, ...]] = ("ratio",)
     flexible: ClassVar[bool] = True
-    late: ClassVar[bool] = True
     arms: Arms = field(
         "Up to four gauges in the order of the arms; None (and what is not given) is a fixed "
         "resistor; arms 1 and 3 count positive, 2 and 4 negative: bending is measured by ``(top, "

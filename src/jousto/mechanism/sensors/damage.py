@@ -97,7 +97,6 @@ class DamageSensor(Sensor, tag="damage"):
 
     unit: ClassVar[str] = "1"
     frame: ClassVar[str] = "scalar"
-    late: ClassVar[bool] = True
     sensor: Counted = field(
         "What is counted: a sensor of the same mechanism, of stress in Pa or, with a factor, of "
         "anything that stress follows"

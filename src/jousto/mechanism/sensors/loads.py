@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 from jousto.base.errors import Problems
 from jousto.base.fields import Field, Reference, field
@@ -153,7 +153,6 @@ class ForceSensor(Sensor, tag="force"):
     the undeformed body.
     """
 
-    late: ClassVar[bool] = True
     force: Pushing = field("What is measured")
     resolved_in: OptionalMarker = field(
         "Axes of the components; None for those of the world", default=None, kw_only=True

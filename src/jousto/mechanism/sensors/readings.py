@@ -82,7 +82,6 @@ class SignalSensor(Sensor, tag="signal"):
     unit: ClassVar[str] = "1"
     frame: ClassVar[str] = "world"
     components: ClassVar[tuple[str, ...]] = ("f",)
-    late: ClassVar[bool] = True
     signal: SignalField = field("The signal", unit="1")
 
     @property

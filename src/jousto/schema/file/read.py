@@ -23,13 +23,12 @@ from jousto.schema.entries.solids import PartEntry
 from jousto.schema.file.document import Document, Loc, parse_document, read_document
 from jousto.schema.file.explain import explain, finish
 from jousto.schema.file.parameters import SECTION, expand
-from jousto.schema.make.builder import ModelBuilder
+from jousto.schema.make.builder import LISTS, ModelBuilder
 from jousto.schema.make.context import Builder
 from jousto.schema.make.declared import build_declared
 from jousto.schema.make.matrices import is_superelement
 
 PART_TYPES = ("beam", "members", "frame", "solid", "matrices", "reduced")
-LISTS = ("bodies", "joints", "couplings", "forces", "frictions", "initial", "sensors", "events")
 
 
 @dataclass(frozen=True, eq=False)

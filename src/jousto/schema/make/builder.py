@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -18,13 +17,14 @@ from jousto.schema.entries import model as sm, parts as sp
 from jousto.schema.entries.fatigue import build_curves
 from jousto.schema.entries.solids import SolidEntry
 from jousto.schema.file.document import Loc
-from jousto.schema.make.context import Builder
+from jousto.schema.make.context import Builder, Section
 from jousto.schema.make.declared import build_declared, build_material
 from jousto.schema.make.elements import FORMS as OF_FORCES
-from jousto.schema.make.happen import is_late, watches_late
 from jousto.schema.make.matrices import build_matrices, build_superelement, is_superelement
 from jousto.schema.make.sense import FORMS as OF_SENSORS
 from jousto.schema.make.solid import FORMS as OF_PARTS, build_solid
+
+LISTS = ("bodies", "joints", "couplings", "forces", "frictions", "initial", "sensors", "events")
 
 
 class ModelBuilder(Builder):
@@ -118,23 +118,15 @@ class ModelBuilder(Builder):
 
     # -- mechanism --------------------------------------------------------------------------
 
-    def body(self, loc: Loc, entry: Any, parts: dict[str, Any]) -> Any:
-        """Return the body of an entry, None if anything is wrong with it."""
-        body = build_declared(self, loc, entry, {"parts": parts})
-        return rigid_body(body) if self.rigid and isinstance(body, FlexibleBody) else body
+    def named_part(self, loc: Loc, entry: Any) -> Any:
+        """Return the ReducedPart of an entry of parts, None if anything is wrong with it."""
+        name: Any = loc[-1]
+        return self.reduced(loc, name, entry) if self.part_name(loc, name) else None
 
-    def section_items(
-        self, key: str, entries: Any, index: list[int], build: Callable[[Loc, Any], Any]
-    ) -> list[tuple[Loc, Any]]:
-        """Return the objects of a list of entries that could be built, with their paths."""
-        items: list[tuple[Loc, Any]] = []
-        for i, entry in zip(index, entries or (), strict=True):
-            item = build((key, i), entry)
-            if item is None:
-                self.broken.add((key, getattr(entry, "name", None)))
-            else:
-                items.append(((key, i), item))
-        return items
+    def item(self, loc: Loc, entry: Any) -> Any:
+        """Return the object of an entry of a list, None if anything is wrong with it."""
+        made = build_declared(self, loc, entry, self.known)
+        return rigid_body(made) if self.rigid and isinstance(made, FlexibleBody) else made
 
     def mechanism(self, entry: sm.ModelEntry, index: dict[str, list[int]]) -> Any:
         """Return the Mechanism of a file; None if anything is wrong.
@@ -146,80 +138,25 @@ class ModelBuilder(Builder):
         index : dict
             For each list the places of its entries in the file.
         """
-        parts: dict[str, Any] = {}
-        for name, part in (entry.parts or {}).items():
-            loc = ("parts", name)
-            reduced = self.reduced(loc, name, part) if self.part_name(loc, name) else None
-            if reduced is None:
-                self.broken.add(("parts", name))
-            else:
-                parts[name] = reduced
-
-        def named(items: list[tuple[Loc, Any]]) -> dict[str, Any]:
-            return {item.name: item for _, item in items}
-
-        def listed(
-            key: str,
-            build: Callable[[Loc, Any], Any],
-            now: Callable[[Any], bool] = lambda e: True,
-        ) -> list[tuple[Loc, Any]]:
-            entries, places = getattr(entry, key) or (), index[key]
-            # a rigid body has neither modes nor stress
-            kept = [
-                i
-                for i, e in enumerate(entries)
-                if now(e) and not (self.rigid and getattr(e.declared, "flexible", False))
-            ]
-            entries, places = [entries[i] for i in kept], [places[i] for i in kept]
-            return self.section_items(key, entries, places, build)
-
-        bodies = listed("bodies", lambda at, e: self.body(at, e, parts))
-        by_name = named(bodies)
-        made = {"bodies": by_name}
-        joints = listed("joints", lambda at, e: build_declared(self, at, e, made))
-        free = made["joints"] = named(joints)
-        # sensors of bodies and joints, the events that watch them, then what events switch
         self.sensors = [e.name for e in entry.sensors or ()]
-        late = {e.name for e in entry.sensors or () if is_late(e, free)}
-        self.curves = build_curves(self, entry.fatigue)
-        known = {"bodies": by_name, "joints": free, "couplings": {}, "forces": {}}
-        known["curves"] = self.curves
-
-        def sensed(now: Callable[[Any], bool]) -> list[tuple[Loc, Any]]:
-            return listed("sensors", lambda at, e: build_declared(self, at, e, known), now)
-
-        def watched(early: bool) -> list[tuple[Loc, Any]]:
-            return listed(
-                "events",
-                lambda at, e: build_declared(self, at, e, known),
-                lambda e: watches_late(e, late) != early,
-            )
-
-        sensors = sensed(lambda e: e.name not in late)
-        known["sensors"] = named(sensors)
-        events = watched(True)
-        self.events = named(events)
-        self.late_events = {e.name for e in entry.events or () if watches_late(e, late)}
-        couplings = listed("couplings", lambda at, e: build_declared(self, at, e, made))
-        loads = listed("forces", lambda at, e: build_declared(self, at, e, made))
-        initial = listed("initial", lambda at, e: build_declared(self, at, e, made))
-        frictions = listed("frictions", lambda at, e: build_declared(self, at, e, made))
-        known |= {"couplings": named(couplings), "forces": named(loads)}
-        known["frictions"] = named(frictions)
-        stacked = ("damage", "bridge")
-        sensors += sensed(lambda e: e.name in late and e.type not in stacked)
-        known["sensors"] = named(sensors)
-        sensors += sensed(lambda e: e.type == "bridge")
-        known["sensors"] = named(sensors)
-        measured = [e.name for e in entry.sensors or () if e.declared.flexible]
-        sensors += sensed(  # what they count may be gone
-            lambda e: e.type == "damage" and not (self.rigid and e.sensor in measured)
-        )
-        sensors.sort()
-        known["sensors"] = named(sensors)
-        events = sorted(events + watched(False))
-        items = [*bodies, *joints, *couplings, *loads, *frictions, *initial, *sensors, *events]
-        if not bodies and (self.found or self.broken):
+        known = self.known
+        known["curves"] = self.curves = build_curves(self, entry.fatigue)
+        parts = [(name, ("parts", name), part) for name, part in (entry.parts or {}).items()]
+        known["parts"] = made = Section(self, "parts", parts, self.named_part)
+        sections = [made]
+        # a rigid body has neither modes nor stress, nor damage of what is gone with them
+        gone = [e.name for e in entry.sensors or () if self.rigid and e.declared.flexible]
+        for key in LISTS:
+            entries: list[tuple[Any, Loc, Any]] = [
+                (getattr(e, "name", None), (key, i), e)
+                for i, e in zip(index[key], getattr(entry, key) or (), strict=True)
+                if not (self.rigid and getattr(e.declared, "flexible", False))
+                and getattr(e, "sensor", None) not in gone
+            ]
+            known[key] = made = Section(self, key, entries, self.item)
+            sections.append(made)
+        items = [item for made in sections for item in made.all() if item[0][0] != "parts"]
+        if not known["bodies"] and (self.found or self.broken):
             return None
         gravity = [] if entry.gravity is None else [Gravity(entry.gravity)]
         name = entry.name or "mechanism"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -57,9 +57,8 @@ class Builder:
         self.found: list[tuple[Loc, Problem]] = []
         self.noted: set[Problem] = set()
         self.warnings: dict[str, None] = {}  # in their order
-        self.events: dict[str, Any] = {}
         self.curves: dict[str, Any] = {}
-        self.late_events: set[str] = set()
+        self.known: dict[str, Mapping[str, Any]] = {}  # what entries may name, by section
         self.sensors: list[str] = []  # names of all sensors of the file
 
     def note(self, loc: Loc, message: str) -> None:
@@ -176,15 +175,96 @@ class Builder:
 
     def event(self, loc: Loc, name: str) -> Any:
         """Return the event that switches a signal, None if there is none that can."""
-        if name in self.late_events:
+        events = self.known["events"]
+        try:
+            found = events.get(name)
+        except CircleError:
             self.note(
                 loc,
                 f"event {name!r} watches a force, a coupling or a signal and cannot switch one; "
                 "let it watch a coordinate or the motion of a marker",
             )
-        elif name not in self.events:
-            self.unknown(loc, "events", "event", name, self.events)
-        return self.events.get(name)
+            return None
+        if found is None:
+            self.unknown(loc, "events", "event", name, events)
+        return found
+
+
+class CircleError(Exception):
+    """An entry stands on itself."""
+
+
+class Section(Mapping[str, Any]):
+    """The objects of a section by their names, each made when it is named first.
+
+    Parameters
+    ----------
+    builder : Builder
+        Notes problems, and the names of entries that fail.
+    key : str
+        The section.
+    entries : iterable of (name, path, entry)
+        Its entries.
+    build : function
+        Returns the object of a path and an entry, None if anything is wrong with it.
+    """
+
+    def __init__(
+        self,
+        builder: Builder,
+        key: str,
+        entries: Iterable[tuple[str, Loc, Any]],
+        build: Callable[[Loc, Any], Any],
+    ) -> None:
+        self.builder, self.key, self.build = builder, key, build
+        self.entries = tuple(entries)
+        self.places = {name: i for i, (name, _, _) in enumerate(self.entries)}
+        self.made: dict[int, Any] = {}
+        self.open: set[int] = set()  # what is being made
+
+    def __getitem__(self, name: str) -> Any:
+        """Return an object; raise KeyError where none has that name or it cannot be made."""
+        found = self.object(self.places[name])
+        if found is None:
+            raise KeyError(name)
+        return found
+
+    def __iter__(self) -> Iterator[str]:
+        return (name for name, i in self.places.items() if self.made.get(i, i) is not None)
+
+    def __len__(self) -> int:
+        return len(list(iter(self)))
+
+    def entry(self, name: str) -> Any:
+        """Return the entry of a name."""
+        return self.entries[self.places[name]][2]
+
+    def object(self, i: int) -> Any:
+        """Return the object of an entry, None if anything is wrong with it."""
+        if i in self.open:
+            raise CircleError
+        if i not in self.made:
+            name, loc, entry = self.entries[i]
+            self.open.add(i)
+            try:
+                self.made[i] = self.build(loc, entry)
+            finally:
+                self.open.remove(i)
+            if self.made[i] is None:
+                self.builder.broken.add((self.key, name))
+        return self.made[i]
+
+    def all(self) -> list[tuple[Loc, Any]]:
+        """Return the objects of all entries that can be made, with their paths."""
+        found = []
+        for i, (name, loc, _) in enumerate(self.entries):
+            try:
+                item = self.object(i)
+            except CircleError:
+                self.builder.note(loc, f"{name!r} stands on itself")
+                item = self.made[i] = None
+            found.append((loc, item))
+        return [(loc, item) for loc, item in found if item is not None]
 
 
 def shorten(where: str, message: str, own: set[str], name: Any) -> str:

@@ -28,12 +28,12 @@ def sites(place: Place, value: Any) -> Any:
 
 def arms(place: Place, names: Any) -> Any:
     """Return the gauges of a bridge, None if one is not there."""
-    gauges = {
-        k: sensor for k, sensor in place.known["sensors"].items() if isinstance(sensor, Gauge)
-    }
+    sensors = place.known["sensors"]
+    known = [name for name in sensors if issubclass(sensors.entry(name).declared, Gauge)]
+    gauges = {name: sensors[name] for name in known if name in names and name in sensors}
     missing = [i for i, name in enumerate(names) if name is not None and name not in gauges]
     for i in missing:
-        place.builder.unknown((*place.loc, i), ("sensors",), "gauge", names[i], gauges)
+        place.builder.unknown((*place.loc, i), ("sensors",), "gauge", names[i], known)
     return None if missing else tuple(name and gauges[name] for name in names)
 
 
