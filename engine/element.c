@@ -67,69 +67,74 @@ void jo_element_finish(const jo_model *m, jo_data *d, const jo_element *e)
     }
 }
 
-/* s' = along . (v_b - v_a) + turn_a . om_a + turn_b . om_b, differentiated */
-void jo_element_gradients(const jo_model *m, const jo_data *d, int coordinate, jo_gradients *g)
+/* how the gradient of a coordinate changes with [r_b - r_a, phi_a, phi_b] = [dr, pa, pb] */
+typedef struct { jo_real along[3], turn_a[3], turn_b[3]; } gradient;
+
+/* of the angle: turn_b = (x h x g - y h x f) / (x^2 + y^2) with x = h.f, y = h.g; its size is that of s' = .. */
+static inline void angle_change(const jo_marker_work *a, const jo_marker_work *b, const jo_real *pa, const jo_real *pb,
+                                gradient *c)
 {
-    const jo_coordinate *c = &m->coordinate[coordinate];
-    const jo_coordinate_work *w = &d->coordinate[coordinate];
-    const jo_marker_work *a = &d->marker[c->a], *b = &d->marker[c->b];
-    jo_real f[3], h[3], k[3], r[3];
-    jo_set3(r, b->r);
-    jo_sub3(r, a->r);
-    for (int j = 0; j < 9; j++) {
-        jo_real dr[3] = {0.0}, pa[3] = {0.0}, pb[3] = {0.0}, t[3], u[3], along[3] = {0.0}, ta[3] = {0.0}, tb[3] = {0.0};
-        (j < 3 ? dr : j < 6 ? pa : pb)[j % 3] = 1.0;
-        switch (c->type) {
-        case JO_COORDINATE_AXES:
-            jo_axis(f, a->A, c->axis_a);
-            jo_axis(h, b->A, c->axis_b);
-            jo_cross(t, pa, f);
-            jo_cross(ta, t, h);
-            jo_cross(t, pb, h);
-            jo_cross(u, f, t);
-            jo_add3(ta, u);
-            for (int i = 0; i < 3; i++) tb[i] = -ta[i];
-            break;
-        case JO_COORDINATE_ALONG:
-            jo_axis(f, a->A, c->axis_a);
-            jo_cross(along, pa, f);
-            jo_cross(ta, along, r);
-            jo_cross(t, f, dr);
-            jo_add3(ta, t);
-            break;
-        case JO_COORDINATE_DISTANCE: {
-            const jo_real s = jo_dot3(w->along, dr);
-            for (int i = 0; i < 3; i++) along[i] = (dr[i] - s * w->along[i]) / w->value;
-            break;
-        }
-        default: {   /* turn_b = (x h x g - y h x f) / (x^2 + y^2) with x = h.f, y = h.g; its size is that of s' = .. */
-            jo_real df[3], dg[3], dh[3], hg[3], hf[3], p[3], q[3];
-            jo_axis(f, a->A, 0);
-            jo_axis(k, a->A, 1);
-            jo_axis(h, b->A, 0);
-            jo_cross(df, pa, f);
-            jo_cross(dg, pa, k);
-            jo_cross(dh, pb, h);
-            const jo_real x = jo_dot3(h, f), y = jo_dot3(h, k), s = 1.0 / (x * x + y * y);
-            const jo_real dx = jo_dot3(dh, f) + jo_dot3(h, df), dy = jo_dot3(dh, k) + jo_dot3(h, dg);
-            jo_cross(hg, h, k);
-            jo_cross(hf, h, f);
-            jo_cross(p, dh, k);
-            jo_cross(t, h, dg);
-            jo_add3(p, t);
-            jo_cross(q, dh, f);
-            jo_cross(t, h, df);
-            jo_add3(q, t);
-            const jo_real ds = -2.0 * s * s * (x * dx + y * dy);
-            for (int i = 0; i < 3; i++) {
-                tb[i] = ds * (x * hg[i] - y * hf[i]) + s * (dx * hg[i] + x * p[i] - dy * hf[i] - y * q[i]);
-                ta[i] = -tb[i];
-            }
-            break;
-        }
-        }
-        for (int i = 0; i < 3; i++) { g->G[i][j] = along[i]; g->G[3 + i][j] = ta[i]; g->G[6 + i][j] = tb[i]; }
+    jo_real f[3], k[3], h[3], df[3], dg[3], dh[3], hg[3], hf[3], p[3], q[3], t[3];
+    jo_axis(f, a->A, 0);
+    jo_axis(k, a->A, 1);
+    jo_axis(h, b->A, 0);
+    jo_cross(df, pa, f);
+    jo_cross(dg, pa, k);
+    jo_cross(dh, pb, h);
+    const jo_real x = jo_dot3(h, f), y = jo_dot3(h, k), s = 1.0 / (x * x + y * y);
+    const jo_real dx = jo_dot3(dh, f) + jo_dot3(h, df), dy = jo_dot3(dh, k) + jo_dot3(h, dg);
+    jo_cross(hg, h, k);
+    jo_cross(hf, h, f);
+    jo_cross(p, dh, k);
+    jo_cross(t, h, dg);
+    jo_add3(p, t);
+    jo_cross(q, dh, f);
+    jo_cross(t, h, df);
+    jo_add3(q, t);
+    const jo_real ds = -2.0 * s * s * (x * dx + y * dy);
+    for (int i = 0; i < 3; i++) {
+        c->turn_b[i] = ds * (x * hg[i] - y * hf[i]) + s * (dx * hg[i] + x * p[i] - dy * hf[i] - y * q[i]);
+        c->turn_a[i] = -c->turn_b[i];
     }
+}
+
+static inline void gradient_change(const jo_data *d, const jo_coordinate *k, const jo_coordinate_work *w, const jo_real *dr,
+                                   const jo_real *pa, const jo_real *pb, gradient *c)
+{
+    const jo_marker_work *a = &d->marker[k->a], *b = &d->marker[k->b];
+    jo_real f[3], h[3], r[3], t[3], u[3];
+    switch (k->type) {
+    case JO_COORDINATE_AXES:
+        jo_axis(f, a->A, k->axis_a);
+        jo_axis(h, b->A, k->axis_b);
+        jo_cross(t, pa, f);
+        jo_cross(c->turn_a, t, h);
+        jo_cross(t, pb, h);
+        jo_cross(u, f, t);
+        jo_add3(c->turn_a, u);
+        for (int i = 0; i < 3; i++) c->turn_b[i] = -c->turn_a[i];
+        break;
+    case JO_COORDINATE_ALONG:
+        jo_set3(r, b->r);
+        jo_sub3(r, a->r);
+        jo_axis(f, a->A, k->axis_a);
+        jo_cross(c->along, pa, f);
+        jo_cross(c->turn_a, c->along, r);
+        jo_cross(t, f, dr);
+        jo_add3(c->turn_a, t);
+        break;
+    case JO_COORDINATE_DISTANCE: {
+        const jo_real s = jo_dot3(w->along, dr);
+        for (int i = 0; i < 3; i++) c->along[i] = (dr[i] - s * w->along[i]) / w->value;
+        break;
+    }
+    default: angle_change(a, b, pa, pb, c);
+    }
+}
+
+/* gradients of s and of s' = along . (v_b - v_a) + turn_a . om_a + turn_b . om_b, once G is known */
+static void own_gradients(const jo_model *m, const jo_data *d, const jo_coordinate *c, const jo_coordinate_work *w, jo_gradients *g)
+{
     for (int i = 0; i < 24; i++) g->s[i] = g->rate[i] = 0.0;
     for (int i = 0; i < 3; i++) {
         g->s[JO_DR + i] = -w->along[i]; g->s[JO_OF_B + JO_DR + i] = w->along[i];
@@ -137,6 +142,7 @@ void jo_element_gradients(const jo_model *m, const jo_data *d, int coordinate, j
         g->rate[JO_DV + i] = -w->along[i]; g->rate[JO_OF_B + JO_DV + i] = w->along[i];
         g->rate[JO_DOM + i] = w->turn_a[i]; g->rate[JO_OF_B + JO_DOM + i] = w->turn_b[i];
     }
+    const jo_marker_work *a = &d->marker[c->a], *b = &d->marker[c->b];
     jo_real v[9], t[3];
     jo_to_world(v, m, d, c->b, b->v);
     jo_to_world(t, m, d, c->a, a->v);
@@ -150,6 +156,20 @@ void jo_element_gradients(const jo_model *m, const jo_data *d, int coordinate, j
         else if (j < 6) g->rate[JO_DPHI + j - 3] += x;
         else g->rate[JO_OF_B + JO_DPHI + j - 6] += x;
     }
+}
+
+void jo_element_gradients(const jo_model *m, const jo_data *d, int coordinate, jo_gradients *g)
+{
+    const jo_coordinate *k = &m->coordinate[coordinate];
+    const jo_coordinate_work *w = &d->coordinate[coordinate];
+    for (int j = 0; j < 9; j++) {
+        jo_real change[3][3] = {{0.0}};   /* [dr, pa, pb] */
+        gradient c = {{0.0}, {0.0}, {0.0}};
+        change[j / 3][j % 3] = 1.0;
+        gradient_change(d, k, w, change[0], change[1], change[2], &c);
+        for (int i = 0; i < 3; i++) { g->G[i][j] = c.along[i]; g->G[3 + i][j] = c.turn_a[i]; g->G[6 + i][j] = c.turn_b[i]; }
+    }
+    own_gradients(m, d, k, w, g);
 }
 
 /* a force f along the coordinate, with the derivatives fs and frate of f with respect to s and s' */

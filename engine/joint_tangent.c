@@ -31,6 +31,52 @@ static void add_row(const jo_model *m, jo_data *d, int joint, int row, int a, in
     }
 }
 
+/* a row C' = (om_a - om_b) . (x x y), rel = om_a - om_b, and its reaction lam in e */
+static inline void perpendicular(const jo_model *m, jo_data *d, int i, int r, int row, const jo_real *rel, jo_element *e)
+{
+    const jo_joint *k = &m->joint[i];
+    const jo_real lam = d->lam[k->row + row];
+    jo_real x[3], y[3], t[3], c[24] = {0.0}, Ma[9], Mb[9];
+    jo_axis(x, d->marker[e->a].A, k->perp_a[r]);
+    jo_axis(y, d->marker[e->b].A, k->perp_b[r]);
+    jo_cross(t, x, y);
+    const jo_real xy = jo_dot3(x, y);
+    for (int p = 0; p < 3; p++) {   /* d(x x y) = Ma phi_a + Mb phi_b */
+        for (int q = 0; q < 3; q++) {
+            Ma[3 * p + q] = x[p] * y[q] - (p == q ? xy : 0.0);
+            Mb[3 * p + q] = (p == q ? xy : 0.0) - y[p] * x[q];
+        }
+        c[JO_DOM + p] = t[p];
+        c[JO_OF_B + JO_DOM + p] = -t[p];
+        e->y[3 + p] -= lam * t[p];
+        e->y[9 + p] += lam * t[p];
+    }
+    jo_mul3t(c + JO_DPHI, Ma, rel);
+    jo_mul3t(c + JO_OF_B + JO_DPHI, Mb, rel);
+    add_row(m, d, i, row, e->a, e->b, c);
+    add(e, 3, JO_DPHI, -lam, Ma);
+    add(e, 3, JO_OF_B + JO_DPHI, -lam, Mb);
+    add(e, 9, JO_DPHI, lam, Ma);
+    add(e, 9, JO_OF_B + JO_DPHI, lam, Mb);
+}
+
+/* a row that is linear in coordinates, each an element of its own */
+static void line_row(const jo_model *m, jo_data *d, int i, const jo_line *line, int row)
+{
+    const jo_real lam = d->lam[m->joint[i].row + row];
+    for (int j = 0; j < line->count; j++) {
+        const int s = line->coordinate[j];
+        jo_element e;
+        jo_gradients g;
+        jo_element_gradients(m, d, s, &g);
+        jo_element_start(&e, m->coordinate[s].a, m->coordinate[s].b);
+        jo_element_along(d, &e, s, &g, -line->data->factor[j] * lam, 0.0, 0.0);
+        jo_element_finish(m, d, &e);
+        for (int p = 0; p < 24; p++) g.rate[p] *= line->data->factor[j];
+        add_row(m, d, i, row, e.a, e.b, g.rate);
+    }
+}
+
 void jo_newton_joint(const jo_model *m, jo_data *d, int i)
 {
     const jo_joint *k = &m->joint[i];
@@ -44,15 +90,13 @@ void jo_newton_joint(const jo_model *m, jo_data *d, int i)
         return;
     }
     jo_element_start(&e, a, b);
-    if (k->coincident) {
-        for (; row < 3; row++) {
-            jo_real c[24] = {0.0};
-            c[JO_DV + row] = -1.0;
-            c[JO_OF_B + JO_DV + row] = 1.0;
-            add_row(m, d, i, row, a, b, c);
-            e.y[row] += lam[row];
-            e.y[6 + row] -= lam[row];
-        }
+    for (; row < (k->coincident ? 3 : 0); row++) {
+        jo_real c[24] = {0.0};
+        c[JO_DV + row] = -1.0;
+        c[JO_OF_B + JO_DV + row] = 1.0;
+        add_row(m, d, i, row, a, b, c);
+        e.y[row] += lam[row];
+        e.y[6 + row] -= lam[row];
     }
     jo_real rel[3] = {0.0}, t[3];
     if (k->nperp) {
@@ -60,42 +104,7 @@ void jo_newton_joint(const jo_model *m, jo_data *d, int i)
         jo_to_world(t, m, d, b, d->marker[b].om);
         jo_sub3(rel, t);
     }
-    for (int r = 0; r < k->nperp; r++, row++) {   /* C' = (om_a - om_b) . (x x y) */
-        jo_real x[3], y[3], c[24] = {0.0}, Ma[9], Mb[9];
-        jo_axis(x, d->marker[a].A, k->perp_a[r]);
-        jo_axis(y, d->marker[b].A, k->perp_b[r]);
-        jo_cross(t, x, y);
-        const jo_real xy = jo_dot3(x, y);
-        for (int p = 0; p < 3; p++) {   /* d(x x y) = Ma phi_a + Mb phi_b */
-            for (int q = 0; q < 3; q++) {
-                Ma[3 * p + q] = x[p] * y[q] - (p == q ? xy : 0.0);
-                Mb[3 * p + q] = (p == q ? xy : 0.0) - y[p] * x[q];
-            }
-            c[JO_DOM + p] = t[p];
-            c[JO_OF_B + JO_DOM + p] = -t[p];
-            e.y[3 + p] -= lam[row] * t[p];
-            e.y[9 + p] += lam[row] * t[p];
-        }
-        jo_mul3t(c + JO_DPHI, Ma, rel);
-        jo_mul3t(c + JO_OF_B + JO_DPHI, Mb, rel);
-        add_row(m, d, i, row, a, b, c);
-        add(&e, 3, JO_DPHI, -lam[row], Ma);
-        add(&e, 3, JO_OF_B + JO_DPHI, -lam[row], Mb);
-        add(&e, 9, JO_DPHI, lam[row], Ma);
-        add(&e, 9, JO_OF_B + JO_DPHI, lam[row], Mb);
-    }
+    for (int r = 0; r < k->nperp; r++, row++) perpendicular(m, d, i, r, row, rel, &e);
     if (row) jo_element_finish(m, d, &e);
-    for (int r = 0; r < k->nline; r++, row++) {
-        const jo_line *line = &m->line[k->line + r];
-        for (int j = 0; j < line->count; j++) {
-            const int s = line->coordinate[j];
-            jo_gradients g;
-            jo_element_gradients(m, d, s, &g);
-            jo_element_start(&e, m->coordinate[s].a, m->coordinate[s].b);
-            jo_element_along(d, &e, s, &g, -line->data->factor[j] * lam[row], 0.0, 0.0);
-            jo_element_finish(m, d, &e);
-            for (int p = 0; p < 24; p++) g.rate[p] *= line->data->factor[j];
-            add_row(m, d, i, row, e.a, e.b, g.rate);
-        }
-    }
+    for (int r = 0; r < k->nline; r++, row++) line_row(m, d, i, &m->line[k->line + r], row);
 }

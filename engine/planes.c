@@ -165,63 +165,79 @@ static void sorted(const double *bound, long long *order, long long n)
     }
 }
 
-void jo_plane_damage(const jo_planes *r, const jo_meter *curve, const double *s, long long nt, double *scratch,
-                     long long *order, double *damage, long long *plane)
+/* a history on one plane: normal stress, shear along two directions and along a line (nt each), room to count in */
+typedef struct { double *sn, *u, *v, *x, *z, *seg; } history;
+
+static int has_lines(const jo_planes *r) { return r->kind != JO_PLANE_NORMAL; }
+
+static void resolved(const jo_planes *r, long long plane, const double *s, long long nt, const history *h)
 {
-    double *sn = scratch, *u = sn + nt, *v = u + nt, *x = v + nt, *z = x + nt, *seg = z + nt + 2, *bound = seg + nt + 2;
-    const int normal = r->kind == JO_PLANE_NORMAL;
-    const long long turns = normal ? 1 : r->turns;
-    long long have = -1, q = 0;
+    const double *row = r->rows + 18 * plane;
+    project(row, s, nt, h->sn);
+    if (!has_lines(r)) return;
+    project(row + 6, s, nt, h->u);
+    project(row + 12, s, nt, h->v);
+}
+
+/* of each line of each plane: damage of a cycle as large as its range; below 0: it has none */
+static void bounds(const jo_planes *r, const jo_meter *curve, const double *s, long long nt, const history *h, double *bound)
+{
     double low, high, least, top;
-    *damage = 0.0;
-    *plane = 0;
     for (long long i = 0; i < r->planes; i++) {
-        const double *row = r->rows + 18 * i;
-        project(row, s, nt, sn);
-        extremes(sn, nt, &least, &top);
-        if (normal) {
+        resolved(r, i, s, nt, h);
+        extremes(h->sn, nt, &least, &top);
+        if (!has_lines(r)) {
             /* a mean stress correction leaves no bound */
             bound[i] = least == top ? -1.0 : curve->mean ? INFINITY : jo_cycle_damage(curve, least, top);
             continue;
         }
-        project(row + 6, s, nt, u);
-        project(row + 12, s, nt, v);
-        for (long long j = 0; j < turns; j++) {
-            mixed(r->turn + 2 * j, u, v, nt, x);
-            extremes(x, nt, &low, &high);
-            bound[i * turns + j] = low == high ? -1.0 : one(r, curve, 0.5 * (high - low), top);
+        for (long long j = 0; j < r->turns; j++) {
+            mixed(r->turn + 2 * j, h->u, h->v, nt, h->x);
+            extremes(h->x, nt, &low, &high);
+            bound[i * r->turns + j] = low == high ? -1.0 : one(r, curve, 0.5 * (high - low), top);
         }
     }
-    sorted(bound, order, r->planes * turns);
-    for (; q < r->planes * turns; q++) {
+}
+
+/* whether the damage of a series surely is less */
+static int falls_short(const jo_planes *r, const jo_meter *curve, const double *series, const double *sn, long long nt,
+                       double damage)
+{
+    double low, high, least, top;
+    extremes(sn, nt, &least, &top);
+    extremes(series, nt, &low, &high);
+    return crossed(r, curve, series, nt, low, high, top) < damage;
+}
+
+void jo_plane_damage(const jo_planes *r, const jo_meter *curve, const double *s, long long nt, double *scratch,
+                     long long *order, double *damage, long long *plane)
+{
+    double *sn = scratch, *u = sn + nt, *v = u + nt, *x = v + nt, *z = x + nt, *seg = z + nt + 2, *bound = seg + nt + 2;
+    const history h = {sn, u, v, x, z, seg};
+    const double *series = has_lines(r) ? x : sn;
+    const long long turns = has_lines(r) ? r->turns : 1, count = r->planes * turns;
+    long long have = -1, q = 0;
+    *damage = 0.0;
+    *plane = 0;
+    bounds(r, curve, s, nt, &h, bound);
+    sorted(bound, order, count);
+    for (; q < count; q++) {
         const long long i = order[q] / turns, j = order[q] % turns;
-        const double *row = r->rows + 18 * i;
         const double most = bound[order[q]] * at_most(nt), equal = *damage * (1.0 - TIE);
         if (!(most > 0.0) || most < equal) break;
-        if (have != i) {
-            project(row, s, nt, sn);
-            if (!normal) {
-                project(row + 6, s, nt, u);
-                project(row + 12, s, nt, v);
-            }
-            have = i;
-        }
-        if (!normal) mixed(r->turn + 2 * j, u, v, nt, x);
-        const double *series = normal ? sn : x;
-        if (*damage > 0.0 && r->p >= 1.0) {
-            extremes(sn, nt, &least, &top);
-            extremes(series, nt, &low, &high);
-            if (crossed(r, curve, series, nt, low, high, top) < equal) {
-                bound[order[q]] = -1.0;
-                continue;
-            }
+        if (have != i) resolved(r, i, s, nt, &h);
+        have = i;
+        if (has_lines(r)) mixed(r->turn + 2 * j, u, v, nt, x);
+        if (*damage > 0.0 && r->p >= 1.0 && falls_short(r, curve, series, sn, nt, equal)) {
+            bound[order[q]] = -1.0;
+            continue;
         }
         bound[order[q]] = counted(r, curve, series, sn, nt, beginning(r, series, nt), z, seg);
         if (bound[order[q]] > *damage) *damage = bound[order[q]];
     }
     /* what was not counted is less; of planes that are equal but for round-off the first one */
-    for (; q < r->planes * turns; q++) bound[order[q]] = -1.0;
-    for (q = 0; q < r->planes * turns; q++) {
+    for (; q < count; q++) bound[order[q]] = -1.0;
+    for (q = 0; q < count; q++) {
         if (bound[q] > 0.0 && bound[q] >= *damage * (1.0 - TIE)) {
             *plane = q / turns;
             break;

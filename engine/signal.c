@@ -13,72 +13,88 @@ static int interval(const jo_real *x, int count, double t)
     return low;
 }
 
+static jo_signal_work harmonic(const jo_harmonic_data *c, jo_real time)
+{
+    const jo_real sine = jo_sin(c->omega * time + c->phase), cosine = jo_cos(c->omega * time + c->phase);
+    const jo_signal_work y = {c->offset + c->amplitude * sine, c->amplitude * c->omega * cosine,
+                              -c->amplitude * c->omega * c->omega * sine};
+    return y;
+}
+
+/* straight lines between points, constant outside */
+static jo_signal_work table(const jo_signal *s, jo_real time)
+{
+    const jo_real *x = s->data, *f = x + s->count;
+    const double t = JO_RE(time);
+    jo_signal_work y = {0.0, 0.0, 0.0};
+    if (t <= JO_RE(x[0])) y.value = f[0];
+    else if (t >= JO_RE(x[s->count - 1])) y.value = f[s->count - 1];
+    else {
+        const int k = interval(x, s->count, t);
+        y.rate = (f[k + 1] - f[k]) / (x[k + 1] - x[k]);
+        y.value = f[k] + y.rate * (time - x[k]);
+    }
+    return y;
+}
+
+/* polynomials by Horner, outside held at the ends */
+static jo_signal_work pieces(const jo_signal *s, jo_real time)
+{
+    const jo_real *x = s->data;
+    const double t = JO_RE(time);
+    const int order = s->degree + 1, before = t < JO_RE(x[0]), after = t >= JO_RE(x[s->count - 1]);
+    const int k = before ? 0 : interval(x, s->count, t);
+    const jo_real *c = x + s->count + k * order;
+    const jo_real u = before ? 0.0 : after ? x[s->count - 1] - x[k] : time - x[k];
+    jo_signal_work y = {0.0, 0.0, 0.0};
+    for (int i = s->degree; i >= 0; i--) {
+        y.second = y.second * u + 2.0 * y.rate;
+        y.rate = y.rate * u + y.value;
+        y.value = y.value * u + c[i];
+    }
+    if (before || after) y.rate = y.second = 0.0;
+    return y;
+}
+
+static jo_signal_work sum(jo_signal_work a, jo_signal_work b)
+{
+    const jo_signal_work y = {a.value + b.value, a.rate + b.rate, a.second + b.second};
+    return y;
+}
+
+static jo_signal_work product(jo_signal_work a, jo_signal_work b)
+{
+    const jo_signal_work y = {a.value * b.value, a.rate * b.value + a.value * b.rate,
+                              a.second * b.value + 2.0 * a.rate * b.rate + a.value * b.second};
+    return y;
+}
+
 /* value, rate and second derivative of a signal whose children are known, at `time` */
 jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_real time)
 {
     const jo_signal *s = &m->signal[signal];
-    const jo_real *x = s->data;
-    const double t = JO_RE(time);
+    const int *child = s->child;
     jo_signal_work y = {0.0, 0.0, 0.0};
     switch (s->type) {
-    case JO_SIGNAL_CONSTANT: y.value = ((const jo_constant_data *)x)->value; break;
+    case JO_SIGNAL_CONSTANT: y.value = ((const jo_constant_data *)s->data)->value; break;
     case JO_SIGNAL_SPEED: {
-        const jo_speed_data *c = (const jo_speed_data *)x;
+        const jo_speed_data *c = (const jo_speed_data *)s->data;
         y.value = c->offset + c->speed * time;
         y.rate = c->speed;
         break;
     }
-    case JO_SIGNAL_HARMONIC: {
-        const jo_harmonic_data *c = (const jo_harmonic_data *)x;
-        const jo_real sine = jo_sin(c->omega * time + c->phase), cosine = jo_cos(c->omega * time + c->phase);
-        y.value = c->offset + c->amplitude * sine;
-        y.rate = c->amplitude * c->omega * cosine;
-        y.second = -c->amplitude * c->omega * c->omega * sine;
-        break;
-    }
+    case JO_SIGNAL_HARMONIC: return harmonic((const jo_harmonic_data *)s->data, time);
     case JO_SIGNAL_STEP: {
-        const jo_step_data *c = (const jo_step_data *)x;
-        y.value = t < JO_RE(c->time) ? c->before : c->after;
+        const jo_step_data *c = (const jo_step_data *)s->data;
+        y.value = JO_RE(time) < JO_RE(c->time) ? c->before : c->after;
         break;
     }
-    case JO_SIGNAL_TABLE: {
-        const jo_real *f = x + s->count;
-        if (t <= JO_RE(x[0])) { y.value = f[0]; break; }
-        if (t >= JO_RE(x[s->count - 1])) { y.value = f[s->count - 1]; break; }
-        const int k = interval(x, s->count, t);
-        y.rate = (f[k + 1] - f[k]) / (x[k + 1] - x[k]);
-        y.value = f[k] + y.rate * (time - x[k]);
-        break;
-    }
-    case JO_SIGNAL_PIECES: {   /* Horner, outside held at the ends */
-        const int order = s->degree + 1, before = t < JO_RE(x[0]), after = t >= JO_RE(x[s->count - 1]);
-        const int k = before ? 0 : interval(x, s->count, t);
-        const jo_real *c = x + s->count + k * order;
-        const jo_real u = before ? 0.0 : after ? x[s->count - 1] - x[k] : time - x[k];
-        for (int i = s->degree; i >= 0; i--) {
-            y.second = y.second * u + 2.0 * y.rate;
-            y.rate = y.rate * u + y.value;
-            y.value = y.value * u + c[i];
-        }
-        if (before || after) y.rate = y.second = 0.0;
-        break;
-    }
-    case JO_SIGNAL_SUM: {
-        const jo_signal_work a = jo_signal_at(m, d, s->child[0], time), b = jo_signal_at(m, d, s->child[1], time);
-        y.value = a.value + b.value;
-        y.rate = a.rate + b.rate;
-        y.second = a.second + b.second;
-        break;
-    }
-    case JO_SIGNAL_PRODUCT: {
-        const jo_signal_work a = jo_signal_at(m, d, s->child[0], time), b = jo_signal_at(m, d, s->child[1], time);
-        y.value = a.value * b.value;
-        y.rate = a.rate * b.value + a.value * b.rate;
-        y.second = a.second * b.value + 2.0 * a.rate * b.rate + a.value * b.second;
-        break;
-    }
+    case JO_SIGNAL_TABLE: return table(s, time);
+    case JO_SIGNAL_PIECES: return pieces(s, time);
+    case JO_SIGNAL_SUM: return sum(jo_signal_at(m, d, child[0], time), jo_signal_at(m, d, child[1], time));
+    case JO_SIGNAL_PRODUCT: return product(jo_signal_at(m, d, child[0], time), jo_signal_at(m, d, child[1], time));
     case JO_SIGNAL_INPUT: y.value = d->input[s->count]; break;
-    case JO_SIGNAL_SWITCHED: return jo_signal_at(m, d, s->child[d->happened[s->count] > 0], time);
+    case JO_SIGNAL_SWITCHED: return jo_signal_at(m, d, child[d->happened[s->count] > 0], time);
     default: break;
     }
     return y;

@@ -90,6 +90,12 @@ def test_only_what_is_recursive_calls_itself():
     TopologicalSorter({key: called - {key} for key, called in graph.items()}).prepare()
 
 
+def test_functions_are_below_60_lines():
+    long = {key: text.count("\n") + 1 for key, text in functions().items()}
+    assert len(long) > 500
+    assert not {key: lines for key, lines in long.items() if lines >= 60}
+
+
 def test_each_kind_of_force_has_a_file_and_a_row():
     texts = sources()
     files = {name: CONSTANT.findall(text) for name, text in texts.items() if "force_" in name}
