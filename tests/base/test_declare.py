@@ -187,3 +187,26 @@ def test_a_unit_of_other_words_is_refused_where_the_class_is_written():
 
     assert str(error.value) == ("Odd.load: its unit is 'Nn/m3': no unit 'Nn'; did you mean 'N'?")
     assert "odd" not in SECTIONS["matter of the test"]
+
+
+def test_a_call_with_wrong_arguments_says_which_there_are():
+    with pytest.raises(
+        InputError, match="^pet 'Tom': there is no argument 'tial'; did you mean 't"
+    ):
+        Cat("Tom", 4.0, tial=0.3)
+    with pytest.raises(
+        TypeError, match=r"^pet 'Tom': missing .* 'mass'; it is called Cat\(name, mass"
+    ):
+        Cat("Tom")
+    with pytest.raises(InputError, match="^pet 'Tom': 5 arguments without a name are too many; it"):
+        Cat("Tom", 4.0, 0.3, "grey", True)
+    assert str(inspect.signature(Cat)).startswith("(name: 'str', mass: 'float', tail")
+
+
+def test_an_error_within_a_constructor_stays_what_it_is():
+    class Broken(Pet):
+        def consistent(self, problems: Problems, where: str) -> None:
+            raise TypeError("inside")
+
+    with pytest.raises(TypeError, match="^inside$"):
+        Broken("Tom")

@@ -38,7 +38,7 @@ def model(tmp_path):
 def test_it_rests_with_its_centre_below_the_pivot(model):
     lines = [line.split() for line in jousto("equilibrium", model).splitlines()]
     assert lines[0] == ["bell.yaml", "at", "rest"]
-    assert ["sensor", "middle", "0", "-1", "0", "m"] in lines
+    assert "sensor middle x y z = 0 -1 0 m".split() in lines
 
 
 def test_it_swings_with_its_closed_form(model):

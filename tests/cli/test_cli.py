@@ -551,3 +551,57 @@ def test_what_is_no_text_and_no_index_gets_a_sentence(old, new, sentence, tmp_pa
     assert code == 2
     assert sentence in text
     assert "internal error" not in text
+
+
+# -- classes of the user ---------------------------------------------------------------------------
+
+OWN = """
+from jousto.base.fields import field
+from jousto.base.numbers import Number
+from jousto.mechanism.forces.base import ForceElement, Push
+from jousto.mechanism.joints.coordinate import CoordinateField
+
+
+class Pull(ForceElement, tag="pull of the test"):
+    \"""A constant force.\"""
+
+    coordinate: CoordinateField = field("Along it")
+    force: Number = field("How strong", unit="N")
+
+    @property
+    def pushes(self):
+        return (Push("along", {"preload": self.force}, coordinate=self.coordinate),)
+"""
+SLED = """\
+bodies: [{name: sled, mass: 2 kg, inertia: [1, 1, 1]}]
+joints: [{type: prismatic, name: rail, a: ground.origin, b: sled.origin, axis: [1, 0, 0]}]
+forces: [{type: pull of the test, name: rope, coordinate: rail.displacement, force: 0.1 kN}]
+sensors: [{type: acceleration, name: sled, marker: sled.origin}]
+simulation: {t_end: 10 ms, solver: {type: RK4, step: 1 ms}}
+"""
+
+
+def test_model_files_know_the_classes_of_a_file_that_is_given(tmp_path: Path) -> None:
+    sled, own = tmp_path / "sled.yaml", tmp_path / "own.py"
+    sled.write_text(SLED)
+    own.write_text(OWN)
+    assert "forces.0.type: no force type 'pull of the test'" in jousto("check", sled).err
+    found = jousto("--with", own, "run", "-q", sled)
+    assert found.code == 0, found.err
+    assert jo.load(sled.with_suffix(".h5"))["sled"][-1, 0] == pytest.approx(50.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        (None, "own.py: no such file"),
+        ("1 / 0", "own.py: cannot be imported: ZeroDivisionError: division by zero"),
+        ("import jousto as jo; jo.Material(1, nu=9)", "missing 1 required positional argument"),
+    ],
+)
+def test_a_file_of_classes_that_fails(tmp_path: Path, text: str | None, sentence: str) -> None:
+    own = tmp_path / "own.py"
+    if text is not None:
+        own.write_text(text)
+    found = jousto("--with", own, "schema")
+    assert found.code == 2 and sentence in found.err and found.out == ""

@@ -134,3 +134,10 @@ def test_sensors_of_one_number():
         EnergySensor("e", "kinetik")
     with pytest.raises(InputError, match="signal is .3., must be a number or a signal"):
         SignalSensor("s", "3")
+
+
+@pytest.mark.parametrize("named", [{}, {"stiffness": 1e3}])
+def test_a_spring_of_two_markers_says_the_right_call(named):
+    ball = RigidBody("ball", 1.0, (1, 1, 1), position=(1, 0, 0))
+    with pytest.raises(InputError, match=r"two markers .*Spring.between\(name, a, b, stiffness"):
+        Spring("s", ground["origin"], ball["origin"], **named)

@@ -74,6 +74,11 @@ def test_arguments_that_are_missing_or_unknown(tmp_path: Path) -> None:
         jo.plot(made["response"], "e1.a.top", site="e1.a.top")
     with pytest.raises(TypeError, match=".vtu of a StressField: missing a .* 'run'"):
         jo.write(made["field"], tmp_path / "field.vtu")
+    with pytest.raises(jo.InputError, match=r"such as jo.write\(found, path, run, ...\)$"):
+        jo.write(made["hot spots"], tmp_path / "spots.vtu")
+    wanted = r"several runs need a label each: jo.plot\({'run 1': ..., 'run 2': ...}, ...\)"
+    with pytest.raises(jo.InputError, match=wanted):
+        jo.plot([made["run"], made["run"]], "tip")
     with pytest.raises(jo.InputError, match="'.txt' is not a format .* known: .csv, .vtu, .pvd"):
         jo.write(made["run"], tmp_path / "run.txt")
     with pytest.raises(jo.InputError, match=r"known: .*; its method save\(path\) writes .h5"):

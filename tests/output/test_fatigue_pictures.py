@@ -43,6 +43,12 @@ def test_damage_of_a_beam(tmp_path, quantity):
     figure = jo.plot(found, run, quantity=quantity, path=tmp_path / "d.png")
     texts = [t.get_text() for t in figure.texts]
     assert any(text.startswith(f"{quantity} of arm: bar") for text in texts)
+    assert any("mean stress: none, residue: half, survival" in text for text in texts)
+    assert any(text.startswith(f"1 {found.worst(1)[0]}, 2 e") for text in texts)
+    corrected = jo.fatigue.Goodman(S_u=500e6)
+    found = jo.damage_field(jo.stress_field(run, "arm"), CURVE, residue="half", mean=corrected)
+    texts = [t.get_text() for t in jo.plot(found, run, quantity=quantity).texts]
+    assert any(f"mean stress: {corrected}" in text for text in texts)
     with pytest.raises(jo.InputError, match="did you mean 'safety'"):
         jo.plot(found, run, quantity="safty")
 

@@ -131,6 +131,13 @@ def test_a_component_keeps_its_colour_in_all_runs():
         assert len(set(kinds[:5])) == 5
 
 
+def test_eight_runs_look_different():
+    figure = jo.plot({label: swing() for label in "abcdefgh"}, "tip.y")
+    looks = [(x.get_color(), x.get_linewidth(), str(x._dash_pattern)) for x in figure.axes[0].lines]
+    assert len(set(looks)) == 8
+    assert len({(width, dashes) for _, width, dashes in looks}) == 8
+
+
 def test_no_global_state() -> None:
     import matplotlib.pyplot as plt
 

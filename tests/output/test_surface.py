@@ -106,7 +106,7 @@ def test_pictures_and_films_of_solids(tmp_path: Path) -> None:
 
 
 def test_stress_must_be_known(tmp_path: Path) -> None:
-    with pytest.raises(jo.InputError, match="no body of this run has a surface with stress"):
+    with pytest.raises(jo.InputError, match="'jousto hotspots RESULT BODY -o FILE.png'"):
         jo.animate(swing(), tmp_path / "a.gif", stress=True)
     with pytest.raises(jo.InputError, match="stress is -1 Pa, must be a positive number"):
         jo.still(swinging_bar(), tmp_path / "a.png", stress=-1.0)

@@ -61,7 +61,7 @@ forces:
 sensors:
   - {type: section, name: root, beam: rope, at: start}
   - {type: section, name: mid, beam: rope, at: 20 cm, quantity: strains}
-  - {type: section, name: third, beam: blade, element: 2}
+  - {type: section, name: third, beam: blade, element: e3}
 gravity: [0, 0, -9.81]
 """.replace("ground.at0", "{body: ground, at: [0, 0, 1]}").replace(
     "rope.end, b: blade.node1, as_placed: false", "rope.end, b: blade.node1"

@@ -27,7 +27,7 @@ from typing import Any, ClassVar, ParamSpec, Protocol, TypeVar, dataclass_transf
 
 from jousto.base.arguments import explained
 from jousto.base.described import describe
-from jousto.base.errors import Problems
+from jousto.base.errors import CallError, Problem, Problems, suggest
 from jousto.base.fields import MISSING, Facts, Field, Name, field, kept
 from jousto.base.names import check_name
 from jousto.base.units import KINDS, check_unit
@@ -56,6 +56,8 @@ class Declared:
     by_value: ClassVar[bool] = False
     """Whether objects with equal fields are equal, and show as the call that makes them."""
     fields: ClassVar[Mapping[str, Field[Any, Any]]] = {}
+    usage: ClassVar[str] = ""
+    """What to call instead where arguments are of another number than the constructor takes."""
     together: ClassVar[tuple[str, ...]] = ()
     """The fields that `consistent` needs, where it does not need all of them."""
 
@@ -102,6 +104,7 @@ class Declared:
         own_repr = "__repr__" in vars(cls)
         shown = cls.by_value and not own_repr
         dataclasses.dataclass(frozen=True, eq=cls.by_value, repr=shown)(cls)
+        _answer(cls)
         for key in own:  # defaults live in the constructor alone
             if key in vars(cls):
                 delattr(cls, key)
@@ -150,6 +153,41 @@ class Declared:
 
     def __repr__(self) -> str:
         return describe(self)
+
+
+def _answer(cls: Any) -> None:
+    """Let the constructor of a class answer to arguments that it does not take."""
+    made = cls.__init__
+
+    @functools.wraps(made)
+    def call(self: Any, *given: Any, **named: Any) -> None:
+        try:
+            made(self, *given, **named)
+        except TypeError as error:
+            if error.__traceback__ is None or error.__traceback__.tb_next:  # not of this call
+                raise
+            raise _refused(cls, error, given, named) from None
+
+    cls.__init__ = call
+
+
+def _refused(cls: Any, error: TypeError, given: Any, named: Mapping[str, Any]) -> CallError:
+    """Return what is wrong with the arguments of a constructor."""
+    name = named.get("name", given[0] if given and "name" in cls.fields else "")
+    where = (
+        f"{cls.kind or cls.__name__} {name!r}" if isinstance(name, str) and name else cls.__name__
+    )
+    names = list(inspect.signature(cls).parameters)
+    unknown = [key for key in named if key not in names]
+    said = [f"there is no argument {key!r}{suggest(key, names)}" for key in unknown]
+    if not said:
+        text = str(error).rpartition("__init__() ")[2]
+        text = re.sub(
+            r"takes .* given", f"{len(given)} arguments without a name are too many", text
+        )
+        usage = cls.usage or f"{cls.__name__}({', '.join(names)})"
+        said = [f"{text}; it is called {usage}"]
+    return CallError([Problem(where, one) for one in said])
 
 
 def document(cls: type[Declared]) -> None:

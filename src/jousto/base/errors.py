@@ -72,6 +72,10 @@ class InputError(JoustoError, ValueError):
         super().__init__("\n".join(str(problem) for problem in self.problems))
 
 
+class CallError(InputError, TypeError):
+    """A call with arguments that are missing, unknown or too many. A `TypeError`, too."""
+
+
 class MissingFileError(InputError, FileNotFoundError):
     """A file that is asked for is not there. A `FileNotFoundError`, too."""
 

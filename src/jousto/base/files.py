@@ -5,16 +5,19 @@ from __future__ import annotations
 import contextlib
 import csv
 import errno
+import importlib.util
 import os
 import shutil
 import stat
 import struct
+import sys
 import uuid
 import zipfile
 import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import ModuleType
 from typing import Any, BinaryIO
 
 from jousto.base.errors import InputError, Problem
@@ -55,6 +58,22 @@ def special(path: Path) -> str:
     except (OSError, ValueError):
         return ""  # whoever opens it says why that does not work
     return "" if stat.S_ISREG(mode) else KINDS.get(stat.S_IFMT(mode), "something special")
+
+
+def executed(path: Path) -> ModuleType:
+    """Return a file of Python as a module, after its code has run."""
+    name = f"jousto_user_{path.stem}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return module
 
 
 def check_file(path: Path, remedy: str = "") -> None:

@@ -6,11 +6,13 @@ import functools
 import inspect
 from collections.abc import Callable, Iterator, Mapping
 from importlib import import_module
+from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
 import typer
 from typer.core import TyperGroup
 
+from jousto.base.errors import InputError, JoustoError, MissingFileError, Problem
 from jousto.cli.options import Debug
 from jousto.cli.terminal import log_to_screen, report, say, shown_warnings, spell_out
 
@@ -121,6 +123,28 @@ app = typer.Typer(
 )
 
 
+def own_classes(path: Path) -> None:
+    """Run a file of the user, which declares classes for model files.
+
+    Raises
+    ------
+    InputError
+        If it is missing or fails.
+    """
+    from jousto.base.files import check_file, executed
+
+    check_file(path)
+    if not path.exists():
+        raise MissingFileError(Problem(str(path), "no such file"))
+    try:
+        executed(path)
+    except JoustoError:
+        raise
+    except Exception as error:  # user code may raise whatever it likes
+        text = f"cannot be imported: {type(error).__name__}: {error}"
+        raise InputError(Problem(str(path), text)) from error
+
+
 def _version(value: bool) -> None:
     if value:
         from jousto.base.version import __version__
@@ -140,6 +164,20 @@ def _root(
             "--verbose", "-v", count=True, help="Say what is done and chosen; twice for details."
         ),
     ] = 0,
+    files: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--with",
+            metavar="FILE.py",
+            help="Run a file that declares own joints, forces, ... for model files. "
+            "It is code that may do anything: trust it first.",
+        ),
+    ] = None,
 ) -> None:
     """Simulate mechanisms with flexible bodies."""
     log_to_screen(verbose)
+    for path in files or ():
+        try:
+            own_classes(path)
+        except Exception as error:
+            raise typer.Exit(report(error)) from None

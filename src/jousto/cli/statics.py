@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import typer
 
 from jousto.base.errors import InputError, Problem
 from jousto.cli.group import command
 from jousto.cli.options import Model, Output, Trust, compiled_model, tell_files
-from jousto.cli.terminal import facts, most_at, numbers, say
+from jousto.cli.terminal import facts, most_at, named, say
 
 Input = Annotated[
     str | None,
@@ -74,9 +75,9 @@ def path(
         rows.append(("critical points", "none"))
     rows.append(("at the end", "stable" if found.stable[-1] else "unstable"))
     for quantity in compiled.sensors:
-        value = found[quantity.name][-1]
-        text = numbers(value if value.ndim else [value])
-        rows.append((f"sensor {quantity.name}", f"{text} {quantity.unit}".rstrip()))
+        value = np.atleast_1d(found[quantity.name][-1])
+        text = named(value, quantity.components, quantity.unit)
+        rows.append((f"sensor {quantity.name}", text))
     facts(rows, f"{model.name} over {name}")
     if table is not None:
         say(f"table in {write(found, table)}", style="green")

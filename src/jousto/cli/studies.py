@@ -19,7 +19,7 @@ from jousto.cli.options import (
     compiled_model,
     end_time,
 )
-from jousto.cli.terminal import facts, most_at, numbers, plain, say
+from jousto.cli.terminal import facts, most_at, named, numbers, plain, say
 
 MATRICES = (".npz", ".mat")
 
@@ -41,13 +41,13 @@ def equilibrium(model: Model, trust: Trust = False) -> None:
     # of beams the ends
     inner = {int(i) for beam in compiled.beam_shapes for i in beam.bodies[1:-1]}
     rows = [
-        (f"body {body.name}", f"{numbers(state.q[body.iq : body.iq + 3])} m")
+        (f"body {body.name}", f"origin at x y z = {numbers(state.q[body.iq : body.iq + 3])} m")
         for i, body in enumerate(compiled.bodies)
         if i not in inner
     ]
     for sensor in compiled.sensors:
         found = values[sensor.offset : sensor.offset + sensor.count]
-        rows.append((f"sensor {sensor.name}", f"{numbers(found)} {sensor.unit}".rstrip()))
+        rows.append((f"sensor {sensor.name}", named(found, sensor.components, sensor.unit)))
     facts(rows, f"{model.name} at rest")
 
 

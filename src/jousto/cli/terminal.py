@@ -139,6 +139,28 @@ def numbers(values: Any) -> str:
     return " ".join(f"{0.0 if abs(x) <= 1e-9 * max(size, 1e-3) else x:.6g}" for x in values)
 
 
+def named(values: Any, names: Sequence[str], unit: str) -> str:
+    """Return values of a sensor for people: names of several components, and their units.
+
+    Examples
+    --------
+    >>> named([1.0, 2.0], ("Fx", "Mx"), "N, N m")
+    'Fx = 1 N, Mx = 2 N m'
+    >>> named([1.0, 0.0, 2.0], ("x", "y", "z"), "m")
+    'x y z = 1 0 2 m'
+    """
+    units = unit.split(", ")
+    size = len(values) // len(units)
+    parts = []
+    for k, one in enumerate(units):
+        some = slice(k * size, (k + 1) * size)
+        heads = (
+            f"{' '.join(names[some])} = " if len(values) > 1 and len(names) == len(values) else ""
+        )
+        parts.append(f"{heads}{numbers(values[some])} {one}".rstrip())
+    return ", ".join(parts)
+
+
 def log_to_screen(verbose: int) -> None:
     """Show what the library logs on stderr: choices and progress (1), details too (2)."""
     log = logging.getLogger("jousto")

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import Any, TypeVar
 
-from jousto.base.errors import InputError, Problem
+from jousto.base.errors import CallError, InputError, Problem
 
 T = TypeVar("T")
 
@@ -39,7 +39,7 @@ def call(place: str, what: str, *given: Any, **options: Any) -> Any:
 
     Raises
     ------
-    TypeError
+    CallError
         If an argument is missing or unknown, with those that there are.
     """
     function = implementation(place)
@@ -47,6 +47,9 @@ def call(place: str, what: str, *given: Any, **options: Any) -> Any:
     try:
         signature.bind(*given, **options)
     except TypeError as error:
-        names = ", ".join(list(signature.parameters)[1:])
-        raise TypeError(f"{what}: {error}; it takes {names}") from None
+        known = signature.parameters
+        needed = [key for key, one in known.items() if one.default is one.empty and one.kind != 2]
+        example = f"jo.{'write' if what[0] == '.' else 'plot'}({', '.join(needed)}, ...)"
+        said = f"{error}; it takes {', '.join(list(known)[1:])}, such as {example}"
+        raise CallError(Problem(what, said)) from None
     return function(*given, **options)

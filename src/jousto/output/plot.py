@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
 from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem
 from jousto.output.dispatch import call, found
 from jousto.output.style import Picture
 
@@ -141,6 +142,10 @@ def plot(thing: Any, *what: Any, path: File = None, **options: Any) -> Picture:
     ``plot(run, "middle.y", "energy", path="pendulum.png")``, ``plot(damage, run, view="xz")``
     """
     if isinstance(thing, list | tuple):
+        if any(type(one).__name__ == "Solution" for one in thing):
+            some = ", ".join(f"'run {k + 1}': ..." for k in range(len(thing)))
+            text = f"several runs need a label each: jo.plot({{{some}}}, ...)"
+            raise InputError(Problem("plot", text))
         kind = "SN"
         place = DRAWN[kind]
     elif type(thing).__name__ not in DRAWN and isinstance(thing, Mapping):

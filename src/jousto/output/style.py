@@ -28,7 +28,10 @@ PAPER = "#FFFFFF"
 
 # told apart with every kind of colour vision, dark enough for thin lines on white
 COLORS = ("#1C5FA8", "#D9542B", "#2A9D78", "#8A56B0", "#C8961A", "#4BA3D4", "#B0426B", "#6B7280")
-DASHES: tuple[tuple[float, ...], ...] = ((), (5, 1.6), (1.4, 1.4), (6, 1.5, 1.4, 1.5))
+DASHES: tuple[tuple[float, ...], ...] = (
+    *((), (5, 1.6), (1.4, 1.4), (6, 1.5, 1.4, 1.5)),
+    *((12, 2.5), (1.4, 4.5), (6, 1.5, 1.4, 1.5, 1.4, 1.5)),
+)
 
 STYLE: dict[Any, Any] = {
     "font.family": ["DejaVu Sans"],

@@ -61,6 +61,10 @@ class Spring(ForceElement, tag="spring"):
     """
 
     kind = "spring"
+    usage = (
+        "Spring(name, coordinate, stiffness, ...), or between two markers "
+        "Spring.between(name, a, b, stiffness, ...)"
+    )
     coordinate: CoordinateField = field("A distance or displacement (N, m) or an angle (N m, rad)")
     stiffness: Number = field("k", unit=STIFFNESS, least=0, default=0.0)
     damping: Number = field("c", unit=DAMPING, least=0, default=0.0)

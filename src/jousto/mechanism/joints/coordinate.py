@@ -245,5 +245,7 @@ def check_coordinate(problems: Problems, where: str, name: str, value: Any) -> C
         hint = f"is the joint {value.name!r}; name a coordinate of it, {value.name}.{owned[0]}"
     else:
         hint = f"is {value!r}, must be a coordinate such as hinge.angle or Distance(a, b)"
+        if isinstance(value, Marker) and where.startswith("spring"):
+            hint += "; between two markers there is Spring.between(name, a, b, stiffness, ...)"
     problems.add(where, f"{name} {hint}")
     return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cached_property
 from typing import Any
 
@@ -27,16 +28,20 @@ class Along(Field["str | float | None", "str | float | None"]):
     noun = '"start", "middle", "end" or float'
 
 
-class Element(Field["int | None", int]):
-    """The number of an element."""
+class Element(Field["int | str | None", int]):
+    """An element: its index, from 0, or its label such as ``"e4"``, which counts from 1."""
 
-    form = "count"
-    noun = "int"
+    form = "element"
+    noun = "int or str"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the number."""
+        """Return the index."""
+        if isinstance(value, str) and re.fullmatch(r"e[1-9]\d*", value):
+            return int(value[1:]) - 1
         if isinstance(value, bool) or not isinstance(value, int | np.integer):
-            problems.add(where, f"{self.name} is {value!r}, must be a whole number")
+            problems.add(
+                where, f"{self.name} is {value!r}, must be a whole number or a label such as 'e4'"
+            )
         return value
 
 
@@ -58,7 +63,10 @@ class SectionSensor(Sensor, tag="section"):
         default=None,
     )
     element: Element = field(
-        "The middle of this element instead, from 0; -1 is the last", default=None, kw_only=True
+        "The middle of this element instead: its label such as ``e4``, as hot spots name it, or "
+        "its index from 0; -1 is the last",
+        default=None,
+        kw_only=True,
     )
     quantity: Choice = field(
         "Resultants, or strains ``[Gamma_x, Gamma_y, Gamma_z]`` m/m and ``[kappa_x, kappa_y, "
@@ -110,7 +118,8 @@ class SectionSensor(Sensor, tag="section"):
         """One line for results and plots."""
         share = 0.5 if self.end is None else self.end
         s = float(self.beam.s[self.element] + self.beam.lengths[self.element] * share)
-        return f"{self.quantity} of {self.beam.name}, element {self.element}, {s:.4g} m from start"
+        place = f"element e{self.element + 1}, {s:.4g} m from start"
+        return f"{self.quantity} of {self.beam.name}, {place}"
 
 
 def _end(beam: BeamBody, at: Any, element: int) -> int | None:
@@ -127,7 +136,9 @@ def _element(problems: Problems, where: str, beam: BeamBody, at: Any, element: A
     n = beam.n
     if at is None:
         if not -n <= element < n:
-            problems.add(where, f"element {element}: beam {beam.name!r} has 0 to {n - 1}")
+            problems.add(
+                where, f"element {element}: beam {beam.name!r} has 0 to {n - 1}, e1 to e{n}"
+            )
         else:
             return int(element) % n
         return 0

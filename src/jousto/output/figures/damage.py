@@ -23,7 +23,7 @@ from jousto.recovery.shape import find_body
 from jousto.simulation.results.records import BodyShape
 from jousto.simulation.results.solution import Solution
 
-WIDTH, LEGEND, GAP, TOP = 7.2, 1.15, 0.2, 0.62  # inch
+WIDTH, LEGEND, GAP, TOP = 7.2, 1.15, 0.2, 0.82  # inch
 DECADES = 8.0  # of damage that the colours show
 QUANTITIES = ("damage", "life", "safety")
 
@@ -159,6 +159,7 @@ def _picture(
     paint(ax, shape, view, values, colors, decades=True)
     near = 0.03 * float(size.max())
     marked: list[Array] = []
+    places: list[str] = []
     for label in field.worst(20 * marks):
         position = field.positions[field.labels.index(label)]
         at = view.project(position[None])[0]
@@ -166,13 +167,19 @@ def _picture(
         if len(marked) == marks or any(np.hypot(*(at - m)[:2]) < near for m in marked):
             continue
         marked.append(at)
+        places.append(f"{len(marked)} {label}")
         mark(ax, shape, view, position, len(marked))
     title = f"{quantity} of {field.body}: {field.sn.name or 'S-N curve'}, {field.criterion}"
     figure.text(GAP / WIDTH, 1 - 0.2 / total, title, fontsize=10.5, fontweight="bold", va="center")
-    note = f"residue: {field.residue}, survival {100 * field.sn.survival:.5g} %"
+    mean = "none" if field.mean is None else str(field.mean)
+    note = (
+        f"mean stress: {mean}, residue: {field.residue}, survival {100 * field.sn.survival:.5g} %"
+    )
     if quantity == "safety":
         note = f"{field.safety_of}, {note}"
     figure.text(GAP / WIDTH, 1 - 0.42 / total, note, color=MUTED, fontsize=8.5, va="center")
+    worst = ", ".join(places)
+    figure.text(GAP / WIDTH, 1 - 0.62 / total, worst, color=MUTED, fontsize=8.5, va="center")
     _bar(figure, norm, shades, quantity, (1 - (LEGEND - 0.15) / WIDTH, GAP / total, height / total))
     return figure
 

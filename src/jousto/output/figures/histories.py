@@ -125,7 +125,7 @@ def _line(run: int, runs: int, component: int | None) -> dict[str, Any]:
 
     The colour is that of the component in all runs, the kind of line that of the run: the first of
     several is broad and pale, so that the others over it do not hide it, then come solid, dashed,
-    dotted and dash-dotted lines, and the same again in a paler colour.
+    dotted and other lines, eight kinds in all, and the same again in a paler colour.
     """
     color = INK if component is None else COLORS[component % len(COLORS)]
     if runs == 1:

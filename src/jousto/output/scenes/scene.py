@@ -196,7 +196,10 @@ def _stress(
     values += [skin.mises for skin in skins]
     if all(v is None for v in values):
         problems.add(
-            "stress", "no body of this run has a surface with stress; modal beams have no colours"
+            "stress",
+            "no body of this run has a surface with stress; modal beams are lines: "
+            "'jousto hotspots RESULT BODY -o FILE.png' colours them, and "
+            "'jousto stress RESULT BODY -o FILE.pvd' writes a film for ParaView",
         )
         return values, 0.0
     highest = max(float(np.nanmax(v)) for v in values if v is not None)

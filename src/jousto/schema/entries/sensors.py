@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, Discriminator, Tag
 
-from jousto.schema.entries.base import Length, Marker, Number, Position, Text
+from jousto.schema.entries.base import Count, Length, Marker, Number, Position, Text
 from jousto.schema.entries.choices import by_form
 from jousto.schema.entries.curves import MeanEntry, SNOrName
 from jousto.schema.entries.declared import FORMS, one_of
@@ -47,6 +47,9 @@ Along: TypeAlias = Annotated[
 Expansion: TypeAlias = Annotated[
     Annotated[Number, Tag("number")] | Annotated[Text, Tag("text")], Discriminator(_expansion)
 ]
+Index: TypeAlias = Annotated[
+    Annotated[Count, Tag("number")] | Annotated[Text, Tag("text")], Discriminator(_expansion)
+]
 Words: TypeAlias = Annotated[
     Annotated[Text, Tag("scalar")] | Annotated[tuple[Text, ...], Tag("list")], by_form()
 ]
@@ -56,6 +59,7 @@ FORMS.update(
         "spot": lambda field: Spot,
         "sites": lambda field: tuple[Spot, ...],
         "along": lambda field: Along,
+        "element": lambda field: Index,
         "arms": lambda field: tuple[Text | None, ...],
         "expansion": lambda field: Expansion,
         "words": lambda field: Words,

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from jousto.base.errors import InputError, MissingFileError, Problem, suggest
+from jousto.base.files import executed
 from jousto.base.units import KINDS
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.schema.entries.base import Entry
@@ -101,11 +101,7 @@ def load_function(builder: Builder, place: str, name: str) -> Any:
             path = builder.file(place)
             if not path.is_file():
                 raise MissingFileError(Problem("", f"no such file {str(path)!r}"))
-            spec = importlib.util.spec_from_file_location(f"jousto_user_{path.stem}", path)
-            assert spec is not None
-            assert spec.loader is not None
-            module = importlib.util.module_from_spec(spec)
-            spec.loader.exec_module(module)
+            module = executed(path)
         else:
             module = importlib.import_module(place)
     except InputError:
