@@ -75,7 +75,7 @@ def test_arguments_that_are_missing_or_unknown(tmp_path: Path) -> None:
     with pytest.raises(TypeError, match=".vtu of a StressField: missing a .* 'run'"):
         jo.write(made["field"], tmp_path / "field.vtu")
     with pytest.raises(jo.InputError, match=r"such as jo.write\(found, path, run, ...\)$"):
-        jo.write(made["hot spots"], tmp_path / "spots.vtu")
+        jo.write(made["spots"], tmp_path / "spots.vtu")
     wanted = r"several runs need a label each: jo.plot\({'run 1': ..., 'run 2': ...}, ...\)"
     with pytest.raises(jo.InputError, match=wanted):
         jo.plot([made["run"], made["run"]], "tip")
