@@ -12,8 +12,11 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Floats, Ints, Sparse, read_only, skew, times
+from jousto.base.declare import maker
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.fields import Label, field
 from jousto.base.names import check_name
+from jousto.base.numbers import OptionalValues, Positive
 from jousto.materials.material import Material
 from jousto.materials.orthotropic import Orthotropic
 from jousto.mesh.area import node_normals
@@ -27,9 +30,14 @@ from jousto.mesh.sets import (
     rigid_groups,
     tied,
 )
-from jousto.parts.frames.element import Theory, Timoshenko
-from jousto.parts.frames.frame import BeamOptions, Frame, assemble, check_frame
-from jousto.parts.frames.members import Member, check_elements, join_members
+from jousto.parts.frames.frame import BeamOptions, Frame, FrameArrays, assemble, check_frame
+from jousto.parts.frames.members import (
+    Elements,
+    FrameMembers,
+    MaterialField,
+    SectionField,
+    join_members,
+)
 from jousto.parts.frames.second_order import SecondOrder
 from jousto.parts.frames.stress import StressOperator
 from jousto.parts.geometry import Geometry
@@ -42,7 +50,108 @@ from jousto.parts.solids.model import SolidModel
 from jousto.parts.solids.second_order import SolidSecondOrder
 from jousto.parts.solids.stress import SolidStress
 from jousto.parts.solids.surface import surface_stress
-from jousto.sections.section import Section
+
+
+class ArrayFrame(FrameArrays, tag="frame"):
+    """A frame of beams in space from arrays.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong.
+
+    Examples
+    --------
+    >>> from jousto import Rectangle, Tube
+    >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> part = Part.frame([[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 1], [1, 2]],
+    ...                   sections=Tube(0.05, 0.002), materials=steel)
+    >>> f"{part.mass:.4f} kg"
+    '4.7351 kg'
+    """
+
+    @property
+    def made(self) -> Part:
+        """The part."""
+        return Part.of_frame(check_frame(self))
+
+
+class MemberFrame(FrameMembers, tag="members"):
+    """A frame of straight members, joined where their ends meet a node.
+
+    A member named "leg" gives the node sets "leg" (all its nodes), "leg.start" and "leg.end".
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong.
+
+    Examples
+    --------
+    >>> from jousto import Rectangle, Tube
+    >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> tube = Tube(0.05, 0.002)
+    >>> part = Part.from_members(
+    ...     [Member((0, 0, 0), (1, 0, 0), tube, steel, elements=4, name="boom"),
+    ...      Member((1, 0, 0), (1, 0, 1), tube, steel, elements=3)],
+    ...     points={"tip": (1, 0, 1)})
+    >>> len(part.nodes), part.node("tip"), part.node_sets["boom.end"]
+    (8, 7, (4,))
+    """
+
+    @property
+    def made(self) -> Part:
+        """The part."""
+        return Part.of_frame(check_frame(join_members(self)))
+
+
+class StraightBeam(BeamOptions, tag="beam"):
+    """A straight beam along +x from the origin, with node sets "start" and "end".
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong.
+
+    Examples
+    --------
+    >>> from jousto import Rectangle, Tube
+    >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> part = Part.beam(2.0, Rectangle(0.1, 0.1), 4, steel, lumped=True)
+    >>> part.mass_points.mass
+    array([19.625, 39.25 , 39.25 , 39.25 , 19.625])
+    """
+
+    length: Positive = field("Its length", unit="m")
+    section: SectionField = field(
+        "Cross section; its y axis is the part's y unless ``orientation`` turns it"
+    )
+    elements: Elements = field("Number of elements of equal length")
+    material: MaterialField = field("Its material")
+    orientation: OptionalValues = field(
+        "Vector near the section's z axis, part frame; (0, 0, 1) if not given",
+        shape=(3,),
+        default=None,
+        kw_only=True,
+    )
+    name: Label = field("Name of the part", file=False, default="beam", kw_only=True)
+
+    @property
+    def made(self) -> Part:
+        """The part."""
+        n = self.elements
+        nodes = np.zeros((n + 1, 3))
+        nodes[:, 0] = np.linspace(0.0, self.length, n + 1)
+        frame = FrameArrays(
+            nodes,
+            np.stack([np.arange(n), np.arange(1, n + 1)], axis=1),
+            sections=self.section,
+            materials=self.material,
+            orientations=self.orientation,
+            node_sets={"start": (0,), "end": (n,)},
+            **{key: getattr(self, key) for key in BeamOptions.fields},
+        )
+        return Part.of_frame(check_frame(frame))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -130,211 +239,13 @@ class Part(Geometry):
                 object.__setattr__(self, "_ties", ties)
         problems.raise_if_any()
 
-    @classmethod
-    def beam(
-        cls,
-        length: float,
-        section: Section,
-        elements: int,
-        material: Material,
-        *,
-        lumped: bool = False,
-        rotary_inertia: bool = True,
-        theory: Theory | None = None,
-        orientation: Any = None,
-        point_masses: PointMass | Sequence[PointMass] = (),
-        name: str = "beam",
-    ) -> Part:
-        """Return a straight beam along +x from the origin, with node sets "start" and "end".
-
-        Parameters
-        ----------
-        length : float
-            Length in m.
-        section : Section
-            Cross section; its y axis is the part's y unless ``orientation`` turns it.
-        elements : int
-            Number of elements of equal length.
-        material : Material
-        lumped, rotary_inertia, theory
-            See :meth:`frame`.
-        orientation : (3,) array_like, optional
-            Vector near the section's z axis, part frame; (0, 0, 1) if not given.
-        point_masses : PointMass or sequence of PointMass
-            Rigid masses on nodes.
-        name : str
-
-        Raises
-        ------
-        InputError
-            With everything that is wrong.
-
-        Examples
-        --------
-        >>> from jousto import Rectangle, Tube
-        >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
-        >>> part = Part.beam(2.0, Rectangle(0.1, 0.1), 4, steel, lumped=True)
-        >>> part.mass_points.mass
-        array([19.625, 39.25 , 39.25 , 39.25 , 19.625])
-        """
-        where, problems = f"part '{name}'", Problems()
-        problems.positive(where, "length", length, "m")
-        check_elements(problems, where, elements)
-        problems.raise_if_any()
-        n = int(elements)
-        nodes = np.zeros((n + 1, 3))
-        nodes[:, 0] = np.linspace(0.0, length, n + 1)
-        return cls.frame(
-            nodes,
-            np.stack([np.arange(n), np.arange(1, n + 1)], axis=1),
-            sections=section,
-            materials=material,
-            orientations=orientation,
-            lumped=lumped,
-            rotary_inertia=rotary_inertia,
-            theory=theory,
-            point_masses=point_masses,
-            node_sets={"start": (0,), "end": (n,)},
-            name=name,
-        )
+    beam = staticmethod(maker("Part.beam", StraightBeam))
+    frame = staticmethod(maker("Part.frame", ArrayFrame))
+    from_members = staticmethod(maker("Part.from_members", MemberFrame))
 
     @classmethod
-    @explained
-    def frame(
-        cls,
-        nodes: Any,
-        elements: Any,
-        *,
-        sections: Any,
-        materials: Any,
-        orientations: Any = None,
-        offsets: Any = None,
-        lumped: bool = False,
-        rotary_inertia: bool = True,
-        theory: Theory | None = None,
-        point_masses: PointMass | Sequence[PointMass] = (),
-        node_sets: Mapping[str, Any] | None = None,
-        name: str = "frame",
-    ) -> Part:
-        """Return a frame of beams in space from arrays.
-
-        Parameters
-        ----------
-        nodes : (nn, 3) array_like
-            Positions in m, part frame.
-        elements : (ne, 2) array_like of int
-            Nodes of the ends a and b of each element, indices from 0.
-        sections : Section or sequence of Section
-            One for all elements or one for each.
-        materials : Material or sequence of Material
-            One for all elements or one for each.
-        orientations : (3,) or (ne, 3) array_like, optional
-            Vector near the local z axis of the element, part frame. If not given: (0, 0, 1), and
-            (1, 0, 0) for members parallel to z.
-        offsets : (ne, 2, 3) array_like, optional
-            Rigid arms from the nodes to the ends of the beam in m, part frame.
-        lumped : bool
-            Half of each element's mass at each of its ends, instead of the consistent mass.
-        rotary_inertia : bool
-            Whether sections have rotary inertia (torsion and bending). Without it and with lumped
-            mass the rotations have no mass at all unless offsets or point masses give it.
-        theory : EulerBernoulli or Timoshenko, optional
-            Timoshenko() if not given.
-        point_masses : PointMass or sequence of PointMass
-            Rigid masses on nodes.
-        node_sets : mapping of str to node indices, optional
-        name : str
-
-        Raises
-        ------
-        InputError
-            With everything that is wrong.
-
-        Examples
-        --------
-        >>> from jousto import Rectangle, Tube
-        >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
-        >>> part = Part.frame([[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 1], [1, 2]],
-        ...                   sections=Tube(0.05, 0.002), materials=steel)
-        >>> f"{part.mass:.4f} kg"
-        '4.7351 kg'
-        """
-        return cls._from_frame(
-            check_frame(
-                name,
-                nodes,
-                elements,
-                sections=sections,
-                materials=materials,
-                orientations=orientations,
-                offsets=offsets,
-                options=BeamOptions(theory or Timoshenko(), lumped, rotary_inertia),
-                point_masses=point_masses,
-                node_sets=node_sets,
-            )
-        )
-
-    @classmethod
-    @explained
-    def from_members(
-        cls,
-        members: Sequence[Member],
-        *,
-        points: Mapping[str, Any] | None = None,
-        lumped: bool = False,
-        rotary_inertia: bool = True,
-        theory: Theory | None = None,
-        point_masses: PointMass | Sequence[PointMass] = (),
-        name: str = "frame",
-    ) -> Part:
-        """Return a frame of straight members, joined where their ends meet a node.
-
-        A member named "leg" gives the node sets "leg" (all its nodes), "leg.start" and "leg.end".
-
-        Parameters
-        ----------
-        members : sequence of Member
-        points : mapping of str to (3,) array_like, optional
-            Names for the nodes at these positions in m, part frame.
-        lumped, rotary_inertia, theory, point_masses
-            See :meth:`frame`.
-        name : str
-
-        Raises
-        ------
-        InputError
-            With everything that is wrong.
-
-        Examples
-        --------
-        >>> from jousto import Rectangle, Tube
-        >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
-        >>> tube = Tube(0.05, 0.002)
-        >>> part = Part.from_members(
-        ...     [Member((0, 0, 0), (1, 0, 0), tube, steel, elements=4, name="boom"),
-        ...      Member((1, 0, 0), (1, 0, 1), tube, steel, elements=3)],
-        ...     points={"tip": (1, 0, 1)})
-        >>> len(part.nodes), part.node("tip"), part.node_sets["boom.end"]
-        (8, 7, (4,))
-        """
-        arrays = join_members(name, members, points or {})
-        return cls.frame(
-            arrays.nodes,
-            arrays.elements,
-            sections=arrays.sections,
-            materials=arrays.materials,
-            orientations=arrays.orientations,
-            offsets=arrays.offsets,
-            lumped=lumped,
-            rotary_inertia=rotary_inertia,
-            theory=theory,
-            point_masses=point_masses,
-            node_sets=arrays.node_sets,
-            name=name,
-        )
-
-    @classmethod
-    def _from_frame(cls, frame: Frame) -> Part:
+    def of_frame(cls, frame: Frame) -> Part:
+        """Return the part of a frame whose input was checked."""
         K, M, points, stress, second_order = assemble(frame)
         return cls(
             name=frame.name,

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from jousto.base.arrays import Floats, Ints, Sparse, node_dofs, scatter
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems, warn
+from jousto.base.fields import AnyField, Flag, Label, Nested, field
+from jousto.base.numbers import Values
 from jousto.materials.library import by_name
 from jousto.materials.material import Material
 from jousto.mesh.sets import connectivity, node_index, read_elements, read_sets, unattached
@@ -33,23 +36,83 @@ from jousto.sections.section import Section
 WIDEST, LARGEST = 5.0, 200.0
 
 
-@dataclass(frozen=True)
-class BeamOptions:
-    """How beams are modelled.
+class TheoryField(Nested[Theory | None, Theory | None]):
+    """A theory of beams; `check_frame` checks it."""
 
-    Parameters
-    ----------
-    theory : EulerBernoulli or Timoshenko
-        Without or with shear deformation.
-    lumped : bool
-        Half of each element's mass at each end instead of the consistent mass.
-    rotary_inertia : bool
-        Whether the sections have rotary inertia, in torsion and in bending.
-    """
+    section = "theories"
+    room = "jousto.parts.frames"
+    noun = "EulerBernoulli or Timoshenko"
 
-    theory: Theory = field(default_factory=Timoshenko)
-    lumped: bool = False
-    rotary_inertia: bool = True
+
+class BeamOptions(Declared, section="parts", kw_only=True):
+    """How the beams of a part are modelled, and what is fixed to them."""
+
+    kind = "part"
+    lumped: Flag = field(
+        "Half of each element's mass at each of its ends, instead of the consistent mass",
+        default=False,
+    )
+    rotary_inertia: Flag = field(
+        "Whether sections have rotary inertia (torsion and bending). Without it and with lumped "
+        "mass the rotations have no mass at all unless offsets or point masses give it",
+        default=True,
+    )
+    theory: TheoryField = field("Timoshenko() if not given", default=None)
+    point_masses: AnyField = field(
+        "Rigid masses on nodes",
+        form="point masses",
+        noun="PointMass or sequence of PointMass",
+        default=(),
+    )
+    name: Label = field("Name of the part", file=False, default="frame")
+
+
+class FrameArrays(BeamOptions):
+    """Beams in space by the arrays of their nodes and elements."""
+
+    nodes: Values = field("Positions, part frame", unit="m", shape=(None, 3))
+    elements: AnyField = field(
+        "Nodes of the ends a and b of each element, indices from 0",
+        form="pairs",
+        noun="(ne, 2) array_like of int",
+    )
+    sections: AnyField = field(
+        "One for all elements or one for each",
+        form="sections",
+        noun="Section or sequence of Section",
+        kw_only=True,
+    )
+    materials: AnyField = field(
+        "One for all elements or one for each",
+        form="materials",
+        noun="Material or sequence of Material",
+        kw_only=True,
+    )
+    orientations: AnyField = field(
+        "Vector near the local z axis of the element, part frame. If not given: (0, 0, 1), and "
+        "(1, 0, 0) for members parallel to z",
+        form="shapes",
+        shapes=((3,), (None, 3)),
+        noun="(3,) or (ne, 3) array_like",
+        default=None,
+        kw_only=True,
+    )
+    offsets: AnyField = field(
+        "Rigid arms from the nodes to the ends of the beam, part frame",
+        unit="m",
+        form="shapes",
+        shapes=((None, 2, 3),),
+        noun="(ne, 2, 3) array_like",
+        default=None,
+        kw_only=True,
+    )
+    node_sets: AnyField = field(
+        "Indices of nodes, from 0",
+        form="node sets",
+        noun="mapping of str to node indices",
+        default=None,
+        kw_only=True,
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,19 +130,7 @@ class Frame:
     point_masses: tuple[PointMass, ...]
 
 
-def check_frame(
-    name: str,
-    nodes: Any,
-    elements: Any,
-    *,
-    sections: Any,
-    materials: Any,
-    orientations: Any,
-    offsets: Any,
-    options: BeamOptions,
-    point_masses: PointMass | Sequence[PointMass],
-    node_sets: Mapping[str, Any] | None,
-) -> Frame:
+def check_frame(given: FrameArrays) -> Frame:
     """Return the frame described by the arrays.
 
     Raises
@@ -87,25 +138,28 @@ def check_frame(
     InputError
         With everything that is wrong.
     """
-    where, problems = f"part '{name}'", Problems()
-    theory: object = options.theory
+    where, problems = f"part '{given.name}'", Problems()
+    orientations = given.orientations
+    theory: object = given.theory or Timoshenko()
     if not isinstance(theory, (EulerBernoulli, Timoshenko)):
         problems.add(
             where,
             f"theory is {theory!r}, must be EulerBernoulli() or Timoshenko()",
         )
-    xyz = problems.array(where, "nodes", nodes, (None, 3))
+    xyz = problems.array(where, "nodes", given.nodes, (None, 3))
     nn = 0 if xyz is None else len(xyz)
-    ab = None if xyz is None else read_elements(problems, where, elements, nn, 2)
+    ab = None if xyz is None else read_elements(problems, where, given.elements, nn, 2)
     if xyz is None or ab is None:
         problems.raise_if_any()
         raise AssertionError("unreachable")
     ne = len(ab)
 
     # what each element is made of
-    section: list[Section] | None = _per_element(problems, where, "section", sections, ne, Section)
+    section: list[Section] | None = _per_element(
+        problems, where, "section", given.sections, ne, Section
+    )
     material: list[Material] | None = _per_element(
-        problems, where, "material", materials, ne, Material
+        problems, where, "material", given.materials, ne, Material
     )
     shape: tuple[int, ...] = (3,) if np.ndim(orientations) == 1 else (ne, 3)
     up = None
@@ -113,21 +167,21 @@ def check_frame(
         up = problems.array(where, "orientations", orientations, shape)
         up = None if up is None else np.broadcast_to(up, (ne, 3))
     arms: Floats | None = np.zeros((ne, 2, 3))
-    if offsets is not None:
-        arms = problems.array(where, "offsets", offsets, (ne, 2, 3))
+    if given.offsets is not None:
+        arms = problems.array(where, "offsets", given.offsets, (ne, 2, 3))
 
     # geometry
     origin, axes, length = xyz[ab[:, 0]], np.zeros((ne, 3, 3)), np.ones(ne)
     if arms is not None and (orientations is None or up is not None):
         origin, axes, length = _geometry(problems, where, xyz, ab, arms, up)
-    sets = read_sets(problems, where, node_sets or {}, nn)
-    masses = _point_masses(problems, where, point_masses, sets, nn)
+    sets = read_sets(problems, where, given.node_sets or {}, nn)
+    masses = _point_masses(problems, where, given.point_masses, sets, nn)
     unattached(problems, where, ab, nn)
     if not problems.found:
         connectivity(problems, where, xyz, ab)
     phi = np.zeros((ne, 2))
-    if section and material and isinstance(options.theory, Timoshenko):
-        phi = _shear_parameters(problems, where, section, material, length, options.theory)
+    if section and material and isinstance(theory, Timoshenko):
+        phi = _shear_parameters(problems, where, section, material, length, theory)
     problems.raise_if_any()
     assert section is not None and material is not None and arms is not None
 
@@ -148,7 +202,7 @@ def check_frame(
             warn(where, f"a section of {np.sqrt(A.max()):g} m; SI needs m, was it given in mm?")
     beams = BeamElements(origin, axes, length, arms, E * A, G * J, E * Iy, E * Iz, phi)
     density = np.stack([rho * A, rho * Iy, rho * Iz], axis=1)
-    return Frame(name, xyz, ab, sets, beams, tuple(section), density, options, masses)
+    return Frame(given.name, xyz, ab, sets, beams, tuple(section), density, given, masses)
 
 
 def assemble(

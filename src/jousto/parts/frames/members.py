@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints, some
+from jousto.base.arrays import Floats, some
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
-from jousto.base.fields import Field, Label, Nested, field
+from jousto.base.fields import AnyField, Field, Label, Nested, field
 from jousto.base.numbers import OptionalValues, Vector
 from jousto.materials.library import by_name
 from jousto.materials.material import Material
 from jousto.parts.frames.element import default_orientation
+from jousto.parts.frames.frame import BeamOptions, FrameArrays
 from jousto.sections.section import Section
 
 # of one member or beam: a hundred times more than make sense
@@ -136,20 +136,21 @@ class Member(Declared):
         return float(np.linalg.norm(between))
 
 
-@dataclass(frozen=True, eq=False)
-class FrameArrays:
-    """Nodes and elements of joined members."""
+class FrameMembers(BeamOptions):
+    """Straight members, joined where their ends meet a node."""
 
-    nodes: Floats
-    elements: Ints
-    sections: list[Section]
-    materials: list[Material]
-    orientations: Floats
-    offsets: Floats
-    node_sets: dict[str, tuple[int, ...]]
+    members: AnyField = field("The members", form="members", noun="sequence of Member")
+    points: AnyField = field(
+        "Names for the nodes at these positions, part frame",
+        unit="m",
+        form="points",
+        noun="mapping of str to (3,) array_like",
+        default=None,
+        kw_only=True,
+    )
 
 
-def join_members(name: str, members: Sequence[Member], points: Mapping[str, Any]) -> FrameArrays:
+def join_members(frame: FrameMembers) -> FrameArrays:
     """Return the arrays of a frame: ends of members at one position share a node.
 
     An end also meets an inner node of another member; inner nodes of two members that cross stay
@@ -160,9 +161,9 @@ def join_members(name: str, members: Sequence[Member], points: Mapping[str, Any]
     InputError
         If there are no members, two have one name, or a named point is not at a node.
     """
-    where, problems = f"part '{name}'", Problems()
-    given: Sequence[object] = members
-    wrong = [f"members[{i}]" for i, m in enumerate(given) if not isinstance(m, Member)]
+    where, problems = f"part '{frame.name}'", Problems()
+    members, points = frame.members, frame.points or {}
+    wrong = [f"members[{i}]" for i, m in enumerate(members) if not isinstance(m, Member)]
     if wrong:
         problems.add(where, f"{some(wrong)} must be Member objects")
     if not members:
@@ -218,6 +219,7 @@ def join_members(name: str, members: Sequence[Member], points: Mapping[str, Any]
         orientations=np.concatenate([np.tile(_up(m), (m.elements, 1)) for m in members]),
         offsets=np.concatenate(offsets),
         node_sets=sets,
+        **{key: getattr(frame, key) for key in BeamOptions.fields},
     )
 
 

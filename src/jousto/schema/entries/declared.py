@@ -98,7 +98,12 @@ def several(item: Any) -> Any:
 
 
 @functools.cache
-def entry_of(cls: type[Declared], implied: bool = False, without: tuple[str, ...] = ()) -> Any:
+def entry_of(
+    cls: type[Declared],
+    implied: bool = False,
+    without: tuple[str, ...] = (),
+    base: type[Entry] = Entry,
+) -> Any:
     """Return the entry of a class in model files: its word, and a key for each field.
 
     Parameters
@@ -108,6 +113,8 @@ def entry_of(cls: type[Declared], implied: bool = False, without: tuple[str, ...
         Whether its word may be left out.
     without : tuple of str
         Fields that the file writes in another way.
+    base : type
+        Entry with further keys.
     """
     if cls in SPECIAL:
         return SPECIAL[cls]
@@ -121,7 +128,7 @@ def entry_of(cls: type[Declared], implied: bool = False, without: tuple[str, ...
             keys[field.key] = (form, Key(description=said(field)))
         else:
             keys[field.key] = (form | None, Key(None, description=said(field)))
-    made: Any = create_model(f"{cls.__name__}Entry", __base__=Entry, **keys)
+    made: Any = create_model(f"{cls.__name__}Entry", __base__=base, **keys)
     made.__doc__ = f"`{cls.__name__}`: {(inspect.getdoc(cls) or '').partition(chr(10))[0]}"
     made.declared = cls
     return made
@@ -163,6 +170,8 @@ class Declarations(Tagged):
         Entries of other words.
     unsaid : tuple of str
         The words that may be left out, where not all may.
+    base : type
+        Entry with the keys that all of them have besides their fields.
     """
 
     def __init__(
@@ -172,8 +181,10 @@ class Declarations(Tagged):
         implied: Implied = None,
         others: Others = NO_OTHERS,
         unsaid: tuple[str, ...] = (),
+        base: type[Entry] = Entry,
     ) -> None:
         super().__init__(implied)
+        self.base = base
         self.unsaid = unsaid
         self.others = others
         self.section = section
@@ -197,7 +208,9 @@ class Declarations(Tagged):
         """Return the entry of a class."""
         word = getattr(kind, "tag", "")
         implied = bool(self.tag) and word in (self.unsaid or (word,))
-        found: type[Entry] = kind if issubclass(kind, Entry) else entry_of(kind, implied)
+        found: type[Entry] = (
+            kind if issubclass(kind, Entry) else entry_of(kind, implied, base=self.base)
+        )
         return found
 
 

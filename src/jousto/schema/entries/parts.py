@@ -14,7 +14,6 @@ from jousto.schema.entries.base import (
     Flag,
     Frequency,
     InertiaTensor,
-    Length,
     Position,
     Text,
     Vector,
@@ -88,42 +87,15 @@ class FePart(ModeChoice):
     )
 
 
-class BeamOptionsEntry(FePart):
-    """What all parts made of beams have."""
-
-    lumped: Flag | None = Field(None, description="Half of each element's mass at each end")
-    rotary_inertia: Flag | None = Field(None, description="Rotary inertia of the sections")
-    theory: TheoryEntry | None = None
-    stiffening: Flag | None = Field(
-        None, description="Forces along the beams stiffen or soften them"
-    )
-    point_masses: tuple[PointMassEntry, ...] | None = None
-
-
 # -- parts ----------------------------------------------------------------------------------
 
 
-class BeamEntry(BeamOptionsEntry):
-    """`Part.beam`: straight along +x from the origin, with the nodes start and end."""
+class FramePart(FePart):
+    """What all parts made of beams have besides the fields of their class."""
 
-    type: Literal["beam"]
-    length: Length
-    section: SectionEntry
-    elements: Count = Field(description="Number of elements")
-    material: MaterialForm
-    orientation: Direction | None = Field(None, description="Vector near the section's z axis")
-
-
-class MembersEntry(BeamOptionsEntry):
-    """`Part.from_members`: straight members, joined where their ends meet."""
-
-    type: Literal["members"]
-    members: tuple[MemberEntry, ...]
-    points: dict[Text, Position] | None = Field(None, description="Names for nodes, by position")
-
-
-Pair: TypeAlias = Annotated[tuple[Count, Count], Vector(2)]
-Offsets: TypeAlias = Annotated[tuple[Position, Position], Vector(2)]
+    stiffening: Flag | None = Field(
+        None, description="Forces along the beams stiffen or soften them"
+    )
 
 
 Sections: TypeAlias = Annotated[
@@ -139,21 +111,16 @@ Materials: TypeAlias = Annotated[
 Nodes: TypeAlias = Annotated[
     Annotated[Text, Tag("scalar")] | Annotated[tuple[Position, ...], Tag("list")], by_form()
 ]
-
-
-class FrameEntry(BeamOptionsEntry):
-    """`Part.frame`: beams between nodes given by arrays."""
-
-    type: Literal["frame"]
-    nodes: tuple[Position, ...]
-    elements: tuple[Pair, ...] = Field(description="Two nodes each, counted from 0")
-    sections: Sections = Field(description="One for all elements or one for each")
-    materials: Materials = Field(description="One for all elements or one for each")
-    orientations: tuple[Direction, ...] | None = Field(
-        None, description="Vector near the local z axis of each element"
-    )
-    offsets: tuple[Offsets, ...] | None = Field(None, description="Rigid arms at both ends")
-    node_sets: dict[Text, tuple[Count, ...]] | None = Field(None, description="Counted from 0")
+FORMS.update(
+    {
+        "point masses": lambda field: tuple[PointMassEntry, ...],
+        "members": lambda field: tuple[MemberEntry, ...],
+        "pairs": lambda field: tuple[Annotated[tuple[Count, Count], Vector(2)], ...],
+        "sections": lambda field: Sections,
+        "materials": lambda field: Materials,
+        "node sets": lambda field: dict[Text, tuple[Count, ...]],
+    }
+)
 
 
 class SuperelementEntry(Entry):

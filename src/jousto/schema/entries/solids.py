@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -16,14 +17,12 @@ from jousto.schema.entries.base import (
     Text,
     fail,
 )
-from jousto.schema.entries.choices import by_form, tagged
+from jousto.schema.entries.choices import by_form
 from jousto.schema.entries.declared import FORMS, EntryOf, one_of
 from jousto.schema.entries.parts import (
-    BeamEntry,
     FePart,
-    FrameEntry,
+    FramePart,
     MatricesEntry,
-    MembersEntry,
     PointMassEntry,
     ReducedEntry,
 )
@@ -163,12 +162,14 @@ class SolidEntry(FePart):
         return self
 
 
-PartEntry: TypeAlias = Annotated[
-    Annotated[BeamEntry, Tag("beam")]
-    | Annotated[MembersEntry, Tag("members")]
-    | Annotated[FrameEntry, Tag("frame")]
-    | Annotated[SolidEntry, Tag("solid")]
-    | Annotated[MatricesEntry, Tag("matrices")]
-    | Annotated[ReducedEntry, Tag("reduced")],
-    tagged(lambda data: "reduced" if "file" in data else None),
-]
+OTHERS: Mapping[str, type[Entry]] = {
+    "solid": SolidEntry,
+    "matrices": MatricesEntry,
+    "reduced": ReducedEntry,
+}
+PartEntry: Any = one_of(
+    *("parts", "jousto.parts.part", lambda data: "reduced" if "file" in data else None),
+    others=OTHERS,
+    unsaid=("reduced",),
+    base=FramePart,
+)

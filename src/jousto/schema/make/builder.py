@@ -18,7 +18,7 @@ from jousto.schema.entries.fatigue import build_curves
 from jousto.schema.entries.solids import SolidEntry
 from jousto.schema.file.document import Loc
 from jousto.schema.make.context import Builder, Section
-from jousto.schema.make.declared import build_declared, build_material
+from jousto.schema.make.declared import build_declared
 from jousto.schema.make.elements import FORMS as OF_FORCES
 from jousto.schema.make.matrices import build_matrices, build_superelement, is_superelement
 from jousto.schema.make.sense import FORMS as OF_SENSORS
@@ -88,33 +88,11 @@ class ModelBuilder(Builder):
 
     def part(self, loc: Loc, name: str, entry: Any) -> Any:
         """Return the Part of an entry with a mesh, None if anything is wrong with it."""
-        from jousto.parts.part import Part
-
         if isinstance(entry, sp.MatricesEntry):
             return build_matrices(self, loc, name, entry)
         if isinstance(entry, SolidEntry):
             return build_solid(self, loc, name, entry)
-        before = len(self.found)
-        values = entry.given("reduce", "in_plane", "keep", "stiffening", "residual_stress")
-        self.beams(loc, values)
-        makers: dict[Any, Any] = {
-            sp.BeamEntry: Part.beam,
-            sp.MembersEntry: Part.from_members,
-            sp.FrameEntry: Part.frame,
-        }
-        make = makers[type(entry)]
-        if len(self.found) > before:
-            return None
-        return self.make(loc, make, **values, name=name)
-
-    def beams(self, loc: Loc, values: dict[str, Any]) -> None:
-        """Replace the entries in the arguments of a part made of beams by objects."""
-        for key, value in values.items():
-            here = (*loc, key)
-            if key in ("section", "sections", "theory", "point_masses", "members"):
-                values[key] = self.each(here, value, lambda at, e: build_declared(self, at, e))
-            elif key in ("material", "materials"):
-                values[key] = self.each(here, value, lambda at, e: build_material(self, at, e))
+        return build_declared(self, loc, entry, more={"name": name})
 
     # -- mechanism --------------------------------------------------------------------------
 

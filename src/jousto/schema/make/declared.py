@@ -124,6 +124,13 @@ def a_material(place: Place, value: Any) -> Any:
     return build_material(place.builder, place.loc, value)
 
 
+def several(place: Place, value: Any) -> Any:
+    """Return one object or several, None if one is wrong."""
+    make = build_material if place.field.form == "materials" else build_declared
+    found = place.builder.each(place.loc, value, lambda at, e: make(place.builder, at, e))
+    return None if isinstance(found, list) and None in found else found
+
+
 def number(place: Place, value: Any) -> Any:
     """Return a number in SI; those of a fixed unit are it already."""
     if not isinstance(value, str):
@@ -217,6 +224,10 @@ def orientation(place: Place, value: Any) -> Any:
 FORMS: dict[str, Callable[[Place, Any], Any]] = {
     "number": number,
     "material": a_material,
+    "materials": several,
+    "sections": several,
+    "members": several,
+    "point masses": several,
     "marker": marker,
     "reference": reference,
     "nested": nested,
