@@ -44,6 +44,16 @@ class TheoryField(Nested[Theory | None, Theory | None]):
     noun = "EulerBernoulli or Timoshenko"
 
 
+class Dictionary(AnyField):
+    """Values by name."""
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the mapping."""
+        if not isinstance(value, Mapping):
+            problems.add(where, f"{self.name} is {value!r}, must be a dictionary")
+        return value
+
+
 class BeamOptions(Declared, section="parts", kw_only=True):
     """How the beams of a part are modelled, and what is fixed to them."""
 
@@ -106,7 +116,7 @@ class FrameArrays(BeamOptions):
         default=None,
         kw_only=True,
     )
-    node_sets: AnyField = field(
+    node_sets: Dictionary = field(
         "Indices of nodes, from 0",
         form="node sets",
         noun="mapping of str to node indices",

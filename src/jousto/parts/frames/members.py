@@ -15,7 +15,7 @@ from jousto.base.numbers import OptionalValues, Vector
 from jousto.materials.library import by_name
 from jousto.materials.material import Material
 from jousto.parts.frames.element import default_orientation
-from jousto.parts.frames.frame import BeamOptions, FrameArrays
+from jousto.parts.frames.frame import BeamOptions, Dictionary, FrameArrays
 from jousto.sections.section import Section
 
 # of one member or beam: a hundred times more than make sense
@@ -140,7 +140,7 @@ class FrameMembers(BeamOptions):
     """Straight members, joined where their ends meet a node."""
 
     members: AnyField = field("The members", form="members", noun="sequence of Member")
-    points: AnyField = field(
+    points: Dictionary = field(
         "Names for the nodes at these positions, part frame",
         unit="m",
         form="points",
