@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 
 import jousto as jo
 from cli.test_meshes import call
-from jousto.cli import check
+from jousto.cli import commands
 from jousto.cli.group import app
 from jousto.schema.file.read import model_schema
 
@@ -448,7 +448,7 @@ def test_a_bug_is_reported_as_one(model, monkeypatch):
     def broken(file):
         raise ZeroDivisionError("oh no")
 
-    monkeypatch.setattr(check, "describe_model", broken)
+    monkeypatch.setattr(commands, "describe_model", broken)
     found = jousto("check", model)
     assert found.code == 1
     assert found.err.splitlines() == [

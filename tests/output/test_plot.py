@@ -12,8 +12,7 @@ from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
 
 import jousto as jo
-from jousto.output.figures.histories import spread
-from jousto.output.figures.series import STEPS, envelope, thin
+from jousto.output.figures.histories import STEPS, envelope, spread, thin
 from jousto.output.style import COLORS, DASHES
 from jousto.simulation.results.naming import pick
 from output.runs import swing

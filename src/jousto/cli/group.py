@@ -18,35 +18,20 @@ from jousto.cli.terminal import log_to_screen, report, say, shown_warnings, spel
 
 Function = TypeVar("Function", bound=Callable[..., None])
 
-PLACES = {
-    "advise": "certificates",
-    "reduce": "parts",
-    "export": "parts",
-    "check": "check",
-    "run": "commands",
-    "info": "commands",
-    "plot": "commands",
-    "animate": "commands",
-    "schema": "commands",
-    "hotspots": "hotspots",
+OFFERS = {
+    "parts": "advise reduce export",
+    "commands": "check run info plot animate schema",
+    "hotspots": "hotspots peaks",
     "fatigue": "fatigue",
-    "forces": "forces",
+    "stress": "stress forces",
     "friction": "friction",
     "gauges": "gauges",
-    "mesh": "meshes",
+    "meshes": "mesh",
     "monitor": "monitor",
-    "multiaxial": "multiaxial",
-    "strain-life": "multiaxial",
-    "hertz": "multiaxial",
-    "peaks": "peaks",
-    "path": "statics",
-    "buckle": "statics",
-    "stress": "stress",
-    "equilibrium": "studies",
-    "modes": "studies",
-    "linearise": "studies",
-    "kinematics": "studies",
+    "multiaxial": "multiaxial strain-life hertz",
+    "studies": "path buckle equilibrium modes linearise kinematics",
 }
+PLACES = {name: place for place, names in OFFERS.items() for name in names.split()}
 """Commands in the order of the help, with the modules of this folder that offer them."""
 
 OFFERED: dict[str, typer.Typer] = {}  # by modules that are imported

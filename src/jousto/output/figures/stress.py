@@ -1,4 +1,4 @@
-"""Histories and tables of stress fields."""
+"""Histories and tables of stress fields, with and without friction."""
 
 from __future__ import annotations
 
@@ -11,13 +11,16 @@ import numpy as np
 from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import written
-from jousto.output.figures.histories import draw
-from jousto.output.figures.series import Curve, Panel
-from jousto.output.style import Picture, drawing, target
+from jousto.output.figures.histories import Curve, Panel, draw
+from jousto.output.style import COLORS, MUTED, Picture, drawing, target
 from jousto.recovery.fields.criteria import Criterion
 from jousto.recovery.fields.field import StressField
+from jousto.recovery.friction import FrictionStress
 
 MOST = 10
+
+
+SIZE = (9.5, 5.4)  # inch
 
 
 @drawing
@@ -109,3 +112,52 @@ def write_stress(
             row = [label, int(nodes[i]), *field.positions[i].tolist()]
             writer.writerow([*row, *(float(column[i]) for column in columns)])
     return out
+
+
+@drawing
+def plot_friction_stress(found: FrictionStress, *, site: str | None = None) -> Picture:
+    """Draw von Mises stress with and without friction at a place, and that of their difference.
+
+    Parameters
+    ----------
+    found : FrictionStress
+        From `friction_stress`.
+    site : str, optional
+        Label of the place; None for that of the largest stress due to friction.
+    path : path, optional
+        File to write; the suffix chooses the format.
+
+    Raises
+    ------
+    InputError
+        For an unknown site or suffix, or an unwritable path.
+    """
+    place = found.table(1)[0]["site"] if site is None else site
+    figure = Picture(figsize=SIZE, layout="constrained")
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    for k, (label, field) in enumerate(
+        (("with friction", found.with_friction), ("without", found.without_friction))
+    ):
+        values = field.values("von-mises", place)[:, 0]
+        upper.plot(found.time, 1e-6 * values, color=COLORS[k], label=label)
+    due = found.due.values("von-mises", place)[:, 0]
+    lower.plot(found.time, 1e-6 * due, color=COLORS[2], label="due to friction")
+    for transition in found.transitions:
+        for ax in (upper, lower):
+            ax.axvline(transition.time, color=MUTED, linewidth=0.6, linestyle=":")
+    top = found.peaks(5)
+    lower.plot(
+        [t.at for t in top if t.site == place],
+        [1e-6 * due[abs(found.time - t.at).argmin()] for t in top if t.site == place],
+        "o",
+        color=COLORS[1],
+        markersize=4,
+        label="peaks after stick and slip",
+    )
+    upper.set_title(f"{found.body}, {place}", loc="left", fontweight="bold")
+    upper.set_ylabel("von Mises (MPa)")
+    lower.set_ylabel("MPa")
+    lower.set_xlabel("time (s)")
+    for ax in (upper, lower):
+        ax.legend()
+    return figure
