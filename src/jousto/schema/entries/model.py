@@ -14,7 +14,6 @@ from jousto.schema.entries import beams as beams, connections as connections
 from jousto.schema.entries.base import (
     Acceleration3,
     Amount,
-    Duration,
     Entry,
     Number,
     Position,
@@ -26,6 +25,7 @@ from jousto.schema.entries.fatigue import FatigueEntry
 from jousto.schema.entries.monitor import MonitorEntry
 from jousto.schema.entries.sensors import SensorEntry
 from jousto.schema.entries.solids import PartEntry
+from jousto.schema.file.simulation import Simulation
 
 # -- bodies ---------------------------------------------------------------------------------
 
@@ -63,22 +63,7 @@ BodyEntry: Any = one_of(
 # -- simulation and the whole file ----------------------------------------------------------
 
 
-SolverEntry: Any = one_of("solvers", "jousto.simulation.solvers.explicit")
-
-
-class SimulationEntry(Entry):
-    """Arguments of `simulate`."""
-
-    t_end: Duration
-    solver: SolverEntry | None = None
-    output_step: Duration | None = Field(None, description="Distance of the recorded times")
-    start: Literal["initial", "rest", "settled"] | None = Field(
-        None,
-        description="From the initial pose, from the position of rest at time 0, or with elastic "
-        "bodies bent as the motion bends them",
-    )
-
-
+SimulationEntry: Any = alone(Simulation)
 JOINTS = "jousto.mechanism.joints"
 JointEntry: Any = one_of("joints", JOINTS)
 CouplerEntry: Any = one_of("couplings", JOINTS)
@@ -121,6 +106,6 @@ class ModelEntry(Entry):
     gravity: Acceleration3 | None = None
     sensors: tuple[SensorEntry, ...] | None = None
     events: tuple[EventEntry, ...] | None = None
-    simulation: Annotated[SimulationEntry, Later()] | None = None
+    simulation: SimulationEntry | None = None
     fatigue: Annotated[FatigueEntry, Later()] | None = None
     monitor: MonitorEntry | None = None

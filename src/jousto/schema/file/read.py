@@ -16,58 +16,19 @@ from jousto.design.studies.parameter import Parameter
 from jousto.mechanism.mechanism import Mechanism
 from jousto.schema.entries.choices import WholeSchema
 from jousto.schema.entries.fatigue import Fatigue, build_fatigue, flexible_bodies
-from jousto.schema.entries.model import ModelEntry, SimulationEntry
+from jousto.schema.entries.model import ModelEntry
 from jousto.schema.entries.monitor import build_monitor
 from jousto.schema.entries.parts import ReducedEntry
 from jousto.schema.entries.solids import PartEntry
 from jousto.schema.file.document import Document, Loc, parse_document, read_document
 from jousto.schema.file.explain import explain, finish
 from jousto.schema.file.parameters import SECTION, expand
+from jousto.schema.file.simulation import Simulation
 from jousto.schema.make.builder import LISTS, ModelBuilder
-from jousto.schema.make.context import Builder
 from jousto.schema.make.declared import build_declared
 from jousto.schema.make.matrices import is_superelement
 
 PART_TYPES = ("beam", "members", "frame", "solid", "matrices", "reduced")
-
-
-@dataclass(frozen=True, eq=False)
-class Simulation:
-    """How the file wants to be simulated: the arguments of `simulate`.
-
-    Parameters
-    ----------
-    t_end : float
-        End time, s.
-    solver : RK4, ROS2, DormandPrince or None
-        The integrator; None for the default of `simulate`.
-    output_step : float or None
-        Distance of the recorded times, s; None for the default of `simulate`.
-    start : str
-        ``"initial"``, ``"rest"`` to start from the `equilibrium` near the initial pose, or
-        ``"settled"`` from `settled`, without vibration.
-    """
-
-    t_end: float
-    solver: Any = None
-    output_step: float | None = None
-    start: str = "initial"
-
-    def given(self, model: Any = None) -> dict[str, Any]:
-        """Return the keyword arguments of `simulate` that the file gives, without `t_end`.
-
-        With the compiled model they hold the state that the run starts from.
-        """
-        values = {"solver": self.solver, "output_step": self.output_step}
-        if model is not None and self.start == "rest":
-            from jousto.simulation.statics.equilibrium import equilibrium
-
-            values["state"] = equilibrium(model)
-        if model is not None and self.start == "settled":
-            from jousto.simulation.statics.settled import settled
-
-            values["state"] = settled(model)
-        return {key: value for key, value in values.items() if value is not None}
 
 
 @described
@@ -182,7 +143,7 @@ def build_model(
     if entry is not None:
         mechanism = builder.mechanism(entry, index)
         if entry.simulation is not None:
-            simulation = build_simulation(builder, entry.simulation)
+            simulation = build_declared(builder, ("simulation",), entry.simulation)
         if entry.fatigue is not None:
             fatigue = build_fatigue(builder, entry.fatigue, flexible_bodies(entry), builder.curves)
         if entry.monitor is not None and mechanism is not None and not rigid:
@@ -249,18 +210,6 @@ def validate(
         return ModelEntry.model_validate(rest, context=classes), index, problems, broken
     except ValidationError:
         return None, index, problems, broken
-
-
-def build_simulation(builder: Builder, entry: SimulationEntry) -> Simulation | None:
-    """Return the settings with a solver object, None if anything is wrong with them."""
-    here: Loc = ("simulation",)
-    before = len(builder.found)
-    solver = None
-    if entry.solver is not None:
-        solver = build_declared(builder, (*here, "solver"), entry.solver)
-    if len(builder.found) > before:
-        return None
-    return Simulation(entry.t_end, solver, entry.output_step, entry.start or "initial")
 
 
 # -- parts alone and the schema -------------------------------------------------------------

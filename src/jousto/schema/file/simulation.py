@@ -1,0 +1,49 @@
+"""How a model file wants to be simulated."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jousto.base.declare import Declared
+from jousto.base.fields import Choice, Nested, field
+from jousto.base.numbers import Duration, OptionalDuration
+
+
+class SolverField(Nested[Any, Any]):
+    """A solver; `simulate` checks it."""
+
+    section = "solvers"
+    room = "jousto.simulation.solvers.explicit"
+    noun = "Solver"
+
+
+class Simulation(Declared):
+    """The arguments of `simulate`."""
+
+    t_end: Duration = field("End time")
+    solver: SolverField = field("The integrator; that of `simulate` if not given", default=None)
+    output_step: OptionalDuration = field(
+        "Distance of the recorded times; that of `simulate` if not given", default=None
+    )
+    start: Choice = field(
+        "From the initial pose, from the position of rest near it (`equilibrium`), or with elastic "
+        "bodies bent as the motion bends them (`settled`)",
+        words=("initial", "rest", "settled"),
+        default="initial",
+    )
+
+    def given(self, model: Any = None) -> dict[str, Any]:
+        """Return the keyword arguments of `simulate` that the file gives, without `t_end`.
+
+        With the compiled model they hold the state that the run starts from.
+        """
+        values = {"solver": self.solver, "output_step": self.output_step}
+        if model is not None and self.start == "rest":
+            from jousto.simulation.statics.equilibrium import equilibrium
+
+            values["state"] = equilibrium(model)
+        if model is not None and self.start == "settled":
+            from jousto.simulation.statics.settled import settled
+
+            values["state"] = settled(model)
+        return {key: value for key, value in values.items() if value is not None}
