@@ -21,10 +21,10 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
     d->fresh = d->current = 0;
     int status = JO_OK;
     if (s->projection && m->njoint) {
-        jo_project(m, d);   /* with the factors of the end of the step; with those of this state if they differ too much */
+        jo_project(m, d, &jo_now);   /* with the factors of the end of the step; with those of this state if they differ too much */
         if (jo_joint_residual(m, d) > 1e-12 * m->size || jo_joint_residual_rate(m, d) > 1e-10 * m->size) {
             status = jo_accelerations(m, d);
-            if (status == JO_OK) jo_project(m, d);
+            if (status == JO_OK) jo_project(m, d, &jo_now);
         }
     }
     if (status == JO_OK) status = jo_write_row(m, d, row);

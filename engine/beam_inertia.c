@@ -189,7 +189,7 @@ static void rotation(jo_block N[2][2], const jo_beam *b, const jo_weights *c, co
     }
 }
 
-void jo_beam_newton_inertia(const jo_model *m, jo_data *d, int i)
+void jo_beam_newton_inertia(const jo_model *m, jo_data *d, int i, const jo_weights *c)
 {
     const jo_beam *b = &m->beam[i];
     const int body[2] = {b->a, b->b};
@@ -202,6 +202,6 @@ void jo_beam_newton_inertia(const jo_model *m, jo_data *d, int i)
         for (int j = 0; j < 2; j++) N[k][j] = jo_newton_find(m, d, body[k], body[j]);
     }
     momenta(b, e, f, T, p);
-    translation(N, b, &d->weights, e, f, turn, d->beam[i].offset);
-    rotation(N, b, &d->weights, e, p);
+    translation(N, b, c, e, f, turn, d->beam[i].offset);
+    rotation(N, b, c, e, p);
 }

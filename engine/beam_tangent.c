@@ -269,11 +269,11 @@ void jo_beam_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real 
     }
 }
 
-static void elastic(const jo_model *m, jo_data *d, const int i)
+static void elastic(const jo_model *m, jo_data *d, const jo_stage *stage, const int i)
 {
     const jo_beam *b = &m->beam[i];
     const jo_beam_work *w = &d->beam[i];
-    const jo_weights *c = &d->weights;
+    const jo_weights *c = &stage->weights;
     const jo_real L = b->data->length, beta = b->data->beta, *C = b->data->C;
     jo_real fibrous[36], effective[36], changing[36] = {0.0}, right[3][3 * BLOCK];
     jo_real B[6 * ROW], S[6 * ROW], K[9 * ROW], V[9 * ROW], X[9 * ROW], Y[9 * ROW];
@@ -299,7 +299,7 @@ static void elastic(const jo_model *m, jo_data *d, const int i)
     }
     if (w->helical || w->fibrous) add_product(S, 1.0, changing, B);
     moments(K, w, &p, L, S, B);
-    if (d->keeping) {   /* both are kept for [r_b - r_a, turn of a, turn of b] of the bodies, without weights */
+    if (stage->set) {   /* both are kept for [r_b - r_a, turn of a, turn of b] of the bodies, without weights */
         for (int v = 0; v < (w->damped ? 2 : 1); v++) {
             zero(X, 9);
             for (int j = 0; j < 3; j++) columns_of(right[j], j ? w->G[j - 1] : w->Q, 1.0, 0);
@@ -321,15 +321,13 @@ static void elastic(const jo_model *m, jo_data *d, const int i)
     scatter(m, d, b, Y);
 }
 
-void jo_newton_beams(const jo_model *m, jo_data *d)
+void jo_newton_beams(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
+    const jo_weights *c = &stage->weights;
+    jo_weights inertia = *c;
+    if (stage->set) inertia.v = 0.0;   /* ROS2: damping of the mass is not stiff */
     for (int i = 0; i < m->nbeam; i++) {
-        if (jo_beam_inertial(&m->beam[i])) {
-            const double v = d->weights.v;
-            if (d->keeping) d->weights.v = 0.0;   /* ROS2: damping of the mass is not stiff */
-            jo_beam_newton_inertia(m, d, i);
-            d->weights.v = v;
-        }
-        if (d->weights.q != 0.0 || d->weights.v != 0.0) elastic(m, d, i);
+        if (jo_beam_inertial(&m->beam[i])) jo_beam_newton_inertia(m, d, i, &inertia);
+        if (c->q != 0.0 || c->v != 0.0) elastic(m, d, stage, i);
     }
 }

@@ -7,52 +7,51 @@
  */
 #include "internal.h"
 
-void jo_newton_masses(const jo_model *m, jo_data *d)
+void jo_newton_masses(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->nnewton; i++) d->N[i] = 0.0;
-    for (int i = 0; i < m->nbody; i++) jo_newton_body(m, d, i);
-    if (m->nbeam) jo_newton_beams(m, d);
+    for (int i = 0; i < m->nbody; i++) jo_newton_body(m, d, stage, i);
+    if (m->nbeam) jo_newton_beams(m, d, stage);
 }
 
-void jo_newton_rows(const jo_model *m, jo_data *d)
+void jo_newton_rows(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
         for (int s = 0; s < k->nside; s++)
-            if (m->marker[k->side[s]].body >= 0) jo_newton_marker(m, d, k->side[s]);
-        jo_newton_joint(m, d, i);
+            if (m->marker[k->side[s]].body >= 0) jo_newton_marker(m, d, stage, k->side[s]);
+        jo_newton_joint(m, d, stage, i);
     }
 }
 
-int jo_newton_assemble(const jo_model *m, jo_data *d)
+int jo_newton_assemble(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->nnewton; i++) d->N[i] = 0.0;
-    for (int i = 0; i < m->nbody; i++) jo_newton_body(m, d, i);
-    if (m->nbeam) jo_newton_beams(m, d);
+    for (int i = 0; i < m->nbody; i++) jo_newton_body(m, d, stage, i);
+    if (m->nbeam) jo_newton_beams(m, d, stage);
     for (int i = 0; i < m->nactive; i++) {
         for (int j = 0; j < 6; j++) d->marker[i].load[j] = 0.0;
-        if (m->marker[i].body >= 0) jo_newton_marker(m, d, i);
+        if (m->marker[i].body >= 0) jo_newton_marker(m, d, stage, i);
     }
-    for (int i = 0; i < m->njoint; i++) jo_newton_joint(m, d, i);
+    for (int i = 0; i < m->njoint; i++) jo_newton_joint(m, d, stage, i);
     if (m->nfriction) jo_newton_frictions(m, d);
-    const int status = jo_newton_forces(m, d);
+    const int status = jo_newton_forces(m, d, stage);
     if (status != JO_OK) return status;
-    if (d->weights.q != 0.0)
+    if (stage->weights.q != 0.0)
         for (int i = 0; i < m->nactive; i++)
-            if (m->marker[i].body >= 0) jo_newton_stress(m, d, i);
+            if (m->marker[i].body >= 0) jo_newton_stress(m, d, stage, i);
     return JO_OK;
 }
 
 /* the matrix at any weights, for tests and analyses */
 static int assemble_with(const jo_model *m, jo_data *d, double ca, double cv, double cq)
 {
-    const jo_weights weights = {ca, cv, cq, 1.0, 0, 0};
+    const jo_stage stage = {.weights = {ca, cv, cq, 1.0, 0, 0}};
     for (int i = 0; i < m->nbody; i++)
         for (int j = 0; j < 9; j++) d->body[i].turn[j] = j % 4 == 0;
     const int status = jo_residual(m, d, d->rate);
-    d->weights = weights;
     d->factored = 0;
-    return status == JO_OK ? jo_newton_assemble(m, d) : status;
+    return status == JO_OK ? jo_newton_assemble(m, d, &stage) : status;
 }
 
 int jo_newton_values(const jo_model *m, jo_data *d, double ca, double cv, double cq, jo_real *out)

@@ -160,13 +160,13 @@ static inline void modal_column(const inertia *s, int k)
     }
 }
 
-void jo_newton_body(const jo_model *m, jo_data *d, int body)
+void jo_newton_body(const jo_model *m, jo_data *d, const jo_stage *stage, int body)
 {
     const jo_body *b = &m->body[body];
-    const jo_weights *c = &d->weights;
+    const jo_weights *c = &stage->weights;
     const jo_real *a = d->a + b->iv;
     /* damping of the momenta: alpha M and how M v turns; ROS2, which keeps the stiffness, leaves it explicit */
-    const double alpha = d->keeping ? 0.0 : b->alpha;
+    const double alpha = stage->set ? 0.0 : b->alpha;
     inertia x = {b, &d->body[body], jo_newton_find(m, d, body, body), alpha, c->a + alpha * c->v, c->plain ? 0.0 : c->v,
                  c->plain ? 0.0 : c->q, a + 3, a + 6, {0.0}, {0.0}, {0.0}, {0.0}};
     jo_real t[3];

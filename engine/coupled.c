@@ -5,23 +5,28 @@
  * those of the first, whose factors serve again. The masses change by O(h) meanwhile and the accelerations, too, so
  * that the error is O(h^2) in a and the method keeps its order 2.
  */
-#include "internal.h"
+#include "beam.h"
 
 enum { JO_REFINE = 2 };    /* steps of refinement, each closing what the regularisation left open */
 
-/* M^ and the rows of the joints */
-static void assemble(const jo_model *m, jo_data *d)
+/* whether masses of different bodies are coupled: in ROS2 by the stiffness of beams, else by their consistent mass */
+int jo_couples(const jo_model *m, const jo_stage *stage)
 {
-    const double gh = d->set ? d->gh : 0.0;
-    const jo_weights masses = {1.0, gh, gh * gh, 1.0, 0, 1}, rows = {1.0, 1.0, 0.0, 1.0, 0, 1};
+    if (stage->set && m->nbeam) return 1;
+    for (int i = 0; i < m->nbeam; i++)
+        if (jo_beam_inertial(&m->beam[i])) return 1;
+    return 0;
+}
+
+/* M^ and the rows of the joints */
+static void assemble(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    const double gh = stage->gh;
+    const jo_stage masses = {.set = stage->set, .weights = {1.0, gh, gh * gh, 1.0, 0, 1}}, rows = {.weights = {1.0, 1.0, 0.0, 1.0, 0, 1}};
     d->factored = 0;
-    d->weights = masses;
     for (int i = 0; i < m->nrow; i++) d->lam[i] = 0.0;
-    d->keeping = d->set;
-    jo_newton_masses(m, d);
-    d->keeping = 0;
-    d->weights = rows;
-    jo_newton_rows(m, d);
+    jo_newton_masses(m, d, &masses);
+    jo_newton_rows(m, d, &rows);
 }
 
 static jo_real *part_of(const jo_model *m, jo_data *d, int item)
@@ -60,7 +65,7 @@ static void solve(const jo_model *m, jo_data *d)
 }
 
 /* C'' of one joint at the accelerations in a, plus Baumgarte terms */
-static void row_accelerations(const jo_model *m, const jo_data *d, const jo_solver *s, int i, jo_real *y)
+static void row_accelerations(const jo_model *m, const jo_data *d, const jo_stage *stage, int i, jo_real *y)
 {
     const jo_joint *k = &m->joint[i];
     const jo_joint_work *w = &d->joint[i];
@@ -101,28 +106,28 @@ static void row_accelerations(const jo_model *m, const jo_data *d, const jo_solv
             for (int p = 0; p < 3; p++) t[p] = b[p] - a[p];
             y[row] += line->data->factor[j] * (jo_dot3(x->along, t) + jo_dot3(x->turn_a, a + 3) + jo_dot3(x->turn_b, b + 3) + x->bias);
         }
-        if (line->signal >= 0) y[row] -= jo_signal_at(m, d, line->signal, d->time[0] + d->lead).second;
+        if (line->signal >= 0) y[row] -= jo_signal_at(m, d, line->signal, d->time[0] + stage->lead).second;
     }
-    if (s && (s->alpha != 0.0 || s->beta != 0.0))
-        for (int r = 0; r < k->nrow; r++) y[r] += 2.0 * s->alpha * w->cdot[r] + s->beta * s->beta * w->c[r];
+    if (jo_stabilised(stage))
+        for (int r = 0; r < k->nrow; r++) y[r] += 2.0 * stage->alpha * w->cdot[r] + stage->beta * stage->beta * w->c[r];
 }
 
 /* a and joint[].x from the forces that stand in fr and fp, with the factors */
-void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_solver *s)
+void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    const double gh = d->set ? d->gh : 0.0;
+    const double gh = stage->gh;
     for (int i = 0; i < m->nv; i++) d->a[i] = d->base[i];
     jo_balance(m, d, d->sum);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         const jo_real *r = d->sum + b->iv, *a = d->base + b->iv, *f = d->lag + b->iv;
         jo_real *x = part_of(m, d, i);
-        for (int j = 0; j < 6; j++) x[j] = (d->set ? f[j] : 0.0) - r[j];
+        for (int j = 0; j < 6; j++) x[j] = (stage->set ? f[j] : 0.0) - r[j];
         for (int j = 0; j < b->n; j++) x[6 + j] = -r[6 + j] - gh * (b->D[j] + gh * b->K[j]) * a[6 + j];
     }
     for (int i = 0; i < m->njoint; i++) {
         jo_real *x = part_of(m, d, m->nbody + i), y[JO_MAX_ROWS] = {0.0};
-        if (!jo_absent(d, &m->joint[i])) row_accelerations(m, d, s, i, y);
+        if (!jo_absent(d, &m->joint[i])) row_accelerations(m, d, stage, i, y);
         for (int r = 0; r < m->joint[i].nrow; r++) x[r] = -y[r];
     }
     solve(m, d);
@@ -134,16 +139,16 @@ void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_solver *s)
     for (int i = 0; i < m->njoint; i++) {
         const jo_real *x = part_of(m, d, m->nbody + i);
         for (int r = 0; r < m->joint[i].nrow; r++)
-            d->joint[i].x[r] = x[r] + (d->second ? d->base_lam[m->joint[i].row + r] : 0.0);
+            d->joint[i].x[r] = x[r] + (stage->second ? d->base_lam[m->joint[i].row + r] : 0.0);
     }
 }
 
 /* the factors, unless those of the first stage serve, then the solution. Rows that repeat one another show in the
  * factorisation of S, which knows how small is small */
-int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_solver *s)
+int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     int status = JO_OK;
-    if (d->second) {   /* the reactions of the first stage act like forces */
+    if (stage->second) {   /* the reactions of the first stage act like forces */
         for (int i = 0; i < m->nrow; i++) d->lam[i] = d->base_lam[i];
         jo_react(m, d);
     } else {
@@ -152,21 +157,21 @@ int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_solver *s)
             for (int j = 0; j < 6 + m->body[i].n; j++) a[j] = j < 3 ? m->gravity[j] : 0.0;
         }
         d->regular = m->redundant > 0;
-        if (m->njoint && !d->regular) status = jo_joint_factor(m, d);
+        if (m->njoint && !d->regular) status = jo_joint_factor(m, d, stage->set);
         if (status != JO_OK) return status;
-        assemble(m, d);
+        assemble(m, d, stage);
         status = jo_newton_factor(m, d);
         d->counts.factorisations--;   /* counted as an evaluation */
         if (status != JO_OK) return status;
-        if (d->set) {   /* the first stage of ROS2 */
+        if (stage->set) {   /* the first stage of ROS2 */
             for (int i = 0; i < m->nv; i++) {
-                d->sum[i] = -d->gh * d->v[i];
+                d->sum[i] = -stage->gh * d->v[i];
                 d->lag[i] = 0.0;
             }
             jo_beam_lag(m, d, d->sum, 0);
         }
     }
-    jo_coupled_solve(m, d, s);
+    jo_coupled_solve(m, d, stage);
     return JO_OK;
 }
 

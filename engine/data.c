@@ -52,7 +52,7 @@ static void lay_steps(const jo_model *m, arena *a, jo_data *d)
     d->dv = reals(a, m->nv);
     d->rate = reals(a, m->nv);
     d->acc = reals(a, m->nv);
-    d->stage = reals(a, 7 * (2 * m->nv + 3));
+    d->stages = reals(a, 7 * (2 * m->nv + 3));
     d->change = reals(a, 2 * m->nv + 3);
     d->q1 = reals(a, m->nq);
     d->v1 = reals(a, m->nv);

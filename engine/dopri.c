@@ -32,7 +32,7 @@ static int width(const jo_model *m) { return 2 * m->nv + 3; }
 static jo_real blend(const jo_data *d, const double *weight, int count, int nk, int i)
 {
     jo_real sum = 0.0;
-    for (int k = 0; k < count; k++) sum += weight[k] * d->stage[k * nk + i];
+    for (int k = 0; k < count; k++) sum += weight[k] * d->stages[k * nk + i];
     return sum;
 }
 
@@ -72,7 +72,7 @@ static jo_work *work_of(const jo_model *m, jo_real *x) { return (jo_work *)(x + 
 
 static void keep_stage(const jo_model *m, jo_data *d, int k, const jo_real *rate)
 {
-    jo_real *x = d->stage + k * width(m);
+    jo_real *x = d->stages + k * width(m);
     for (int i = 0; i < m->nv; i++) {
         x[i] = rate[i];
         x[m->nv + i] = d->a[i];
@@ -83,7 +83,7 @@ static void keep_stage(const jo_model *m, jo_data *d, int k, const jo_real *rate
 /* the accelerations and the power of a stage, kept, belong to the present state again, bodies and markers do not */
 void jo_recall_stage(const jo_model *m, jo_data *d, int last)
 {
-    jo_real *x = d->stage + (last ? JO_STAGES - 1 : 0) * width(m);
+    jo_real *x = d->stages + (last ? JO_STAGES - 1 : 0) * width(m);
     for (int i = 0; i < m->nv; i++) d->a[i] = x[m->nv + i];
     d->power = *work_of(m, x);
     d->fresh = d->current = 0;
@@ -119,13 +119,13 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
             int status = jo_check(m, d);
             if (status != JO_OK) return status;
             if (s->projection) {
-                jo_project(m, d);
+                jo_project(m, d, &jo_now);
                 status = jo_check(m, d);
                 if (status != JO_OK) return status;
             }
             jo_increments(m, d->dq, d->q0, d->q);
         }
-        const int status = jo_evaluate(m, d, 0, 0);
+        const int status = jo_evaluate(m, d, &jo_now);
         if (status != JO_OK) return status;
         jo_increment_rate(m, d->rate, d->dq, d->v);
         keep_stage(m, d, k, d->rate);
@@ -147,7 +147,7 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
 static jo_real changed(const jo_data *d, double u, int nk, int i)
 {
     const double h = d->control.length;
-    const jo_real y = d->change[i], r3 = h * d->stage[i] - y, r4 = y - h * d->stage[(JO_STAGES - 1) * nk + i] - r3;
+    const jo_real y = d->change[i], r3 = h * d->stages[i] - y, r4 = y - h * d->stages[(JO_STAGES - 1) * nk + i] - r3;
     const jo_real r5 = h * blend(d, DENSE, JO_STAGES, nk, i);
     return u * (y + (1.0 - u) * (r3 + u * (r4 + (1.0 - u) * r5)));
 }

@@ -11,17 +11,8 @@ void jo_use_step(const jo_model *m, jo_data *d, double gh)
     d->gh = gh;
 }
 
-/* whether masses of different bodies are coupled: in ROS2 by the stiffness of beams, else by their consistent mass */
-static int couples(const jo_model *m, int set)
-{
-    if (set && m->nbeam) return 1;
-    for (int i = 0; i < m->nbeam; i++)
-        if (jo_beam_inertial(&m->beam[i])) return 1;
-    return 0;
-}
-
 /* poses, velocities, inertia and forces at time, q, v */
-static int load(const jo_model *m, jo_data *d)
+static int load(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     if (!d->current) {
         jo_refresh(m, d);
@@ -30,25 +21,25 @@ static int load(const jo_model *m, jo_data *d)
     d->current = 0;
     for (int i = 0; i < m->nbody; i++) jo_body_inertia(&m->body[i], &d->body[i], &d->power.damping);
     if (m->ncoordinate) jo_coordinates_rate(m, d, m->ncoordinate);
-    const int status = m->nforce ? jo_apply_forces(m, d) : JO_OK;
+    const int status = m->nforce ? jo_apply_forces(m, d, stage) : JO_OK;
     if (status != JO_OK || !m->nbeam) return status;
-    return jo_beam_forces(m, d, d->second ? d->base : 0);
+    return jo_beam_forces(m, d, stage->second ? d->base : 0);
 }
 
 /* masses factored, bodies moving as they would without joints, and the rows of the joints */
-static int reduce(const jo_model *m, jo_data *d, const jo_solver *s, int set)
+static int reduce(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->nbody; i++) {
-        const int status = jo_body_factor(&m->body[i], &d->body[i], set);
+        const int status = jo_body_factor(&m->body[i], &d->body[i], stage->set);
         if (status != JO_OK) {
             d->error_index = i;
             return status;
         }
-        jo_body_free(&m->body[i], &d->body[i], set);
+        jo_body_free(&m->body[i], &d->body[i], stage->set);
     }
     jo_marker_bias(m, d, m->nactive);
-    jo_marker_reduce(m, d, m->nactive);
-    if (s && (s->alpha != 0.0 || s->beta != 0.0)) {
+    jo_marker_reduce(m, d, stage->set, m->nactive);
+    if (jo_stabilised(stage)) {
         jo_joint_residual(m, d);
         jo_joint_residual_rate(m, d);
     }
@@ -57,38 +48,36 @@ static int reduce(const jo_model *m, jo_data *d, const jo_solver *s, int set)
 }
 
 /* multipliers in joint[].x, with the friction that belongs to them */
-static int solve(const jo_model *m, jo_data *d, const jo_solver *s, int set)
+static int solve(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     int status;
-    d->coupled = couples(m, set);
-    if (d->coupled) {
-        status = jo_coupled_accelerations(m, d, s);
+    if (jo_couples(m, stage)) {
+        status = jo_coupled_accelerations(m, d, stage);
     } else {
-        jo_joint_acceleration(m, d, s);
-        status = jo_joint_factor(m, d);
+        jo_joint_acceleration(m, d, stage);
+        status = jo_joint_factor(m, d, stage->set);
         if (status == JO_OK) jo_joint_solve(m, d);
     }
-    if (status == JO_OK && m->nfriction && !d->smooth) status = jo_friction_solve(m, d, s);
+    if (status == JO_OK && m->nfriction && !stage->smooth) status = jo_friction_solve(m, d, stage);
     return status;
 }
 
 /* a and lam at time, q, v; the modal mass is that of the set */
-int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
+int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     static const jo_work none = {0.0, 0.0, 0.0};
-    d->set = set;
     d->power = none;
     d->counts.evaluations++;
-    int status = load(m, d);
-    if (status == JO_OK) status = reduce(m, d, s, set);
-    if (status == JO_OK) status = solve(m, d, s, set);
+    int status = load(m, d, stage);
+    if (status == JO_OK) status = reduce(m, d, stage);
+    if (status == JO_OK) status = solve(m, d, stage);
     if (status != JO_OK) return status;
     d->drive = m->nline ? jo_joint_power(m, d) : 0.0;
     d->power.forces += d->drive;
     for (int i = 0; i < m->njoint; i++)
         for (int r = 0; r < m->joint[i].nrow; r++) d->lam[m->joint[i].row + r] = d->joint[i].x[r];
-    if (d->coupled) return JO_OK;
-    jo_joint_apply(m, d);
+    if (jo_couples(m, stage)) return JO_OK;
+    jo_joint_apply(m, d, stage->set);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         const jo_body_work *w = &d->body[i];
@@ -104,15 +93,15 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set)
 int jo_accelerations(const jo_model *m, jo_data *d)
 {
     d->fresh = d->current = 0;
-    int status = jo_evaluate(m, d, 0, 0);
+    int status = jo_evaluate(m, d, &jo_now);
     d->fresh = status == JO_OK;
     return status;
 }
 
 /* increment = -M^-1 Cq^T S^-1 c with the factors of the last evaluation */
-static void correction(const jo_model *m, jo_data *d, jo_real *increment)
+static void correction(const jo_model *m, jo_data *d, const jo_stage *stage, jo_real *increment)
 {
-    if (d->coupled) {
+    if (jo_couples(m, stage)) {
         jo_coupled_correction(m, d, increment);
         return;
     }
@@ -122,7 +111,7 @@ static void correction(const jo_model *m, jo_data *d, jo_real *increment)
         for (int j = 0; j < m->body[i].np; j++) w->fp[j] = 0.0;
     }
     jo_joint_solve(m, d);
-    jo_joint_apply(m, d);
+    jo_joint_apply(m, d, stage->set);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         const jo_body_work *w = &d->body[i];
@@ -134,17 +123,17 @@ static void correction(const jo_model *m, jo_data *d, jo_real *increment)
 }
 
 /* increment = -M^-1 Cq^T S^-1 of the residuals, position or velocity, with the factors of the last evaluation */
-static void newton(const jo_model *m, jo_data *d, int velocity)
+static void newton(const jo_model *m, jo_data *d, const jo_stage *stage, int velocity)
 {
     for (int i = 0; i < m->njoint; i++)
         for (int r = 0; r < m->joint[i].nrow; r++)
             d->joint[i].x[r] = velocity ? d->joint[i].cdot[r] : d->joint[i].c[r];
-    correction(m, d, d->rate);
+    correction(m, d, stage, d->rate);
 }
 
 /* Newton in the mass metric for C(q) = 0, then Cq v = 0, with the factors of the last evaluation. One correction
  * nearly always suffices; at most JO_CORRECTIONS keep the work of a step bounded. */
-void jo_project(const jo_model *m, jo_data *d)
+void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     enum { JO_CORRECTIONS = 4 };
     if (!m->njoint) return;
@@ -153,7 +142,7 @@ void jo_project(const jo_model *m, jo_data *d)
     double residual = jo_joint_residual(m, d);
     for (int k = 0; k < JO_CORRECTIONS; k++) {
         const double before = residual;
-        newton(m, d, 0);
+        newton(m, d, stage, 0);
         jo_displace(m, d->q, d->q, d->rate);
         jo_refresh(m, d);
         residual = jo_joint_residual(m, d);
@@ -162,7 +151,7 @@ void jo_project(const jo_model *m, jo_data *d)
     jo_marker_velocity(m, d, m->nactive);
     jo_joint_residual_rate(m, d);
     for (int k = 0; k < JO_CORRECTIONS; k++) {
-        newton(m, d, 1);
+        newton(m, d, stage, 1);
         for (int i = 0; i < m->nv; i++) d->v[i] += d->rate[i];
         for (int i = 0; i < m->nbody; i++) jo_body_twist(&m->body[i], &d->body[i], d->v + m->body[i].iv);
         jo_marker_velocity(m, d, m->nactive);
@@ -186,16 +175,17 @@ static double sum_of_squares(const jo_model *m, const jo_data *d)
 static int close_joints(const jo_model *m, jo_data *d, int iterations, double tolerance)
 {
     enum { JO_SHORTENED = 10 };
+    static const jo_stage geometry = {.smooth = 1};
     d->fresh = d->current = 0;
     jo_refresh(m, d);
     double residual = jo_joint_residual(m, d);
     for (int k = 0; k < iterations && residual > tolerance; k++) {
         const double before = residual, merit = sum_of_squares(m, d);
         d->current = 0;
-        int status = jo_evaluate(m, d, 0, 0);
+        int status = jo_evaluate(m, d, &geometry);
         if (status != JO_OK) return status;
         jo_joint_residual(m, d);
-        newton(m, d, 0);
+        newton(m, d, &geometry, 0);
         for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
         double part = 1.0;
         for (int l = 0; l < JO_SHORTENED; l++, part *= 0.5) {
@@ -209,10 +199,10 @@ static int close_joints(const jo_model *m, jo_data *d, int iterations, double to
     }
     for (int k = 0; k < 2; k++) {
         d->current = 0;
-        int status = jo_evaluate(m, d, 0, 0);
+        int status = jo_evaluate(m, d, &geometry);
         if (status != JO_OK) return status;
         jo_joint_residual_rate(m, d);
-        newton(m, d, 1);
+        newton(m, d, &geometry, 1);
         for (int i = 0; i < m->nv; i++) d->v[i] += d->rate[i];
     }
     jo_refresh(m, d);
@@ -223,10 +213,7 @@ static int close_joints(const jo_model *m, jo_data *d, int iterations, double to
 
 int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance)
 {
-    d->smooth = 1;   /* geometry only */
-    const int status = close_joints(m, d, iterations, tolerance);
-    d->smooth = 0;
-    return status;
+    return close_joints(m, d, iterations, tolerance);
 }
 
 /* mass matrix of one body for [R'' (body frame), w', p''] at the present q */

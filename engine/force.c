@@ -4,11 +4,11 @@
 #define JO_FORCE_ENTRY(name, ...) &jo_force_##name,
 static const jo_force_kind *const table[] = {JO_FORCES(JO_FORCE_ENTRY)};
 
-int jo_apply_forces(const jo_model *m, jo_data *d)
+int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->nforce; i++) {
         const jo_force *f = &m->force[i];
-        const int status = table[f->type]->apply(m, d, f, &d->force[i]);
+        const int status = table[f->type]->apply(m, d, stage, f, &d->force[i]);
         if (status != JO_OK) {
             d->error_index = i;
             return status;
@@ -27,11 +27,11 @@ jo_real jo_stored(const jo_model *m, const jo_data *d)
     return U;
 }
 
-int jo_newton_forces(const jo_model *m, jo_data *d)
+int jo_newton_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->nforce; i++) {
         const jo_force *f = &m->force[i];
-        const int status = table[f->type]->tangent(m, d, f, &d->force[i]);
+        const int status = table[f->type]->tangent(m, d, stage, f, &d->force[i]);
         if (status != JO_OK) {
             d->error_index = i;
             return status;

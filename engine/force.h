@@ -6,10 +6,10 @@
 
 typedef struct {
     /* pushes on the bodies, fills y and adds to the power that is lost (d->power.damping) or done by forces (d->power.forces) */
-    int (*apply)(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work *y);
+    int (*apply)(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *y);
     jo_real (*stored)(const jo_data *d, const jo_force *f);   /* energy, J; 0: none */
     /* adds how the force that stands in y changes to Newton's matrix, and y to the loads of its markers */
-    int (*tangent)(const jo_model *m, jo_data *d, const jo_force *f, const jo_force_work *y);
+    int (*tangent)(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *y);
 } jo_force_kind;
 
 #define JO_FORCE_DECLARED(name, ...) extern const jo_force_kind jo_force_##name;

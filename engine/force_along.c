@@ -31,13 +31,13 @@ static jo_real stored(const jo_data *d, const jo_force *f)
     return f->active ? 0.0 : 0.5 * x->stiffness * s * s - x->preload * s;
 }
 
-static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work *y)
+static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *y)
 {
     const jo_coordinate_work *w = &d->coordinate[f->coordinate];
     const jo_real damping = ((const jo_along_data *)f->data)->damping;
-    const jo_real later = along_at(m, d, f, d->time[0] + d->lead);
+    const jo_real later = along_at(m, d, f, d->time[0] + stage->lead);
     if (f->active) {
-        const jo_real now = d->lead != 0.0 ? along_at(m, d, f, d->time[0]) : later;
+        const jo_real now = stage->lead != 0.0 ? along_at(m, d, f, d->time[0]) : later;
         d->power.forces += now * w->rate;
     } else {
         d->power.damping += w->rate * (damping * w->rate - optional(m, d, f->damper, w->rate).value);
@@ -49,8 +49,9 @@ static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work
     return JO_OK;
 }
 
-static int tangent(const jo_model *m, jo_data *d, const jo_force *f, const jo_force_work *y)
+static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *y)
 {
+    (void)stage;
     const jo_along_data *x = (const jo_along_data *)f->data;
     const jo_coordinate_work *w = &d->coordinate[f->coordinate];
     const double limit = JO_RE(x->limit);

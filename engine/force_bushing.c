@@ -55,8 +55,9 @@ static jo_real stored(const jo_data *d, const jo_force *f)
     return energy(f, x, unused);
 }
 
-static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work *out)
+static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *out)
 {
+    (void)stage;
     const jo_bushing_data *c = (const jo_bushing_data *)f->data;
     jo_real x[6], rate[6], R[9], w[3], y[6], g[6];
     jo_relative_pose(d, f, x, R);
@@ -105,8 +106,9 @@ static void conjugate_rate(jo_real *M, jo_real *P, const jo_real *theta, const j
     P[5] -= half * theta[0]; P[6] -= half * theta[1]; P[7] += half * theta[0];
 }
 
-static int tangent(const jo_model *m, jo_data *d, const jo_force *f, const jo_force_work *unused)
+static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *unused)
 {
+    (void)stage;
     const jo_bushing_data *c = (const jo_bushing_data *)f->data;
     jo_real x[6], rate[6], R[9], w[3], g[6], y[6], X[6][12], Z[6][12] = {{0.0}};
     jo_real P[9], Pi[9], M[9], Q[9];   /* theta' = P omega; torque = Q g */

@@ -1,14 +1,14 @@
 /* force_load.c - force and torque at a marker, in the world or following its body, times a signal. */
 #include "force.h"
 
-static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work *y)
+static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *y)
 {
     const jo_load_data *x = (const jo_load_data *)f->data;
     const jo_marker_work *w = &d->marker[f->b];
     jo_real F[3], T[3], v[3], om[3], factor = 1.0, now = 1.0;
     if (f->signal >= 0) {
-        factor = jo_signal_at(m, d, f->signal, d->time[0] + d->lead).value;
-        now = d->lead != 0.0 ? jo_signal_at(m, d, f->signal, d->time[0]).value : factor;
+        factor = jo_signal_at(m, d, f->signal, d->time[0] + stage->lead).value;
+        now = stage->lead != 0.0 ? jo_signal_at(m, d, f->signal, d->time[0]).value : factor;
     }
     jo_set3(F, x->force);
     jo_set3(T, x->torque);
@@ -31,8 +31,9 @@ static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work
 }
 
 /* loads in the world do not change, those that follow turn with the marker */
-static int tangent(const jo_model *m, jo_data *d, const jo_force *f, const jo_force_work *y)
+static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *y)
 {
+    (void)stage;
     jo_element e;
     jo_element_start(&e, -1, f->b);
     for (int j = 0; j < 6; j++) e.y[6 + j] = y->y[j];

@@ -1,7 +1,7 @@
 /* force_modal_load.c - a load with a pattern over a body: force and torque on its frame and forces on its modes, times a signal. */
 #include "force.h"
 
-static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work *out)
+static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *out)
 {
     jo_body_work *w = &d->body[f->body];
     const int np = m->body[f->body].np;
@@ -9,8 +9,8 @@ static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work
     const jo_real *modes = (const jo_real *)(x + 1);
     jo_real factor = 1.0, now = 1.0, power = jo_dot3(x->force, w->V) + jo_dot3(x->torque, w->w);
     if (f->signal >= 0) {
-        factor = jo_signal_at(m, d, f->signal, d->time[0] + d->lead).value;
-        now = d->lead != 0.0 ? jo_signal_at(m, d, f->signal, d->time[0]).value : factor;
+        factor = jo_signal_at(m, d, f->signal, d->time[0] + stage->lead).value;
+        now = stage->lead != 0.0 ? jo_signal_at(m, d, f->signal, d->time[0]).value : factor;
     }
     for (int j = 0; j < np; j++) {
         power += modes[j] * w->pd[j];
@@ -26,7 +26,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work
 }
 
 /* the force on the origin turns with the body: r_R -= A f */
-static int tangent(const jo_model *m, jo_data *d, const jo_force *f, const jo_force_work *y)
+static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *y)
 {
     const jo_block N = jo_newton_find(m, d, f->body, f->body);
     const jo_body_work *w = &d->body[f->body];
@@ -36,7 +36,7 @@ static int tangent(const jo_model *m, jo_data *d, const jo_force *f, const jo_fo
     jo_mul33(Q, w->A, M);
     jo_mul33(P, Q, w->turn);
     for (int r = 0; r < 3; r++)
-        for (int c = 0; c < 3; c++) N.at[r * N.stride + 3 + c] += d->weights.q * P[3 * r + c];
+        for (int c = 0; c < 3; c++) N.at[r * N.stride + 3 + c] += stage->weights.q * P[3 * r + c];
     return JO_OK;
 }
 

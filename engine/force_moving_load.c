@@ -20,12 +20,12 @@ static void shape(jo_real *y, const jo_real *c, const jo_real *power)
     for (int i = 0; i < 3; i++, c += 4) y[i] = c[0] + c[1] * power[1] + c[2] * power[2] + c[3] * power[3];
 }
 
-static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work *out)
+static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *out)
 {
     const jo_moving_load_data *x = (const jo_moving_load_data *)f->data;
     jo_body_work *w = &d->body[f->body];
     const int n = (int)JO_RE(x->modes);
-    const double lead[2] = {0.0, d->lead};
+    const double lead[2] = {0.0, stage->lead};
     jo_real power[4], F[3], u[3], v[3], phi[3], t[3];
     for (int i = 0; i < 3; i++) out->y[i] = 0.0;
     /* its power now, what it pushes a lead ahead */
@@ -61,12 +61,12 @@ static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work
     return JO_OK;
 }
 
-static int tangent(const jo_model *m, jo_data *d, const jo_force *f, const jo_force_work *y)
+static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *y)
 {
     const jo_moving_load_data *x = (const jo_moving_load_data *)f->data;
     const jo_block N = jo_newton_find(m, d, f->body, f->body);
     const jo_body_work *w = &d->body[f->body];
-    const jo_real q = d->weights.q;
+    const jo_real q = stage->weights.q;
     const int n = (int)JO_RE(x->modes);
     jo_real power[4], F[3], u[3], phi[3], t[3], M[9] = {0.0}, P[9], Q[9];
     const jo_real *c = piece(x, jo_signal_at(m, d, f->reference, d->time[0]).value, power);

@@ -14,23 +14,24 @@ static int ask(const jo_force *f, jo_real time, const jo_real *x, jo_real *y)
     return JO_OK;
 }
 
-static int apply(const jo_model *m, jo_data *d, const jo_force *f, jo_force_work *out)
+static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *out)
 {
     jo_real x[18], y[6], now[6];
     jo_relative_pose(d, f, x, x + 3);
     jo_relative_velocity(m, d, f, x + 12, x + 15);
-    int status = ask(f, d->time[0] + d->lead, x, y);
+    int status = ask(f, d->time[0] + stage->lead, x, y);
     if (status != JO_OK) return status;
     for (int i = 0; i < 6; i++) now[i] = y[i];
-    if (d->lead != 0.0) status = ask(f, d->time[0], x, now);
+    if (stage->lead != 0.0) status = ask(f, d->time[0], x, now);
     d->power.forces += jo_dot3(now, x + 12) + jo_dot3(now + 3, x + 15);
     jo_push_between(m, d, f, y, out);
     return status;
 }
 
 /* the derivatives of a user's function by forward differences: Newton's method converges still, no longer quadratically */
-static int tangent(const jo_model *m, jo_data *d, const jo_force *f, const jo_force_work *unused)
+static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *unused)
 {
+    (void)stage;
     const double relative = 1e-7;
     jo_real x[18], y[6], X[6][12];
     (void)unused;

@@ -43,7 +43,7 @@ static double relative(const double *r, const double *f)
 /* ---- the effect of forces on the multipliers --------------------------------------------------- */
 
 /* x = Cq M^-1 Q of one joint for the changes of force Q in y, reduced, and yp of the bodies */
-static void free_change(const jo_model *m, const jo_data *d, int joint, jo_real *x)
+static void free_change(const jo_model *m, const jo_data *d, int set, int joint, jo_real *x)
 {
     const jo_joint *k = &m->joint[joint];
     const int n = k->nrow, ld = jo_padded(n);
@@ -56,31 +56,31 @@ static void free_change(const jo_model *m, const jo_data *d, int joint, jo_real 
             for (int r = 0; r < n; r++) x[r] += here->V[c * ld + r] * here->body->y[c];
         if (!here->L) continue;   /* rigid */
         const jo_marker *mk = &m->marker[k->side[s]];
-        const jo_marker_set *set = &here->marker->set[d->set];
+        const jo_marker_set *weighted = &here->marker->set[set];
         const int np = m->body[mk->body].np;
         for (int c = 0; c < 6; c++) {
             if (c < 3 ? !mk->Phi : !mk->Psi) continue;
-            const jo_real a = dot(c < 3 ? set->Phiw + c * np : set->Psiw + (c - 3) * np, here->body->yp, np);
+            const jo_real a = dot(c < 3 ? weighted->Phiw + c * np : weighted->Psiw + (c - 3) * np, here->body->yp, np);
             for (int r = 0; r < n; r++) x[r] += here->C[c * ld + r] * a;
         }
     }
 }
 
 /* joint[].x = the change of the multipliers by the change f of the friction */
-static void respond(const jo_model *m, jo_data *d, const jo_real *f)
+static void respond(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_real *f)
 {
     for (int i = 0; i < m->nbody; i++) d->body[i].pushed = 0;
     for (int c = 0; c < d->mixing.n; c++)
         if (f[c] != 0.0) jo_push_change(m, d, d->mixing.coordinate[c], f[c]);
-    if (d->coupled) {
+    if (jo_couples(m, stage)) {
         jo_coupled_respond(m, d);
         return;
     }
     for (int i = 0; i < m->nbody; i++) {
         jo_body_work *w = &d->body[i];
-        if (w->pushed) jo_body_reduce(&m->body[i], w, d->set, w->y, w->yp, w->y);
+        if (w->pushed) jo_body_reduce(&m->body[i], w, stage->set, w->y, w->yp, w->y);
     }
-    for (int i = 0; i < m->njoint; i++) free_change(m, d, i, d->joint[i].x);
+    for (int i = 0; i < m->njoint; i++) free_change(m, d, stage->set, i, d->joint[i].x);
     jo_joint_solve(m, d);
 }
 
@@ -92,7 +92,7 @@ static void take(const jo_model *m, const jo_data *d, jo_real *lam, int add)
 }
 
 /* which frictions slide, their reactions without friction, and what a unit of each force adds */
-static void prepare(const jo_model *m, jo_data *d)
+static void prepare(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     jo_mixing *w = &d->mixing;
     w->sliders = w->n = 0;
@@ -117,7 +117,7 @@ static void prepare(const jo_model *m, jo_data *d)
     for (int c = 0; c < w->n; c++) {
         jo_real *lam = w->reach + c * m->nrow;
         w->f[c] = 1.0;
-        respond(m, d, w->f);
+        respond(m, d, stage, w->f);
         w->f[c] = 0.0;
         take(m, d, lam, 0);
         for (int i = 0; i < w->sliders; i++)
@@ -126,7 +126,7 @@ static void prepare(const jo_model *m, jo_data *d)
 }
 
 /* the reactions with the friction f, which has just changed by w->change */
-static inline void react(const jo_model *m, jo_data *d, const int n, const int sliders)
+static inline void react(const jo_model *m, jo_data *d, const jo_stage *stage, const int n, const int sliders)
 {
     jo_mixing *w = &d->mixing;
     if (n <= JO_REACH) {
@@ -138,7 +138,7 @@ static inline void react(const jo_model *m, jo_data *d, const int n, const int s
         }
         return;
     }
-    respond(m, d, w->change);
+    respond(m, d, stage, w->change);
     take(m, d, d->lam, 1);
     for (int i = 0; i < w->sliders; i++)
         jo_friction_reaction(m, d, &m->friction[w->slider[i].friction], d->lam, w->slider[i].y);
@@ -193,7 +193,8 @@ static inline int remember(jo_mixing *w, const int n, int unknowns, int jammed)
 
 /* The fixed point f = F(lam(f)) from f = 0; 0 where it is not found, or, with one sliding coordinate, where the slope of
  * F(lam(f)) is above 1. The first change is `first` of the residual. */
-static inline int search(const jo_model *m, jo_data *d, double first, const int n, const int sliders)
+static inline int search(const jo_model *m, jo_data *d, const jo_stage *stage, double first, const int n,
+                         const int sliders)
 {
     jo_mixing *w = &d->mixing;
     double off[2], all[2], best = INFINITY;
@@ -236,14 +237,14 @@ static inline int search(const jo_model *m, jo_data *d, double first, const int 
             w->before[i] = w->r[i];
             w->f[i] += w->change[i];
         }
-        react(m, d, n, sliders);
+        react(m, d, stage, n, sliders);
     }
 }
 
-static int find(const jo_model *m, jo_data *d, double first)
+static int find(const jo_model *m, jo_data *d, const jo_stage *stage, double first)
 {
     const jo_mixing *w = &d->mixing;
-    return w->n == 1 ? search(m, d, first, 1, 1) : search(m, d, first, w->n, w->sliders);   /* loops over one force unroll */
+    return w->n == 1 ? search(m, d, stage, first, 1, 1) : search(m, d, stage, first, w->n, w->sliders);   /* loops over one force unroll */
 }
 
 static int failed(jo_data *d)
@@ -261,7 +262,7 @@ static int failed(jo_data *d)
 }
 
 /* the friction that was found acts on the bodies */
-static void act(const jo_model *m, jo_data *d, const jo_solver *s)
+static void act(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const jo_mixing *w = &d->mixing;
     for (int i = 0; i < m->nbody; i++) d->body[i].pushed = 0;
@@ -271,13 +272,13 @@ static void act(const jo_model *m, jo_data *d, const jo_solver *s)
         for (int j = 0; j < 2; j++)
             if (m->marker[ends[j]].body >= 0) d->body[m->marker[ends[j]].body].pushed = 1;
     }
-    if (d->coupled) {
-        jo_coupled_solve(m, d, s);
+    if (jo_couples(m, stage)) {
+        jo_coupled_solve(m, d, stage);
         take(m, d, d->lam, 0);
         return;
     }
     for (int i = 0; i < m->nbody; i++)
-        if (d->body[i].pushed) jo_body_free(&m->body[i], &d->body[i], d->set);
+        if (d->body[i].pushed) jo_body_free(&m->body[i], &d->body[i], stage->set);
     for (int c = 0; c < w->n && w->n <= JO_REACH; c++)
         for (int i = 0; i < m->nrow; i++) d->lam[i] += w->f[c] * w->reach[c * m->nrow + i];
     const jo_real *lam = d->lam;
@@ -289,13 +290,13 @@ static void act(const jo_model *m, jo_data *d, const jo_solver *s)
  * force is convex in the friction: with one sliding coordinate secants from a short first change stay on the side of
  * f = 0 and find the smallest solution, if there is one. Beyond it friction presses the joint more than it needs to
  * (Painleve). */
-int jo_friction_solve(const jo_model *m, jo_data *d, const jo_solver *s)
+int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const jo_mixing *w = &d->mixing;
     jo_real *f = d->rub;
-    prepare(m, d);
-    if (w->n && !find(m, d, 1.0) && !find(m, d, 1e-2)) return failed(d);
-    if (w->n) act(m, d, s);
+    prepare(m, d, stage);
+    if (w->n && !find(m, d, stage, 1.0) && !find(m, d, stage, 1e-2)) return failed(d);
+    if (w->n) act(m, d, stage);
     for (int i = 0; i < 2 * m->nfriction; i++) f[i] = 0.0;
     for (int i = 0; i < w->sliders; i++) {
         const jo_slider *slider = &w->slider[i];

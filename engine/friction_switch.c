@@ -37,7 +37,7 @@ static int stop(const jo_model *m, jo_data *d)
     int status = jo_accelerations(m, d);
     if (status != JO_OK) return status;
     jo_energy(m, d, &before);
-    jo_project(m, d);
+    jo_project(m, d, &jo_now);
     jo_energy(m, d, &after);
     d->work.friction += before.kinetic - after.kinetic;
     return jo_accelerations(m, d);

@@ -63,7 +63,7 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
     const double shift = s->alpha_m - s->alpha_f, ahead = fabs(shift) * s->step;
     const jo_real t0 = d->time[0];
     d->current = 0;
-    int status = jo_evaluate(m, d, 0, 0);
+    int status = jo_evaluate(m, d, &jo_now);
     if (status != JO_OK) return status;
     d->power0 = d->power;
     for (int i = 0; i < m->nrow; i++) d->end_lam[i] = d->lam[i];
@@ -79,7 +79,7 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
     }
     jo_displace(m, d->q, d->q0, d->dq);
     d->time[0] = t0 + ahead;
-    status = jo_evaluate(m, d, 0, 0);
+    status = jo_evaluate(m, d, &jo_now);
     d->time[0] = t0;
     /* what is much faster than the step answers the explicit one with accelerations beyond all measure: then the
      * shift is left out, which is worth an error of second order, once */
@@ -129,16 +129,16 @@ static void move(const jo_model *m, jo_data *d, const jo_solver *s)
     }
 }
 
-static int factors(const jo_model *m, jo_data *d)
+static int factors(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     d->regular = m->redundant > 0;
-    int status = jo_newton_assemble(m, d);
+    int status = jo_newton_assemble(m, d, stage);
     if (status != JO_OK) return status;
     status = jo_newton_factor(m, d);
     if (status == JO_SINGULAR_JOINT && m->redundant == 0) {   /* a singular position is passed */
         d->counts.singular++;
         d->regular = 1;
-        status = jo_newton_assemble(m, d);
+        status = jo_newton_assemble(m, d, stage);
         if (status == JO_OK) status = jo_newton_factor(m, d);
     }
     d->factored = status == JO_OK;
@@ -146,7 +146,7 @@ static int factors(const jo_model *m, jo_data *d)
 }
 
 /* d->x = -[residual in acc; rows of the joints] */
-static void right_hand_side(const jo_model *m, jo_data *d, int first)
+static void right_hand_side(const jo_model *m, jo_data *d, const jo_weights *c, int first)
 {
     for (int i = 0; i < m->nbody; i++) {
         const jo_place *p = &m->place[i];
@@ -161,7 +161,7 @@ static void right_hand_side(const jo_model *m, jo_data *d, int first)
             const jo_real lam = d->lam[m->joint[i].row + r];
             if (jo_absent(d, &m->joint[i])) x[r] = -lam;
             else {
-                x[r] = -d->weights.rows * (d->weights.position ? w->c[r] : w->cdot[r]);
+                x[r] = -c->rows * (c->position ? w->c[r] : w->cdot[r]);
                 if (first && d->regular) x[r] += w->scale[r] * lam;   /* least norm anew at every step */
             }
         }
@@ -174,7 +174,7 @@ static jo_real *solution_of(const jo_model *m, jo_data *d, int item)
 }
 
 /* Newton's method for one step from q0, v0; a step's accelerations in a, algorithmic in rate */
-static int newton(const jo_model *m, jo_data *d, const jo_solver *s)
+static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage)
 {
     double before = 0.0, elastic = INFINITY;   /* of beams the least, which no iterate on the way exaggerates */
     int after = -1;
@@ -184,10 +184,10 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s)
         if (status != JO_OK) return status;
         d->counts.evaluations++;
         const int renewed = !JO_KEEP || !s->modified || !d->factored;
-        if (renewed) status = factors(m, d);
+        if (renewed) status = factors(m, d, stage);
         if (status == JO_NOT_FINITE) return JO_NO_CONVERGENCE;
         if (status != JO_OK) return status;
-        right_hand_side(m, d, k == 0);
+        right_hand_side(m, d, &stage->weights, k == 0);
         jo_newton_solve(m, d);
         d->counts.iterations++;
         double size = 0.0, most = -1.0;
@@ -199,7 +199,7 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s)
             if (!(part <= most)) { most = part; d->error_index = i; }
             for (int j = 0; j < 6 + m->body[i].n; j++) {
                 d->rate[iv + j] += x[j];
-                d->a[iv + j] += d->weights.a * x[j];
+                d->a[iv + j] += stage->weights.a * x[j];
             }
         }
         for (int i = 0; i < m->njoint; i++) {
@@ -307,19 +307,20 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
     if (old.a != weights.a || old.v != weights.v || old.q != weights.q || old.position != weights.position
         || old.plain != weights.plain) d->factored = 0;
     d->weights = weights;
+    const jo_stage stage = {.weights = weights};
     const jo_real t0 = d->time[0];
     for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
     for (int i = 0; i < m->nv; i++) d->v0[i] = d->v[i];
     d->time[0] = t0 + h;
     predict(m, d, s);
     const long long passed = d->counts.singular;
-    int status = newton(m, d, s);
+    int status = newton(m, d, s, &stage);
     if (status != JO_OK && s->modified) {   /* kept factors were too old: once more with those of every iteration */
         jo_solver exact = *s;
         exact.modified = d->factored = 0;
         d->counts.singular = passed;   /* singular positions of a path that is not taken */
         predict(m, d, s);
-        status = newton(m, d, &exact);
+        status = newton(m, d, &exact, &stage);
     }
     if (status == JO_OK) {
         move(m, d, s);

@@ -152,6 +152,19 @@ typedef struct {
     int plain;              /* inertia forces change with accelerations only */
 } jo_weights;
 
+/* What an evaluation is for: the same for its forces, masses, multipliers and friction. All 0: the accelerations now. */
+typedef struct {
+    int set;                /* 1: effective modal masses E + g h D + (g h)^2 K, and the stiffness of beams is kept: ROS2 */
+    double gh;              /* its g h */
+    double lead;            /* forces act as they will be so much later: the time derivative in ROS2 */
+    int second;             /* its second stage: from the accelerations of the first, whose factors serve again */
+    int smooth;             /* friction is left out: the joints are being closed */
+    double alpha, beta;     /* Baumgarte's terms, as of jo_solver */
+    jo_weights weights;     /* of Newton's matrix */
+} jo_stage;
+static const jo_stage jo_now = {0};
+static inline int jo_stabilised(const jo_stage *stage) { return stage->alpha != 0.0 || stage->beta != 0.0; }
+
 /* The block Cholesky of S as it is carried out: what the model's lists mean in memory. `kind` says which numbers of rows
  * and columns occur, see schur.c. `lock` is that of an optional joint, else 0: where it is switched off its blocks are 0. */
 typedef struct { jo_real *S; const jo_side_work *k, *l; int kind, first, flexible; const int *lock_k, *lock_l; } jo_pair_plan;
@@ -183,11 +196,10 @@ struct jo_data {
     jo_work work, power;    /* so far, and the rates at the last evaluation */
     jo_work power0;         /* rates at the start of the last step, whose half is not yet in work */
     double waiting;         /* length of that step, or 0 */
-    double lead;            /* forces act as they will be so much later: the time derivative in ROS2 */
     jo_real *q, *v, *a, *lam;
     jo_real *q0, *v0, *dq, *dv, *rate;   /* stages of a step: (nq) and (nv) */
     jo_real *acc;           /* (nv) first stage of ROS2 */
-    jo_real *stage;         /* (7 x (2 nv + 3)) rates of increments, velocities and work in an adaptive step */
+    jo_real *stages;        /* (7 x (2 nv + 3)) rates of increments, velocities and work in an adaptive step */
     jo_real *change;        /* (2 nv + 3) what the step changed */
     jo_real *q1, *v1, *lam1;   /* the state at its end, while rows before it are written */
     double *extent;         /* (3 x nbody) largest speed, modal coordinates and their speed so far */
@@ -207,7 +219,6 @@ struct jo_data {
     jo_real *direction, *rub;   /* (2 nfriction) */
     double *memory;         /* (nmemory) */
     jo_mixing mixing;
-    int smooth;             /* friction is left out: the joints are being closed */
 
     char *state;            /* q .. happened and what methods remember, one block of state_bytes */
     size_t state_bytes;
@@ -239,14 +250,10 @@ struct jo_data {
     jo_real drive;          /* part of power.forces that drives do */
     jo_real *gram[2];       /* (npair x 36) */
     double gh;              /* g h of set 1 */
-    int set;                /* set in use */
-    jo_weights weights;
+    jo_weights weights;     /* with which an implicit step factored N */
     int factored;           /* N holds factors */
-    int coupled;            /* the last evaluation was that of coupled.c, which needs these: */
-    int second;             /* second stage of ROS2: the factors of the first serve again */
-    jo_real *base, *base_lam;   /* (nv), (nrow) accelerations and multipliers that it starts from */
-    int keeping;            /* the stiffness of beams is kept in: */
-    jo_real *stiff;         /* (nbeam x JO_BEAM_KEPT) */
+    jo_real *base, *base_lam;   /* (nv), (nrow) accelerations and multipliers that coupled.c starts from */
+    jo_real *stiff;         /* (nbeam x JO_BEAM_KEPT) stiffness and damping of beams that ROS2 keeps */
     jo_real *lag, *sum;     /* (nv) what beams lag behind in an implicit stage; scratch */
     int *started;           /* (1) implicit method: the arrays below belong to the state end_q, end_v */
     jo_real *algorithmic, *end_a, *end_q, *end_v, *end_lam;   /* algorithmic and true accelerations .. at the end of its step */
@@ -293,7 +300,7 @@ void jo_marker_setup(const jo_model *m, jo_data *d, int set);
 void jo_marker_position(const jo_model *m, jo_data *d, int count);
 void jo_marker_velocity(const jo_model *m, jo_data *d, int count);
 void jo_marker_bias(const jo_model *m, jo_data *d, int count);
-void jo_marker_reduce(const jo_model *m, jo_data *d, int count);
+void jo_marker_reduce(const jo_model *m, jo_data *d, int set, int count);
 
 /* motion of a marker, world frame */
 typedef struct {
@@ -331,14 +338,14 @@ static inline int jo_absent(const jo_data *d, const jo_joint *k) { return k->loc
 double jo_joint_residual(const jo_model *m, jo_data *d);         /* fills c, returns the largest */
 double jo_joint_residual_rate(const jo_model *m, jo_data *d);    /* the same for cdot */
 void jo_joint_rows(const jo_model *m, jo_data *d);
-void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_solver *s);
+void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_stage *stage);
 jo_real jo_joint_power(const jo_model *m, const jo_data *d);     /* work that drives do, per second */
-void jo_joint_apply(const jo_model *m, jo_data *d);
+void jo_joint_apply(const jo_model *m, jo_data *d, int set);
 
 /* schur.c */
 void jo_joint_plan(const jo_model *m, jo_data *d);    /* once */
 void jo_joint_setup(const jo_model *m, jo_data *d, int set);
-int jo_joint_factor(const jo_model *m, jo_data *d);
+int jo_joint_factor(const jo_model *m, jo_data *d, int set);
 void jo_joint_solve(const jo_model *m, jo_data *d);
 
 /* reaction.c */
@@ -347,8 +354,8 @@ void jo_reaction_of(const jo_model *m, const jo_data *d, int joint, const jo_rea
 void jo_react(const jo_model *m, jo_data *d);   /* -Cq^T lam acts on the bodies */
 
 /* force.c */
-int jo_apply_forces(const jo_model *m, jo_data *d);
-int jo_newton_forces(const jo_model *m, jo_data *d);
+int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
+int jo_newton_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
 jo_real jo_stored(const jo_model *m, const jo_data *d);   /* in springs, where markers and coordinates stand */
 
 /* push.c */
@@ -368,7 +375,7 @@ void jo_beam_forget(jo_data *d);
 /* beam_inertia.c */
 void jo_beam_inertia(const jo_model *m, jo_data *d, int i, const jo_real *a);
 jo_real jo_beam_kinetic(const jo_model *m, const jo_data *d);
-void jo_beam_newton_inertia(const jo_model *m, jo_data *d, int i);
+void jo_beam_newton_inertia(const jo_model *m, jo_data *d, int i, const jo_weights *c);
 
 /* beam_helix.c */
 void jo_beam_helix(const jo_model *m, const jo_data *d, int i);
@@ -382,11 +389,11 @@ void jo_beam_fibre_force(const jo_data *d, int i);
 void jo_beam_fibre_tangent(const jo_model *m, const jo_data *d, int i, jo_real *C, jo_real *X);
 
 /* beam_tangent.c */
-void jo_newton_beams(const jo_model *m, jo_data *d);
+void jo_newton_beams(const jo_model *m, jo_data *d, const jo_stage *stage);
 void jo_beam_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real *z);   /* (nv) d->lag += K x + D z, z may be 0 */
 
 /* friction_solve.c */
-int jo_friction_solve(const jo_model *m, jo_data *d, const jo_solver *s);
+int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage);
 
 /* friction.c */
 void jo_friction_push(const jo_model *m, jo_data *d);
@@ -429,19 +436,19 @@ int jo_newton_factor(const jo_model *m, jo_data *d);
 void jo_newton_solve(const jo_model *m, jo_data *d);
 
 /* blocks.c */
-int jo_newton_assemble(const jo_model *m, jo_data *d);   /* at the state of the last jo_residual */
-void jo_newton_masses(const jo_model *m, jo_data *d);    /* bodies and beams only */
-void jo_newton_rows(const jo_model *m, jo_data *d);      /* joints only, without multipliers */
+int jo_newton_assemble(const jo_model *m, jo_data *d, const jo_stage *stage);   /* at the state of the last jo_residual */
+void jo_newton_masses(const jo_model *m, jo_data *d, const jo_stage *stage);    /* bodies and beams only */
+void jo_newton_rows(const jo_model *m, jo_data *d, const jo_stage *stage);      /* joints only, without multipliers */
 
 /* marker_tangent.c */
-void jo_newton_marker(const jo_model *m, jo_data *d, int marker);
-void jo_newton_stress(const jo_model *m, jo_data *d, int marker);   /* of the loads on it */
+void jo_newton_marker(const jo_model *m, jo_data *d, const jo_stage *stage, int marker);
+void jo_newton_stress(const jo_model *m, jo_data *d, const jo_stage *stage, int marker);   /* of the loads on it */
 
 /* body_tangent.c */
-void jo_newton_body(const jo_model *m, jo_data *d, int body);
+void jo_newton_body(const jo_model *m, jo_data *d, const jo_stage *stage, int body);
 
 /* joint_tangent.c */
-void jo_newton_joint(const jo_model *m, jo_data *d, int joint);
+void jo_newton_joint(const jo_model *m, jo_data *d, const jo_stage *stage, int joint);
 
 /* friction_tangent.c */
 void jo_newton_frictions(const jo_model *m, jo_data *d);
@@ -450,8 +457,9 @@ void jo_newton_frictions(const jo_model *m, jo_data *d);
 void jo_balance(const jo_model *m, const jo_data *d, jo_real *r);   /* M a less the forces that stand in fr and fp */
 
 /* coupled.c */
-int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_solver *s);   /* a and joint[].x */
-void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_solver *s);
+int jo_couples(const jo_model *m, const jo_stage *stage);   /* whether the masses are coupled in it */
+int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stage);   /* a and joint[].x */
+void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_stage *stage);
 void jo_coupled_respond(const jo_model *m, jo_data *d);   /* joint[].x by the changes of force in y and yp */
 void jo_coupled_correction(const jo_model *m, jo_data *d, jo_real *increment);
 
@@ -459,9 +467,9 @@ void jo_coupled_correction(const jo_model *m, jo_data *d, jo_real *increment);
 int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s);
 
 /* dynamics.c */
-int jo_evaluate(const jo_model *m, jo_data *d, const jo_solver *s, int set);
+int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
 void jo_use_step(const jo_model *m, jo_data *d, double gh);
-void jo_project(const jo_model *m, jo_data *d);
+void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage);   /* with the factors of its last evaluation */
 
 /* energy.c */
 void jo_close_work(jo_data *d);

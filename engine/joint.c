@@ -229,7 +229,7 @@ static inline void add_columns(jo_real *restrict x, const jo_real *restrict V, c
 }
 
 /* second derivatives of the lines while R'' = w' = 0, minus those of their signals */
-static void line_acceleration(const jo_model *m, const jo_data *d, const jo_joint *k, jo_real *x)
+static void line_acceleration(const jo_model *m, const jo_data *d, double lead, const jo_joint *k, jo_real *x)
 {
     for (int l = 0; l < k->nline; l++) {
         const jo_line *line = &m->line[k->line + l];
@@ -247,7 +247,7 @@ static void line_acceleration(const jo_model *m, const jo_data *d, const jo_join
             x[l] += line->data->factor[j] * (jo_dot3(s->along, ab) + jo_dot3(s->turn_a, ta) + jo_dot3(s->turn_b, tb) + s->bias);
         }
         /* the matrix of ROS2 knows the time derivative of the right-hand side as that of the forces */
-        if (line->signal >= 0) x[l] -= jo_signal_at(m, d, line->signal, d->time[0] + d->lead).second;
+        if (line->signal >= 0) x[l] -= jo_signal_at(m, d, line->signal, d->time[0] + lead).second;
     }
 }
 
@@ -267,7 +267,7 @@ jo_real jo_joint_power(const jo_model *m, const jo_data *d)
 }
 
 /* right-hand side x = Cq a_free + (Cq)' v, plus Baumgarte terms if asked for */
-void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_solver *solver)
+void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
@@ -303,7 +303,7 @@ void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_solver *solve
                 x[r] = jo_dot3(aa, w->axes[r]) + jo_dot3(fdd, h) + 2.0 * jo_dot3(fd, hd) + jo_dot3(f, hdd);
             }
         }
-        if (k->nline) line_acceleration(m, d, k, x + k->nperp);
+        if (k->nline) line_acceleration(m, d, stage->lead, k, x + k->nperp);
         jo_real t[8] = {0};
         for (int side = 0; side < k->nside; side++) {   /* rigid coordinates: C X Z^-1 z = V^T z */
             const jo_side_work *here = &w->side[side];
@@ -313,9 +313,9 @@ void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_solver *solve
 #undef CALL
         }
         for (int r = 0; r < k->nrow; r++) w->x[r] += t[r];
-        if (solver && (solver->alpha != 0.0 || solver->beta != 0.0))
+        if (jo_stabilised(stage))
             for (int r = 0; r < k->nrow; r++)
-                w->x[r] += 2.0 * solver->alpha * w->cdot[r] + solver->beta * solver->beta * w->c[r];
+                w->x[r] += 2.0 * stage->alpha * w->cdot[r] + stage->beta * stage->beta * w->c[r];
     }
 }
 
@@ -348,7 +348,7 @@ static inline void row_force(jo_real *f, const jo_real *restrict C, const int ld
 }
 
 /* the joint forces act: f_p -= L_p^T C^T x, y = L^-T (z - V x), then the modal accelerations */
-void jo_joint_apply(const jo_model *m, jo_data *d)
+void jo_joint_apply(const jo_model *m, jo_data *d, int set)
 {
     for (int i = 0; i < m->nbody; i++)
         for (int j = 0; j < 6; j++) d->body[i].y[j] = d->body[i].z[j];
@@ -380,6 +380,6 @@ void jo_joint_apply(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->nbody; i++) {
         jo_body_work *bw = &d->body[i];
         jo_body_backward(bw->L, bw->y);
-        if (m->body[i].n) jo_body_modal(&m->body[i], bw, d->set);
+        if (m->body[i].n) jo_body_modal(&m->body[i], bw, set);
     }
 }

@@ -10,7 +10,7 @@ static void add(jo_element *e, int i, int j, jo_real s, const jo_real *M)
 
 /* Rows of a joint and their transpose: c (24) are the derivatives of C' with respect to all changes of markers a, b;
  * those with respect to the velocities are the row of Cq itself. */
-static void add_row(const jo_model *m, jo_data *d, int joint, int row, int a, int b, const jo_real *c)
+static void add_row(const jo_model *m, jo_data *d, const jo_weights *by, int joint, int row, int a, int b, const jo_real *c)
 {
     const int marker[2] = {a, b};
     for (int s = 0; s < 2; s++) {
@@ -21,18 +21,19 @@ static void add_row(const jo_model *m, jo_data *d, int joint, int row, int a, in
         const jo_block N = jo_newton_find(m, d, m->nbody + joint, body), T = jo_newton_find(m, d, body, m->nbody + joint);
         const jo_real *x = c + 12 * s;
         for (int i = 0; i < 6; i++) {
-            const jo_real y = x[JO_DV + i], z = d->weights.position ? 0.0 : x[i], *L = w->L + i * stride;
+            const jo_real y = x[JO_DV + i], z = by->position ? 0.0 : x[i], *L = w->L + i * stride;
             const jo_real *W = w->W + i * stride, *V = W + 6 * stride;
-            if (d->weights.position) V = W;   /* C itself changes with the position as C' with the velocity */
+            if (by->position) V = W;   /* C itself changes with the position as C' with the velocity */
             if (y == 0.0 && z == 0.0) continue;
-            JO_EACH(j, stride) JO_STORE(N.at + row * N.stride + j) += d->weights.rows * (y * JO_LOAD(V + j) + z * JO_LOAD(W + j));
+            JO_EACH(j, stride) JO_STORE(N.at + row * N.stride + j) += by->rows * (y * JO_LOAD(V + j) + z * JO_LOAD(W + j));
             for (int j = 0; j < n; j++) T.at[j * T.stride + row] += y * L[j];
         }
     }
 }
 
 /* a row C' = (om_a - om_b) . (x x y), rel = om_a - om_b, and its reaction lam in e */
-static inline void perpendicular(const jo_model *m, jo_data *d, int i, int r, int row, const jo_real *rel, jo_element *e)
+static inline void perpendicular(const jo_model *m, jo_data *d, const jo_weights *by, int i, int r, int row, const jo_real *rel,
+                                 jo_element *e)
 {
     const jo_joint *k = &m->joint[i];
     const jo_real lam = d->lam[k->row + row];
@@ -53,7 +54,7 @@ static inline void perpendicular(const jo_model *m, jo_data *d, int i, int r, in
     }
     jo_mul3t(c + JO_DPHI, Ma, rel);
     jo_mul3t(c + JO_OF_B + JO_DPHI, Mb, rel);
-    add_row(m, d, i, row, e->a, e->b, c);
+    add_row(m, d, by, i, row, e->a, e->b, c);
     add(e, 3, JO_DPHI, -lam, Ma);
     add(e, 3, JO_OF_B + JO_DPHI, -lam, Mb);
     add(e, 9, JO_DPHI, lam, Ma);
@@ -61,7 +62,7 @@ static inline void perpendicular(const jo_model *m, jo_data *d, int i, int r, in
 }
 
 /* a row that is linear in coordinates, each an element of its own */
-static void line_row(const jo_model *m, jo_data *d, int i, const jo_line *line, int row)
+static void line_row(const jo_model *m, jo_data *d, const jo_weights *by, int i, const jo_line *line, int row)
 {
     const jo_real lam = d->lam[m->joint[i].row + row];
     for (int j = 0; j < line->count; j++) {
@@ -73,11 +74,11 @@ static void line_row(const jo_model *m, jo_data *d, int i, const jo_line *line, 
         jo_element_along(d, &e, s, &g, -line->data->factor[j] * lam, 0.0, 0.0);
         jo_element_finish(m, d, &e);
         for (int p = 0; p < 24; p++) g.rate[p] *= line->data->factor[j];
-        add_row(m, d, i, row, e.a, e.b, g.rate);
+        add_row(m, d, by, i, row, e.a, e.b, g.rate);
     }
 }
 
-void jo_newton_joint(const jo_model *m, jo_data *d, int i)
+void jo_newton_joint(const jo_model *m, jo_data *d, const jo_stage *stage, int i)
 {
     const jo_joint *k = &m->joint[i];
     const int a = k->side[0], b = k->side[1];
@@ -94,7 +95,7 @@ void jo_newton_joint(const jo_model *m, jo_data *d, int i)
         jo_real c[24] = {0.0};
         c[JO_DV + row] = -1.0;
         c[JO_OF_B + JO_DV + row] = 1.0;
-        add_row(m, d, i, row, a, b, c);
+        add_row(m, d, &stage->weights, i, row, a, b, c);
         e.y[row] += lam[row];
         e.y[6 + row] -= lam[row];
     }
@@ -104,7 +105,7 @@ void jo_newton_joint(const jo_model *m, jo_data *d, int i)
         jo_to_world(t, m, d, b, d->marker[b].om);
         jo_sub3(rel, t);
     }
-    for (int r = 0; r < k->nperp; r++, row++) perpendicular(m, d, i, r, row, rel, &e);
+    for (int r = 0; r < k->nperp; r++, row++) perpendicular(m, d, &stage->weights, i, r, row, rel, &e);
     if (row) jo_element_finish(m, d, &e);
-    for (int r = 0; r < k->nline; r++, row++) line_row(m, d, i, &m->line[k->line + r], row);
+    for (int r = 0; r < k->nline; r++, row++) line_row(m, d, &stage->weights, i, &m->line[k->line + r], row);
 }

@@ -237,7 +237,7 @@ void jo_marker_bias(const jo_model *m, jo_data *d, int count)
 
 /* Rows of the joint markers with the modal coordinates eliminated: X = L_r - L_p weight M_pr, and
  * the acceleration that the modal forces and the velocities cause while R'' = w' = 0 */
-void jo_marker_reduce(const jo_model *m, jo_data *d, int count)
+void jo_marker_reduce(const jo_model *m, jo_data *d, int set, int count)
 {
     for (int i = 0; i < count; i++) {
         const jo_marker *k = &m->marker[i];
@@ -245,10 +245,10 @@ void jo_marker_reduce(const jo_model *m, jo_data *d, int count)
         if (k->body < 0) continue;
         const int np = m->body[k->body].np;
         const jo_body_work *bw = &d->body[k->body];
-        const jo_marker_set *s = &w->set[d->set];
+        const jo_marker_set *s = &w->set[set];
         jo_set3(w->a, w->bv);
         if (!np) continue;
-        if (k->chi) weigh(&m->body[k->body], bw->set[d->set].weight, w, &w->set[d->set]);
+        if (k->chi) weigh(&m->body[k->body], bw->set[set].weight, w, &w->set[set]);
         jo_real *X = w->Xt, Q[9], t[3];
         unreduced(X, w->u);
         if (k->Phi) {

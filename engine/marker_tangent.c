@@ -122,7 +122,7 @@ static void motion_by_unknowns(const jo_weights *c, const jo_real *turn, const j
 }
 
 /* L and W of one marker: the motion of a marker by that of its body */
-void jo_newton_marker(const jo_model *m, jo_data *d, int marker)
+void jo_newton_marker(const jo_model *m, jo_data *d, const jo_stage *stage, int marker)
 {
     const jo_marker *k = &m->marker[marker];
     const jo_marker_work *w = &d->marker[marker];
@@ -130,18 +130,18 @@ void jo_newton_marker(const jo_model *m, jo_data *d, int marker)
     jo_body_work *bw = &d->body[k->body];
     const int row = jo_pad(6 + b->n);
     motion_by_body(k, b, bw, w, row);
-    motion_by_unknowns(&d->weights, bw->turn, w->L, w->W, row);
+    motion_by_unknowns(&stage->weights, bw->turn, w->L, w->W, row);
 }
 
 /* A change of the pose of a body moves the lever of the force F, T (world) on a marker: r -= d(L^T) [F, T] */
-void jo_newton_stress(const jo_model *m, jo_data *d, int marker)
+void jo_newton_stress(const jo_model *m, jo_data *d, const jo_stage *stage, int marker)
 {
     const jo_marker *k = &m->marker[marker];
     const jo_marker_work *w = &d->marker[marker];
     const jo_body *b = &m->body[k->body];
     const jo_body_work *bw = &d->body[k->body];
     const int n = b->n, np = b->np;
-    const jo_real q = d->weights.q;
+    const jo_real q = stage->weights.q;
     jo_real f[3], t[3], M[9] = {0.0}, Q[9], x[3];
     jo_mul3t(f, bw->A, w->load);
     jo_mul3t(t, bw->A, w->load + 3);

@@ -273,7 +273,7 @@ static inline void subtract_product(jo_real *restrict T, const jo_real *restrict
     }
 }
 
-static void assemble(const jo_model *m, jo_data *d)
+static void assemble(const jo_model *m, jo_data *d, int set)
 {
     for (int i = 0; i < m->npair; i++) {
         const jo_pair_plan *p = &d->pairs[i];
@@ -289,8 +289,8 @@ static void assemble(const jo_model *m, jo_data *d)
 #undef CALL
 #undef FIRST
         if (!p->flexible) continue;
-        if (m->marker[k->side[m->pair[i].side_k]].chi) pair_gram(m, d, i, d->set);
-        add_gram(p->S, k, p->k->C, l, p->l->C, d->gram[d->set] + 36 * i);
+        if (m->marker[k->side[m->pair[i].side_k]].chi) pair_gram(m, d, i, set);
+        add_gram(p->S, k, p->k->C, l, p->l->C, d->gram[set] + 36 * i);
     }
     for (int i = 0; i < d->nfill; i++)
         for (int j = 0; j < JO_BLOCK; j++) d->fills[i][j] = 0.0;
@@ -307,9 +307,9 @@ static void regularise(const jo_model *m, jo_data *d)
 }
 
 /* sparse block Cholesky in the fixed elimination order */
-static int factor(const jo_model *m, jo_data *d)
+static int factor(const jo_model *m, jo_data *d, int set)
 {
-    assemble(m, d);
+    assemble(m, d, set);
     for (int c = 0; c < m->ncolumn; c++) {
         jo_column_plan *w = &d->columns[c];
         const int n = w->n, step = jo_padded(n) + 1;
@@ -362,14 +362,14 @@ static int factor(const jo_model *m, jo_data *d)
 
 /* A pivot that vanishes although no rows repeat one another belongs to a singular position: it is passed with the
  * multipliers of least norm and counted. */
-int jo_joint_factor(const jo_model *m, jo_data *d)
+int jo_joint_factor(const jo_model *m, jo_data *d, int set)
 {
     d->regular = m->redundant > 0;
-    int status = factor(m, d);
+    int status = factor(m, d, set);
     if (status == JO_SINGULAR_JOINT && m->redundant == 0) {
         d->counts.singular++;
         d->regular = 1;
-        status = factor(m, d);
+        status = factor(m, d, set);
     }
     return status;
 }

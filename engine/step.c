@@ -5,12 +5,12 @@
 #include "internal.h"
 
 /* classical Runge-Kutta (Rantalainen 2007, chapter 4) on the index-1 equations */
-static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s)
+static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage)
 {
     static const double node[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
     const double h = s->step;
     const jo_real t0 = d->time[0];
-    const int baumgarte = s->alpha != 0.0 || s->beta != 0.0;
+    const int baumgarte = jo_stabilised(stage);
     for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
     for (int i = 0; i < m->nv; i++) {
         d->v0[i] = d->v[i];
@@ -27,7 +27,7 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s)
             d->time[0] = t0 + c;
         }
         if (k || !d->fresh || baumgarte) {
-            int status = jo_evaluate(m, d, s, 0);
+            int status = jo_evaluate(m, d, stage);
             if (status != JO_OK) return status;
             if (!k && d->again && !baumgarte) d->counts.evaluations--;   /* counts do not tell how a run is cut into calls */
         }
@@ -64,23 +64,23 @@ static void second_stage(const jo_model *m, jo_data *d, double gh)
     }
     for (int i = 0; i < m->nrow; i++) d->base_lam[i] = d->lam[i];
     jo_beam_lag(m, d, d->rate, d->dv);
-    d->second = 1;
 }
 
 /* ROS2 (Verwer, Spee, Blom, Hundsdorfer 1999), a W-method of order 2: modal stiffness and damping implicit.
  * With k2 = k2' - 2 k1 the step is y + (k1 + k2')/2. Beams lag like modes, with the stiffness of the first stage. */
-static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
+static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s, jo_stage *stage)
 {
     const double h = s->step, gh = (1.0 - 0.70710678118654752440) * h;
     const jo_real t0 = d->time[0];
     jo_use_step(m, d, gh);
+    stage->set = 1;
+    stage->gh = gh;
     for (int i = 0; i < m->nbody; i++) {   /* stage 1: extra = -g h K p' */
         const jo_body *b = &m->body[i];
         for (int j = 0; j < b->n; j++) d->body[i].extra[j] = -gh * b->K[j] * d->v[b->iv + 6 + j];
     }
-    d->lead = gh;   /* the matrix of the W-method knows the time derivative of the forces */
-    int status = jo_evaluate(m, d, s, 1);
-    d->lead = 0.0;
+    stage->lead = gh;   /* the matrix of the W-method knows the time derivative of the forces */
+    int status = jo_evaluate(m, d, stage);
     if (status != JO_OK) {
         no_extra(m, d);
         return status;
@@ -106,11 +106,10 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s)
         for (int j = 0; j < b->n; j++)
             d->body[i].extra[j] = gh * (b->K[j] * (2.0 * v0[j] - v[j] + 4.0 * gh * a1[j]) + 2.0 * b->D[j] * a1[j]);
     }
-    d->lead = -gh;
-    if (m->nbeam) second_stage(m, d, gh);
-    status = jo_evaluate(m, d, s, 1);
-    d->lead = 0.0;
-    d->second = 0;
+    stage->lead = -gh;
+    stage->second = m->nbeam > 0;
+    if (stage->second) second_stage(m, d, gh);
+    status = jo_evaluate(m, d, stage);
     no_extra(m, d);
     if (status != JO_OK) return status;
     d->work.friction += 0.5 * h * d->power.friction;
@@ -133,10 +132,11 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
     if (s->method == JO_DOPRI) status = jo_step_dopri(m, d, s, s->step, JO_RE(d->time[0]) + s->step);
     else {
         const int implicit = s->method == JO_ALPHA;
-        status = implicit ? jo_step_alpha(m, d, s) : s->method == JO_RK4 ? step_rk4(m, d, s) : step_ros2(m, d, s);
+        jo_stage stage = {.alpha = s->alpha, .beta = s->beta};
+        status = implicit ? jo_step_alpha(m, d, s) : s->method == JO_RK4 ? step_rk4(m, d, s, &stage) : step_ros2(m, d, s, &stage);
         d->fresh = d->current = 0;
         if (implicit) d->fresh = status == JO_OK && m->redundant <= 0;   /* it knows a and lam, but not those of least norm */
-        else if (status == JO_OK && s->projection) jo_project(m, d);
+        else if (status == JO_OK && s->projection) jo_project(m, d, &stage);
     }
     if (status != JO_OK) return status;
     if (m->nturn) {   /* without projection the coordinates are those of the last stage, near enough to count */

@@ -50,7 +50,7 @@ int jo_residual(const jo_model *m, jo_data *d, jo_real *r)
     for (int i = 0; i < m->nbody; i++) jo_body_inertia(&m->body[i], &d->body[i], &d->power.damping);
     if (m->ncoordinate) jo_coordinates_rate(m, d, m->ncoordinate);
     if (m->nforce) {
-        const int applied = jo_apply_forces(m, d);
+        const int applied = jo_apply_forces(m, d, &jo_now);
         if (applied != JO_OK) return applied;
     }
     if (m->nbeam) {
