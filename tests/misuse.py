@@ -486,4 +486,23 @@ def _design(made: Made, _: Path) -> list[Call]:
         (design.LimitState, {"function": state["limit"], "step": 1e-4, "name": "g"}),
         (design.form, {**state, "method": "hlrf", "start": {"a": 5.0, "b": 5.0}, "far": 9.0}),
         (design.sorm, {**state, "step": 0.1}),
+        (design.pma, {**state, "beta": 2.0, "method": "hmv", "start": {"a": 5.0, "b": 5.0}}),
+        (design.ria, {**state, "beta": 2.0}),
+        (design.monte_carlo, {**state, "samples": 50, "seed": 1, "confidence": 0.9}),
+        (design.importance_sampling, {**state, "samples": 50, "variation": 0.5}),
+        (design.subset_simulation, {**state, "samples": 50, "share": 0.2, "levels": 9}),
+        (design.check_linearisation, {"found": design.form(**state), "samples": 50}),
+        (
+            design.rbdo,
+            {
+                "cost": lambda d: d["a"],
+                "limits": [lambda x: x["a"] - x["b"]],
+                "variables": pair,
+                "bounds": {"a": (1.0, 20.0)},
+                "beta": 2.0,
+                "start": {"a": 10.0},
+                "inner": "hmv",
+                "cycles": 20,
+            },
+        ),
     ]

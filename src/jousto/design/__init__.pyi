@@ -4,12 +4,27 @@ from .reliability.errors import (
     LimitStateError as LimitStateError,
 )
 from .reliability.form import FormResult as FormResult, form as form
-from .reliability.limit import LimitState as LimitState, Values as Values
+from .reliability.limit import LimitState as LimitState
+from .reliability.pma import (
+    PmaResult as PmaResult,
+    RiaResult as RiaResult,
+    pma as pma,
+    ria as ria,
+)
 from .reliability.random import (
     Conditional as Conditional,
     Random as Random,
     by_moments as by_moments,
 )
+from .reliability.rbdo import RbdoResult as RbdoResult, rbdo as rbdo
+from .reliability.sampling import (
+    LinearisationCheck as LinearisationCheck,
+    SamplingResult as SamplingResult,
+    check_linearisation as check_linearisation,
+    importance_sampling as importance_sampling,
+    monte_carlo as monte_carlo,
+)
 from .reliability.sorm import SormResult as SormResult, sorm as sorm
+from .reliability.subset import subset_simulation as subset_simulation
 from .reliability.transform import Joint as Joint, Nataf as Nataf, Rosenblatt as Rosenblatt
 from .studies.distributions import read_distribution as read_distribution

@@ -17,6 +17,7 @@ from jousto.base.errors import Problems, count
 from jousto.base.frozen import Frozen
 from jousto.design.reliability.errors import DesignPointError, LimitStateError
 from jousto.design.reliability.limit import LimitState, Values, shown
+from jousto.design.reliability.random import Affine, Random
 from jousto.design.reliability.space import Space
 from jousto.design.reliability.transform import Transformation
 
@@ -122,16 +123,29 @@ class FormResult:
 
 def moved_by_moments(variables: Transformation, u: Array, which: int) -> dict[str, Array]:
     """Return ``dx/dmean`` (which 0) or ``dx/ddeviation`` (1) of a point u, by variable."""
-    found = {}
-    for one in variables.randoms:
-        step = MOVE * one.deviation
-        ends = []
-        for side in (1.0, -1.0):
-            moments = [one.mean, one.deviation]
-            moments[which] += side * step
-            ends.append(variables.moved({one.name: (moments[0], moments[1])}).to_x(u))
-        found[one.name] = (ends[0] - ends[1]) / (2.0 * step)
-    return found
+    x = variables.to_x(u) if variables.randoms else u
+    return {one.name: moved_by(variables, u, x, one, which) for one in variables.randoms}
+
+
+def moved_by(
+    variables: Transformation, u: Array, x: Array, one: Random, which: int, *, tied: bool = False
+) -> Array:
+    """Return dx by mean (0) or deviation (1) of one variable; tied to the mean as it is kept."""
+    if isinstance(one.law, Affine):  # it moves alone, and so does no correlation
+        out = np.zeros(len(u))
+        i = variables.names.index(one.name)
+        y = (x[i] - one.mean) / one.deviation
+        share = one.deviation / one.mean if tied and one.keep == "cov" and one.mean else 0.0
+        out[i] = y if which else 1.0 + share * y
+        return out
+    step = MOVE * one.deviation
+    ends = []
+    for side in (1.0, -1.0):
+        moments: list[float | None] = [one.mean, one.deviation]
+        moments[which] = (one.deviation if which else one.mean) + side * step
+        deviation = None if tied else moments[1]
+        ends.append(variables.moved({one.name: (float(moments[0] or 0.0), deviation)}).to_x(u))
+    return np.asarray((ends[0] - ends[1]) / (2.0 * step))
 
 
 @explained
@@ -230,7 +244,7 @@ def design_point(
     used, B, c = method, np.eye(space.n), 0.0
     edge = max(2.0 * far, 2.0 * float(np.linalg.norm(u)))
     g = space.g(u)
-    slope = _slope(space, u, g, rows)
+    slope = slope_at(space, u, g, rows)
     for k in range(iterations + 1):
         size = float(np.linalg.norm(slope))
         alpha = -slope / size
@@ -260,14 +274,15 @@ def design_point(
                 continue
             break
         new, g_new = moved
-        slope_new = _slope(space, new, g_new, rows)
+        slope_new = slope_at(space, new, g_new, rows)
         if used == "sqp":
-            B = _bfgs(B, new - u, new - u + lam * (slope_new - slope))
+            B = bfgs(B, new - u, new - u + lam * (slope_new - slope))
         u, g, slope = new, g_new, slope_new
     raise _no_point(space, u, g, far, rows, iterations)
 
 
-def _slope(space: Space, u: Array, g: float, rows: list[tuple[float, ...]]) -> Array:
+def slope_at(space: Space, u: Array, g: float, rows: list[tuple[float, ...]]) -> Array:
+    """Return the gradient at a point or say that there is none."""
     slope = space.gradient(u, g)
     if not np.linalg.norm(slope) > 1e-14 * abs(g):
         point = shown(space.values(u))
@@ -301,7 +316,7 @@ def _along(
     return None
 
 
-def _bfgs(B: Array, s: Array, y: Array) -> Array:
+def bfgs(B: Array, s: Array, y: Array) -> Array:
     """Return the damped update of a Hessian (M. J. D. Powell, 1978)."""
     Bs = B @ s
     sBs, sy = float(s @ Bs), float(s @ y)

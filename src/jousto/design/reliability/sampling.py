@@ -1,0 +1,436 @@
+"""Probabilities by samples: Monte Carlo and importance sampling at the design point."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import scipy.stats
+from scipy.special import ndtri
+
+from jousto.base.arguments import explained
+from jousto.base.arrays import Array
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems
+from jousto.design.reliability.form import FormResult, form
+from jousto.design.reliability.limit import LimitState
+from jousto.design.reliability.space import Space
+
+BATCH = 100_000
+FEW = 10_000  # of limit states that take one point at a time
+Failed = Literal["raise", "count"]
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class SamplingResult:
+    """A probability of failure from samples.
+
+    Attributes
+    ----------
+    name : str
+        Of the limit state.
+    method : str
+        "monte carlo", "importance sampling" or "subset simulation".
+    probability : float
+        Estimate.
+    low, high : float
+        Ends of the confidence interval.
+    confidence : float
+        Of the interval.
+    variation : float
+        Coefficient of variation of the estimate; infinite if nothing failed.
+    samples, failures : int
+        Points, and those that failed.
+    broken : int
+        Points at which the limit state gave no number, counted as failures.
+    calls : int
+        Of the limit state, with those for a design point.
+    history : (k, 3) array
+        Samples, probability and variation after each batch; of subset simulation the levels:
+        samples, threshold and conditional probability.
+    """
+
+    name: str
+    method: str
+    probability: float
+    low: float
+    high: float
+    confidence: float
+    variation: float
+    samples: int
+    failures: int
+    broken: int
+    calls: int
+    history: Array
+
+    @property
+    def beta(self) -> float:
+        """Index that belongs to the probability."""
+        return float(-ndtri(self.probability))
+
+    def _facts(self) -> str:
+        band = f"{self.confidence:.0%} in {self.low:.4g} to {self.high:.4g}"
+        broken = f", {self.broken} without a value" if self.broken else ""
+        work = f"{self.failures} of {self.samples} failed{broken}"
+        return f"{self.method}, Pf {self.probability:.4g}, {band}; {work}"
+
+
+@explained
+def monte_carlo(
+    limit: LimitState | Callable[..., Any] | FormResult,
+    variables: Any = None,
+    *,
+    samples: int = 100_000,
+    seed: int | None = 0,
+    confidence: float = 0.95,
+    variation: float | None = None,
+    failed: Failed = "raise",
+) -> SamplingResult:
+    """Return the share of random points that fail, with its confidence interval.
+
+    The interval is that of Clopper and Pearson (*Biometrika* 26 (1934) 404-413): never too narrow,
+    and right with few failures or none.
+
+    Parameters
+    ----------
+    limit : LimitState, callable or FormResult
+        ``G(x) <= 0`` is failure; of a result of `form`, nothing else is needed. Make it vectorised
+        for many samples.
+    variables : sequence of Random, Nataf, Rosenblatt or Joint, optional
+        The random variables.
+    samples : int
+        At most.
+    seed : int, optional
+        The same seed gives the same points; None others each time.
+    confidence : float
+        Of the interval.
+    variation : float, optional
+        Coefficient of variation at which to stop before.
+    failed : {"raise", "count"}
+        What to do where the limit state gives no number: raise, or count it as a failure.
+
+    Returns
+    -------
+    SamplingResult
+
+    Raises
+    ------
+    LimitStateError
+        If the limit state fails or is no number, unless that counts.
+    InputError
+        For wrong arguments.
+
+    Examples
+    --------
+    >>> from scipy.stats import norm
+    >>> from jousto.design import LimitState, Random
+    >>> plane = LimitState(lambda x: 2.0 - x["a"], vectorised=True)
+    >>> found = monte_carlo(plane, [Random("a", norm(0, 1))], seed=1)
+    >>> bool(found.low < norm.sf(2.0) < found.high)
+    True
+    """
+    check_sampling("monte carlo", samples, confidence, failed, seed)
+    if variation is not None:
+        problems = Problems()
+        problems.positive("monte carlo", "variation", variation, "")
+        problems.raise_if_any()
+    space = space_of("monte carlo", limit, variables)
+    rng = np.random.default_rng(seed)
+    rows: list[tuple[float, float, float]] = []
+    done = failures = broken = 0
+    while done < samples:
+        size = min(batch(space), samples - done)
+        g = space.many(rng.standard_normal((space.n, size)), lenient=failed == "count")
+        broken += int(np.isnan(g).sum())
+        failures += int(np.sum(~(g > 0.0)))
+        done += size
+        p = failures / done
+        spread = math.sqrt((1.0 - p) / (p * done)) if failures else math.inf
+        rows.append((done, p, spread))
+        if variation is not None and spread <= variation:
+            break
+    low, high = clopper_pearson(failures, done, confidence)
+    return SamplingResult(
+        name=space.limit.name,
+        method="monte carlo",
+        probability=failures / done,
+        low=low,
+        high=high,
+        confidence=confidence,
+        variation=rows[-1][2],
+        samples=done,
+        failures=failures,
+        broken=broken,
+        calls=space.calls,
+        history=np.array(rows),
+    )
+
+
+def batch(space: Space) -> int:
+    """Return how many points at once."""
+    return BATCH if space.limit.vectorised else FEW
+
+
+def check_sampling(where: str, samples: Any, confidence: Any, failed: Any, seed: Any) -> None:
+    """Raise InputError for settings of a sampling that cannot be.
+
+    Raises
+    ------
+    InputError
+        With all of them.
+    """
+    problems = Problems()
+    whole = "a whole number, at least 1"
+    problems.number(where, "samples", samples, "", whole, lambda x: x >= 1 and x == int(x))
+    inside = "between 0 and 1"
+    problems.number(where, "confidence", confidence, "", inside, lambda x: 0.0 < x < 1.0)
+    if failed not in ("raise", "count"):
+        problems.add(where, f"failed is {failed!r}, must be 'raise' or 'count'")
+    if seed is not None:
+        known = "a whole number that is not negative, or None"
+        problems.number(where, "seed", seed, "", known, lambda x: x >= 0 and x == int(x))
+    problems.raise_if_any()
+
+
+def clopper_pearson(failures: int, samples: int, confidence: float) -> tuple[float, float]:
+    """Return the exact interval of a share.
+
+    Examples
+    --------
+    >>> low, high = clopper_pearson(0, 300, 0.95)
+    >>> print(f"{low:.3f} {high:.4f}")  # 1 - 0.025^(1/300)
+    0.000 0.0122
+    """
+    tail = 0.5 * (1.0 - confidence)
+    beta: Any = scipy.stats.beta
+    low = beta.ppf(tail, failures, samples - failures + 1) if failures else 0.0
+    high = beta.isf(tail, failures + 1, samples - failures) if failures < samples else 1.0
+    return float(low), float(high)
+
+
+@explained
+def importance_sampling(
+    limit: LimitState | Callable[..., Any] | FormResult,
+    variables: Any = None,
+    *,
+    samples: int = 1000,
+    seed: int | None = 0,
+    confidence: float = 0.95,
+    variation: float | None = None,
+    failed: Failed = "raise",
+) -> SamplingResult:
+    """Return a probability of failure from points around the design point.
+
+    Points are normal around u*, each counts with ``phi(u) / phi(u - u*)``. About half of them fail
+    however rare failure is. Another design point far from this one would be overlooked.
+
+    Parameters
+    ----------
+    limit : LimitState, callable or FormResult
+        ``G(x) <= 0`` is failure; of a result of `form`, nothing else is needed.
+    variables : sequence of Random, Nataf, Rosenblatt or Joint, optional
+        The random variables.
+    samples : int
+        At most.
+    seed : int, optional
+        The same seed gives the same points.
+    confidence : float
+        Of the interval.
+    variation : float, optional
+        Coefficient of variation at which to stop before, looked at every 100 points.
+    failed : {"raise", "count"}
+        What to do where the limit state gives no number.
+
+    Returns
+    -------
+    SamplingResult
+
+    Raises
+    ------
+    DesignPointError
+        If there is no design point.
+    LimitStateError
+        If the limit state fails or is no number, unless that counts.
+    InputError
+        For wrong arguments.
+    """
+    where = "importance sampling"
+    check_sampling(where, samples, confidence, failed, seed)
+    problems = Problems()
+    if variation is not None:
+        problems.positive(where, "variation", variation, "")
+    problems.raise_if_any()
+    found = of_form(where, limit, variables)
+    space = Space(found.limit, found.variables, dict(found.fixed))
+    rng = np.random.default_rng(seed)
+    # of a negative index the rare side is the safe one
+    side = 1.0 if found.beta >= 0.0 else -1.0
+    weights: list[Array] = []
+    rows: list[tuple[float, float, float]] = []
+    broken = done = 0
+    while done < samples:
+        size = min(100 if variation is not None else batch(space), samples - done)
+        v = rng.standard_normal((space.n, size))
+        g = space.many(found.u[:, None] + v, lenient=failed == "count")
+        broken += int(np.isnan(g).sum())
+        bad = ~(g > 0.0) if side > 0.0 else g > 0.0
+        weights.append(np.where(bad, np.exp(-found.u @ v - 0.5 * found.beta**2), 0.0))
+        done += size
+        w = np.concatenate(weights)
+        p = float(w.mean())
+        spread = float(w.std(ddof=1)) / math.sqrt(done) / p if p > 0.0 and done > 1 else math.inf
+        rows.append((done, p, spread))
+        if variation is not None and spread <= variation:
+            break
+    low, high = lognormal_interval(p, spread, confidence)
+    failures = int(np.count_nonzero(w)) if side > 0.0 else int(np.sum(w == 0.0))
+    if side < 0.0:
+        p, low, high = 1.0 - p, 1.0 - high, 1.0 - low
+    return SamplingResult(
+        name=space.limit.name,
+        method=where,
+        probability=p,
+        low=low,
+        high=high,
+        confidence=confidence,
+        variation=spread if side > 0.0 else spread * (1.0 - p) / p,
+        samples=done,
+        failures=failures,
+        broken=broken,
+        calls=space.calls + found.calls,
+        history=np.array(rows),
+    )
+
+
+def space_of(where: str, limit: Any, variables: Any) -> Space:
+    """Return a limit state in standard normal space, of one or of a result of form."""
+    if isinstance(limit, FormResult):
+        found = of_form(where, limit, variables)
+        return Space(found.limit, found.variables, dict(found.fixed))
+    return Space(limit, variables)
+
+
+def of_form(where: str, limit: Any, variables: Any) -> FormResult:
+    """Return a result of form, of one that is given or of a limit state and its variables."""
+    if not isinstance(limit, FormResult):
+        return form(limit, variables)
+    if variables is not None:
+        message = "a result of form has its variables; give it alone"
+        raise InputError(Problem(where, message))
+    return limit
+
+
+def lognormal_interval(p: float, variation: float, confidence: float) -> tuple[float, float]:
+    """Return an interval of an estimate that is positive, from its coefficient of variation."""
+    if not math.isfinite(variation):
+        return 0.0, 1.0
+    spread = math.sqrt(math.log1p(variation**2))
+    z = float(-ndtri(0.5 * (1.0 - confidence)))
+    return p * math.exp(-z * spread), min(1.0, p * math.exp(z * spread))
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class LinearisationCheck:
+    """What the tangent of FORM leaves out, limit state by limit state.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the limit states.
+    form : (n,) array
+        Indices by FORM.
+    sampled : (n,) array
+        Indices of the sampled probabilities.
+    low, high : (n,) arrays
+        Ends of their confidence intervals.
+    results : tuple of SamplingResult
+        The samplings.
+    """
+
+    names: tuple[str, ...]
+    form: Array
+    sampled: Array
+    low: Array
+    high: Array
+    results: tuple[SamplingResult, ...]
+
+    @property
+    def error(self) -> Array:
+        """Index by FORM less the sampled one."""
+        return np.asarray(self.form - self.sampled)
+
+    @property
+    def significant(self) -> tuple[bool, ...]:
+        """Whether the index by FORM is outside of the interval."""
+        inside = (self.low <= self.form) & (self.form <= self.high)
+        return tuple(bool(out) for out in ~inside)
+
+    def _facts(self) -> str:
+        each = [
+            f"{name} {a:.4g} by FORM, {b:.4g} sampled"
+            for name, a, b in zip(self.names, self.form, self.sampled, strict=True)
+        ]
+        return "beta of " + ", ".join(each[:3]) + (", ..." if len(each) > 3 else "")
+
+
+@explained
+def check_linearisation(
+    found: Any,
+    *,
+    method: Literal["importance", "monte carlo"] = "importance",
+    samples: int = 2000,
+    seed: int | None = 0,
+    confidence: float = 0.95,
+) -> LinearisationCheck:
+    """Compare indices by FORM with sampled ones: the error of the tangent.
+
+    Parameters
+    ----------
+    found : FormResult, RbdoResult or sequence of FormResult
+        What to check.
+    method : {"importance", "monte carlo"}
+        How to sample.
+    samples : int
+        For each limit state.
+    seed : int, optional
+        The same seed gives the same points.
+    confidence : float
+        Of the intervals.
+
+    Returns
+    -------
+    LinearisationCheck
+
+    Raises
+    ------
+    InputError
+        For something else than results of FORM.
+    """
+    forms = getattr(found, "forms", found)
+    forms = (forms,) if isinstance(forms, FormResult) else tuple(forms)
+    if not forms or not all(isinstance(one, FormResult) for one in forms):
+        message = f"found is {found!r:.80}, must be results of form or of rbdo"
+        raise InputError(Problem("check_linearisation", message))
+    if method not in ("importance", "monte carlo"):
+        message = f"method is {method!r}, must be 'importance' or 'monte carlo'"
+        raise InputError(Problem("check_linearisation", message))
+    results = []
+    for one in forms:
+        options: dict[str, Any] = {"samples": samples, "seed": seed, "confidence": confidence}
+        if method == "importance":
+            results.append(importance_sampling(one, **options))
+        else:
+            results.append(monte_carlo(one, **options))
+    return LinearisationCheck(
+        names=tuple(one.name for one in forms),
+        form=np.array([one.beta for one in forms]),
+        sampled=np.array([one.beta for one in results]),
+        low=-ndtri(np.array([one.high for one in results])),
+        high=-ndtri(np.array([one.low for one in results])),
+        results=tuple(results),
+    )
