@@ -136,7 +136,7 @@ class Declared:
         problems.raise_if_any()
 
     def heading(self, problems: Problems) -> str:
-        """Return what messages say first, ``joint 'hinge'``; note what is wrong with the name."""
+        """Return the beginning of messages, ``joint 'hinge'``; note what is wrong with the name."""
         kind = self.kind or type(self).__name__
         name = getattr(self, "name", "") if "name" in self.fields else ""
         if isinstance(self.fields.get("name"), Name):

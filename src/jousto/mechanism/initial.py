@@ -44,7 +44,7 @@ class Initial(Declared, section="initial"):
     )
 
     def heading(self, problems: Problems) -> str:
-        """Return what messages say first, ``initial 'crank.angle'``."""
+        """Return the beginning of messages, ``initial 'crank.angle'``."""
         return f"initial {getattr(self.coordinate, 'name', '')!r}"
 
     def consistent(self, problems: Problems, where: str) -> None:

@@ -31,7 +31,7 @@ class Mechanism(Members):
     Attributes
     ----------
     bodies, joints, couplings, forces, frictions, events, sensors : tuple
-        The items by kind, in the given order; couplings holds gears, racks, couplings and
+        The items by kind, in the given order; couplings has gears, racks, couplings and
         drives, forces all force elements. In bodies stand the nodes of beams in the beam's place.
     beams : tuple of BeamBody
         The beams, in the given order.

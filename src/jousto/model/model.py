@@ -304,7 +304,7 @@ class Model:
         m/s2, world.
     bodies, markers, joints, signals, forces, sensors, coordinates, frictions, events : tuples
         The objects, referring to one another by index; the first `active` markers belong to
-        joints and forces; joints holds couplings, drives and sticking friction too.
+        joints and forces; joints has couplings, drives and sticking friction too.
     elimination : Elimination
         Block pattern of the constraint matrix.
     q0, v0 : arrays (nq,), (nv,)

@@ -99,7 +99,7 @@ def plot(thing: Any, *what: Any, path: File = None, **options: Any) -> Picture:
     ----------
     thing : object
         ========================  ============================================================
-        thing                     what is drawn, and what else may be said
+        thing                     what is drawn, and further arguments
         ========================  ============================================================
         run, or {label: run}      sensors over time: ``"tip.y", "energy", "residuals"``;
                                   shapes of a beam: ``beam="cable"``, `times`, `view`

@@ -78,7 +78,7 @@ def write(thing: Any, path: File, *what: Any, **options: Any) -> Path:
     ----------
     thing : object
         ================  ==================  ======================================================
-        thing             suffix              what is written, and what else may be said
+        thing             suffix              what is written, and further arguments
         ================  ==================  ======================================================
         mesh              .vtu .vtk .inp      cells and sets; `unit` of length
                           .msh .med .bdf

@@ -105,7 +105,7 @@ class Interface(Declared):
     together = ("kind", "weights")
 
     def heading(self, problems: Problems) -> str:
-        """Return what messages say first."""
+        """Return the beginning of messages."""
         return f"interface {self.name!r}"
 
     def consistent(self, problems: Problems, where: str) -> None:

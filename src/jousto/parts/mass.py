@@ -91,7 +91,7 @@ class PointMass(Declared):
     )
 
     def heading(self, problems: Problems) -> str:
-        """Return what messages say first."""
+        """Return the beginning of messages."""
         return f"point mass at node {self.node!r}"
 
 

@@ -415,7 +415,7 @@ class Part(Geometry):
         Parameters
         ----------
         K, M : str or Path
-            Files of the stiffness and the mass matrix; one file where the format holds both.
+            Files of the stiffness and the mass matrix; one file where the format has both.
         nodes, dofs, format, units
             See `read_matrices`.
         node_sets : mapping of str to numbers of nodes, optional
@@ -506,7 +506,7 @@ class Part(Geometry):
         Under a static load f with the displacements d, ``K d = f``, a further small displacement x
         meets the stiffness K + Kg: tension stiffens a beam, compression softens it. The part
         buckles under c f for the least c with ``det(K + c Kg) = 0`` (on the free degrees of
-        freedom). For beams, Kg holds the stretch of the elements, ``N int v'^2 + w'^2 + (Iy +
+        freedom). For beams, Kg contains the stretch of the elements, ``N int v'^2 + w'^2 + (Iy +
         Iz)/A rx'^2 dx``, the rotation of bending and twisting moments, and rigid arms; for solids
         it is ``x^T Kg x = int s : (grad x^T grad x) dV``.
 
@@ -598,7 +598,7 @@ class Part(Geometry):
     def surface_stress(self, on: Any = None) -> StressOperator:
         """Return the stress at the nodes of free surfaces of a solid: where no load acts.
 
-        It follows from the strain of the outer faces, as strain gauges tell it, and from
+        It follows from the strain of the outer faces, as strain gauges measure it, and from
         ``s n = 0``; nothing is continued from inside the elements as in `stress`. With quadratic
         elements it meets peaks at holes, fillets and notches several times closer. Wrong where
         something presses on the surface, by about that pressure.

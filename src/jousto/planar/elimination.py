@@ -101,7 +101,7 @@ class Arms:
     nodes : int
         Number of master nodes.
     master : (k,) array of int
-        Node that carries each arm; a node may carry several.
+        Node at the end of each arm; a node may have several.
     arms : (k, 2) array
         (X, Y) from master to slave in the unloaded frame, m.
     rotation : bool

@@ -55,7 +55,7 @@ def spinning(frame: PlanarFrame, speed: float, about: tuple[float, float] = (0, 
     Raises
     ------
     InputError
-        If the frame has links, whose unknowns it does not know.
+        If the frame has links, whose unknowns it does not have.
     """
     if frame.links:
         text = "the frame has links; give PlanarState(q, v) with the velocities of its unknowns"

@@ -122,7 +122,7 @@ def error_budget(
         A run (or its field of that body) with a shorter step, with more modes (or with the
         residual stress), of a finer mesh, where the nearest place counts; all else as it was.
     part : (Part, ReducedPart), optional
-        What the body was made of, for the mesh, where the run does not know it.
+        What the body was made of, for the mesh, where the run does not have it.
 
     Raises
     ------

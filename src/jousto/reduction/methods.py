@@ -122,7 +122,7 @@ class CraigBampton(Reduction, tag="craig-bampton"):
 class FreeFree(Reduction, tag="free-free"):
     """Free-free elastic modes of the whole part: no interface, mean-axis frame.
 
-    Good for a part that nothing holds; near a joint they converge slower than `CraigBampton`,
+    Good for a part without supports; near a joint they converge slower than `CraigBampton`,
     unless attachment modes are added: what the modes leave out of the response to unit forces and
     moments on the interfaces of the accelerated part (MacNeal 1971, Rubin 1975).
 

@@ -165,7 +165,7 @@ def form(
     of Hasofer, Lind, Rackwitz and Fiessler, hlrf, takes the nearest point of the tangent,
     ``u+ = (grad g^T u - g) grad g / |grad g|^2``, with a line search on ``|u|^2 / 2 + c |g|``
     (Y. Zhang and A. Der Kiureghian, IFIP WG 7.5 (1995)); sqp adds the curvature of the surface,
-    learnt on the way (BFGS), and needs fewer calls. Where its line search fails, hlrf goes on as
+    learnt on the way (BFGS), and needs fewer calls. Where its line search fails, hlrf continues as
     sqp.
 
     Parameters

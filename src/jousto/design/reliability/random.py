@@ -316,7 +316,7 @@ class Random:
         mean : float, optional
             None keeps it.
         deviation : float, optional
-            None keeps what `keep` says.
+            None keeps what `keep` selects.
         """
         new = self.mean if mean is None else float(mean)
         if deviation is None:

@@ -154,7 +154,7 @@ def hertz_line(
     length : float
         Length of the line, m.
     radius, other : float
-        Radii of both cylinders, m; inf is flat, negative a hollow that holds the other.
+        Radii of both cylinders, m; inf is flat, negative a hollow around the other.
     material : Material or two of them
         Of both bodies.
 

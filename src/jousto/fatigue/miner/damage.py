@@ -358,7 +358,7 @@ def assess(
     allowable: float = 1.0,
     survival: float | None = None,
 ) -> Assessment:
-    """Count the cycles of a history and say how much damage they do, and how safe it is.
+    """Count the cycles of a history; return their damage and its safety.
 
     Parameters
     ----------

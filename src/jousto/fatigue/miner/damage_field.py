@@ -305,7 +305,7 @@ def damage_field(
     allowable : float
         Miner's sum that is allowed.
     survival : float, optional
-        Probability of survival at which it holds; that of the curve if None.
+        Probability of survival at which it is valid; that of the curve if None.
     planes : int
         Normals tried for "critical-plane", spread over half a sphere, besides the coordinate axes
         and the principal directions at the extreme instants; the best is refined to about a

@@ -169,7 +169,7 @@ def weld_stress(
     Returns
     -------
     StressOperator
-        For ``part.with_stress``; the reduction, results, sensors and fatigue then know the toes by
+        For ``part.with_stress``; the reduction, results, sensors and fatigue then find the toes by
         name.
 
     Raises

@@ -119,7 +119,7 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         kw_only=True,
     )
     survival: Number = field(
-        "Probability of survival for which the curve holds, 0.5 for the mean of tests",
+        "Probability of survival for which the curve is valid, 0.5 for the mean of tests",
         above=0,
         below=1,
         wanted="between 0 and 1 (0.975, not 97.5)",

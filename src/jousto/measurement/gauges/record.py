@@ -217,7 +217,7 @@ class Record(Tabular):
     def zeroed(self, start: float, end: float) -> Record:
         """Return the record with each channel's mean from start to end, s, taken off.
 
-        Gauges know changes only: balance them where the part is at rest.
+        Gauges measure changes only: balance them where the part is at rest.
         """
         rest = self.during(start, end)
         channels = {}

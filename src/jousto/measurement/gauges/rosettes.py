@@ -24,7 +24,7 @@ LARGE_STRESS = 1.5e9
 class RosetteState:
     """Plane strain and stress of the surface under a rosette, x along grid a.
 
-    All arrays have the shape of one grid's values. ``sd`` holds the standard deviation of each by
+    All arrays have the shape of one grid's values. ``sd`` is the standard deviation of each by
     its name, if the noise of the grids was given.
 
     Attributes

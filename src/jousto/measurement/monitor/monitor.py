@@ -196,7 +196,7 @@ class Monitor:
     # -- samples ----------------------------------------------------------------------------------
 
     def push(self, time: ArrayLike, strain: ArrayLike, cells: Any = None) -> Update:
-        """Take samples and return what they told.
+        """Take samples and return what follows from them.
 
         Parameters
         ----------

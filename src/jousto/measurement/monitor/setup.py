@@ -137,7 +137,7 @@ class MonitorSettings(GaugeErrors):
         Raises
         ------
         InputError
-            If hot spots or a prior are needed and there is no run, or gauges cannot tell the modes.
+            If hot spots or a prior need a run that is missing, or gauges cannot distinguish modes.
         """
         body = self.gauges[0].body
         reduced = body.reduced if isinstance(body, FlexibleBody) else body

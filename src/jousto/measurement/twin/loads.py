@@ -166,7 +166,7 @@ def external(
 ) -> Array:
     """Return the modal loads (nt, n) from outside, without those of the motion of the frame.
 
-    ``f_ext = f + M_fr q_r'' - Q_v``: what `identify_fourier` finds of a moving body holds the
+    ``f_ext = f + M_fr q_r'' - Q_v``: what `identify_fourier` finds of a moving body contains the
     inertia of its gross motion, too. Modal velocities are differences of the coordinates.
 
     Parameters
@@ -209,7 +209,7 @@ def equivalent_load(M: Any, shapes: ArrayLike, f: ArrayLike) -> Array:
 def place_loads(
     f: ArrayLike, loads: Any, reduced: ReducedPart | None = None
 ) -> tuple[Array, float]:
-    """Return loads at known places that modal loads tell, ``a = (Phi^T L)^+ f``.
+    """Return loads at known places from modal loads, ``a = (Phi^T L)^+ f``.
 
     Parameters
     ----------
@@ -230,7 +230,7 @@ def place_loads(
     Raises
     ------
     InputError
-        More loads than modes, or loads that the modes cannot tell apart.
+        More loads than modes, or loads that the modes cannot distinguish.
     """
     given = (loads,) if isinstance(loads, UnknownLoad) else loads
     if isinstance(given, Iterable) and not isinstance(given, np.ndarray):
@@ -291,7 +291,7 @@ def locate_load(
 def identify_payload(
     observed: Observed, place: str, *, draws: int = 100, seed: int = 1
 ) -> tuple[float, float]:
-    """Return mass and its standard deviation, kg, of what a body carries at a node.
+    """Return mass and its standard deviation, kg, of the payload of a body at a node.
 
     Least squares of ``F = -m s`` over the record, with the force F at the node that the gauges
     tell and the acceleration less gravity s of the node from the reference; the deviation from

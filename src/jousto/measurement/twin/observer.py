@@ -117,7 +117,7 @@ class Observer:
     Warns
     -----
     JoustoWarning
-        Loads that the channels cannot tell apart.
+        Loads that the channels cannot distinguish.
 
     Examples
     --------

@@ -21,11 +21,11 @@ class Posterior:
     time : (nt,) array
         Instants, s; counted from 0 if no times were given.
     p : (nt, n) array
-        Modal coordinates, kg^0.5 m; nan where they cannot be told.
+        Modal coordinates, kg^0.5 m; nan where they are unknown.
     covariances : (m, n, n) array
         The different covariances of p that occurred.
     which : (nt,) int array
-        Which of them holds at each instant.
+        Which of them is valid at each instant.
     """
 
     time: Array

@@ -38,7 +38,7 @@ class Estimate(Told):
     residual : (nt, ng) array
         Measured less reconstructed strain, ``e - B p``, m/m; nan where nothing was measured.
     leave_one_out : (nt, ng) array
-        Measured strain less what the *other* gauges say of it, m/m; inf if they cannot tell.
+        Measured strain less its prediction by the *other* gauges, m/m; inf without one.
     expected : (nt, ng) array
         Standard deviation that `leave_one_out` has if noise and prior are right, m/m.
     condition : float
@@ -138,7 +138,7 @@ class Reconstruction:
     Raises
     ------
     InputError
-        Fewer gauges than modes without a prior, gauges that cannot tell the modes apart, noise
+        Fewer gauges than modes without a prior, gauges that cannot distinguish the modes, noise
         that is not positive, shapes that do not fit; all problems at once.
 
     Warns
@@ -217,7 +217,7 @@ class Reconstruction:
         return np.asarray(la.null_space(self.B, rcond=1e-9))
 
     def estimate(self, e: ArrayLike, time: ArrayLike | None = None) -> Estimate:
-        """Return the modal coordinates that measured strains tell.
+        """Return the modal coordinates from measured strains.
 
         Parameters
         ----------
@@ -235,7 +235,7 @@ class Reconstruction:
         Warns
         -----
         JoustoWarning
-            Rows with too few gauges left to tell the modes: their p is nan. Scores far above 1 of
+            Rows with too few gauges left for the modes: their p is nan. Scores far above 1 of
             most gauges, as of strains in percent.
         """
         problems = Problems()
@@ -299,7 +299,7 @@ class Reconstruction:
     def calibrated(self, e: ArrayLike) -> Reconstruction:
         """Return the reconstruction with the noise that measured strains show.
 
-        The noise covariance is multiplied so that what the gauges say of one another (the
+        The noise covariance is multiplied so that the prediction of gauges by one another (the
         leave-one-out residual) has the size that it must have, on average over the gauges: model
         errors, too, are then part of the band; what the noise grows by is taken as the discrepancy
         of the model everywhere.
@@ -338,7 +338,7 @@ class Reconstruction:
     def gain(self, mask: NDArray[np.bool_]) -> tuple[Array, Array] | None:
         """Return gain (n, k) and covariance (n, n) with the k gauges of a mask (ng,).
 
-        None if they cannot tell the modes apart and there is no prior.
+        None if they cannot distinguish the modes and there is no prior.
         """
         B, R = self.B[mask], self.noise[np.ix_(mask, mask)]
         if self.prior is not None:

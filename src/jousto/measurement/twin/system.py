@@ -28,7 +28,7 @@ FADED = 4.0
 @described
 @dataclass(frozen=True, eq=False)
 class UnknownLoad:
-    """A load that nobody measures: it wanders at random and the gauges must tell it.
+    """A load that nobody measures: it wanders at random and is estimated from the gauges.
 
     Rough: ``da = -a dt / tau + rate dW`` in the axes of the body; with a `size` it returns to its
     mean with the time constant ``tau = 2 size^2 / rate^2``, without it is a random walk. Smooth:

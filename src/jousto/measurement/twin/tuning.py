@@ -61,7 +61,7 @@ class InnovationTest:
 
     @property
     def ratio(self) -> float:
-        """Effect of the size: innovations are so many times as large as the bands say."""
+        """Effect of the size: innovations are so many times as large as by the bands."""
         return float(np.sqrt(self.size))
 
     @property

@@ -163,7 +163,7 @@ class BeamBody(Posed, tag="beam"):
     corrected: bool = kept()
     points: AnyField = field(
         "Ends of a straight beam, or its nodes, in the body frame. Several points are points of a "
-        "smooth curve unless `corners` says otherwise",
+        "smooth curve but at `corners`",
         form="shapes",
         noun="(2, 3) or (n + 1, 3) array_like",
         unit="m",

@@ -95,7 +95,7 @@ class OffsetSection(Declared, section="beam sections", tag="offset"):
     )
 
     def heading(self, problems: Problems) -> str:
-        """Return what messages say first."""
+        """Return the beginning of messages."""
         return f"section {type(self.section).__name__}"
 
     def consistent(self, problems: Problems, where: str) -> None:
@@ -145,7 +145,7 @@ class OffsetSection(Declared, section="beam sections", tag="offset"):
 class BeamSection(Declared, section="beam sections", tag="stiffness"):
     """Stiffness and inertia of a beam's section, any composite or offset one.
 
-    The section carries ``s = C e``: resultants ``[N, Qy, Qz, Mx, My, Mz]`` by the strains of the
+    ``s = C e``: resultants ``[N, Qy, Qz, Mx, My, Mz]`` by the strains of the
     reference axis ``[Gamma_x, Gamma_y, Gamma_z, kappa_x, kappa_y, kappa_z]``, both in section axes.
 
     Raises

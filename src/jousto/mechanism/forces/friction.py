@@ -100,7 +100,7 @@ class Friction(Declared, section="frictions"):
         "Pin radius, needed where the joint turns", unit="m", default=None, kw_only=True
     )
     bearing_length: OptionalPositive = field(
-        "Length over which the bearing carries bending moments; None: they do not press",
+        "Length over which the bearing takes bending moments; None: they do not press",
         unit="m",
         default=None,
         kw_only=True,

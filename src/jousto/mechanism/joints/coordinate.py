@@ -50,7 +50,7 @@ class Coordinate(Declared, section="coordinates"):
     )
 
     def heading(self, problems: Problems) -> str:
-        """Return what messages say first; a coordinate without a name is called by its kind."""
+        """Return the beginning of messages; a coordinate without a name is called by its kind."""
         kind, name = type(self).__name__.lower(), self.__dict__["name"]
         return kind if name is None else f"{kind} {name!r}"
 

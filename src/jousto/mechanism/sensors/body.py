@@ -61,7 +61,7 @@ class SiteSensor(Sensor):
     unit: ClassVar[str] = "Pa"
     frame: ClassVar[str] = "element"
     flexible: ClassVar[bool] = True
-    body: FlexibleField = field("A body whose part knows stresses")
+    body: FlexibleField = field("A body whose part has stresses")
     sites: Sites = field(
         'Labels of the stress sites, such as ``"e3.a.top"`` (in files also positions: the site '
         "nearest to each); None for all of them",

@@ -157,7 +157,7 @@ class Bridge(Sensor, tag="bridge"):
     )
 
     def heading(self, problems: Problems) -> str:
-        """Return what messages say first."""
+        """Return the beginning of messages."""
         return check_name(problems, "bridge", self.name)
 
     @property

@@ -122,14 +122,14 @@ class Attached(Sensor):
         kw_only=True,
     )
     E: OptionalNumber = field(
-        "Young's modulus, for parts that do not know it",
+        "Young's modulus, for parts that do not have it",
         unit="Pa",
         above=0,
         default=None,
         kw_only=True,
     )
     nu: OptionalNumber = field(
-        "Poisson's ratio, for parts that do not know it",
+        "Poisson's ratio, for parts that do not have it",
         above=-1,
         most=0.5,
         wanted="in (-1, 0.5]",

@@ -66,7 +66,7 @@ class Rosette(Attached, tag="rosette"):
         def grids(self) -> tuple[Gauge, ...]: ...  # noqa: D102
 
     def heading(self, problems: Problems) -> str:
-        """Return what messages say first."""
+        """Return the beginning of messages."""
         return check_name(problems, "rosette", self.name)
 
     def consistent(self, problems: Problems, where: str) -> None:

@@ -66,7 +66,7 @@ class Temperature(Declared):
         "Temperature T over time, such as an `Input` or a `Table`, in K or deg C", unit="1"
     )
     part: Expansion = field(
-        "Coefficient of thermal expansion of the part, 1/K, or a material that knows it (in files "
+        "Coefficient of thermal expansion of the part, 1/K, or a material that has it (in files "
         "its name)",
         kw_only=True,
     )

@@ -31,8 +31,8 @@ class Switched(Signal, tag="switched"):
     """
 
     event: EventField = field("The event; it must be in the mechanism")
-    before: SignalField = field("What holds until the event", unit=USE)
-    after: SignalField = field("What holds from the event on", unit=USE)
+    before: SignalField = field("The signal until the event", unit=USE)
+    after: SignalField = field("The signal from the event on", unit=USE)
 
     def __repr__(self) -> str:
         return f"Switched({self.event.name!r}, {self.before!r}, {self.after!r})"

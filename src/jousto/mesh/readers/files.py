@@ -103,7 +103,7 @@ def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None
     path : path
         The file.
     unit : {"m", "mm", "cm", "in", "ft", "um"}
-        Unit of the coordinates in the file; mesh files do not say.
+        Unit of the coordinates in the file; mesh files have none.
     name : str, optional
         Name of the mesh; the file's name if not given.
 
@@ -116,7 +116,7 @@ def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None
     Warns
     -----
     JoustoWarning
-        Of what the file holds and the mesh does not: point masses, springs, elements of other
+        Of what the file has and the mesh does not: point masses, springs, elements of other
         kinds.
 
     See Also

@@ -64,7 +64,7 @@ def mesh_step(
         2 for tetrahedra of 10 nodes; those of 4 nodes (1) are far too stiff in bending.
     unit : {"m", "mm", "cm", "in", "ft", "um"}, optional
         Unit of the numbers in the file. A STEP file contains it (mostly mm) and is converted to
-        m; give it to overrule the file. A BREP file does not say, so it must be given.
+        m; give it to overrule the file. A BREP file has none, so it must be given.
     curved : bool
         Whether midside nodes lie on curved faces; straight edges shift frequencies by up to 0.5 %.
     refine : mapping of str to float, optional
@@ -77,7 +77,7 @@ def mesh_step(
     Raises
     ------
     InputError
-        If Gmsh is not installed, the file is missing, damaged or holds no solid, a face is not
+        If Gmsh is not installed, the file is missing, damaged or without a solid, a face is not
         known, or the size does not fit the part.
 
     Warns

@@ -47,7 +47,7 @@ class Diagnosis:
     rigid_mobility : int or None
         The same if all bodies were rigid; None where unknown.
     moving, driven, still : tuple of str
-        Bodies that can move freely, that move only as drives say, and that cannot move, at the
+        Bodies that can move freely, that move only by drives, and that cannot move, at the
         initial pose and beside it.
     dead : tuple of str
         Bodies that stand still at the initial pose only: it is a dead centre of theirs, and they

@@ -37,7 +37,7 @@ class Matrices:
     elements : (ne, m) ndarray of int, optional
         Rows of ``nodes``; for drawing.
     held : (m, 2) ndarray of int, optional
-        Node and direction of what the other program held, as far as its files tell.
+        Node and direction of what the other program held, as far as its files contain them.
 
     Raises
     ------

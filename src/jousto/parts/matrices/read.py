@@ -67,7 +67,7 @@ def read_matrices(
         for CalculiX (.inp), Ansys (.rst) and Nastran (.pch, .bdf).
     dofs : (ndof, 2) array_like, str or Path, optional
         Node number and direction (1..6, 0 for a modal coordinate) of each row, as an array, a
-        text file of such lines or a .dof file. If not given: as the files say, else node after
+        text file of such lines or a .dof file. If not given: as in the files, else node after
         node with 3 or 6 directions.
     format : str, optional
         ``calculix``, ``ansys``, ``op4``, ``dmig``, ``abaqus`` or ``plain``; from the ending and

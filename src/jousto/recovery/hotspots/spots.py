@@ -147,7 +147,7 @@ def hot_spots(
     Parameters
     ----------
     source : StressField, sequence of StressField or Solution
-        What to search; of a run all bodies that know their stress.
+        What to search; of a run all bodies that have stress.
     bodies : str or sequence of str, optional
         Of a run, the bodies to search.
     count : int

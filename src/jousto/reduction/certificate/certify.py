@@ -53,7 +53,7 @@ def certify(
     solver: str | None = None,
     progress: bool | Report | None = None,
 ) -> Certificate:
-    """Examine a part and its modes and say what is right, what is doubtful and what to do.
+    """Examine a part and its modes: list what is right, what is doubtful and what to do.
 
     Mass, centre, inertia and size; the six rigid motions and the strain energy that they must not
     cost; whether the numbers can be SI units; what is missing (rotary inertia, loose nodes,

@@ -51,7 +51,7 @@ def inertia_relief(part: Part, loads: ArrayLike) -> InertiaRelief:
     """Return the static response of a free part to loads that accelerate it.
 
     ``a = (R^T M R)^-1 R^T F``, ``F_ir = F - M R a`` with the rigid motions R about the origin,
-    ``K u = F_ir``; ``u`` carries no momentum, ``R^T M u = 0``. Rigid ties of the part hold.
+    ``K u = F_ir``; ``u`` has no momentum, ``R^T M u = 0``. Rigid ties of the part hold.
 
     Parameters
     ----------

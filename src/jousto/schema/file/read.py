@@ -34,14 +34,14 @@ PART_TYPES = ("beam", "members", "frame", "solid", "matrices", "reduced")
 @described
 @dataclass(frozen=True, eq=False)
 class ModelFile:
-    """What a model file says.
+    """The content of a model file.
 
     Parameters
     ----------
     mechanism : Mechanism
         Bodies, joints, forces and sensors.
     simulation : Simulation or None
-        How to simulate it, if the file says so.
+        How to simulate it, if the file has it.
     text : str
         The text of the file, to be kept with the results.
     fatigue : Fatigue or None

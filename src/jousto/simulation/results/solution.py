@@ -350,7 +350,7 @@ class Solution(Mapping[str, Array]):
     def to_xarray(self, *names: Names, sensors: Names = ()) -> Any:
         """Return sensors as an ``xarray.Dataset`` over time, s.
 
-        Needs the extra ``frames``. Variables know their units, frame and description.
+        Needs the extra ``frames``. Variables have their units, frame and description.
 
         Parameters
         ----------

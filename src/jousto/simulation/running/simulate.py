@@ -44,7 +44,7 @@ JOLT = 1e-6  # m/s or rad/s, and of the size of the mechanism: velocities that d
 
 
 class RunInterrupted(KeyboardInterrupt):
-    """Ctrl-C during a run; `solution` holds the results up to then."""
+    """Ctrl-C during a run; `solution` has the results up to then."""
 
     def __init__(self, message: str, solution: Solution) -> None:
         super().__init__(message)
@@ -98,7 +98,7 @@ def simulate(
     solver : RK4, ROS2, GeneralizedAlpha, Newmark or DormandPrince, optional
         Method and step. None chooses: ``ROS2(step=1e-3)``, with a shorter step for steep friction
         and dampers; ``GeneralizedAlpha(step=1e-3)`` for exact beams and what is too stiff.
-        ``run.attributes["solver"]`` and ``["chosen"]`` say which and why. A fixed
+        ``run.attributes["solver"]`` and ``["chosen"]`` name it and the reason. A fixed
         step is shortened, never lengthened, so that outputs and the end fall on steps.
     output_step : float, optional
         Time between stored instants, s; None stores every step, or the `output` of an adaptive

@@ -46,7 +46,7 @@ def load_path(
         From `compile`.
     parameter : str
         Name of an `Input` that scales loads or drives; "gravity" (factor on the model's gravity,
-        0 to 1, say); "time" (s, of signals); with an axis also "speed" (rad/s).
+        such as 0 to 1); "time" (s, of signals); with an axis also "speed" (rad/s).
     to : float
         Last value.
     steps : int
