@@ -13,25 +13,14 @@ from jousto.mechanism.beams.pieces import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, Ground, RigidBody
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.forces.base import ForceElement
-from jousto.mechanism.forces.friction import Friction, StickSlip
-from jousto.mechanism.forces.line_load import LineLoad
+from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.forces.loads import Gravity, PointLoad
-from jousto.mechanism.forces.moving import MovingLoad
-from jousto.mechanism.forces.springs import ModalLoad
 from jousto.mechanism.initial import Initial
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate, Distance
 from jousto.mechanism.joints.coupling import Coupler, Drive
 from jousto.mechanism.members import Members
 from jousto.mechanism.sensors.base import Sensor
-from jousto.mechanism.sensors.body import ModalSensor, SiteSensor
-from jousto.mechanism.sensors.bridge import Bridge
-from jousto.mechanism.sensors.damage import DamageSensor
-from jousto.mechanism.sensors.gauge import Gauge
-from jousto.mechanism.sensors.loads import ForceSensor, ReactionSensor
-from jousto.mechanism.sensors.motion import MotionSensor
-from jousto.mechanism.sensors.rosette import Rosette
-from jousto.mechanism.sensors.section import SectionSensor
 from jousto.mechanism.signals.base import Signal, leaves
 from jousto.mechanism.signals.event import Event
 from jousto.mechanism.signals.switched import Switched
@@ -159,20 +148,17 @@ def check_members(problems: Problems, mechanism: Members) -> None:
     for item in (*items, *mechanism.frictions, *mechanism.initials):
         for argument, marker in markers_of(item):
             missing(item, argument, marker.body)
-        if isinstance(
-            item, ModalLoad | MovingLoad | ModalSensor | SiteSensor | Gauge | Rosette | Bridge
-        ):
-            missing(item, "body", item.body)
-        if isinstance(item, LineLoad | SectionSensor):
-            missing(item, "beam", item.beam)
-        if isinstance(item, ReactionSensor | Friction):
-            known = (*mechanism.joints, *mechanism.couplings)
-            check_member(problems, item, item.joint, known)
-        if isinstance(item, ForceSensor):
-            forces = (*mechanism.forces, *mechanism.frictions)
-            check_member(problems, item, item.force, forces)
-        if isinstance(item, DamageSensor):
-            check_member(problems, item, item.sensor, mechanism.sensors)
+        for argument in ("body", "beam"):
+            if (body := getattr(item, argument, None)) is not None:
+                missing(item, argument, body)
+        for used in vars(item).values():
+            for kinds, known in (
+                (Joint | Coupler, (*mechanism.joints, *mechanism.couplings)),
+                (ForceElement | Friction, (*mechanism.forces, *mechanism.frictions)),
+                (Sensor, mechanism.sensors),
+            ):
+                if isinstance(used, kinds):
+                    check_member(problems, item, used, known)
 
 
 def check_member(problems: Problems, item: Any, used: Any, known: tuple[Any, ...]) -> None:
@@ -315,7 +301,7 @@ def check_frictions(problems: Problems, mechanism: Members) -> None:
                     f"joint {friction.joint.name!r} has the friction {other.name!r} already; "
                     "leave one out",
                 )
-        if not isinstance(friction.law, StickSlip):
+        if not friction.law.sticks:
             continue
         for drive in mechanism.couplings:
             if isinstance(drive, Drive) and any(
@@ -384,7 +370,7 @@ def turning(item: Any) -> Iterator[tuple[str, Marker]]:
             for key, marker, turns in zip("ab", (item.a, item.b), item.turns, strict=True)
             if turns
         )
-    elif isinstance(item, ForceElement | MotionSensor | ReactionSensor | ForceSensor):
+    elif isinstance(item, ForceElement | Sensor):
         yield from item.turning
     for s in () if isinstance(item, Joint) else coordinates_of(item):
         if s.turns_a:

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.forces.base import ForceElement, Push
-from jousto.mechanism.forces.friction import Friction, Regularised, StickSlip
+from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.joints.base import Joint
-from jousto.mechanism.joints.coordinate import Angle, Coordinate, Displacement, Line
+from jousto.mechanism.joints.coordinate import Coordinate, Line
 from jousto.mechanism.joints.coupling import Coupler
 from jousto.mechanism.signals.base import Constant, ConstantSpeed, Input, Product, Sum
 from jousto.mechanism.signals.harmonic import Harmonic
@@ -84,24 +84,16 @@ class Builder:
             self._places[key] = len(self.markers) - 1
         return len(self.markers) - 1
 
-    def coordinate(self, name: str, kind: str, a: Marker, b: Marker, axis: int = 2) -> int:
-        """Return the index of a coordinate: "axes", "along", "distance" or "angle"."""
-        place_a = self.marker(a, kind != "distance")
-        place_b = self.marker(b, kind in ("axes", "angle"))
-        key = ("coordinate", kind, place_a, place_b, axis)
+    def declared(self, coordinate: Coordinate) -> int:
+        """Return the index of a coordinate."""
+        a = self.marker(coordinate.a, coordinate.turns_a)
+        b = self.marker(coordinate.b, coordinate.turns_b)
+        key = ("coordinate", coordinate.engine, a, b, coordinate.column)
         if key not in self._places:
             self._places[key] = len(self.coordinates)
-            self.coordinates.append(CoordinateModel(name, kind, place_a, place_b, axis))
+            made = CoordinateModel(coordinate.name, coordinate.engine, a, b, coordinate.column)
+            self.coordinates.append(made)
         return self._places[key]
-
-    def declared(self, coordinate: Coordinate) -> int:
-        """Return the index of a declared coordinate."""
-        kind, axis = "distance", 2
-        if isinstance(coordinate, Angle):
-            kind = "angle"
-        elif isinstance(coordinate, Displacement):
-            kind, axis = "along", coordinate.column
-        return self.coordinate(coordinate.name, kind, coordinate.a, coordinate.b, axis)
 
     def line(self, line: Line) -> LineModel:
         """Return a row that is linear in coordinates."""
@@ -134,9 +126,8 @@ class Builder:
         """Return the index of a friction of joint `joint`; to be added after all other rows."""
         places = [self.declared(s) for s in friction.coordinates]
         law = friction.law
-        velocity = law.velocity if isinstance(law, Regularised) else 1.0
         lock = -1
-        if isinstance(law, StickSlip):  # rows that hold the coordinates while they stick
+        if law.sticks:  # rows that hold the coordinates while they stick
             first = self.coordinates[places[0]]
             lines = tuple(LineModel((place,), (1.0,)) for place in places)
             count = sum(other.lock >= 0 for other in self.joints)
@@ -153,7 +144,7 @@ class Builder:
                     "jo_friction_data",
                     mu_kinetic=friction.mu_kinetic,
                     mu_static=friction.mu_static,
-                    velocity=velocity,
+                    velocity=getattr(law, "velocity", 1.0),
                     radius=friction.radius or 0.0,
                     bearing=friction.bearing_length or 0.0,
                     collar=friction.collar_radius or 0.0,

@@ -15,9 +15,8 @@ from jousto.base.errors import InputError, Problem, count, warn
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.beams.pieces import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
-from jousto.mechanism.checks import used_joints
+from jousto.mechanism.checks import coordinates_of, used_joints
 from jousto.mechanism.mechanism import Mechanism
-from jousto.mechanism.sensors.readings import CoordinateSensor, RateSensor
 from jousto.model.beams import beam_models, beam_shapes, warn_beams
 from jousto.model.bodies import warn_bodies
 from jousto.model.builder import Builder
@@ -91,8 +90,8 @@ def compile(mechanism: Mechanism) -> Model:
     watched = watched_coordinates(mechanism)
     gauges = (*mechanism.sensors, *watched)
     for sensor in gauges:  # angles are counted at every step
-        if isinstance(sensor, CoordinateSensor | RateSensor):
-            builder.declared(sensor.coordinate)
+        for coordinate in coordinates_of(sensor):
+            builder.declared(coordinate)
     for initial in mechanism.initials:
         builder.declared(initial.coordinate)
     places = {id(joint): i for i, joint in enumerate(mechanism.joints)}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
@@ -15,7 +15,15 @@ from jousto.mechanism.joints.slides import Prismatic
 
 
 class Law(Declared, section="laws", by_value=True):
-    """What friction does at low speed."""
+    """What friction does at low speed.
+
+    Attributes
+    ----------
+    sticks : bool
+        Whether a joint at rest is held by a constraint.
+    """
+
+    sticks: ClassVar[bool] = False
 
 
 class Regularised(Law, tag="regularised"):
@@ -40,8 +48,10 @@ class StickSlip(Law, tag="stick-slip"):
     zero, where it sticks again or turns round.
     """
 
+    sticks: ClassVar[bool] = True
 
-class LawField(Nested["Regularised | StickSlip | None", "Regularised | StickSlip"]):
+
+class LawField(Nested["Law | None", Law]):
     """A law of friction, or None for Regularised()."""
 
     section = "laws"
@@ -50,7 +60,7 @@ class LawField(Nested["Regularised | StickSlip | None", "Regularised | StickSlip
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return the law."""
-        if not isinstance(value, Regularised | StickSlip):
+        if not isinstance(value, Law):
             problems.add(where, f"law is {value!r}, must be Regularised(velocity) or StickSlip()")
         return value
 

@@ -34,6 +34,8 @@ class Coordinate(Declared, section="coordinates"):
 
     unit: ClassVar[str] = "m"
     force_unit: ClassVar[str] = "N"
+    engine: ClassVar[str] = "distance"
+    """What the engine calls it."""
     a: MarkerField = field("Frame a")
     b: MarkerField = field("Frame b; not both on one rigid body")
     name: OptionalText = field(
@@ -65,6 +67,11 @@ class Coordinate(Declared, section="coordinates"):
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.name!r}>"
+
+    @property
+    def column(self) -> int:
+        """Number of the axis of frame a: 0, 1 or 2."""
+        return 2
 
     @property
     def initial(self) -> float:
@@ -100,6 +107,7 @@ class Angle(Coordinate, tag="angle"):
 
     unit: ClassVar[str] = "rad"
     force_unit: ClassVar[str] = "N m"
+    engine: ClassVar[str] = "angle"
 
     @property
     def initial(self) -> float:
@@ -116,6 +124,7 @@ class Angle(Coordinate, tag="angle"):
 class Displacement(Coordinate, tag="displacement"):
     """The displacement of b along an axis of a, ``axis . (r_b - r_a)``, m."""
 
+    engine: ClassVar[str] = "along"
     axis: Choice = field("Axis of frame a", words=AXES, default="z")
 
     @property

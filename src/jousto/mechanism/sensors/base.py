@@ -2,10 +2,42 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from jousto.base.arrays import Array
 from jousto.base.declare import Declared
 from jousto.base.fields import Name, field
+from jousto.mechanism.bodies.marker import Marker
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """What the engine reads for a sensor, with objects instead of their numbers in the engine.
+
+    Parameters
+    ----------
+    kind : str
+        Name of the sensor in the header of the engine, ``jousto.h``.
+    of : object
+        What is read: a marker, body, joint, coupling, force, friction, coordinate, signal, beam,
+        damage sensor or the word of an energy.
+    other : Marker, Signal or int, optional
+        The observer, the signal that is added, or the place of the first value.
+    axes : Marker, optional
+        Axes of the values; None for those of the world.
+    rows : (k, n) array, optional
+        Values of each mode.
+    at : int
+        Number of the element of a beam.
+    """
+
+    kind: str
+    of: Any
+    other: Any = None
+    axes: Marker | None = None
+    rows: Array | None = None
+    at: int = 0
 
 
 class Sensor(Declared, section="sensors"):
@@ -21,12 +53,19 @@ class Sensor(Declared, section="sensors"):
         Name of the axes that they are in.
     description : str
         One line for results and plots.
+    reading : Reading
+        What the engine reads.
     """
 
     kind = "sensor"
     flexible: ClassVar[bool] = False
     """Whether it measures what rigid bodies do not have: modes, stress, strain."""
     name: Name = field("Unique among the sensors")
+
+    @property
+    def turning(self) -> tuple[tuple[str, Marker], ...]:
+        """The markers whose orientation matters, with the name of the argument."""
+        return ()
 
     if TYPE_CHECKING:
 
@@ -38,3 +77,5 @@ class Sensor(Declared, section="sensors"):
         def frame(self) -> str: ...  # noqa: D102
         @property
         def description(self) -> str: ...  # noqa: D102
+        @property
+        def reading(self) -> Reading: ...  # noqa: D102

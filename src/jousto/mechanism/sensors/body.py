@@ -13,7 +13,7 @@ from jousto.base.fields import Field, field
 from jousto.base.numbers import set_fields
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.bodies.reference import FlexibleField
-from jousto.mechanism.sensors.base import Sensor
+from jousto.mechanism.sensors.base import Reading, Sensor
 
 VOIGT = ("s11", "s22", "s33", "s12", "s23", "s13")
 
@@ -32,6 +32,11 @@ class ModalSensor(Sensor, tag="modal"):
         n = self.body.n
         p = tuple(f"p{j + 1}" for j in range(n))
         return p + tuple(f"{name}'" for name in p)
+
+    @property
+    def reading(self) -> Reading:
+        """What the engine reads."""
+        return Reading("modal", self.body)
 
     @property
     def description(self) -> str:
@@ -56,6 +61,8 @@ class Sites(Field["Iterable[str] | str | None", "tuple[str, ...]"]):
 class SiteSensor(Sensor):
     """What all sensors of the stress at named places have in common."""
 
+    engine: ClassVar[str] = "stress"
+    """What the engine calls it."""
     quantity: ClassVar[str] = "stress"
     values: ClassVar[tuple[str, ...]] = VOIGT
     unit: ClassVar[str] = "Pa"
@@ -107,6 +114,11 @@ class SiteSensor(Sensor):
         return tuple(f"{site}:{value}" for site in self.sites for value in self.values)
 
     @property
+    def reading(self) -> Reading:
+        """What the engine reads."""
+        return Reading(self.engine, self.body, rows=self.rows)
+
+    @property
     def description(self) -> str:
         """One line for results and plots."""
         return f"{self.quantity} of {self.body.name}"
@@ -126,6 +138,7 @@ class VonMisesSensor(SiteSensor, tag="von-mises"):
     ``sqrt(((s11-s22)^2 + (s22-s33)^2 + (s33-s11)^2) / 2 + 3 (s12^2 + s23^2 + s13^2))``
     """
 
+    engine: ClassVar[str] = "von mises"
     quantity: ClassVar[str] = "von Mises stress"
     values: ClassVar[tuple[str, ...]] = ("mises",)
 
@@ -133,6 +146,7 @@ class VonMisesSensor(SiteSensor, tag="von-mises"):
 class PrincipalStressSensor(SiteSensor, tag="principal-stress"):
     """Principal stresses at sites of a flexible body, (3 ns,) Pa, the largest first."""
 
+    engine: ClassVar[str] = "principal"
     quantity: ClassVar[str] = "principal stress"
     values: ClassVar[tuple[str, ...]] = ("max", "mid", "min")
 

@@ -15,7 +15,7 @@ from jousto.base.fields import Field, field
 from jousto.base.names import check_name
 from jousto.base.numbers import Number
 from jousto.mechanism.bodies.body import FlexibleBody
-from jousto.mechanism.sensors.base import Sensor
+from jousto.mechanism.sensors.base import Reading, Sensor
 from jousto.mechanism.sensors.gauge import Gauge
 from jousto.mechanism.signals.base import Signal
 
@@ -200,6 +200,14 @@ class Bridge(Sensor, tag="bridge"):
     def rows(self) -> Array:
         """Output per unit modal coordinate, (1, n) V/V: its linear part."""
         return read_only(0.25 * (SIGNS @ self.arm_rows)[None])
+
+    @property
+    def reading(self) -> Reading:
+        """What the engine reads: rows of the arms, then one with their drifts."""
+        rows = np.zeros((5, max(self.arm_rows.shape[1], 4)))
+        rows[:4, : self.arm_rows.shape[1]] = self.arm_rows
+        rows[4, :4] = self.arm_drift
+        return Reading("bridge", self.body, self.signal, rows=rows)
 
     @property
     def signal(self) -> Signal | None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from jousto.base.errors import Problems, suggest, warn
 from jousto.base.fields import Choice, Field, Reference, field
 from jousto.base.numbers import DefaultNumber, Number, set_fields
-from jousto.mechanism.sensors.base import Sensor
+from jousto.mechanism.sensors.base import Reading, Sensor
 from jousto.mechanism.sensors.body import VonMisesSensor
 from jousto.mechanism.sensors.rule import RESIDUES, MeterRule, meter_rule
 
@@ -188,6 +188,11 @@ class DamageSensor(Sensor, tag="damage"):
         """Which values of the sensor are counted."""
         known = tuple(self.sensor.components)
         return tuple(known.index(name) for name in self.measured)
+
+    @property
+    def reading(self) -> Reading:
+        """What the engine reads."""
+        return Reading("damage", self)
 
     @property
     def description(self) -> str:

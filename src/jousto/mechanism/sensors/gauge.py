@@ -15,7 +15,7 @@ from jousto.base.fields import Field, OptionalItem, Reference, field
 from jousto.base.numbers import Number, OptionalNumber, set_fields
 from jousto.base.rotations import Direction, unit_vector
 from jousto.mechanism.bodies.body import FlexibleBody
-from jousto.mechanism.sensors.base import Sensor
+from jousto.mechanism.sensors.base import Reading, Sensor
 from jousto.mechanism.sensors.temperature import Temperature
 from jousto.mechanism.signals.base import Signal
 
@@ -193,6 +193,11 @@ class Gauge(Attached, tag="gauge"):
     def signal(self) -> Signal | None:
         """Apparent strain over time."""
         return None if self.temperature is None else self.temperature.apparent
+
+    @property
+    def reading(self) -> Reading:
+        """What the engine reads."""
+        return Reading("stress", self.body, self.signal, rows=self.rows)
 
     @property
     def description(self) -> str:

@@ -16,7 +16,7 @@ from jousto.mechanism.forces.springs import ModalLoad
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.joints.coupling import Coupler
-from jousto.mechanism.sensors.base import Sensor
+from jousto.mechanism.sensors.base import Reading, Sensor
 from jousto.mechanism.sensors.motion import frame_name
 
 FORCE, MOMENT = ("Fx", "Fy", "Fz"), ("Mx", "My", "Mz")
@@ -112,6 +112,12 @@ class ReactionSensor(Sensor, tag="reaction"):
         return () if self.axes is None else (("resolved_in", self.axes),)
 
     @property
+    def reading(self) -> Reading:
+        """What the engine reads."""
+        kind = "reaction" if isinstance(self.joint, Joint) else "multiplier"
+        return Reading(kind, self.joint, axes=self.axes)
+
+    @property
     def description(self) -> str:
         """One line for results and plots."""
         if isinstance(self.joint, Joint):
@@ -202,6 +208,13 @@ class ForceSensor(Sensor, tag="force"):
     def turning(self) -> tuple[tuple[str, Marker], ...]:
         """The markers whose orientation matters, with the name of the argument."""
         return () if self.resolved_in is None else (("resolved_in", self.resolved_in),)
+
+    @property
+    def reading(self) -> Reading:
+        """What the engine reads."""
+        if isinstance(self.force, Friction):
+            return Reading("friction", self.force)
+        return Reading("element", self.force, self.first, self.axes)
 
     @property
     def description(self) -> str:

@@ -24,7 +24,7 @@ from typing import ClassVar
 from jousto.base.errors import Problems
 from jousto.base.fields import field
 from jousto.mechanism.bodies.marker import Marker, MarkerField, OptionalMarker
-from jousto.mechanism.sensors.base import Sensor
+from jousto.mechanism.sensors.base import Reading, Sensor
 
 XYZ = ("x", "y", "z")
 
@@ -79,6 +79,11 @@ class MotionSensor(Sensor):
         if self.resolved_in is not None:
             found.append(("resolved_in", self.resolved_in))
         return tuple(found)
+
+    @property
+    def reading(self) -> Reading:
+        """What the engine reads."""
+        return Reading(self.quantity, self.marker, self.relative_to, self.axes)
 
     @property
     def description(self) -> str:

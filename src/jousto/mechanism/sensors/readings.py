@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 from jousto.base.errors import Problems, suggest
 from jousto.base.fields import Field, field
 from jousto.mechanism.joints.coordinate import CoordinateField
-from jousto.mechanism.sensors.base import Sensor
+from jousto.mechanism.sensors.base import Reading, Sensor
 from jousto.mechanism.signals.base import SignalField
 
 ENERGIES = ("kinetic", "strain", "potential", "springs", "dissipated", "friction", "work")
@@ -26,6 +26,11 @@ class CoordinateSensor(Sensor, tag="coordinate"):
         return self.coordinate.unit
 
     @property
+    def reading(self) -> Reading:
+        """What the engine reads."""
+        return Reading("coordinate", self.coordinate)
+
+    @property
     def description(self) -> str:
         """One line for results and plots."""
         return f"coordinate {self.coordinate.name}"
@@ -42,6 +47,11 @@ class RateSensor(Sensor, tag="rate"):
     def unit(self) -> str:
         """Unit of the rate."""
         return f"{self.coordinate.unit}/s"
+
+    @property
+    def reading(self) -> Reading:
+        """What the engine reads."""
+        return Reading("rate", self.coordinate)
 
     @property
     def description(self) -> str:
@@ -71,6 +81,11 @@ class EnergySensor(Sensor, tag="energy"):
     energy: Energy = field(f"{', '.join(ENERGIES[:-1])} or {ENERGIES[-1]}")
 
     @property
+    def reading(self) -> Reading:
+        """What the engine reads."""
+        return Reading("energy", self.energy)
+
+    @property
     def description(self) -> str:
         """One line for results and plots."""
         return f"energy: {self.energy}"
@@ -83,6 +98,11 @@ class SignalSensor(Sensor, tag="signal"):
     frame: ClassVar[str] = "world"
     components: ClassVar[tuple[str, ...]] = ("f",)
     signal: SignalField = field("The signal", unit="1")
+
+    @property
+    def reading(self) -> Reading:
+        """What the engine reads."""
+        return Reading("signal", self.signal)
 
     @property
     def description(self) -> str:

@@ -11,6 +11,7 @@ from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.fields import Field, field
 from jousto.base.names import check_name
 from jousto.base.numbers import set_fields
+from jousto.mechanism.sensors.base import Reading
 from jousto.mechanism.sensors.gauge import Attached, Gauge, Heading, outward
 from jousto.mechanism.signals.base import Signal
 
@@ -48,7 +49,7 @@ class Rosette(Attached, tag="rosette"):
         One for each grid, with position and axis.
     """
 
-    kind: Pattern = field(  # type: ignore[misc]  # what messages say first is in place()
+    kind: Pattern = field(  # type: ignore[misc]  # what messages say first is in heading()
         "Angle between the grids: rectangular (0, 45, 90), delta (0, 60, 120), or a tee of two "
         'grids for known principal directions; also ``"rectangular"``, ``"delta"``, ``"tee"``',
         default="45",
@@ -117,6 +118,11 @@ class Rosette(Attached, tag="rosette"):
     def signal(self) -> Signal | None:
         """Apparent strain over time."""
         return self.grids[0].signal
+
+    @property
+    def reading(self) -> Reading:
+        """What the engine reads."""
+        return Reading("stress", self.body, self.signal, rows=self.rows)
 
     @property
     def description(self) -> str:

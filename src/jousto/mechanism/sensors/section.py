@@ -13,7 +13,7 @@ from jousto.base.fields import Choice, Field, field
 from jousto.base.numbers import number, set_fields
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.forces.line_load import BeamField
-from jousto.mechanism.sensors.base import Sensor
+from jousto.mechanism.sensors.base import Reading, Sensor
 
 RESULTANTS = ("N", "Qy", "Qz", "Mx", "My", "Mz")
 STRAINS = ("Gamma_x", "Gamma_y", "Gamma_z", "kappa_x", "kappa_y", "kappa_z")
@@ -112,6 +112,11 @@ class SectionSensor(Sensor, tag="section"):
     def frame(self) -> str:
         """Name of the axes that the components are in."""
         return "section"
+
+    @property
+    def reading(self) -> Reading:
+        """What the engine reads."""
+        return Reading("section", self.beam, self.first, at=self.element)
 
     @property
     def description(self) -> str:
