@@ -13,7 +13,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import jousto as jo
-from jousto.simulation.results import keep
+from jousto.simulation.results import memory
 from jousto.simulation.results.stored import FileRecords
 from jousto.simulation.running.diagnostics import Energy
 from session import objects
@@ -112,7 +112,7 @@ def test_beams_and_inputs_come_back_from_memory_and_from_a_file(tmp_path):
 
 
 def test_nothing_is_written_until_somebody_asks(pendulum, tmp_path, monkeypatch):
-    monkeypatch.setattr(keep.tempfile, "mkdtemp", lambda **_: pytest.fail("wrote a file"))
+    monkeypatch.setattr(memory.tempfile, "mkdtemp", lambda **_: pytest.fail("wrote a file"))
     run = jo.simulate(pendulum, 0.01)
     assert run["tip"].shape == (11, 3)
     with pytest.raises(jo.InputError, match="results of 'pendulum': no sensor 'tipp'"):
@@ -129,7 +129,7 @@ def test_what_is_read_is_a_copy(pendulum):
 
 def test_large_results_go_to_a_temporary_file(pendulum, monkeypatch):
     small = jo.simulate(pendulum, 0.05, output_step=0.01)
-    monkeypatch.setattr(keep, "IN_MEMORY", 0)
+    monkeypatch.setattr(memory, "IN_MEMORY", 0)
     run = jo.simulate(pendulum, 0.05, output_step=0.01)
     assert isinstance(run._records, FileRecords)
     assert_array_equal(run.q, small.q)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from jousto.recovery.hotspots.spots import HotSpots
     from jousto.reduction.certificate.certificate import Certificate
     from jousto.reduction.reduced import ReducedPart
-    from jousto.simulation.results.naming import Names
+    from jousto.simulation.results.frames import Names
     from jousto.simulation.results.solution import Solution
     from jousto.simulation.statics.load_paths import LoadPath
 

@@ -15,8 +15,7 @@ from jousto.base.errors import Problems, suggest, warn
 from jousto.base.fields import Choice, Field, field
 from jousto.base.numbers import OptionalValues
 from jousto.mesh.area import KINDS, area_matrix
-from jousto.mesh.cylinders import cylinder_middle
-from jousto.mesh.holes import Hole
+from jousto.mesh.holes import Hole, cylinder_middle
 from jousto.mesh.picks import Pick
 from jousto.mesh.sets import read_integers
 from jousto.parts.geometry import Geometry

@@ -99,7 +99,7 @@ def mesh_facts(mesh: Mesh) -> Facts:
 
 def set_text(mesh: Mesh, name: str, nodes: Any) -> str:
     """Return how many nodes a set has, where it is and, if it is a surface, its form."""
-    from jousto.mesh.cylinders import cylinder_through
+    from jousto.mesh.holes import cylinder_through
 
     if not len(nodes):
         return "0 nodes"

@@ -17,7 +17,7 @@ from jousto.model.model import Model
 from jousto.model.native.header import places
 from jousto.model.native.native import Engine, displaced
 from jousto.model.rank.redundancy import RANK, null_space, repeated_rows, unit_rows
-from jousto.simulation.results.keep import Keeper
+from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.statics.bending import Bending
 

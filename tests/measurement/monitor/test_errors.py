@@ -12,8 +12,8 @@ from jousto.measurement.monitor.health import ChannelRules
 from jousto.measurement.monitor.monitor import Monitor
 from jousto.measurement.twin.bands import stress_band
 from jousto.measurement.twin.life import damage_band
+from jousto.measurement.twin.signals import gauge_errors
 from jousto.measurement.twin.smoother import smooth
-from jousto.measurement.twin.tolerance import gauge_errors
 from measurement.monitor.test_observed import NOISE, SPOTS, STEP, held, rows, swung
 from measurement.monitor.watched import NAMES, cantilever
 

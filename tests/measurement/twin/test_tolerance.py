@@ -7,8 +7,8 @@ import pytest
 
 import jousto as jo
 from jousto.measurement.twin.bands import stress_band
-from jousto.measurement.twin.posterior import Posterior
-from jousto.measurement.twin.tolerance import gauge_errors
+from jousto.measurement.twin.observed import Posterior
+from jousto.measurement.twin.signals import gauge_errors
 from jousto.recovery.fields.criteria import evaluate
 from jousto.reduction.fields.stress import StressModes
 from parts.grids import grid

@@ -8,9 +8,8 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
-from jousto.measurement.twin.observed import Observed
+from jousto.measurement.twin.observed import Observed, Posterior
 from jousto.measurement.twin.observer import Observer
-from jousto.measurement.twin.posterior import Posterior
 
 
 class Dynamic:

@@ -15,7 +15,7 @@ from jousto.measurement.monitor.alarms import AlarmLimits
 from jousto.measurement.monitor.health import ChannelRules
 from jousto.measurement.monitor.monitor import Monitor
 from jousto.measurement.twin.reconstruction import Reconstruction
-from jousto.measurement.twin.tolerance import GaugeErrors, gauge_errors
+from jousto.measurement.twin.signals import GaugeErrors, gauge_errors
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.sensors.damage import Correction, Curve, Residue
 from jousto.mechanism.sensors.gauge import Gauge

@@ -11,15 +11,14 @@ from .loads import (
     locate_load as locate_load,
     place_loads as place_loads,
 )
-from .observed import Observed as Observed
+from .observed import Observed as Observed, Posterior as Posterior
 from .observer import Balance as Balance, Observer as Observer
 from .placement import Placement as Placement, place_gauges as place_gauges
-from .posterior import Posterior as Posterior
 from .reconstruction import Estimate as Estimate, Reconstruction as Reconstruction
 from .reference import InertialForce as InertialForce, Reference as Reference
+from .signals import gauge_errors as gauge_errors
 from .smoother import Histories as Histories, draw as draw, smooth as smooth
 from .system import Accelerometer as Accelerometer, UnknownLoad as UnknownLoad
-from .tolerance import gauge_errors as gauge_errors
 from .tuning import (
     InnovationTest as InnovationTest,
     innovation_test as innovation_test,

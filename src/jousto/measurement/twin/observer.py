@@ -15,8 +15,7 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count, warn
-from jousto.measurement.twin.drift import drifted
-from jousto.measurement.twin.kalman import Channels, Gain, first_gain, next_gain
+from jousto.measurement.twin.kalman import Channels, Gain, drifted, first_gain, next_gain
 from jousto.measurement.twin.observed import Observed, Step, modal
 from jousto.measurement.twin.reconstruction import NOISE
 from jousto.measurement.twin.reference import STILL, InertialForce, Motion, Reference, cross

@@ -9,8 +9,7 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem
-from jousto.measurement.twin.drift import drifts
-from jousto.measurement.twin.kalman import STEADY, Gain, backward
+from jousto.measurement.twin.kalman import STEADY, Gain, backward, drifts
 from jousto.measurement.twin.observed import Observed, modal, spread
 
 

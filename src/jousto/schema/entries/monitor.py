@@ -26,7 +26,7 @@ FORMS.update(
         "strain": lambda field: Number,
     }
 )
-ErrorsEntry: Any = Annotated[Any, EntryOf("jousto.measurement.twin.tolerance", "GaugeErrors")]
+ErrorsEntry: Any = Annotated[Any, EntryOf("jousto.measurement.twin.signals", "GaugeErrors")]
 MonitorEntry: Any = Annotated[
     Any,
     EntryOf(

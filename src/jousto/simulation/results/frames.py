@@ -1,19 +1,22 @@
-"""Results as tables: columns with names and units, for text, pandas and xarray."""
+"""Results as tables for text, pandas and xarray: names, components and units of the columns."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.errors import InputError, Problem
+from jousto.base.errors import InputError, Problem, Problems, UnknownNameError, suggest
 from jousto.base.files import write_table
 
 Column = tuple[str, dict[str, Any], Array]
 """Name, ``solution.about(name)`` and values of a sensor or component."""
+
+
+Names = str | Sequence[str]
 
 
 def component_units(about: dict[str, Any]) -> tuple[str, ...]:
@@ -105,3 +108,78 @@ def _missing(function: str, package: str) -> InputError:
             "(it is part of the extra frames)",
         )
     )
+
+
+class Sensed(Protocol):
+    """What has sensors: a run."""
+
+    @property
+    def where(self) -> str:
+        """Name for messages."""
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """Names of the sensors."""
+
+    def components(self, sensor: str) -> tuple[str, ...]:
+        """Return the names of the components of a sensor."""
+
+
+def pick(run: Sensed, name: Any, more: Iterable[str] = ()) -> tuple[str, list[int]]:
+    """Return the sensor and the numbers of its components that a name means.
+
+    ``middle`` is all of a sensor, ``middle.y`` and ``middle:y`` are one component of it,
+    ``root:e1.a.top`` all components that begin like this, ``root.s11`` that of every site.
+
+    Parameters
+    ----------
+    run : Solution
+    name : str
+    more : names
+        To suggest besides the sensors.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such sensor or component; the nearest name is suggested.
+    """
+    known = run.sensors
+    if name in known:
+        return name, list(range(len(run.components(name))))
+    text = name if isinstance(name, str) else ""
+    # the name of a sensor may hold dots, and so may a component: the longest sensor name counts
+    places = [i for i, letter in enumerate(text) if letter in ".:" and text[:i] in known]
+    if places:
+        sensor, rest = text[: places[-1]], text[places[-1] + 1 :]
+        components = run.components(sensor)
+        chosen = [i for i, c in enumerate(components) if c == rest or c.startswith(f"{rest}:")]
+        chosen = chosen or [i for i, c in enumerate(components) if c.endswith(f":{rest}")]
+        if chosen:
+            return sensor, chosen
+        said = f"sensor '{sensor}' has no component '{rest}'{suggest(rest, components)}"
+    else:
+        said = f"no sensor {name!r}{suggest(name, [*known, *more])}"
+    raise UnknownNameError(Problem(run.where, said))
+
+
+def named(run: Sensed, names: Sequence[Any], sensors: Any) -> tuple[str, ...]:
+    """Return the sensors and components that are named, all sensors if none is.
+
+    Raises
+    ------
+    InputError
+        For unknown ones, and what is no name.
+    """
+    problems, found = Problems(), []
+    for given in (*names, sensors):
+        if not isinstance(given, str | Sequence):
+            problems.add(run.where, f"sensors is {given!r}, must be names of sensors")
+            continue
+        for name in (given,) if isinstance(given, str) else given:
+            try:
+                pick(run, name)
+            except InputError as error:
+                problems.found += error.problems
+            found.append(name)
+    problems.raise_if_any()
+    return tuple(found) or run.sensors

@@ -21,7 +21,7 @@ from jousto.reduction.fields.stress import StressModes
 from jousto.simulation.results import frames
 from jousto.simulation.results.connections import Connection
 from jousto.simulation.results.events import Happening
-from jousto.simulation.results.naming import Names, named, pick
+from jousto.simulation.results.frames import Names, named, pick
 from jousto.simulation.results.records import BodyShape, Records
 from jousto.simulation.results.stored import FileRecords
 from jousto.simulation.running.diagnostics import Energy, Residuals, Work

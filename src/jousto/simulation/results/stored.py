@@ -16,12 +16,17 @@ from jousto.base.errors import InputError, Problem
 from jousto.base.files import written
 from jousto.model.beam_record import BeamShape
 from jousto.reduction.fields.stress import StressModes
-from jousto.simulation.results.beam_records import GROUP, beam_knows_stress, read_beam
 from jousto.simulation.results.connections import GROUP as CONNECTIONS, Connection, read_connections
 from jousto.simulation.results.events import Happening, happenings
-from jousto.simulation.results.reading import examine, open_results
 from jousto.simulation.results.records import ALL, BodyShape
-from jousto.simulation.results.stress import knows_stress, read_stress
+from jousto.simulation.results.stress import (
+    BEAMS,
+    beam_knows_stress,
+    knows_stress,
+    read_beam,
+    read_stress,
+)
+from jousto.simulation.results.validate import examine, open_results
 from jousto.simulation.results.writer import EVENT_COLUMNS
 from jousto.simulation.running.state import MEMORY
 
@@ -153,9 +158,9 @@ class FileRecords:
     def beams(self) -> tuple[BeamShape, ...]:
         """Return the beams."""
         with self._open() as file:
-            if GROUP not in file:
+            if BEAMS not in file:
                 return ()
-            return tuple(read_beam(name, group) for name, group in file[GROUP].items())
+            return tuple(read_beam(name, group) for name, group in file[BEAMS].items())
 
     def connections(self) -> tuple[Connection, ...]:
         """Return what joins two points, for pictures."""
@@ -165,16 +170,16 @@ class FileRecords:
     def beam_places(self) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
         """Return where the nodes of each beam have their state in q and v."""
         with self._open() as file:
-            if GROUP not in file:
+            if BEAMS not in file:
                 return {}
-            return {name: (beam["iq"][()], beam["iv"][()]) for name, beam in file[GROUP].items()}
+            return {name: (beam["iq"][()], beam["iv"][()]) for name, beam in file[BEAMS].items()}
 
     def stressed(self) -> tuple[str, ...]:
         """Return the names of the bodies and beams whose stress is known."""
         with self._open() as file:
             names = [name for name, group in file["bodies"].items() if knows_stress(group)]
-            if GROUP in file:
-                names += [name for name, group in file[GROUP].items() if beam_knows_stress(group)]
+            if BEAMS in file:
+                names += [name for name, group in file[BEAMS].items() if beam_knows_stress(group)]
             return tuple(names)
 
     def stress_modes(self, body: str) -> StressModes | None:

@@ -1,20 +1,28 @@
-"""What a results file must hold: every field with its type and shape, and times that ascend."""
+"""Opening a results file: what it must hold; whatever is wrong with it is one sentence."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from jousto.base.hdf5 import Group, check_dataset
-from jousto.simulation.results.beam_records import GROUP, read_beam
+from jousto.base.errors import InputError, MissingFileError, Problem
+from jousto.base.files import check_file
+from jousto.base.hdf5 import Group, check_dataset, damage, open_format
+from jousto.base.seal import Sealed, sealed
 from jousto.simulation.results.columns import DIAGNOSTICS
-from jousto.simulation.results.stress import knows_stress, read_stress
-from jousto.simulation.results.writer import EVENT_COLUMNS
+from jousto.simulation.results.stress import BEAMS, knows_stress, read_beam, read_stress
+from jousto.simulation.results.writer import CONTENTS, EVENT_COLUMNS, FORMAT, FORMAT_VERSION
 from jousto.simulation.running.state import MEMORY
 
 TEXTS = ("name", "run", "solver")
 NUMBERS = ("complete",)
+
+
+AGAIN = "run the model again, or restore a copy of the file"
 
 
 def check_results(file: Group) -> None:
@@ -88,14 +96,14 @@ def _sensors(file: Group, room: int) -> None:
 
 
 def _beams(file: Group, nq: int, nv: int) -> None:
-    if GROUP not in file:
+    if BEAMS not in file:
         return
-    for name, group in file.groups(GROUP):
+    for name, group in file.groups(BEAMS):
         nodes = len(read_beam(name, group).bodies)
         for key, size, width in (("iq", nq, 7), ("iv", nv, 6)):
             places = group.array(key, (nodes,), "iu")
             if not 0 <= places.min() <= places.max() <= size - width:
-                raise ValueError(f"{GROUP}/{name}/{key} is outside of the state")
+                raise ValueError(f"{BEAMS}/{name}/{key} is outside of the state")
 
 
 def _events(file: Group) -> None:
@@ -137,3 +145,59 @@ def _names(found: Any, place: str) -> list[str]:
         return [name.decode() for name in found]
     except (AttributeError, UnicodeDecodeError) as error:
         raise ValueError(f"{place} holds something other than names") from error
+
+
+@contextmanager
+def open_results(path: Path) -> Iterator[Group]:
+    """Open a results file for reading, also one whose run is going on or was killed.
+
+    What its reader stumbles over in the block is reported as damage of the file.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it is damaged, or it is something else than results.
+    """
+    check_file(path)
+    if not path.is_file():
+        raise MissingFileError(Problem(str(path), "no such results file"))
+    with open_format(path, FORMAT, "a results file", AGAIN) as file:
+        _check_version(file, path)
+        yield file
+
+
+def examine(path: Path) -> Sealed | None:
+    """Check a results file before it is used; return its checksums.
+
+    With checksums the file is as it was written. Without (killed before they were, or written to
+    by another program) everything that it holds must have its place, type and shape.
+
+    Raises
+    ------
+    InputError
+        Naming what is wrong with it.
+    """
+    if path.is_file():
+        with damage(path, AGAIN):
+            seal = sealed(path)
+        if seal is not None:
+            return seal
+    with open_results(path) as file:
+        missing = [name for name in CONTENTS if name not in file]
+        if missing:
+            raise ValueError(f"{', '.join(missing)} missing")
+        check_results(file)
+    return None
+
+
+def _check_version(file: Group, path: Path) -> None:
+    written = int(file.attrs["format_version"])
+    if written != FORMAT_VERSION:
+        by = file["model"].attrs.get("version", "unknown")
+        raise InputError(
+            Problem(
+                str(path),
+                f"results format {written}, this version reads {FORMAT_VERSION}; written by "
+                f"jousto {by}: run the model again",
+            )
+        )

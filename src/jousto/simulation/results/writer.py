@@ -25,7 +25,6 @@ from jousto.base.files import create, unwritable
 from jousto.base.seal import Seal
 from jousto.base.version import __version__
 from jousto.model.model import Model
-from jousto.simulation.results.beam_records import GROUP, beam_arrays
 from jousto.simulation.results.columns import Column, columns
 from jousto.simulation.results.connections import (
     GROUP as CONNECTIONS,
@@ -34,7 +33,7 @@ from jousto.simulation.results.connections import (
 )
 from jousto.simulation.results.events import joints_of, sources
 from jousto.simulation.results.image import SparseImage, reserve
-from jousto.simulation.results.stress import stress_arrays
+from jousto.simulation.results.stress import BEAMS, beam_arrays, stress_arrays
 
 Facts = dict[str, Any]  # how a run ended: ended, wall_time, real_time_factor
 FORMAT = "jousto results"
@@ -393,7 +392,7 @@ def _describe(
             else:
                 known[content] = group.create_dataset(name, data=array)
     if model.beam_shapes:
-        beams = file.create_group(GROUP, track_order=True)
+        beams = file.create_group(BEAMS, track_order=True)
         for beam in model.beam_shapes:
             group = beams.create_group(beam.name)
             for name, array in beam_arrays(beam).items():

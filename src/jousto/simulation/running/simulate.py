@@ -20,7 +20,7 @@ from jousto.model.native.header import named
 from jousto.model.native.native import Engine
 from jousto.model.rank.redundancy import is_drive
 from jousto.simulation.results.events import Chronicle
-from jousto.simulation.results.keep import Keeper
+from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import EVENTS
 from jousto.simulation.running.beam_checks import warn_bent
