@@ -64,7 +64,7 @@ WORDS = {
     "Callable": "a function",
     "Sets": "a dictionary",
 }
-NUMERIC = ("ArrayLike", "Array", "Floats", "Ints", "NDArray")
+NUMERIC = ("ArrayLike", "Array", "Ints", "NDArray")
 SEVERAL = ("Sequence", "Iterable", "list", "tuple", "set")
 
 

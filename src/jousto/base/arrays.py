@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 A = TypeVar("A", bound=NDArray[Any])
 
 Array = NDArray[np.float64]
-Floats = Array
 Index = NDArray[np.intp]
 Ints = NDArray[np.int64]
 if TYPE_CHECKING:
@@ -47,7 +46,7 @@ def skew(x: ArrayLike) -> Array:
     return out
 
 
-def transposed(x: Floats) -> Floats:
+def transposed(x: Array) -> Array:
     """Return the array with its last two axes exchanged."""
     return np.swapaxes(x, -1, -2)
 
@@ -70,12 +69,12 @@ def as_csr(matrix: object) -> Sparse:
     return out  # type: ignore[no-any-return]
 
 
-def times(matrix: Sparse, x: Floats) -> Floats:
+def times(matrix: Sparse, x: Array) -> Array:
     """Return the product of a sparse matrix and a dense vector or matrix."""
     return np.asarray(matrix @ x)
 
 
-def scatter(blocks: Floats, rows: Ints, columns: Ints, shape: tuple[int, int]) -> Sparse:
+def scatter(blocks: Array, rows: Ints, columns: Ints, shape: tuple[int, int]) -> Sparse:
     """Add dense blocks (m, r, c) into a sparse matrix at rows (m, r) and columns (m, c)."""
     i = np.broadcast_to(rows[:, :, None], blocks.shape)
     j = np.broadcast_to(columns[:, None, :], blocks.shape)

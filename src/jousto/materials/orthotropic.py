@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.arrays import Floats
+from jousto.base.arrays import Array
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
 from jousto.base.fields import Field, Label, field
@@ -15,7 +15,7 @@ from jousto.base.rotations import Rotate, parse_orientation, rotation_matrix
 from jousto.materials.material import Material
 
 
-class Axes(Field[Any, Floats]):
+class Axes(Field[Any, Array]):
     """Three directions of a material: the columns of a matrix, or an orientation."""
 
     form = "orientation"
@@ -90,7 +90,7 @@ class Orthotropic(Declared, section="materials", tag="orthotropic", kw_only=True
                 " j under a pull along i (perhaps nu_ji was given)",
             )
 
-    def _scaled_compliance(self) -> Floats:
+    def _scaled_compliance(self) -> Array:
         E = np.sqrt([self.E1, self.E2, self.E3])
         S = np.eye(3)
         for i, j, nu in ((0, 1, self.nu12), (0, 2, self.nu13), (1, 2, self.nu23)):
@@ -98,7 +98,7 @@ class Orthotropic(Declared, section="materials", tag="orthotropic", kw_only=True
         return S
 
 
-def elasticity(material: Material | Orthotropic) -> Floats:
+def elasticity(material: Material | Orthotropic) -> Array:
     """Return the elasticity matrix C (6, 6) in Pa, part axes.
 
     ``[s11 s22 s33 s12 s23 s13] = C [e11 e22 e33 g12 g23 g13]`` with engineering shear strains g.
@@ -121,7 +121,7 @@ def elasticity(material: Material | Orthotropic) -> Floats:
     return np.asarray(T.T @ C @ T)
 
 
-def strain_rotation(R: Floats) -> Floats:
+def strain_rotation(R: Array) -> Array:
     """Return T (6, 6): strains along axes R (columns) from strains in part axes.
 
     With engineering shear strains; stresses follow ``T^T``: part axes from the axes R.

@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from jousto.base.arrays import Floats, Ints, Sparse, as_csr
+from jousto.base.arrays import Array, Ints, Sparse, as_csr
 from jousto.mesh.reference import Table, face_table
 
 KINDS = {3: "triangles", 4: "quadrangles", 6: "triangles with mid-side nodes", 8: "quadrangles "
@@ -32,7 +32,7 @@ def by_kind(rows: Ints, used: NDArray[np.bool_]) -> tuple[Ints, ...]:
     return tuple(group for group in groups if len(group))
 
 
-def area_matrix(nodes: Floats, faces: Sequence[Ints]) -> Sparse:
+def area_matrix(nodes: Array, faces: Sequence[Ints]) -> Sparse:
     """Return ``int N N^T dA`` over faces, (nn, nn) in m2.
 
     Nodal forces ``area_matrix @ t`` are those of the traction with nodal values t; row sums are the
@@ -59,7 +59,7 @@ def area_matrix(nodes: Floats, faces: Sequence[Ints]) -> Sparse:
     return as_csr(total)
 
 
-def face_points(nodes: Floats, faces: Ints) -> tuple[Floats, Floats, Floats]:
+def face_points(nodes: Array, faces: Ints) -> tuple[Array, Array, Array]:
     """Return shape functions, areas and positions at the points of faces of one kind.
 
     Returns
@@ -76,7 +76,7 @@ def face_points(nodes: Floats, faces: Ints) -> tuple[Floats, Floats, Floats]:
     return t.N, area, np.einsum("qk,fkx->fqx", t.N, nodes[faces])
 
 
-def node_normals(nodes: Floats, faces: Sequence[Ints]) -> Floats:
+def node_normals(nodes: Array, faces: Sequence[Ints]) -> Array:
     """Return unit normals (nn, 3) at the nodes of faces, weighed by area; zero elsewhere."""
     total = np.zeros(nodes.shape)
     for group in faces:
@@ -88,7 +88,7 @@ def node_normals(nodes: Floats, faces: Sequence[Ints]) -> Floats:
     return np.asarray(total / np.where(length > 0.0, length, 1.0))
 
 
-def face_node_tangents(nodes: Floats, faces: Ints) -> tuple[Floats, Floats]:
+def face_node_tangents(nodes: Array, faces: Ints) -> tuple[Array, Array]:
     """Return derivatives along a face and its normal, at the nodes of faces of one kind.
 
     Returns
@@ -108,7 +108,7 @@ def face_node_tangents(nodes: Floats, faces: Ints) -> tuple[Floats, Floats]:
     return np.einsum("fqcx,qck->fqxk", dual / area[:, :, None], t.dN), normal
 
 
-def _across(t: Table, x: Floats) -> tuple[Floats, Floats]:
+def _across(t: Table, x: Array) -> tuple[Array, Array]:
     """Return the tangents (nf, nq, 2, 3) and their cross product of faces of nodes x (nf, k, 3)."""
     tangents = np.einsum("qck,fkx->fqcx", t.dN, x)
     return tangents, np.cross(tangents[:, :, 0], tangents[:, :, 1])

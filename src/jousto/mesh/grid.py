@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints, frozen, some
+from jousto.base.arrays import Array, Ints, frozen, some
 from jousto.base.errors import Problems, count
 from jousto.mesh.cells import KINDS, SOLIDS, Cells, read_cells
 from jousto.mesh.quality import Quality, measure, volumes
@@ -24,7 +24,7 @@ class Grid:
     """What a `Mesh` is before anything is picked, judged or changed; see there."""
 
     name: str
-    nodes: Floats
+    nodes: Array
     cells: tuple[Cells, ...]
     node_ids: Ints = ()  # type: ignore[assignment]
     node_sets: Sets = field(default_factory=dict)
@@ -101,7 +101,7 @@ class Grid:
         return float(volumes(self.nodes, self.cells).sum())
 
     @cached_property
-    def bounds(self) -> tuple[Floats, Floats]:
+    def bounds(self) -> tuple[Array, Array]:
         """Smallest and largest x, y, z in m of the nodes that solid elements use."""
         nodes = self.nodes[self.used] if len(self.used) else self.nodes
         if not len(nodes):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.base.arrays import Floats, Ints
+from jousto.base.arrays import Array, Ints
 from jousto.base.described import described
 from jousto.mesh.grid import Grid
 from jousto.mesh.surface import face_normals
@@ -48,8 +48,8 @@ class Hole:
     """
 
     name: str
-    point: Floats
-    axis: Floats
+    point: Array
+    axis: Array
     radius: float
     length: float
     nodes: Ints
@@ -127,7 +127,7 @@ def _walls(mesh: Grid) -> list[_Wall]:
     return [wall for wall in fitted if wall is not None]
 
 
-def _smooth(corners: list[Ints], normals: Floats) -> Ints:
+def _smooth(corners: list[Ints], normals: Array) -> Ints:
     """Return the number of the smooth wall of each face."""
     from scipy.sparse.csgraph import connected_components
 
@@ -150,7 +150,7 @@ def _smooth(corners: list[Ints], normals: Floats) -> Ints:
     return label
 
 
-def _fit(nodes: Floats, corners: Ints, all_nodes: Ints, normals: Floats) -> _Wall | None:
+def _fit(nodes: Array, corners: Ints, all_nodes: Ints, normals: Array) -> _Wall | None:
     """Return the cylinder of a wall, or None if it is none or its normals point outwards."""
     if len(normals) < 3:
         return None
@@ -215,13 +215,13 @@ class Cylinder:
         In m.
     """
 
-    middle: Floats
-    axis: Floats
+    middle: Array
+    axis: Array
     radius: float
     length: float
 
 
-def cylinder_middle(x: Floats) -> Floats | None:
+def cylinder_middle(x: Array) -> Array | None:
     """Return the middle of the axis of the cylinder through points, or None if there is none.
 
     Parameters
@@ -240,7 +240,7 @@ def cylinder_middle(x: Floats) -> Floats | None:
     return None if found is None else found.middle
 
 
-def cylinder_through(x: Floats) -> Cylinder | None:
+def cylinder_through(x: Array) -> Cylinder | None:
     """Return the cylinder through points, or None if there is none.
 
     Least squares over axis, centre and radius, from the three principal directions of the points.
@@ -275,7 +275,7 @@ def cylinder_through(x: Floats) -> Cylinder | None:
     return Cylinder(centroid + size * c.middle, c.axis, size * c.radius, size * c.length)
 
 
-def _fitted(y: Floats, axis: Floats) -> tuple[float, Cylinder] | None:
+def _fitted(y: Array, axis: Array) -> tuple[float, Cylinder] | None:
     """Return the error relative to the radius and the cylinder, from a first axis."""
     from scipy.optimize import least_squares  # slow to import and rarely needed
 
@@ -288,7 +288,7 @@ def _fitted(y: Floats, axis: Floats) -> tuple[float, Cylinder] | None:
     if not 0.0 < r < 4.0:
         return None
 
-    def frame(p: Floats) -> tuple[Floats, Floats, Floats]:
+    def frame(p: Array) -> tuple[Array, Array, Array]:
         e = axis + p[0] * u + p[1] * v
         e = e / np.linalg.norm(e)
         centre = p[2] * u + p[3] * v
@@ -299,7 +299,7 @@ def _fitted(y: Floats, axis: Floats) -> tuple[float, Cylinder] | None:
     if np.sqrt(np.mean((frame(np.array([0.0, 0.0, a, b, r]))[2] - r) ** 2)) > 0.3 * r:
         return None
 
-    def distance(p: Floats) -> Floats:
+    def distance(p: Array) -> Array:
         return np.asarray(frame(p)[2] - p[4])
 
     p = least_squares(distance, np.array([0.0, 0.0, a, b, r]), method="lm").x

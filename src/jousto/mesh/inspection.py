@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.base.arrays import Floats, Ints, some
+from jousto.base.arrays import Array, Ints, some
 from jousto.base.errors import InputError, Problem, count, warn
 from jousto.base.ranking import ranking
 from jousto.mesh.cells import LINES, SURFACES, base, edges, is_quadratic
@@ -342,7 +342,7 @@ def duplicates(mesh: Grid, tolerance: float) -> Ints:
     """Return pairs (m, 2) of nodes of solids within a tolerance in m, sorted, the lower first."""
     from scipy.spatial import cKDTree  # slow to import and rarely needed
 
-    nodes: Floats = mesh.nodes[mesh.used]
+    nodes: Array = mesh.nodes[mesh.used]
     if not len(nodes):
         return np.zeros((0, 2), dtype=np.int64)
     pairs = cKDTree(nodes).query_pairs(tolerance, output_type="ndarray")

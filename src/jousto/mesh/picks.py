@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jousto.base.arrays import Floats, Ints
+from jousto.base.arrays import Array, Ints
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
 from jousto.base.fields import Field, field
@@ -19,7 +19,7 @@ NEAR = 1e-6
 """Nodes this far outside still count as inside, as a share of the size of the body."""
 
 
-def _slack(nodes: Floats) -> float:
+def _slack(nodes: Array) -> float:
     return NEAR * float(np.ptp(nodes, axis=0).max()) if len(nodes) else 0.0
 
 
@@ -37,7 +37,7 @@ class Corner(Vector):
         return corner
 
 
-class Way(Field[ArrayLike, Floats]):
+class Way(Field[ArrayLike, Array]):
     """A direction, kept at length 1."""
 
     form = "direction"
@@ -48,7 +48,7 @@ class Way(Field[ArrayLike, Floats]):
         return unit_vector(problems, where, self.name, value)
 
 
-def unit_vector(problems: Problems, where: str, name: str, value: Any) -> Floats | None:
+def unit_vector(problems: Problems, where: str, name: str, value: Any) -> Array | None:
     """Return a vector divided by its length, or note why it has no direction."""
     vector = problems.array(where, name, value, (3,))
     if vector is None:
@@ -64,7 +64,7 @@ class Pick(Declared, ABC):
     """Nodes by where they are."""
 
     @abstractmethod
-    def of(self, nodes: Floats) -> Ints:
+    def of(self, nodes: Array) -> Ints:
         """Return the indices of those among the nodes (nn, 3), ascending."""
 
     def __repr__(self) -> str:
@@ -96,7 +96,7 @@ class InBox(Pick):
             low, high = self.low[a], self.high[a]
             problems.add(where, f"low is {low:g} m along {'xyz'[a]}, above high, {high:g} m")
 
-    def of(self, nodes: Floats) -> Ints:
+    def of(self, nodes: Array) -> Ints:
         """Return the indices of the nodes (nn, 3) in the box, ascending."""
         e = _slack(nodes)
         return np.flatnonzero(np.all((nodes >= self.low - e) & (nodes <= self.high + e), axis=1))
@@ -127,7 +127,7 @@ class InCylinder(Pick):
         "Along the axis; without end if not given", unit="m", default=None
     )
 
-    def of(self, nodes: Floats) -> Ints:
+    def of(self, nodes: Array) -> Ints:
         """Return the indices of the nodes (nn, 3) in the cylinder, ascending."""
         e = _slack(nodes)
         arm = nodes - self.point
@@ -149,7 +149,7 @@ class InSphere(Pick):
     point: Vector = field("The centre, part frame", unit="m")
     radius: Positive = field("Radius", unit="m")
 
-    def of(self, nodes: Floats) -> Ints:
+    def of(self, nodes: Array) -> Ints:
         """Return the indices of the nodes (nn, 3) in the sphere, ascending."""
         away = np.linalg.norm(nodes - self.point, axis=1)
         return np.flatnonzero(away <= self.radius + _slack(nodes))
@@ -175,7 +175,7 @@ class OnPlane(Pick):
         "Largest distance; 1e-6 of the body's size if not given", unit="m", default=None
     )
 
-    def of(self, nodes: Floats) -> Ints:
+    def of(self, nodes: Array) -> Ints:
         """Return the indices of the nodes (nn, 3) on the plane, ascending."""
         near = _slack(nodes) if self.tolerance is None else self.tolerance
         return np.flatnonzero(np.abs((nodes - self.point) @ self.normal) <= near)
@@ -198,7 +198,7 @@ class Nearest(Pick):
     point: Vector = field("Where, part frame", unit="m")
     count: Whole = field("How many nodes", least=1, default=1)
 
-    def of(self, nodes: Floats) -> Ints:
+    def of(self, nodes: Array) -> Ints:
         """Return the indices of the nodes (nn, 3) nearest to the point, ascending."""
         away = np.linalg.norm(nodes - self.point, axis=1)
         if len(away) <= self.count:

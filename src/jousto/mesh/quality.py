@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints, frozen
+from jousto.base.arrays import Array, Ints, frozen
 from jousto.base.described import described
 from jousto.base.errors import count
 from jousto.mesh.cells import SOLIDS, Cells, base, edges
@@ -43,9 +43,9 @@ class Quality:
     """
 
     ids: Ints
-    scaled_jacobian: Floats
-    jacobian_ratio: Floats
-    aspect: Floats
+    scaled_jacobian: Array
+    jacobian_ratio: Array
+    aspect: Array
 
     def _facts(self) -> str:
         worst = self.scaled_jacobian.min(initial=np.inf)
@@ -84,7 +84,7 @@ class Quality:
 
 
 @cache
-def _corner_edges(kind: str) -> tuple[Ints, Ints, Floats]:
+def _corner_edges(kind: str) -> tuple[Ints, Ints, Array]:
     """Return corners (m,), their three neighbours (m, 3) right-handed, and reference vectors."""
     r = places(base(kind))
     near: list[list[int]] = [[] for _ in r]
@@ -111,14 +111,14 @@ def _chunks(cells: Sequence[Cells]) -> Iterator[tuple[str, Ints, slice]]:
 
 
 @cache
-def _at_nodes(kind: str) -> Floats:
+def _at_nodes(kind: str) -> Array:
     """Return derivatives of the shape functions (m, 3, k) at the nodes and the centre."""
     points = places(kind)
     centre = points[: SOLIDS[base(kind)]].mean(axis=0)
     return shape_functions(kind, np.concatenate([points, centre[None]]))[1]
 
 
-def measure(nodes: Floats, cells: Sequence[Cells]) -> Quality:
+def measure(nodes: Array, cells: Sequence[Cells]) -> Quality:
     """Return the quality of all solid cells."""
     solid = [block for block in cells if block.kind in SOLIDS]
     ids = np.concatenate([np.zeros(0, dtype=np.int64), *(block.ids for block in solid)])
@@ -150,7 +150,7 @@ def measure(nodes: Floats, cells: Sequence[Cells]) -> Quality:
     return Quality(ids, *map(frozen, (scaled, ratio, aspect)))
 
 
-def volumes(nodes: Floats, cells: Sequence[Cells]) -> Floats:
+def volumes(nodes: Array, cells: Sequence[Cells]) -> Array:
     """Return the volume of every solid cell in m^3, curved edges included."""
     total = sum(len(block) for block in cells if block.kind in SOLIDS)
     out = np.zeros(total)

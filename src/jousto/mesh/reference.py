@@ -12,7 +12,7 @@ from functools import cache
 
 import numpy as np
 
-from jousto.base.arrays import Floats
+from jousto.base.arrays import Array
 
 KINDS = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20, "wedge": 6, "wedge15": 15}
 """Kinds of solid elements with their number of nodes."""
@@ -101,14 +101,14 @@ class Table:
         Their derivatives along the reference coordinates.
     """
 
-    points: Floats
-    weights: Floats
-    N: Floats
-    dN: Floats
+    points: Array
+    weights: Array
+    N: Array
+    dN: Array
 
 
 @cache
-def places(kind: str) -> Floats:
+def places(kind: str) -> Array:
     """Return the reference coordinates of the nodes, (k, 3); (k, 2) of faces."""
     corners = np.array(_PLACES[CORNERS[kind]], dtype=np.float64)
     if kind not in EDGES:
@@ -140,7 +140,7 @@ def table(kind: str, purpose: str) -> Table:
     return Table(points, weights, N, dN)
 
 
-def rule(kind: str, plane: int, axis: int) -> tuple[Floats, Floats]:
+def rule(kind: str, plane: int, axis: int) -> tuple[Array, Array]:
     """Return points (nq, 3) and weights (nq,) exact for polynomials of these degrees."""
     from skfem.quadrature import get_quadrature  # slow to import, only solids need it
     from skfem.refdom import RefLine, RefTet, RefTri
@@ -164,7 +164,7 @@ def rule(kind: str, plane: int, axis: int) -> tuple[Floats, Floats]:
     return points, np.outer(wz, w).ravel()
 
 
-def shape_functions(kind: str, points: Floats) -> tuple[Floats, Floats]:
+def shape_functions(kind: str, points: Array) -> tuple[Array, Array]:
     """Return shape functions (nq, k) and their derivatives (nq, 3, k) at points (nq, 3)."""
     if kind == "wedge15":
         return _wedge15(points)
@@ -191,7 +191,7 @@ def shape_functions(kind: str, points: Floats) -> tuple[Floats, Floats]:
     return N, dN
 
 
-def _wedge15(points: Floats) -> tuple[Floats, Floats]:
+def _wedge15(points: Array) -> tuple[Array, Array]:
     """Return the 15-node wedge, which scikit-fem does not have.
 
     Its functions are quadratic in the triangle times linear along the axis, and linear in the
@@ -202,7 +202,7 @@ def _wedge15(points: Floats) -> tuple[Floats, Floats]:
     powers += [(0, 0, 2), (1, 0, 2), (0, 1, 2)]
     p = np.array(powers)
 
-    def monomials(x: Floats, along: int | None = None) -> Floats:
+    def monomials(x: Array, along: int | None = None) -> Array:
         e = p.copy()
         factor = np.ones(len(p))
         if along is not None:
@@ -215,7 +215,7 @@ def _wedge15(points: Floats) -> tuple[Floats, Floats]:
     return monomials(points) @ coefficients, dN
 
 
-def gradients(dN: Floats, x: Floats) -> tuple[Floats, Floats]:
+def gradients(dN: Array, x: Array) -> tuple[Array, Array]:
     """Return derivatives of the shape functions in space and the Jacobian.
 
     Parameters
@@ -244,7 +244,7 @@ def gradients(dN: Floats, x: Floats) -> tuple[Floats, Floats]:
     return np.matmul(inverse.transpose(0, 2, 1, 3), dN), detJ
 
 
-def jacobians(dN: Floats, x: Floats) -> Floats:
+def jacobians(dN: Array, x: Array) -> Array:
     """Return the ratio of volumes (ne, nq) alone, see `gradients`."""
     nq, _, k = dN.shape
     J = np.matmul(x.transpose(0, 2, 1), dN.reshape(nq * 3, k).T).reshape(-1, 3, nq, 3)
@@ -252,7 +252,7 @@ def jacobians(dN: Floats, x: Floats) -> Floats:
     return np.asarray(np.sum(a * _cross(b, c), axis=1))
 
 
-def _cross(a: Floats, b: Floats) -> Floats:
+def _cross(a: Array, b: Array) -> Array:
     """Return the cross product along axis 1."""
     return np.stack(
         [

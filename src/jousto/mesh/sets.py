@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.base.arrays import Floats, Ints, frozen, some
+from jousto.base.arrays import Array, Ints, frozen, some
 from jousto.base.errors import Problems, suggest
 
 NODE_NAMES_UP_TO = 10_000
@@ -120,7 +120,7 @@ def tied(graph: Any, groups: Iterable[Ints]) -> Any:
     return sp.coo_array(graph) + sp.coo_array((np.ones(len(i)), (i, j)), shape=graph.shape)
 
 
-def connectivity(problems: Problems, where: str, xyz: Floats, elements: Ints) -> None:
+def connectivity(problems: Problems, where: str, xyz: Array, elements: Ints) -> None:
     """Note a part that falls into pieces, with the nearest nodes between two of them."""
     nn = len(xyz)
     i = np.repeat(elements[:, 0], elements.shape[1] - 1)
@@ -128,7 +128,7 @@ def connectivity(problems: Problems, where: str, xyz: Floats, elements: Ints) ->
     pieces(problems, where, xyz, graph)
 
 
-def pieces(problems: Problems, where: str, xyz: Floats, graph: Any) -> None:
+def pieces(problems: Problems, where: str, xyz: Array, graph: Any) -> None:
     """Note a graph of nodes, (nn, nn) sparse, that is not connected."""
     from scipy.sparse.csgraph import connected_components  # slow to import and rarely needed
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints, frozen
+from jousto.base.arrays import Array, Ints, frozen
 from jousto.base.described import described
 from jousto.mesh.cells import SOLIDS, SURFACES, Cells, base, faces
 
@@ -118,11 +118,11 @@ def face_kind(columns: int) -> str:
     return _KIND[columns]
 
 
-def face_normals(nodes: Floats, corners: Ints) -> Floats:
+def face_normals(nodes: Array, corners: Ints) -> Array:
     """Return normals (nf, 3) of faces as long as their area, from the corners."""
     p = nodes[corners]
     if corners.shape[1] == 3:
-        out: Floats = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) / 2.0
+        out: Array = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) / 2.0
     else:
         out = np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 1]) / 2.0
     return out

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints, Sparse, as_csr, scatter, skew
+from jousto.base.arrays import Array, Ints, Sparse, as_csr, scatter, skew
 from jousto.base.errors import Problems
 from jousto.mesh.sets import node_index
 from jousto.parts.mass import MassPoints, PointMass, second_moment
@@ -16,7 +16,7 @@ def attached_points(
     problems: Problems,
     where: str,
     masses: Sequence[PointMass],
-    nodes: Floats,
+    nodes: Array,
     node_sets: Mapping[str, tuple[int, ...]],
 ) -> MassPoints | None:
     """Return point masses on nodes of three degrees of freedom, or None if there are none.
@@ -29,8 +29,8 @@ def attached_points(
         return None
     k, ndof = len(masses), 3 * len(nodes)
     position, arm = np.zeros((k, 3)), np.zeros((k, 3))
-    N: list[tuple[Floats, Ints]] = []
-    turn: list[tuple[Floats, Ints]] = []
+    N: list[tuple[Array, Ints]] = []
+    turn: list[tuple[Array, Ints]] = []
     for i, mass in enumerate(masses):
         at = f"{where}: point mass at {mass.node!r}"
         if isinstance(mass.node, str) and mass.node in node_sets:
@@ -68,7 +68,7 @@ def attached_points(
     return MassPoints(total, position, moment, _rows(N, ndof), _rows(turn, ndof), arm)
 
 
-def _averages(x: Floats) -> Floats | None:
+def _averages(x: Array) -> Array | None:
     """Return the rotation (3, 3 m) that fits displacements best; None if it is not determined."""
     if len(x) < 3:
         return None
@@ -80,7 +80,7 @@ def _averages(x: Floats) -> Floats | None:
     return np.linalg.solve(J, skew(r).transpose(1, 0, 2).reshape(3, -1))
 
 
-def _rows(blocks: list[tuple[Floats, Ints]], ndof: int) -> Sparse:
+def _rows(blocks: list[tuple[Array, Ints]], ndof: int) -> Sparse:
     parts = [
         scatter(
             block[None], np.arange(3 * i, 3 * i + 3)[None], columns[None], (3 * len(blocks), ndof)

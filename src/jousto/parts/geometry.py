@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from jousto.base.arrays import Floats, Ints
+from jousto.base.arrays import Array, Ints
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -13,7 +13,7 @@ class Geometry:
     """What a `Part` is without its matrices; see there."""
 
     name: str
-    nodes: Floats
+    nodes: Array
     dofs_per_node: int
     node_sets: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     faces: Sequence[Ints] = ()

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints, read_only, skew
+from jousto.base.arrays import Array, Ints, read_only, skew
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems, suggest, warn
 from jousto.base.fields import Choice, Field, field
@@ -154,9 +154,9 @@ class Tie:
     name: str
     kind: str
     nodes: Ints
-    at: Floats
-    following: Floats
-    averaging: Floats
+    at: Array
+    following: Array
+    averaging: Array
     conditioning: float
     by_area: bool
 
@@ -261,7 +261,7 @@ def _tie(
     interface: Interface,
     found: Ints,
     faces: Sequence[Sequence[Ints]],
-    nodes: Floats,
+    nodes: Array,
     d: int,
 ) -> Tie | None:
     order = np.argsort(found)
@@ -340,7 +340,7 @@ def _tie(
     )
 
 
-def _area(nodes: Floats, index: Ints, faces: Sequence[Ints]) -> Any:
+def _area(nodes: Array, index: Ints, faces: Sequence[Ints]) -> Any:
     """Return ``int N N^T dA`` (k, k) over the faces among the nodes; None if one has no face."""
     inside = np.zeros(len(nodes), dtype=bool)
     inside[index] = True

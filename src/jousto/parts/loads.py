@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints, Sparse, times
+from jousto.base.arrays import Array, Ints, Sparse, times
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems, suggest
 from jousto.base.fields import AnyField, field
@@ -87,7 +87,7 @@ class Spin(Load):
     centre: Vector = field("A point c of the axis, part frame", unit="m", default=ZERO)
 
 
-def load_vector(part: Geometry, M: Sparse, loads: Sequence[Load]) -> Floats:
+def load_vector(part: Geometry, M: Sparse, loads: Sequence[Load]) -> Array:
     """Return the nodal forces (ndof,) of loads, see `Part.load`."""
     problems = Problems()
     total = np.zeros((len(part.nodes), part.dofs_per_node))
@@ -134,7 +134,7 @@ def load_vector(part: Geometry, M: Sparse, loads: Sequence[Load]) -> Floats:
     return total.reshape(-1)
 
 
-def _inertial(part: Geometry, M: Sparse, field: Floats) -> Floats:
+def _inertial(part: Geometry, M: Sparse, field: Array) -> Array:
     """Return ``int rho field`` of an affine field of accelerations (nn, 3) as nodal forces."""
     a = np.zeros((len(part.nodes), part.dofs_per_node))
     a[:, :3] = field
@@ -142,7 +142,7 @@ def _inertial(part: Geometry, M: Sparse, field: Floats) -> Floats:
 
 
 def _on_nodes(
-    problems: Problems, label: str, total: Floats, nodes: Ints, known: dict[str, Any]
+    problems: Problems, label: str, total: Array, nodes: Ints, known: dict[str, Any]
 ) -> None:
     np.add.at(total[:, :3], nodes, known["force"] / len(nodes))
     if np.any(known["moment"] != 0.0):
@@ -160,7 +160,7 @@ def _spread(
     label: str,
     part: Geometry,
     faces: list[Ints],
-    total: Floats,
+    total: Array,
     known: dict[str, Any],
 ) -> None:
     A = area_matrix(part.nodes, faces)

@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
-from jousto.base.arrays import Floats, Ints, Sparse, as_csr, node_dofs, read_only, scatter, skew
+from jousto.base.arrays import Array, Ints, Sparse, as_csr, node_dofs, read_only, scatter, skew
 from jousto.base.declare import Declared
 from jousto.base.described import described
 from jousto.base.errors import Problems
@@ -25,7 +25,7 @@ class NodeField(Field["int | str", "int | str"]):
     noun = "int or str"
 
 
-class Tensor(Field[ArrayLike | None, Floats]):
+class Tensor(Field[ArrayLike | None, Array]):
     """Moments of inertia or an inertia tensor, None for none."""
 
     form = "inertia"
@@ -51,7 +51,7 @@ class Tensor(Field[ArrayLike | None, Floats]):
         return read_only(J)
 
 
-class Arm(Field[ArrayLike | None, Floats]):
+class Arm(Field[ArrayLike | None, Array]):
     """A vector (3,), None for none."""
 
     form = "vector"
@@ -95,16 +95,16 @@ class PointMass(Declared):
         return f"point mass at node {self.node!r}"
 
 
-def second_moment(J: Floats) -> Floats:
+def second_moment(J: Array) -> Array:
     """Return G = int s s^T dm from inertia tensors J = tr(G) E - G; shape (..., 3, 3)."""
     half_trace = 0.5 * np.trace(J, axis1=-2, axis2=-1)
-    G: Floats = half_trace[..., None, None] * np.eye(3) - J
+    G: Array = half_trace[..., None, None] * np.eye(3) - J
     return G
 
 
-def inertia_tensor(G: Floats) -> Floats:
+def inertia_tensor(G: Array) -> Array:
     """Return J = tr(G) E - G from second moments G = int s s^T dm; shape (..., 3, 3)."""
-    J: Floats = np.trace(G, axis1=-2, axis2=-1)[..., None, None] * np.eye(3) - G
+    J: Array = np.trace(G, axis1=-2, axis2=-1)[..., None, None] * np.eye(3) - G
     return J
 
 
@@ -133,12 +133,12 @@ class MassPoints:
         not given. N has its first-order effect already.
     """
 
-    mass: Floats
-    position: Floats
-    second_moment: Floats
+    mass: Array
+    position: Array
+    second_moment: Array
     N: Sparse
     N_rot: Sparse
-    arm: Floats | None = None
+    arm: Array | None = None
 
     def __post_init__(self) -> None:
         if self.arm is None:
@@ -152,7 +152,7 @@ class MassPoints:
         return len(self.mass)
 
     @property
-    def inertia(self) -> Floats:
+    def inertia(self) -> Array:
         """Inertia tensors of the points about their own centres in kg m^2, (k, 3, 3)."""
         return inertia_tensor(self.second_moment)
 
@@ -172,9 +172,7 @@ class MassPoints:
         return as_csr((M + M.T) * 0.5)
 
 
-def rigid_points(
-    node: Ints, mass: Floats, offset: Floats, moment: Floats, nodes: Floats
-) -> MassPoints:
+def rigid_points(node: Ints, mass: Array, offset: Array, moment: Array, nodes: Array) -> MassPoints:
     """Merge masses that are fixed to nodes into one mass point per node.
 
     Parameters

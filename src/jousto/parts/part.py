@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arguments import explained
-from jousto.base.arrays import Floats, Ints, Sparse, read_only, skew, times
+from jousto.base.arrays import Array, Ints, Sparse, read_only, skew, times
 from jousto.base.declare import maker
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.fields import Label, field
@@ -493,7 +493,7 @@ class Part(Geometry):
         except KeyError as error:
             raise InputError(Problem(f"part '{self.name}'", str(error.args[0]))) from None
 
-    def rigid_modes(self) -> Floats:
+    def rigid_modes(self) -> Array:
         """Return the rigid motions (ndof, 6) of the nodes.
 
         Three unit translations, then three unit rotations about the origin of the part frame.
@@ -553,7 +553,7 @@ class Part(Geometry):
         assert self.second_order is not None and u is not None
         return self.second_order.geometric_stiffness(u)
 
-    def load(self, *loads: Load) -> Floats:
+    def load(self, *loads: Load) -> Array:
         """Return static loads as nodal forces, ready for ``K d = f``.
 
         Work-equivalent forces of the shape functions: ``f_a = int N_a t dA`` and ``M a``.
@@ -586,7 +586,7 @@ class Part(Geometry):
         return load_vector(self, self.M, loads)
 
     @cached_property
-    def surface_normals(self) -> Floats:
+    def surface_normals(self) -> Array:
         """Outward unit normals at the nodes of the surface of solids, (nn, 3), part frame.
 
         Means over the faces around a node, weighed by area; zero at nodes inside and for parts
@@ -636,7 +636,7 @@ class Part(Geometry):
         return None if self.solids is None else SolidStress.everywhere(self.solids, "strain")
 
     @cached_property
-    def _rigid_mass(self) -> Floats:
+    def _rigid_mass(self) -> Array:
         R = self.rigid_modes()
         return read_only(R.T @ times(self.M, R))
 
@@ -653,15 +653,15 @@ class Part(Geometry):
         return float(np.trace(self._rigid_mass[:3, :3])) / 3.0
 
     @property
-    def centre(self) -> Floats:
+    def centre(self) -> Array:
         """Centre of mass in m, part frame, (3,)."""
         first = self._rigid_mass[3:, :3]
         S = 0.5 * (first - first.T)
         return np.array([S[2, 1], S[0, 2], S[1, 0]]) / self.mass
 
     @property
-    def inertia(self) -> Floats:
+    def inertia(self) -> Array:
         """Inertia tensor about the centre of mass in kg m^2, part axes, (3, 3)."""
         c = skew(self.centre)
-        J: Floats = self._rigid_mass[3:, 3:] + self.mass * c @ c
+        J: Array = self._rigid_mass[3:, 3:] + self.mass * c @ c
         return 0.5 * (J + J.T)

@@ -11,7 +11,7 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
-from jousto.base.arrays import Floats, Ints, Sparse, as_csr
+from jousto.base.arrays import Array, Ints, Sparse, as_csr
 from jousto.base.declare import Declared
 from jousto.base.described import describe
 from jousto.base.errors import InputError, Problem, Problems, suggest
@@ -41,7 +41,7 @@ SMOOTH = 0.5
 
 
 @explained
-def hot_spot_stress(stress: ArrayLike, reading: Reading = "fine") -> Floats:
+def hot_spot_stress(stress: ArrayLike, reading: Reading = "fine") -> Array:
     """Return the structural hot-spot stress of stresses read before a weld toe.
 
     * ``fine``: ``1.67 s(0.4 t) - 0.67 s(1.0 t)``, elements of 0.4 t or less;
@@ -135,7 +135,7 @@ class WeldToe(Declared, by_value=True):
             problems.positive(where, "thickness", self.thickness, "m")
 
     @property
-    def places(self) -> Floats:
+    def places(self) -> Array:
         """Where the stress is read, (m, 3), part frame, m."""
         distances, _ = READINGS[self.reading]
         scale = 1.0 if self.reading.startswith("edge") else self.thickness
@@ -188,7 +188,7 @@ def weld_stress(
     problems.raise_if_any()
 
     rows: list[Sparse] = []
-    axes: list[Floats] = []
+    axes: list[Array] = []
     constants: list[tuple[float, float] | None] = []
     for toe in every:
         row, axis, known = _site(part, toe, problems)
@@ -212,13 +212,13 @@ def weld_stress(
 
 def _site(
     part: Part, toe: WeldToe, problems: Problems
-) -> tuple[Sparse, Floats, tuple[float, float] | None]:
+) -> tuple[Sparse, Array, tuple[float, float] | None]:
     """Return rows (6, ndof), axes and material of one toe; note places off the surface."""
     where = f"weld toe '{toe.name}'"
     _, weights = READINGS[toe.reading]
     away = np.asarray(toe.away) / np.linalg.norm(toe.away)
     total = sp.csr_array((6, part.K.shape[0]))
-    axes: Floats = np.eye(3)
+    axes: Array = np.eye(3)
     known: tuple[float, float] | None = None
     span = float(np.linalg.norm(toe.places[-1] - toe.at))
     assert part.solids is not None
@@ -264,8 +264,8 @@ class OnSurface:
     """
 
     nodes: Ints
-    N: Floats
-    normal: Floats
+    N: Array
+    normal: Array
     distance: float
     edge: bool = False
 
@@ -274,7 +274,7 @@ def locate(part: Part, place: ArrayLike) -> OnSurface | None:
     """Return the place of the surface of a part of solids that is nearest to a point (3,), m."""
     x = np.asarray(place, dtype=np.float64)
     best: OnSurface | None = None
-    others: list[tuple[Floats, float]] = []
+    others: list[tuple[Array, float]] = []
     assert part.solids is not None
     for block in part.solids.faces:
         k = block.shape[1]
@@ -297,7 +297,7 @@ def locate(part: Part, place: ArrayLike) -> OnSurface | None:
     return replace(best, edge=edge)
 
 
-def _nearest(nodes: Floats, kind: str, x: Floats) -> tuple[Floats, Floats, float]:
+def _nearest(nodes: Array, kind: str, x: Array) -> tuple[Array, Array, float]:
     """Return shape functions, normal and distance of the point of a face nearest to x."""
     triangle = CORNERS[kind] == "triangle"
     u = np.full(2, 1.0 / 3.0 if triangle else 0.5)
@@ -337,7 +337,7 @@ def _smooth_patch(part: Part, found: OnSurface) -> Ints:
     return np.unique(np.concatenate(chosen)).astype(np.int64)
 
 
-def _turn(axes: Floats) -> Floats:
+def _turn(axes: Array) -> Array:
     """Return (6, 6): stress in part axes to stress in these axes (columns), Voigt order."""
     pairs = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
     T = np.zeros((6, 6))

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints, some
+from jousto.base.arrays import Array, Ints, some
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.mesh.readers.raw import BIG, Members, RawCells, RawMesh, joined, sensible
 
@@ -342,15 +342,15 @@ def _system(card: _Card, systems: dict[int, _Card]) -> None:
 
 def _positions(
     path: Path, points: list[tuple[int, int, float, float, float]], systems: dict[int, _Card]
-) -> Floats:
+) -> Array:
     """Return positions (nn, 3) in the basic system."""
     local = sensible(np.array([p[2:] for p in points]))
     cp = np.array([p[1] for p in points])
     place = {p[0]: i for i, p in enumerate(points)}
-    frames: dict[int, tuple[str, Floats, Floats]] = {0: ("R", np.zeros(3), np.eye(3))}
+    frames: dict[int, tuple[str, Array, Array]] = {0: ("R", np.zeros(3), np.eye(3))}
     out = np.full_like(local, np.nan)
 
-    def frame(cid: int, above: tuple[int, ...]) -> tuple[str, Floats, Floats]:
+    def frame(cid: int, above: tuple[int, ...]) -> tuple[str, Array, Array]:
         """Return kind, origin and axes (columns) of a system in the basic system."""
         if cid in frames:
             return frames[cid]
@@ -376,13 +376,13 @@ def _positions(
         frames[cid] = (card.name[-1], abc[0], np.stack([np.cross(y, z), y, z], axis=1))
         return frames[cid]
 
-    def position(number: int, above: tuple[int, ...]) -> Floats:
+    def position(number: int, above: tuple[int, ...]) -> Array:
         if number not in place:
             raise InputError(
                 Problem(path.name, f"a coordinate system stands on grid point {number}: not there")
             )
         i = place[number]
-        x: Floats = _basic(local[i : i + 1], *frame(int(cp[i]), above))[0]
+        x: Array = _basic(local[i : i + 1], *frame(int(cp[i]), above))[0]
         return x
 
     for cid in np.unique(cp):
@@ -391,7 +391,7 @@ def _positions(
     return out
 
 
-def _basic(x: Floats, kind: str, origin: Floats, axes: Floats) -> Floats:
+def _basic(x: Array, kind: str, origin: Array, axes: Array) -> Array:
     """Return coordinates (n, 3) of a rectangular, cylindrical or spherical system as positions."""
     a, b, c = x.T
     if kind == "C":
@@ -400,5 +400,5 @@ def _basic(x: Floats, kind: str, origin: Floats, axes: Floats) -> Floats:
         theta, phi = np.radians(b), np.radians(c)
         flat = a * np.sin(theta)
         x = np.stack([flat * np.cos(phi), flat * np.sin(phi), a * np.cos(theta)], axis=1)
-    out: Floats = origin + x @ axes.T
+    out: Array = origin + x @ axes.T
     return out

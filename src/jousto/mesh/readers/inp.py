@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints
+from jousto.base.arrays import Array, Ints
 from jousto.base.errors import InputError, Problem, count
 from jousto.mesh.cells import KINDS
 from jousto.mesh.readers.raw import BIG, RawCells, RawMesh, joined, sensible
@@ -222,7 +222,7 @@ def _real(word: str) -> float:
     return float(re.sub(r"(?<=[\d.])[dD](?=[+-]?\d+$)", "e", word)) if word else 0.0
 
 
-def _nodes(block: _Block) -> tuple[Ints, Floats]:
+def _nodes(block: _Block) -> tuple[Ints, Array]:
     rows = [line.strip().rstrip(",").split(",") for line in block.lines]
     table = np.zeros((len(rows), 3))
     try:
@@ -249,8 +249,8 @@ def _nodes(block: _Block) -> tuple[Ints, Floats]:
 class _System:
     """The rectangular system that holds for nodes: x = origin + axes x'."""
 
-    origin: Floats = field(default_factory=lambda: np.zeros(3))
-    axes: Floats = field(default_factory=lambda: np.eye(3))
+    origin: Array = field(default_factory=lambda: np.zeros(3))
+    axes: Array = field(default_factory=lambda: np.eye(3))
 
     @classmethod
     def of(cls, block: _Block) -> _System:
@@ -278,7 +278,7 @@ class _System:
         x, z = x / np.linalg.norm(x), z / np.linalg.norm(z)
         return cls(a, np.stack([x, np.cross(z, x), z], axis=1))
 
-    def __call__(self, block: _Block, x: Floats) -> Floats:
+    def __call__(self, block: _Block, x: Array) -> Array:
         """Return positions (n, 3); ``SYSTEM=C`` means radius, angle in degrees, z."""
         kind = block.parameters.get("SYSTEM", "R").upper()[:1]
         x = sensible(x)
@@ -294,7 +294,7 @@ class _System:
                     " SYSTEM=C (radius, degrees, z)",
                 )
             )
-        out: Floats = self.origin + x @ self.axes.T
+        out: Array = self.origin + x @ self.axes.T
         return out
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints, some
+from jousto.base.arrays import Array, Ints, some
 from jousto.base.errors import InputError, Problem, Problems, count
 from jousto.mesh.cells import LINES, SOLIDS, SURFACES, Cells, faces
 from jousto.mesh.mesh import Mesh
@@ -37,7 +37,7 @@ class RawMesh:
     """Collects what a reader finds; nodes in the file's unit, everything by the file's numbers."""
 
     node_ids: list[Ints] = field(default_factory=list)
-    nodes: list[Floats] = field(default_factory=list)
+    nodes: list[Array] = field(default_factory=list)
     cells: list[RawCells] = field(default_factory=list)
     node_sets: dict[str, Members] = field(default_factory=dict)
     element_sets: dict[str, Members] = field(default_factory=dict)
@@ -103,7 +103,7 @@ class RawMesh:
         surfaces |= self._side_sets(blocks, where)
         return Mesh(name, nodes * factor, tuple(blocks), ids, node_sets, elements, surfaces)
 
-    def _all_nodes(self, problems: Problems, where: str) -> tuple[Ints, Floats]:
+    def _all_nodes(self, problems: Problems, where: str) -> tuple[Ints, Array]:
         if not self.node_ids or not sum(len(part) for part in self.node_ids):
             raise InputError(Problem(where, "holds no nodes; is the file complete?"))
         ids, nodes = np.concatenate(self.node_ids), np.concatenate(self.nodes)
@@ -232,9 +232,9 @@ class RawMesh:
         return out
 
 
-def sensible(x: Floats) -> Floats:
+def sensible(x: Array) -> Array:
     """Return coordinates, nan for those that are damage, so that they go through a rotation."""
-    out: Floats = np.where(np.abs(x) < FAR, x, np.nan)
+    out: Array = np.where(np.abs(x) < FAR, x, np.nan)
     return out
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arguments import explained
-from jousto.base.arrays import Floats, Ints
+from jousto.base.arrays import Array, Ints
 from jousto.base.errors import InputError, Problem, Problems, count, suggest, warn
 from jousto.mesh.cells import Cells, edges
 from jousto.mesh.mesh import Mesh
@@ -312,7 +312,7 @@ def _collect(
     index[used] = np.arange(len(used))
     at = np.full(len(index), -1)
     at[tags] = np.arange(len(tags))
-    nodes_m: Floats = scale * xyz.reshape(-1, 3)[at[used]]
+    nodes_m: Array = scale * xyz.reshape(-1, 3)[at[used]]
 
     surfaces, elements = {}, {}
     starts = dict(zip(found, np.cumsum([0, *(len(x) for x in found.values())]), strict=False))

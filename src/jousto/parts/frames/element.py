@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jousto.base.arrays import Floats, skew, transposed
+from jousto.base.arrays import Array, skew, transposed
 from jousto.base.declare import Declared
 from jousto.base.described import described
 from jousto.base.fields import field
@@ -76,21 +76,21 @@ class BeamElements:
         12 E Iy / (G kz A L^2) for the xz plane; zero in Euler-Bernoulli theory.
     """
 
-    origin: Floats
-    axes: Floats
-    length: Floats
-    offsets: Floats
-    EA: Floats
-    GJ: Floats
-    EIy: Floats
-    EIz: Floats
-    phi: Floats
+    origin: Array
+    axes: Array
+    length: Array
+    offsets: Array
+    EA: Array
+    GJ: Array
+    EIy: Array
+    EIz: Array
+    phi: Array
 
     def __len__(self) -> int:
         return len(self.length)
 
 
-def local_axes(direction: Floats, orientation: Floats) -> Floats:
+def local_axes(direction: Array, orientation: Array) -> Array:
     """Return the local axes of members; a member parallel to its orientation vector gives NaN.
 
     Parameters
@@ -113,7 +113,7 @@ def local_axes(direction: Floats, orientation: Floats) -> Floats:
     return np.stack([x, y, np.cross(x, y)], axis=-1)
 
 
-def default_orientation(direction: Floats) -> Floats:
+def default_orientation(direction: Array) -> Array:
     """Return the orientation vectors (ne, 3) of members that have none given.
 
     Upwards, (0, 0, 1); for members parallel to z towards x, (1, 0, 0).
@@ -124,7 +124,7 @@ def default_orientation(direction: Floats) -> Floats:
     return up
 
 
-def stiffness(beams: BeamElements) -> Floats:
+def stiffness(beams: BeamElements) -> Array:
     """Return the element stiffness matrices in local axes, (ne, 12, 12).
 
     Przemieniecki, *Theory of Matrix Structural Analysis* (1968), chapter 5, with the shear
@@ -133,7 +133,7 @@ def stiffness(beams: BeamElements) -> Floats:
     L = beams.length
     k = np.zeros((len(beams), 12, 12))
 
-    def pair(i: int, j: int, value: Floats) -> None:
+    def pair(i: int, j: int, value: Array) -> None:
         k[:, i, j] += value
         if i != j:
             k[:, j, i] += value
@@ -162,7 +162,7 @@ def stiffness(beams: BeamElements) -> Floats:
     return k
 
 
-def shape_functions(beams: BeamElements, xi: float) -> Floats:
+def shape_functions(beams: BeamElements, xi: float) -> Array:
     """Return the interpolation of section translation and rotation at x = xi L.
 
     Linear in stretching and twisting; in bending the cubic and quadratic polynomials that solve
@@ -206,7 +206,7 @@ def shape_functions(beams: BeamElements, xi: float) -> Floats:
     return N
 
 
-def slopes(beams: BeamElements, xi: float) -> Floats:
+def slopes(beams: BeamElements, xi: float) -> Array:
     """Return the derivatives along the element of deflection and twist at x = xi L.
 
     Parameters
@@ -232,7 +232,7 @@ def slopes(beams: BeamElements, xi: float) -> Floats:
     return N
 
 
-def end_displacements(beams: BeamElements) -> Floats:
+def end_displacements(beams: BeamElements) -> Array:
     """Return the matrices (ne, 12, 12) from nodal displacements to local end displacements.
 
     ``u_end = u_node + r_node cross offset`` in the part frame, then resolved in local axes.

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints, Sparse, node_dofs, scatter
+from jousto.base.arrays import Array, Ints, Sparse, node_dofs, scatter
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems, warn
 from jousto.base.fields import AnyField, Flag, Label, Nested, field
@@ -130,12 +130,12 @@ class Frame:
     """A checked frame: everything a Part needs to be made of beams."""
 
     name: str
-    nodes: Floats
+    nodes: Array
     elements: Ints
     node_sets: Mapping[str, tuple[int, ...]]
     beams: BeamElements
     sections: tuple[Section, ...]
-    density: Floats
+    density: Array
     options: BeamOptions
     point_masses: tuple[PointMass, ...]
 
@@ -176,7 +176,7 @@ def check_frame(given: FrameArrays) -> Frame:
     if orientations is not None:
         up = problems.array(where, "orientations", orientations, shape)
         up = None if up is None else np.broadcast_to(up, (ne, 3))
-    arms: Floats | None = np.zeros((ne, 2, 3))
+    arms: Array | None = np.zeros((ne, 2, 3))
     if given.offsets is not None:
         arms = problems.array(where, "offsets", given.offsets, (ne, 2, 3))
 
@@ -294,7 +294,7 @@ def mass_points_along(frame: Frame) -> MassPoints | None:
     )
 
 
-def _line_moment(frame: Frame) -> Floats:
+def _line_moment(frame: Frame) -> Array:
     """Return the second moment of sections of unit length (ne, 3, 3), part axes, kg m."""
     _, rhoIy, rhoIz = frame.density.T
     # local: x none, y from Iz, z from Iy
@@ -328,8 +328,8 @@ def _per_element(
 
 
 def _geometry(
-    problems: Problems, where: str, xyz: Floats, ab: Ints, arms: Floats, up: Floats | None
-) -> tuple[Floats, Floats, Floats]:
+    problems: Problems, where: str, xyz: Array, ab: Ints, arms: Array, up: Array | None
+) -> tuple[Array, Array, Array]:
     """Return origin, axes and length of the elements; notes zero length and bad orientation."""
     a, b = xyz[ab[:, 0]] + arms[:, 0], xyz[ab[:, 1]] + arms[:, 1]
     length = np.linalg.norm(b - a, axis=1)
@@ -352,7 +352,7 @@ def _geometry(
     return a, axes, length
 
 
-def _section_constants(sections: Sequence[Section]) -> Floats:
+def _section_constants(sections: Sequence[Section]) -> Array:
     """Return A, Iy, Iz, J of each element, (4, ne); each section is evaluated once."""
     known: dict[int, tuple[float, float, float, float]] = {}
     for s in sections:
@@ -366,9 +366,9 @@ def _shear_parameters(
     where: str,
     sections: Sequence[Section],
     materials: Sequence[Material],
-    length: Floats,
+    length: Array,
     theory: Timoshenko,
-) -> Floats:
+) -> Array:
     """Return the shear parameters (ne, 2) of Timoshenko beams."""
     known: dict[int, tuple[float, float]] = {}
     for e, s in enumerate(sections):
@@ -386,7 +386,7 @@ def _shear_parameters(
     ratio = np.array([known[id(s)] for s in sections])
     E_over_G = np.array([m.E / m.G for m in materials])
     with np.errstate(divide="ignore"):
-        phi: Floats = 12.0 * ratio * (E_over_G / length**2)[:, None]
+        phi: Array = 12.0 * ratio * (E_over_G / length**2)[:, None]
     return phi
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.arrays import Floats, some
+from jousto.base.arrays import Array, some
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
 from jousto.base.fields import AnyField, Field, Label, Nested, field
@@ -223,19 +223,19 @@ def join_members(frame: FrameMembers) -> FrameArrays:
     )
 
 
-def _inner_nodes(member: Member) -> Floats:
+def _inner_nodes(member: Member) -> Array:
     """Return the nodes between the ends, on the flexible member."""
     a, b = member.start + member.start_offset, member.end + member.end_offset
     xi = np.linspace(0.0, 1.0, int(member.elements) + 1)[1:-1, None]
-    nodes: Floats = (1.0 - xi) * a + xi * b
+    nodes: Array = (1.0 - xi) * a + xi * b
     return nodes
 
 
-def _up(member: Member) -> Floats:
+def _up(member: Member) -> Array:
     """Return the orientation vector of a member."""
     if member.orientation is not None:
         return np.asarray(member.orientation)
-    along: Floats = member.end + member.end_offset - member.start - member.start_offset
+    along: Array = member.end + member.end_offset - member.start - member.start_offset
     return np.asarray(default_orientation(along[None])[0])
 
 
@@ -243,7 +243,7 @@ def _name_points(
     problems: Problems,
     where: str,
     points: Mapping[str, Any],
-    xyz: Floats,
+    xyz: Array,
     sets: dict[str, tuple[int, ...]],
 ) -> None:
     """Add a one-node set for each named position."""

@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints, Sparse, node_dofs, scatter, transposed
+from jousto.base.arrays import Array, Ints, Sparse, node_dofs, scatter, transposed
 from jousto.base.described import described
 from jousto.parts.frames.element import (
     BeamElements,
@@ -64,9 +64,9 @@ class SecondOrder:
 
     beams: BeamElements
     elements: Ints
-    line_mass: Floats
-    line_moment: Floats
-    gyration: Floats
+    line_mass: Array
+    line_moment: Array
+    gyration: Array
     points: MassPoints
     ndof: int
 
@@ -76,11 +76,11 @@ class SecondOrder:
         return node_dofs(self.elements, 6)
 
     @cached_property
-    def to_local(self) -> Floats:
+    def to_local(self) -> Array:
         """From nodal to local end displacements, (ne, 12, 12)."""
         return end_displacements(self.beams)
 
-    def geometric_stiffness(self, d: Floats) -> Sparse:
+    def geometric_stiffness(self, d: Array) -> Sparse:
         """Return Kg (ndof, ndof) of the stress state of nodal displacements d (ndof,).
 
         ``x^T Kg x = sum f . s(x, x)`` over the elements: f = k d are the end forces of the element
@@ -94,7 +94,7 @@ class SecondOrder:
             0.5 * (blocks + transposed(blocks)), self.dofs, self.dofs, (self.ndof, self.ndof)
         )
 
-    def forces(self, X: Floats, j: int) -> Floats:
+    def forces(self, X: Array, j: int) -> Array:
         """Return ``B^T k s(x_j, x_k)`` (ndof, n) for the columns k of X (ndof, n).
 
         These are the nodal forces that hold the elements against the second-order part of their
@@ -106,7 +106,7 @@ class SecondOrder:
         np.add.at(out, self.dofs.ravel(), f.reshape(-1, X.shape[1]))
         return out
 
-    def work(self, X: Floats) -> Floats:
+    def work(self, X: Array) -> Array:
         """Return ``int g . chi_jk dm`` (12, n, n) of the fields g that nodal chi does not tell.
 
         These are second-order motions of particles while ``chi = 0`` at the nodes: of rigid arms,
@@ -122,7 +122,7 @@ class SecondOrder:
         return 0.5 * (W + W.swapaxes(1, 2))
 
     @cached_property
-    def field_loads(self) -> Floats:
+    def field_loads(self) -> Array:
         """Nodal loads (ndof, 12) with ``int g . u dm = loads^T d`` for the twelve fields g."""
         ends = self._end_loads.copy()
         axes, L = self.beams.axes, self.beams.length
@@ -139,11 +139,11 @@ class SecondOrder:
     # -- the pieces ----------------------------------------------------------------------------
 
     @cached_property
-    def _deformation(self) -> Floats:
+    def _deformation(self) -> Array:
         return deformation_forms(self.beams, self.gyration)
 
     @cached_property
-    def _end_loads(self) -> Floats:
+    def _end_loads(self) -> Array:
         """Local end loads (ne, 12, 12 fields) of the distributed mass, without sections."""
         b = self.beams
         loads = np.zeros((len(b), 12, FIELDS))
@@ -154,7 +154,7 @@ class SecondOrder:
         return np.asarray(loads)
 
     @cached_property
-    def _field_forms(self) -> Floats:
+    def _field_forms(self) -> Array:
         """Forms (ne, 12 fields, 12, 12) of local end displacements for `work`."""
         b, L = self.beams, self.beams.length
         # the ends' own motion: rigid arms and the direction of the axis
@@ -179,21 +179,21 @@ class SecondOrder:
             forms -= np.einsum("e,ef,eab->efab", L, force, form)
         return np.asarray(forms)
 
-    def _bilinear(self, forms: Floats, X: Floats, j: int) -> Floats:
+    def _bilinear(self, forms: Array, X: Array, j: int) -> Array:
         """Return ``s(x_j, x_k)`` (ne, 12, n) of symmetric forms (ne, 12, 12, 12)."""
         ends = self.to_local @ X[self.dofs]
         half = np.einsum("ecab,ea->ecb", forms, ends[:, :, j])
         return np.asarray(half @ ends)
 
 
-def point_field_loads(p: MassPoints) -> Floats:
+def point_field_loads(p: MassPoints) -> Array:
     """Return nodal loads (ndof, 12) with ``int g . u dm = loads^T d`` of masses on nodes."""
     g = p.mass[:, None, None] * affine_fields(p.position)
     loads = np.asarray(p.N.T @ g.reshape(-1, FIELDS))
     return np.asarray(loads + p.N_rot.T @ moments(p.second_moment).reshape(-1, FIELDS))
 
 
-def point_work(p: MassPoints, X: Floats) -> Floats:
+def point_work(p: MassPoints, X: Array) -> Array:
     """Return ``int g . chi dm`` (12, n, n) of masses that turn with their nodes, chi = 0 there."""
     n = X.shape[1]
     # int g (arm + s)^T dm
@@ -208,7 +208,7 @@ def point_work(p: MassPoints, X: Floats) -> Floats:
     return np.asarray(0.5 * (W + W.swapaxes(1, 2)))
 
 
-def deformation_forms(beams: BeamElements, gyration: Floats) -> Floats:
+def deformation_forms(beams: BeamElements, gyration: Array) -> Array:
     """Return forms (ne, 12, 12, 12) of the second-order part s of an element's deformation.
 
     The element stores the energy of ``x + s(x, x)/2`` instead of x, its local end displacements.
@@ -238,7 +238,7 @@ def deformation_forms(beams: BeamElements, gyration: Floats) -> Floats:
     return s
 
 
-def motion_forms(beams: BeamElements) -> Floats:
+def motion_forms(beams: BeamElements) -> Array:
     """Return forms (ne, 12, 12, 12) of the second-order motion of the ends with nodes at rest.
 
     Translation: ``theta x (theta x o)`` of the rigid arms o. Rotation: what turns the direction of
@@ -260,8 +260,8 @@ def motion_forms(beams: BeamElements) -> Floats:
 
 
 def shortening_forms(
-    beams: BeamElements, gyration: Floats, weight: Callable[[float], float]
-) -> Floats:
+    beams: BeamElements, gyration: Array, weight: Callable[[float], float]
+) -> Array:
     """Return ``int weight(xi) (v'^2 + w'^2 + (Iy + Iz)/A rx'^2) dx`` as forms (ne, 12, 12)."""
     out = np.zeros((len(beams), 12, 12))
     factor = np.stack([np.ones(len(beams)), np.ones(len(beams)), gyration], axis=1)
@@ -272,18 +272,18 @@ def shortening_forms(
     return out
 
 
-def _product(a: Floats, b: Floats) -> Floats:
+def _product(a: Array, b: Array) -> Array:
     """Return the symmetric form (ne, 12, 12) of the product of two linear forms (ne, 12)."""
     outer = a[:, :, None] * b[:, None, :]
     return 0.5 * (outer + transposed(outer))
 
 
-def _places(beams: BeamElements, xi: float) -> Floats:
+def _places(beams: BeamElements, xi: float) -> Array:
     """Return the points (ne, 3) of the axes at x = xi L."""
     return np.asarray(beams.origin + xi * beams.length[:, None] * beams.axes[:, :, 0])
 
 
-def affine_fields(x: Floats) -> Floats:
+def affine_fields(x: Array) -> Array:
     """Return the twelve affine fields (k, 3, 12) at points x (k, 3)."""
     g = np.zeros((len(x), 3, FIELDS))
     g[:, :, :3] = np.eye(3)
@@ -291,14 +291,14 @@ def affine_fields(x: Floats) -> Floats:
     return g
 
 
-def moments(G: Floats) -> Floats:
+def moments(G: Array) -> Array:
     """Return ``int s x g(s) dm`` (k, 3, 12) of the fields on sections of second moment G."""
     out = np.zeros((len(G), 3, FIELDS))
     out[:, :, 3:] = np.einsum("ead,kac->kecd", EPS, G).reshape(len(G), 3, 9)
     return out
 
 
-def _arm_forms(P: Floats) -> Floats:
+def _arm_forms(P: Array) -> Array:
     """Return ``sym(P) - tr(P) E``, the form of ``int g . (theta x (theta x s)) dm``.
 
     ``P = int g s^T dm``.
@@ -307,7 +307,7 @@ def _arm_forms(P: Floats) -> Floats:
     return np.asarray(0.5 * (P + transposed(P)) - trace * np.eye(3))
 
 
-def double_turn(theta: Floats, s: Floats) -> Floats:
+def double_turn(theta: Array, s: Array) -> Array:
     """Return the symmetric form of ``theta x (theta x s)``, (k, 3, n, n).
 
     Parameters

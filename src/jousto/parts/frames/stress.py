@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints, Sparse, as_csr, node_dofs, read_only, scatter, times
+from jousto.base.arrays import Array, Ints, Sparse, as_csr, node_dofs, read_only, scatter, times
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.parts.frames.element import BeamElements, end_displacements, stiffness
@@ -44,11 +44,11 @@ class StressOperator:
     """
 
     sites: tuple[str, ...]
-    positions: Floats
-    axes: Floats
+    positions: Array
+    axes: Array
     matrix: Sparse
-    elasticity: Floats | None = None
-    compliance: Floats | None = None
+    elasticity: Array | None = None
+    compliance: Array | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "positions", read_only(self.positions))
@@ -56,7 +56,7 @@ class StressOperator:
         if self.elasticity is not None:
             object.__setattr__(self, "elasticity", read_only(self.elasticity))
 
-    def evaluate(self, d: Floats) -> Floats:
+    def evaluate(self, d: Array) -> Array:
         """Return the stress in Pa, (ns, 6, ncol), from displacements (ndof, ncol) or (ndof,).
 
         Components ``[s11 s22 s33 s12 s23 s13]`` in the axes of each site; a single column of
@@ -109,14 +109,14 @@ class StressOperator:
         )
 
 
-def section_forces(beams: BeamElements) -> Floats:
+def section_forces(beams: BeamElements) -> Array:
     """Return the operators (ne, 2, 6, 12) from nodal displacements to section forces.
 
     ``[N Vy Vz T My Mz]`` in N and N m at end a and end b, local axes, as they act on the face whose
     outward normal is the local x axis.
     """
     f = stiffness(beams) @ end_displacements(beams)
-    signed: Floats = f.reshape(-1, 2, 6, 12) * _ENDS[None, :, :, None]
+    signed: Array = f.reshape(-1, 2, 6, 12) * _ENDS[None, :, :, None]
     return signed
 
 
@@ -184,7 +184,7 @@ def beam_stress(
     return StressOperator(sites, positions, axes, matrix, constants)
 
 
-def _recovery(section: Section) -> Floats:
+def _recovery(section: Section) -> Array:
     """Return (points, 3, 6): [s11 s12 s13] from the section forces [N Vy Vz T My Mz]."""
     S = np.zeros((len(section.points), 3, 6))
     for S_p, p in zip(S, section.points, strict=True):

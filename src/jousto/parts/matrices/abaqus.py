@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints, Sparse, as_csr
+from jousto.base.arrays import Array, Ints, Sparse, as_csr
 from jousto.parts.matrices.text import diagonal, from_triplets, read_numbers, read_text, refuse
 
 HELD = 1e30
@@ -136,7 +136,7 @@ def _element_dofs(path: Path, header: str) -> Ints:
     return np.array(rows, dtype=np.int64)
 
 
-def _lower_triangle(path: Path, kind: str, values: Floats, n: int) -> Sparse:
+def _lower_triangle(path: Path, kind: str, values: Array, n: int) -> Sparse:
     if len(values) != n * (n + 1) // 2:
         raise refuse(
             path,

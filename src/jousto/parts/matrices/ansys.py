@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.base.arrays import Floats, Ints, Sparse, as_csr
+from jousto.base.arrays import Array, Ints, Sparse, as_csr
 from jousto.base.errors import MissingFileError, Problem
 from jousto.mesh.readers.apart import apart
 from jousto.parts.matrices.nodes import Positions
@@ -85,7 +85,7 @@ def result_arrays(path: Path) -> dict[str, Any]:
         warnings.simplefilter("ignore")
         mesh = _open(path, ".rst").mesh
         ids: Ints = np.asarray(mesh.nnum, dtype=np.int64)
-        xyz: Floats = np.asarray(mesh.nodes, dtype=np.float64)[:, :3]
+        xyz: Array = np.asarray(mesh.nodes, dtype=np.float64)[:, :3]
     return {"ids": ids, "xyz": xyz}
 
 

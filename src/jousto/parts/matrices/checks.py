@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Sparse, as_csr, node_dofs, scatter, skew, some, times
+from jousto.base.arrays import Array, Sparse, as_csr, node_dofs, scatter, skew, some, times
 from jousto.base.errors import Problems, warn
 from jousto.mesh.sets import node_graph, pieces
 from jousto.parts.mass import MassPoints, second_moment
@@ -18,7 +18,7 @@ RIGID_TOLERANCE = 1e-10
 MOTIONS = tuple(f"{kind} {x}" for kind in ("translation along", "rotation about") for x in "xyz")
 
 
-def rigid_modes(nodes: Floats, dofs_per_node: int) -> Floats:
+def rigid_modes(nodes: Array, dofs_per_node: int) -> Array:
     """Return the rigid motions (ndof, 6) of nodes about the origin: translations, rotations."""
     R = np.zeros((len(nodes), dofs_per_node, 6))
     R[:, :3, :3] = np.eye(3)
@@ -30,7 +30,7 @@ def rigid_modes(nodes: Floats, dofs_per_node: int) -> Floats:
 
 def check_matrices(
     name: str, M: Any, K: Any, nodes: Any, dofs_per_node: int | None, *, whole: bool = True
-) -> tuple[Sparse, Sparse, Floats, int]:
+) -> tuple[Sparse, Sparse, Array, int]:
     """Return M, K, nodes and degrees of freedom per node, or raise with everything that is wrong.
 
     Whether K falls into pieces is looked at if it must be whole, without ties.
@@ -83,7 +83,7 @@ def check_matrices(
     return mass, stiff, xyz, dofs
 
 
-def points_from_blocks(M: Sparse, nodes: Floats, dofs: int) -> MassPoints | None:
+def points_from_blocks(M: Sparse, nodes: Array, dofs: int) -> MassPoints | None:
     """Return the mass points of a mass matrix whose blocks are rigid masses on the nodes.
 
     None if M couples different nodes, or if a block is not of the form
@@ -165,9 +165,9 @@ def _read(problems: Problems, where: str, name: str, value: Any) -> Sparse | Non
     return as_csr((matrix + matrix.T) * 0.5)
 
 
-def _node_weight(matrix: Sparse, dofs: int) -> Floats:
+def _node_weight(matrix: Sparse, dofs: int) -> Array:
     weight = times(abs(matrix), np.ones(matrix.shape[0]))
-    total: Floats = weight.reshape(-1, dofs).sum(axis=1)
+    total: Array = weight.reshape(-1, dofs).sum(axis=1)
     return total
 
 
@@ -198,7 +198,7 @@ def _check_definite(problems: Problems, where: str, name: str, matrix: Sparse, d
             )
 
 
-def _check_free(where: str, K: Sparse, M: Sparse, R: Floats, dofs: int) -> None:
+def _check_free(where: str, K: Sparse, M: Sparse, R: Array, dofs: int) -> None:
     """Warn of rigid motions that store strain energy."""
     energy = np.einsum("ij,ij->j", R, times(K, R))
     scale = np.einsum("ij,ij->j", np.abs(R), times(abs(K), np.abs(R)))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints, Sparse, as_csr, some
+from jousto.base.arrays import Array, Ints, Sparse, as_csr, some
 from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.mesh.sets import NODE_NAMES_UP_TO
 
@@ -50,7 +50,7 @@ class Matrices:
     K: Sparse
     dofs: Ints
     node_ids: Ints
-    nodes: Floats
+    nodes: Array
     node_sets: Mapping[str, Ints] = field(default_factory=dict)
     elements: Ints = field(default_factory=lambda: np.zeros((0, 2), dtype=np.int64))
     held: Ints = field(default_factory=lambda: np.zeros((0, 2), dtype=np.int64))
@@ -168,7 +168,7 @@ class Nodal:
 
     M: Sparse
     K: Sparse
-    nodes: Floats
+    nodes: Array
     dofs_per_node: int
     node_sets: dict[str, tuple[int, ...]]
     elements: Ints

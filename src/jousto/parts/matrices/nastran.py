@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.base.arrays import Floats, Ints, Sparse, as_csr
+from jousto.base.arrays import Array, Ints, Sparse, as_csr
 from jousto.base.errors import InputError, MissingFileError, Problem
 from jousto.parts.matrices.nodes import Positions
 from jousto.parts.matrices.text import expanded, read_text, refuse
@@ -106,7 +106,7 @@ def read_dmig(path: Path) -> tuple[Sparse, Sparse, Ints]:
     return expanded(values[k], maps[k], dofs), expanded(values[m], maps[m], dofs), dofs
 
 
-def read_grids(path: Path) -> tuple[Positions, Ints, dict[int, Floats]]:
+def read_grids(path: Path) -> tuple[Positions, Ints, dict[int, Array]]:
     """Return the grids of bulk data, the order of rows, and the axes of the displacements.
 
     Returns
@@ -153,7 +153,7 @@ def read_grids(path: Path) -> tuple[Positions, Ints, dict[int, Floats]]:
     return Positions(ids, xyz), np.array(sorted(rows), dtype=np.int64), axes
 
 
-def to_basic(matrix: Sparse, dofs: Ints, axes: dict[int, Floats], where: str) -> Sparse:
+def to_basic(matrix: Sparse, dofs: Ints, axes: dict[int, Array], where: str) -> Sparse:
     """Return the matrix for displacements in the basic coordinate system, ``B^T K B``.
 
     Raises

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints
+from jousto.base.arrays import Array, Ints
 from jousto.base.errors import InputError, MissingFileError, Problem, Problems
 from jousto.parts.matrices.text import refuse
 
@@ -34,7 +34,7 @@ class Positions:
     """
 
     ids: Ints | None
-    xyz: Floats
+    xyz: Array
     node_sets: Mapping[str, Ints] = field(default_factory=dict)
     elements: Ints = field(default_factory=lambda: np.zeros((0, 2), dtype=np.int64))
     metres: bool = False

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.base.arrays import Floats, Sparse, as_csr
+from jousto.base.arrays import Array, Sparse, as_csr
 from jousto.base.errors import InputError, MissingFileError, Problem
 from jousto.base.files import DAMAGED_NPZ
 from jousto.parts.matrices.text import from_triplets, read_text, refuse
@@ -100,7 +100,7 @@ def is_pair(path: Path) -> bool:
         return False
 
 
-def read_pair(path: Path) -> dict[str, Floats]:
+def read_pair(path: Path) -> dict[str, Array]:
     """Return all arrays of a .npz file that holds M and K."""
     try:
         with path.open("rb") as raw, np.load(raw, allow_pickle=False) as data:
@@ -171,7 +171,7 @@ def _width(fortran: str) -> int:
     return int(found.group(1))
 
 
-def _fields(lines: list[str], width: int) -> Floats:
+def _fields(lines: list[str], width: int) -> Array:
     """Return numbers in fields of a width, or separated by blanks where writers do not keep it."""
     cut = [line[i : i + width] for line in lines for i in range(0, len(line.rstrip()), width)]
     try:
@@ -180,5 +180,5 @@ def _fields(lines: list[str], width: int) -> Floats:
         return _floats(" ".join(lines).split())
 
 
-def _floats(words: list[str]) -> Floats:
+def _floats(words: list[str]) -> Array:
     return np.array([word.replace("D", "E").replace("d", "e") for word in words], dtype=np.float64)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arguments import explained
-from jousto.base.arrays import Floats, Ints, Sparse, as_csr
+from jousto.base.arrays import Array, Ints, Sparse, as_csr
 from jousto.base.errors import InputError, MissingFileError, Problem, suggest, warn
 from jousto.parts.matrices import abaqus, ansys, calculix, nastran, plain
 from jousto.parts.matrices.matrices import Matrices
@@ -38,7 +38,7 @@ class Raw:
     dofs: Ints | None = None
     positions: Positions | None = None
     held: Ints | None = None
-    axes: dict[int, Floats] | None = None
+    axes: dict[int, Array] | None = None
 
 
 @explained

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.base.arrays import Floats, Ints, Sparse, as_csr
+from jousto.base.arrays import Array, Ints, Sparse, as_csr
 from jousto.base.errors import InputError, MissingFileError, Problem
 from jousto.base.files import check_file
 
@@ -37,7 +37,7 @@ def read_text(path: Path) -> str:
     return data.decode("utf-8", errors="replace")
 
 
-def read_numbers(path: Path, text: str, columns: int, what: str) -> Floats:
+def read_numbers(path: Path, text: str, columns: int, what: str) -> Array:
     """Return the rows (n, columns) of numbers separated by blanks, commas or line ends.
 
     Parameters
@@ -88,7 +88,7 @@ def _plain(text: str) -> str:
 
 
 def from_triplets(
-    path: Path, row: Ints, column: Ints, value: Floats, n: int, *, symmetric: bool | None = None
+    path: Path, row: Ints, column: Ints, value: Array, n: int, *, symmetric: bool | None = None
 ) -> Sparse:
     """Return a matrix (n, n) from indices from 0 and values.
 
@@ -125,7 +125,7 @@ def mirrored(matrix: Sparse) -> Sparse:
     return as_csr(matrix + matrix.T - diagonal(matrix.diagonal()))
 
 
-def diagonal(values: Floats) -> Sparse:
+def diagonal(values: Array) -> Sparse:
     """Return the diagonal matrix of values (n,)."""
     i = np.arange(len(values))
     return as_csr(sp.coo_array((values, (i, i)), shape=(len(i), len(i))).tocsr())

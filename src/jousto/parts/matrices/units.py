@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints
+from jousto.base.arrays import Array, Ints
 from jousto.base.errors import InputError, Problem
 from jousto.base.units import LENGTHS
 
@@ -70,7 +70,7 @@ class Units:
         """Unit of force in N."""
         return self.mass * self.length / self.time**2
 
-    def factors(self, components: Ints) -> tuple[Floats, float, float]:
+    def factors(self, components: Ints) -> tuple[Array, float, float]:
         """Return what makes matrices SI: ``M = m s M s``, ``K = k s K s``.
 
         Parameters

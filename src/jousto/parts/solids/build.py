@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.base.arrays import Floats, Ints, Sparse, as_csr, read_only, some
+from jousto.base.arrays import Array, Ints, Sparse, as_csr, read_only, some
 from jousto.base.errors import InputError, Problem, Problems, count, suggest, warn
 from jousto.materials.library import by_name
 from jousto.materials.material import Material
@@ -302,7 +302,7 @@ def solid_masses(
     return model, M, None, points
 
 
-def _nodal_points(mass: Floats, nodes: Floats) -> MassPoints:
+def _nodal_points(mass: Array, nodes: Array) -> MassPoints:
     nn = len(nodes)
     E = sp.identity(3 * nn, format="csr")
     nothing = sp.csr_array((3 * nn, 3 * nn))

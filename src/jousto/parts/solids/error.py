@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from jousto.base.arguments import explained
-from jousto.base.arrays import Floats, Ints
+from jousto.base.arrays import Array, Ints
 from jousto.base.errors import InputError, Problem
 from jousto.materials.orthotropic import elasticity
 from jousto.mesh.reference import gradients, table
@@ -39,12 +39,12 @@ class MeshError:
     """
 
     ids: Ints
-    centres: Floats
-    squares: Floats
-    energy: Floats
+    centres: Array
+    squares: Array
+    energy: Array
 
     @property
-    def eta(self) -> Floats:
+    def eta(self) -> Array:
         """Relative error in the energy norm, ``|e| / sqrt(|u|^2 + |e|^2)``, (n,)."""
         e2 = self.squares.sum(axis=0)
         total = self.energy + e2
@@ -65,7 +65,7 @@ class MeshError:
 
 
 @explained
-def mesh_error(part: Part, d: Floats) -> MeshError:
+def mesh_error(part: Part, d: Array) -> MeshError:
     """Return the estimated discretisation error of displacements of a part of solids.
 
     The stress ``s*`` at the nodes, see `SolidStress`, interpolated by the shape functions, stands
@@ -104,7 +104,7 @@ def mesh_error(part: Part, d: Floats) -> MeshError:
     )
 
 
-def _checked(part: Part, d: Floats) -> tuple[SolidModel, Floats]:
+def _checked(part: Part, d: Array) -> tuple[SolidModel, Array]:
     """Return the elements of a part and displacements (ndof, n)."""
     where = f"part '{part.name}'"
     model = part.solids
@@ -118,8 +118,8 @@ def _checked(part: Part, d: Floats) -> tuple[SolidModel, Floats]:
 
 
 def _group_error(
-    model: SolidModel, group: SolidGroup, site: Ints, s: Floats, X: Floats
-) -> tuple[Floats, Floats]:
+    model: SolidModel, group: SolidGroup, site: Ints, s: Array, X: Array
+) -> tuple[Array, Array]:
     """Return the squared error (ne, n) of the elements of a group and their energy (n,)."""
     t = table(group.kind, "stiffness")
     nq, n, k = len(t.weights), X.shape[1], group.nodes.shape[1]
@@ -149,7 +149,7 @@ def _group_error(
 
 
 @explained
-def place_errors(part: Part, d: Floats) -> Floats:
+def place_errors(part: Part, d: Array) -> Array:
     """Return the estimated error of the stress at every node of a part of solids, (ns, n) in Pa.
 
     By how much the elements around a node disagree: the root mean square of the von Mises stress

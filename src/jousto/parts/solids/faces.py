@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.base.arrays import Floats, Ints, Sparse, as_csr, node_dofs, scatter, times
+from jousto.base.arrays import Array, Ints, Sparse, as_csr, node_dofs, scatter, times
 from jousto.materials.orthotropic import elasticity
 from jousto.mesh.area import face_node_tangents
 from jousto.parts.solids.model import VOIGT, SolidModel
@@ -33,9 +33,9 @@ class FaceStress:
 
     at: Ints
     D: Sparse
-    R: Floats
+    R: Array
 
-    def correct(self, s: Floats, d: Floats) -> None:
+    def correct(self, s: Array, d: Array) -> None:
         """Replace stress (ns, 6, n) at the sites, given displacements (ndof, n)."""
         tangential = times(self.D, d).reshape(len(self.at), 6, d.shape[1])
         s[self.at] = tangential + self.R @ s[self.at]
@@ -58,7 +58,7 @@ def face_stress(model: SolidModel, site: Ints, ns: int) -> FaceStress:
         Number of sites.
     """
     count, R = np.zeros(ns), np.zeros((ns, 6, 6))
-    blocks: list[tuple[Floats, Ints, Ints]] = []
+    blocks: list[tuple[Array, Ints, Ints]] = []
     for faces, behind in zip(model.faces, model.face_materials, strict=True):
         k = faces.shape[1]
         if k not in QUADRATIC:
@@ -85,7 +85,7 @@ def face_stress(model: SolidModel, site: Ints, ns: int) -> FaceStress:
     return FaceStress(at, as_csr(total), R[at] / count[at][:, None, None])
 
 
-def face_operators(C: Floats, nodes: Floats, faces: Ints) -> tuple[Floats, Floats]:
+def face_operators(C: Array, nodes: Array, faces: Ints) -> tuple[Array, Array]:
     """Return the stress at the nodes of faces from their displacements and from the traction.
 
     With ``T s = s n``, ``A = T C T^T`` and the strain e of the face's plane,

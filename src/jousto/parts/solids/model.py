@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.base.arrays import Floats, Ints, Sparse
+from jousto.base.arrays import Array, Ints, Sparse
 from jousto.base.described import described
 from jousto.materials.material import Material
 from jousto.materials.orthotropic import Orthotropic, elasticity
@@ -71,7 +71,7 @@ class SolidModel:
         Index of the material behind each face.
     """
 
-    nodes: Floats
+    nodes: Array
     node_ids: Ints
     groups: tuple[SolidGroup, ...]
     materials: tuple[Material | Orthotropic, ...]
@@ -113,7 +113,7 @@ class SolidModel:
             np.add.at(data, place.reshape(-1), m.reshape(-1))
         return sp.csr_array((data, pattern.indices, pattern.indptr), shape=pattern.shape)
 
-    def lumped_mass(self) -> Floats:
+    def lumped_mass(self) -> Array:
         """Return masses (nn,) in kg: each element's mass in shares of the diagonal of its matrix.
 
         Hinton, Rock and Zienkiewicz, *Earthquake Engineering and Structural Dynamics* 4 (1976)
@@ -182,7 +182,7 @@ class SolidModel:
                 yield group, rows, place[rows]
 
 
-def element_stiffness(kind: str, x: Floats, C: Floats) -> Floats:
+def element_stiffness(kind: str, x: Array, C: Array) -> Array:
     """Return element stiffness matrices as blocks of node pairs, (ne, k, k, 3, 3) in N/m.
 
     ``K_ai,bj = C_imjn int (dN_a/dx_m) (dN_b/dx_n) dV``.
@@ -206,7 +206,7 @@ def element_stiffness(kind: str, x: Floats, C: Floats) -> Floats:
     return np.asarray(0.5 * (K + K.transpose(0, 2, 1, 4, 3)))
 
 
-def element_mass(kind: str, x: Floats, rho: float) -> Floats:
+def element_mass(kind: str, x: Array, rho: float) -> Array:
     """Return consistent element mass matrices of one direction, (ne, k, k) in kg."""
     t = table(kind, "mass")
     k = x.shape[1]

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jousto.base.arrays import Floats
+from jousto.base.arrays import Array
 from jousto.materials.orthotropic import elasticity
 from jousto.mesh.reference import table
 from jousto.parts.solids.stress import SolidStress, continuation, point_strains
@@ -28,7 +28,7 @@ MISES = np.array(
 )
 
 
-def place_scatter(stress: SolidStress, X: Floats, s: Floats, size: Floats) -> Floats:
+def place_scatter(stress: SolidStress, X: Array, s: Array, size: Array) -> Array:
     """Return E (ns, r, n), with which ``|E p|`` is the estimated error of the stress of ``X p``.
 
     It is that of `place_errors`, the root mean square of the von Mises stress of ``s_e - s*`` over
@@ -62,7 +62,7 @@ def place_scatter(stress: SolidStress, X: Floats, s: Floats, size: Floats) -> Fl
     return np.asarray(found.astype(np.float32).astype(np.float64))
 
 
-def _squares(few: SolidStress, X: Floats, s: Floats) -> Floats:
+def _squares(few: SolidStress, X: Array, s: Array) -> Array:
     """Return Q (ns, n, n) of some places."""
     n, model, site = X.shape[1], few.model, few.numbers
     Q, count = np.zeros((len(few), n, n)), np.zeros(len(few))
@@ -84,7 +84,7 @@ def _squares(few: SolidStress, X: Floats, s: Floats) -> Floats:
     return Q / np.maximum(count, 1.0)[:, None, None]
 
 
-def _add(Q: Floats, at: Floats, A: Floats) -> None:
+def _add(Q: Array, at: Array, A: Array) -> None:
     """Add ``A_k^T A_k`` of rows A (m, 5, n) to the places they belong to."""
     order = np.argsort(at, kind="stable")
     places, first, times = np.unique(at[order], return_index=True, return_counts=True)

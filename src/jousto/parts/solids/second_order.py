@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from jousto.base.arrays import Floats, Ints, Sparse, node_dofs, scatter, times
+from jousto.base.arrays import Array, Ints, Sparse, node_dofs, scatter, times
 from jousto.base.described import described
 from jousto.materials.orthotropic import elasticity
 from jousto.mesh.reference import gradients, table
@@ -51,7 +51,7 @@ class SolidSecondOrder:
     M: Sparse
     attached: MassPoints | None
 
-    def geometric_stiffness(self, d: Floats) -> Sparse:
+    def geometric_stiffness(self, d: Array) -> Sparse:
         """Return Kg (ndof, ndof) of the stress s of nodal displacements d (ndof,).
 
         ``x^T Kg x = int s : (grad x^T grad x) dV``: the same block for every direction of x.
@@ -68,7 +68,7 @@ class SolidSecondOrder:
         assert total is not None
         return expanded(total)
 
-    def forces(self, X: Floats, j: int) -> Floats:
+    def forces(self, X: Array, j: int) -> Array:
         """Return ``int B^T C eta(x_j, x_k) dV`` (ndof, n) for the columns k of X (ndof, n).
 
         These are the nodal forces that hold the elements against the second-order part of their
@@ -96,7 +96,7 @@ class SolidSecondOrder:
             np.add.at(out, nodes.ravel(), f.reshape(-1, 3 * n))
         return out.reshape(3 * nn, n)
 
-    def work(self, X: Floats) -> Floats:
+    def work(self, X: Array) -> Array:
         """Return ``int g . chi dm`` (12, n, n) of the fields g that nodal chi does not tell.
 
         Solids have none; masses on rigid arms and with inertia that turn with several nodes do.
@@ -123,7 +123,7 @@ class SolidSecondOrder:
         return W
 
     @cached_property
-    def field_loads(self) -> Floats:
+    def field_loads(self) -> Array:
         """Nodal loads (ndof, 12) with ``int g . u dm = loads^T d`` for the twelve fields g."""
         g = affine_fields(self.model.nodes)
         nodal = g.reshape(-1, FIELDS)
@@ -132,7 +132,7 @@ class SolidSecondOrder:
         elements = times(self.M, nodal) - times(self.attached.matrix(), nodal)
         return elements + point_field_loads(self.attached)
 
-    def _blocks(self, n: int) -> Iterator[tuple[SolidGroup, Ints, Floats, Floats]]:
+    def _blocks(self, n: int) -> Iterator[tuple[SolidGroup, Ints, Array, Array]]:
         """Yield blocks of elements: group, nodes, gradients (e, q, 3, k) and volumes (e, q)."""
         for group in self.model.groups:
             t = table(group.kind, "stiffness")
@@ -143,14 +143,14 @@ class SolidSecondOrder:
                 G, detJ = gradients(t.dN, self.model.nodes[nodes])
                 yield group, nodes, G, detJ * t.weights
 
-    def _gradient(self, G: Floats, U: Floats) -> Floats:
+    def _gradient(self, G: Array, U: Array) -> Array:
         """Return du_i/dx_m (e, q, i, m, n) of nodal displacements (e, k, 3, n)."""
         ne, nq, _, k = G.shape
         n = U.shape[-1]
         D = np.matmul(G.reshape(ne, 3 * nq, k), U.reshape(ne, k, 3 * n))
         return np.asarray(D).reshape(ne, nq, 3, 3, n).swapaxes(2, 3)
 
-    def _stress(self, group: SolidGroup, D: Floats) -> Floats:
+    def _stress(self, group: SolidGroup, D: Array) -> Array:
         """Return the stress (e, q, 6, n) of displacement gradients (e, q, i, m, n)."""
         e = np.stack(
             [D[:, :, a, b] if a == b else D[:, :, a, b] + D[:, :, b, a] for a, b in PAIRS], axis=2

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
-from jousto.base.arrays import Floats, Ints, Sparse, as_csr, read_only, times
+from jousto.base.arrays import Array, Ints, Sparse, as_csr, read_only, times
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.materials.material import Material
@@ -78,17 +78,17 @@ class SolidStress:
         return labels(self.model, self.node, self.material)
 
     @cached_property
-    def positions(self) -> Floats:
+    def positions(self) -> Array:
         """Undeformed positions in m, part frame, (ns, 3)."""
         return read_only(self.model.nodes[self.node])
 
     @cached_property
-    def axes(self) -> Floats:
+    def axes(self) -> Array:
         """Axes in which the components are resolved, (ns, 3, 3): those of the part."""
         return np.broadcast_to(np.eye(3), (len(self), 3, 3))
 
     @cached_property
-    def elasticity(self) -> Floats | None:
+    def elasticity(self) -> Array | None:
         """Young's modulus in Pa and Poisson's ratio, (ns, 2); None if one is orthotropic."""
         constants = []
         for m in self.model.materials:
@@ -98,11 +98,11 @@ class SolidStress:
         return np.array(constants)[self.material]
 
     @cached_property
-    def compliance(self) -> Floats | None:
+    def compliance(self) -> Array | None:
         """Strain from stress, (ns, 6, 6) in 1/Pa, where a material is orthotropic; else None."""
         return compliances(self.model, self.material)
 
-    def evaluate(self, d: Floats) -> Floats:
+    def evaluate(self, d: Array) -> Array:
         """Return stress or strain, (ns, 6, ncol), from displacements (ndof, ncol) or (ndof,).
 
         A single column of displacements gives (ns, 6).
@@ -132,7 +132,7 @@ class SolidStress:
             self._apply([np.asarray(np.linalg.inv(law)) for law in C], out)
         return out[:, :, 0] if x.ndim == 1 else out
 
-    def _apply(self, laws: Sequence[Floats], out: Floats) -> None:
+    def _apply(self, laws: Sequence[Array], out: Array) -> None:
         """Multiply (ns, 6, n) with the matrix of the material of each site."""
         for m, law in enumerate(laws):
             mine = slice(None) if len(laws) == 1 else self.material == m
@@ -260,7 +260,7 @@ class SolidStress:
         return as_csr(matrix.tocsr()), tuple(chosen)
 
 
-def continuation(kind: str) -> Floats:
+def continuation(kind: str) -> Array:
     """Return the weights (k, nq) that continue values at the points of stress to the nodes."""
     points = table(kind, "stress").points
     corners = CORNERS[kind]
@@ -271,9 +271,7 @@ def continuation(kind: str) -> Floats:
     return np.asarray(at_nodes @ np.linalg.inv(at_points))
 
 
-def point_strains(
-    model: SolidModel, group: SolidGroup, chosen: Ints, X: Floats, out: Floats
-) -> None:
+def point_strains(model: SolidModel, group: SolidGroup, chosen: Ints, X: Array, out: Array) -> None:
     """Write the strains (len(chosen) * nq, 6, n) at the points of some elements.
 
     Parameters
@@ -300,7 +298,7 @@ def point_strains(
         strains_of(D, block)
 
 
-def strains_of(D: Floats, out: Floats) -> None:
+def strains_of(D: Array, out: Array) -> None:
     """Write strains (m, 6, n) of displacement gradients (m, 3, 3, n), ``D_ij = du_j / dx_i``."""
     for i in range(3):
         out[:, i] = D[:, i, i]
@@ -323,7 +321,7 @@ def labels(model: SolidModel, node: Ints, material: Ints) -> tuple[str, ...]:
     )
 
 
-def compliances(model: SolidModel, material: Ints) -> Floats | None:
+def compliances(model: SolidModel, material: Ints) -> Array | None:
     """Return the compliance (ns, 6, 6) at sites in materials (ns,); None if all are isotropic."""
     if all(isinstance(m, Material) for m in model.materials):
         return None
