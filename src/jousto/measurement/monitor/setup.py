@@ -9,7 +9,7 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
-from jousto.base.fields import AnyField, Field, Item, Text, field
+from jousto.base.fields import AnyField, Item, Reference, Text, field
 from jousto.base.numbers import Duration, Number
 from jousto.measurement.monitor.alarms import AlarmLimits
 from jousto.measurement.monitor.health import ChannelRules
@@ -30,10 +30,12 @@ LOOSE = 0.02
 """Share of their variance that is not bound to other modes as in the reference run."""
 
 
-class Gauges(Field[Iterable[Gauge], "tuple[Gauge, ...]"]):
+class Gauges(Reference[Iterable[Gauge], "tuple[Gauge, ...]"]):
     """Gauges; a model file gives their names."""
 
-    form = "arms"
+    form = "references"
+    section = "gauges"
+    word = "gauge"
     noun = "sequence of Gauge"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:

@@ -37,6 +37,7 @@ FORMS: dict[str, Callable[[Any], Any]] = {
     "text": lambda field: Text,
     "texts": lambda field: tuple[Text, ...],
     "reference": lambda field: Text,
+    "references": lambda field: tuple[Text, ...],
     "flag": lambda field: Flag,
     "number": lambda field: amount(field.unit),
     "duration": lambda field: Seconds,

@@ -51,5 +51,5 @@ def build_monitor(builder: Builder, entry: Any, mechanism: Any) -> Any:
     if entry.gauges is None:
         entry = entry.model_copy(update={"gauges": tuple(gauges)})
     errors = {} if entry.errors is None else entry.errors.given()
-    known = {"sensors": gauges, "curves": builder.curves}
+    known = {"gauges": gauges, "curves": builder.curves}
     return build_declared(builder, ("monitor",), entry, known, more=errors)

@@ -159,6 +159,12 @@ def reference(place: Place, name: str) -> Any:
     return found
 
 
+def references(place: Place, names: Any) -> Any:
+    """Return the objects that an entry names, None if one is not there."""
+    found = [reference(place.at(i), name) for i, name in enumerate(names)]
+    return None if any(one is None for one in found) else found
+
+
 def nested(place: Place, value: Any) -> Any:
     """Return the object that an entry declares inside; other values stay as they are."""
     if not isinstance(value, Entry):
@@ -230,6 +236,7 @@ FORMS: dict[str, Callable[[Place, Any], Any]] = {
     "point masses": several,
     "marker": marker,
     "reference": reference,
+    "references": references,
     "nested": nested,
     "item": nested,
     "damping": nested,
