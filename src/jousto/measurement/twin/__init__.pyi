@@ -1,5 +1,6 @@
 # names of jo.twin; they are loaded from here when they are first used
 from .bands import Band as Band, stress_band as stress_band, stress_blocks as stress_blocks
+from .kalman import Balance as Balance
 from .life import DamageBand as DamageBand, damage_band as damage_band
 from .loads import (
     FourierLoads as FourierLoads,
@@ -12,7 +13,7 @@ from .loads import (
     place_loads as place_loads,
 )
 from .observed import Observed as Observed, Posterior as Posterior
-from .observer import Balance as Balance, Observer as Observer
+from .observer import Observer as Observer
 from .placement import Placement as Placement, place_gauges as place_gauges
 from .reconstruction import Estimate as Estimate, Reconstruction as Reconstruction
 from .reference import InertialForce as InertialForce, Reference as Reference

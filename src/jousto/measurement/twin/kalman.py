@@ -1,19 +1,29 @@
-"""The covariance side of the Kalman filter and smoother, and what errors of gauges do to it."""
+"""The covariance side of the Kalman filter: channels, gains, and what errors of gauges do."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.linalg as la
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
+from jousto.base.declare import Declared
 from jousto.base.described import described
-from jousto.measurement.twin.system import System
+from jousto.base.errors import InputError, Problem, Problems, count, warn
+from jousto.base.fields import field
+from jousto.base.numbers import Positive
+from jousto.measurement.twin.system import Accelerometer, System
 
 STEADY = 1e-5
 """Relative change of a covariance per step below which the gain is taken as constant."""
+
+CENTERED = 1e-6
+"""Share of the mass that modes may move with their frame where loads balance its inertia."""
+BALANCE = ("balance fx", "balance fy", "balance fz", "balance mx", "balance my", "balance mz")
 
 
 @described
@@ -167,3 +177,97 @@ def drifts(gains: tuple[Gain, ...], channels: Channels, errors: Array, p: Array)
     for k, gain in enumerate(gains):
         D = found[k] = drifted(D, gain, channels, errors, p[k])
     return found
+
+
+class Balance(Declared, by_value=True):
+    """How well the loads balance weight and inertia of the reference motion.
+
+    ``sum G_k a_k = M_rr [R'' - g; w'] - Q_v`` about the frame's origin: six equations that are
+    seen like channels, with the noise of what the reference leaves out (vibration of the frame).
+    """
+
+    force: Positive = field("Standard deviation of the forces", unit="N")
+    moment: Positive = field("Standard deviation of the moments", unit="N m")
+
+
+def channels_of(
+    system: System,
+    B: Array,
+    noise: Array,
+    names: tuple[str, ...],
+    accelerometers: Sequence[Accelerometer],
+    balance: Balance | None,
+) -> Channels:
+    """Return what an observer sees: gauges (rows B), accelerometers, balance of the loads."""
+    rows = [B @ system.shape]
+    if system.misses:
+        rows[0][:, -system.misses :] = np.eye(len(B))
+    rows += [(x.row(system.reduced) @ system.accelerations)[None] for x in accelerometers]
+    variances = [x.noise**2 for x in accelerometers]
+    if balance is not None:
+        six = np.zeros((6, system.nx))
+        six[:, system.places] = system.wrenches
+        rows.append(six)
+        variances += 3 * [balance.force**2] + 3 * [balance.moment**2]
+        names += BALANCE
+    ng, ny = len(B), len(B) + len(variances)
+    R = np.zeros((ny, ny))
+    R[:ng, :ng] = noise
+    R[np.arange(ng, ny), np.arange(ng, ny)] = variances
+    return Channels(np.vstack(rows), R, names)
+
+
+def check_balance(balance: Balance | None, system: System, reference: Any) -> None:
+    """Refuse a balance that the part or the loads cannot have."""
+    if balance is None:
+        return
+    problems = Problems()
+    I = system.reduced.invariants
+    if np.isnan(system.wrenches).any():
+        problems.add("Observer", "balance needs loads on nodes; a pattern's force is not known")
+    if np.abs(I.I3).max(initial=0.0) > CENTERED * np.sqrt(I.mass):
+        problems.add(
+            "Observer",
+            "balance needs a floating part; one that `clamp` holds has a reaction at its node "
+            "that is no load here",
+        )
+    if reference is None:
+        problems.add("Observer", "balance needs a reference: what shall the loads balance?")
+    problems.raise_if_any()
+
+
+def check_observable(system: System, channels: Channels) -> None:
+    """Refuse loads that nothing sees; warn of combinations that only their size bounds."""
+    if not system.na:
+        return
+    # the state under loads that stay: A x = 0 for x = T a
+    scale = system.bound / np.sqrt(np.diag(channels.R))[:, None]
+    seen = (channels.H @ system.rest) * scale
+    _, s, Vt = np.linalg.svd(seen)
+    s = np.r_[s, np.zeros(system.na - len(s))]
+    # below one standard deviation of noise for the whole size of the load: not seen
+    hidden = Vt[s < 1.0]
+    if not len(hidden):
+        return
+    weight = np.sqrt((hidden**2).sum(axis=0))
+    names = ", ".join(f"{label}" for label, x in zip(system.labels, weight, strict=True) if x > 0.5)
+    open_ended = [
+        label
+        for label, x, size in zip(system.labels, weight, system.size, strict=True)
+        if x > 1e-3 and not np.isfinite(size)
+    ]
+    found = f"{count(len(hidden), 'combination')} of {count(system.na, 'load')}"
+    if open_ended:
+        raise InputError(
+            Problem(
+                "Observer",
+                f"{found} is not seen by the channels and would wander away "
+                f"without end ({', '.join(open_ended)}); give these loads a size, "
+                "or add gauges or a balance",
+            )
+        )
+    warn(
+        "Observer",
+        f"{found} is not seen by the channels and bounded by its size alone"
+        f"{f' (mainly {names})' if names else ''}; look at the bands",
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,8 +14,17 @@ from numpy.typing import ArrayLike, NDArray
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.described import described
-from jousto.base.errors import InputError, Problem, Problems, count, warn
-from jousto.measurement.twin.kalman import Channels, Gain, drifted, first_gain, next_gain
+from jousto.base.errors import InputError, Problem, Problems
+from jousto.measurement.twin.kalman import (
+    Balance,
+    Gain,
+    channels_of,
+    check_balance,
+    check_observable,
+    drifted,
+    first_gain,
+    next_gain,
+)
 from jousto.measurement.twin.observed import Observed, Step, modal
 from jousto.measurement.twin.reconstruction import NOISE
 from jousto.measurement.twin.reference import STILL, InertialForce, Motion, Reference, cross
@@ -24,36 +33,10 @@ from jousto.measurement.twin.system import Accelerometer, System, UnknownLoad, a
 from jousto.reduction.damping import modal_damping
 from jousto.reduction.reduced import ReducedPart
 
-CENTERED = 1e-6
-"""Share of the mass that modes may move with their frame where loads balance its inertia."""
 JITTER = 1e-3
 """Share of a step by which a clock may jitter without being followed."""
 MEMORY = ("F", "Gu", "K", "whiten", "predicted", "P")
 """Arrays of the gain that a step leaves behind for the next."""
-BALANCE = ("balance fx", "balance fy", "balance fz", "balance mx", "balance my", "balance mz")
-
-
-@dataclass(frozen=True)
-class Balance:
-    """How well the loads balance weight and inertia of the reference motion.
-
-    ``sum G_k a_k = M_rr [R'' - g; w'] - Q_v`` about the frame's origin: six equations that are
-    seen like channels, with the noise of what the reference leaves out (vibration of the frame).
-
-    Parameters
-    ----------
-    force, moment : float
-        Standard deviations, N and N m.
-    """
-
-    force: float
-    moment: float
-
-    def __post_init__(self) -> None:
-        problems = Problems()
-        problems.positive("Balance", "force", self.force, "N")
-        problems.positive("Balance", "moment", self.moment, "N m")
-        problems.raise_if_any()
 
 
 @explained
@@ -216,12 +199,12 @@ class Observer:
         )
         self._force = InertialForce(reduced.invariants)
         self._J = reduced.invariants.I7
-        self._check_balance()
+        check_balance(balance, self.system, reference)
         self._arms = np.concatenate(
             [np.zeros((3, 0, reduced.n)), *(load.arms(reduced) for load in found)], axis=1
         )
-        self.channels = self._make_channels()
-        self._check_observable()
+        self.channels = channels_of(self.system, B, R, self.names, self.accelerometers, balance)
+        check_observable(self.system, self.channels)
         self.reset()
 
     # -- what it is made of -------------------------------------------------------------------
@@ -230,82 +213,6 @@ class Observer:
     def names(self) -> tuple[str, ...]:
         """Names of the measured channels: gauges, then accelerometers."""
         return (*self.gauge_names, *(x.name for x in self.accelerometers))
-
-    def _make_channels(self) -> Channels:
-        system = self.system
-        rows = [self.B @ system.shape]
-        if system.misses:
-            rows[0][:, -system.misses :] = np.eye(len(self.B))
-        rows += [(x.row(self.reduced) @ system.accelerations)[None] for x in self.accelerometers]
-        variances = [x.noise**2 for x in self.accelerometers]
-        names = self.names
-        if self.balance is not None:
-            balance = np.zeros((6, system.nx))
-            balance[:, system.places] = system.wrenches
-            rows.append(balance)
-            variances += 3 * [self.balance.force**2] + 3 * [self.balance.moment**2]
-            names += BALANCE
-        ng, ny = len(self.B), len(self.B) + len(variances)
-        R = np.zeros((ny, ny))
-        R[:ng, :ng] = self.noise
-        R[np.arange(ng, ny), np.arange(ng, ny)] = variances
-        return Channels(np.vstack(rows), R, names)
-
-    def _check_balance(self) -> None:
-        if self.balance is None:
-            return
-        problems = Problems()
-        I = self.reduced.invariants
-        if np.isnan(self.system.wrenches).any():
-            problems.add("Observer", "balance needs loads on nodes; a pattern's force is not known")
-        if np.abs(I.I3).max(initial=0.0) > CENTERED * np.sqrt(I.mass):
-            problems.add(
-                "Observer",
-                "balance needs a floating part; one that `clamp` holds has a reaction at its node "
-                "that is no load here",
-            )
-        if self.reference is None:
-            problems.add("Observer", "balance needs a reference: what shall the loads balance?")
-        problems.raise_if_any()
-
-    def _check_observable(self) -> None:
-        """Refuse loads that nothing sees; warn of combinations that only their size bounds."""
-        system = self.system
-        if not system.na:
-            return
-        # the state under loads that stay: A x = 0 for x = T a
-        scale = system.bound / np.sqrt(np.diag(self.channels.R))[:, None]
-        seen = (self.channels.H @ system.rest) * scale
-        _, s, Vt = np.linalg.svd(seen)
-        s = np.r_[s, np.zeros(system.na - len(s))]
-        # below one standard deviation of noise for the whole size of the load: not seen
-        hidden = Vt[s < 1.0]
-        if not len(hidden):
-            return
-        weight = np.sqrt((hidden**2).sum(axis=0))
-        names = ", ".join(
-            f"{label}" for label, x in zip(system.labels, weight, strict=True) if x > 0.5
-        )
-        open_ended = [
-            label
-            for label, x, size in zip(system.labels, weight, system.size, strict=True)
-            if x > 1e-3 and not np.isfinite(size)
-        ]
-        found = f"{count(len(hidden), 'combination')} of {count(system.na, 'load')}"
-        if open_ended:
-            raise InputError(
-                Problem(
-                    "Observer",
-                    f"{found} is not seen by the channels and would wander away "
-                    f"without end ({', '.join(open_ended)}); give these loads a size, "
-                    "or add gauges or a balance",
-                )
-            )
-        warn(
-            "Observer",
-            f"{found} is not seen by the channels and bounded by its size alone"
-            f"{f' (mainly {names})' if names else ''}; look at the bands",
-        )
 
     # -- stepping -----------------------------------------------------------------------------
 
@@ -599,6 +506,8 @@ class Observer:
             twin.balance = Balance(balance * self.balance.force, balance * self.balance.moment)
         if reference is not None:
             twin.reference = reference
-        twin.channels = twin._make_channels()
+        twin.channels = channels_of(
+            twin.system, twin.B, twin.noise, twin.names, twin.accelerometers, twin.balance
+        )
         twin.reset()
         return twin
