@@ -128,7 +128,7 @@ BETAS = {
 CALLS = {
     "cantilever": 48,
     "bar": 18,
-    "cubic": 129,
+    "cubic": 96,
     "skew cubic": 140,
     "exponential": 35,
     "roof": 111,

@@ -14,6 +14,9 @@ from jousto.output.style import Picture
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from jousto.design.reliability.form import FormResult
+    from jousto.design.reliability.rbdo import RbdoResult
+    from jousto.design.reliability.sampling import LinearisationCheck, SamplingResult
     from jousto.fatigue.cycles.rainflow import Cycles
     from jousto.fatigue.local.strain_life import Rule
     from jousto.fatigue.miner.damage_field import DamageField
@@ -53,6 +56,10 @@ DRAWN = {
     "GaugeComparison": "figures.measured.plot_gauges",
     "Band": "figures.measured.plot_band",
     "MonitorRecord": "figures.measured.plot_monitor",
+    "FormResult": "figures.reliability.plot_form",
+    "SamplingResult": "figures.reliability.plot_sampling",
+    "LinearisationCheck": "figures.reliability.plot_linearisation",
+    "RbdoResult": "figures.reliability.plot_rbdo",
     "PlanarRun": "figures.planar.plot_planar",
     "PlanarPath": "figures.planar.plot_planar",
 }
@@ -89,6 +96,8 @@ def plot(thing: LoadPath, sensor: str, *, path: File = ...) -> Picture: ...
 @overload
 def plot(thing: Band, *, sites: Sequence[str] | str | None = ..., truth: ArrayLike | None = ..., path: File = ...) -> Picture: ...  # noqa: E501
 @overload
+def plot(thing: FormResult | SamplingResult | LinearisationCheck | RbdoResult, *, path: File = ...) -> Picture: ...  # noqa: E501
+@overload
 def plot(thing: GaugeComparison | MonitorRecord | PlanarRun | PlanarPath, *, path: File = ...) -> Picture: ...  # noqa: E501
 # fmt: on
 @explained
@@ -117,6 +126,10 @@ def plot(thing: Any, *what: Any, path: File = None, **options: Any) -> Picture:
         gauge comparison          measured and virtual channels
         band of a twin            stress with its band: `sites`, `truth`
         record of a monitor       stress, damage and health of channels
+        result of FORM            importance of the variables, sensitivities of beta
+        sampled probability       how it settles, or the levels of a subset simulation
+        linearisation check       indices by FORM beside sampled ones
+        reliable design           cost over the cycles, indices beside their targets
         planar run or path        shapes with energies or load factors
         ========================  ============================================================
     *what
