@@ -138,6 +138,17 @@ def test_sensitivities_are_those_of_an_analysis_repeated():
     assert found.by_deviation["a"] == pytest.approx(by_deviation, rel=1e-5)
 
 
+@pytest.mark.parametrize("step", [1e-3, 1e-2])
+def test_wide_differences_end_where_they_blur(step):
+    """Forward differences err in direction by half a step times the curvature, squared in value."""
+    function, variables = TEN["concave"]
+    wide = LimitState(function, step=step)
+    found, exact = (pma(g, B, 3.0) for g in (wide, EXACT["B"][0]))
+    assert found.value == pytest.approx(exact.value, abs=10.0 * step**2)
+    beta = jo.design.form(wide, variables).beta
+    assert beta == pytest.approx(jo.design.form(function, variables).beta, abs=10.0 * step**2)
+
+
 def test_ria_says_whether_the_target_is_reached():
     found = ria(lambda x: 3.0 - x["a"], [normal("a", 0, 1)], 3.5)
     assert found.value == pytest.approx(-0.5, abs=1e-9) and not found.reliable

@@ -252,7 +252,8 @@ def design_point(
         across = float(np.linalg.norm(u - (alpha @ u) * alpha))
         residual = max(abs(g) / size, across) / max(1.0, abs(beta))
         rows.append((space.calls, beta, g, residual))
-        if residual <= tolerance:
+        stalled = used == "sqp" and k > 0 and residual > 0.5 * rows[-2][3]
+        if residual <= tolerance or (stalled and residual <= 0.1 * space.blur):
             return _result(space, beta, alpha, slope, rows, used)
         if k == iterations:
             break
@@ -269,6 +270,8 @@ def design_point(
         slack = ROUNDING if used == "sqp" else 0.0
         moved = _along(space, u, g, d, c, float(u @ d) - c * abs(g), slack)
         if moved is None:
+            if residual <= space.blur:
+                return _result(space, beta, alpha, slope, rows, used)
             if used == "hlrf" and np.linalg.norm(u) < edge:
                 used = "sqp"
                 continue

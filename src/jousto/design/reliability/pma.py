@@ -359,16 +359,20 @@ def _sphere(
         g = space.g(u)
         slope = slope_at(space, u, g, rows)
     B = np.eye(space.n) * float(np.linalg.norm(slope)) / beta
+    last = np.inf
     for _ in range(iterations + 1):
         residual = _residual(u, slope, beta)
         rows.append((space.calls, g, residual))
-        if residual <= tolerance:
+        if residual <= tolerance or 0.5 * last < residual <= 0.1 * space.blur:
             return u, g, slope
+        last = residual
         solved = np.linalg.solve(B, np.stack([slope, u], axis=1))
         lam = -float(u @ solved[:, 0]) / float(u @ solved[:, 1])
         d = -(solved[:, 0] + lam * solved[:, 1])
         moved = _around(space, u, g, d, beta, float(slope @ d))
         if moved is None:
+            if residual <= space.blur:
+                return u, g, slope
             break
         new, g_new = moved
         slope_new = slope_at(space, new, g_new, rows)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -518,7 +518,8 @@ def _limits(problems: Problems, limits: Any) -> dict[str, LimitState]:
         elif name in found:
             problems.add(WHERE, f"two limit states have the name {name!r}")
         else:
-            found[str(name)] = limit_state(one, str(name))
+            state = limit_state(one, str(name))
+            found[str(name)] = replace(state, name=str(name))
     return found
 
 

@@ -78,6 +78,14 @@ class Space:
         steps = np.full(self.n, self.limit.step)
         return self.counted.differences(self.x, u, g, steps)
 
+    @property
+    def blur(self) -> float:
+        """What differences may leave of a direction; a merit says nothing of smaller moves."""
+        if self.counted.has_gradient:
+            return 0.0
+        step = self.limit.step
+        return 10.0 * (step if self.limit.differences == "forward" else step * step)
+
     def gradient_x(self, u: Array, slope: Array) -> Array:
         """Return ``dG/dx`` of the random variables at a point from ``dg/du``."""
         return np.asarray(np.linalg.solve(self.variables.jacobian(u).T, slope))

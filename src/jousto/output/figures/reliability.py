@@ -36,7 +36,8 @@ def plot_form(data: FormResult) -> Picture:
     share = data.importance
     names = sorted(share, key=lambda name: -share[name])[:MOST]
     spread = {one.name: one.deviation for one in data.variables.randoms}
-    left, *rest = np.atleast_1d(figure.subplots(1, 2 if spread else 1, sharey=True))
+    axes = figure.subplots(1, 2 if spread else 1, sharey=True, squeeze=False)
+    left, *rest = axes[0].tolist()
     y = np.arange(len(names))
     left.barh(y, [share[name] for name in names], color=COLORS[0], height=0.6)
     left.set_yticks(y, names)
@@ -85,7 +86,8 @@ def plot_sampling(data: SamplingResult) -> Picture:
         ax.set_ylabel("probability to be below")
         return figure
     known = np.isfinite(third)
-    low, high = values * (1.0 - BAND * third), values * (1.0 + BAND * third)
+    wide = BAND * values * np.where(known, third, 0.0)
+    low, high = values - wide, values + wide
     band = blend(COLORS[0], 0.25)
     ax.fill_between(samples[known], np.maximum(low, 0.0)[known], high[known], color=band)
     ax.plot(samples, values, "o-", color=COLORS[0], markersize=3)
