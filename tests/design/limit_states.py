@@ -126,15 +126,18 @@ BETAS = {
     "concave": 3.80466074,
 }
 CALLS = {
-    "cantilever": 48,
-    "bar": 18,
-    "cubic": 96,
-    "skew cubic": 140,
-    "exponential": 35,
-    "roof": 111,
-    "oscillator": 59,
-    "frame": 98,
-    "convex": 48,
-    "concave": 71,
+    "cantilever": (48, 60),
+    "bar": (18, 30),
+    "cubic": (96, 300),
+    "skew cubic": (140, 399),
+    "exponential": (35, 57),
+    "roof": (594, 111),
+    "oscillator": (89, 59),
+    "frame": (107, 98),
+    "convex": (48, 66),
+    "concave": (71, 138),
 }
-"""Fewest calls of either program with any of its methods and its own tolerance, which is looser."""
+"""Calls of OpenTURNS and Pystra with their own tolerances, which are looser than 1e-6.
+
+Of OpenTURNS' algorithms that one counts which takes the fewest and is right within 1e-4 of beta.
+"""
