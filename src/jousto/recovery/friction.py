@@ -21,7 +21,8 @@ from jousto.mechanism.sensors.loads import ForceSensor
 from jousto.mechanism.signals.event import Event
 from jousto.recovery.fields.build import field_from, stress_field
 from jousto.recovery.fields.criteria import evaluate
-from jousto.recovery.fields.field import Sites, StressField
+from jousto.recovery.fields.field import StressField
+from jousto.recovery.fields.places import Sites
 from jousto.recovery.shape import find_body
 from jousto.reduction.reduced import ReducedPart
 from jousto.simulation.results.events import FRICTION_CHANGES

@@ -14,8 +14,9 @@ from jousto.base.errors import InputError, Problem
 from jousto.model.model import Model
 from jousto.recovery.beams.stress import BeamStress, beam_stress
 from jousto.recovery.fields.criteria import tensor, voigt
-from jousto.recovery.fields.field import Frame, Sites, StressField, site_indices
+from jousto.recovery.fields.field import Frame, StressField
 from jousto.recovery.fields.inertia import amplitudes
+from jousto.recovery.fields.places import Sites, site_indices
 from jousto.recovery.instants import between, window
 from jousto.recovery.shape import find_body, rotation_matrices
 from jousto.reduction.fields.stress import StressModes
