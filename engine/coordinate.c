@@ -143,3 +143,15 @@ void jo_count_turns(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->ncoordinate; i++)
         if (m->coordinate[i].turn >= 0) d->turn[m->coordinate[i].turn] = d->coordinate[i].value;
 }
+
+/* s'' after jo_evaluate */
+jo_real jo_coordinate_acceleration(const jo_model *m, const jo_data *d, int coordinate)
+{
+    const jo_coordinate *c = &m->coordinate[coordinate];
+    const jo_coordinate_work *w = &d->coordinate[coordinate];
+    jo_real a[6], b[6];
+    jo_marker_acceleration(m, d, c->a, a);
+    jo_marker_acceleration(m, d, c->b, b);
+    for (int i = 0; i < 3; i++) b[i] -= a[i];
+    return jo_dot3(w->along, b) + jo_dot3(w->turn_a, a + 3) + jo_dot3(w->turn_b, b + 3) + w->bias;
+}

@@ -98,14 +98,8 @@ static void row_accelerations(const jo_model *m, const jo_data *d, const jo_stag
     for (int l = 0; l < k->nline; l++, row++) {
         const jo_line *line = &m->line[k->line + l];
         y[row] = 0.0;
-        for (int j = 0; j < line->count; j++) {
-            const jo_coordinate *c = &m->coordinate[line->coordinate[j]];
-            const jo_coordinate_work *x = &d->coordinate[line->coordinate[j]];
-            jo_marker_acceleration(m, d, c->a, a);
-            jo_marker_acceleration(m, d, c->b, b);
-            for (int p = 0; p < 3; p++) t[p] = b[p] - a[p];
-            y[row] += line->data->factor[j] * (jo_dot3(x->along, t) + jo_dot3(x->turn_a, a + 3) + jo_dot3(x->turn_b, b + 3) + x->bias);
-        }
+        for (int j = 0; j < line->count; j++)
+            y[row] += line->data->factor[j] * jo_coordinate_acceleration(m, d, line->coordinate[j]);
         if (line->signal >= 0) y[row] -= jo_signal_at(m, d, line->signal, d->time[0] + stage->lead).second;
     }
     if (jo_stabilised(stage))

@@ -43,16 +43,8 @@ int jo_measure(const jo_model *m, jo_data *d)
     int due = 0;
     for (int i = 0; i < m->nmeter; i++) due |= is_new(d->memory + m->meter[i].at, time);
     if (!due) return JO_OK;
-    /* sensors stand at the present state */
-    if (d->metered_demanding && !d->fresh) {
-        const int status = jo_accelerations(m, d);
-        if (status != JO_OK) return status;
-        jo_close_work(d);
-    } else if (!d->current) {
-        jo_real unused[2];
-        jo_residuals(m, d, unused);
-        d->current = !d->fresh;
-    }
+    const int status = jo_ready_sensors(m, d, d->metered_demanding);
+    if (status != JO_OK) return status;
     jo_sensors(&d->metered, d, d->reading);
     for (int i = 0; i < m->nmeter; i++) {
         const jo_meter *r = &m->meter[i];

@@ -98,6 +98,22 @@ int jo_accelerations(const jo_model *m, jo_data *d)
     return status;
 }
 
+/* what sensors need of the present state: accelerations and the work until then, if they are demanding, else poses and
+ * velocities */
+int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding)
+{
+    if (demanding && !d->fresh) {
+        const int status = jo_accelerations(m, d);
+        if (status != JO_OK) return status;
+        jo_close_work(d);
+    } else if (!d->current) {
+        jo_real unused[2];
+        jo_residuals(m, d, unused);   /* bodies and markers stand at q and v */
+        d->current = !d->fresh;       /* what is fresh need not be evaluated again, and would leave this mark standing */
+    }
+    return JO_OK;
+}
+
 /* increment = -M^-1 Cq^T S^-1 c with the factors of the last evaluation */
 static void correction(const jo_model *m, jo_data *d, const jo_stage *stage, jo_real *increment)
 {

@@ -79,15 +79,8 @@ void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list)
 /* all that is watched where the engine stands */
 static int values(const jo_model *m, jo_data *d, double *g)
 {
-    if (d->demanding && !d->fresh) {
-        const int status = jo_accelerations(m, d);
-        if (status != JO_OK) return status;
-        jo_close_work(d);
-    } else if (!d->current) {
-        jo_real unused[2];
-        jo_residuals(m, d, unused);   /* bodies and markers stand at q and v */
-        d->current = !d->fresh;       /* what is fresh need not be evaluated again, and would leave this mark standing */
-    }
+    const int status = jo_ready_sensors(m, d, d->demanding);
+    if (status != JO_OK) return status;
     if (m->nevent) jo_sensors(&d->watch, d, d->measured);
     for (int i = 0; i < jo_watched(m); i++)
         g[i] = is_event(m, i) ? JO_RE(d->measured[m->event[i].output]) - m->event[i].threshold

@@ -47,16 +47,11 @@ static int stop(const jo_model *m, jo_data *d)
 static int pushed_back(const jo_model *m, const jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
-    jo_real s[2], a[6], b[6];
+    jo_real s[2];
     if (!f->law || jo_sticks(m, d, f) || !d->slip[i] || jo_slips(f) == 2) return 0;
     jo_friction_slip(m, d, f, s);
     if (fabs(JO_RE(s[0])) > 2.0 * JO_REST * m->size) return 0;
-    const jo_coordinate *c = &m->coordinate[f->coordinate];
-    const jo_coordinate_work *w = &d->coordinate[f->coordinate];
-    jo_marker_acceleration(m, d, c->a, a);
-    jo_marker_acceleration(m, d, c->b, b);
-    for (int j = 0; j < 3; j++) b[j] -= a[j];
-    const jo_real second = jo_dot3(w->along, b) + jo_dot3(w->turn_a, a + 3) + jo_dot3(w->turn_b, b + 3) + w->bias;
+    const jo_real second = jo_coordinate_acceleration(m, d, f->coordinate);
     return d->slip[i] * JO_RE(jo_slip_arm(m, f, 0) * second) < -1e-9 * m->size;
 }
 

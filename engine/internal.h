@@ -1,4 +1,4 @@
-/* internal.h - the workspace of a run and the stages of one evaluation, in pipeline order. */
+/* internal.h - the workspace of a run, and what each file has for others: after the files that it calls. */
 #ifndef JO_INTERNAL_H
 #define JO_INTERNAL_H
 
@@ -283,6 +283,20 @@ static inline void jo_to_world(jo_real *y, const jo_model *m, const jo_data *d, 
     else jo_mul3(y, d->body[body].A, x);
 }
 
+/* The work on small blocks is compiled for the row counts that occur, so that loops unroll. */
+#define JO_BY_ROWS(n, call)        \
+    switch (n) {                   \
+    case 1: call(1); break;        \
+    case 2: call(2); break;        \
+    case 3: call(3); break;        \
+    case 4: call(4); break;        \
+    case 5: call(5); break;        \
+    default: call(6); break;       \
+    }
+
+/* whether the rows of an optional joint are switched off */
+static inline int jo_absent(const jo_data *d, const jo_joint *k) { return k->lock >= 0 && !d->locked[k->lock]; }
+
 /* body.c */
 void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh);
 void jo_body_pose(const jo_body *b, jo_body_work *w, const jo_real *q);
@@ -294,6 +308,13 @@ void jo_body_reduce(const jo_body *b, const jo_body_work *w, int set, const jo_r
 void jo_body_forward(const jo_real *L, jo_real *x);
 void jo_body_backward(const jo_real *L, jo_real *x);
 void jo_body_modal(const jo_body *b, jo_body_work *w, int set);
+
+/* newton.c */
+typedef struct { jo_real *at; int stride; } jo_block;
+static inline int jo_pad(int count) { return (count + JO_PAD - 1) & ~(JO_PAD - 1); }
+jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y);   /* rows of x, columns of y: bodies, then joints */
+int jo_newton_factor(const jo_model *m, jo_data *d);
+void jo_newton_solve(const jo_model *m, jo_data *d);
 
 /* marker.c */
 void jo_marker_setup(const jo_model *m, jo_data *d, int set);
@@ -317,22 +338,9 @@ jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_
 /* coordinate.c */
 void jo_coordinates(const jo_model *m, jo_data *d, int count);     /* value, gradient */
 void jo_coordinates_rate(const jo_model *m, jo_data *d, int count);   /* rate, bias */
+jo_real jo_coordinate_acceleration(const jo_model *m, const jo_data *d, int coordinate);
 void jo_count_turns(const jo_model *m, jo_data *d);                /* the present angles are accepted */
 jo_real jo_arc_tangent(jo_real y, jo_real x);                      /* four quadrants */
-
-/* The work on small blocks is compiled for the row counts that occur, so that loops unroll. */
-#define JO_BY_ROWS(n, call)        \
-    switch (n) {                   \
-    case 1: call(1); break;        \
-    case 2: call(2); break;        \
-    case 3: call(3); break;        \
-    case 4: call(4); break;        \
-    case 5: call(5); break;        \
-    default: call(6); break;       \
-    }
-
-/* whether the rows of an optional joint are switched off */
-static inline int jo_absent(const jo_data *d, const jo_joint *k) { return k->lock >= 0 && !d->locked[k->lock]; }
 
 /* joint.c */
 double jo_joint_residual(const jo_model *m, jo_data *d);         /* fills c, returns the largest */
@@ -341,6 +349,48 @@ void jo_joint_rows(const jo_model *m, jo_data *d);
 void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_stage *stage);
 jo_real jo_joint_power(const jo_model *m, const jo_data *d);     /* work that drives do, per second */
 void jo_joint_apply(const jo_model *m, jo_data *d, int set);
+
+/* push.c */
+void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T);
+void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f);
+void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f);   /* into y and yp of the bodies */
+
+/* beam_fibre.c */
+void jo_beam_fibre(const jo_model *m, const jo_data *d, int i);
+void jo_beam_fibre_rate(const jo_data *d, int i);
+void jo_beam_fibre_force(const jo_data *d, int i);
+void jo_beam_fibre_tangent(const jo_model *m, const jo_data *d, int i, jo_real *C, jo_real *X);
+
+/* beam_helix.c */
+void jo_beam_helix(const jo_model *m, const jo_data *d, int i);
+void jo_beam_helix_rate(const jo_model *m, const jo_data *d, int i);
+void jo_beam_helix_force(const jo_model *m, const jo_data *d, int i);
+void jo_beam_helix_tangent(const jo_model *m, const jo_data *d, int i, const jo_real *C, jo_real *effective, jo_real *X);
+
+/* beam_inertia.c */
+void jo_beam_inertia(const jo_model *m, jo_data *d, int i, const jo_real *a);
+jo_real jo_beam_kinetic(const jo_model *m, const jo_data *d);
+void jo_beam_newton_inertia(const jo_model *m, jo_data *d, int i, const jo_weights *c);
+
+/* beam.c */
+void jo_beam_setup(const jo_model *m, jo_data *d);
+int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a);   /* with inertia at accelerations a, 0: at none */
+double jo_beam_pull(const jo_model *m, const jo_data *d, int i);
+jo_real jo_beam_stored(const jo_model *m, const jo_data *d);
+void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y);
+void jo_beam_accept(const jo_model *m, jo_data *d);
+void jo_beam_forget(jo_data *d);
+
+/* state.c */
+void jo_refresh(const jo_model *m, jo_data *d);
+void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment);
+void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *v);
+int jo_check(const jo_model *m, jo_data *d);   /* JO_OK if the state is finite and of a reasonable size */
+
+/* force.c */
+int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
+int jo_newton_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
+jo_real jo_stored(const jo_model *m, const jo_data *d);   /* in springs, where markers and coordinates stand */
 
 /* schur.c */
 void jo_joint_plan(const jo_model *m, jo_data *d);    /* once */
@@ -353,48 +403,6 @@ void jo_reaction(const jo_model *m, const jo_data *d, int joint, jo_real *y);   
 void jo_reaction_of(const jo_model *m, const jo_data *d, int joint, const jo_real *lam, jo_real *y);   /* of its multipliers lam */
 void jo_react(const jo_model *m, jo_data *d);   /* -Cq^T lam acts on the bodies */
 
-/* force.c */
-int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
-int jo_newton_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
-jo_real jo_stored(const jo_model *m, const jo_data *d);   /* in springs, where markers and coordinates stand */
-
-/* push.c */
-void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T);
-void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f);
-void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f);   /* into y and yp of the bodies */
-
-/* beam.c */
-void jo_beam_setup(const jo_model *m, jo_data *d);
-int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a);   /* with inertia at accelerations a, 0: at none */
-double jo_beam_pull(const jo_model *m, const jo_data *d, int i);
-jo_real jo_beam_stored(const jo_model *m, const jo_data *d);
-void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y);
-void jo_beam_accept(const jo_model *m, jo_data *d);
-void jo_beam_forget(jo_data *d);
-
-/* beam_inertia.c */
-void jo_beam_inertia(const jo_model *m, jo_data *d, int i, const jo_real *a);
-jo_real jo_beam_kinetic(const jo_model *m, const jo_data *d);
-void jo_beam_newton_inertia(const jo_model *m, jo_data *d, int i, const jo_weights *c);
-
-/* beam_helix.c */
-void jo_beam_helix(const jo_model *m, const jo_data *d, int i);
-void jo_beam_helix_rate(const jo_model *m, const jo_data *d, int i);
-void jo_beam_helix_force(const jo_model *m, const jo_data *d, int i);
-void jo_beam_helix_tangent(const jo_model *m, const jo_data *d, int i, const jo_real *C, jo_real *effective, jo_real *X);
-/* beam_fibre.c */
-void jo_beam_fibre(const jo_model *m, const jo_data *d, int i);
-void jo_beam_fibre_rate(const jo_data *d, int i);
-void jo_beam_fibre_force(const jo_data *d, int i);
-void jo_beam_fibre_tangent(const jo_model *m, const jo_data *d, int i, jo_real *C, jo_real *X);
-
-/* beam_tangent.c */
-void jo_newton_beams(const jo_model *m, jo_data *d, const jo_stage *stage);
-void jo_beam_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real *z);   /* (nv) d->lag += K x + D z, z may be 0 */
-
-/* friction_solve.c */
-int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage);
-
 /* friction.c */
 void jo_friction_push(const jo_model *m, jo_data *d);
 jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i);
@@ -403,9 +411,74 @@ void jo_friction_turn(const jo_model *m, jo_data *d);
 typedef struct { jo_real rate[2][2], force[2][3], moment[2][3]; } jo_slopes;
 void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y);
 
+/* tangent.c */
+void jo_balance(const jo_model *m, const jo_data *d, jo_real *r);   /* M a less the forces that stand in fr and fp */
+
+/* body_tangent.c */
+void jo_newton_body(const jo_model *m, jo_data *d, const jo_stage *stage, int body);
+
+/* beam_tangent.c */
+void jo_newton_beams(const jo_model *m, jo_data *d, const jo_stage *stage);
+void jo_beam_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real *z);   /* (nv) d->lag += K x + D z, z may be 0 */
+
+/* marker_tangent.c */
+void jo_newton_marker(const jo_model *m, jo_data *d, const jo_stage *stage, int marker);
+void jo_newton_stress(const jo_model *m, jo_data *d, const jo_stage *stage, int marker);   /* of the loads on it */
+
+/* joint_tangent.c */
+void jo_newton_joint(const jo_model *m, jo_data *d, const jo_stage *stage, int joint);
+
+/* friction_tangent.c */
+void jo_newton_frictions(const jo_model *m, jo_data *d);
+
+/* blocks.c */
+int jo_newton_assemble(const jo_model *m, jo_data *d, const jo_stage *stage);   /* at the state of the last jo_residual */
+void jo_newton_masses(const jo_model *m, jo_data *d, const jo_stage *stage);    /* bodies and beams only */
+void jo_newton_rows(const jo_model *m, jo_data *d, const jo_stage *stage);      /* joints only, without multipliers */
+
+/* coupled.c */
+int jo_couples(const jo_model *m, const jo_stage *stage);   /* whether the masses are coupled in it */
+int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stage);   /* a and joint[].x */
+void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_stage *stage);
+void jo_coupled_respond(const jo_model *m, jo_data *d);   /* joint[].x by the changes of force in y and yp */
+void jo_coupled_correction(const jo_model *m, jo_data *d, jo_real *increment);
+
+/* friction_solve.c */
+int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage);
+
+/* energy.c */
+void jo_close_work(jo_data *d);
+
+/* dynamics.c */
+int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
+void jo_use_step(const jo_model *m, jo_data *d, double gh);
+void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage);   /* with the factors of its last evaluation */
+int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding);
+
 /* friction_switch.c */
 int jo_friction_switch(const jo_model *m, jo_data *d, int i);
 int jo_friction_settle(const jo_model *m, jo_data *d);
+
+/* sensor.c */
+int jo_needs_accelerations(const jo_sensor *s);
+
+/* damage.c */
+void jo_damage_setup(const jo_model *m, jo_data *d, jo_sensor *list);
+int jo_damage_scratch(const jo_model *m);
+int jo_measure(const jo_model *m, jo_data *d);   /* the present state is accepted: the meters count it */
+
+/* row.c */
+int jo_write_row(const jo_model *m, jo_data *d, jo_real *row);
+
+/* implicit.c */
+int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s);
+
+/* dopri.c */
+int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen);
+double jo_increments(const jo_model *m, jo_real *x, const jo_real *q0, const jo_real *q);
+void jo_recall_stage(const jo_model *m, jo_data *d, int last);   /* the first or the last stage of the step */
+void jo_interpolate(const jo_model *m, jo_data *d, double u);
+double jo_defect(const jo_model *m, const jo_data *d, int i, int n);
 
 /* step.c */
 int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* by exactly s->step */
@@ -419,75 +492,5 @@ int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, 
 int jo_event_happen(const jo_model *m, jo_data *d, int *chain);
 int jo_log_room(const jo_model *m);
 int jo_log_has_room(const jo_model *m, const jo_data *d);
-
-/* sensor.c */
-int jo_needs_accelerations(const jo_sensor *s);
-
-/* damage.c */
-void jo_damage_setup(const jo_model *m, jo_data *d, jo_sensor *list);
-int jo_damage_scratch(const jo_model *m);
-int jo_measure(const jo_model *m, jo_data *d);   /* the present state is accepted: the meters count it */
-
-/* newton.c */
-typedef struct { jo_real *at; int stride; } jo_block;
-static inline int jo_pad(int count) { return (count + JO_PAD - 1) & ~(JO_PAD - 1); }
-jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y);   /* rows of x, columns of y: bodies, then joints */
-int jo_newton_factor(const jo_model *m, jo_data *d);
-void jo_newton_solve(const jo_model *m, jo_data *d);
-
-/* blocks.c */
-int jo_newton_assemble(const jo_model *m, jo_data *d, const jo_stage *stage);   /* at the state of the last jo_residual */
-void jo_newton_masses(const jo_model *m, jo_data *d, const jo_stage *stage);    /* bodies and beams only */
-void jo_newton_rows(const jo_model *m, jo_data *d, const jo_stage *stage);      /* joints only, without multipliers */
-
-/* marker_tangent.c */
-void jo_newton_marker(const jo_model *m, jo_data *d, const jo_stage *stage, int marker);
-void jo_newton_stress(const jo_model *m, jo_data *d, const jo_stage *stage, int marker);   /* of the loads on it */
-
-/* body_tangent.c */
-void jo_newton_body(const jo_model *m, jo_data *d, const jo_stage *stage, int body);
-
-/* joint_tangent.c */
-void jo_newton_joint(const jo_model *m, jo_data *d, const jo_stage *stage, int joint);
-
-/* friction_tangent.c */
-void jo_newton_frictions(const jo_model *m, jo_data *d);
-
-/* tangent.c */
-void jo_balance(const jo_model *m, const jo_data *d, jo_real *r);   /* M a less the forces that stand in fr and fp */
-
-/* coupled.c */
-int jo_couples(const jo_model *m, const jo_stage *stage);   /* whether the masses are coupled in it */
-int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stage);   /* a and joint[].x */
-void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_stage *stage);
-void jo_coupled_respond(const jo_model *m, jo_data *d);   /* joint[].x by the changes of force in y and yp */
-void jo_coupled_correction(const jo_model *m, jo_data *d, jo_real *increment);
-
-/* implicit.c */
-int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s);
-
-/* dynamics.c */
-int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
-void jo_use_step(const jo_model *m, jo_data *d, double gh);
-void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage);   /* with the factors of its last evaluation */
-
-/* energy.c */
-void jo_close_work(jo_data *d);
-
-/* state.c */
-void jo_refresh(const jo_model *m, jo_data *d);
-void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment);
-void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *v);
-int jo_check(const jo_model *m, jo_data *d);   /* JO_OK if the state is finite and of a reasonable size */
-
-/* row.c */
-int jo_write_row(const jo_model *m, jo_data *d, jo_real *row);
-
-/* dopri.c */
-int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen);
-double jo_increments(const jo_model *m, jo_real *x, const jo_real *q0, const jo_real *q);
-void jo_recall_stage(const jo_model *m, jo_data *d, int last);   /* the first or the last stage of the step */
-void jo_interpolate(const jo_model *m, jo_data *d, double u);
-double jo_defect(const jo_model *m, const jo_data *d, int i, int n);
 
 #endif

@@ -78,6 +78,18 @@ def test_no_file_calls_one_that_calls_it():
         pytest.fail(f"a circle: {' <- '.join(error.args[1])}")
 
 
+def test_the_header_lists_the_files_after_those_they_call():
+    header = (ENGINE / "internal.h").read_text("utf-8").partition("/* body.c */")
+    sections = re.split(r"^/\* (\w+\.c) \*/$", header[1] + header[2], flags=re.MULTILINE)[1:]
+    order, texts, graph = sections[::2], sources(), calls()
+    for file, section in zip(order, sections[1::2], strict=True):
+        names = set(re.findall(r"\b(jo_\w+)\([^;{}]*\);", section))
+        assert names
+        assert names <= set(_names(texts[file])), f"{file} defines less"
+    for i, file in enumerate(order):
+        assert not graph[file] & set(order[i + 1 :]), f"{file} calls what follows it"
+
+
 def test_only_what_is_recursive_calls_itself():
     texts = functions()
     home = {name: file for file, name in texts}
