@@ -189,8 +189,8 @@ class _Whole(Field[In, Out]):
         """Return a whole number within the limits."""
         whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
         if not (whole and self.least <= value and (self.most is None or value <= self.most)):
-            wanted = f"a whole number from {self.least}"
-            wanted += "" if self.most is None else f" to {self.most}"
+            most = "" if self.most is None else f" to {self.most}"
+            wanted = self.wanted or f"a whole number from {self.least}{most}"
             problems.add(where, f"{self.label} is {value!r}, must be {wanted}")
             return None
         return int(value)

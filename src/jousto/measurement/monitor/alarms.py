@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,24 +12,11 @@ from jousto.base.arrays import Array
 from jousto.base.declare import Declared
 from jousto.base.described import described
 from jousto.base.errors import Problems
-from jousto.base.fields import Field, field
-from jousto.base.numbers import Number, OptionalPositive
+from jousto.base.fields import field
+from jousto.base.numbers import Number, OptionalPositive, OptionalWhole
 from jousto.measurement.monitor.health import OK
 
 NEVER = -np.inf
-
-
-class Left(Field["int | None", "int | None"]):
-    """A number of channels."""
-
-    form = "count"
-    noun = "int"
-
-    def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the number."""
-        if not isinstance(value, int) or isinstance(value, bool):
-            problems.add(where, f"{self.name} is {value!r}, must be a whole number")
-        return value
 
 
 class AlarmLimits(Declared, by_value=True):
@@ -45,7 +31,9 @@ class AlarmLimits(Declared, by_value=True):
     life: OptionalPositive = field(
         "Remaining life: the lower end of its band is below", unit="s", default=None
     )
-    channels: Left = field('Channels that are left: fewer of them are "ok"', default=None)
+    channels: OptionalWhole = field(
+        'Channels that are left: fewer of them are "ok"', least=0, default=None
+    )
     release: Number = field(
         "Share of the stress limit below which an alarm ends",
         least=0,

@@ -13,8 +13,8 @@ from jousto.base.arrays import Array
 from jousto.base.declare import Declared
 from jousto.base.described import described
 from jousto.base.errors import Problems
-from jousto.base.fields import Field, field
-from jousto.base.numbers import Number, Positive
+from jousto.base.fields import field
+from jousto.base.numbers import Number, Positive, Whole
 from jousto.measurement.monitor.stream import EMPTY, INFINITE
 from jousto.measurement.twin.signals import LARGEST
 from jousto.model.native.health import HealthCheck
@@ -24,19 +24,7 @@ States = NDArray[np.uint8]
 STATES = ("ok", "dropout", "nan", "saturated", "stuck", "spike", "back")
 """What a channel can be; only values of channels that are "ok" are used."""
 OK = STATES.index("ok")
-
-
-class Samples(Field[int, int]):
-    """A number of samples."""
-
-    form = "count"
-    noun = "int"
-
-    def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the number."""
-        if not isinstance(value, int) or value < 0:
-            problems.add(where, f"{self.name} is {value!r}, must be a number of samples, 0 or more")
-        return value
+SAMPLES = "a number of samples, 0 or more"
 
 
 class Saturation(Positive):
@@ -59,9 +47,11 @@ class ChannelRules(Declared, by_value=True):
     range: Saturation = field(
         "Magnitude at which a channel is saturated; at most 0.01", unit="m/m", default=LARGEST
     )
-    stuck: Samples = field(
+    stuck: Whole = field(
         "Samples of exactly the same value, while others change, after which a channel is stuck; "
         "0 does not look",
+        least=0,
+        wanted=SAMPLES,
         default=50,
     )
     spike: Number = field(
@@ -71,8 +61,11 @@ class ChannelRules(Declared, by_value=True):
         wanted="0 or positive",
         default=40.0,
     )
-    back: Samples = field(
-        "Good samples in a row before a channel that failed is used again", default=10
+    back: Whole = field(
+        "Good samples in a row before a channel that failed is used again",
+        least=0,
+        wanted=SAMPLES,
+        default=10,
     )
 
 

@@ -43,12 +43,6 @@ class Gauges(Reference[Iterable[Gauge], "tuple[Gauge, ...]"]):
         return problems.several(where, self.name, value, Gauge)
 
 
-class Strain(Number):
-    """A strain."""
-
-    form = "strain"
-
-
 class MonitorSettings(GaugeErrors):
     """The monitoring of a part by its gauges: stress, damage, remaining life and alarms.
 
@@ -67,7 +61,7 @@ class MonitorSettings(GaugeErrors):
     )
     separation: Number = field("Least distance of hot spots that are found", unit="m", default=0.0)
     criterion: Text = field("Of the stress", default="signed-von-mises")
-    noise: Strain = field(
+    noise: Number = field(
         "Standard deviation of the gauges; what the modes leave out belongs to it",
         unit="m/m",
         above=0,

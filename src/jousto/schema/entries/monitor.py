@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 from pydantic import Field, Tag
 
 from jousto.mechanism.sensors.gauge import Gauge
-from jousto.schema.entries.base import Count, Number, Text
+from jousto.schema.entries.base import Count, Text
 from jousto.schema.entries.choices import by_form
 from jousto.schema.entries.declared import FORMS, EntryOf
 from jousto.schema.make.declared import build_declared
@@ -23,7 +23,6 @@ FORMS.update(
         "spots": lambda field: Spots,
         "run": lambda field: Text,
         "columns": lambda field: dict[Text, Text],
-        "strain": lambda field: Number,
     }
 )
 ErrorsEntry: Any = Annotated[Any, EntryOf("jousto.measurement.twin.signals", "GaugeErrors")]
