@@ -22,6 +22,7 @@ from .base.errors import (
 from .base.rotations import Rotate as Rotate
 from .base.version import __version__ as __version__
 from .design.studies.parameter import Parameter as Parameter
+from .design.studies.study import study as study
 from .fatigue.miner.damage_field import damage_field as damage_field
 from .materials.library import material as material
 from .materials.material import Material as Material

@@ -30,6 +30,7 @@ OFFERS = {
     "monitor": "monitor",
     "multiaxial": "multiaxial strain-life hertz",
     "studies": "path buckle equilibrium modes linearise kinematics",
+    "study": "study",
 }
 PLACES = {name: place for place, names in OFFERS.items() for name in names.split()}
 """Commands in the order of the help, with the modules of this folder that offer them."""

@@ -27,4 +27,15 @@ from .reliability.sampling import (
 from .reliability.sorm import SormResult as SormResult, sorm as sorm
 from .reliability.subset import subset_simulation as subset_simulation
 from .reliability.transform import Joint as Joint, Nataf as Nataf, Rosenblatt as Rosenblatt
+from .studies.case import Case as Case
 from .studies.distributions import read_distribution as read_distribution
+from .studies.outcomes import Function as Function, Outcome as Outcome, read_outcome as read_outcome
+from .studies.samples import (
+    grid as grid,
+    latin_hypercube as latin_hypercube,
+    random_samples as random_samples,
+    read_samples as read_samples,
+    sobol as sobol,
+)
+from .studies.study import Study as Study
+from .studies.table import StudyTable as StudyTable, read_study as read_study

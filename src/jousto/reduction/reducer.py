@@ -7,6 +7,7 @@ import logging
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -26,6 +27,7 @@ from jousto.reduction.fields.invariants import (
 from jousto.reduction.fields.residual_stress import read_loads, residual_stress as rest
 from jousto.reduction.fields.stiffening import stiffening as second_order_field
 from jousto.reduction.fields.stress import StressModes
+from jousto.reduction.files import recalled
 from jousto.reduction.files.cache import (
     Entry,
     NotHashable,
@@ -132,9 +134,27 @@ def reduce(
     if solver is not None:
         factor.choose(part.K.shape[0], where, solver)
     loads = read_loads(part, residual_stress)
-    chosen = choose_cache(cache, part.K.shape[0])
+    options = (stiffening, solver, *(() if loads is None else ("residual stress", loads)))
+
+    def make() -> ReducedPart:
+        return _kept(part, method, options, loads, choose_cache(cache, part.K.shape[0]), progress)
+
+    memory = recalled.current()
+    return make() if memory is None else memory.get((part, method, *options), make)
+
+
+def _kept(
+    part: Part,
+    method: Method,
+    options: tuple[Any, ...],
+    loads: dict[str, Array] | None,
+    chosen: ReductionCache | None,
+    progress: Any,
+) -> ReducedPart:
+    """Return the reduced part, from the cache if it is there."""
+    where = f"part '{part.name}'"
+    stiffening, solver = options[:2]
     with reporter(progress) as report:
-        options = (stiffening, solver, *(() if loads is None else ("residual stress", loads)))
         entry = None if chosen is None else _entry(chosen, part, method, options)
         if entry is not None and (finished := entry.finished()) is not None:
             return remembered(finished, part)

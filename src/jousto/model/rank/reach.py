@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from jousto.mechanism.mechanism import Mechanism
 
 if TYPE_CHECKING:
     from jousto.reduction.reach import Reach
+    from jousto.reduction.reduced import ReducedPart
 
 LEFT = 0.05  # share of the static work that modes may leave out
 SAG = 1e-5  # of the length of a body: mean sag under its weight that modes may leave out
@@ -25,6 +27,11 @@ REMEDY = (
     "give its reduction more modes, residuals=[the load] (inertia_relief=True for weight), or an "
     "interface where the load acts"
 )
+
+
+# what was asked of a reduced part before: work of a load in the full part and in the modes
+_ASKED: WeakKeyDictionary[ReducedPart, dict[Any, tuple[float, float] | None]] = WeakKeyDictionary()
+MOST_ASKED = 1000
 
 
 def warn_loads(mechanism: Mechanism) -> None:
@@ -49,11 +56,17 @@ def warn_loads(mechanism: Mechanism) -> None:
         if reduced.source is None or (id(reduced), place) in told:
             return
         told.add((id(reduced), place))
-        reach = known.setdefault(id(reduced), Reach(reduced))
-        work = reach.work(_on_part(reach, pattern))
-        if work is None:
+        asked = _ASKED.setdefault(reduced, {})
+        load = (pattern.shape, pattern.tobytes())
+        if load not in asked:
+            reach = known.setdefault(id(reduced), Reach(reduced))
+            work = reach.work(_on_part(reach, pattern))
+            if len(asked) >= MOST_ASKED:
+                asked.clear()
+            asked[load] = None if work is None else (float(work[0].sum()), float(work[1].sum()))
+        if (found := asked[load]) is None:
             return
-        whole, held = float(work[0].sum()), float(work[1].sum())
+        whole, held = found
         if whole - held > max(LEFT * whole, least):
             warn(
                 where,

@@ -24,6 +24,7 @@ from jousto.schema.file.document import Document, Loc, parse_document, read_docu
 from jousto.schema.file.explain import explain, finish
 from jousto.schema.file.parameters import SECTION, expand
 from jousto.schema.file.simulation import Simulation
+from jousto.schema.file.variants import Variants
 from jousto.schema.make.builder import LISTS, ModelBuilder
 from jousto.schema.make.declared import build_declared
 from jousto.schema.make.matrices import is_superelement
@@ -50,6 +51,8 @@ class ModelFile:
         How measured strains are to be watched, if the file says so.
     parameters : tuple of Parameter
         Numbers that a study may vary.
+    variants : Variants or None
+        Makes the machine for other values of them, for `study`.
     """
 
     mechanism: Mechanism
@@ -58,6 +61,7 @@ class ModelFile:
     fatigue: Fatigue | None = None
     monitor: Any = None
     parameters: tuple[Parameter, ...] = ()
+    variants: Any = None
 
 
 @explained
@@ -126,9 +130,13 @@ def build_model(
     trust: bool = False,
     progress: Any = None,
     parameters: Mapping[str, float] | None = None,
+    kept: dict[Any, Any] | None = None,
 ) -> ModelFile:
-    """Validate and build a document; see `read_model`."""
-    expanded = expand(document, parameters)
+    """Validate and build a document; see `read_model`.
+
+    Reduced parts are looked up among those `kept` by what the file says of them.
+    """
+    whole, expanded = document, expand(document, parameters)
     document = expanded.document
     if "bodies" not in document.data and document.data.get("type") in PART_TYPES:
         message = (
@@ -139,6 +147,7 @@ def build_model(
     entry, index, invalid, broken = validate(document)
     options = {} if progress is None else {"progress": progress}
     builder = ModelBuilder(document, broken, rigid=rigid, trust=trust, options=options)
+    builder.kept = {} if kept is None else kept
     mechanism, simulation, fatigue, monitor = None, None, None, None
     if entry is not None:
         mechanism = builder.mechanism(entry, index)
@@ -154,7 +163,9 @@ def build_model(
     )
     finish(document, [*invalid, *builder.found], [*unused, *builder.warnings])
     assert mechanism is not None
-    return ModelFile(mechanism, simulation, document.text, fatigue, monitor, expanded.parameters)
+    variants = Variants(whole, expanded.parameters, rigid, trust)
+    given = (mechanism, simulation, document.text, fatigue, monitor)
+    return ModelFile(*given, expanded.parameters, variants)
 
 
 def validate(

@@ -32,6 +32,14 @@ class Simulation(Declared):
         default="initial",
     )
 
+    @property
+    def begin(self) -> Any:
+        """The function of the model that returns the state where runs start; None for its own."""
+        return None if self.start == "initial" else self._state
+
+    def _state(self, model: Any) -> Any:
+        return self.given(model).get("state")
+
     def given(self, model: Any = None) -> dict[str, Any]:
         """Return the keyword arguments of `simulate` that the file gives, without `t_end`.
 

@@ -26,6 +26,9 @@ from jousto.schema.make.solid import FORMS as OF_PARTS, build_solid
 
 LISTS = ("bodies", "joints", "couplings", "forces", "frictions", "initial", "sensors", "events")
 
+MOST_KEPT = 64
+"""Reduced parts of variants of a file that are kept, the one made first goes first."""
+
 
 class ModelBuilder(Builder):
     """Builds parts, bodies and the mechanism of a document."""
@@ -57,6 +60,18 @@ class ModelBuilder(Builder):
         part = self.part(loc, name, entry)
         method = self.method(loc, entry, part)
         return self.reduction(loc, entry, part, method)
+
+    def recalled(self, loc: Loc, name: str, entry: Any) -> Any:
+        """Return the same, of an entry that another variant had what was made of it then."""
+        place = (name, repr(self.document.at(loc)))
+        if place not in self.kept:
+            reduced = self.reduced(loc, name, entry)
+            if reduced is None:
+                return None
+            self.kept[place] = reduced
+            while len(self.kept) > MOST_KEPT:
+                del self.kept[next(iter(self.kept))]
+        return self.kept[place]
 
     def method(self, loc: Loc, entry: Any, part: Any = None) -> Any:
         """Return the CraigBampton or FreeFree of an entry, None if it is wrong."""
@@ -99,7 +114,7 @@ class ModelBuilder(Builder):
     def named_part(self, loc: Loc, entry: Any) -> Any:
         """Return the ReducedPart of an entry of parts, None if anything is wrong with it."""
         name: Any = loc[-1]
-        return self.reduced(loc, name, entry) if self.part_name(loc, name) else None
+        return self.recalled(loc, name, entry) if self.part_name(loc, name) else None
 
     def item(self, loc: Loc, entry: Any) -> Any:
         """Return the object of an entry of a list, None if anything is wrong with it."""

@@ -60,6 +60,7 @@ class Builder:
         self.curves: dict[str, Any] = {}
         self.known: dict[str, Mapping[str, Any]] = {}  # what entries may name, by section
         self.sensors: list[str] = []  # names of all sensors of the file
+        self.kept: dict[Any, Any] = {}  # reduced parts of variants of the file
 
     def note(self, loc: Loc, message: str) -> None:
         """Note a problem at a place of the document."""

@@ -1,0 +1,327 @@
+"""study: a model as a function from parameters to outcomes, at one point or many."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from jousto.base.arguments import explained
+from jousto.base.arrays import Array
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, count
+from jousto.design.studies.case import Case, Settings
+from jousto.design.studies.evaluator import Evaluator, Row
+from jousto.design.studies.journal import Journal
+from jousto.design.studies.outcomes import Outcome, read_outcomes
+from jousto.design.studies.parameter import Parameter
+from jousto.design.studies.samples import grid, latin_hypercube, read_samples
+from jousto.design.studies.sources import choose, source_of
+from jousto.design.studies.spread import spread
+from jousto.design.studies.table import StudyTable, check_suffix, read_study
+
+Report = Callable[[int, int], None]
+Samples = ArrayLike | Mapping[str, Any] | str | Path | int
+LINES = ".jsonl"
+
+
+@described
+class Study:
+    """A model as a function from parameters (n, np) to outcomes (n, no); see `study`.
+
+    ``study(X)`` are the outcomes, NaN where a point failed, ``study.run(X)`` is a `StudyTable`.
+    What does not change from point to point is not done again: reductions are remembered by the
+    content of the part, the method and the options, parts of a model file by their entry, compiled
+    models by the values that they depend on; external inputs only make another run.
+
+    Attributes
+    ----------
+    parameters : tuple of Parameter
+        The columns of X.
+    outcomes : tuple of str
+        Names of the outcomes.
+    units : tuple of str
+        SI units of the outcomes.
+    table : StudyTable or None
+        Of the last ``run``.
+    """
+
+    def __init__(self, evaluator: Evaluator) -> None:
+        self._evaluator = evaluator
+        self.parameters = evaluator.parameters
+        self.outcomes = tuple(outcome.name for outcome in evaluator.outcomes)
+        self.units = tuple(evaluator.check())
+        self.table: StudyTable | None = None
+
+    def _facts(self) -> str:
+        names = ", ".join(parameter.name for parameter in self.parameters)
+        return f"{', '.join(self.outcomes)} of {names}"
+
+    @property
+    def nominal(self) -> Array:
+        """Nominal values of the parameters (np,)."""
+        return np.array([parameter.value for parameter in self.parameters])
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many reductions, compilations and runs were done so far."""
+        return self._evaluator.counts
+
+    @explained
+    def case(self, x: ArrayLike | None = None) -> Case:
+        """Return the machine at a point, with its ``mechanism``, ``model`` and ``run``.
+
+        Parameters
+        ----------
+        x : (np,) array, optional
+            The point; the nominal values if not given.
+        """
+        point = self.nominal if x is None else self._points(x)[0]
+        return self._evaluator.case(point)
+
+    def __call__(self, x: ArrayLike) -> Array:
+        """Return the outcomes (n, no) of points (n, np), or (no,) of one point (np,)."""
+        points = self._points(x)
+        found = np.array([self._evaluator(point)[0] for point in points], dtype=float)
+        return found[0] if np.ndim(x) < 2 else found.reshape(len(points), len(self.outcomes))
+
+    def _points(self, x: Any) -> Array:
+        """Return samples as points (n, np)."""
+        if isinstance(x, str | Path):
+            return read_samples(x, self.parameters)
+        if isinstance(x, Mapping):
+            return grid(self.parameters, x)
+        if isinstance(x, int) and not isinstance(x, bool):
+            return latin_hypercube(self.parameters, x)
+        np_ = len(self.parameters)
+        try:
+            points = np.atleast_2d(np.asarray(x, dtype=float))
+            if points.ndim != 2 or points.shape[1] != np_:
+                raise ValueError
+        except (TypeError, ValueError):
+            names = ", ".join(p.name for p in self.parameters)
+            found = f"have shape {np.shape(x)}" if not isinstance(x, str) else f"are {x!r}"
+            message = f"{found}, must be (n, {np_}): {names}"
+            raise InputError(Problem("samples", message)) from None
+        return points
+
+    @explained
+    def run(
+        self,
+        samples: Samples,
+        *,
+        workers: Any = 1,
+        how: str = "threads",
+        path: str | Path | None = None,
+        retry: bool = False,
+        progress: bool | Report | None = None,
+    ) -> StudyTable:
+        """Work out many points and return their table.
+
+        Parameters
+        ----------
+        samples : array (n, np), dict, path or int
+            The points; a dictionary is that of `grid`, a path a CSV file, a number that of points
+            of a Latin hypercube.
+        workers : int, "dask" or Client
+            How many at once; "dask" is a cluster on this machine, a Client of Dask any other.
+        how : {"threads", "processes", "dask"}
+            Threads share what was made before, and the engine works in them side by side; in
+            processes Python does as well. What a study is made of must then be importable.
+        path : path, optional
+            File of the table (.h5, .csv, .parquet). Rows are written as they come into a file
+            beside it, ``NAME.jsonl``: after a kill the study goes on from there. A finished .h5
+            is gone on from as well. Of another study it is refused.
+        retry : bool
+            Whether points that failed before are tried again.
+        progress : bool or function, optional
+            True shows a bar; a function is called with (points done, points).
+
+        Returns
+        -------
+        StudyTable
+            Points in the given order; failed ones with their reason.
+
+        Raises
+        ------
+        InputError
+            If anything about samples, workers or files makes no sense.
+        """
+        points = self._points(samples)
+        keys = [tuple(point.tolist()) for point in points]
+        target = None if path is None else Path(path)
+        rows: dict[tuple[float, ...], Row] = {}
+        journal: Journal | None = None
+        if target is not None:
+            journal, rows = self._resumed(target)
+        if retry:
+            rows = {x: row for x, row in rows.items() if not row[1]}
+        todo = [(i, x) for i, x in enumerate(dict.fromkeys(keys)) if x not in rows]
+        waiting = dict(todo)
+        with reporter(progress, len(keys)) as report:
+            done = len(keys) - len(todo)
+            report(done, len(keys))
+            for i, row in spread(self._evaluator, todo, journal, workers, how):
+                rows[waiting[i]] = row
+                done += 1
+                report(done, len(keys))
+        self.table = self._table(points, [rows[x] for x in keys])
+        if target is not None and target.suffix != LINES:
+            self.table.save(target)
+            if journal is not None and target.suffix in (".h5", ".hdf5"):
+                journal.path.unlink(missing_ok=True)
+        return self.table
+
+    def _table(self, points: Array, rows: Sequence[Row]) -> StudyTable:
+        names = tuple(parameter.name for parameter in self.parameters)
+        units = {p.name: p.unit for p in self.parameters}
+        units |= dict(zip(self.outcomes, self.units, strict=True))
+        return StudyTable(
+            names,
+            self.outcomes,
+            points,
+            np.array([y for y, _ in rows], dtype=float).reshape(len(points), len(self.outcomes)),
+            tuple(reason for _, reason in rows),
+            units,
+            dict(self._evaluator.notes),
+            self._about(),
+        )
+
+    def _about(self) -> dict[str, Any]:
+        source: Any = self._evaluator.source
+        how = {key: repr(value) for key, value in source.settings.how.items()}
+        return {
+            "parameters": [parameter.label for parameter in self.parameters],
+            "outcomes": list(self.outcomes),
+            "model": source.key,
+            "run": {"t_end": source.settings.t_end, **how},
+        }
+
+    def _resumed(self, target: Path) -> tuple[Journal, dict[tuple[float, ...], Row]]:
+        """Return the journal of a table's file, with the rows that there are."""
+        about = self._about()
+        rows: dict[tuple[float, ...], Row] = {}
+        lines = target
+        if target.suffix != LINES:
+            check_suffix(target)
+            lines = target.with_name(target.name + LINES)
+            if target.suffix in (".h5", ".hdf5") and target.exists():
+                known = read_study(target)
+                if known.about != about:
+                    message = "holds another study; name another file or remove it"
+                    raise InputError(Problem(str(target), message))
+                places = map(tuple, known.x.tolist())
+                found = zip(known.y.tolist(), known.reasons, strict=True)
+                rows = dict(zip(places, found, strict=True))
+        journal = Journal(lines, about)
+        return journal, rows | journal.rows
+
+
+@contextmanager
+def reporter(progress: bool | Report | None, total: int) -> Iterator[Report]:
+    """Yield a function of the points that are done and all: a bar, the user's, or silence."""
+    if callable(progress):
+        yield progress
+        return
+    if not progress:
+        yield lambda done, total: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True)) as bar:
+        task = bar.add_task(f"study of {count(total, 'point')}", total=total)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+@explained
+def study(
+    model: Any,
+    parameters: Sequence[Parameter | str] | Parameter | str | None = None,
+    outcomes: Any = (),
+    samples: Samples | None = None,
+    *,
+    t_end: float | None = None,
+    solver: Any = None,
+    output_step: float | None = None,
+    state: Any = None,
+    **run: Any,
+) -> Study:
+    """Return a model as a function of its parameters, worked out at samples if there are any.
+
+    Parameters
+    ----------
+    model : callable, ModelFile, Mechanism or Model
+        A function whose arguments are parameters and that returns a `Mechanism`, a `Model` or a
+        `Solution`; a file from `read_model` with ``parameters``; or a machine whose external
+        inputs (`Input`) are the parameters. Parameters that the function does not take are inputs,
+        too.
+    parameters : sequence of Parameter or str, optional
+        What is varied; of a file also by name, all of its parameters if not given.
+    outcomes : text, function, Outcome, or a sequence or dict of them
+        What is wanted: ``"max(tip.y)"`` (also min, peak, range, rms, mean, first, last),
+        ``"mass"``, ``"mass(arm)"``, ``"frequency(1)"``, ``"stress(arm)"`` at its hot spot,
+        ``"damage(arm)"``, ``"life(arm)"``, ``"reaction(pivot)"``, or a function of the `Solution`.
+    samples : array (n, np), dict, path or int, optional
+        Points to work out at once, see `Study.run`; the table is ``study.table``.
+    t_end, solver, output_step : optional
+        As in `simulate`; before those of the file.
+    state : State or callable, optional
+        Where runs start, or a function of the model that says so: `jo.equilibrium`.
+    **run
+        Arguments of `Study.run`: workers, how, path, retry, progress.
+
+    Returns
+    -------
+    Study
+        The function.
+
+    Raises
+    ------
+    InputError
+        Everything that does not fit the machine of the nominal values.
+
+    Examples
+    --------
+    >>> import jousto as jo
+    >>> def pendulum(length):
+    ...     bob = jo.RigidBody("bob", 1.0, (1e-9, 1e-9, 1e-9), center=(length, 0, 0))
+    ...     pivot = jo.Revolute("pivot", jo.ground["origin"], bob["origin"])
+    ...     place = jo.PositionSensor("bob", bob.at((length, 0, 0)))
+    ...     return jo.Mechanism(bob, pivot, jo.Gravity((0, -9.81, 0)), place)
+    >>> found = study(pendulum, jo.Parameter("length", 1.0, unit="m"), "range(bob.x)", t_end=1.5)
+    >>> found([[0.5], [0.6]]).round(3)
+    array([[1. ],
+           [1.2]])
+    """
+    how = {"solver": solver, "output_step": output_step, "state": state}
+    given = {key: value for key, value in how.items() if value is not None}
+    source = source_of(model, Settings(t_end, given))
+    problems: list[Problem] = []
+    chosen: tuple[Parameter, ...] = ()
+    wanted: tuple[Outcome, ...] = ()
+    try:
+        chosen = choose(source, parameters)
+    except InputError as error:
+        problems += error.problems
+    try:
+        wanted = read_outcomes(outcomes)
+    except InputError as error:
+        problems += error.problems
+    names = {parameter.name for parameter in chosen}
+    for outcome in wanted:
+        if outcome.name in names:
+            message = f"is the name of a parameter, too; name it: 'my {outcome.name} = ...'"
+            problems.append(Problem(f"outcome {outcome.name!r}", message))
+    if problems:
+        raise InputError(problems)
+    made = Study(Evaluator(source, chosen, wanted))
+    if samples is not None:
+        made.run(samples, **run)
+    elif run:
+        raise InputError(Problem("study", f"{', '.join(run)} without samples to work out"))
+    return made

@@ -1,0 +1,409 @@
+"""Studies: closed forms, what is done again, failures, ways to work, kills."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import jousto as jo
+from design.studies import machines
+from design.studies.machines import CANTILEVER, FORCES, RUN
+from jousto.design.studies.journal import Journal
+from jousto.schema.file.read import parse_model
+
+TESTS = Path(__file__).parents[2]
+
+
+def forces(**how: Any) -> jo.design.Study:
+    return jo.study(machines.pushed, FORCES, {"way": machines.way, **how.pop("more", {})}, **RUN)
+
+
+# -- closed forms -------------------------------------------------------------------------------
+
+
+def test_the_period_of_a_pendulum_follows_its_length() -> None:
+    """T = 2 pi sqrt(l / g) within the amplitude's 1e-6 / 16."""
+    length = jo.Parameter("length", 1.0, bounds=(0.2, 4.0), unit="m")
+    study = jo.study(machines.bob, length, ["frequency(1, rest)", "mass"], {"length": 7})
+    table = study.table
+    assert table is not None and len(table) == 7 and table.good.all()
+    expected = np.sqrt(9.81 / table["length"]) / (2 * np.pi)
+    # the point mass has 1e-9 kg m2 of its own
+    np.testing.assert_allclose(table["frequency(1, rest)"], expected, rtol=1e-6)
+    assert (table["mass"] == 1.0).all()
+    assert study.counts["runs"] == 0  # nothing asked for one
+    assert study.units == ("Hz", "kg")
+
+
+def test_the_frequency_of_a_cantilever_follows_its_height() -> None:
+    """Bending about the axis that the height stiffens: f ~ h (Euler-Bernoulli: slender)."""
+
+    def beam(height: float) -> jo.Mechanism:
+        section = jo.Rectangle(0.05, height)
+        part = jo.Part.beam(length=2.0, section=section, material=jo.material("S355"), elements=10)
+        arm = jo.FlexibleBody("arm", jo.reduce(part, jo.CraigBampton(["start"], 6)))
+        return jo.Mechanism(arm, jo.Fixed("clamp", jo.ground["origin"], arm["start"]))
+
+    height = jo.Parameter("height", 0.02, bounds=(0.01, 0.04), unit="m")
+    study = jo.study(beam, height, ["frequency(1)", "mass(arm)"])
+    x = np.array([[0.01], [0.02], [0.04]])
+    y = study(x)
+    steel = jo.material("S355")
+    radius = x[:, 0] / np.sqrt(12.0)
+    expected = 1.87510407**2 / (2 * np.pi * 4.0) * radius * np.sqrt(steel.E / steel.rho)
+    # shear and rotary inertia take off some (h / l)^2, the mesh adds less than that
+    np.testing.assert_allclose(y[:, 0], expected, rtol=2e-3)
+    np.testing.assert_allclose(y[:, 1], steel.rho * 0.05 * x[:, 0] * 2.0, rtol=1e-12)
+    assert study.counts["reductions"] == 3
+
+
+def test_inputs_of_a_model_are_parameters() -> None:
+    study = forces()
+    x = np.array([[2.0, 4.0], [2.0, 2.0], [4.0, 4.0]])
+    np.testing.assert_allclose(study(x)[:, 0], x[:, 1] / x[:, 0] / 2, rtol=1e-12)
+    assert study(x[0]).shape == (1,)
+    model = jo.compile(machines.pushed(2.0))
+    alone = jo.study(model, FORCES[1], "last(way)", **RUN)
+    assert alone([[8.0]])[0, 0] == pytest.approx(2.0, rel=1e-12)
+
+
+def test_runs_are_those_of_simulate() -> None:
+    study = forces(more={"peak": "peak(way)"})
+    run = jo.simulate(
+        jo.compile(machines.pushed(3.0)), 1.0, solver=jo.RK4(0.1), inputs={"force": 5}
+    )
+    again = study.case([3.0, 5.0]).run
+    for name in ("q", "v", "time"):
+        assert (getattr(run, name) == getattr(again, name)).all()
+    assert (run["way"] == again["way"]).all()
+    assert run.attributes.keys() == again.attributes.keys()
+
+
+# -- what is done again -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "reductions", "compilations"),
+    [
+        # the nominal machine first: two reductions, one compilation
+        ("height", (0.02, 0.025, 0.03), 4, 3),
+        ("k", (1e3, 2e3, 3e3), 2, 3),
+        ("load", (10.0, 20.0, 30.0), 2, 3),
+    ],
+)
+def test_only_what_changed_is_done_again(
+    name: str, values: tuple[float, ...], reductions: int, compilations: int
+) -> None:
+    file = parse_model(CANTILEVER)
+    study = jo.study(file, name, ["last(tip.z)", "mass"])
+    before = dict(study.counts)
+    assert (before["reductions"], before["runs"]) == (2, 0)
+    y = study(np.array(values)[:, None])
+    assert np.isfinite(y).all() and np.ptp(y) > 0
+    found = study.counts
+    assert (found["reductions"], found["compilations"], found["runs"]) == (
+        *(reductions, compilations),
+        3,
+    )
+    # all of it again: only runs
+    study(np.array(values)[:, None])
+    assert study.counts == found | {"runs": 6}
+
+
+def test_an_input_only_runs_again() -> None:
+    study = forces()
+    study(np.array([[2.0, f] for f in np.linspace(1, 9, 20)]))
+    assert study.counts == {"reductions": 0, "compilations": 1, "runs": 20}
+
+
+def test_a_function_reduces_equal_parts_once() -> None:
+    def beam(height: float, k: float) -> jo.Mechanism:
+        part = jo.Part.beam(
+            length=1.0,
+            section=jo.Rectangle(0.01, height),
+            material=jo.material("S355"),
+            elements=4,
+        )
+        arm = jo.FlexibleBody("arm", jo.reduce(part, jo.CraigBampton(["start"], 2)))
+        hold = jo.Fixed("hold", jo.ground["origin"], arm["start"])
+        return jo.Mechanism(arm, hold, jo.Force("pull", arm["end"], (k, 0, 0)))
+
+    p = (jo.Parameter("height", 0.02, unit="m"), jo.Parameter("k", 10.0, unit="N/m"))
+    study = jo.study(beam, p, "mass")
+    study([[0.02, 10.0], [0.02, 20.0], [0.03, 20.0], [0.02, 30.0]])
+    assert study.counts == {"reductions": 2, "compilations": 4, "runs": 0}
+
+
+# -- failures and mistakes ----------------------------------------------------------------------
+
+
+def test_failed_points_are_kept_with_their_reason(tmp_path: Path) -> None:
+    mass = jo.Parameter("mass", 2.0, unit="kg", bounds=(-1.0, 8.0))
+    x = np.array([[2.0, 4.0], [-1.0, 4.0], [9.0, 4.0], [4.0, 4.0], [np.nan, 1.0]])
+    study = jo.study(machines.pushed, (mass, FORCES[1]), "last(way)", **RUN)
+    table = study.run(x, path=tmp_path / "table.h5")
+    assert table.good.tolist() == [True, False, False, True, False]
+    assert "body 'block': mass is -1 kg, must be a positive number" in table.reasons[1]
+    assert table.reasons[2] == "mass is 9, outside of -1 to 8"
+    assert np.isnan(table["last(way)"][[1, 2, 4]]).all()
+    assert "failed 1 x: mass is 9" in str(table)
+    assert not (tmp_path / "table.h5.jsonl").exists()
+    again = jo.design.read_study(tmp_path / "table.h5")
+    assert again.reasons == table.reasons and again.units == table.units
+    np.testing.assert_array_equal(again.x, table.x)
+    np.testing.assert_array_equal(again.y, table.y)
+
+
+def test_all_mistakes_are_told_at_once() -> None:
+    with pytest.raises(jo.InputError) as error:
+        jo.study(parse_model(CANTILEVER), ["hight", "k"], ["max(tup.y)", "maxx(tip.y)", "mass"])
+    assert "no parameter 'hight'; did you mean 'height'?" in str(error.value)
+    assert "no outcome 'maxx'; did you mean 'max'?" in str(error.value)
+    wrong = ["max(tup.y)", "max(tip)", "max(tip.w)", "stress(arn)", "reaction(hold)", "damage(arm)"]
+    with pytest.raises(jo.InputError) as error:
+        jo.study(parse_model(CANTILEVER), "k", wrong)
+    text = str(error.value)
+    assert len(error.value.problems) == len(wrong)
+    for part in (
+        "no sensor 'tup.y'",
+        "several components; name one: tip.x, tip.y, tip.z",
+        "no component 'w'",
+        "no body 'arn' whose stress is known; did you mean 'arm'?",
+        "nothing measures joint 'hold'; add a sensor of type reaction",
+        "the model file has no fatigue",
+    ):
+        assert part in text
+    with pytest.raises(jo.InputError, match="parameter 'x': nothing takes it"):
+        jo.study(machines.pushed, (*FORCES, jo.Parameter("x", 1.0)), "mass")
+    with pytest.raises(jo.InputError, match="no outcomes; an outcome is mass"):
+        jo.study(machines.pushed, FORCES)
+    with pytest.raises(jo.InputError, match=r"must be \(n, 2\): mass, force"):
+        forces()([[1.0]])
+    with pytest.raises(jo.InputError, match="how is 'thread'; did you mean 'threads'"):
+        forces().run([[1.0, 1.0]], how="thread")
+    with pytest.raises(jo.InputError, match="workers is 0"):
+        forces().run([[1.0, 1.0]], workers=0)
+
+
+def test_stress_and_reaction_are_outcomes() -> None:
+    study = jo.study(
+        parse_model(CANTILEVER), "load", ["stress(side)", "reaction(clamp)", "rms(tip.z)"]
+    )
+    y = study([[10.0], [20.0]])
+    assert study.units == ("Pa", "N", "m")
+    # small motions: everything in proportion to the load
+    np.testing.assert_allclose(y[1, 0] / y[0, 0], 2.0, rtol=1e-3)
+    run = study.case([20.0]).run
+    spots = jo.hot_spots(run, bodies="side", count=1).spots
+    assert y[1, 0] == spots[0].value
+    assert y[1, 1] == np.linalg.norm(run["root"][:, :3], axis=1).max()
+
+
+# -- ways to work, files, kills -----------------------------------------------------------------
+
+X = np.array([[2.0, f] for f in np.linspace(0.5, 7.0, 14)])
+WAY = X[:, 1] / 4.0
+
+
+@pytest.mark.parametrize(("workers", "how"), [(1, "threads"), (2, "threads"), (2, "processes")])
+def test_all_ways_give_the_same(workers: int, how: str, tmp_path: Path) -> None:
+    seen: list[tuple[int, int]] = []
+    study = forces()
+    table = study.run(
+        X,
+        workers=workers,
+        how=how,
+        path=tmp_path / "t.csv",
+        progress=lambda done, total: seen.append((done, total)),
+    )
+    np.testing.assert_allclose(table["way"], WAY, rtol=1e-12)
+    assert seen == [(k, len(X)) for k in range(len(X) + 1)]
+    assert study.counts["runs"] == len(X)
+    rows = (tmp_path / "t.csv").read_text().splitlines()
+    assert rows[0] == "mass (kg),force (N),way,failed" and len(rows) == len(X) + 1
+    # everything is there: nothing is done again
+    again = forces()
+    np.testing.assert_array_equal(again.run(X, path=tmp_path / "t.csv").y, table.y)
+    assert again.counts["runs"] == 0
+
+
+def test_a_process_that_dies_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("JOUSTO_TEST_MARK", str(tmp_path / "mark"))
+    study = jo.study(machines.pushed, FORCES, {"way": machines.deadly}, **RUN)
+    x = np.vstack([X, [[2.0, 8.0]]])
+    table = study.run(x, workers=2, how="processes", path=tmp_path / "t.h5")
+    assert (tmp_path / "mark").exists()
+    np.testing.assert_allclose(table["way"], x[:, 1] / 4.0, rtol=1e-12)
+
+
+def test_a_point_that_kills_every_process_fails_alone(tmp_path: Path) -> None:
+    study = jo.study(machines.pushed, FORCES, {"way": machines.fatal}, **RUN)
+    table = study.run([[2.0, 1.0], [2.0, 8.0], [2.0, 2.0]], workers=1, how="processes")
+    assert table.reasons == ("", "its process died", "")
+    np.testing.assert_allclose(table["way"][[0, 2]], [0.25, 0.5], rtol=1e-12)
+
+
+@pytest.mark.parametrize(("workers", "how"), [(1, "threads"), (2, "processes")])
+def test_a_killed_study_goes_on(workers: int, how: str, tmp_path: Path) -> None:
+    """kill -9 of the program; what it computed is not computed again."""
+    mark, path = tmp_path / "mark", tmp_path / "t.h5"
+    code = (
+        "import numpy as np\nimport jousto as jo\nfrom design.studies import machines\n"
+        "if __name__ == '__main__':\n"
+        "    m = machines\n"
+        "    s = jo.study(m.pushed, m.FORCES, {'way': m.slow}, **m.RUN)\n"
+        "    x = [[2.0, f] for f in np.linspace(0.5, 7.0, 400)]\n"
+        f"    s.run(x, workers={workers}, how={how!r}, path={str(path)!r})\n"
+    )
+    script = tmp_path / "script.py"
+    script.write_text(code)
+    env = os.environ | {"JOUSTO_TEST_MARK": str(mark), "PYTHONPATH": str(TESTS)}
+    program = subprocess.Popen([sys.executable, str(script)], env=env, start_new_session=True)
+    lines = path.with_name("t.h5.jsonl")
+    try:
+        while program.poll() is None and (not mark.exists() or mark.stat().st_size < 6):
+            time.sleep(0.02)
+        assert program.poll() is None
+    finally:
+        os.killpg(program.pid, signal.SIGKILL)
+        program.wait()
+    computed = mark.stat().st_size
+    study = jo.study(machines.pushed, FORCES, {"way": machines.slow}, **RUN)
+    journal = Journal(lines, study._about())
+    # of each worker the last one may have been marked and not written
+    assert computed - workers <= len(journal.rows) <= computed
+    assert len(journal.rows) >= 4
+    known = np.array(list(journal.rows))
+    os.environ["JOUSTO_TEST_MARK"] = str(tmp_path / "second")
+    try:
+        table = study.run(known, path=path)
+    finally:
+        del os.environ["JOUSTO_TEST_MARK"]
+    assert study.counts["runs"] == 0 and not (tmp_path / "second").exists()
+    np.testing.assert_allclose(table["way"], known[:, 1] / 4.0, rtol=1e-12)
+
+
+def test_a_line_that_a_kill_cut_off_is_left_out(tmp_path: Path) -> None:
+    path = tmp_path / "t.jsonl"
+    forces().run(X, path=path)
+    whole = path.read_bytes()
+    path.write_bytes(whole[:-10])
+    study = forces()
+    np.testing.assert_allclose(study.run(X, path=path)["way"], WAY, rtol=1e-12)
+    assert study.counts["runs"] == 1
+    assert path.read_bytes() == whole
+
+
+def test_a_file_of_another_study_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "t.h5"
+    forces().run(X, path=path)
+    other = jo.study(machines.pushed, FORCES, "peak(way)", **RUN)
+    with pytest.raises(jo.InputError, match="holds another study"):
+        other.run(X, path=path)
+    lines = tmp_path / "u.jsonl"
+    forces().run(X, path=lines)
+    with pytest.raises(jo.InputError, match="holds another study .outcomes differ"):
+        other.run(X, path=lines)
+    lines.write_text("hello\n")
+    with pytest.raises(jo.InputError, match="is not the journal of a study"):
+        other.run(X, path=lines)
+    with pytest.raises(jo.InputError, match="'.txt' is not a format of tables"):
+        other.run(X, path=tmp_path / "t.txt")
+
+
+def test_more_points_go_on_from_a_finished_table(tmp_path: Path) -> None:
+    path = tmp_path / "t.h5"
+    forces().run(X[:5], path=path)
+    study = forces()
+    assert len(study.run(X, path=path)) == len(X)
+    assert study.counts["runs"] == len(X) - 5
+
+
+def test_a_table_becomes_a_frame(tmp_path: Path) -> None:
+    pandas = pytest.importorskip("pandas")
+    table = forces().run(X)
+    frame = table.to_pandas()
+    assert list(frame) == ["mass", "force", "way", "failed"]
+    assert frame.attrs["units"]["mass"] == "kg"
+    np.testing.assert_array_equal(frame["way"], table["way"])
+    try:
+        import pyarrow  # noqa: F401
+    except ImportError:
+        with pytest.raises(jo.InputError, match="needs pyarrow"):
+            table.save(tmp_path / "t.parquet")
+    else:
+        table.save(tmp_path / "t.parquet")
+        assert pandas.read_parquet(tmp_path / "t.parquet")["way"].tolist() == table["way"].tolist()
+
+
+def test_a_local_function_cannot_go_to_a_process() -> None:
+    study = jo.study(lambda mass: machines.pushed(mass), FORCES, "last(way)", **RUN)
+    with pytest.raises(jo.InputError, match="cannot go to another process"):
+        study.run(X, workers=2, how="processes")
+
+
+def test_dask_works_on_this_machine(tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    study = forces()
+    table = study.run(X, workers=2, how="dask", path=tmp_path / "t.h5")
+    np.testing.assert_allclose(table["way"], WAY, rtol=1e-12)
+    assert study.counts["runs"] == len(X)
+    with distributed.Client(processes=False, n_workers=1, dashboard_address=None) as client:
+        np.testing.assert_allclose(forces().run(X, workers=client)["way"], WAY, rtol=1e-12)
+
+
+# -- samples ------------------------------------------------------------------------------------
+
+
+def test_samples_fill_bounds_and_follow_distributions() -> None:
+    p = (
+        jo.Parameter("a", 1.0, bounds=(0.0, 4.0)),
+        jo.Parameter("b", 5.0, distribution="normal(mean=5, sd=2)"),
+    )
+    hypercube = jo.design.latin_hypercube(p, 100)
+    # one in each stratum
+    assert sorted((hypercube[:, 0] * 25).astype(int)) == list(range(100))
+    ranks = p[1].distribution.cdf(hypercube[:, 1]) * 100
+    assert sorted(ranks.astype(int)) == list(range(100))
+    for sample in (jo.design.sobol, jo.design.random_samples):
+        x = sample(p, 256)
+        assert x.shape == (256, 2) and (x[:, 0] >= 0).all() and (x[:, 0] <= 4).all()
+        assert (x == sample(p, 256)).all() and (x != sample(p, 256, seed=1)).any()
+        # five deviations of the mean of independent points
+        assert abs(x[:, 1].mean() - 5.0) < 5 * 2.0 / 16
+    with pytest.raises(jo.InputError, match="has neither bounds nor a distribution"):
+        jo.design.sobol([jo.Parameter("c", 1.0)], 4)
+
+
+def test_a_grid_has_all_combinations() -> None:
+    p = (jo.Parameter("a", 1.0, bounds=(0.0, 4.0)), jo.Parameter("b", 5.0))
+    assert jo.design.grid(p, {"a": 3, "b": [1, 2]}).tolist() == [
+        [a, b] for a in (0.0, 2.0, 4.0) for b in (1.0, 2.0)
+    ]
+    assert jo.design.grid(p, {"a": 2}).tolist() == [[0.0, 5.0], [4.0, 5.0]]
+    with pytest.raises(jo.InputError, match="has no bounds for a grid"):
+        jo.design.grid(p, 3)
+    with pytest.raises(jo.InputError, match="no parameter 'c'"):
+        jo.design.grid(p, {"c": 3})
+
+
+def test_samples_come_from_a_table(tmp_path: Path) -> None:
+    path = tmp_path / "x.csv"
+    path.write_text("force (kN),mass\n0.004,2\n2 N,4 kg\n")
+    assert jo.design.read_samples(path, FORCES).tolist() == [[2.0, 4.0], [4.0, 2.0]]
+    path.write_text("forc,mass\n1,2 m\n1,x\n")
+    with pytest.raises(jo.InputError) as error:
+        jo.design.read_samples(path, FORCES)
+    assert [str(p) for p in error.value.problems] == [
+        f"{path}:1: no parameter 'forc'; did you mean 'force'?",
+        f"{path}:2: mass: is 2 m (a length), must be in kg",
+        f"{path}:3: mass: expects a number or a quantity such as 4 mm, got 'x'",
+    ]
