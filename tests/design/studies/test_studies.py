@@ -182,7 +182,7 @@ def test_all_mistakes_are_told_at_once() -> None:
     ):
         assert part in text
     with pytest.raises(jo.InputError, match="parameter 'x': nothing takes it"):
-        jo.study(machines.pushed, (*FORCES, jo.Parameter("x", 1.0)), "mass")
+        jo.study(machines.pushed, (*FORCES, jo.Parameter("x", 1.0)), "m = mass")
     with pytest.raises(jo.InputError, match="no outcomes; an outcome is mass"):
         jo.study(machines.pushed, FORCES)
     with pytest.raises(jo.InputError, match=r"must be \(n, 2\): mass, force"):

@@ -12,8 +12,7 @@ from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.simulation.results.columns import columns
 from jousto.simulation.results.events import Chronicle
-from jousto.simulation.results.keep import IN_MEMORY
-from jousto.simulation.results.memory import MemoryRecords
+from jousto.simulation.results.memory import IN_MEMORY, MemoryRecords
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.simulate import simulate
 from jousto.simulation.running.state import State, put
