@@ -5,47 +5,45 @@
 #include "jousto.h"
 #include <math.h>
 
-enum { LAST, GOOD, USUAL, SEEN, SAME, MOVES, LEVEL, WELL };   /* rows of the memory */
-
 static double smaller(double a, double b) { return a < b ? a : b; }
 static double larger(double a, double b) { return a > b ? a : b; }
 
 /* what a value is by itself */
 static int plain(const jo_health *r, double x, int cell)
 {
-    if (cell == r->infinite || isinf(x) || (isfinite(x) && fabs(x) >= r->range)) return JO_SATURATED;
-    if (cell == r->empty) return JO_DROPOUT;
-    return isfinite(x) ? JO_OK_VALUE : JO_NAN;
+    if (cell == r->infinite || isinf(x) || (isfinite(x) && fabs(x) >= r->range)) return JO_VALUE_SATURATED;
+    if (cell == r->empty) return JO_VALUE_DROPOUT;
+    return isfinite(x) ? JO_VALUE_OK : JO_VALUE_NAN;
 }
 
 static int channel(const jo_health *r, double *m, long long n, double x, int state, int before, int others)
 {
-    const int there = isfinite(x), same = there && x == m[LAST * n];
-    m[SAME * n] = same ? m[SAME * n] + 1.0 : 0.0;
-    m[MOVES * n] = same ? m[MOVES * n] + (others ? 1.0 : 0.0) : 0.0;
-    if (r->stuck && state == JO_OK_VALUE && m[MOVES * n] >= r->stuck) state = JO_STUCK;
+    const int there = isfinite(x), same = there && x == m[JO_HEALTH_LAST * n];
+    m[JO_HEALTH_SAME * n] = same ? m[JO_HEALTH_SAME * n] + 1.0 : 0.0;
+    m[JO_HEALTH_MOVES * n] = same ? m[JO_HEALTH_MOVES * n] + (others ? 1.0 : 0.0) : 0.0;
+    if (r->stuck && state == JO_VALUE_OK && m[JO_HEALTH_MOVES * n] >= r->stuck) state = JO_VALUE_STUCK;
 
-    const double step = fabs(x - m[GOOD * n]), seen = m[SEEN * n], usual = m[USUAL * n];
+    const double step = fabs(x - m[JO_HEALTH_GOOD * n]), seen = m[JO_HEALTH_SEEN * n], usual = m[JO_HEALTH_USUAL * n];
     const int known = seen >= r->warm;
     if (r->spike > 0.0) {
         const double limit = r->spike * larger(usual, 1e-12);
-        const int jump = known && state == JO_OK_VALUE && isfinite(step) && step > limit;
-        const int near = isfinite(m[LAST * n]) && fabs(x - m[LAST * n]) <= limit;
-        m[LEVEL * n] = !jump ? 0.0 : near ? m[LEVEL * n] + 1.0 : 1.0;
-        if (jump && m[LEVEL * n] < r->persist) state = JO_SPIKE;
+        const int jump = known && state == JO_VALUE_OK && isfinite(step) && step > limit;
+        const int near = isfinite(m[JO_HEALTH_LAST * n]) && fabs(x - m[JO_HEALTH_LAST * n]) <= limit;
+        m[JO_HEALTH_LEVEL * n] = !jump ? 0.0 : near ? m[JO_HEALTH_LEVEL * n] + 1.0 : 1.0;
+        if (jump && m[JO_HEALTH_LEVEL * n] < r->persist) state = JO_VALUE_SPIKE;
     }
-    const int good = state == JO_OK_VALUE;
+    const int good = state == JO_VALUE_OK;
     if (good && isfinite(step)) {
         /* a believed jump must not make the next one look usual */
         const double capped = known ? smaller(step, 4.0 * usual + 1e-12) : step;
-        m[USUAL * n] = usual + larger(r->follow, 1.0 / (1.0 + seen)) * (capped - usual);
-        m[SEEN * n] = seen + 1.0;
+        m[JO_HEALTH_USUAL * n] = usual + larger(r->follow, 1.0 / (1.0 + seen)) * (capped - usual);
+        m[JO_HEALTH_SEEN * n] = seen + 1.0;
     }
-    if (good) m[GOOD * n] = x;
-    m[LAST * n] = there ? x : NAN;
-    m[WELL * n] = good ? m[WELL * n] + 1.0 : 0.0;
+    if (good) m[JO_HEALTH_GOOD * n] = x;
+    m[JO_HEALTH_LAST * n] = there ? x : NAN;
+    m[JO_HEALTH_WELL * n] = good ? m[JO_HEALTH_WELL * n] + 1.0 : 0.0;
     /* one wild value says nothing of the next */
-    return good && before != JO_OK_VALUE && before != JO_SPIKE && m[WELL * n] <= r->back ? JO_BACK : state;
+    return good && before != JO_VALUE_OK && before != JO_VALUE_SPIKE && m[JO_HEALTH_WELL * n] <= r->back ? JO_VALUE_BACK : state;
 }
 
 void jo_health_check(const jo_health *r, double *memory, const unsigned char *before, const double *x,
@@ -54,7 +52,7 @@ void jo_health_check(const jo_health *r, double *memory, const unsigned char *be
     for (long long t = 0; t < count; t++, x += n, states += n) {
         int moved = 0;
         for (long long c = 0; c < n; c++)
-            moved |= isfinite(x[c]) && isfinite(memory[LAST * n + c]) && x[c] != memory[LAST * n + c];
+            moved |= isfinite(x[c]) && isfinite(memory[JO_HEALTH_LAST * n + c]) && x[c] != memory[JO_HEALTH_LAST * n + c];
         for (long long c = 0; c < n; c++)
             states[c] = (unsigned char)channel(r, memory + c, n, x[c], plain(r, x[c], cells ? cells[t * n + c] : 0), before[c], moved);
         before = states;

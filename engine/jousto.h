@@ -443,14 +443,18 @@ void jo_plane_damage(const jo_planes *r, const jo_meter *curve, const double *s,
                      long long *order, double *damage, long long *plane);
 
 /* States of measured channels (health.c); a value is not there or is, with its `cells` saying why, if not */
-typedef enum { JO_OK_VALUE = 0, JO_DROPOUT = 1, JO_NAN = 2, JO_SATURATED = 3, JO_STUCK = 4, JO_SPIKE = 5, JO_BACK = 6 } jo_value;
+typedef enum { JO_VALUE_OK = 0, JO_VALUE_DROPOUT = 1, JO_VALUE_NAN = 2, JO_VALUE_SATURATED = 3, JO_VALUE_STUCK = 4,
+               JO_VALUE_SPIKE = 5, JO_VALUE_BACK = 6 } jo_value;
+/* rows of what is remembered of a channel: last value, last good one, usual step and samples in it, samples of the same value and
+ * of those in which others changed, samples at a new level, good samples in a row */
+typedef enum { JO_HEALTH_LAST = 0, JO_HEALTH_GOOD = 1, JO_HEALTH_USUAL = 2, JO_HEALTH_SEEN = 3, JO_HEALTH_SAME = 4,
+               JO_HEALTH_MOVES = 5, JO_HEALTH_LEVEL = 6, JO_HEALTH_WELL = 7 } jo_health_row;
 typedef struct {
     int empty, infinite;    /* numbers in `cells` of nothing there, and of an infinite value */
     double range, stuck, spike, back;   /* magnitude; samples; usual steps, 0: not; samples */
     double follow, warm, persist;       /* share of a step in the usual one; samples */
 } jo_health;
-/* x, states (count x n), cells too or NULL; memory (8 x n): last value, last good one, usual step and samples in it, samples of the same
- * value and of those in which others changed, samples at a new level, good samples in a row; before (n) */
+/* x, states (count x n), cells too or NULL; memory: n of each jo_health_row; before (n) */
 void jo_health_check(const jo_health *r, double *memory, const unsigned char *before, const double *x,
                      const unsigned char *cells, unsigned char *states, long long count, long long n);
 

@@ -17,11 +17,12 @@ from jousto.base.fields import field
 from jousto.base.numbers import Number, Positive, Whole
 from jousto.measurement.monitor.stream import EMPTY, INFINITE
 from jousto.measurement.twin.signals import LARGEST
+from jousto.model.native.header import kinds
 from jousto.model.native.health import HealthCheck
 
 States = NDArray[np.uint8]
 
-STATES = ("ok", "dropout", "nan", "saturated", "stuck", "spike", "back")
+STATES = tuple(kinds("jo_value"))
 """What a channel can be; only values of channels that are "ok" are used."""
 OK = STATES.index("ok")
 SAMPLES = "a number of samples, 0 or more"
@@ -106,8 +107,9 @@ class Health:
         self.rules = rules or ChannelRules()
         n = len(self.names)
         self.state: States = np.zeros(n, dtype=np.uint8)
-        self._memory = np.zeros((len(MEMORY), n))
-        self._memory[: MEMORY.index("usual step")] = np.nan
+        rows = kinds("jo_health_row")
+        self._memory = np.zeros((len(rows), n))
+        self._memory[[rows["last"], rows["good"]]] = np.nan
         self._engine = HealthCheck(self.rules, cells=(EMPTY, INFINITE))
 
     def save(self) -> Array:
@@ -145,16 +147,3 @@ class Health:
             Change(float(time[k]), self.names[c], STATES[before[k, c]], STATES[states[k, c]])
             for k, c in changed
         ]
-
-
-MEMORY = (
-    "last value",  # believed or not
-    "last good value",
-    "usual step",
-    "samples in it",
-    "samples of the same value",
-    "samples in which others changed",
-    "samples at a new level",
-    "good samples in a row",
-)
-"""What is remembered of each channel, row by row; see jo_health_check."""

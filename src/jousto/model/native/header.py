@@ -22,7 +22,7 @@ def kinds(enum: str) -> dict[str, int]:
         prefix = f"{enum.rpartition('_')[0]}_".upper()  # jo_force_type: JO_FORCE_
     return {
         name.removeprefix(prefix).removeprefix("JO_").lower().replace("_", " "): number
-        for name, number in numbers.items()
+        for name, number in sorted(numbers.items(), key=lambda item: item[1])
     }
 
 
