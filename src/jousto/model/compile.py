@@ -17,18 +17,16 @@ from jousto.mechanism.beams.pieces import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.checks import coordinates_of, used_joints
 from jousto.mechanism.mechanism import Mechanism
-from jousto.model.beams import beam_models, beam_shapes, warn_beams
-from jousto.model.bodies import warn_bodies
+from jousto.model.bodies import beam_models, beam_shapes, warn_beams, warn_bodies
 from jousto.model.builder import Builder
 from jousto.model.events import event_models, watched_coordinates
-from jousto.model.initial import started
 from jousto.model.measure import NOT_UNIQUE, flag_reactions, meter_models, sensor_models
 from jousto.model.model import BodyModel, Model, Shape
 from jousto.model.native.native import Engine, SingularJoints
 from jousto.model.ordering import MOST, Elimination, TooDense, eliminate
 from jousto.model.rank.reach import warn_loads
 from jousto.model.rank.redundancy import check_closed, is_drive, repeated_rows
-from jousto.model.start import quiet_velocities
+from jousto.model.start import quiet_velocities, started
 from jousto.reduction.located import located
 
 if TYPE_CHECKING:

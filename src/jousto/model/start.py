@@ -1,21 +1,33 @@
-"""Initial velocities: what joints and drives ask for, with the least vibration."""
+"""The start: values and rates of coordinates, and velocities with the least vibration."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
-from jousto.base.errors import warn
+from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.base.rotations import rotation_matrix
-from jousto.model.model import Model
-from jousto.model.native.native import Engine
-from jousto.model.rank.redundancy import RANK, constraint_matrix
+from jousto.mechanism.initial import Initial
+from jousto.model.builder import Builder
+from jousto.model.model import JointModel, LineModel, Model, SignalModel
+from jousto.model.native.native import Engine, displaced
+from jousto.model.ordering import eliminate
+from jousto.model.rank.redundancy import RANK, SHARE, constraint_matrix, dependent_rows, is_drive
 
 SAME = 1e-12  # of the velocities: round-off
 FITS = 1e-9  # m/s or rad/s of a mechanism of 1 m and velocities of 1: the velocities fit
 MOST = 2000  # velocities and rows that are worth dense matrices
+
+
+PIECE = 0.1  # rad, or of the size of the mechanism: how far a coordinate is moved at a time
+ITERATIONS = 30
+CLOSED = 1e-12  # of the size of the mechanism, or rad
+REACHED = 1e-9  # of the largest velocity: rates that agree
 
 
 def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None:
@@ -145,3 +157,186 @@ def _masses(model: Model, engine: Engine, modal: NDArray[np.bool_]) -> tuple[Arr
             first = column[body.iv + 6]
             coupling[rows, first : first + body.n] = M[:6, 6:]
     return L, coupling
+
+
+def started(model: Model, initials: Sequence[Initial], builder: Builder) -> Model:
+    """Return the model with the pose and the velocities that values and rates ask for.
+
+    The pose follows from ``C(q, 0) = 0`` together with the coordinates, the velocities from
+    ``Cq v = -C_t`` together with the rates: increments and changes of the given velocities with
+    the least elastic part, and of these those of least kinetic energy.
+
+    Parameters
+    ----------
+    model : Model
+        At the pose in which the bodies are given.
+    initials : sequence of Initial
+    builder : Builder
+        Knows the coordinates of the model.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be reached or rates contradict the joints, the drives or one another.
+    """
+    if model.nv > MOST:
+        raise InputError(
+            Problem(
+                f"initial {initials[0].name!r}",
+                f"the mechanism has {model.nv} velocities, more than {MOST}, for which no start is "
+                "sought; give the bodies their pose and velocities instead",
+            )
+        )
+    values = [s for s in initials if s.value is not None]
+    rates = [s for s in initials if s.rate is not None]
+    if values:
+        model.q0[:] = _pose(_with_rows(model, values, builder), values)
+    if rates:
+        model.v0[:] = _velocities(_with_rows(model, rates, builder), rates)
+    return model
+
+
+def _with_rows(model: Model, initials: Sequence[Initial], builder: Builder) -> Model:
+    """Return the model with one row ``s = 0`` for each coordinate, after all that hold always."""
+    fixed = [joint for joint in model.joints if joint.lock < 0]
+    row = model.permanent
+    for initial in initials:
+        place = builder.declared(initial.coordinate)
+        s = model.coordinates[place]
+        fixed.append(
+            JointModel(initial.name, (s.a, s.b), False, (), row, (LineModel((place,), (1.0,)),))
+        )
+        row += 1
+    on_body: dict[int, list[int]] = {}
+    for k, joint in enumerate(fixed):
+        for body in {model.markers[side].body for side in joint.sides} - {-1}:
+            on_body.setdefault(body, []).append(k)
+    # friction and its rows do not matter for a start
+    return replace(
+        model,
+        joints=tuple(fixed),
+        elimination=eliminate([joint.rows for joint in fixed], on_body.values()),
+        frictions=(),
+        forces=(),
+        sensors=(),
+        events=(),
+        meters=(),
+        signals=_without_events(model),
+        redundant=True,
+    )
+
+
+def _without_events(model: Model) -> tuple[SignalModel, ...]:
+    """Return the signals as they are before any event."""
+    return tuple(
+        model.signals[signal.children[0]] if signal.kind == "switched" else signal
+        for signal in model.signals
+    )
+
+
+def _pose(model: Model, initials: Sequence[Initial]) -> Array:
+    """Return q (nq,) with closed joints at which the coordinates have their values."""
+    engine = Engine(model)
+    first = model.permanent - len(initials)
+    angles = np.array(
+        [model.coordinates[_coordinate(j)].kind == "angle" for j in model.joints[-len(initials) :]]
+    )
+    goal = np.array([initial.value for initial in initials])
+    # where the given pose is rough, the joints close first
+    begin = np.array(engine.constraints()[0][first:])
+    way = goal - begin
+    unit = np.where(angles, 1.0, model.size)
+    pieces = max(1, int(np.ceil(np.max(np.abs(way) / (PIECE * unit)))))
+    for piece in range(1, pieces + 1):
+        aim = begin + way * (piece / pieces)
+        if not _close(model, engine, first, angles, aim):
+            share = np.abs(aim - begin).argmax()
+            raise InputError(_unreachable(model, engine, initials, int(share), aim))
+    return np.array(engine.q)
+
+
+def _coordinate(joint: JointModel) -> int:
+    return joint.lines[0].coordinates[0]
+
+
+def _close(model: Model, engine: Engine, first: int, angles: Array, aim: Array) -> bool:
+    """Close the joints with the coordinates at their aim; False where they do not."""
+    before = np.inf
+    for _ in range(ITERATIONS):
+        c = np.array(engine.constraints()[0])
+        miss = c[first:] - aim
+        c[first:] = np.where(angles, np.arctan2(np.sin(miss), np.cos(miss)), miss)
+        gap = float(np.abs(c).max())
+        if gap <= CLOSED * max(1.0, model.size):
+            return True
+        if not gap < 10.0 * before:
+            return False
+        before = min(gap, before)
+        step = least_motion(model, engine, constraint_matrix(model, engine), -c)
+        if step is None or not np.abs(step).max() < 1e3 * max(1.0, model.size):
+            return False
+        engine.q[:] = displaced(model, engine.q, step)
+    return gap <= 1e3 * CLOSED * max(1.0, model.size)
+
+
+def _unreachable(
+    model: Model, engine: Engine, initials: Sequence[Initial], which: int, aim: Array
+) -> Problem:
+    initial = initials[which]
+    unit = initial.coordinate.unit
+    value = initial.value or 0.0
+    asked, reached = f"{value:g} {unit}", f"{aim[which]:.3g} {unit}"
+    if unit == "rad":
+        asked, reached = f"{np.degrees(value):g} deg", f"{np.degrees(aim[which]):.3g} deg"
+    return Problem(
+        f"initial {initial.name!r}",
+        f"the value {asked} cannot be reached: the joints, drives and other values do not go past "
+        f"{reached} on the way from the given pose; give a value within reach, or the bodies a "
+        "pose on that side",
+    )
+
+
+def _velocities(model: Model, initials: Sequence[Initial]) -> Array:
+    """Return v (nv,) that fits joints, drives and rates, the nearest to the given one."""
+    engine = Engine(model)
+    first = model.permanent - len(initials)
+    rates = np.array([initial.rate for initial in initials])
+    given = np.array(model.v0)
+    asked = -np.array(engine.constraints()[1])
+    asked[first:] += rates
+    Cq = constraint_matrix(model, engine)
+    dv = least_motion(model, engine, Cq, asked)
+    if dv is None:
+        return given
+    engine.v[:] = given + dv
+    miss = np.abs(engine.constraints()[1] - np.concatenate([np.zeros(first), rates]))
+    scale = max(float(np.abs(rates).max()), float(np.abs(engine.v).max()), 1e-300)
+    if miss.max() > REACHED * scale * max(1.0, model.size):
+        raise InputError(_contradictions(model, engine, initials, miss[first:]))
+    return np.array(engine.v)
+
+
+def _contradictions(
+    model: Model, engine: Engine, initials: Sequence[Initial], miss: Array
+) -> Sequence[Problem]:
+    """Return which rates contradict what."""
+    share = np.linalg.norm(dependent_rows(model, engine), axis=1)
+    problems = Problems()
+    joints = model.joints[: -len(initials)]
+    taking = [j for j in joints if share[j.row : j.row + j.rows].max(initial=0.0) > SHARE]
+    drives = [f"drive '{j.name}'" for j in taking if is_drive(j)]
+    rows = share[model.permanent - len(initials) :] > SHARE
+    named = [f"the rate of '{s.name}'" for s, row in zip(initials, rows, strict=True) if row]
+    for initial, row in zip(initials, rows, strict=True):
+        if not row:
+            continue
+        others = [one for one in named if one != f"the rate of '{initial.name}'"]
+        what = " and ".join([*others, *drives]) or "the joints, which let it have none"
+        problems.add(
+            f"initial {initial.name!r}",
+            f"the rate {initial.rate:g} {initial.coordinate.unit}/s contradicts {what}; give as "
+            "many rates as motions are free, the others follow",
+        )
+    if not problems.found:
+        problems.add("initial rates", f"do not fit the joints by {miss.max():.3g} m/s or rad/s")
+    return tuple(problems.found)
