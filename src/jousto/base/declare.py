@@ -127,10 +127,16 @@ class Declared:
             left_out = value is None and (kind.optional or kind.default is None)
             if left_out and not kind.checks_none:
                 continue
-            before = len(problems.found)
-            object.__setattr__(self, key, kind.check(problems, where, value))
-            if len(problems.found) > before:
-                wrong.add(key)
+            if value is not kind.default or kind.default_kept is MISSING:
+                before = len(problems.found)
+                found = kind.check(problems, where, value)
+                if len(problems.found) > before:
+                    wrong.add(key)
+                elif value is kind.default:
+                    kind.default_kept = found
+            else:  # checked before
+                found = kind.default_kept
+            object.__setattr__(self, key, found)
         if wrong.isdisjoint(self.together or self.fields):
             self.consistent(problems, where)
         problems.raise_if_any()

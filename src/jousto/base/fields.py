@@ -110,6 +110,7 @@ class Field(Generic[In, Out]):
         self.file = file
         self.key = key
         self.default = default
+        self.default_kept: Any = MISSING
         self.kw_only = kw_only
         self.unit = unit
         self.label = label

@@ -145,18 +145,19 @@ def check_members(problems: Problems, mechanism: Members) -> None:
         if isinstance(event.watch, Coordinate):
             missing(event, event.watch.name, event.watch.a.body)
             missing(event, event.watch.name, event.watch.b.body)
+    members = (
+        ((Joint, Coupler), (*mechanism.joints, *mechanism.couplings)),
+        ((ForceElement, Friction), (*mechanism.forces, *mechanism.frictions)),
+        (Sensor, mechanism.sensors),
+    )
     for item in (*items, *mechanism.frictions, *mechanism.initials):
         for argument, marker in markers_of(item):
             missing(item, argument, marker.body)
         for argument in ("body", "beam"):
             if (body := getattr(item, argument, None)) is not None:
                 missing(item, argument, body)
-        for used in vars(item).values():
-            for kinds, known in (
-                (Joint | Coupler, (*mechanism.joints, *mechanism.couplings)),
-                (ForceElement | Friction, (*mechanism.forces, *mechanism.frictions)),
-                (Sensor, mechanism.sensors),
-            ):
+        for used in vars(item).values() if isinstance(item, Sensor | Friction) else ():
+            for kinds, known in members:
                 if isinstance(used, kinds):
                     check_member(problems, item, used, known)
 

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from jousto.base.arrays import Array
 from jousto.base.declare import Declared
+from jousto.base.described import described
 from jousto.base.fields import Name, field
 from jousto.mechanism.bodies.marker import Marker
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Reading:
     """What the engine reads for a sensor, with objects instead of their numbers in the engine.
