@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.cli.group import command
+from jousto.cli.hotspots import check_targets
 from jousto.cli.options import Model, Output, Trust, amount
 from jousto.cli.terminal import say
 
@@ -61,6 +63,10 @@ def study(
     t_end: Annotated[
         str | None, typer.Option("--t-end", metavar="TIME", help="End of the runs, '500 ms'.")
     ] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option("--picture", metavar="FILE.png", help="Draw outcomes over parameters."),
+    ] = None,
     retry: Annotated[bool, typer.Option("--retry", help="Try again what failed before.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no summary.")] = False,
     trust: Trust = False,
@@ -84,6 +90,7 @@ def study(
     outcomes: Any = ()
     for check in (
         lambda: check_suffix(target),
+        lambda: check_targets({picture: ()}),
         lambda: amount(t_end, "s", "--t-end"),
         lambda: _how_many(samples),
         lambda: _choice("--method", method, METHODS),
@@ -121,6 +128,11 @@ def study(
     if not quiet:
         say(str(table))
         say(f"table in {target}", style="green")
+    if picture is not None:
+        from jousto.output.plot import plot
+
+        plot(table, path=picture)
+        say(f"picture in {picture}", style="green")
 
 
 def _problems(check: Any) -> list[Problem]:

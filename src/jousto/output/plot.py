@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from jousto.design.reliability.form import FormResult
     from jousto.design.reliability.rbdo import RbdoResult
     from jousto.design.reliability.sampling import LinearisationCheck, SamplingResult
+    from jousto.design.studies.table import StudyTable
     from jousto.fatigue.cycles.rainflow import Cycles
     from jousto.fatigue.local.strain_life import Rule
     from jousto.fatigue.miner.damage_field import DamageField
@@ -62,6 +63,7 @@ DRAWN = {
     "RbdoResult": "figures.reliability.plot_rbdo",
     "PlanarRun": "figures.planar.plot_planar",
     "PlanarPath": "figures.planar.plot_planar",
+    "StudyTable": "figures.studies.plot_study",
 }
 BEAM = "figures.beams.plot_beam"
 
@@ -98,6 +100,8 @@ def plot(thing: Band, *, sites: Sequence[str] | str | None = ..., truth: ArrayLi
 @overload
 def plot(thing: FormResult | SamplingResult | LinearisationCheck | RbdoResult, *, path: File = ...) -> Picture: ...  # noqa: E501
 @overload
+def plot(thing: StudyTable, *names: str, kind: Literal["lines", "scatter", "surface", "parallel"] | None = ..., path: File = ...) -> Picture: ...  # noqa: E501
+@overload
 def plot(thing: GaugeComparison | MonitorRecord | PlanarRun | PlanarPath, *, path: File = ...) -> Picture: ...  # noqa: E501
 # fmt: on
 @explained
@@ -131,6 +135,8 @@ def plot(thing: Any, *what: Any, path: File = None, **options: Any) -> Picture:
         linearisation check       indices by FORM beside sampled ones
         reliable design           cost over the cycles, indices beside their targets
         planar run or path        shapes with energies or load factors
+        table of a study          outcomes over parameters: columns, ``kind="lines"``, "scatter",
+                                  "surface" or "parallel"
         ========================  ============================================================
     *what
         What the table names without marks, in that order.
