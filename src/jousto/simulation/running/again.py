@@ -93,7 +93,7 @@ class Repeated:
         first, started = engine.steps_done, clock.perf_counter()
         status, written = engine.run(native, plan.steps, plan.every, rows[1:])
         wall = clock.perf_counter() - started
-        if status or engine.steps_done - first < plan.steps or written < self._rows - 1:
+        if status != "ok" or engine.steps_done - first < plan.steps or written < self._rows - 1:
             return None
         watch = RunWatch(self.model, projected=solver.projection)
         try:
