@@ -87,6 +87,19 @@ def test_runs_are_those_of_simulate() -> None:
     assert run.attributes.keys() == again.attributes.keys()
 
 
+def test_runs_of_a_fixed_step_go_through_the_engine_in_one_call(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from jousto.simulation.running import again
+
+    def never(*given: object, **how: object) -> None:
+        raise AssertionError
+
+    study = forces()
+    monkeypatch.setattr(again, "simulate", never)
+    np.testing.assert_allclose(study(X)[:, 0], WAY, rtol=1e-12)
+
+
 # -- what is done again -------------------------------------------------------------------------
 
 
