@@ -58,6 +58,8 @@ WIDTHS = {  # pixels
     "robot_hose_still.png": 700,
     "rail_frame.png": 1100,
     "arch_path.png": 900,
+    "importance.png": 900,
+    "reliable_design.png": 900,
     "carriage.png": 1100,
     "rail_wheel.png": 800,
     "moving_load.png": 700,
@@ -147,6 +149,11 @@ def main() -> int:
         assert block is not None
         subprocess.run([sys.executable, "-c", block[1]], cwd=folder, check=True)
         (Path(folder) / "arch.png").rename(Path(folder) / "arch_path.png")
+        # the pictures of the page on reliability are its own; its last block shows an error
+        blocks = re.findall(
+            r"```python\n(.*?)```", (HERE.parent / "reliability.md").read_text("utf-8"), re.S
+        )
+        subprocess.run([sys.executable, "-c", "\n".join(blocks[:-1])], cwd=folder, check=True)
         for name, width in WIDTHS.items():
             shrink(Path(folder) / name, HERE / name, width)
     thumbs()

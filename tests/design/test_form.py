@@ -143,6 +143,47 @@ def test_correlated_normal_variables():
     assert found.beta == pytest.approx(5.0 / np.sqrt(9 + 16 - 12), rel=1e-9)
 
 
+class Given(stats.rv_continuous):
+    """``F(x2 | x1) = 1 - (1 + x2) exp(-x2 - x1 x2)``."""
+
+    def _cdf(self, x, given):
+        return 1.0 - self._sf(x, given)
+
+    def _sf(self, x, given):
+        return (1.0 + x) * np.exp(-x * (1.0 + given))
+
+    def _pdf(self, x, given):
+        return ((1.0 + given) * (1.0 + x) - 1.0) * np.exp(-x * (1.0 + given))
+
+
+@pytest.mark.parametrize(
+    ("order", "beta", "other"), [(("x1", "x2"), 2.784, 3.501), (("x2", "x1"), 2.649, 3.633)]
+)
+def test_dependent_exponential_variables(order, beta, other):
+    """M. Hohenbichler and R. Rackwitz, *J. Eng. Mech. Div.* 107 (1981) 1227-1238.
+
+    ``F = 1 - exp(-x1) - exp(-x2) + exp(-x1 - x2 - x1 x2)``, G = 18 - 3 x1 - 2 x2. The index depends
+    on the order of the transformation: 2.78 and 2.65, with a second design point farther away
+    (H. O. Madsen, S. Krenk and N. C. Lind, *Methods of structural safety*, 1986, have 2.784).
+    """
+    first, second = order
+    law = Given(a=0.0, name="given")
+    chain = jo.design.Rosenblatt(
+        [
+            Random(first, stats.expon()),
+            jo.design.Conditional(second, lambda x: law(x[first])),
+        ]
+    )
+
+    def g(x):
+        return 18.0 - 3.0 * x["x1"] - 2.0 * x["x2"]
+
+    # the last printed digit
+    assert form(g, chain).beta == pytest.approx(beta, abs=6e-4)
+    far = form(g, chain, start={"x1": 0.5, "x2": 8.0})
+    assert far.beta == pytest.approx(other, abs=6e-4)
+
+
 def test_medians_that_fail_have_a_negative_index():
     found = form(lambda x: -1.0 - x["a"], [normal("a", 0, 0.5)])
     assert found.beta == pytest.approx(-2.0, abs=1e-9)

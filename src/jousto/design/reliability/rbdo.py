@@ -500,9 +500,12 @@ def _limits(problems: Problems, limits: Any) -> dict[str, LimitState]:
     if isinstance(limits, Mapping):
         pairs = list(limits.items())
     elif isinstance(limits, list | tuple):
-        own = [one.name if isinstance(one, LimitState) else "" for one in limits]
+        # functions without a name of their own are numbered
+        own = [
+            limit_state(one).name if callable(one) else getattr(one, "name", "G") for one in limits
+        ]
         pairs = [
-            (name or f"G{i + 1}", one)
+            (f"G{i + 1}" if name == "G" else name, one)
             for i, (name, one) in enumerate(zip(own, limits, strict=True))
         ]
     else:
