@@ -163,7 +163,7 @@ def build_model(
     )
     finish(document, [*invalid, *builder.found], [*unused, *builder.warnings])
     assert mechanism is not None
-    variants = Variants(whole, expanded.parameters, rigid, trust)
+    variants = Variants(build_model, whole, expanded.parameters, rigid, trust)
     given = (mechanism, simulation, document.text, fatigue, monitor)
     return ModelFile(*given, expanded.parameters, variants)
 

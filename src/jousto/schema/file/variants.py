@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +17,8 @@ class Variants:
 
     Parameters
     ----------
+    build : function
+        Reads a document, `build_model`.
     document : Document
         The file, read once.
     parameters : tuple of Parameter
@@ -25,6 +27,7 @@ class Variants:
         As in `read_model`.
     """
 
+    build: Callable[..., Any]
     document: Document
     parameters: tuple[Parameter, ...]
     rigid: bool = False
@@ -52,9 +55,7 @@ class Variants:
         InputError
             What is wrong with these values, with lines.
         """
-        from jousto.schema.file.read import build_model
-
-        file = build_model(
+        file = self.build(
             self.document, rigid=self.rigid, trust=self.trust, parameters=values, kept=kept
         )
         checks = () if file.fatigue is None else file.fatigue.checks
