@@ -35,6 +35,8 @@ WIDTHS = {  # pixels
     "offset_boom.png": 1200,
     "four_bar.png": 1200,
     "spin_up.png": 1100,
+    "study_lines.png": 900,
+    "study_surface.png": 700,
     "beam_benchmarks.png": 1300,
     "steel_strip.png": 1100,
     "trolley.png": 800,

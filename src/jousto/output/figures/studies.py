@@ -76,7 +76,7 @@ def plot_study(
         else:
             figure = _scatter(table, {n: columns[n] for n in (*across, *up)})
         if failed := int((~good).sum()):
-            figure.text(0.995, 0.995, f"{failed} failed", ha="right", va="top", color=MUTED)
+            figure.suptitle(f"{failed} failed", x=0.99, ha="right", color=MUTED, fontsize=8.5)
     if out is not None:
         save(figure, out)
     return figure
