@@ -305,8 +305,8 @@ def test_a_start_outside_of_a_distribution():
         LimitState(lambda x: x, step=0.0)
 
 
-def test_openturns_joint_distributions_find_the_point_of_openturns():
-    ot = pytest.importorskip("openturns")
+def test_openturns_joint_distributions_find_the_point_of_openturns(openturns):
+    ot = openturns
     law = ot.JointDistribution([ot.Normal(5.0, 1.0), ot.Gumbel(0.5, 1.0)], ot.ClaytonCopula(2.0))
     found = form(lambda x: x["R"] - x["S"], jo.design.Joint(("R", "S"), law), tolerance=1e-8)
     state = ot.SymbolicFunction(["R", "S"], ["R - S"])

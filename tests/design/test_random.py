@@ -126,8 +126,8 @@ def test_conditional_variables_that_take_one_point_at_a_time():
     np.testing.assert_array_equal(chain.to_x(np.array([[1.0, -1.0], [1.0, 1.0]]))[1], [3.0, 1.0])
 
 
-def test_openturns_distributions_and_copulas():
-    ot = pytest.importorskip("openturns")
+def test_openturns_distributions_and_copulas(openturns):
+    ot = openturns
     ours = Random("R", by_moments("lognormal", 300.0, 30.0))
     theirs = Random("R", ot.LogNormalMuSigma(300.0, 30.0, 0.0).getDistribution())
     assert (theirs.mean, theirs.deviation) == pytest.approx((300.0, 30.0))

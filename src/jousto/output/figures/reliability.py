@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from jousto.design.reliability.form import FormResult
 from jousto.design.reliability.rbdo import RbdoResult
 from jousto.design.reliability.sampling import LinearisationCheck, SamplingResult
-from jousto.output.style import COLORS, MUTED, Picture, blend, drawing
+from jousto.output.style import COLORS, MUTED, PAPER, Picture, blend, drawing
 
 SIZE = (8.0, 3.4)  # inch
 MOST = 12  # variables that are shown, those that matter most
@@ -53,6 +53,7 @@ def plot_form(data: FormResult) -> Picture:
             values = [slope[name] * spread[name] for name in names]
             ax.barh(y + shift, values, color=COLORS[k], height=0.32, label=label)
         ax.axvline(0.0, color=MUTED, linewidth=0.6)
+        ax.margins(x=0.06)
         ax.set_xlabel("change of beta, by a deviation more of")
         ax.legend(loc="best")
     return figure
@@ -173,9 +174,8 @@ def _indices(ax: Axes, data: RbdoResult) -> None:
         color = COLORS[1] if name in data.active else COLORS[0]
         ax.barh(k, min(beta, cap), color=color, height=0.6)
         if beta > cap:
-            ax.annotate(
-                "> " if np.isinf(beta) else f"{beta:.3g} ", (cap, k), ha="right", va="center"
-            )
+            text = "> " if np.isinf(beta) else f"{beta:.3g} "
+            ax.annotate(text, (cap, k), ha="right", va="center", color=PAPER)
         ax.plot([data.target[name]] * 2, [k - 0.4, k + 0.4], color=MUTED)
     ax.set_yticks(y, names)
     ax.set_ylim(len(y) - 0.5, -0.5)
