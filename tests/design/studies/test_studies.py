@@ -248,11 +248,16 @@ def test_all_ways_give_the_same(workers: int, how: str, tmp_path: Path) -> None:
     assert again.counts["runs"] == 0
 
 
-def test_a_process_that_dies_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("how", ["processes", "dask"])
+def test_a_process_that_dies_loses_nothing(
+    how: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if how == "dask":
+        pytest.importorskip("distributed")
     monkeypatch.setenv("JOUSTO_TEST_MARK", str(tmp_path / "mark"))
     study = jo.study(machines.pushed, FORCES, {"way": machines.deadly}, **RUN)
     x = np.vstack([X, [[2.0, 8.0]]])
-    table = study.run(x, workers=2, how="processes", path=tmp_path / "t.h5")
+    table = study.run(x, workers=2, how=how, path=tmp_path / "t.h5")
     assert (tmp_path / "mark").exists()
     np.testing.assert_allclose(table["way"], x[:, 1] / 4.0, rtol=1e-12)
 

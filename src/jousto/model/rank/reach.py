@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
@@ -18,6 +19,7 @@ from jousto.mechanism.forces.springs import ModalLoad
 from jousto.mechanism.mechanism import Mechanism
 
 if TYPE_CHECKING:
+    from jousto.parts.part import Part
     from jousto.reduction.reach import Reach
     from jousto.reduction.reduced import ReducedPart
 
@@ -29,8 +31,8 @@ REMEDY = (
 )
 
 
-# what was asked of a reduced part before: work of a load in the full part and in the modes
-_ASKED: WeakKeyDictionary[ReducedPart, dict[Any, tuple[float, float] | None]] = WeakKeyDictionary()
+# what was asked of the modes of a part before: work of a load in the full part and in the modes
+_ASKED: WeakKeyDictionary[Part, dict[Any, tuple[float, float] | None]] = WeakKeyDictionary()
 MOST_ASKED = 1000
 
 
@@ -56,8 +58,11 @@ def warn_loads(mechanism: Mechanism) -> None:
         if reduced.source is None or (id(reduced), place) in told:
             return
         told.add((id(reduced), place))
-        asked = _ASKED.setdefault(reduced, {})
-        load = (pattern.shape, pattern.tobytes())
+        # loads of one shape do work with the square of their size
+        size = float(np.abs(pattern).max(initial=0.0)) if pattern.shape == (3,) else 1.0
+        pattern = pattern / size if size > 0.0 else pattern
+        asked = _ASKED.setdefault(reduced.source, {})
+        load = (_digest(reduced), pattern.shape, pattern.tobytes())
         if load not in asked:
             reach = known.setdefault(id(reduced), Reach(reduced))
             work = reach.work(_on_part(reach, pattern))
@@ -66,7 +71,7 @@ def warn_loads(mechanism: Mechanism) -> None:
             asked[load] = None if work is None else (float(work[0].sum()), float(work[1].sum()))
         if (found := asked[load]) is None:
             return
-        whole, held = found
+        whole, held = found[0] * size**2, found[1] * size**2
         if whole - held > max(LEFT * whole, least):
             warn(
                 where,
@@ -105,6 +110,14 @@ def _loads(force: object) -> Iterator[tuple[FlexibleBody, str, Array]]:
             f"a load at node{node + 1}",
             np.array([node, 3 * isinstance(force, Torque)]),
         )
+
+
+def _digest(reduced: ReducedPart) -> bytes:
+    """Return what tells the modes of a part from others of the same part."""
+    found = hashlib.blake2b(repr(reduced.interfaces).encode(), digest_size=20)
+    for array in (reduced.frequencies, reduced.modes):
+        found.update(np.ascontiguousarray(array).data)
+    return found.digest()
 
 
 def _on_part(reach: Reach, load: Array) -> Array:
