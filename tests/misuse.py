@@ -476,8 +476,33 @@ def _twins(made: Made, folder: Path) -> list[Call]:
 def _design(made: Made, _: Path) -> list[Call]:
     design = jo.design
     pair = [design.Random(name, design.by_moments("normal", 5.0, 1.0)) for name in "ab"]
+    chain = {
+        "parameters": [jo.Parameter("k", 20.0, bounds=(5.0, 50.0))],
+        "matrices": lambda v: (np.eye(1), np.array([[v["k"]]])),
+        "force": lambda t: np.ones((1, len(t))),
+        "time": np.linspace(0, 1, 21),
+        "cost": lambda v: v["k"],
+        "limits": [design.DisplacementLimit("structure", 0.1, "1")],
+        "damping": 0.01,
+    }
     state = {"limit": lambda x: x["a"] + x["b"] - 6.0, "variables": pair}
     return [
+        (design.StressLimit, {"body": "boom", "maximum": 1e8, "criterion": "s11"}),
+        (design.DisplacementLimit, {"body": "boom", "maximum": 0.1, "node": "tip"}),
+        (design.FrequencyLimit, {"minimum": 3.0, "mode": 1}),
+        (design.LifeLimit, {"body": "boom", "repeats": 1e6, "sn": watched.curve()}),
+        (design.StructureProblem, {**chain}),
+        (
+            design.MachineProblem,
+            {
+                "parameters": chain["parameters"],
+                "parts": lambda v: {},
+                "build": lambda v, parts: None,
+                "limits": chain["limits"],
+                "t_end": 1.0,
+            },
+        ),
+        (design.optimise, {"problem": design.StructureProblem(**chain), "order": 0, "cycles": 1}),
         (design.by_moments, {"kind": "normal", "mean": 1.0, "deviation": 1.0, "start": 0.0}),
         (design.Random, {"name": "a", "distribution": pair[0].distribution, "keep": "cov"}),
         (design.Conditional, {"name": "a", "distribution": lambda x: x}),

@@ -36,7 +36,7 @@ def objects() -> Objects:
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", jo.JoustoWarning)
-        for stage in (parts, machine, statics, stress, life, contact, twins, planar):
+        for stage in (parts, machine, statics, stress, life, contact, twins, planar, optimisation):
             found |= stage(found, Path(folder))
     return found
 
@@ -236,6 +236,20 @@ def twins(_: Objects, folder: Path) -> Objects:
         "monitor": monitor,
         "watched": jo.monitor.watch(monitor, data, folder / "watched.h5"),
     }
+
+
+def optimisation(_: Objects, __: Path) -> Objects:
+    """A mass on a spring whose stiffness is sought."""
+    problem = jo.design.StructureProblem(
+        [jo.Parameter("k", 20.0, bounds=(5.0, 50.0))],
+        lambda v: (np.eye(1), np.array([[v["k"]]])),
+        lambda t: np.ones((1, len(t))),
+        np.linspace(0, 1, 21),
+        lambda v: v["k"],
+        [jo.design.DisplacementLimit("structure", 0.1, "1")],
+    )
+    found = jo.design.optimise(problem)
+    return {"problem": problem, "optimum": found, "place": found.active[0][0]}
 
 
 def planar(_: Objects, __: Path) -> Objects:

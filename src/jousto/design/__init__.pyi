@@ -1,4 +1,15 @@
 # names of jo.design; they are loaded from here when they are first used
+from .optimisation.limits import (
+    DisplacementLimit as DisplacementLimit,
+    FrequencyLimit as FrequencyLimit,
+    LifeLimit as LifeLimit,
+    StressLimit as StressLimit,
+)
+from .optimisation.machine import MachineProblem as MachineProblem
+from .optimisation.optimise import optimise as optimise
+from .optimisation.optimum import Cycle as Cycle, Optimum as Optimum
+from .optimisation.problem import Place as Place, Problem as Problem
+from .optimisation.structure import StructureProblem as StructureProblem
 from .reliability.errors import (
     DesignPointError as DesignPointError,
     LimitStateError as LimitStateError,

@@ -14,6 +14,7 @@ from jousto.output.style import Picture
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from jousto.design.optimisation.optimum import Optimum
     from jousto.design.reliability.form import FormResult
     from jousto.design.reliability.rbdo import RbdoResult
     from jousto.design.reliability.sampling import LinearisationCheck, SamplingResult
@@ -63,6 +64,7 @@ DRAWN = {
     "RbdoResult": "figures.reliability.plot_rbdo",
     "PlanarRun": "figures.planar.plot_planar",
     "PlanarPath": "figures.planar.plot_planar",
+    "Optimum": "figures.optimisation.plot_optimum",
     "StudyTable": "figures.studies.plot_study",
 }
 BEAM = "figures.beams.plot_beam"
@@ -102,7 +104,7 @@ def plot(thing: FormResult | SamplingResult | LinearisationCheck | RbdoResult, *
 @overload
 def plot(thing: StudyTable, *names: str, kind: Literal["lines", "scatter", "surface", "parallel"] | None = ..., path: File = ...) -> Picture: ...  # noqa: E501
 @overload
-def plot(thing: GaugeComparison | MonitorRecord | PlanarRun | PlanarPath, *, path: File = ...) -> Picture: ...  # noqa: E501
+def plot(thing: GaugeComparison | MonitorRecord | Optimum | PlanarRun | PlanarPath, *, path: File = ...) -> Picture: ...  # noqa: E501
 # fmt: on
 @explained
 def plot(thing: Any, *what: Any, path: File = None, **options: Any) -> Picture:
@@ -135,6 +137,7 @@ def plot(thing: Any, *what: Any, path: File = None, **options: Any) -> Picture:
         linearisation check       indices by FORM beside sampled ones
         reliable design           cost over the cycles, indices beside their targets
         planar run or path        shapes with energies or load factors
+        optimum                   cost, largest ratio and parameters over the cycles
         table of a study          outcomes over parameters: columns, ``kind="lines"``, "scatter",
                                   "surface" or "parallel"
         ========================  ============================================================

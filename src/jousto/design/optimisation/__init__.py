@@ -1,0 +1,1 @@
+"""Optimisation of flexible parts for the stresses of their motion."""

@@ -1,0 +1,171 @@
+"""Equivalent static loads of a motion, and the limits of a design under them.
+
+``f(t) = K z(t)`` loads a body at rest so that it deforms as it does in motion (W. S. Choi,
+G. J. Park, Comput. Methods Appl. Mech. Eng. 191 (2002) 2077-2094).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.errors import InputError, Problem as Trouble
+from jousto.design.optimisation.elastic import Elastic, EquivalentLoad, Motion
+from jousto.design.optimisation.limits import BodyLimit, LifeLimit
+from jousto.design.optimisation.problem import Kept, Place, Problem
+
+Table = list[tuple[BodyLimit, int, Array]]
+"""Ratios (places, columns) of each limit in each motion."""
+
+
+def classical(
+    x: Array, bodies: Sequence[Elastic], motions: Sequence[Motion]
+) -> list[EquivalentLoad]:
+    """Return the equivalent static loads of order 0: constant while the design changes."""
+    return [
+        EquivalentLoad(m, x, np.asarray(bodies[m.body].K @ m.shapes), m.coordinates)
+        for m in motions
+    ]
+
+
+def first_order(problem: Problem, x: Array, size: float) -> list[EquivalentLoad]:
+    """Return the equivalent static loads with their slopes, ``df/dx = d(K z)/dx``.
+
+    Central differences over two runs for each parameter. The idea of loads that follow the design
+    to first order is that of M. Stolpe and N. Pollini for nonlinear statics (2023).
+
+    Parameters
+    ----------
+    problem : Problem
+    x : (nd,) array
+        The design.
+    size : float
+        Step of the differences as a share of the span of each parameter.
+    """
+    here = classical(x, problem.bodies(x), problem.motions(x))
+    steps = size * (problem.high - problem.low)
+    sides = []
+    for i, h in enumerate(steps):
+        pair = []
+        for sign in (1.0, -1.0):
+            y = x.copy()
+            y[i] += sign * h
+            pair.append(classical(y, problem.bodies(y), problem.motions(y)))
+        sides.append(pair)
+    found = []
+    for k, load in enumerate(here):
+        parts = [load.columns, *(side[k].columns for pair in sides for side in pair)]
+        if len({part.shape[0] for part in parts}) > 1:
+            message = (
+                f"body {load.motion.body + 1} has another mesh when a parameter changes: loads of"
+                " first order need the same nodes; use order=0"
+            )
+            raise InputError(Trouble("optimise", message))
+        widths = [part.shape[1] for part in parts]
+        ends = np.cumsum(widths)
+        nt = load.values.shape[1]
+        values = np.zeros((ends[-1], nt))
+        values[: widths[0]] = load.values
+        slopes = np.zeros((len(x), ends[-1], nt))
+        for i, (h, pair) in enumerate(zip(steps, sides, strict=True)):
+            for j, (sign, side) in enumerate(zip((1.0, -1.0), pair, strict=True)):
+                y = side[k].values
+                if y.shape[1] != nt:
+                    message = "the number of instants changes with the design: give output_step="
+                    raise InputError(Trouble("optimise", message))
+                first = ends[2 * i + j]
+                slopes[i, first : first + len(y)] = sign * y / (2.0 * h)
+        found.append(EquivalentLoad(load.motion, x, np.hstack(parts), values, slopes))
+    return found
+
+
+def static_table(problem: Problem, x: Array, loads: Sequence[EquivalentLoad]) -> Table:
+    """Return the ratios of all limits of a design under equivalent loads, at all instants."""
+    bodies = problem.bodies(x)
+    every = [np.arange(load.values.shape[1]) for load in loads]
+    table: Table = []
+    for k, load in enumerate(loads):
+        body = bodies[load.motion.body]
+        z = body.solve(load.columns)
+        y = load.coordinates(x, every[k])
+        table += [(one, k, one.ratios(one.rows(body, z), y)) for one in limits_of(problem, body)]
+    return table
+
+
+def dynamic_table(problem: Problem, x: Array) -> Table:
+    """Return the ratios of all limits of a design in its motion."""
+    bodies, table = problem.bodies(x), []
+    for k, motion in enumerate(problem.motions(x)):
+        body = bodies[motion.body]
+        for one in limits_of(problem, body):
+            rows = one.rows(body, motion.shapes)
+            table.append((one, k, one.ratios(rows, motion.coordinates)))
+    return table
+
+
+def limits_of(problem: Problem, body: Elastic) -> list[BodyLimit]:
+    """Return the limits of one body."""
+    limits = [limit for limit in problem.limits if isinstance(limit, BodyLimit)]
+    return [limit for limit in limits if limit.body == body.name]
+
+
+def screened(table: Table, share: float, most: int = 400) -> list[Kept]:
+    """Return the rows whose ratio is at least a share of the largest of their limit and motion.
+
+    At most `most` of each, the largest first; ties by place, then instant.
+    """
+    kept = []
+    for limit, motion, r in table:
+        places, columns = np.nonzero(r >= share * r.max())
+        order = np.argsort(-r[places, columns], kind="stable")[:most]
+        order.sort()
+        places, columns = places[order], columns[order]
+        if isinstance(limit, LifeLimit):
+            kept.append(Kept(limit, motion, places, columns, None))
+        else:
+            instants, columns = np.unique(columns, return_inverse=True)
+            kept.append(Kept(limit, motion, places, columns, instants))
+    return kept
+
+
+def static_ratios(
+    problem: Problem, x: Array, loads: Sequence[EquivalentLoad], kept: Sequence[Kept]
+) -> Array:
+    """Return the ratios of the kept rows of a design under equivalent loads."""
+    bodies = problem.bodies(x)
+    z = [bodies[load.motion.body].solve(load.columns) for load in loads]
+    found = [problem.fixed(x)]
+    for one in kept:
+        load = loads[one.motion]
+        instants = np.arange(load.values.shape[1]) if one.instants is None else one.instants
+        rows = one.limit.rows(bodies[load.motion.body], z[one.motion])
+        r = one.limit.ratios(rows, load.coordinates(x, instants))
+        found.append(r[one.places, one.columns])
+    return np.concatenate(found)
+
+
+def dynamic_ratios(problem: Problem, x: Array, kept: Sequence[Kept]) -> Array:
+    """Return the ratios of the kept rows of a design in its motion."""
+    bodies, motions = problem.bodies(x), problem.motions(x)
+    found = [problem.fixed(x)]
+    for one in kept:
+        motion = motions[one.motion]
+        y = motion.coordinates if one.instants is None else motion.coordinates[:, one.instants]
+        r = one.limit.ratios(one.limit.rows(bodies[motion.body], motion.shapes), y)
+        found.append(r[one.places, one.columns])
+    return np.concatenate(found)
+
+
+def labels(problem: Problem, x: Array, kept: Sequence[Kept]) -> list[Place]:
+    """Return what each of the kept rows is."""
+    bodies, motions = problem.bodies(x), problem.motions(x)
+    found = [Place(name) for name in problem.fixed_labels]
+    for one in kept:
+        motion = motions[one.motion]
+        names = one.limit.places(bodies[motion.body])
+        for place, column in zip(one.places, one.columns, strict=True):
+            time = float("nan") if one.instants is None else motion.time[one.instants[column]]
+            found.append(Place(one.limit.label, names[place], motion.case, float(time)))
+    return found

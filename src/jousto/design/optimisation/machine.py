@@ -1,0 +1,164 @@
+"""Machines of flexible bodies whose dimensions are parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.errors import InputError, Problem as Trouble, Problems
+from jousto.design.optimisation.elastic import Elastic, Motion
+from jousto.design.optimisation.limits import Limit
+from jousto.design.optimisation.problem import Problem, forget
+from jousto.design.studies.parameter import Parameter
+from jousto.mechanism.bodies.body import FlexibleBody
+from jousto.mechanism.mechanism import Mechanism
+from jousto.model.compile import compile
+from jousto.parts.part import Part
+from jousto.simulation.modes.linear import modes
+from jousto.simulation.running.simulate import simulate
+
+Machines = Mechanism | Mapping[str, Mechanism]
+
+
+class MachineProblem(Problem):
+    """Optimise the dimensions of flexible bodies for the stresses of their motion.
+
+    Parameters
+    ----------
+    parameters : sequence of Parameter
+        With bounds; their values are the start.
+    parts : function
+        Returns the `Part` of each body that changes or is limited, by the name of the body, for
+        the parameters by name. Statics ask for nothing else.
+    build : function
+        Returns the `Mechanism` for the parameters by name and those parts, which it reduces, or
+        one mechanism for each load case by name.
+    limits : sequence of Limit
+        `StressLimit`, `DisplacementLimit`, `LifeLimit`, `FrequencyLimit`.
+    t_end : float
+        End of each run, s.
+    solver, output_step
+        As for `simulate`; with a solver of fixed step the runs change smoothly with the parameters.
+    cost : function, optional
+        Returns what shall be least, for the parameters by name and the parts. The mass of the
+        parts, kg, if not given.
+
+    Raises
+    ------
+    InputError
+        If `parts` or `build` return something else.
+    """
+
+    def __init__(
+        self,
+        parameters: Sequence[Parameter],
+        parts: Callable[[Mapping[str, float]], Mapping[str, Part]],
+        build: Callable[[Mapping[str, float], Mapping[str, Part]], Machines],
+        limits: Sequence[Limit],
+        t_end: float,
+        *,
+        solver: Any = None,
+        output_step: float | None = None,
+        cost: Callable[[Mapping[str, float], Mapping[str, Part]], float] | None = None,
+    ) -> None:
+        super().__init__(parameters, limits)
+        problems = Problems()
+        problems.positive("MachineProblem", "t_end", t_end, "s")
+        for key, function in (("parts", parts), ("build", build), ("cost", cost or mass)):
+            if not callable(function):
+                problems.add("MachineProblem", f"{key} is {function!r}, must be a function")
+        problems.raise_if_any()
+        self._make, self._build = parts, build
+        self._cost = mass if cost is None else cost
+        self._t_end, self._solver, self._output_step = t_end, solver, output_step
+        self._parts: dict[bytes, Mapping[str, Part]] = {}
+
+    def parts(self, x: Array) -> Mapping[str, Part]:
+        """Return the part of each body.
+
+        Raises
+        ------
+        InputError
+            If the function returns something else.
+        """
+        key = x.tobytes()
+        if key not in self._parts:
+            made: Any = self._make(self.values(x))
+            good = isinstance(made, Mapping)
+            if not good or not all(isinstance(part, Part) for part in made.values()):
+                message = f"parts returns {made!r}, must be a dict of Part by the names of bodies"
+                raise InputError(Trouble("MachineProblem", message))
+            self._parts[key] = made
+            forget(self._parts, len(x))
+        return self._parts[key]
+
+    def machines(self, x: Array) -> dict[str, Mechanism]:
+        """Return the mechanism of each load case.
+
+        Raises
+        ------
+        InputError
+            If `build` returns something else.
+        """
+        made: Any = self._build(self.values(x), self.parts(x))
+        cases = {"": made} if isinstance(made, Mechanism) else made
+        good = isinstance(cases, Mapping) and len(cases) > 0
+        if not good or not all(isinstance(one, Mechanism) for one in cases.values()):
+            message = f"build returns {made!r}, must be a Mechanism or a dict of them by name"
+            raise InputError(Trouble("MachineProblem", message))
+        return dict(cases)
+
+    def cost(self, x: Array) -> float:
+        """Return what shall be least."""
+        return float(self._cost(self.values(x), self.parts(x)))
+
+    def elastic(self, x: Array) -> tuple[Elastic, ...]:
+        """Return the bodies, free in space."""
+        return tuple(Elastic.of(name, part) for name, part in self.parts(x).items())
+
+    def frequencies(self, x: Array) -> Array:
+        """Return the natural frequencies of the first load case at its start, Hz."""
+        machine = next(iter(self.machines(x).values()))
+        f = modes(compile(machine)).frequencies
+        return np.asarray(f[f > 1e-6 * f.max(initial=0.0)])
+
+    def run(self, x: Array) -> tuple[Motion, ...]:
+        """Run all load cases."""
+        found = []
+        for case, machine in self.machines(x).items():
+            run = simulate(
+                compile(machine), self._t_end, solver=self._solver, output_step=self._output_step
+            )
+            bodies = {body.name: body for body in machine.bodies}
+            for i, (name, part) in enumerate(self.parts(x).items()):
+                y = run.coordinates(name)[:, 7:].T
+                shapes = shapes_of(bodies[name], part)
+                found.append(Motion(i, case, run.time, shapes, y))
+        return tuple(found)
+
+
+def mass(values: Mapping[str, float], parts: Mapping[str, Part]) -> float:
+    """Return the mass of the parts, kg."""
+    return float(sum(part.mass for part in parts.values()))
+
+
+def shapes_of(body: Any, part: Part) -> Array:
+    """Return the displacements (ndof, n) of the modes of a body on the degrees of freedom.
+
+    Raises
+    ------
+    InputError
+        If it is not made of that part.
+    """
+    nn = len(part.nodes)
+    if not isinstance(body, FlexibleBody) or len(body.reduced.nodes) < nn:
+        message = "build must make it of the part of that name, reduced"
+        raise InputError(Trouble(f"body '{body.name}'", message))
+    shapes = body.reduced.modes[:nn]
+    if part.dofs_per_node == 6:
+        assert body.reduced.rotations is not None
+        shapes = np.concatenate([shapes, body.reduced.rotations[:nn]], axis=1)
+    return np.asarray(shapes.reshape(nn * part.dofs_per_node, -1))

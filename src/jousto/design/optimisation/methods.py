@@ -1,0 +1,261 @@
+"""Optimisation by equivalent static loads, and directly by the runs themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.optimize import minimize
+
+from jousto.base.arrays import Array
+from jousto.design.optimisation import loads as esl
+from jousto.design.optimisation.elastic import EquivalentLoad
+from jousto.design.optimisation.optimum import ACTIVE, Cycle, Optimum, multipliers
+from jousto.design.optimisation.problem import Kept, Problem
+
+SMALL = 1e-5
+"""Step of central differences where only statics are computed, share of the span."""
+
+FEASIBLE = 1e-5
+"""How far a ratio may be above 1."""
+
+AHEAD, NEAR = 6, 0.02
+"""Most cycles of order 0 before those of order 1, and the excess of a limit that calls for them."""
+
+PENALTY = 10.0
+"""Cost, of the cost at the start, of a limit exceeded by its own size, where none is feasible."""
+
+Function = Callable[[Array], Array]
+
+
+def differences(function: Function, x: Array, steps: Array) -> Array:
+    """Return the slopes (m, nd) of a function by central differences."""
+    columns = []
+    for i, h in enumerate(steps):
+        up, down = x.copy(), x.copy()
+        up[i] += h
+        down[i] -= h
+        columns.append((function(up) - function(down)) / (2.0 * h))
+    return np.stack(columns, axis=-1)
+
+
+def solve(
+    problem: Problem, x: Array, ratios: Function, slopes: Function, low: Array, high: Array
+) -> Array:
+    """Return the least cost between bounds where all ratios are at most 1; SLSQP.
+
+    Where no design keeps all limits, that which exceeds them least at its cost.
+    """
+    span, scale = problem.high - problem.low, abs(problem.cost(x)) or 1.0
+
+    def design(u: Array) -> Array:
+        return np.asarray(problem.low + u * span)
+
+    def cost(u: Array) -> float:
+        return problem.cost(design(u)) / scale
+
+    def down(u: Array) -> Array:
+        found = differences(lambda v: np.array([problem.cost(v)]), design(u), SMALL * span)
+        return np.asarray(found[0] * span / scale)
+
+    box = list(zip((low - problem.low) / span, (high - problem.low) / span, strict=True))
+    start = (x - problem.low) / span
+    options = {"ftol": 1e-10, "maxiter": 60}
+    found: Any = minimize(  # type: ignore[call-overload]
+        cost,
+        start,
+        jac=down,
+        bounds=box,
+        method="SLSQP",
+        options=options,
+        constraints={
+            "type": "ineq",
+            "fun": lambda u: 1.0 - ratios(design(u)),
+            "jac": lambda u: -slopes(design(u)) * span,
+        },
+    )
+    # a search that ends early at a design within the limits is a step, too
+    if np.max(ratios(design(found.x)), initial=0.0) <= 1.0 + FEASIBLE:
+        return np.clip(design(found.x), low, high)
+    # one more variable: how far limits may be exceeded
+    over = float(max(np.max(ratios(x), initial=1.0) - 1.0, 0.0))
+    relaxed: Any = minimize(  # type: ignore[call-overload]
+        lambda w: cost(w[:-1]) + PENALTY * w[-1],
+        np.append(start, over),
+        jac=lambda w: np.append(down(w[:-1]), PENALTY),
+        bounds=[*box, (0.0, None)],
+        method="SLSQP",
+        options=options,
+        constraints={
+            "type": "ineq",
+            "fun": lambda w: 1.0 + w[-1] - ratios(design(w[:-1])),
+            "jac": lambda w: np.hstack(
+                [-slopes(design(w[:-1])) * span, np.ones((len(ratios(design(w[:-1]))), 1))]
+            ),
+        },
+    )
+    return np.clip(design(relaxed.x[:-1]), low, high)
+
+
+def largest(table: esl.Table, fixed: Array) -> float:
+    """Return the largest ratio of a table and of limits that need no run."""
+    return float(max([np.max(r) for _, _, r in table] + list(fixed), default=0.0))
+
+
+def change(old: Sequence[EquivalentLoad], new: Sequence[EquivalentLoad]) -> float:
+    """Return ``sum |f_new - f_old| / sum |f_old|`` over bodies and instants."""
+    total, moved = 0.0, 0.0
+    for a, b in zip(old, new, strict=True):
+        f, g = a.columns @ a.values, b.columns @ b.values
+        if f.shape != g.shape:
+            return float("nan")
+        total += float(np.linalg.norm(f, axis=0).sum())
+        moved += float(np.linalg.norm(g - f, axis=0).sum())
+    return moved / total if total else 0.0
+
+
+def by_loads(
+    problem: Problem,
+    order: int,
+    *,
+    tolerance: float,
+    cycles: int,
+    screen: float,
+    trust: float,
+    size: float,
+    report: Callable[[Cycle], None] | None,
+) -> Optimum:
+    """Optimise by equivalent static loads; see `optimise`."""
+    span = problem.high - problem.low
+    x, radius = problem.start.copy(), trust
+    history: list[Cycle] = []
+    last: Array | None = None
+    old: list[EquivalentLoad] | None = None
+    converged, message = False, f"not converged in {cycles} cycles"
+    for _ in range(cycles):
+        plain = esl.classical(x, problem.bodies(x), problem.motions(x))
+        table = esl.dynamic_table(problem, x)
+        ratio = largest(table, problem.fixed(x))
+        # constant loads find a design within the limits from anywhere, slopes the optimum near it
+        ahead = order == 1 and len(history) < AHEAD and ratio > 1.0 + NEAR
+        loads = esl.first_order(problem, x, size) if order and not ahead else plain
+        kept = esl.screened(table, screen)
+
+        def ratios(y: Array, loads: list[EquivalentLoad] = loads, kept: list[Kept] = kept) -> Array:
+            return esl.static_ratios(problem, y, loads, kept)
+
+        def slopes(y: Array, ratios: Function = ratios) -> Array:
+            return differences(ratios, y, SMALL * span)
+
+        reach = 1.0 if ahead else radius
+        low = np.maximum(problem.low, x - reach * span)
+        high = np.minimum(problem.high, x + reach * span)
+        new = solve(problem, x, ratios, slopes, low, high)
+        step = (new - x) / span
+        moved = float(np.max(np.abs(step)))
+        history.append(
+            Cycle(
+                problem.values(x),
+                problem.cost(x),
+                ratio,
+                float("nan") if old is None else change(old, plain),
+                moved,
+                problem.runs,
+            )
+        )
+        if report is not None:
+            report(history[-1])
+        if moved <= tolerance and not ahead:
+            converged, message = True, f"converged in {len(history)} cycles"
+            break
+        if ahead:
+            x, old = new, plain
+            continue
+        if last is not None and float(step @ last) < 0.0:
+            radius = 0.5 * min(radius, moved)
+        else:
+            radius = min(1.5 * radius, 1.0)
+        x, last, old = new, step, plain
+    return finished(problem, f"esl, order {order}", x, converged, message, history, screen, size)
+
+
+def directly(
+    problem: Problem,
+    *,
+    tolerance: float,
+    cycles: int,
+    screen: float,
+    size: float,
+    report: Callable[[Cycle], None] | None,
+) -> Optimum:
+    """Optimise the transient itself; see `optimise`."""
+    span = problem.high - problem.low
+    x, history = problem.start.copy(), list[Cycle]()
+    converged, message = False, f"not converged in {cycles} rounds"
+    for _ in range(cycles):
+        table = esl.dynamic_table(problem, x)
+        ratio = largest(table, problem.fixed(x))
+        kept = esl.screened(table, screen)
+
+        def ratios(y: Array, kept: list[Kept] = kept) -> Array:
+            return esl.dynamic_ratios(problem, y, kept)
+
+        def slopes(y: Array, ratios: Function = ratios) -> Array:
+            return differences(ratios, y, size * span)
+
+        new = solve(problem, x, ratios, slopes, problem.low, problem.high)
+        moved = float(np.max(np.abs(new - x) / span))
+        history.append(
+            Cycle(problem.values(x), problem.cost(x), ratio, float("nan"), moved, problem.runs)
+        )
+        if report is not None:
+            report(history[-1])
+        if moved <= tolerance:
+            converged, message = True, f"converged in {len(history)} rounds"
+            break
+        x = new
+    return finished(problem, "direct", x, converged, message, history, screen, size)
+
+
+def finished(
+    problem: Problem,
+    method: str,
+    x: Array,
+    converged: bool,
+    message: str,
+    history: Sequence[Cycle],
+    screen: float,
+    size: float,
+) -> Optimum:
+    """Return the report of a design, judged by its motion."""
+    span = problem.high - problem.low
+    table = esl.dynamic_table(problem, x)
+    ratio = largest(table, problem.fixed(x))
+    kept = esl.screened(table, screen)
+    ratios = esl.dynamic_ratios(problem, x, kept)
+    names = esl.labels(problem, x, kept)
+    scale = abs(problem.cost(x)) or 1.0
+    slopes = differences(lambda y: esl.dynamic_ratios(problem, y, kept), x, size * span) * span
+    gradient = differences(lambda y: np.array([problem.cost(y)]), x, SMALL * span)[0] * span / scale
+    edge = 1e-9 * span
+    kkt, found = multipliers(
+        gradient, ratios, slopes, x <= problem.low + edge, x >= problem.high - edge
+    )
+    if ratio > 1.0 + ACTIVE:
+        converged = False
+        message += f"; a limit is exceeded, the largest ratio is {ratio:.4g}: try another start"
+    kkt = max(kkt, ratio - 1.0)
+    active = tuple((names[row], m) for row, m in sorted(found.items(), key=lambda p: -p[1]))
+    return Optimum(
+        method,
+        problem.values(x),
+        problem.cost(x),
+        ratio,
+        converged,
+        message,
+        active,
+        kkt,
+        problem.runs,
+        tuple(history),
+    )

@@ -1,0 +1,144 @@
+"""What an optimisation found, and how well it meets the conditions of an optimum."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import nnls
+
+from jousto.base.arrays import Array
+from jousto.base.described import described
+from jousto.base.files import Rows, Tabular
+from jousto.design.optimisation.problem import Place
+
+ACTIVE = 1e-3
+"""Distance of a ratio from 1 within which its row counts as active."""
+
+
+@described
+@dataclass(frozen=True)
+class Cycle:
+    """One cycle of an optimisation.
+
+    Attributes
+    ----------
+    values : dict of float
+        The design.
+    cost : float
+    ratio : float
+        The largest value / limit in motion: above 1 a limit is exceeded.
+    loads : float
+        Change of the equivalent loads since the last cycle, relative; NaN where there are none.
+    step : float
+        The largest step from here, as a share of the span of a parameter.
+    runs : int
+        Runs of the machine so far.
+    """
+
+    values: Mapping[str, float]
+    cost: float
+    ratio: float
+    loads: float
+    step: float
+    runs: int
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class Optimum(Tabular):
+    """A design, how it was found and what bounds it.
+
+    Attributes
+    ----------
+    method : str
+        "esl, order 0", "esl, order 1" or "direct".
+    values : dict of float
+        The parameters.
+    cost : float
+    ratio : float
+        The largest value / limit in motion.
+    converged : bool
+    message : str
+        Why it ended.
+    active : tuple of (Place, float)
+        What bounds the design, with its multiplier: how much the cost, relative to itself, grows
+        if that limit is lowered by 1 in relation to itself.
+    kkt : float
+        Residual of the conditions of Karush, Kuhn and Tucker in motion: the part of the gradient
+        of the cost that no active limit or bound explains, of the gradient, or how far a limit is
+        exceeded, if that is more. 0 for an optimum.
+    runs : int
+        Runs of the machine.
+    history : tuple of Cycle
+    """
+
+    method: str
+    values: Mapping[str, float]
+    cost: float
+    ratio: float
+    converged: bool
+    message: str
+    active: tuple[tuple[Place, float], ...]
+    kkt: float
+    runs: int
+    history: tuple[Cycle, ...]
+
+    def _facts(self) -> str:
+        values = ", ".join(f"{k} {v:.6g}" for k, v in list(self.values.items())[:4])
+        end = "" if self.converged else ", not converged"
+        return (
+            f"{self.method}, cost {self.cost:.6g} at {values}, KKT {self.kkt:.1e},"
+            f" {self.runs} runs{end}"
+        )
+
+    def __str__(self) -> str:
+        lines = [f"{self.method}: {self.message}", ""]
+        lines += [f"  {name:<16} {value:.6g}" for name, value in self.values.items()]
+        lines += [
+            f"  {'cost':<16} {self.cost:.7g}",
+            f"  {'largest ratio':<16} {self.ratio:.6f}",
+            f"  {'KKT residual':<16} {self.kkt:.1e}",
+            f"  {'runs':<16} {self.runs}",
+        ]
+        for place, multiplier in self.active:
+            lines.append(f"  active: {place}, multiplier {multiplier:.4g}")
+        return "\n".join(lines)
+
+    def _csv(self) -> Rows:
+        head = ["cycle", *self.values, "cost", "ratio", "load_change", "step", "runs"]
+        rows = [
+            [i, *one.values.values(), one.cost, one.ratio, one.loads, one.step, one.runs]
+            for i, one in enumerate(self.history)
+        ]
+        return head, rows
+
+
+def multipliers(
+    gradient: Array, ratios: Array, slopes: Array, at_low: Array, at_high: Array
+) -> tuple[float, dict[int, float]]:
+    """Return the KKT residual and the multipliers of the rows, by their numbers.
+
+    ``|grad c + sum m_j grad r_j - m_low + m_high| / |grad c|`` with the best ``m >= 0``.
+
+    Parameters
+    ----------
+    gradient : (nd,) array
+        Of the cost.
+    ratios : (m,) array
+    slopes : (m, nd) array
+        Of the ratios.
+    at_low, at_high : (nd,) bool array
+        Which parameters are at a bound.
+    """
+    near = np.flatnonzero(ratios >= 1.0 - ACTIVE)
+    unit = np.eye(len(gradient))
+    columns = np.vstack([slopes[near], -unit[at_low], unit[at_high]]).T
+    size = float(np.linalg.norm(gradient))
+    if not columns.shape[1] or not size:
+        return (1.0 if size else 0.0), {}
+    m, rest = nnls(columns, -gradient)
+    return float(rest / size), {
+        int(row): float(m[j]) for j, row in enumerate(near) if m[j] > 1e-9 * m.max(initial=0.0)
+    }
