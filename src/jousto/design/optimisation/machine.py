@@ -67,7 +67,8 @@ class MachineProblem(Problem):
         super().__init__(parameters, limits)
         problems = Problems()
         problems.positive("MachineProblem", "t_end", t_end, "s")
-        for key, function in (("parts", parts), ("build", build), ("cost", cost or mass)):
+        functions: dict[str, Any] = {"parts": parts, "build": build, "cost": cost or mass}
+        for key, function in functions.items():
             if not callable(function):
                 problems.add("MachineProblem", f"{key} is {function!r}, must be a function")
         problems.raise_if_any()

@@ -62,7 +62,8 @@ class StructureProblem(Problem):
             len(t) < 2 or t[0] != 0.0 or np.ptp(np.diff(t)) > 1e-9 * t[-1] or t[1] <= 0.0
         ):
             problems.add(where, "time must start at 0 and be evenly spaced")
-        for key, function in (("matrices", matrices), ("force", force), ("cost", cost)):
+        functions: dict[str, Any] = {"matrices": matrices, "force": force, "cost": cost}
+        for key, function in functions.items():
             if not callable(function):
                 problems.add(where, f"{key} is {function!r}, must be a function")
         problems.raise_if_any()
