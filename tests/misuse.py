@@ -47,6 +47,7 @@ SPECIAL = {
     *("arc_length", "inertia_share", "load_steps", "planar_frequencies", "rest", "simulate_planar"),
     *("spinning", "equivalent_load", "external", "locate_load", "place_loads", "smooth"),
     *("stress_blocks", "tune"),
+    *("study", "read_distribution", "read_outcome"),  # see tests/design/studies
 }
 """Functions of planar frames and twins, for those who know them."""
 
@@ -56,7 +57,7 @@ def calls(folder: Path) -> dict[str, Call]:
     """Return calls by the name of what is called; arguments left out have defaults."""
     made = objects()
     found: dict[str, Call] = {}
-    for part in (_machines, _parts, _analyses, _recovery, _fatigue, _twins, _design):
+    for part in (_machines, _parts, _analyses, _recovery, _fatigue, _twins, _studies, _design):
         for what, given in part(made, folder):
             name = what.__qualname__
             found[name] = (what, given)
@@ -470,6 +471,26 @@ def _twins(made: Made, folder: Path) -> list[Call]:
         (jo.monitor.ChannelRules, {}),
         (jo.monitor.watch, {"monitor": watched.monitor(), "source": data, "path": folder / "w.h5"}),
         (jo.monitor.MonitorRecord, {"path": made["watched"].path}),
+    ]
+
+
+def _studies(made: Made, folder: Path) -> list[Call]:
+    wall = jo.Parameter("wall", 1.0, bounds=(0.5, 2.0))
+    some = {"parameters": [wall]}
+    counted = [
+        (what, some | {"count": 2})
+        for what in (jo.design.latin_hypercube, jo.design.sobol, jo.design.random_samples)
+    ]
+    points = folder / "points.csv"
+    points.write_text("wall\n1\n", encoding="utf-8")
+    table = jo.design.StudyTable(("wall",), ("y",), np.ones((1, 1)), np.ones((1, 1)), ("",))
+    kept = table.save(folder / "study.h5")
+    return [
+        (jo.Parameter, {"name": "wall", "value": 1.0}),
+        (jo.design.grid, some),
+        (jo.design.read_samples, some | {"path": points}),
+        (jo.design.read_study, {"path": kept}),
+        *counted,
     ]
 
 

@@ -355,7 +355,7 @@ def test_a_table_becomes_a_frame(tmp_path: Path) -> None:
     try:
         import pyarrow  # noqa: F401
     except ImportError:
-        with pytest.raises(jo.InputError, match="needs pyarrow"):
+        with pytest.raises(jo.InputError, match="needs the package pyarrow"):
             table.save(tmp_path / "t.parquet")
     else:
         table.save(tmp_path / "t.parquet")

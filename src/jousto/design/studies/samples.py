@@ -13,12 +13,20 @@ from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.errors import InputError, MissingFileError, Problem, suggest
+from jousto.base.errors import InputError, MissingFileError, Problem, Problems, suggest
 from jousto.base.expressions import ExpressionError, read_quantity
 from jousto.design.studies.parameter import Parameter
 
 Parameters = Sequence[Parameter]
 MOST = 100_000_000
+
+
+def _several(parameters: Parameters) -> tuple[Parameter, ...]:
+    """Return the parameters, or say what is none."""
+    problems = Problems()
+    found = problems.several("samples", "parameters", parameters, Parameter)
+    problems.raise_if_any()
+    return found
 
 
 def _scaled(parameters: Parameters, u: Array) -> Array:
@@ -69,6 +77,7 @@ def grid(parameters: Parameters, levels: int | Mapping[str, int | ArrayLike] = 1
     InputError
         For unknown names, and numbers of values of a parameter without bounds.
     """
+    parameters = _several(parameters)
     axes: list[Array] = []
     problems: list[Problem] = []
     names = [p.name for p in parameters]
@@ -110,6 +119,7 @@ def latin_hypercube(parameters: Parameters, count: int, *, seed: int = 0) -> Arr
     """
     from scipy.stats import qmc
 
+    parameters = _several(parameters)
     sampler = qmc.LatinHypercube(len(parameters), rng=np.random.default_rng(seed))
     return _scaled(parameters, sampler.random(_count(count)))
 
@@ -133,6 +143,7 @@ def sobol(parameters: Parameters, count: int, *, seed: int = 0) -> Array:
     """
     from scipy.stats import qmc
 
+    parameters = _several(parameters)
     n = _count(count)
     sampler = qmc.Sobol(len(parameters), rng=np.random.default_rng(seed))
     return _scaled(parameters, sampler.random_base2(max(n - 1, 0).bit_length())[:n])
@@ -155,6 +166,7 @@ def random_samples(parameters: Parameters, count: int, *, seed: int = 0) -> Arra
     -------
     (n, np) array
     """
+    parameters = _several(parameters)
     u = np.random.default_rng(seed).random((_count(count), len(parameters)))
     return _scaled(parameters, u)
 
@@ -180,7 +192,7 @@ def read_samples(path: str | Path, parameters: Parameters) -> Array:
     InputError
         Everything that is wrong with it, with lines.
     """
-    name = str(path)
+    name, parameters = str(path), _several(parameters)
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
     except FileNotFoundError:

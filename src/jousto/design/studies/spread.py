@@ -284,7 +284,7 @@ def dask_client(workers: int) -> Any:
     try:
         from distributed import Client, LocalCluster  # type: ignore[import-not-found, unused-ignore]
     except ImportError:
-        message = "needs Dask: pip install 'jousto[cluster]'"
+        message = "needs Dask: pip install distributed"
         raise InputError(Problem("study", message)) from None
     cluster = LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
     return Client(cluster)

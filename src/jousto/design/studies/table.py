@@ -137,7 +137,7 @@ class StudyTable(Tabular):
         try:
             import pandas
         except ImportError:
-            message = "needs pandas: pip install 'jousto[frames]'"
+            message = "needs pandas: pip install pandas"
             raise InputError(Problem("to_pandas", message)) from None
         frame = pandas.DataFrame(np.hstack([self.x, self.y]), columns=list(self.columns))
         frame[FAILED] = list(self.reasons)
@@ -176,7 +176,7 @@ class StudyTable(Tabular):
             with written(target) as beside:
                 frame.to_parquet(beside)
         except ImportError:
-            raise InputError(Problem(str(target), "needs pyarrow: pip install pyarrow")) from None
+            raise InputError(Problem(str(target), "needs the package pyarrow")) from None
         return target
 
 
