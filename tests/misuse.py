@@ -16,7 +16,7 @@ from jousto.output.dispatch import implementation
 from jousto.output.plot import BEAM, DRAWN
 from jousto.output.write import WRITTEN
 from measurement.monitor import watched
-from session import EXAMPLES, STEEL, objects
+from session import EXAMPLES, STEEL, objects, turn
 
 DRAW = {kind: implementation(place) for kind, place in DRAWN.items()}
 WRITE = {
@@ -496,6 +496,7 @@ def _studies(made: Made, folder: Path) -> list[Call]:
 
 def _design(made: Made, _: Path) -> list[Call]:
     design = jo.design
+    mass = jo.Parameter("mass", 2.0, bounds=(1.0, 3.0), unit="kg")
     pair = [design.Random(name, design.by_moments("normal", 5.0, 1.0)) for name in "ab"]
     chain = {
         "parameters": [jo.Parameter("k", 20.0, bounds=(5.0, 50.0))],
@@ -524,6 +525,19 @@ def _design(made: Made, _: Path) -> list[Call]:
             },
         ),
         (design.optimise, {"problem": design.StructureProblem(**chain), "order": 0, "cycles": 1}),
+        (
+            jo.study,
+            {
+                "model": turn,
+                "parameters": [mass],
+                "outcomes": "min(place.y)",
+                "samples": 2,
+                "t_end": 0.01,
+                "output_step": 0.005,
+            },
+        ),
+        (design.Function, {"name": "seen", "function": lambda run: 1.0}),
+        (design.read_outcome, {"text": "max(place.y)"}),
         (design.by_moments, {"kind": "normal", "mean": 1.0, "deviation": 1.0, "start": 0.0}),
         (design.Random, {"name": "a", "distribution": pair[0].distribution, "keep": "cov"}),
         (design.Conditional, {"name": "a", "distribution": lambda x: x}),

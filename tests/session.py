@@ -36,7 +36,19 @@ def objects() -> Objects:
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", jo.JoustoWarning)
-        for stage in (parts, machine, statics, stress, life, contact, twins, planar, optimisation):
+        for stage in (
+            parts,
+            machine,
+            statics,
+            stress,
+            life,
+            contact,
+            twins,
+            planar,
+            optimisation,
+            studies,
+            reliability,
+        ):
             found |= stage(found, Path(folder))
     return found
 
@@ -250,6 +262,65 @@ def optimisation(_: Objects, __: Path) -> Objects:
     )
     found = jo.design.optimise(problem)
     return {"problem": problem, "optimum": found, "place": found.active[0][0]}
+
+
+def turn(mass: float) -> jo.Mechanism:
+    """A pendulum; a function of the module, so that processes can call it."""
+    bob = jo.RigidBody("bob", mass, (0.01, 0.01, 0.01), position=(1.0, 0.0, 0.0))
+    return jo.Mechanism(
+        bob,
+        jo.Revolute("pivot", jo.ground["origin"], bob.at((-1.0, 0.0, 0.0)), axis=(0, 0, 1)),
+        jo.Gravity((0.0, -9.81, 0.0)),
+        jo.PositionSensor("place", bob["origin"]),
+    )
+
+
+def studies(_: Objects, __: Path) -> Objects:
+    """A study of three points, what is wanted of it and one of its points."""
+    cases: list[object] = []
+
+    def seen(case: object) -> float:
+        cases.append(case)
+        return 1.0
+
+    wanted = jo.design.Function("seen", seen, of="case")
+    made = jo.study(
+        turn,
+        jo.Parameter("mass", 2.0, bounds=(1.0, 3.0), unit="kg"),
+        ["min(place.y)", wanted],
+        samples=3,
+        t_end=0.05,
+    )
+    return {
+        "study": made,
+        "study table": made.table,
+        "outcome": jo.design.read_outcome("min(place.y)"),
+        "case": cases[0],
+    }
+
+
+def reliability(_: Objects, __: Path) -> Objects:
+    """A strength against a load: indices, samples and a reliable design."""
+    design = jo.design
+    pair = [design.Random(name, design.by_moments("normal", 5.0, 1.0)) for name in "ab"]
+
+    def safe(x: Any) -> Any:
+        return x["a"] + x["b"] - 6.0
+
+    found = design.form(safe, pair)
+    return {
+        "variable": pair[0],
+        "form": found,
+        "sorm": design.sorm(safe, pair),
+        "pma": design.pma(safe, pair, 2.0),
+        "ria": design.ria(safe, pair, 2.0),
+        "sampled": design.monte_carlo(safe, pair, samples=200, seed=1),
+        "linearisation": design.check_linearisation(found, samples=200),
+        "limit state": design.LimitState(safe, name="safe"),
+        "reliable": design.rbdo(
+            lambda d: d["a"], [safe], pair, {"a": (1.0, 20.0)}, 2.0, start={"a": 10.0}
+        ),
+    }
 
 
 def planar(_: Objects, __: Path) -> Objects:

@@ -37,7 +37,7 @@ VALUES = {
     *("Harmonic", "Constant", "ConstantSpeed", "Input", "Sum", "Product"),
     *("RK4", "ROS2", "InertiaRelief", "InBox", "InCylinder", "InSphere", "Nearest"),
 }
-BASES = {"MeanStress"}  # their kinds show themselves
+BASES = {"MeanStress", "Outcome"}  # their kinds show themselves
 NOT_MADE = {"Matrices", "FourierLoads", "Histories"}  # of other programs, and of moving twins
 
 
@@ -127,7 +127,10 @@ def test_what_is_said_of_fields() -> None:
 
 def within_reach(path: str, thing: Any, found: dict[int, tuple[str, Any]]) -> None:
     """Gather what can be reached from an object through public attributes and items."""
-    ours = type(thing).__module__.partition(".")[0] == "jousto"
+    # arrays with names have the attributes of NumPy's, which do not always work
+    ours = type(thing).__module__.partition(".")[0] == "jousto" and not isinstance(
+        thing, np.ndarray
+    )
     if id(thing) in found or not (ours or isinstance(thing, tuple | list | Mapping)):
         return
     found[id(thing)] = path, thing
@@ -208,4 +211,4 @@ def test_the_session_holds_what_functions_return(reached: dict[int, tuple[str, A
     kinds = {type(thing).__name__ for _, thing in reached.values()}
     functions = [one for one in PUBLIC.values() if inspect.isfunction(one)]
     returned = {str(inspect.signature(one).return_annotation) for one in functions}
-    assert returned & set(CLASSES) - NOT_MADE <= kinds
+    assert returned & set(CLASSES) - NOT_MADE - BASES <= kinds

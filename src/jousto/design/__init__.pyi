@@ -39,7 +39,6 @@ from .reliability.sorm import SormResult as SormResult, sorm as sorm
 from .reliability.subset import subset_simulation as subset_simulation
 from .reliability.transform import Joint as Joint, Nataf as Nataf, Rosenblatt as Rosenblatt
 from .studies.case import Case as Case
-from .studies.distributions import read_distribution as read_distribution
 from .studies.outcomes import Function as Function, Outcome as Outcome, read_outcome as read_outcome
 from .studies.samples import (
     grid as grid,

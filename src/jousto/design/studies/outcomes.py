@@ -34,6 +34,7 @@ OVER_TIME: dict[str, Callable[[Floats], Any]] = {
 """Numbers of a history; the peak is the largest magnitude."""
 
 
+@described
 class Outcome(ABC):
     """A number that a study wants to know of every point.
 
@@ -365,7 +366,7 @@ def read_outcome(text: str) -> Outcome:
     'rise'
     """
     where = f"outcome {text!r}"
-    match = CALL.fullmatch(text)
+    match = CALL.fullmatch(text) if type(text) is str else None
     if match is None:
         raise InputError(Problem(where, HELP))
     word, inside = match[2], [x.strip() for x in (match[3] or "").split(",") if x.strip()]

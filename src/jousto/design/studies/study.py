@@ -262,7 +262,7 @@ def study(
         too.
     parameters : sequence of Parameter or str, optional
         What is varied; of a file also by name, all of its parameters if not given.
-    outcomes : text, function, Outcome, or a sequence or dict of them
+    outcomes : str, callable, Outcome, sequence or dict
         What is wanted: ``"max(tip.y)"`` (also min, peak, range, rms, mean, first, last),
         ``"mass"``, ``"mass(arm)"``, ``"frequency(1)"``, ``"stress(arm)"`` at its hot spot,
         ``"damage(arm)"``, ``"life(arm)"``, ``"reaction(pivot)"``, or a function of the `Solution`.

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from jousto.base.described import described
 from jousto.base.errors import InputError, MissingFileError, Problem, Problems
 from jousto.base.files import check_file
 from jousto.schema.file.composer import compose
@@ -19,6 +20,7 @@ MOST_ENTRIES = 1_000_000
 TOO_DEEP = "is nested too deeply"
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Document:
     """The content of a model file.

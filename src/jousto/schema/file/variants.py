@@ -6,11 +6,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from jousto.base.described import described
 from jousto.design.studies.parameter import Parameter
 from jousto.mechanism.mechanism import Mechanism
 from jousto.schema.file.document import Document
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Variants:
     """A model file as a function of its parameters; can be pickled.
