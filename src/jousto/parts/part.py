@@ -30,9 +30,9 @@ from jousto.mesh.sets import (
     rigid_groups,
     tied,
 )
+from jousto.parts.frames.element import Elements
 from jousto.parts.frames.frame import BeamOptions, Frame, FrameArrays, assemble, check_frame
 from jousto.parts.frames.members import (
-    Elements,
     FrameMembers,
     MaterialField,
     SectionField,

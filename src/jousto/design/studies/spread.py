@@ -244,7 +244,7 @@ def by_dask(
     evaluator: Evaluator, points: Points, journal: Journal | None, client: Any, local: bool
 ) -> Found:
     """Let a Dask cluster work; the rows of a local one are written by its workers."""
-    from distributed import as_completed  # type: ignore[import-not-found, unused-ignore]
+    from distributed import as_completed
 
     path = str(journal.path.resolve()) if journal is not None and local else ""
     workers = max(1, len(client.scheduler_info()["workers"]))
@@ -282,7 +282,7 @@ def dask_client(workers: int) -> Any:
         If Dask is not installed.
     """
     try:
-        from distributed import Client, LocalCluster  # type: ignore[import-not-found, unused-ignore]
+        from distributed import Client, LocalCluster
     except ImportError:
         message = "needs Dask: pip install distributed"
         raise InputError(Problem("study", message)) from None

@@ -16,7 +16,7 @@ from jousto.base.rotations import (
 )
 from jousto.mechanism.beams.frames import section_frames, tangents
 from jousto.mechanism.beams.stiffness import BeamSection, as_beam_section
-from jousto.parts.frames.members import check_elements
+from jousto.parts.frames.element import check_elements
 
 SHARES = {"lumped": 0.0, "corrected": 0.0, "consistent": 1.0}
 MOST_TWIST = 3.0  # rad of an element

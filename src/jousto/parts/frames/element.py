@@ -7,14 +7,44 @@ freedom of an element: ``[ux uy uz rx ry rz]`` at end a, then at end b. All in c
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from jousto.base.arrays import Array, skew, transposed
 from jousto.base.declare import Declared
 from jousto.base.described import described
-from jousto.base.fields import field
+from jousto.base.errors import Problems
+from jousto.base.fields import Field, field
 from jousto.base.numbers import OptionalPositive
+
+# of one member or beam: a hundred times more than make sense
+MOST_ELEMENTS = 100_000
+
+
+def check_elements(problems: Problems, where: str, value: Any) -> bool:
+    """Return whether a number of elements is a whole one that can be computed; note if not."""
+    try:
+        good = not isinstance(value, bool) and value == int(value) and value >= 1
+    except (TypeError, ValueError, OverflowError):
+        good = False
+    if not good:
+        problems.add(where, f"elements is {value!r}, must be a whole number from 1")
+    elif value > MOST_ELEMENTS:
+        problems.add(where, f"elements is {value}, must be at most {MOST_ELEMENTS}")
+        return False
+    return good
+
+
+class Elements(Field[int, int]):
+    """How many elements; see `check_elements`."""
+
+    form = "count"
+    noun = "int"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the number."""
+        return int(value) if check_elements(problems, where, value) else None
 
 
 class Timoshenko(Declared, section="theories", tag="timoshenko", by_value=True):

@@ -14,39 +14,12 @@ from jousto.base.fields import AnyField, Field, Label, Nested, field
 from jousto.base.numbers import OptionalValues, Vector
 from jousto.materials.library import by_name
 from jousto.materials.material import Material
-from jousto.parts.frames.element import default_orientation
+from jousto.parts.frames.element import Elements, default_orientation
 from jousto.parts.frames.frame import BeamOptions, Dictionary, FrameArrays
 from jousto.sections.section import Section
 
-# of one member or beam: a hundred times more than make sense
-MOST_ELEMENTS = 100_000
 # positions closer than this part of the frame's size are one node
 MERGE = 1e-8
-
-
-def check_elements(problems: Problems, where: str, value: Any) -> bool:
-    """Return whether a number of elements is a whole one that can be computed; note if not."""
-    try:
-        good = not isinstance(value, bool) and value == int(value) and value >= 1
-    except (TypeError, ValueError, OverflowError):
-        good = False
-    if not good:
-        problems.add(where, f"elements is {value!r}, must be a whole number from 1")
-    elif value > MOST_ELEMENTS:
-        problems.add(where, f"elements is {value}, must be at most {MOST_ELEMENTS}")
-        return False
-    return good
-
-
-class Elements(Field[int, int]):
-    """How many elements; see `check_elements`."""
-
-    form = "count"
-    noun = "int"
-
-    def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the number."""
-        return int(value) if check_elements(problems, where, value) else None
 
 
 class SectionField(Nested[Section, Section]):
