@@ -84,7 +84,6 @@ def main(out: Path) -> int:
         print(found)
         print()
     jo.plot(first, path=out / "crane_boom.png")
-    first.to_csv(out / "crane_boom.csv")
     saved = 1.0 - first.cost / classical.cost
     print(f"order 1 is lighter by {100 * saved:.2f} %")
     good = first.converged and first.kkt < 1e-4 and first.ratio < 1.001 and saved > 0.001

@@ -17,6 +17,7 @@ from typer.testing import CliRunner
 
 import jousto as jo
 from cli.test_meshes import call
+from jousto.base.declare import SECTIONS
 from jousto.cli import commands
 from jousto.cli.group import app
 from jousto.schema.file.read import model_schema
@@ -586,7 +587,10 @@ def test_model_files_know_the_classes_of_a_file_that_is_given(tmp_path: Path) ->
     sled.write_text(SLED)
     own.write_text(OWN)
     assert "forces.0.type: no force type 'pull of the test'" in jousto("check", sled).err
-    found = jousto("--with", own, "run", "-q", sled)
+    try:
+        found = jousto("--with", own, "run", "-q", sled)
+    finally:
+        SECTIONS["forces"].pop("pull of the test", None)
     assert found.code == 0, found.err
     assert jo.load(sled.with_suffix(".h5"))["sled"][-1, 0] == pytest.approx(50.0)
 

@@ -62,7 +62,7 @@ class ArrayFrame(FrameArrays, tag="frame"):
 
     Examples
     --------
-    >>> from jousto import Rectangle, Tube
+    >>> from jousto import Member, Rectangle, Tube
     >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
     >>> part = Part.frame([[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 1], [1, 2]],
     ...                   sections=Tube(0.05, 0.002), materials=steel)
@@ -88,7 +88,7 @@ class MemberFrame(FrameMembers, tag="members"):
 
     Examples
     --------
-    >>> from jousto import Rectangle, Tube
+    >>> from jousto import Member, Rectangle, Tube
     >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
     >>> tube = Tube(0.05, 0.002)
     >>> part = Part.from_members(
@@ -115,7 +115,7 @@ class StraightBeam(BeamOptions, tag="beam"):
 
     Examples
     --------
-    >>> from jousto import Rectangle, Tube
+    >>> from jousto import Member, Rectangle, Tube
     >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
     >>> part = Part.beam(2.0, Rectangle(0.1, 0.1), 4, steel, lumped=True)
     >>> part.mass_points.mass

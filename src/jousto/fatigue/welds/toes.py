@@ -131,7 +131,7 @@ class WeldToe(Declared, by_value=True):
         """Note a toe without direction, and a plate without thickness."""
         if not np.any(self.away):
             problems.add(where, "away is (0, 0, 0), must be a direction")
-        if self.reading in READINGS and not self.reading.startswith("edge"):
+        if str(self.reading) in READINGS and not self.reading.startswith("edge"):
             problems.positive(where, "thickness", self.thickness, "m")
 
     @property
