@@ -248,3 +248,32 @@ def test_wrong_input_is_told_in_sentences(named, said):
             given.pop("beta"),
             **given,
         )
+
+
+def test_a_nested_optimisation_that_does_not_end_says_so():
+    pair = [jo.design.Random(name, jo.design.by_moments("normal", 5.0, 0.3)) for name in "ab"]
+    with pytest.raises(jo.design.DesignPointError, match="did not end in 1 steps"):
+        jo.design.rbdo(
+            lambda d: d["a"] ** 2 + d["b"] ** 4,
+            [lambda x: x["a"] * x["b"] ** 2 - 3.0],
+            pair,
+            {"a": (0.5, 10.0), "b": (0.5, 10.0)},
+            3.0,
+            method="pma",
+            cycles=1,
+        )
+
+
+@pytest.mark.parametrize("method", ["sora", "pma", "ria"])
+def test_fixed_variables_stay_within_their_bounds(method):
+    a = jo.design.Random("a", stats.norm(8.0, 1.0))
+    found = jo.design.rbdo(
+        lambda d: d["t"],
+        [lambda x: x["a"] - 2.0 + np.sqrt(x["t"])],  # no number below 0
+        [a],
+        {"t": (0.0, 10.0)},
+        3.0,
+        method=method,
+        start={"t": 1.0},
+    )
+    assert found.design["t"] == pytest.approx(0.0, abs=1e-6)

@@ -160,3 +160,26 @@ def test_subset_simulation_without_failures_says_so():
     state = LimitState(lambda x: 1.0 + np.exp(-x["a"]), vectorised=True)
     with pytest.raises(jo.design.DesignPointError, match="no failure after 4 levels"):
         subset(state, ONE, levels=4, samples=200)
+
+
+@pytest.mark.parametrize(
+    "limit",
+    [
+        lambda x: np.ceil(3.5 - x["a"]),
+        lambda x: np.ceil(2 * (3.5 - x["a"])) / 2,
+        lambda x: np.minimum(3.5 - x["a"], 2.0),
+    ],
+)
+def test_subset_simulation_of_plateaus(limit):
+    """Limit states with steps or a ceiling; P(a >= 3.5), within four standard errors of 30 runs."""
+    one = [jo.design.Random("a", stats.norm(0.0, 1.0))]
+    found = [
+        jo.design.subset_simulation(
+            jo.design.LimitState(limit, vectorised=True), one, samples=1000, seed=seed
+        )
+        for seed in range(30)
+    ]
+    p = np.array([run.probability for run in found])
+    exact = stats.norm.sf(3.5)
+    spread = max(float(np.std(p)), 0.3 * exact) / np.sqrt(len(p))
+    assert float(np.mean(p)) == pytest.approx(exact, abs=4 * spread + 0.15 * exact)

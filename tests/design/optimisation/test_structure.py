@@ -179,3 +179,89 @@ def test_no_design_keeps_the_limits():
     found = optimise(chain(limits=[DisplacementLimit("structure", 1e-3, "2")]), cycles=6)
     assert found.ratio > 1.0
     assert "a limit is exceeded" in found.message
+
+
+@pytest.mark.parametrize("turns", [0.5, 10.0, 40.0, 3000.0])  # of a mode between two instants
+def test_a_constant_force_is_exact_however_coarse_the_instants(turns):
+    time = np.linspace(0.0, 2.0, 5)
+    w = turns / time[1]
+    one = StructureProblem(
+        [jo.Parameter("k", w**2, bounds=(0.5 * w**2, 2 * w**2))],
+        lambda v: (np.eye(1), np.array([[v["k"]]])),
+        lambda t: np.ones((1, len(t))),
+        time,
+        lambda v: v["k"],
+        [DisplacementLimit("structure", 1.0, "1")],
+    )
+    (motion,) = one.motions(one.start)
+    # in units of the static deflection; the phase w t loses digits as it grows
+    assert (motion.shapes @ motion.coordinates)[0] * w**2 == pytest.approx(
+        1 - np.cos(w * time), abs=1e-13 * (10 + turns)
+    )
+
+
+def test_a_motion_that_is_no_number_is_no_optimum():
+    def broken(v):
+        return np.eye(2), np.diag([v["b1"], np.nan if v["b2"] < 1.9 else v["b2"]])
+
+    def lost(x):
+        motion = StructureProblem.run(problem, x)[0]
+        motion.coordinates[:, 1000:] = np.nan
+        return (motion,)
+
+    problem = chain()
+    problem.run = lost
+    for method in ("esl", "direct"):
+        with pytest.raises(jo.InputError, match="displacement of structure.2: has values"):
+            optimise(problem, method)
+    with pytest.raises(jo.InputError, match="force must return finite numbers"):
+        StructureProblem(
+            [jo.Parameter("b1", 1.0, bounds=(0.2, 20.0))],
+            broken,
+            lambda t: np.stack([t, np.where(t > 1.0, np.nan, 1.0)]),
+            TIME,
+            lambda v: 1.0,
+            [DisplacementLimit("structure", 0.25, "2")],
+        )
+
+
+def test_functions_are_asked_within_the_bounds_only():
+    asked = []
+
+    def rooted(v):
+        asked.append(v["k"])
+        return np.eye(1), np.array([[5.0 + np.sqrt(v["k"])]])  # no number below 0
+
+    def spring():
+        return StructureProblem(
+            [jo.Parameter("k", 1.0, bounds=(0.0, 2.0))],
+            rooted,
+            lambda t: np.ones((1, len(t))),
+            np.linspace(0.0, 5.0, 101),
+            lambda v: v["k"],
+            [DisplacementLimit("structure", 1.0, "1")],
+        )
+
+    for options in ({"order": 0}, {"order": 1}, {"method": "direct"}):
+        found = optimise(spring(), **options)
+        assert found.values["k"] == pytest.approx(0.0, abs=1e-6)  # the limit is never reached
+    assert min(asked) >= 0.0
+    assert max(asked) <= 2.0
+
+
+def test_instants_that_change_with_the_design():
+    problem = chain()
+    runs = []
+
+    def shorter(x):
+        (motion,) = StructureProblem.run(problem, x)
+        runs.append(x)
+        motion = type(motion)(
+            0, "", motion.time[: -len(runs)], motion.shapes, motion.coordinates[:, : -len(runs)]
+        )
+        return (motion,)
+
+    problem.run = shorter
+    for method in ("esl", "direct"):
+        with pytest.raises(jo.InputError, match="the number of instants changes"):
+            optimise(problem, method)

@@ -45,18 +45,13 @@ def first_order(problem: Problem, x: Array, size: float) -> list[EquivalentLoad]
         Step of the differences as a share of the span of each parameter.
     """
     here = classical(x, problem.bodies(x), problem.motions(x))
-    steps = size * (problem.high - problem.low)
-    sides = []
-    for i, h in enumerate(steps):
-        pair = []
-        for sign in (1.0, -1.0):
-            y = x.copy()
-            y[i] += sign * h
-            pair.append(classical(y, problem.bodies(y), problem.motions(y)))
-        sides.append(pair)
+    ends_of = [sides(problem, x, i, size) for i in range(len(x))]
+    pairs = [
+        [classical(y, problem.bodies(y), problem.motions(y)) for y in pair] for pair in ends_of
+    ]
     found = []
     for k, load in enumerate(here):
-        parts = [load.columns, *(side[k].columns for pair in sides for side in pair)]
+        parts = [load.columns, *(side[k].columns for pair in pairs for side in pair)]
         if len({part.shape[0] for part in parts}) > 1:
             message = (
                 f"body {load.motion.body + 1} has another mesh when a parameter changes: loads of"
@@ -69,16 +64,38 @@ def first_order(problem: Problem, x: Array, size: float) -> list[EquivalentLoad]
         values = np.zeros((ends[-1], nt))
         values[: widths[0]] = load.values
         slopes = np.zeros((len(x), ends[-1], nt))
-        for i, (h, pair) in enumerate(zip(steps, sides, strict=True)):
+        for i, pair in enumerate(pairs):
+            width = ends_of[i][0][i] - ends_of[i][1][i]
             for j, (sign, side) in enumerate(zip((1.0, -1.0), pair, strict=True)):
                 y = side[k].values
-                if y.shape[1] != nt:
-                    message = "the number of instants changes with the design: give output_step="
-                    raise InputError(Trouble("optimise", message))
+                _same_instants(y.shape[1], nt)
                 first = ends[2 * i + j]
-                slopes[i, first : first + len(y)] = sign * y / (2.0 * h)
+                slopes[i, first : first + len(y)] = sign * y / width
         found.append(EquivalentLoad(load.motion, x, np.hstack(parts), values, slopes))
     return found
+
+
+def sides(problem: Problem, x: Array, i: int, size: float) -> tuple[Array, Array]:
+    """Return the designs on both sides of x in one parameter, within its bounds."""
+    h = size * (problem.high[i] - problem.low[i])
+    up, down = x.copy(), x.copy()
+    up[i] = min(x[i] + h, problem.high[i])
+    down[i] = max(x[i] - h, problem.low[i])
+    return up, down
+
+
+def _same_instants(found: int, wanted: int) -> None:
+    if found != wanted:
+        message = "the number of instants changes with the design: give output_step="
+        raise InputError(Trouble("optimise", message))
+
+
+def _finite(limit: BodyLimit, ratios: Array) -> Array:
+    """Return the ratios of a limit, or raise InputError if they are no numbers."""
+    if not np.all(np.isfinite(ratios)):
+        message = "has values that are not finite: look at the motion, forces and functions"
+        raise InputError(Trouble(f"limit on {limit.label}", message))
+    return ratios
 
 
 def static_table(problem: Problem, x: Array, loads: Sequence[EquivalentLoad]) -> Table:
@@ -90,7 +107,8 @@ def static_table(problem: Problem, x: Array, loads: Sequence[EquivalentLoad]) ->
         body = bodies[load.motion.body]
         z = body.solve(load.columns)
         y = load.coordinates(x, every[k])
-        table += [(one, k, one.ratios(one.rows(body, z), y)) for one in limits_of(problem, body)]
+        for one in limits_of(problem, body):
+            table.append((one, k, _finite(one, one.ratios(one.rows(body, z), y))))
     return table
 
 
@@ -101,7 +119,7 @@ def dynamic_table(problem: Problem, x: Array) -> Table:
         body = bodies[motion.body]
         for one in limits_of(problem, body):
             rows = one.rows(body, motion.shapes)
-            table.append((one, k, one.ratios(rows, motion.coordinates)))
+            table.append((one, k, _finite(one, one.ratios(rows, motion.coordinates))))
     return table
 
 
@@ -123,10 +141,10 @@ def screened(table: Table, share: float, most: int = 400) -> list[Kept]:
         order.sort()
         places, columns = places[order], columns[order]
         if isinstance(limit, LifeLimit):
-            kept.append(Kept(limit, motion, places, columns, None))
+            kept.append(Kept(limit, motion, places, columns, None, 0))
         else:
             instants, columns = np.unique(columns, return_inverse=True)
-            kept.append(Kept(limit, motion, places, columns, instants))
+            kept.append(Kept(limit, motion, places, columns, instants, r.shape[1]))
     return kept
 
 
@@ -141,7 +159,7 @@ def static_ratios(
         load = loads[one.motion]
         instants = np.arange(load.values.shape[1]) if one.instants is None else one.instants
         rows = one.limit.rows(bodies[load.motion.body], z[one.motion])
-        r = one.limit.ratios(rows, load.coordinates(x, instants))
+        r = _finite(one.limit, one.limit.ratios(rows, load.coordinates(x, instants)))
         found.append(r[one.places, one.columns])
     return np.concatenate(found)
 
@@ -152,8 +170,11 @@ def dynamic_ratios(problem: Problem, x: Array, kept: Sequence[Kept]) -> Array:
     found = [problem.fixed(x)]
     for one in kept:
         motion = motions[one.motion]
+        if one.instants is not None:
+            _same_instants(len(motion.time), one.count)
         y = motion.coordinates if one.instants is None else motion.coordinates[:, one.instants]
-        r = one.limit.ratios(one.limit.rows(bodies[motion.body], motion.shapes), y)
+        rows = one.limit.rows(bodies[motion.body], motion.shapes)
+        r = _finite(one.limit, one.limit.ratios(rows, y))
         found.append(r[one.places, one.columns])
     return np.concatenate(found)
 

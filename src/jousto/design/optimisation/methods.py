@@ -29,14 +29,12 @@ PENALTY = 10.0
 Function = Callable[[Array], Array]
 
 
-def differences(function: Function, x: Array, steps: Array) -> Array:
-    """Return the slopes (m, nd) of a function by central differences."""
+def differences(problem: Problem, function: Function, x: Array, size: float) -> Array:
+    """Return the slopes (m, nd) of a function by differences, central but at bounds."""
     columns = []
-    for i, h in enumerate(steps):
-        up, down = x.copy(), x.copy()
-        up[i] += h
-        down[i] -= h
-        columns.append((function(up) - function(down)) / (2.0 * h))
+    for i in range(len(x)):
+        up, down = esl.sides(problem, x, i, size)
+        columns.append((function(up) - function(down)) / (up[i] - down[i]))
     return np.stack(columns, axis=-1)
 
 
@@ -56,7 +54,7 @@ def solve(
         return problem.cost(design(u)) / scale
 
     def down(u: Array) -> Array:
-        found = differences(lambda v: np.array([problem.cost(v)]), design(u), SMALL * span)
+        found = differences(problem, lambda v: np.array([problem.cost(v)]), design(u), SMALL)
         return np.asarray(found[0] * span / scale)
 
     box = list(zip((low - problem.low) / span, (high - problem.low) / span, strict=True))
@@ -100,7 +98,7 @@ def solve(
 
 def largest(table: esl.Table, fixed: Array) -> float:
     """Return the largest ratio of a table and of limits that need no run."""
-    return float(max([np.max(r) for _, _, r in table] + list(fixed), default=0.0))
+    return float(np.max([np.max(r) for _, _, r in table] + list(fixed), initial=0.0))
 
 
 def change(old: Sequence[EquivalentLoad], new: Sequence[EquivalentLoad]) -> float:
@@ -146,7 +144,7 @@ def by_loads(
             return esl.static_ratios(problem, y, loads, kept)
 
         def slopes(y: Array, ratios: Function = ratios) -> Array:
-            return differences(ratios, y, SMALL * span)
+            return differences(problem, ratios, y, SMALL)
 
         reach = 1.0 if ahead else radius
         low = np.maximum(problem.low, x - reach * span)
@@ -202,7 +200,7 @@ def directly(
             return esl.dynamic_ratios(problem, y, kept)
 
         def slopes(y: Array, ratios: Function = ratios) -> Array:
-            return differences(ratios, y, size * span)
+            return differences(problem, ratios, y, size)
 
         new = solve(problem, x, ratios, slopes, problem.low, problem.high)
         moved = float(np.max(np.abs(new - x) / span))
@@ -236,8 +234,9 @@ def finished(
     ratios = esl.dynamic_ratios(problem, x, kept)
     names = esl.labels(problem, x, kept)
     scale = abs(problem.cost(x)) or 1.0
-    slopes = differences(lambda y: esl.dynamic_ratios(problem, y, kept), x, size * span) * span
-    gradient = differences(lambda y: np.array([problem.cost(y)]), x, SMALL * span)[0] * span / scale
+    slopes = differences(problem, lambda y: esl.dynamic_ratios(problem, y, kept), x, size) * span
+    gradient = differences(problem, lambda y: np.array([problem.cost(y)]), x, SMALL)[0]
+    gradient = gradient * span / scale
     edge = 1e-9 * span
     kkt, found = multipliers(
         gradient, ratios, slopes, x <= problem.low + edge, x >= problem.high - edge

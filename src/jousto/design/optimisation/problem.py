@@ -11,7 +11,7 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.described import described
-from jousto.base.errors import Problems, count, suggest
+from jousto.base.errors import InputError, Problem as Trouble, Problems, count, suggest
 from jousto.design.optimisation.elastic import Elastic, Motion
 from jousto.design.optimisation.limits import BodyLimit, FrequencyLimit, Limit
 from jousto.design.studies.parameter import Parameter
@@ -116,7 +116,10 @@ class Problem(ABC):
         if limits and key not in self._frequencies:
             self._frequencies[key] = self.frequencies(x)
             forget(self._frequencies, len(x))
-        return np.array([limit.ratio(self._frequencies[key]) for limit in limits])
+        found = np.array([limit.ratio(self._frequencies[key]) for limit in limits])
+        if not np.all(np.isfinite(found)):
+            raise InputError(Trouble("frequency limit", "a frequency is not a positive number"))
+        return found
 
     @property
     def fixed_labels(self) -> tuple[str, ...]:
@@ -171,7 +174,9 @@ class Kept:
     places, columns : (nk,) int array
         Pairs of place and column of its ratios.
     instants : (ni,) int array
-        The instants of the columns; all of them for limits of whole runs.
+        The instants of the columns; None for limits of whole runs.
+    count : int
+        Of instants in the run.
     """
 
     limit: BodyLimit
@@ -179,3 +184,4 @@ class Kept:
     places: Any
     columns: Any
     instants: Any
+    count: int

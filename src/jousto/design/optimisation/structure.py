@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -12,7 +13,7 @@ from numpy.typing import ArrayLike
 from scipy.signal import lfilter
 
 from jousto.base.arrays import Array
-from jousto.base.errors import Problems
+from jousto.base.errors import InputError, Problem as Trouble, Problems
 from jousto.design.optimisation.elastic import Elastic, Motion
 from jousto.design.optimisation.limits import Limit
 from jousto.design.optimisation.problem import Problem
@@ -24,8 +25,9 @@ GAUSS = np.polynomial.legendre.leggauss(5)
 class StructureProblem(Problem):
     """Optimise a supported linear structure, ``M z'' + K z = F(t)`` with modal damping.
 
-    It starts at rest. The motion is exact for forces that are polynomials of degree 9 between
-    instants: each mode by its exponential, the force by Gauss' rule with five points.
+    It starts at rest. The motion is exact for forces that are polynomials of degree 4 between
+    instants, whatever the frequencies of the modes: each mode by its exponential, the force by its
+    polynomial through the five points of Gauss' rule.
 
     Parameters
     ----------
@@ -70,12 +72,16 @@ class StructureProblem(Problem):
         assert t is not None
         self.time = t
         self._matrices, self._cost, self._damping = matrices, cost, damping
-        x, weights = GAUSS
+        x, _ = GAUSS
         h = t[1]
-        self._share = 0.5 * h * (1.0 - x)  # time left to the end of the step
-        self._weights = 0.5 * h * weights
-        points = (t[:-1, None] + 0.5 * h * (1.0 + x)).ravel()
+        share = 0.5 * (1.0 + x)
+        # column j: the powers of share in the polynomial that is 1 at point j and 0 at the others
+        self._powers = np.linalg.inv(np.vander(share, increasing=True))
+        points = (t[:-1, None] + h * share).ravel()
         F = np.asarray(force(points), dtype=np.float64)
+        if F.ndim != 2 or F.shape[1] != len(points) or not np.all(np.isfinite(F)):
+            message = "force must return finite numbers (n, nt) at any times of the run"
+            raise InputError(Trouble(where, message))
         self._force = F.reshape(F.shape[0], len(t) - 1, len(x))
 
     def cost(self, x: Array) -> float:
@@ -95,6 +101,18 @@ class StructureProblem(Problem):
         M, K = self._matrices(self.values(x))
         return np.asarray(np.sqrt(sl.eigh(K, M, eigvals_only=True)) / (2.0 * np.pi))
 
+    def _weights(self, z: complex) -> Any:
+        """Return the weights (5,) of ``int_0^1 exp(z (1 - s)) f(s) ds`` at Gauss' points.
+
+        ``int_0^1 exp(z (1 - s)) s^k / k! ds = phi_(k+1)(z)``, by one exponential of a matrix
+        (C. Van Loan, IEEE Trans. Autom. Control 23 (1978) 395-404).
+        """
+        n = len(self._powers)
+        A = np.diag(np.ones(n, dtype=complex), 1)
+        A[0, 0] = z
+        phi = sl.expm(A)[0, 1:]
+        return (phi * [math.factorial(k) for k in range(n)]) @ self._powers
+
     def run(self, x: Array) -> tuple[Motion, ...]:
         """Return the motion, mode by mode."""
         M, K = self._matrices(self.values(x))
@@ -104,7 +122,7 @@ class StructureProblem(Problem):
         q = np.zeros((len(w), len(self.time)))
         for i, p in enumerate(pole):
             f = np.tensordot(shapes[:, i], self._force, axes=(0, 0))
-            pushed = f @ (self._weights * np.exp(p * self._share))
+            pushed = f @ self._weights(p * h) * h
             s = lfilter([1.0], [1.0, -np.exp(p * h)], pushed)
             q[i, 1:] = s.imag / p.imag
         return (Motion(0, "", self.time, shapes, q),)

@@ -270,11 +270,13 @@ class _Problem:
             else:
                 step = WIDTH * self.scale[k]
                 ends = []
+                between = []
                 for side in (1.0, -1.0):
                     e = d.copy()
-                    e[k] += side * step
+                    e[k] = np.clip(d[k] + side * step, self.low[k], self.high[k])
+                    between.append(e[k])
                     ends.append(self.value(e, i, u))
-                out[k] = (ends[0] - ends[1]) / (2.0 * step)
+                out[k] = (ends[0] - ends[1]) / (between[0] - between[1])
         return out
 
     def shifted(self, points: Sequence[Array | None]) -> tuple[Any, Any]:
@@ -314,6 +316,9 @@ class _Problem:
             options={"maxiter": iterations, "ftol": FLAT},
         )
         d = real(np.asarray(found.x))
+        if found.status == 9:
+            message = f"{WHERE}: the optimisation did not end in {iterations} steps; raise cycles="
+            raise DesignPointError(message, d)
         g = values(d) / sizes
         if not np.all(g >= -10.0 * MISSED):
             bad = [f"{self.names[i]} ({g[i] * sizes[i]:.4g})" for i in np.flatnonzero(g < -MISSED)]

@@ -102,6 +102,10 @@ def subset_simulation(
     for _ in range(levels):
         order = np.argsort(g, kind="stable")
         threshold = max(0.5 * float(g[order[chains - 1]] + g[order[chains]]), 0.0)
+        tie = float(g[order[chains]])
+        if threshold > 0.0 and g[order[chains - 1]] == tie and np.any(g < tie):
+            # on a plateau only what lies below it is a step towards failure
+            threshold = max(float(np.max(g[g < tie])), 0.0)
         passed = g <= threshold
         q = float(np.mean(passed))
         square += _variance(passed, link, q)
@@ -109,7 +113,7 @@ def subset_simulation(
         rows.append((samples * (len(rows) + 1), threshold, q))
         if threshold == 0.0:
             break
-        seeds = order[:chains]
+        seeds = rng.permutation(np.flatnonzero(passed))[:chains]
         u, g, link, width, lost = _chains(
             space, rng, (u[:, seeds], g[seeds]), (samples, threshold, width), lenient
         )
