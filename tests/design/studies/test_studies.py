@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -17,7 +19,9 @@ import jousto as jo
 from design.studies import machines
 from design.studies.machines import CANTILEVER, FORCES, RUN
 from jousto.design.studies.journal import Journal
-from jousto.schema.file.read import parse_model
+from jousto.schema.file.document import read_document
+from jousto.schema.file.read import build_model, parse_model
+from jousto.schema.file.variants import Variants
 
 TESTS = Path(__file__).parents[2]
 
@@ -335,6 +339,112 @@ def test_a_file_of_another_study_is_refused(tmp_path: Path) -> None:
         other.run(X, path=lines)
     with pytest.raises(jo.InputError, match="'.txt' is not a format of tables"):
         other.run(X, path=tmp_path / "t.txt")
+
+
+class Maker:
+    def __init__(self, mass: Any) -> None:
+        self.mass = mass
+
+    def __call__(self, more: float) -> jo.Mechanism:
+        return machines.pushed(self.mass + more)
+
+
+def plus(mass: float, more: float) -> jo.Mechanism:
+    return machines.pushed(mass + more)
+
+
+@pytest.mark.parametrize("name", ["t.h5", "t.jsonl"])
+@pytest.mark.parametrize(
+    ("make", "place"),
+    [
+        (lambda m: lambda more: machines.pushed(m + more), "model"),
+        (lambda m: functools.partial(plus, m), "model"),
+        (Maker, "model"),
+        (lambda m: Maker(m).__call__, "model"),
+        (machines.pushed, "model"),
+        (lambda m: jo.compile(machines.pushed(m)), "model"),
+        (lambda m: lambda run: m * run["way"][-1, 0], "outcomes"),
+        (lambda m: jo.design.Function("y", lambda run, m=m: m), "outcomes"),
+        (lambda m: lambda model: jo.simulate(model, m, inputs={"force": 1.0}).state(), "run"),
+    ],
+)
+def test_what_functions_hold_makes_another_study(
+    make: Any, place: str, name: str, tmp_path: Path
+) -> None:
+    def study(m: float) -> jo.design.Study:
+        given: dict[str, Any] = {"model": lambda more: machines.pushed(more)}
+        given |= {"outcomes": "last(way)"} | {place: make(m)}
+        more = jo.Parameter("more", 1.0, unit="kg")
+        still = isinstance(given["model"], jo.Mechanism | jo.Model)
+        p = FORCES[1] if still else (more, FORCES[1])
+        state = {"state": given["run"]} if place == "run" else {}
+        return jo.study(given["model"], p, {"y": given["outcomes"]}, **RUN, **state)
+
+    x = [[3.0]] if len(study(1.0).parameters) == 1 else [[1.0, 3.0]]
+    first = study(1.0).run(x, path=tmp_path / name)
+    same = study(1.0)
+    assert same.run(x, path=tmp_path / name).y == first.y and same.counts["runs"] == 0
+    with pytest.raises(jo.InputError, match=f"holds another study .{place} differ"):
+        study(5.0).run(x, path=tmp_path / name)
+
+
+def test_what_cannot_be_compared_is_not_gone_on_with(tmp_path: Path) -> None:
+    def study() -> jo.design.Study:
+        lock = threading.Lock()
+
+        def last(run: jo.Solution) -> Any:
+            with lock:
+                return run["way"][-1, 0]
+
+        return forces(more={"last": last})
+
+    first, path = study(), tmp_path / "t.h5"
+    y = first.run(X, path=path).y
+    np.testing.assert_array_equal(first.run(X, path=path).y, y)
+    with pytest.raises(jo.InputError, match="outcomes cannot be compared, it holds a lock; name"):
+        study().run(X, path=path)
+    np.testing.assert_array_equal(study().run(X, path=tmp_path / "u.h5").y, y)
+
+
+def test_files_that_a_model_names_belong_to_it(tmp_path: Path) -> None:
+    table, model = tmp_path / "push.csv", tmp_path / "model.yaml"
+    model.write_text("{a: [push.csv], b: part.yaml}")
+    (tmp_path / "part.yaml").write_text("{mesh: {file: mesh.inp}}")
+    (tmp_path / "mesh.inp").write_text("1")
+    table.write_text("0,1")
+
+    def key() -> str:
+        return Variants(build_model, read_document(model), ()).key
+
+    keys = [key(), key()]
+    assert keys[0] == keys[1]
+    table.write_text("0,2")
+    keys.append(key())
+    (tmp_path / "mesh.inp").write_text("2")
+    assert len({*keys, key()}) == 3
+
+
+def test_a_start_from_rest_is_the_same_in_another_process(tmp_path: Path) -> None:
+    code = (
+        "import jousto as jo\nfrom design.studies import machines as m\n"
+        "s = jo.study(m.pushed, m.FORCES, {'way': m.way}, state=jo.equilibrium, **m.RUN)\n"
+        "print(sorted(s._about()['run'].items()), s._about()['outcomes'], s._about()['model'])\n"
+    )
+    env = os.environ | {"PYTHONPATH": str(TESTS)}
+    run = [sys.executable, "-c", code]
+    found = [
+        subprocess.run(run, env=env | {"PYTHONHASHSEED": seed}, capture_output=True, check=True)
+        for seed in "12"
+    ]
+    assert found[0].stdout == found[1].stdout != b""
+    assert b"cannot be compared" not in found[0].stdout
+
+
+@pytest.mark.parametrize(("workers", "how"), [(1, "threads"), (2, "threads"), (2, "processes")])
+def test_a_sample_that_is_no_number_fails_alone(workers: int, how: str) -> None:
+    table = forces().run([[2.0, 1.0], [2.0, np.nan], [2.0, 2.0]], workers=workers, how=how)
+    assert table.reasons == ("", "force is nan, must be finite", "")
+    np.testing.assert_allclose(table["way"][[0, 2]], [0.25, 0.5], rtol=1e-12)
 
 
 def test_more_points_go_on_from_a_finished_table(tmp_path: Path) -> None:

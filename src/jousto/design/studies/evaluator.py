@@ -132,7 +132,7 @@ class Evaluator:
             else:
                 warnings.warn_explicit(item.message, item.category, item.filename, item.lineno)
 
-    def _outside(self, x: Array) -> str:
+    def outside(self, x: Array) -> str:
         """Return which value is outside of its bounds."""
         for parameter, value in zip(self.parameters, x, strict=True):
             if not np.isfinite(value):
@@ -147,7 +147,7 @@ class Evaluator:
     def __call__(self, x: Array) -> Row:
         """Return the outcomes at a point; what fails is a reason, not an exception."""
         nothing = [float("nan")] * len(self.outcomes)
-        if outside := self._outside(x):
+        if outside := self.outside(x):
             return nothing, outside
         try:
             if self.alone:

@@ -11,6 +11,7 @@ from typing import Any
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import check_file, unwritable
 from jousto.design.studies.evaluator import Row
+from jousto.design.studies.keys import unknown
 
 FORMAT = "jousto study"
 VERSION = 1
@@ -66,10 +67,7 @@ class Journal:
         found = json.loads(first)
         if not isinstance(found, dict) or found.get("format") != FORMAT:
             raise InputError(Problem(str(self.path), "is not the journal of a study"))
-        if found != head:
-            changed = ", ".join(key for key in head if found.get(key) != head[key])
-            message = f"holds another study ({changed} differ); name another file or remove it"
-            raise InputError(Problem(str(self.path), message))
+        check_same(self.path, found, head)
         for line in lines:
             try:
                 row = json.loads(line)
@@ -86,6 +84,27 @@ class Journal:
             If it cannot be written.
         """
         write_row(self.path, x, row)
+
+
+def check_same(path: Path, found: dict[str, Any], about: dict[str, Any]) -> None:
+    """Refuse a file of another study, or of one that cannot be compared with this.
+
+    Raises
+    ------
+    InputError
+        If it is not the same.
+    """
+    if found == about:
+        return
+    changed = [name for name in about if found.get(name) != about[name]]
+    message = f"holds another study ({', '.join(changed)} differ); name another file or remove it"
+    for name in changed:
+        if what := unknown(about[name]):
+            message = (
+                f"may hold another study: its {name} cannot be compared, it holds {what}; name "
+                "another file, or let functions find that at the top level of their module"
+            )
+    raise InputError(Problem(str(path), message))
 
 
 def write_row(path: Path, x: Sequence[float], row: Row) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from typing import Any, Protocol
 from jousto.base.arguments import DEEP
 from jousto.base.errors import InputError, JoustoError, Problem, suggest
 from jousto.design.studies.case import Counts, Machine, Settings
+from jousto.design.studies.keys import key_of
 from jousto.design.studies.parameter import Parameter
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.model import Model
@@ -75,14 +75,8 @@ class Made:
 
     @property
     def key(self) -> str:
-        """Name and text of the function."""
-        function = inspect.unwrap(self.function)
-        try:
-            text = inspect.getsource(function)
-        except (OSError, TypeError):
-            text = ""
-        name = f"{getattr(function, '__module__', '')}.{getattr(function, '__qualname__', '')}"
-        return f"{name} {hashlib.sha256(text.encode()).hexdigest()[:16]}"
+        """Of the function and what it holds."""
+        return key_of(self.function)
 
     def takes(self, name: str) -> bool:
         """Return whether the function has an argument of that name."""
@@ -117,8 +111,8 @@ class Fixed:
 
     @property
     def key(self) -> str:
-        """Name of the machine."""
-        return self.made.name
+        """Of all that the machine is made of."""
+        return key_of(self.made)
 
     def takes(self, name: str) -> bool:
         """Return False: everything is an input."""
@@ -144,8 +138,8 @@ class OfFile:
 
     @property
     def key(self) -> str:
-        """The text of the file."""
-        return hashlib.sha256(self.variants.text.encode()).hexdigest()
+        """Of the text of the file, the files that it names and how it is read."""
+        return str(self.variants.key)
 
     def takes(self, name: str) -> bool:
         """Return whether the file has a parameter of that name."""

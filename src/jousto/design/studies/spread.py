@@ -300,27 +300,36 @@ def spread(
     InputError
         If there is no such way.
     """
-    if hasattr(workers, "submit") and hasattr(workers, "scatter"):
-        yield from by_dask(evaluator, points, journal, workers, local=False)
-        return
+    client = workers if hasattr(workers, "submit") and hasattr(workers, "scatter") else None
     if workers == "dask":
         workers, how = None, "dask"
-    count = _workers(workers)
-    if how not in WAYS:
+    count = 1 if client is not None else _workers(workers)
+    if client is None and how not in WAYS:
         raise InputError(Problem("study", f"how is {how!r}{suggest(str(how), WAYS)}"))
-    if how == "dask":
+    left = []
+    for i, x in points:
+        if outside := evaluator.outside(np.array(x)):  # no number would match what is not one
+            row = nothing(evaluator, outside)
+            if journal is not None:
+                journal.add(x, row)
+            yield i, row
+        else:
+            left.append((i, x))
+    if client is not None:
+        yield from by_dask(evaluator, left, journal, client, local=False)
+    elif how == "dask":
         client = dask_client(count)
         try:
-            yield from by_dask(evaluator, points, journal, client, local=True)
+            yield from by_dask(evaluator, left, journal, client, local=True)
         finally:
             client.cluster.close()
             client.close()
     elif how == "processes":
-        yield from by_processes(evaluator, points, journal, count)
+        yield from by_processes(evaluator, left, journal, count)
     elif count == 1:
-        yield from one_by_one(evaluator, points, journal)
+        yield from one_by_one(evaluator, left, journal)
     else:
-        yield from by_threads(evaluator, points, journal, count)
+        yield from by_threads(evaluator, left, journal, count)
 
 
 def _workers(given: Any) -> int:

@@ -16,7 +16,8 @@ from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, count
 from jousto.design.studies.case import Case, Settings
 from jousto.design.studies.evaluator import Evaluator, Row
-from jousto.design.studies.journal import Journal
+from jousto.design.studies.journal import Journal, check_same
+from jousto.design.studies.keys import key_of
 from jousto.design.studies.outcomes import Outcome, read_outcomes
 from jousto.design.studies.parameter import Parameter
 from jousto.design.studies.samples import grid, latin_hypercube, read_samples
@@ -56,6 +57,7 @@ class Study:
         self.outcomes = tuple(outcome.name for outcome in evaluator.outcomes)
         self.units = tuple(evaluator.check())
         self.table: StudyTable | None = None
+        self._made_of: dict[str, Any] | None = None
 
     def _facts(self) -> str:
         names = ", ".join(parameter.name for parameter in self.parameters)
@@ -135,7 +137,8 @@ class Study:
         path : path, optional
             File of the table (.h5, .csv, .parquet). Rows are written as they come into a file
             beside it, ``NAME.jsonl``: after a kill the study goes on from there. A finished .h5
-            is gone on from as well. Of another study it is refused.
+            is gone on from as well. Of another study it is refused; functions are compared by
+            their text and what they hold, not by what they look up in their module.
         retry : bool
             Whether points that failed before are tried again.
         progress : bool or function, optional
@@ -152,6 +155,7 @@ class Study:
             If anything about samples, workers or files makes no sense.
         """
         points = self._points(samples)
+        self._about()  # before functions change what they hold
         keys = [tuple(point.tolist()) for point in points]
         target = None if path is None else Path(path)
         rows: dict[tuple[float, ...], Row] = {}
@@ -192,14 +196,17 @@ class Study:
         )
 
     def _about(self) -> dict[str, Any]:
-        source: Any = self._evaluator.source
-        how = {key: repr(value) for key, value in source.settings.how.items()}
-        return {
-            "parameters": [parameter.label for parameter in self.parameters],
-            "outcomes": list(self.outcomes),
-            "model": source.key,
-            "run": {"t_end": source.settings.t_end, **how},
-        }
+        """Return what the study is made of, as it was when it was first asked for."""
+        if self._made_of is None:
+            source: Any = self._evaluator.source
+            how = {key: key_of(value) for key, value in source.settings.how.items()}
+            self._made_of = {
+                "parameters": [parameter.label for parameter in self.parameters],
+                "outcomes": {own.name: key_of(own) for own in self._evaluator.outcomes},
+                "model": source.key,
+                "run": {"t_end": source.settings.t_end, **how},
+            }
+        return self._made_of
 
     def _resumed(self, target: Path) -> tuple[Journal, dict[tuple[float, ...], Row]]:
         """Return the journal of a table's file, with the rows that there are."""
@@ -211,9 +218,7 @@ class Study:
             lines = target.with_name(target.name + LINES)
             if target.suffix in (".h5", ".hdf5") and target.exists():
                 known = read_study(target)
-                if known.about != about:
-                    message = "holds another study; name another file or remove it"
-                    raise InputError(Problem(str(target), message))
+                check_same(target, known.about, about)
                 places = map(tuple, known.x.tolist())
                 found = zip(known.y.tolist(), known.reasons, strict=True)
                 rows = dict(zip(places, found, strict=True))

@@ -13,7 +13,7 @@ import hashlib
 import os
 import re
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -221,8 +221,15 @@ def choose(cache: ReductionCache | Path | str | bool | None, size: int) -> Reduc
     return cache if isinstance(cache, ReductionCache) else ReductionCache(cache)
 
 
-def key(*things: object) -> str:
+def key(*things: object, instead: Callable[[Any], object] | None = None) -> str:
     """Return a hash of the content of arrays, matrices, dataclasses and plain values.
+
+    Parameters
+    ----------
+    *things : object
+        What is hashed.
+    instead : function, optional
+        Says for each thing met what is hashed in its place.
 
     Raises
     ------
@@ -235,13 +242,15 @@ def key(*things: object) -> str:
     True
     """
     digest = hashlib.blake2b(digest_size=20)
-    _add(digest, RECIPE)
+    _add(digest, RECIPE, None)
     for thing in things:
-        _add(digest, thing)
+        _add(digest, thing, instead)
     return digest.hexdigest()
 
 
-def _add(digest: Any, thing: object) -> None:
+def _add(digest: Any, thing: object, instead: Callable[[Any], object] | None) -> None:
+    if instead is not None:
+        thing = instead(thing)
     digest.update(type(thing).__qualname__.encode() + b":")
     if thing is None or isinstance(thing, (bool, int, float, complex, str, Path)):
         digest.update(repr(thing).encode() + b";")
@@ -261,27 +270,27 @@ def _add(digest: Any, thing: object) -> None:
             matrix = matrix.copy()
             matrix.sum_duplicates()
         for array in (matrix.indptr, matrix.indices):
-            _add(digest, array.astype(np.int64) if array.dtype != np.int32 else array)
-        _add(digest, matrix.data)
+            _add(digest, array.astype(np.int64) if array.dtype != np.int32 else array, instead)
+        _add(digest, matrix.data, instead)
     elif isinstance(thing, Mapping):
         digest.update(f"{len(thing)};".encode())
         for name, value in thing.items():
-            _add(digest, name)
-            _add(digest, value)
+            _add(digest, name, instead)
+            _add(digest, value, instead)
     elif isinstance(thing, (tuple, list)):
         digest.update(f"{len(thing)};".encode())
         for item in thing:
-            _add(digest, item)
+            _add(digest, item, instead)
     elif isinstance(thing, (set, frozenset)):
-        _add(digest, sorted(thing, key=repr))
+        _add(digest, sorted(thing, key=repr), instead)
     elif dataclasses.is_dataclass(thing) and not isinstance(thing, type):
         for item in dataclasses.fields(thing):
-            _add(digest, item.name)
-            _add(digest, getattr(thing, item.name))
+            _add(digest, item.name, instead)
+            _add(digest, getattr(thing, item.name), instead)
     elif callable(thing) or not hasattr(thing, "__dict__"):
         raise NotHashable(type(thing).__qualname__)
     else:
-        _add(digest, dict(vars(thing)))
+        _add(digest, dict(vars(thing)), instead)
 
 
 def _is_ours(folder: Path) -> bool:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from jousto.base.described import described
+from jousto.base.errors import InputError
 from jousto.design.studies.parameter import Parameter
 from jousto.mechanism.mechanism import Mechanism
-from jousto.schema.file.document import Document
+from jousto.reduction.files.cache import key
+from jousto.schema.file.document import Document, read_document
+from jousto.schema.file.parameters import expand
 
 
 @described
@@ -36,9 +42,11 @@ class Variants:
     trust: bool = False
 
     @property
-    def text(self) -> str:
-        """The text of the file."""
-        return self.document.text
+    def key(self) -> str:
+        """Hash of the text of the file, of every file that it names, and of how it is read."""
+        data = expand(self.document).document.data
+        files = contents(data, self.document.folder, {})
+        return key(self.document.text, files, self.rigid, self.trust)
 
     def make(
         self, values: Mapping[str, float], kept: dict[Any, Any]
@@ -62,3 +70,27 @@ class Variants:
         )
         checks = () if file.fatigue is None else file.fatigue.checks
         return file.mechanism, file.simulation, tuple(checks)
+
+
+def contents(data: Any, folder: Path, found: dict[str, str]) -> dict[str, str]:
+    """Return hashes of the files that texts in data name, and of those named in these, by path."""
+    if isinstance(data, Mapping):
+        data = list(data.values())
+    if isinstance(data, list):
+        for item in data:
+            contents(item, folder, found)
+    if not isinstance(data, str) or not data or "\0" in data or "\n" in data:
+        return found
+    try:
+        path = folder / data
+        name = str(path.resolve())
+        if name in found or not path.is_file():
+            return found
+        with path.open("rb") as file:
+            found[name] = hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:  # too long for a name, or nothing that can be read
+        return found
+    if path.suffix.lower() in (".yaml", ".yml", ".json"):
+        with suppress(InputError):  # whoever reads it says what is wrong
+            contents(read_document(path).data, path.parent, found)
+    return found
