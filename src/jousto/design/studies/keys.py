@@ -22,8 +22,8 @@ UNKNOWN = "cannot be compared: "
 LIBRARIES = {"builtins", "copyreg", "functools", "jousto", "math", "numpy", "operator", "scipy"}
 """Packages whose functions and classes are known by their name."""
 
-PLAIN = (bool, int, float, complex, str, bytes, Path, np.ndarray, np.generic, tuple, list, set)
-PLAIN = (*PLAIN, frozenset, Mapping)
+NUMBERS = (bool, int, float, complex, np.ndarray, np.generic)
+PLAIN = (*NUMBERS, str, bytes, Path, tuple, list, set, frozenset, Mapping)
 
 
 def key_of(*things: object) -> str:
