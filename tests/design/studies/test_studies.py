@@ -485,7 +485,9 @@ def test_dask_works_on_this_machine(tmp_path: Path) -> None:
     table = study.run(X, workers=2, how="dask", path=tmp_path / "t.h5")
     np.testing.assert_allclose(table["way"], WAY, rtol=1e-12)
     assert study.counts["runs"] == len(X)
-    with distributed.Client(processes=False, n_workers=1, dashboard_address=None) as client:
+    with distributed.Client(
+        processes=False, n_workers=1, dashboard_address="127.0.0.1:0"
+    ) as client:
         np.testing.assert_allclose(forces().run(X, workers=client)["way"], WAY, rtol=1e-12)
 
 

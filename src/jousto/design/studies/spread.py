@@ -286,7 +286,8 @@ def dask_client(workers: int) -> Any:
     except ImportError:
         message = "needs Dask: pip install distributed"
         raise InputError(Problem("study", message)) from None
-    cluster = LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
+    # its page gets a port that is free: without an address it would insist on 8787
+    cluster = LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address="127.0.0.1:0")
     return Client(cluster)
 
 
