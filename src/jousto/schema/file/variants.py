@@ -13,7 +13,6 @@ from jousto.base.described import described
 from jousto.base.errors import InputError
 from jousto.design.studies.parameter import Parameter
 from jousto.mechanism.mechanism import Mechanism
-from jousto.reduction.files.cache import key
 from jousto.schema.file.document import Document, read_document
 from jousto.schema.file.parameters import expand
 
@@ -46,6 +45,8 @@ class Variants:
         """Hash of the text of the file, of every file that it names, and of how it is read."""
         data = expand(self.document).document.data
         files = contents(data, self.document.folder, {})
+        from jousto.reduction.files.cache import key  # of studies alone: it loads much
+
         return key(self.document.text, files, self.rigid, self.trust)
 
     def make(
