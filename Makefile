@@ -36,7 +36,7 @@ help:  ## this list
 # ---- environment ---------------------------------------------------------------------------------
 
 # .made: jousto itself, editable, with the engine built in place; the others add an extra each
-STAMPS := $(addprefix $(VENV)/.,made dev large docs bench)
+STAMPS := $(addprefix $(VENV)/.,made dev large docs bench page)
 $(VENV)/.made: pyproject.toml $(ENGINE)
 $(filter-out %.made,$(STAMPS)): pyproject.toml | $(VENV)/.made
 
@@ -67,7 +67,7 @@ $(VENV)/.made:
 	@echo "  $$(du -sm $(VENV) | cut -f1) MB in $(VENV)"
 	@touch $@
 
-$(VENV)/.dev $(VENV)/.large $(VENV)/.docs $(VENV)/.bench: $(VENV)/.%:
+$(VENV)/.dev $(VENV)/.large $(VENV)/.docs $(VENV)/.bench $(VENV)/.page: $(VENV)/.%:
 	@echo "adding what make needs for $*"
 	@$(call install,'jousto[$*]')
 	@echo "  $$(du -sm $(VENV) | cut -f1) MB in $(VENV)"
@@ -80,7 +80,7 @@ engine: $(VENV)/.made  ## the C engine, built into src/jousto/model/native/lib
 
 # ---- what it can do --------------------------------------------------------------------------------
 
-.PHONY: demo bench docs
+.PHONY: demo bench page docs
 demo: $(VENV)/.made  ## the flexible pendulum against its reference; plot and animation in out/
 	@$(PY) $(EXAMPLE)
 
@@ -90,7 +90,15 @@ bench: $(VENV)/.bench  ## speed side by side with EXUDYN and Pinocchio
 	@$(PY) benchmarks/beams.py
 	@$(PY) benchmarks/overhead.py
 
-docs: $(VENV)/.docs  ## documentation in build/docs, warnings are errors
+# the page of the viewer: with the Node of this computer, else with that of a Python package; who has
+# neither can do everything but look into a browser
+PAGE := src/jousto/viewer/page/viewer.js
+page: $(PAGE)  ## the viewer's page, built into src/jousto/viewer/page
+$(PAGE): $(shell find frontend -path '*/node_modules' -prune -o -type f -print) | $(VENV)/.made
+	@$(PY) frontend/build.py --probe >/dev/null 2>&1 || $(MAKE) $(VENV)/.page
+	@$(PY) frontend/build.py
+
+docs: $(VENV)/.docs $(PAGE)  ## documentation in build/docs, warnings are errors
 	@$(PY) -m sphinx -W --keep-going -q -b html docs build/docs
 	@! grep -rlE '<(script|link|img)[^>]*(src|href)="https?://' --include='*.html' build/docs \
 	  || { echo "these pages need a network" >&2; exit 1; }
@@ -98,8 +106,8 @@ docs: $(VENV)/.docs  ## documentation in build/docs, warnings are errors
 
 # ---- checks ----------------------------------------------------------------------------------------
 
-.PHONY: test quick lint types layers sanitize unit slow old-processor format
-test: lint types layers sanitize unit  ## every check except the slow verification runs
+.PHONY: test quick lint types layers sanitize page-test unit slow old-processor format
+test: lint types layers sanitize page-test unit  ## every check except the slow verification runs
 
 lint: $(VENV)/.dev
 	@$(BIN)/ruff format --check .
@@ -120,8 +128,11 @@ QUICK := $(addprefix tests/,base materials sections mechanism model schema) \
 quick: lint  ## layout and the fast third of the tests: 40 s on two cores
 	@$(PYTEST) $(PYTEST_ARGS) $(QUICK)
 
+page-test: $(PAGE)  ## the tests of frontend/test, with the runner of Node
+	@$(PY) frontend/build.py --test
+
 # tests, doctests and examples
-unit: $(VENV)/.dev
+unit: $(VENV)/.dev $(PAGE)
 	@$(PYTEST) $(PYTEST_ARGS)
 
 slow: $(VENV)/.dev  ## the long verification runs
@@ -147,7 +158,8 @@ WARN := -std=c99 -Wall -Wextra -pedantic -Werror
 SANITIZE := -g -O1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
 ENGINE_TESTS := $(patsubst engine/test/%.c,build/sanitize/%,$(wildcard engine/test/*.c))
 
-sanitize: $(ENGINE_TESTS) build/sanitize/complex.ok  ## the C engine under sanitizers
+LANES_OK := $(if $(shell command -v cmake 2>/dev/null),build/sanitize/lanes.ok)
+sanitize: $(ENGINE_TESTS) build/sanitize/complex.ok $(LANES_OK)  ## the C engine under sanitizers
 	@for t in $(ENGINE_TESTS); do echo "sanitized $$t"; "$$t"; done
 
 # the engine is compiled once for all of them
@@ -165,10 +177,26 @@ build/sanitize/complex.ok: $(ENGINE)
 	@for f in $(wildcard engine/*.c); do $(CC) $(WARN) -DJO_COMPLEX -Iengine -fsyntax-only $$f; done
 	@touch $@
 
+# machines side by side, where CMake builds them: their Python tests with a sanitized build
+LANES := build/sanitize/lanes
+build/sanitize/lanes.ok: $(ENGINE) $(wildcard engine/lanes/*) tests/model/test_ensemble.py $(VENV)/.dev
+	@mkdir -p $(LANES)
+	@cmake -S . -B $(LANES) -DCMAKE_C_COMPILER=$(CC) -DCMAKE_BUILD_TYPE=None \
+	  -DCMAKE_C_FLAGS='$(SANITIZE) -ffp-contract=fast' >$(LANES)/log || { cat $(LANES)/log; exit 1; }
+	@for l in v3 v4; do \
+	  cmake --build $(LANES) --target help | grep jousto_lanes_$$l >/dev/null || continue; \
+	  cmake --build $(LANES) -j 2 --target jousto_lanes_$$l >$(LANES)/log 2>&1 || { cat $(LANES)/log; exit 1; }; \
+	done
+	@if ls $(LANES)/jousto_lanes_*.so >/dev/null 2>&1; then echo "sanitized lanes"; \
+	  LD_PRELOAD="$$($(CC) -print-file-name=libasan.so) $$($(CC) -print-file-name=libubsan.so)" \
+	  ASAN_OPTIONS=detect_leaks=0 SANITIZED_LANES=$(abspath $(LANES)) \
+	  $(PY) -m pytest -q -p no:cacheprovider --capture=no tests/model/test_ensemble.py; fi
+	@touch $@
+
 # ---- packages --------------------------------------------------------------------------------------
 
 .PHONY: wheel wheel-check clean
-wheel: $(VENV)/.made  ## a wheel in dist/
+wheel: $(VENV)/.made $(PAGE)  ## a wheel in dist/
 	@rm -rf dist
 	@$(if $(UV),$(UV) build --quiet --python $(PY) --wheel --out-dir dist . ||) \
 	{ $(PY) -m pip --version >/dev/null 2>&1 || $(PY) -m ensurepip; $(PY) -m pip wheel --quiet --no-deps -w dist .; }
@@ -184,5 +212,5 @@ wheel-check: wheel  ## install that wheel into an empty environment and run the 
 
 clean:  ## remove everything that was built, and the environment
 	rm -rf $(VENV) build dist out src/jousto/model/native/lib \
-	  .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	  src/jousto/viewer/page .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
 	find src tests examples benchmarks docs -name __pycache__ -type d -prune -exec rm -rf {} +

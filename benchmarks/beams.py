@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 import exudyn_beams as peer
 import jousto as jo
-from jousto.model.native.native import BALANCE
+from jousto.model.native.header import places
 
 H = 1e-3  # s
 INSTANTS = 10
@@ -91,7 +91,7 @@ def run(model: jo.Model, solver: Any, end: float, tries: int = 3) -> Cost:
         best = min(best, time.process_time() - begin)
         assert status == "ok", f"{solver} stopped with status {status}"
     iterations = int(engine.counts.iterations) / steps
-    at = 1 + model.nq + model.nv + model.nrow + BALANCE
+    at = 1 + model.nq + model.nv + model.nrow + len(places("jo_diagnostics"))
     return Cost(1e6 * best / steps, iterations, rows[:, at : at + 3])
 
 

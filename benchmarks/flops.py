@@ -18,6 +18,7 @@ import numpy as np
 
 import jousto as jo
 from jousto.model.native import library
+from jousto.model.native.declarations import declarations
 
 ENGINE = Path(__file__).parent.parent / "engine"
 
@@ -117,7 +118,7 @@ class Counter:
         if built.returncode:
             raise RuntimeError("the engine does not count: " + built.stderr[:1000])
         ffi = cffi.FFI()
-        ffi.cdef("typedef double jo_real; extern long long jo_flops;" + library.header())
+        ffi.cdef("extern long long jo_flops;" + declarations(ENGINE / "jousto.h"))
         self._ffi, self._library = ffi, ffi.dlopen(str(target))
 
     def per_step(self, model: jo.Model, solver: Any) -> float:

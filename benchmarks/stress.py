@@ -56,7 +56,7 @@ def frame(ns: int, n: int) -> None:
     plain = least(lambda: von_mises((flat @ p).reshape(ns, 6)))
     print(f"  NumPy, s = S p, von Mises {1e3 * plain:8.3f} ms {S.nbytes / plain / 1e9:8.1f} GB/s")
     for criterion in ("von-mises", "signed-von-mises", "principal-1"):
-        kernel = field._kernel(criterion)
+        ((_, _, kernel),) = field._kernels(criterion)
         out = np.empty((1, ns))
         took = least(lambda k=kernel, o=out: k.values(field.p[:1], out=o))  # type: ignore[misc]
         read = kernel.packed.nbytes + out.nbytes

@@ -9,6 +9,7 @@ import sys
 import time
 import warnings
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from jousto.simulation.solvers.explicit import prepared
 
 MODEL = (Path(__file__).parent.parent / "examples" / "flexible_pendulum.yaml").read_text()
 SOLVER, STEPS, EVERY = jo.RK4(1e-3), 1000, 10
+BLOCK = 20  # points
 RUN = {"t_end": 1.0, "solver": SOLVER, "output_step": 1e-2}
 OUTCOMES = ["max(tip.x)", "last(middle.y)"]
 
@@ -38,7 +40,12 @@ def rod(height: float) -> jo.ReducedPart:
 
 def pendulum(height: float = 0.1, g: float = 9.81) -> jo.Mechanism:
     """Return the pendulum with a force at its tip that is an input."""
-    arm = jo.FlexibleBody("arm", rod(height))
+    return hung(rod(height), g)
+
+
+def hung(part: jo.ReducedPart, g: float) -> jo.Mechanism:
+    """Return the pendulum of a rod that was made before."""
+    arm = jo.FlexibleBody("arm", part)
     return jo.Mechanism(
         arm,
         jo.Spherical("pivot", jo.ground["origin"], arm["node1"]),
@@ -56,14 +63,79 @@ def spent(work: Callable[[], object]) -> float:
     return time.process_time() - start
 
 
-def steps_alone(model: jo.Model, count: int) -> float:
-    """Return the process time of the steps alone."""
-    total = 0.0
-    for _ in range(count):
-        engine = Engine(model)
-        native, rows = prepared(engine, SOLVER, 1e-3), np.empty((STEPS // EVERY, engine.row_size))
-        total += spent(lambda e=engine, n=native, r=rows: e.run(n, STEPS, EVERY, r))
-    return total
+def steps_alone(model: jo.Model) -> float:
+    """Return the process time of the steps of one point alone."""
+    engine = Engine(model)
+    native, rows = prepared(engine, SOLVER, 1e-3), np.empty((STEPS // EVERY, engine.row_size))
+    return spent(lambda: engine.run(native, STEPS, EVERY, rows))
+
+
+def compare(name: str, machine: object, parameter: jo.Parameter, count: int) -> None:
+    """Print what points cost beside their steps, in blocks that alternate."""
+    study = jo.study(machine, parameter, OUTCOMES, **RUN)
+    model = study.case().model
+    points = jo.design.latin_hypercube(study.parameters, count)
+    study(points[:2] + 1e-9)
+    whole, steps = [], []
+    for block in np.array_split(points, max(1, count // BLOCK)):
+        whole.append(spent(lambda b=block: study.run(b)) / len(block))
+        steps.append(sum(steps_alone(model) for _ in block) / len(block))
+    ratios = np.array(whole) / steps
+    print(
+        f"{name}: {count} points, {1e3 * min(whole):.3f} ms each at the least, steps alone "
+        f"{1e3 * min(steps):.3f} ms; ratio of sums {sum(whole) / sum(steps):.2f}, of blocks "
+        f"{np.median(ratios):.2f} ({ratios.min():.2f} to {ratios.max():.2f}); {study.counts}"
+    )
+
+
+def block(x: float) -> jo.Mechanism:
+    """Return a machine of which only the mass is asked: a point that costs next to nothing."""
+    return jo.Mechanism(jo.RigidBody("block", 1.0 + x, (1, 1, 1)))
+
+
+def slope(run: Callable[[int], object], few: int, many: int, times: int = 3) -> tuple[float, float]:
+    """Return wall time of a further point and what is left at none, s, of the least of some."""
+    least = []
+    for n in (few, many):
+        spans = []
+        for _ in range(times):
+            start = time.perf_counter()
+            run(n)
+            spans.append(time.perf_counter() - start)
+        least.append(min(spans))
+    each = (least[1] - least[0]) / (many - few)
+    return each, least[0] - few * each
+
+
+def scale() -> None:
+    """Print wall times of the section in one and two processes, and what Dask takes for a task."""
+    height = jo.Parameter("height", 0.1, bounds=(0.09, 0.11), unit="m")
+    for workers in (1, 2):
+
+        def run(n: int, workers: int = workers) -> object:
+            study = jo.study(pendulum, height, OUTCOMES, **RUN)
+            points = jo.design.latin_hypercube(study.parameters, n)
+            return study.run(points, workers=workers, how="processes")
+
+        each, first = slope(run, 320, 960, 2)
+        print(
+            f"the section, {workers} processes: {1e3 * each:.2f} ms a point, {first:.2f} s before"
+        )
+    from distributed import Client, LocalCluster
+
+    x = jo.Parameter("x", 0.0, bounds=(0.0, 1.0))
+    study = jo.study(block, x, "mass")
+    with (
+        LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
+        Client(cluster) as client,
+    ):
+        points = np.linspace(0.0, 1.0, 10_000)[:, None]
+        client.gather(client.map(abs, range(10)))
+        each, _ = slope(lambda n: study.run(points[:n]), 320, 1600)
+        dask, _ = slope(lambda n: study.run(points[:n], workers=client), 320, 1600)
+        empty, _ = slope(lambda n: client.gather(client.map(abs, range(n), pure=False)), 100, 500)
+    print(f"a mass: {1e3 * each:.3f} ms alone, {1e3 * dask:.3f} ms by Dask")
+    print(f"an empty task of Dask {1e3 * empty:.2f} ms")
 
 
 def main() -> None:
@@ -74,21 +146,11 @@ def main() -> None:
     load = jo.Parameter("load", 0.0, bounds=(-100.0, 100.0), unit="N")
     g = jo.Parameter("g", 9.81, bounds=(9.0, 10.0), unit="m/s2")
     height = jo.Parameter("height", 0.1, bounds=(0.09, 0.11), unit="m")
-    kinds = {
-        "an input (runs only)": (model, load, count),
-        "gravity (compiles)": (pendulum, g, count // 5),
-        "the section (reduces, compiles)": (pendulum, height, count // 20),
-    }
-    for name, (machine, parameter, n) in kinds.items():
-        study = jo.study(machine, parameter, OUTCOMES, **RUN)
-        points = jo.design.latin_hypercube(study.parameters, n)
-        study(points[:3])
-        whole = [spent(lambda s=study, p=points: s.run(p)) for _ in range(3)]
-        steps = min(steps_alone(model, n) for _ in range(3))
-        print(
-            f"{name}: {n} points in {min(whole):.3f} s, {1e3 * min(whole) / n:.3f} ms each; "
-            f"steps alone {steps:.3f} s, ratio {min(whole) / steps:.2f}; {study.counts}"
-        )
+    made = rod(0.1)
+    compare("an input (runs only)", model, load, count)
+    compare("gravity, the part made before (compiles)", partial(hung, made), g, count)
+    compare("gravity (makes the part, compiles)", pendulum, g, count // 5)
+    compare("the section (reduces, compiles)", pendulum, height, count // 10)
     n = min(200, count)
     loads = jo.design.latin_hypercube([load], n)[:, 0]
 
@@ -102,6 +164,7 @@ def main() -> None:
         f"{n} points of an input: a loop over simulate {min(spent(loop) for _ in range(3)):.3f} s"
     )
     print(f"the same by study {min(spent(lambda: study(loads[:, None])) for _ in range(3)):.3f} s")
+    scale()
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
     int status = JO_OK;
     if (s->projection && m->njoint) {
         jo_project(m, d, &jo_now);   /* with the factors of the end of the step; with those of this state if they differ too much */
-        if (jo_joint_residual(m, d) > 1e-12 * m->size || jo_joint_residual_rate(m, d) > 1e-10 * m->size) {
+        if (jo_most(jo_joint_residual(m, d)) > 1e-12 * m->size || jo_most(jo_joint_residual_rate(m, d)) > 1e-10 * m->size) {
             status = jo_accelerations(m, d);
             if (status == JO_OK) jo_project(m, d, &jo_now);
         }

@@ -20,7 +20,7 @@ static inline void jo_beam_h(jo_real *y, const jo_beam_work *w, const jo_real *x
 /* whether it has inertia of its own, and damping of that */
 static inline int jo_beam_inertial(const jo_beam *b)
 {
-    return b->data->share != 0.0;
+    return JO_COMMON(b->data->share) != 0.0;
 }
 
 #endif

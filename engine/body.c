@@ -16,22 +16,30 @@ void jo_body_pose(const jo_body *b, jo_body_work *w, const jo_real *q)
     for (int j = 0; j < b->n; j++) w->p[j] = q[7 + j];
 }
 
+/* shares of a block of rows: as many numbers as there are registers for */
+#if defined(JO_VECTOR) && !defined(__AVX512F__)
+enum { JO_SHARES = 2 };
+#else
+enum { JO_SHARES = 1 };
+#endif
+
 /* y = y0 + E p in blocks of rows that stay in registers */
 static void contract_d(int blocks, int n, const jo_real *restrict E, const jo_real *restrict p,
                        const jo_real *restrict y0, jo_real *restrict y)
 {
-    enum { COUNT = JO_ROW_D / JO_WIDTH };
-    for (int k = 0; k < blocks; k++) {
+    enum { COUNT = JO_ROW_D / JO_WIDTH / JO_SHARES, ROWS = COUNT * JO_WIDTH };
+    for (int k = 0; k < blocks * JO_SHARES; k++) {
+        const jo_real *e = E + k / JO_SHARES * n * JO_ROW_D + k % JO_SHARES * ROWS;
         jo_lanes acc[COUNT];
         for (int i = 0; i < COUNT; i++) acc[i] = JO_LOAD(y0 + i * JO_WIDTH);
         for (int j = 0; j < n; j++) {
             const jo_real pj = p[j];
-            for (int i = 0; i < COUNT; i++) acc[i] += pj * JO_LOAD(E + i * JO_WIDTH);
-            E += JO_ROW_D;
+            for (int i = 0; i < COUNT; i++) acc[i] += pj * JO_LOAD(e + i * JO_WIDTH);
+            e += JO_ROW_D;
         }
         for (int i = 0; i < COUNT; i++) JO_STORE(y + i * JO_WIDTH) = acc[i];
-        y0 += JO_ROW_D;
-        y += JO_ROW_D;
+        y0 += ROWS;
+        y += ROWS;
     }
 }
 
@@ -40,29 +48,30 @@ static void contract_b(int blocks, int n, const jo_real *restrict E, const jo_re
                        const jo_real *restrict r, const jo_real *restrict y0, jo_real *restrict y,
                        jo_real *restrict z)
 {
-    enum { COUNT = JO_ROW_B / JO_WIDTH };
-    for (int k = 0; k < blocks; k++) {
+    enum { COUNT = JO_ROW_B / JO_WIDTH / JO_SHARES, ROWS = COUNT * JO_WIDTH };
+    for (int k = 0; k < blocks * JO_SHARES; k++) {
+        const jo_real *e = E + k / JO_SHARES * n * JO_ROW_B + k % JO_SHARES * ROWS;
         jo_lanes acc[COUNT], dot[COUNT];
         for (int i = 0; i < COUNT; i++) { acc[i] = JO_LOAD(y0 + i * JO_WIDTH); dot[i] = acc[i] - acc[i]; }
         for (int j = 0; j < n; j++) {
             const jo_real pj = p[j], rj = r[j];
             for (int i = 0; i < COUNT; i++) {
-                const jo_lanes e = JO_LOAD(E + i * JO_WIDTH);
-                acc[i] += pj * e;
-                dot[i] += rj * e;
+                const jo_lanes x = JO_LOAD(e + i * JO_WIDTH);
+                acc[i] += pj * x;
+                dot[i] += rj * x;
             }
-            E += JO_ROW_B;
+            e += JO_ROW_B;
         }
         for (int i = 0; i < COUNT; i++) { JO_STORE(y + i * JO_WIDTH) = acc[i]; JO_STORE(z + i * JO_WIDTH) = dot[i]; }
-        y0 += JO_ROW_B;
-        y += JO_ROW_B;
-        z += JO_ROW_B;
+        y0 += ROWS;
+        y += ROWS;
+        z += ROWS;
     }
 }
 
 /* y[v] += E p[v] for a symmetric or antisymmetric (np x np) matrix, given as the tiles of 4 columns x 4 rows on
  * and below the diagonal: half the memory traffic, which is what large bodies wait for */
-static inline void contract_tiles(const int np, const jo_real sign, const int vectors, const jo_real *restrict E,
+static inline void contract_tiles(const int np, const double sign, const int vectors, const jo_real *restrict E,
                                   const jo_real *const *p, jo_real *const *y)
 {
     for (int k = 0; k < np; k += 4) {
@@ -107,7 +116,7 @@ static void contract(const jo_body *b, jo_body_work *w)
     const int tiles = np * (np + 4) / 2;   /* reals of one component */
     const jo_real *const p[2] = {w->p, w->pd};
     for (int i = 0; i < 6 * np; i++) w->D[i] = b->D0[i];
-    for (int i = 0; i < 3 * np; i++) { w->B[i] = b->B0[i]; w->G[i] = 0.0; }
+    for (int i = 0; i < 3 * np; i++) { w->B[i] = b->B0[i]; w->G[i] = jo_same(0.0); }
     for (int c = 0; c < 6; c++) {
         jo_real *const y[1] = {w->D + c * np};
         contract_tiles(np, 1.0, 1, b->ED + c * tiles, p, y);
@@ -179,7 +188,7 @@ static inline jo_real modal_force(const jo_body *b, const jo_real *om, const jo_
 /* -alpha times the momenta m V + w x S and J w + S x V, and the power lost to it */
 static jo_real damp(const jo_body *b, jo_body_work *w, const jo_real *wS, const jo_real *Jw)
 {
-    jo_real power = 0.0, SV[3];
+    jo_real power = {0.0}, SV[3];
     jo_cross(SV, w->S, w->V);
     for (int j = 0; j < 3; j++) {
         const jo_real p = b->mass[0] * w->V[j] + wS[j], h = Jw[j] + SV[j];
@@ -221,7 +230,7 @@ void jo_body_inertia(const jo_body *b, jo_body_work *w, jo_real *power)
     jo_add3(t, Bp);
     jo_cross(w->fr + 3, t, om);
     jo_sym3(t, Jd, om);
-    jo_axpy3(w->fr + 3, -2.0, t);
+    jo_axpy3(w->fr + 3, jo_same(-2.0), t);
 }
 
 /* x = L^-1 x, L with inverse diagonal */
@@ -278,7 +287,8 @@ static int factor(const jo_body *b, jo_body_work *w, int set)
     const jo_real Y[9] = {-IB[0], -S[2] - IB[3], S[1] - IB[6],
                           S[2] - IB[1], -IB[4], -S[0] - IB[7],
                           -S[1] - IB[2], S[0] - IB[5], -IB[8]};
-    const jo_real W[9] = {J[0] - BB[0], 0.0, 0.0, J[5] - BB[3], J[1] - BB[4], 0.0,
+    const jo_real zero = {0.0};
+    const jo_real W[9] = {J[0] - BB[0], zero, zero, J[5] - BB[3], J[1] - BB[4], zero,
                           J[4] - BB[6], J[3] - BB[7], J[2] - BB[8]};
     const jo_real *K = s->L11;
     for (int i = 0; i < 3; i++)
@@ -298,8 +308,8 @@ static int factor(const jo_body *b, jo_body_work *w, int set)
             if (k < i) {
                 x[3 + k] = t * y[3 + k];
             } else {
-                if (!(JO_RE(t) > 1e-14 * JO_RE(W[4 * i])))
-                    return isfinite(JO_RE(t)) ? JO_SINGULAR_BODY : JO_NOT_FINITE;
+                if (jo_spoil(&t, JO_LESS(1e-14 * W[4 * i], t)))
+                    return isfinite(jo_most(t)) ? JO_SINGULAR_BODY : JO_NOT_FINITE;
                 x[3 + i] = 1.0 / jo_sqrt(t);
             }
         }
@@ -319,7 +329,7 @@ void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh)
     jo_real *L = s->L11;
     for (int i = 0; i < 3; i++)
         for (int k = 0; k <= i; k++) {
-            jo_real x = i == k ? b->mass[0] : 0.0;
+            jo_real x = i == k ? b->mass[0] : jo_same(0.0);
             for (int j = 0; j < np; j++) x -= s->I3w[i * np + j] * b->I3[k * np + j];
             for (int j = 0; j < k; j++) x -= L[3 * i + j] * L[3 * k + j];
             L[3 * i + k] = i == k ? 1.0 / jo_sqrt(x) : x * L[4 * k];

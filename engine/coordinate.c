@@ -10,9 +10,11 @@ static void axis(jo_real *x, const jo_real *A, int i) { x[0] = A[i]; x[1] = A[3 
 /* four-quadrant arc tangent; in the complex build the imaginary part follows the real one to first order */
 jo_real jo_arc_tangent(jo_real y, jo_real x)
 {
-#ifdef JO_COMPLEX
+#if defined(JO_COMPLEX)
     const double u = creal(x), v = creal(y);
     return atan2(v, u) + I * ((u * cimag(y) - v * cimag(x)) / (u * u + v * v));
+#elif defined(JO_VECTOR)
+    return jo_atan2(y, x);
 #else
     return atan2(y, x);
 #endif
@@ -23,7 +25,7 @@ static jo_real unwrapped(const jo_model *m, const jo_data *d, const jo_coordinat
 {
     (void)m;
     jo_real angle = jo_arc_tangent(y, x);
-    if (c->turn >= 0) angle += 2.0 * JO_PI * floor((JO_RE(d->turn[c->turn]) - JO_RE(angle)) / (2.0 * JO_PI) + 0.5);
+    if (c->turn >= 0) angle += 2.0 * JO_PI * jo_floor((d->turn[c->turn] - angle) / (2.0 * JO_PI) + 0.5);
     return angle;
 }
 
@@ -37,7 +39,7 @@ void jo_coordinates(const jo_model *m, jo_data *d, int count)
         const jo_marker_work *a = &d->marker[c->a], *b = &d->marker[c->b];
         jo_coordinate_work *w = &d->coordinate[i];
         jo_real f[3], h[3], r[3];
-        for (int j = 0; j < 3; j++) w->along[j] = w->turn_a[j] = w->turn_b[j] = 0.0;
+        for (int j = 0; j < 3; j++) w->along[j] = w->turn_a[j] = w->turn_b[j] = jo_same(0.0);
         jo_set3(r, b->r);
         jo_sub3(r, a->r);
         switch (c->type) {

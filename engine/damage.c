@@ -39,7 +39,7 @@ static int is_new(const double *memory, double time)
 
 int jo_measure(const jo_model *m, jo_data *d)
 {
-    const double time = JO_RE(d->time[0]);
+    const double time = JO_COMMON(d->time[0]);
     int due = 0;
     for (int i = 0; i < m->nmeter; i++) due |= is_new(d->memory + m->meter[i].at, time);
     if (!due) return JO_OK;

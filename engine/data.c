@@ -1,7 +1,9 @@
 /* data.c - the state and workspace of one run: one allocation. */
 #include "internal.h"
-#include <stdlib.h>
 #include <string.h>
+#ifndef JO_NO_ALLOCATION
+#include <stdlib.h>
+#endif
 
 /* take n reals from the arena, aligned for vector loads; with no arena only count */
 typedef struct { char *base; size_t used; } arena;
@@ -191,22 +193,26 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched, jo_sen
     return taken;
 }
 
-jo_data *jo_data_new(const jo_model *m)
+long long jo_data_bytes(const jo_model *m)
 {
     arena a = {0, 0};
     jo_sensor *watched, *metered;
     lay_out(m, &a, &watched, &metered);
-    void *block = malloc(a.used + 64);
-    if (!block) return 0;
-    memset(block, 0, a.used + 64);
-    a.base = (char *)block + (64 - (size_t)block % 64);
-    a.used = 0;
+    return (long long)a.used;
+}
+
+long long jo_data_room(const jo_model *m) { return jo_data_bytes(m) + 64; }
+
+jo_data *jo_data_place(const jo_model *m, void *memory)
+{
+    memset(memory, 0, (size_t)jo_data_room(m));
+    arena a = {(char *)memory + (64 - (size_t)memory % 64), 0};
+    jo_sensor *watched, *metered;
     jo_data *d = lay_out(m, &a, &watched, &metered);
-    d->arena = block;
     d->gh = -1.0;
     d->restart = 1;
     for (int i = 0; i < m->nbody; i++) {
-        d->q[m->body[i].iq + 3] = 1.0;
+        d->q[m->body[i].iq + 3] = jo_same(1.0);
         jo_body_setup(&m->body[i], &d->body[i], 0, 0.0);
     }
     jo_beam_setup(m, d);
@@ -215,16 +221,33 @@ jo_data *jo_data_new(const jo_model *m)
     jo_joint_setup(m, d, 0);
     if (jo_watched(m)) jo_event_setup(m, d, watched);
     if (m->nmeter) jo_damage_setup(m, d, metered);
-    for (int i = 0; i < m->nmarker; i++) {   /* ground markers stand still; gravity is a frame acceleration */
+    for (int i = 0; i < m->nmarker; i++) {   /* ground markers stand still */
         if (m->marker[i].body >= 0) continue;
         jo_set3(d->marker[i].r, m->marker[i].u0);
         memcpy(d->marker[i].A, m->marker[i].A0, sizeof d->marker[i].A);
-        for (int j = 0; j < 3; j++) d->marker[i].a[j] = -m->gravity[j];
     }
+    jo_data_gravity(m, d);
+    return d;
+}
+
+/* gravity is a frame acceleration */
+void jo_data_gravity(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nmarker; i++)
+        for (int j = 0; j < 3 && m->marker[i].body < 0; j++) d->marker[i].a[j] = -m->gravity[j];
+}
+
+#ifndef JO_NO_ALLOCATION   /* exported machines have memory of their own */
+jo_data *jo_data_new(const jo_model *m)
+{
+    void *block = malloc((size_t)jo_data_room(m));
+    jo_data *d = block ? jo_data_place(m, block) : 0;
+    if (d) d->arena = block;
     return d;
 }
 
 void jo_data_free(jo_data *d) { if (d) free(d->arena); }
+#endif
 
 jo_real *jo_data_q(jo_data *d) { return d->q; }
 jo_real *jo_data_v(jo_data *d) { return d->v; }
@@ -249,13 +272,15 @@ int jo_data_error_index(const jo_data *d) { return d->error_index; }
 
 int jo_abi(void) { return JO_ABI; }
 int jo_model_size(void) { return (int)sizeof(jo_model); }
+int jo_machines(void) { return JO_MACHINES; }
 
 int jo_cpu_level(void)
 {
 #if defined(__x86_64__) && defined(__GNUC__)
     __builtin_cpu_init();
     if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma") || !__builtin_cpu_supports("bmi2")) return 1;
-    return 3;
+    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")
+        && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") ? 4 : 3;
 #else
     return 0;
 #endif

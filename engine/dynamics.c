@@ -72,7 +72,7 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
     if (status == JO_OK) status = reduce(m, d, stage);
     if (status == JO_OK) status = solve(m, d, stage);
     if (status != JO_OK) return status;
-    d->drive = m->nline ? jo_joint_power(m, d) : 0.0;
+    d->drive = m->nline ? jo_joint_power(m, d) : jo_same(0.0);
     d->power.forces += d->drive;
     for (int i = 0; i < m->njoint; i++)
         for (int r = 0; r < m->joint[i].nrow; r++) d->lam[m->joint[i].row + r] = d->joint[i].x[r];
@@ -95,6 +95,25 @@ int jo_accelerations(const jo_model *m, jo_data *d)
     d->fresh = d->current = 0;
     int status = jo_evaluate(m, d, &jo_now);
     d->fresh = status == JO_OK;
+    return status;
+}
+
+/* Positions and velocities as an integrator of somebody else's sees them: e' = e o (0, w) / 2 keeps the length of e. */
+int jo_rates(const jo_model *m, jo_data *d, double alpha, double beta, jo_real *qdot)
+{
+    const jo_stage stage = {.alpha = alpha, .beta = beta};
+    d->fresh = d->current = 0;
+    const int status = jo_evaluate(m, d, &stage);
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const jo_real *e = d->q + b->iq + 3, *v = d->v + b->iv, *w = v + 3;
+        jo_real *y = qdot + b->iq, turned[3];
+        jo_set3(y, v);
+        jo_cross(turned, e + 1, w);
+        y[3] = -0.5 * jo_dot3(e + 1, w);
+        for (int j = 0; j < 3; j++) y[4 + j] = 0.5 * (e[0] * w[j] + turned[j]);
+        for (int j = 0; j < b->n; j++) y[7 + j] = v[6 + j];
+    }
     return status;
 }
 
@@ -123,8 +142,8 @@ static void correction(const jo_model *m, jo_data *d, const jo_stage *stage, jo_
     }
     for (int i = 0; i < m->nbody; i++) {
         jo_body_work *w = &d->body[i];
-        for (int j = 0; j < 6; j++) w->z[j] = 0.0;
-        for (int j = 0; j < m->body[i].np; j++) w->fp[j] = 0.0;
+        for (int j = 0; j < 6; j++) w->z[j] = jo_same(0.0);
+        for (int j = 0; j < m->body[i].np; j++) w->fp[j] = jo_same(0.0);
     }
     jo_joint_solve(m, d);
     jo_joint_apply(m, d, stage->set);
@@ -155,23 +174,27 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
     if (!m->njoint) return;
     const double small = 1e-12 * m->size, small_rate = 1e-10 * m->size;   /* m, m/s */
     jo_refresh(m, d);
-    double residual = jo_joint_residual(m, d);
-    for (int k = 0; k < JO_CORRECTIONS; k++) {
-        const double before = residual;
+    jo_real residual = jo_joint_residual(m, d);
+    jo_mask open = JO_ALL;
+    for (int k = 0; k < JO_CORRECTIONS && jo_some(open); k++) {
+        const jo_real before = residual;
         newton(m, d, stage, 0);
+        jo_only(open, d->rate, m->nv);
         jo_displace(m, d->q, d->q, d->rate);
         jo_refresh(m, d);
         residual = jo_joint_residual(m, d);
-        if (residual <= small || !(residual < 0.5 * before)) break;   /* closed, or no use */
+        open &= JO_LESS(jo_same(small), residual) & JO_LESS(residual, 0.5 * before);   /* else closed, or no use */
     }
     jo_marker_velocity(m, d, m->nactive);
     jo_joint_residual_rate(m, d);
-    for (int k = 0; k < JO_CORRECTIONS; k++) {
+    open = JO_ALL;
+    for (int k = 0; k < JO_CORRECTIONS && jo_some(open); k++) {
         newton(m, d, stage, 1);
+        jo_only(open, d->rate, m->nv);
         for (int i = 0; i < m->nv; i++) d->v[i] += d->rate[i];
         for (int i = 0; i < m->nbody; i++) jo_body_twist(&m->body[i], &d->body[i], d->v + m->body[i].iv);
         jo_marker_velocity(m, d, m->nactive);
-        if (jo_joint_residual_rate(m, d) <= small_rate) break;
+        open &= JO_LESS(jo_same(small_rate), jo_joint_residual_rate(m, d));
     }
     d->fresh = 0;
     d->current = 1;
@@ -180,10 +203,10 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
 /* of the position residuals: Newton's direction always lowers it */
 static double sum_of_squares(const jo_model *m, const jo_data *d)
 {
-    double sum = 0.0;
+    jo_real sum = {0.0};
     for (int i = 0; i < m->njoint; i++)
-        for (int r = 0; r < m->joint[i].nrow; r++) sum += JO_RE(d->joint[i].c[r]) * JO_RE(d->joint[i].c[r]);
-    return sum;
+        for (int r = 0; r < m->joint[i].nrow; r++) sum += jo_magnitude(d->joint[i].c[r]) * jo_magnitude(d->joint[i].c[r]);
+    return jo_most(sum);
 }
 
 /* close the joints: Newton in the mass metric on positions, shortened while a step opens them further, then on
@@ -194,7 +217,7 @@ static int close_joints(const jo_model *m, jo_data *d, int iterations, double to
     static const jo_stage geometry = {.smooth = 1};
     d->fresh = d->current = 0;
     jo_refresh(m, d);
-    double residual = jo_joint_residual(m, d);
+    double residual = jo_most(jo_joint_residual(m, d));
     for (int k = 0; k < iterations && residual > tolerance; k++) {
         const double before = residual, merit = sum_of_squares(m, d);
         d->current = 0;
@@ -208,11 +231,23 @@ static int close_joints(const jo_model *m, jo_data *d, int iterations, double to
             for (int i = 0; i < m->nv; i++) d->dq[i] = part * d->rate[i];
             jo_displace(m, d->q, d->q0, d->dq);
             jo_refresh(m, d);
-            residual = jo_joint_residual(m, d);
+            residual = jo_most(jo_joint_residual(m, d));
             if (sum_of_squares(m, d) < merit) break;
         }
         if (residual > 0.5 * before && residual < 1e-12 * m->size) break;   /* round-off */
     }
+#ifdef JO_COMPLEX
+    for (int k = 0; k < 2; k++) {   /* derivatives converge behind the values: full steps, however small */
+        d->current = 0;
+        int status = jo_evaluate(m, d, &geometry);
+        if (status != JO_OK) return status;
+        jo_joint_residual(m, d);
+        newton(m, d, &geometry, 0);
+        for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
+        jo_displace(m, d->q, d->q0, d->rate);
+        jo_refresh(m, d);
+    }
+#endif
     for (int k = 0; k < 2; k++) {
         d->current = 0;
         int status = jo_evaluate(m, d, &geometry);
@@ -238,11 +273,11 @@ void jo_mass_matrix(const jo_model *m, jo_data *d, int body, jo_real *M)
     const jo_body *b = &m->body[body];
     jo_body_work *w = &d->body[body];
     const int n = 6 + b->n;
-    jo_real unused = 0.0;
+    jo_real unused = {0.0};
     jo_body_pose(b, w, d->q + b->iq);
     jo_body_twist(b, w, d->v + b->iv);
     jo_body_inertia(b, w, &unused);
-    for (int i = 0; i < n * n; i++) M[i] = 0.0;
+    for (int i = 0; i < n * n; i++) M[i] = jo_same(0.0);
     for (int i = 0; i < 3; i++) M[i * n + i] = b->mass[0];
     const jo_real *S = w->S, *J = w->J;
     M[4] = S[2]; M[5] = -S[1]; M[n + 3] = -S[2]; M[n + 5] = S[0]; M[2 * n + 3] = S[1]; M[2 * n + 4] = -S[0];
@@ -253,7 +288,7 @@ void jo_mass_matrix(const jo_model *m, jo_data *d, int body, jo_real *M)
             M[i * n + 6 + j] = b->I3[i * b->np + j];
             M[(3 + i) * n + 6 + j] = w->B[i * b->np + j];
         }
-    for (int j = 0; j < b->n; j++) M[(6 + j) * n + 6 + j] = 1.0;
+    for (int j = 0; j < b->n; j++) M[(6 + j) * n + 6 + j] = jo_same(1.0);
     for (int i = 0; i < n; i++)
         for (int j = 0; j < i; j++) M[i * n + j] = M[j * n + i];
 }

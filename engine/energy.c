@@ -19,7 +19,7 @@ static jo_real kinetic(const jo_body *b, const jo_body_work *w)
 
 void jo_energy(const jo_model *m, jo_data *d, jo_energies *out)
 {
-    jo_real T = 0.0, U = 0.0, P = 0.0, unused = 0.0;
+    jo_real T = {0.0}, U = {0.0}, P = {0.0}, unused = {0.0};
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         jo_body_work *w = &d->body[i];
@@ -40,7 +40,7 @@ void jo_energy(const jo_model *m, jo_data *d, jo_energies *out)
     out->kinetic = T;
     out->strain = U;
     out->potential = P;
-    out->springs = 0.0;
+    out->springs = jo_same(0.0);
     if (m->nforce) {
         jo_marker_position(m, d, m->nactive);
         if (m->ncoordinate) jo_coordinates(m, d, m->ncoordinate);

@@ -198,6 +198,20 @@ static int note(const jo_model *m, jo_data *d, int i, int value, int *chain)
     return JO_OK;
 }
 
+/* event i happens; what is stored in a force that it releases is lost */
+static void happen(const jo_model *m, jo_data *d, int i)
+{
+    jo_energies before, after;
+    int loses = 0;
+    for (int j = 0; j < m->nforce; j++) loses |= m->force[j].release == i && !d->happened[i];
+    if (loses) jo_energy(m, d, &before);
+    d->happened[i]++;
+    d->side[i] = sign(d->above[i]);
+    if (!loses) return;
+    jo_energy(m, d, &after);
+    d->work.damping += before.springs - after.springs;
+}
+
 /* events that cross where the engine stands, and those that cross because of them; *stop: the first that ends the run */
 static int events_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
 {
@@ -207,8 +221,7 @@ static int events_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
             if (!crosses(m, d, i, d->above[i])) continue;
             const int status = note(m, d, i, sign(d->above[i]), chain);
             if (status != JO_OK) return status;
-            d->happened[i]++;
-            d->side[i] = sign(d->above[i]);
+            happen(m, d, i);
             if (m->event[i].stop && *stop < 0) *stop = i;
         }
         if (d->logged == before) break;

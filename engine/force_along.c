@@ -15,12 +15,11 @@ static jo_real along_at(const jo_model *m, const jo_data *d, const jo_force *f, 
     const jo_along_data *x = (const jo_along_data *)f->data;
     const jo_signal_work reference = optional(m, d, f->reference, time);
     jo_real y = x->stiffness * (x->free + reference.value - w->value) + x->damping * (reference.rate - w->rate);
-    y += x->preload * (f->signal >= 0 ? jo_signal_at(m, d, f->signal, time).value : 1.0);
+    y += x->preload * (f->signal >= 0 ? jo_signal_at(m, d, f->signal, time).value : jo_same(1.0));
     y += optional(m, d, f->spring, w->value).value + optional(m, d, f->damper, w->rate).value;
-    const double limit = JO_RE(x->limit);
-    if (limit > 0.0 && JO_RE(y) > limit) y = limit;
-    if (limit > 0.0 && JO_RE(y) < -limit) y = -limit;
-    return y;
+    const jo_mask limited = JO_LESS(jo_same(0.0), x->limit);
+    y = jo_choose(limited & JO_LESS(x->limit, y), x->limit, y);
+    return jo_choose(limited & JO_LESS(y, -x->limit), -x->limit, y);
 }
 
 /* energy in the linear part of a passive spring, 0 at its free length without preload */
@@ -28,7 +27,7 @@ static jo_real stored(const jo_data *d, const jo_force *f)
 {
     const jo_along_data *x = (const jo_along_data *)f->data;
     const jo_real s = d->coordinate[f->coordinate].value - x->free;
-    return f->active ? 0.0 : 0.5 * x->stiffness * s * s - x->preload * s;
+    return f->active ? jo_same(0.0) : 0.5 * x->stiffness * s * s - x->preload * s;
 }
 
 static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *y)
@@ -54,13 +53,12 @@ static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const j
     (void)stage;
     const jo_along_data *x = (const jo_along_data *)f->data;
     const jo_coordinate_work *w = &d->coordinate[f->coordinate];
-    const double limit = JO_RE(x->limit);
     jo_real fs = -x->stiffness, frate = -x->damping;
     jo_element e;
     jo_gradients g;
     if (f->spring >= 0) fs += jo_signal_at(m, d, f->spring, w->value).rate;
     if (f->damper >= 0) frate += jo_signal_at(m, d, f->damper, w->rate).rate;
-    if (limit > 0.0 && fabs(JO_RE(y->y[0])) >= limit) fs = frate = 0.0;
+    if (JO_COMMON(x->limit) > 0.0 && jo_most(jo_magnitude(y->y[0])) >= JO_COMMON(x->limit)) fs = frate = jo_same(0.0);
     jo_element_gradients(m, d, f->coordinate, &g);
     jo_element_start(&e, m->coordinate[f->coordinate].a, m->coordinate[f->coordinate].b);
     jo_element_along(d, &e, f->coordinate, &g, y->y[0], fs, frate);

@@ -7,12 +7,13 @@ static void rotation_vector(jo_real *theta, const jo_real *R)
     jo_real e[4];
     jo_quaternion(e, R);
     const jo_real square = jo_dot3(e + 1, e + 1), x = square / (e[0] * e[0]);
-    jo_real factor;
-    if (JO_RE(square) < 1e-3 * JO_RE(e[0] * e[0]))   /* 2 atan(|v| / e0) / |v|, error below 1e-17 */
+    const jo_mask small = JO_LESS(square, 1e-3 * (e[0] * e[0]));
+    jo_real factor = jo_same(0.0);
+    if (jo_some(small))   /* 2 atan(|v| / e0) / |v|, error below 1e-17 */
         factor = 2.0 / e[0] * (1.0 - x * (1.0 / 3.0 - x * (0.2 - x * (1.0 / 7.0 - x * (1.0 / 9.0 - x / 11.0)))));
-    else {
+    if (!jo_every(small)) {
         const jo_real sine = jo_sqrt(square);
-        factor = 2.0 * jo_arc_tangent(sine, e[0]) / sine;
+        factor = jo_choose(small, factor, 2.0 * jo_arc_tangent(sine, e[0]) / sine);
     }
     for (int i = 0; i < 3; i++) theta[i] = factor * e[1 + i];
 }
@@ -22,12 +23,13 @@ static void rotation_vector(jo_real *theta, const jo_real *R)
 static void conjugate(jo_real *y, const jo_real *theta, const jo_real *x, double sign)
 {
     const jo_real s = jo_dot3(theta, theta);
-    jo_real c, one[3], two[3];
-    if (JO_RE(s) < 0.01)
+    const jo_mask small = JO_LESS(s, 0.01);
+    jo_real c = jo_same(0.0), one[3], two[3];
+    if (jo_some(small))
         c = 1.0 / 12.0 + s * (1.0 / 720.0 + s * (1.0 / 30240.0 + s * (1.0 / 1209600.0 + s / 47900160.0)));
-    else {
+    if (!jo_every(small)) {
         const jo_real half = 0.5 * jo_sqrt(s);
-        c = (1.0 - half * jo_cos(half) / jo_sin(half)) / s;
+        c = jo_choose(small, c, (1.0 - half * jo_cos(half) / jo_sin(half)) / s);
     }
     jo_cross(one, theta, x);
     jo_cross(two, theta, one);
@@ -38,9 +40,9 @@ static void conjugate(jo_real *y, const jo_real *theta, const jo_real *x, double
 static jo_real energy(const jo_force *f, const jo_real *x, jo_real *y)
 {
     const jo_bushing_data *c = (const jo_bushing_data *)f->data;
-    jo_real U = 0.0;
+    jo_real U = {0.0};
     for (int i = 0; i < 6; i++) {
-        y[i] = 0.0;
+        y[i] = jo_same(0.0);
         for (int j = 0; j < 6; j++) y[i] += c->K[6 * i + j] * x[j];
         U += x[i] * (0.5 * y[i] - c->preload[i]);
     }
@@ -66,7 +68,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     conjugate(rate + 3, x + 3, w, -1.0);
     out->stored = energy(f, x, g);
     for (int i = 0; i < 6; i++) {
-        jo_real damping = 0.0;
+        jo_real damping = {0.0};
         for (int j = 0; j < 6; j++) damping += c->D[6 * i + j] * rate[j];
         d->power.damping += damping * rate[i];
         g[i] = c->preload[i] - g[i] - damping;
@@ -82,7 +84,7 @@ static void conjugate_rate(jo_real *M, jo_real *P, const jo_real *theta, const j
 {
     const jo_real s = jo_dot3(theta, theta);
     jo_real c, dc, one[3], two[3];
-    if (JO_RE(s) < 0.01) {
+    if (JO_COMMON(s) < 0.01) {
         c = 1.0 / 12.0 + s * (1.0 / 720.0 + s * (1.0 / 30240.0 + s * (1.0 / 1209600.0 + s / 47900160.0)));
         dc = 1.0 / 720.0 + s * (1.0 / 15120.0 + s * (1.0 / 403200.0 + s * (1.0 / 11975040.0 + s * 5.0 * 5.2840e-10)));
     } else {
@@ -96,10 +98,10 @@ static void conjugate_rate(jo_real *M, jo_real *P, const jo_real *theta, const j
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
             /* c (e x one + theta x (e x x)), theta x (e x x) = e (theta . x) - x (theta . e) */
-            M[3 * i + j] = 2.0 * dc * two[i] * theta[j] - c * x[i] * theta[j] + (i == j ? c * tx : 0.0);
-            P[3 * i + j] = c * theta[i] * theta[j] + (i == j ? 1.0 - c * s : 0.0);
+            M[3 * i + j] = 2.0 * dc * two[i] * theta[j] - c * x[i] * theta[j] + (i == j ? c * tx : jo_same(0.0));
+            P[3 * i + j] = c * theta[i] * theta[j] + (i == j ? 1.0 - c * s : jo_same(0.0));
         }
-    const jo_real half = 0.5 * sign;
+    const double half = 0.5 * sign;
     const jo_real u[3] = {-half * x[0] - c * one[0], -half * x[1] - c * one[1], -half * x[2] - c * one[2]};
     M[1] -= u[2]; M[2] += u[1]; M[3] += u[2]; M[5] -= u[0]; M[6] -= u[1]; M[7] += u[0];
     P[1] -= half * theta[2]; P[2] += half * theta[1]; P[3] += half * theta[2];

@@ -5,7 +5,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
 {
     const jo_load_data *x = (const jo_load_data *)f->data;
     const jo_marker_work *w = &d->marker[f->b];
-    jo_real F[3], T[3], v[3], om[3], factor = 1.0, now = 1.0;
+    jo_real F[3], T[3], v[3], om[3], factor = jo_same(1.0), now = factor;
     if (f->signal >= 0) {
         factor = jo_signal_at(m, d, f->signal, d->time[0] + stage->lead).value;
         now = stage->lead != 0.0 ? jo_signal_at(m, d, f->signal, d->time[0]).value : factor;
@@ -38,8 +38,8 @@ static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const j
     jo_element_start(&e, -1, f->b);
     for (int j = 0; j < 6; j++) e.y[6 + j] = y->y[j];
     if (f->follow) {
-        jo_element_skew(&e, 6, JO_OF_B + JO_DPHI, -1.0, e.y + 6);
-        jo_element_skew(&e, 9, JO_OF_B + JO_DPHI, -1.0, e.y + 9);
+        jo_element_skew(&e, 6, JO_OF_B + JO_DPHI, jo_same(-1.0), e.y + 6);
+        jo_element_skew(&e, 9, JO_OF_B + JO_DPHI, jo_same(-1.0), e.y + 9);
     }
     jo_element_finish(m, d, &e);
     return JO_OK;

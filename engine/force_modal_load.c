@@ -7,7 +7,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     const int np = m->body[f->body].np;
     const jo_modal_load_data *x = (const jo_modal_load_data *)f->data;
     const jo_real *modes = (const jo_real *)(x + 1);
-    jo_real factor = 1.0, now = 1.0, power = jo_dot3(x->force, w->V) + jo_dot3(x->torque, w->w);
+    jo_real factor = jo_same(1.0), now = factor, power = jo_dot3(x->force, w->V) + jo_dot3(x->torque, w->w);
     if (f->signal >= 0) {
         factor = jo_signal_at(m, d, f->signal, d->time[0] + stage->lead).value;
         now = stage->lead != 0.0 ? jo_signal_at(m, d, f->signal, d->time[0]).value : factor;

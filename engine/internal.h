@@ -110,7 +110,8 @@ typedef struct {
     jo_real c[6], cdot[6];  /* constraint residuals */
     jo_real x[8];           /* right-hand side, then multipliers; padded */
     jo_real right[6], sum[6];   /* refinement of redundant rows */
-    double scale[6];        /* diagonal of S before elimination */
+    int present;            /* of a joint that an event releases: whether it still holds */
+    jo_real scale[6];       /* diagonal of S before elimination */
 } jo_joint_work;
 
 /* A friction that slides, with `count` forces from `first` on in the iteration. */
@@ -168,7 +169,7 @@ static inline int jo_stabilised(const jo_stage *stage) { return stage->alpha != 
 /* The block Cholesky of S as it is carried out: what the model's lists mean in memory. `kind` says which numbers of rows
  * and columns occur, see schur.c. `lock` is that of an optional joint, else 0: where it is switched off its blocks are 0. */
 typedef struct { jo_real *S; const jo_side_work *k, *l; int kind, first, flexible; const int *lock_k, *lock_l; } jo_pair_plan;
-typedef struct { jo_real *S, *x; double *scale; int n, first, count, update, updates; const int *lock; } jo_column_plan;
+typedef struct { jo_real *S, *x, *scale; int n, first, count, update, updates; const int *lock; } jo_column_plan;
 typedef struct { jo_real *X, *x; int ld, rows, kind; const int *lock; } jo_below_plan;
 typedef struct { jo_real *T; const jo_real *X, *Y; int ld, ny, kind; const int *lock_x, *lock_y; } jo_update_plan;
 
@@ -294,8 +295,14 @@ static inline void jo_to_world(jo_real *y, const jo_model *m, const jo_data *d, 
     default: call(6); break;       \
     }
 
+/* whether an event has happened that releases a joint or a force */
+static inline int jo_released(const jo_data *d, int event) { return event >= 0 && d->happened[event] > 0; }
+
 /* whether the rows of an optional joint are switched off */
-static inline int jo_absent(const jo_data *d, const jo_joint *k) { return k->lock >= 0 && !d->locked[k->lock]; }
+static inline int jo_absent(const jo_data *d, const jo_joint *k)
+{
+    return (k->lock >= 0 && !d->locked[k->lock]) || jo_released(d, k->release);
+}
 
 /* body.c */
 void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh);
@@ -343,8 +350,8 @@ void jo_count_turns(const jo_model *m, jo_data *d);                /* the presen
 jo_real jo_arc_tangent(jo_real y, jo_real x);                      /* four quadrants */
 
 /* joint.c */
-double jo_joint_residual(const jo_model *m, jo_data *d);         /* fills c, returns the largest */
-double jo_joint_residual_rate(const jo_model *m, jo_data *d);    /* the same for cdot */
+jo_real jo_joint_residual(const jo_model *m, jo_data *d);         /* fills c, returns the largest */
+jo_real jo_joint_residual_rate(const jo_model *m, jo_data *d);    /* the same for cdot */
 void jo_joint_rows(const jo_model *m, jo_data *d);
 void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_stage *stage);
 jo_real jo_joint_power(const jo_model *m, const jo_data *d);     /* work that drives do, per second */

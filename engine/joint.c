@@ -12,22 +12,22 @@ static int first_line(const jo_joint *k) { return (k->coincident ? 3 : 0) + k->n
 
 static void clear(jo_real *x, int count)
 {
-    for (int i = 0; i < count; i++) x[i] = 0.0;
+    for (int i = 0; i < count; i++) x[i] = jo_same(0.0);
 }
 
-static double largest(const jo_real *c, int count)
+/* the larger one; a NaN stays */
+static jo_real larger(jo_real x, jo_real y) { return jo_choose(JO_LESS_OR_EQUAL(y, x), x, y); }
+
+static jo_real largest(const jo_real *c, int count)
 {
-    double x = 0.0;
-    for (int r = 0; r < count; r++) {
-        const double y = fabs(JO_RE(c[r]));
-        if (!(y <= x)) x = y;   /* a NaN stays */
-    }
+    jo_real x = {0.0};
+    for (int r = 0; r < count; r++) x = larger(x, jo_magnitude(c[r]));
     return x;
 }
 
-double jo_joint_residual(const jo_model *m, jo_data *d)
+jo_real jo_joint_residual(const jo_model *m, jo_data *d)
 {
-    double worst = 0.0;
+    jo_real worst = {0.0};
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
         const jo_marker_work *a = &d->marker[k->side[0]], *b = &d->marker[k->side[1]];
@@ -50,15 +50,14 @@ double jo_joint_residual(const jo_model *m, jo_data *d)
             c[k->nperp + l] = value;
         }
         if (jo_absent(d, k)) clear(d->joint[i].c, k->nrow);
-        const double gap = largest(d->joint[i].c, k->nrow);
-        if (!(gap <= worst)) worst = gap;
+        worst = larger(worst, largest(d->joint[i].c, k->nrow));
     }
     return worst;
 }
 
-double jo_joint_residual_rate(const jo_model *m, jo_data *d)
+jo_real jo_joint_residual_rate(const jo_model *m, jo_data *d)
 {
-    double worst = 0.0;
+    jo_real worst = {0.0};
     if (m->nline) jo_coordinates_rate(m, d, m->ncoordinate);
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
@@ -84,14 +83,13 @@ double jo_joint_residual_rate(const jo_model *m, jo_data *d)
         }
         for (int l = 0; l < k->nline; l++) {   /* Cq v + C_t */
             const jo_line *line = &m->line[k->line + l];
-            jo_real rate = 0.0;
+            jo_real rate = {0.0};
             for (int j = 0; j < line->count; j++) rate += line->data->factor[j] * d->coordinate[line->coordinate[j]].rate;
             if (line->signal >= 0) rate -= jo_signal_at(m, d, line->signal, d->time[0]).rate;
             c[k->nperp + l] = rate;
         }
         if (jo_absent(d, k)) clear(d->joint[i].cdot, k->nrow);
-        const double rate = largest(d->joint[i].cdot, k->nrow);
-        if (!(rate <= worst)) worst = rate;
+        worst = larger(worst, largest(d->joint[i].cdot, k->nrow));
     }
     return worst;
 }
@@ -165,7 +163,7 @@ static void line_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint
 }
 
 /* rows of a coincidence: the columns of the orientation */
-static inline void moving_rows(jo_real *restrict C, const int ld, const jo_real sign, const jo_real *restrict At)
+static inline void moving_rows(jo_real *restrict C, const int ld, const double sign, const jo_real *restrict At)
 {
     for (int j = 0; j < 3; j++)
         for (int l = 0; l < 4; l += JO_WIDTH) JO_STORE(C + ld * j + l) = sign * JO_LOAD(At + 4 * j + l);
@@ -175,7 +173,8 @@ static void any_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint_
 {
     jo_side_work *here = &w->side[side];
     const jo_marker_work *mw = here->marker;
-    const jo_real sign = side ? 1.0 : -1.0, *A = here->body->A;
+    const double sign = side ? 1.0 : -1.0;
+    const jo_real *A = here->body->A;
     const int ld = jo_padded(k->nrow), first = k->coincident ? 3 : 0, rotations = k->nperp + k->nline;
     jo_real *C = here->C;
     if (first) moving_rows(C, ld, sign, here->body->At);
@@ -197,6 +196,7 @@ void jo_joint_rows(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
         jo_joint_work *w = &d->joint[i];
+        w->present = !jo_released(d, k->release);
         if (jo_absent(d, k)) continue;
         for (int r = 0; r < k->nperp; r++) {
             jo_real x[3], y[3];
@@ -233,7 +233,7 @@ static void line_acceleration(const jo_model *m, const jo_data *d, double lead, 
 {
     for (int l = 0; l < k->nline; l++) {
         const jo_line *line = &m->line[k->line + l];
-        x[l] = 0.0;
+        x[l] = jo_same(0.0);
         for (int j = 0; j < line->count; j++) {
             const jo_coordinate *c = &m->coordinate[line->coordinate[j]];
             const jo_coordinate_work *s = &d->coordinate[line->coordinate[j]];
@@ -254,7 +254,7 @@ static void line_acceleration(const jo_model *m, const jo_data *d, double lead, 
 /* rate of the work of the drives, -lam signal' */
 jo_real jo_joint_power(const jo_model *m, const jo_data *d)
 {
-    jo_real power = 0.0;
+    jo_real power = {0.0};
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
         for (int l = 0; l < k->nline; l++) {
@@ -342,7 +342,7 @@ static inline void subtract_rows(jo_real *restrict y, const jo_real *restrict V,
 static inline void row_force(jo_real *f, const jo_real *restrict C, const int ld, const jo_real *restrict x, int first, int end)
 {
     for (int j = 0; j < 3; j++) {
-        f[j] = 0.0;
+        f[j] = jo_same(0.0);
         for (int r = first; r < end; r++) f[j] += C[ld * j + r] * x[r];
     }
 }

@@ -13,7 +13,9 @@
 #ifndef JOUSTO_H
 #define JOUSTO_H
 
-#ifdef JO_COMPLEX
+#if defined(JO_VECTOR)            /* how many machines of one structure lie side by side in the lanes of a vector */
+typedef double jo_real __attribute__((vector_size(8 * JO_VECTOR)));
+#elif defined(JO_COMPLEX)
 #include <complex.h>
 typedef double complex jo_real;  /* complex-step derivatives of anything the engine computes */
 #else
@@ -47,7 +49,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 9 };           /* raised whenever a struct or a meaning below changes */
+enum { JO_ABI = 10 };           /* raised whenever a struct or a meaning below changes */
 enum { JO_PAD = 4 };           /* modal coordinates are padded to a multiple of this */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -84,7 +86,9 @@ typedef enum { JO_SENSOR_POSITION = 1, JO_SENSOR_VELOCITY = 2, JO_SENSOR_ORIENTA
                JO_SENSOR_ANGULAR_ACCELERATION = 9, JO_SENSOR_COORDINATE = 10, JO_SENSOR_RATE = 11,
                JO_SENSOR_MULTIPLIER = 12, JO_SENSOR_ELEMENT = 13, JO_SENSOR_ENERGY = 14, JO_SENSOR_SIGNAL = 15,
                JO_SENSOR_VON_MISES = 16, JO_SENSOR_PRINCIPAL = 17, JO_SENSOR_FRICTION = 18, JO_SENSOR_DAMAGE = 19,
-               JO_SENSOR_BRIDGE = 21, JO_SENSOR_SECTION = 22 } jo_sensor_type;
+               JO_SENSOR_BRIDGE = 21, JO_SENSOR_SECTION = 22,
+               JO_SENSOR_ACCELERATION_PARTS = 23,
+               JO_SENSOR_DEFORMATION_MOMENTUM = 24 } jo_sensor_type;
 typedef enum { JO_ENERGY_KINETIC = 0, JO_ENERGY_STRAIN = 1, JO_ENERGY_POTENTIAL = 2, JO_ENERGY_SPRINGS = 3,
                JO_ENERGY_DISSIPATED = 4, JO_ENERGY_FRICTION = 5, JO_ENERGY_WORK = 6 } jo_energy_kind;
 typedef enum { JO_RESIDUE_HALF = 0, JO_RESIDUE_REPEAT = 1, JO_RESIDUE_IGNORE = 2 } jo_residue;
@@ -184,6 +188,7 @@ typedef struct {
     int line;               /* first of its lines */
     int nrow, row;          /* rows, and offset in lam */
     int lock;               /* the rows exist only while jo_data_locked()[lock] is not 0; -1: always */
+    int release;            /* the rows exist only until this event has happened; -1: always */
 } jo_joint;
 
 /* Two joint sides on one body: their contribution to one block of S = Cq M^-1 Cq^T. */
@@ -238,6 +243,7 @@ typedef struct {
     const jo_real *data;    /* of its kind; USER: none, it calls its function */
     jo_callback function;
     void *user;
+    int release;            /* it acts only until this event has happened; -1: always */
 } jo_force;
 
 /* Velocity in m/s, lengths in m, preload in N. */
@@ -266,7 +272,8 @@ typedef struct {
     int type;               /* jo_sensor_type */
     int object;             /* marker, body, joint, coordinate, force, signal, beam, or jo_energy_kind;
                              * SECTION: strains (6) and resultants (6) in the middle of the beam element, in its axes */
-    int other, frame;       /* markers: of the observer, of the axes; -1: the world. ELEMENT, SECTION: other is the first component;
+    int other, frame;       /* markers: of the observer, of the axes; -1: the world. ACCELERATION_PARTS (5 x 3: of the observer's frame,
+                             * normal, tangential, Coriolis, relative): other -1 is the frame of the marker's own body. ELEMENT, SECTION: other is the first component;
                              * STRESS, BRIDGE: other is a signal of apparent strain, of change of temperature; -1: none */
     int offset, count;      /* place in the sensor vector */
     const jo_real *rows;    /* STRESS: (count x np), VON_MISES: (6 count x np), PRINCIPAL: (2 count x np), row-major;
@@ -351,8 +358,13 @@ typedef struct jo_data jo_data;
 
 int jo_abi(void);
 int jo_model_size(void);                         /* bytes of a jo_model, to compare with the caller's */
-int jo_cpu_level(void);                          /* x86-64 level of this processor (1 or 3); 0 elsewhere */
+int jo_machines(void);                           /* machines side by side: numbers in a jo_real, and so in every array of them */
+int jo_cpu_level(void);                          /* x86-64 level of this processor (1, 3 or 4); 0 elsewhere */
 jo_data *jo_data_new(const jo_model *m);         /* 0 if there is no memory */
+long long jo_data_bytes(const jo_model *m);      /* of a jo_data and all it points to but the model */
+long long jo_data_room(const jo_model *m);       /* bytes that jo_data_place needs, at any address */
+jo_data *jo_data_place(const jo_model *m, void *memory);   /* the same as jo_data_new in memory of the caller's, without jo_data_free */
+void jo_data_gravity(const jo_model *m, jo_data *d);       /* the gravity of the model was changed */
 void jo_data_free(jo_data *d);
 jo_real *jo_data_q(jo_data *d);                  /* (nq) */
 jo_real *jo_data_v(jo_data *d);                  /* (nv) */
@@ -375,9 +387,11 @@ const double *jo_data_log(const jo_data *d);     /* (logged x 3) of the last jo_
                                                   * or -1 falling, or nevent + friction and its slip from then on */
 int jo_data_logged(const jo_data *d);
 jo_counts *jo_data_counts(jo_data *d);
+void jo_data_count_turns(const jo_model *m, jo_data *d);   /* angles of the present state are accepted */
 int jo_data_error_index(const jo_data *d);       /* body or joint of the last error */
 
 int jo_accelerations(const jo_model *m, jo_data *d);          /* a, lam from time, q, v */
+int jo_rates(const jo_model *m, jo_data *d, double alpha, double beta, jo_real *qdot);   /* the same with Baumgarte's terms; q' (nq) */
 int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance);
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s);
 void jo_restart(jo_data *d);      /* the state was replaced: what methods and events remember of the last step is forgotten */

@@ -42,8 +42,8 @@ static void weigh(const jo_body *b, const jo_real *weight, const jo_marker_work 
 /* X of a marker where no modal coordinates are eliminated */
 static inline void unreduced(jo_real *Xt, const jo_real *u)
 {
-    const jo_real rigid[18] = {1.0, 0.0, 0.0, 0.0, u[2], -u[1], 0.0, 1.0, 0.0, -u[2], 0.0, u[0],
-                               0.0, 0.0, 1.0, u[1], -u[0], 0.0};
+    const jo_real o = jo_same(0.0), e = jo_same(1.0);
+    const jo_real rigid[18] = {e, o, o, o, u[2], -u[1], o, e, o, -u[2], o, u[0], o, o, e, u[1], -u[0], o};
     for (int j = 0; j < 18; j++) Xt[j] = rigid[j];
 }
 
@@ -52,7 +52,7 @@ static void rigid_rows(const jo_marker *k, const jo_real *L, jo_marker_work *w)
 {
     jo_set3(w->u, k->u0);
     unreduced(w->Xt, w->u);
-    for (int j = 0; j < 18; j++) w->Xr[j] = j == 3 || j == 10 || j == 17 ? 1.0 : 0.0;
+    for (int j = 0; j < 18; j++) w->Xr[j] = j == 3 || j == 10 || j == 17 ? jo_same(1.0) : jo_same(0.0);
     for (int r = 0; r < 3; r++) {
         jo_body_forward(L, w->Xt + 6 * r);
         jo_body_forward(L, w->Xr + 6 * r);
@@ -102,7 +102,7 @@ static inline void displacement(jo_real *y, const jo_real *first, const jo_real 
 static void quadratic(jo_real *y, const jo_real *chi, const jo_real *pd, int n, int np)
 {
     for (int c = 0; c < 3; c++) {
-        y[c] = 0.0;
+        y[c] = jo_same(0.0);
         for (int i = 0; i < n; i++, chi += np) {
             jo_lanes s = {0};
             JO_EACH(j, np) s += JO_LOAD(chi + j) * JO_LOAD(pd + j);
@@ -210,7 +210,7 @@ void jo_marker_bias(const jo_model *m, jo_data *d, int count)
             jo_add3(w->bv, t);
         }
         if (!k->turns) continue;
-        w->bom[0] = w->bom[1] = w->bom[2] = 0.0;
+        w->bom[0] = w->bom[1] = w->bom[2] = jo_same(0.0);
         if (k->Psi) {
             /* w x T theta' + T' theta', T' = f1' theta~ + f1 theta'~ + f2' theta~^2 + f2 (theta'~ theta~ + theta~ theta'~) */
             jo_real rate[3], f[3], df1, df2, tt[3], ttt[3];
@@ -263,7 +263,7 @@ void jo_marker_reduce(const jo_model *m, jo_data *d, int set, int count)
         }
         if (!k->turns) continue;
         X = w->Xr;
-        for (int j = 0; j < 18; j++) X[j] = 0.0;
+        for (int j = 0; j < 18; j++) X[j] = jo_same(0.0);
         jo_set3(w->a + 3, w->bom);
         if (k->Psi) {
             jo_real P[9];
@@ -298,7 +298,7 @@ void jo_marker_motion(const jo_model *m, const jo_data *d, int marker, int accel
     jo_set3(y->r, w->r);
     jo_to_world(y->v, m, d, marker, w->v);
     jo_to_world(y->om, m, d, marker, w->om);
-    for (int j = 0; j < 3; j++) y->a[j] = y->al[j] = 0.0;
+    for (int j = 0; j < 3; j++) y->a[j] = y->al[j] = jo_same(0.0);
     if (k->body < 0 || !accelerations) return;
     const jo_body *b = &m->body[k->body];
     const jo_real *a = d->a + b->iv, *A = d->body[k->body].A;
@@ -309,7 +309,7 @@ void jo_marker_motion(const jo_model *m, const jo_data *d, int marker, int accel
     jo_mul3(y->a, A, t);
     jo_add3(y->a, a);
     if (!k->turns) return;
-    for (int j = 0; j < 3; j++) t[j] = 0.0;
+    for (int j = 0; j < 3; j++) t[j] = jo_same(0.0);
     if (k->Psi) add_modal(t, w->Psi, a + 6, b->n, b->np);
     if (k->Psi) jo_mul3(t, w->T, t);
     jo_add3(t, w->bom);

@@ -1,4 +1,4 @@
-/* meter.c - fatigue damage of a history as it comes: rainflow count by the four-point rule, Miner's sum.
+/* meter.c - fatigue damage of a history as it comes: rainflow count (rainflow.h), Miner's sum.
  *
  * The stack holds the turning points that no cycle has taken yet, the last one is the newest sample of the present run
  * up or down. Of its last four points A B C D the inner range B C is a closed cycle if it lies within A D; D may still
@@ -10,7 +10,7 @@
  * vibration that decays), one of the smallest, the last between known points, counts as a full cycle, and what the range
  * around it loses counts in full: never less than the exact damage, and hardly more. How many cycles were closed so, and
  * how large they were, is kept. */
-#include "jousto.h"
+#include "rainflow.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -100,12 +100,6 @@ static int make_room(const jo_meter *r, double *m, int n)
     return n - 2;
 }
 
-/* the inner two of four turning points lie within the outer two; the last has to reach the second for that */
-static int is_cycle(const double *z)
-{
-    return z[3] > z[2] ? z[3] >= z[1] && z[0] <= z[2] : z[3] <= z[1] && z[0] >= z[2];
-}
-
 /* one sample; closed cycles go to `cycles` if it is not 0, their number is returned */
 static int push(const jo_meter *r, double *m, double x, double *cycles)
 {
@@ -132,7 +126,7 @@ static int push(const jo_meter *r, double *m, double x, double *cycles)
         if (n >= r->depth) n = make_room(r, m, n);
         z[n++] = x;
     }
-    while (n >= 4 && is_cycle(z + n - 4)) {
+    while (n >= 4 && jo_closes(z + n - 4)) {
         add_damage(m, jo_cycle_damage(r, z[n - 3], z[n - 2]));
         if (cycles) {
             cycles[2 * closed] = z[n - 3];
@@ -215,32 +209,4 @@ int jo_meter_valid(const jo_meter *r, const double *m)
         if (i > 1 && (z[i] > z[i - 1]) == (z[i - 1] > z[i - 2])) return 0;   /* no turning point */
     }
     return 1;
-}
-
-/* -- a whole history -------------------------------------------------------------------------- */
-
-long long jo_rainflow(const double *x, long long count, double *cycles, long long *where, double *residue,
-                      long long *residue_where, long long *length)
-{
-    long long n = 0, closed = 0;
-    double *z = residue;
-    long long *at = residue_where;
-    for (long long i = 0; i < count; i++) {
-        if (n && x[i] == z[n - 1]) continue;
-        if (n < 2 || (x[i] > z[n - 1]) != (z[n - 1] > z[n - 2])) n++;
-        z[n - 1] = x[i];
-        at[n - 1] = i;
-        while (n >= 4 && is_cycle(z + n - 4)) {
-            for (int j = 0; j < 2; j++) {
-                cycles[2 * closed + j] = z[n - 3 + j];
-                where[2 * closed + j] = at[n - 3 + j];
-            }
-            closed++;
-            z[n - 3] = z[n - 1];
-            at[n - 3] = at[n - 1];
-            n -= 2;
-        }
-    }
-    *length = n;
-    return closed;
 }

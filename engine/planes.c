@@ -6,7 +6,7 @@
  * worst damage found. Then, a level is crossed upwards once by every cycle around it. Damage grows at least with a power
  * p >= 1, so that its sum is largest if as few cycles as possible cross as many levels as possible (the row sums of a table
  * of zeros and ones are majorised by the conjugate of its column sums, Gale and Ryser 1957). */
-#include "jousto.h"
+#include "rainflow.h"
 #include <math.h>
 
 enum { CELLS = 24 };   /* of the range of a line, between levels */
@@ -60,12 +60,10 @@ static double counted(const jo_planes *r, const jo_meter *curve, const double *x
         }
         z[n - 1] = value;
         since = sn[t];
-        while (n >= 4) {
-            const double a = z[n - 4], b = z[n - 3], c = z[n - 2], d = z[n - 1];
-            if (d > c ? d < b || a > c : d > b || a < c) break;
-            sum += cycle(r, curve, b, c, seg[n - 3]);
+        while (n >= 4 && jo_closes(z + n - 4)) {
+            sum += cycle(r, curve, z[n - 3], z[n - 2], seg[n - 3]);
             seg[n - 4] = larger(seg[n - 4], larger(seg[n - 3], seg[n - 2]));
-            z[n - 3] = d;
+            z[n - 3] = z[n - 1];
             n -= 2;
         }
     }

@@ -42,8 +42,8 @@ static void push_change(const jo_model *m, jo_data *d, int marker, const jo_real
     if (body < 0) return;
     jo_body_work *w = &d->body[body];
     if (!w->pushed) {
-        for (int j = 0; j < 6; j++) w->y[j] = 0.0;
-        for (int j = 0; j < m->body[body].np; j++) w->yp[j] = 0.0;
+        for (int j = 0; j < 6; j++) w->y[j] = jo_same(0.0);
+        for (int j = 0; j < m->body[body].np; j++) w->yp[j] = jo_same(0.0);
         w->pushed = 1;
     }
     push(m, d, marker, F, T, w->y, w->yp);

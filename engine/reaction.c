@@ -5,7 +5,7 @@ void jo_reaction_of(const jo_model *m, const jo_data *d, int joint, const jo_rea
 {
     const jo_joint *k = &m->joint[joint];
     const jo_real *Aa = d->marker[k->side[0]].A, *Ab = d->marker[k->side[1]].A;
-    for (int i = 0; i < 6; i++) y[i] = 0.0;
+    for (int i = 0; i < 6; i++) y[i] = jo_same(0.0);
     if (k->coincident) {
         for (int i = 0; i < 3; i++) y[i] = -lam[i];
         lam += 3;
@@ -64,7 +64,7 @@ void jo_react(const jo_model *m, jo_data *d)
         if (k->lock >= 0 && !d->locked[k->lock]) continue;
         if (k->coincident) {
             jo_push(m, d, a, lam, none);
-            scaled(x, -1.0, lam);
+            scaled(x, jo_same(-1.0), lam);
             jo_push(m, d, b, x, none);
             lam += 3;
         }

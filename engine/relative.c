@@ -72,15 +72,15 @@ void jo_newton_between(const jo_model *m, jo_data *d, const jo_force *f, const j
     jo_sub3(omb, oma);
     /* changes of the relative motion, first in the world frame: e.Y serves as scratch */
     for (int p = 0; p < 3; p++) {
-        e.Y[p][JO_DR + p] = e.Y[3 + p][JO_DPHI + p] = e.Y[6 + p][JO_DV + p] = e.Y[9 + p][JO_DOM + p] = -1.0;
-        e.Y[p][JO_OF_B + JO_DR + p] = e.Y[3 + p][JO_OF_B + JO_DPHI + p] = e.Y[6 + p][JO_OF_B + JO_DV + p] = e.Y[9 + p][JO_OF_B + JO_DOM + p] = 1.0;
+        e.Y[p][JO_DR + p] = e.Y[3 + p][JO_DPHI + p] = e.Y[6 + p][JO_DV + p] = e.Y[9 + p][JO_DOM + p] = jo_same(-1.0);
+        e.Y[p][JO_OF_B + JO_DR + p] = e.Y[3 + p][JO_OF_B + JO_DPHI + p] = e.Y[6 + p][JO_OF_B + JO_DV + p] = e.Y[9 + p][JO_OF_B + JO_DOM + p] = jo_same(1.0);
     }
-    jo_element_skew(&e, 0, JO_DPHI, 1.0, r);         /* -phi_a x r */
-    jo_element_skew(&e, 6, JO_DOM, 1.0, r);          /* -dom_a x r */
-    jo_element_skew(&e, 6, JO_DR, 1.0, oma);         /* -om_a x dr */
-    jo_element_skew(&e, 6, JO_OF_B + JO_DR, -1.0, oma);
-    jo_element_skew(&e, 6, JO_DPHI, 1.0, vb);
-    jo_element_skew(&e, 9, JO_DPHI, 1.0, omb);
+    jo_element_skew(&e, 0, JO_DPHI, jo_same(1.0), r);         /* -phi_a x r */
+    jo_element_skew(&e, 6, JO_DOM, jo_same(1.0), r);          /* -dom_a x r */
+    jo_element_skew(&e, 6, JO_DR, jo_same(1.0), oma);         /* -om_a x dr */
+    jo_element_skew(&e, 6, JO_OF_B + JO_DR, jo_same(-1.0), oma);
+    jo_element_skew(&e, 6, JO_DPHI, jo_same(1.0), vb);
+    jo_element_skew(&e, 9, JO_DPHI, jo_same(1.0), omb);
     for (int p = 0; p < 12; p++)
         for (int q = 0; q < 24; q++)
             for (int s = 0; s < 3; s++) K[p][q] += a->A[3 * s + p % 3] * e.Y[3 * (p / 3) + s][q];
@@ -89,15 +89,15 @@ void jo_newton_between(const jo_model *m, jo_data *d, const jo_force *f, const j
     jo_mul3(e.y + 9, a->A, y + 3);
     for (int p = 0; p < 6; p++)
         for (int q = 0; q < 24; q++) {
-            jo_real x = 0.0;
+            jo_real x = {0.0};
             for (int s = 0; s < 12; s++) x += X[p][s] * K[s][q];
             for (int s = 0; s < 3; s++) e.Y[6 + 3 * (p / 3) + s][q] += a->A[3 * s + p % 3] * x;
         }
-    jo_element_skew(&e, 6, JO_DPHI, -1.0, e.y + 6);
-    jo_element_skew(&e, 9, JO_DPHI, -1.0, e.y + 9);
+    jo_element_skew(&e, 6, JO_DPHI, jo_same(-1.0), e.y + 6);
+    jo_element_skew(&e, 9, JO_DPHI, jo_same(-1.0), e.y + 9);
     /* on a: -F, -T - r x F */
     jo_cross(t, r, e.y + 6);
-    for (int i = 0; i < 9; i++) M[i] = 0.0;
+    for (int i = 0; i < 9; i++) M[i] = jo_same(0.0);
     M[1] = -r[2]; M[2] = r[1]; M[3] = r[2]; M[5] = -r[0]; M[6] = -r[1]; M[7] = r[0];
     for (int p = 0; p < 3; p++) {
         e.y[p] = -e.y[6 + p];
@@ -107,7 +107,7 @@ void jo_newton_between(const jo_model *m, jo_data *d, const jo_force *f, const j
             e.Y[3 + p][q] = -e.Y[9 + p][q] - (M[3 * p] * e.Y[6][q] + M[3 * p + 1] * e.Y[7][q] + M[3 * p + 2] * e.Y[8][q]);
         }
     }
-    jo_element_skew(&e, 3, JO_DR, -1.0, e.y + 6);    /* -dr x F = F x dr, dr = dr_b - dr_a */
-    jo_element_skew(&e, 3, JO_OF_B + JO_DR, 1.0, e.y + 6);
+    jo_element_skew(&e, 3, JO_DR, jo_same(-1.0), e.y + 6);    /* -dr x F = F x dr, dr = dr_b - dr_a */
+    jo_element_skew(&e, 3, JO_OF_B + JO_DR, jo_same(1.0), e.y + 6);
     jo_element_finish(m, d, &e);
 }

@@ -24,11 +24,11 @@ static void diagnose(const jo_model *m, jo_data *d, jo_diagnostics *y)
     jo_residuals(m, d, largest);
     y->position_residual = largest[0];
     y->velocity_residual = largest[1];
-    y->evaluations = (double)d->counts.evaluations;
-    y->iterations = (double)d->counts.iterations;
-    y->steps = (double)d->counts.steps;
-    y->rejected = (double)d->counts.rejected;
-    y->step = d->control.length;
+    y->evaluations = jo_same((double)d->counts.evaluations);
+    y->iterations = jo_same((double)d->counts.iterations);
+    y->steps = jo_same((double)d->counts.steps);
+    y->rejected = jo_same((double)d->counts.rejected);
+    y->step = jo_same(d->control.length);
 }
 
 int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
@@ -44,13 +44,13 @@ int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
     jo_sensors(m, d, row + JO_DIAGNOSTICS);
     row += JO_DIAGNOSTICS + m->nout;
     for (int i = 0; i < m->nturn; i++) *row++ = d->turn[i];
-    for (int i = 0; i < m->nlock; i++) *row++ = d->locked[i];
-    for (int i = 0; i < m->nfriction; i++) *row++ = d->slip[i];
+    for (int i = 0; i < m->nlock; i++) *row++ = jo_same(d->locked[i]);
+    for (int i = 0; i < m->nfriction; i++) *row++ = jo_same(d->slip[i]);
     for (int i = 0; i < 2 * m->nlock; i++) *row++ = d->held[i];
     for (int i = 0; i < 2 * m->nfriction; i++) *row++ = d->direction[i];
-    for (int i = 0; i < m->nevent; i++) *row++ = d->happened[i];
+    for (int i = 0; i < m->nevent; i++) *row++ = jo_same(d->happened[i]);
     for (int i = 0; i < m->ninput; i++) *row++ = d->input[i];
-    for (int i = 0; i < m->nmemory; i++) *row++ = d->memory[i];
+    for (int i = 0; i < m->nmemory; i++) *row++ = jo_same(d->memory[i]);
     return JO_OK;
 }
 

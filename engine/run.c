@@ -12,7 +12,7 @@ static void enter(jo_data *d)
     d->again = d->fresh;
     d->current = d->fresh = 0;
     d->logged = 0;
-    if (JO_RE(d->time[0]) != d->left) jo_restart(d);
+    if (JO_COMMON(d->time[0]) != d->left) jo_restart(d);
 }
 
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
@@ -20,7 +20,7 @@ int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
     enter(d);
     int status = step(m, d, s);
     if (status == JO_OK) status = jo_measure(m, d);
-    d->left = JO_RE(d->time[0]);
+    d->left = JO_COMMON(d->time[0]);
     return status;
 }
 
@@ -67,7 +67,7 @@ int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, 
     *written = 0;
     enter(d);
     const int status = run(m, d, s, nsteps, every, count, written, rows);
-    d->left = JO_RE(d->time[0]);
+    d->left = JO_COMMON(d->time[0]);
     d->grid.valid = status == JO_OK;
     d->grid.count = *count;
     d->grid.step = s->step;

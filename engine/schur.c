@@ -19,7 +19,7 @@ static void pair_gram(const jo_model *m, jo_data *d, int i, int set)
     for (int r = 0; r < 6 && np; r++)
         for (int c = 0; c < 6; c++) {
             const jo_real *x = r < 3 ? mk->Phi : mk->Psi, *y = c < 3 ? ml->Phi : ml->Psi;
-            jo_real s = 0.0;
+            jo_real s = {0.0};
             if (x && y)
                 for (int j = 0; j < np; j++) s += x[(r % 3) * np + j] * weight[j] * y[(c % 3) * np + j];
             gram[6 * r + c] = s;
@@ -48,6 +48,7 @@ static int kind_of(int ld, int n)
 
 static const int *lock_of(const jo_model *m, const jo_data *d, int joint)
 {
+    if (m->joint[joint].release >= 0) return &d->joint[joint].present;
     return m->joint[joint].lock < 0 ? 0 : d->locked + m->joint[joint].lock;
 }
 
@@ -69,7 +70,7 @@ static void plan_sides(const jo_model *m, jo_data *d)
 /* and which pair comes first into its block: S is 1 where there is none */
 static void plan_pairs(const jo_model *m, jo_data *d)
 {
-    for (int b = 0; b < m->nblock; b++) d->S[JO_BLOCK * b] = 1.0;
+    for (int b = 0; b < m->nblock; b++) d->S[JO_BLOCK * b] = jo_same(1.0);
     for (int i = 0; i < m->npair; i++) {
         const jo_pair *p = &m->pair[i];
         jo_pair_plan *w = &d->pairs[i];
@@ -78,10 +79,10 @@ static void plan_pairs(const jo_model *m, jo_data *d)
         w->l = &d->joint[p->joint_l].side[p->side_l];
         w->flexible = w->k->L != 0;
         w->kind = kind_of(jo_padded(m->joint[p->joint_k].nrow), m->joint[p->joint_l].nrow);
-        w->first = JO_RE(w->S[0]) != 0.0;
+        w->first = JO_COMMON(w->S[0]) != 0.0;
         w->lock_k = lock_of(m, d, p->joint_k);
         w->lock_l = lock_of(m, d, p->joint_l);
-        w->S[0] = 0.0;
+        w->S[0] = jo_same(0.0);
     }
 }
 
@@ -97,7 +98,7 @@ static void plan_below(const jo_model *m, jo_data *d, const jo_column *col)
         x->ld = jo_padded(x->rows);
         x->kind = kind_of(x->ld, m->joint[col->joint].nrow);
         x->lock = lock_of(m, d, row);
-        if (JO_RE(x->X[0]) != 0.0) d->fills[d->nfill++] = x->X;
+        if (JO_COMMON(x->X[0]) != 0.0) d->fills[d->nfill++] = x->X;
     }
 }
 
@@ -137,7 +138,7 @@ void jo_joint_plan(const jo_model *m, jo_data *d)
         w->update = m->update_first[c];
         w->updates = m->update_first[c + 1] - w->update;
         w->lock = lock_of(m, d, col->joint);
-        if (JO_RE(w->S[0]) != 0.0) d->fills[d->nfill++] = w->S;   /* both sides on ground */
+        if (JO_COMMON(w->S[0]) != 0.0) d->fills[d->nfill++] = w->S;   /* both sides on ground */
         plan_below(m, d, col);
         for (int u = w->update; u < w->update + w->updates; u++) plan_update(m, d, col, u);
     }
@@ -211,14 +212,15 @@ static void add_gram(jo_real *S, const jo_joint *k, const jo_real *Ck, const jo_
 
 /* S = L D L^T of a diagonal block, in place: below the diagonal L, whose diagonal is 1, on it D^-1. A pivot that vanishes
  * against the diagonal that the row had before elimination means that the row repeats others. 1, 0: singular, -1: not finite */
-static inline int factor_diagonal(jo_real *restrict S, const int n, const double *scale)
+static inline int factor_diagonal(jo_real *restrict S, const int n, const jo_real *scale)
 {
     const int ld = jo_padded(n);
     int regular = 1;
     for (int k = 0; k < n; k++) {
         jo_real *column = S + ld * k;
-        const jo_real x = column[k], inverse = 1.0 / x;
-        if (regular == 1 && !(JO_RE(x) > 1e-12 * scale[k])) regular = isfinite(JO_RE(x)) ? 0 : -1;
+        jo_real x = column[k];
+        if (jo_spoil(&x, JO_LESS(1e-12 * scale[k], x)) && regular == 1) regular = isfinite(jo_most(x)) ? 0 : -1;
+        const jo_real inverse = 1.0 / x;
         for (int j = k + 1; j < n; j++) {
             const jo_real y = column[j] * inverse;
             for (int i = j; i < n; i++) S[ld * j + i] -= column[i] * y;
@@ -278,7 +280,7 @@ static void assemble(const jo_model *m, jo_data *d, int set)
     for (int i = 0; i < m->npair; i++) {
         const jo_pair_plan *p = &d->pairs[i];
         if (off(p->lock_k) || off(p->lock_l)) {
-            for (int j = 0; j < JO_BLOCK && p->first; j++) p->S[j] = 0.0;
+            for (int j = 0; j < JO_BLOCK && p->first; j++) p->S[j] = jo_same(0.0);
             continue;
         }
         const jo_joint *k = &m->joint[m->pair[i].joint_k], *l = &m->joint[m->pair[i].joint_l];
@@ -293,7 +295,7 @@ static void assemble(const jo_model *m, jo_data *d, int set)
         add_gram(p->S, k, p->k->C, l, p->l->C, d->gram[set] + 36 * i);
     }
     for (int i = 0; i < d->nfill; i++)
-        for (int j = 0; j < JO_BLOCK; j++) d->fills[i][j] = 0.0;
+        for (int j = 0; j < JO_BLOCK; j++) d->fills[i][j] = jo_same(0.0);
 }
 
 /* S + eps diag(S), which is regular; S itself is kept for the refinement */
@@ -314,7 +316,7 @@ static int factor(const jo_model *m, jo_data *d, int set)
         jo_column_plan *w = &d->columns[c];
         const int n = w->n, step = jo_padded(n) + 1;
         if (off(w->lock)) continue;
-        for (int r = 0; r < n; r++) w->scale[r] = JO_RE(w->S[step * r]);
+        for (int r = 0; r < n; r++) w->scale[r] = w->S[step * r];
     }
     if (d->regular) regularise(m, d);
     for (int c = 0; c < m->ncolumn; c++) {
@@ -478,7 +480,7 @@ void jo_joint_solve(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->njoint; i++)
         for (int r = 0; r < m->joint[i].nrow; r++) {
             d->joint[i].right[r] = d->joint[i].x[r];
-            d->joint[i].sum[r] = 0.0;
+            d->joint[i].sum[r] = jo_same(0.0);
         }
     for (int k = 0; k <= JO_REFINE; k++) {
         if (k) residual(m, d);

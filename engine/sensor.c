@@ -16,7 +16,7 @@ static void observe(jo_motion *y, const jo_motion *o)
     jo_cross(c, o->om, c);
     jo_sub3(y->a, c);               /* centripetal */
     jo_cross(c, o->om, y->v);
-    jo_axpy3(y->a, -2.0, c);        /* Coriolis */
+    jo_axpy3(y->a, jo_same(-2.0), c);        /* Coriolis */
     jo_sub3(y->om, o->om);
     jo_sub3(y->al, o->al);
     jo_cross(c, o->om, y->om);
@@ -53,7 +53,10 @@ static void orientation(const jo_data *d, const jo_sensor *s, jo_real *y)
     resolve(d, s->frame, y + 1);
 }
 
-static int is_acceleration(const jo_sensor *s) { return s->type == JO_SENSOR_ACCELERATION || s->type == JO_SENSOR_ANGULAR_ACCELERATION; }
+static int is_acceleration(const jo_sensor *s)
+{
+    return s->type == JO_SENSOR_ACCELERATION || s->type == JO_SENSOR_ANGULAR_ACCELERATION || s->type == JO_SENSOR_ACCELERATION_PARTS;
+}
 
 static void marker_sensor(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
 {
@@ -74,6 +77,40 @@ static void marker_sensor(const jo_model *m, const jo_data *d, const jo_sensor *
     resolve(d, s->frame, y);
 }
 
+/* motion of the frame of a body, or of the ground, in the world */
+static void frame_motion(const jo_model *m, const jo_data *d, int body, jo_motion *y)
+{
+    const jo_motion rest = {{0.0}, {0.0}, {0.0}, {0.0}, {0.0}};
+    *y = rest;
+    if (body < 0) return;
+    const jo_body *b = &m->body[body];
+    const jo_real *A = d->body[body].A;
+    jo_set3(y->r, d->q + b->iq);
+    jo_set3(y->v, d->v + b->iv);
+    jo_set3(y->a, d->a + b->iv);
+    jo_mul3(y->om, A, d->v + b->iv + 3);
+    jo_mul3(y->al, A, d->a + b->iv + 3);
+}
+
+/* a = R'' + w x (w x u) + w' x u + 2 w x u' + u'', each with its derivatives as the moving frame sees them */
+static void acceleration_parts(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
+{
+    jo_motion of, from;
+    jo_real c[3];
+    jo_marker_motion(m, d, s->object, 1, &of);
+    if (s->other >= 0) jo_marker_motion(m, d, s->other, 1, &from);
+    else frame_motion(m, d, m->marker[s->object].body, &from);
+    observe(&of, &from);
+    jo_set3(y, from.a);
+    jo_cross(c, from.om, of.r);
+    jo_cross(y + 3, from.om, c);
+    jo_cross(y + 6, from.al, of.r);
+    jo_cross(y + 9, from.om, of.v);
+    for (int j = 9; j < 12; j++) y[j] *= 2.0;
+    jo_set3(y + 12, of.a);
+    for (int j = 0; j < 15; j += 3) resolve(d, s->frame, y + j);
+}
+
 /* y (count) = rows (count x np) of modal stress or strain times the modal coordinates */
 static void modal_rows(const jo_model *m, const jo_data *d, const jo_sensor *s, int first, int count, jo_real *y)
 {
@@ -81,7 +118,7 @@ static void modal_rows(const jo_model *m, const jo_data *d, const jo_sensor *s, 
     const jo_real *p = d->q + b->iq + 7;
     for (int r = 0; r < count; r++) {
         const jo_real *row = s->rows + (first + r) * b->np;
-        y[r] = 0.0;
+        y[r] = jo_same(0.0);
         for (int j = 0; j < b->n; j++) y[r] += row[j] * p[j];
     }
 }
@@ -93,33 +130,40 @@ static jo_real von_mises(const jo_real *s)
     return jo_sqrt(0.5 * (a * a + b * b + c * c) + 3.0 * jo_dot3(s + 3, s + 3));
 }
 
-/* principal stresses of [s11 s22 s33 s12 s23 s13], largest first, by Jacobi's rotations: exact also where two are equal */
-static void principal(jo_real *y, const jo_real *s)
+/* principal stresses of [s11 s22 s33 s12 s23 s13] in a lane, largest first, by Jacobi's rotations: exact also where two are equal */
+static void principal_of(jo_real *out, const jo_real *s, int lane)
 {
     enum { JO_SWEEPS = 8 };   /* convergence is quadratic, five are enough */
     jo_real S[3][3] = {{s[0], s[3], s[5]}, {s[3], s[1], s[4]}, {s[5], s[4], s[2]}};
+    jo_real y[3];
     double size = 0.0;
-    for (int i = 0; i < 6; i++) size += fabs(JO_RE(s[i]));
+    for (int i = 0; i < 6; i++) size += fabs(JO_PART(s[i], lane));
     for (int k = 0; k < 3 * JO_SWEEPS; k++) {
         const int i = k % 3 == 2, j = k % 3 == 0 ? 1 : 2, l = 3 - i - j;
-        if (fabs(JO_RE(S[i][j])) <= 1e-30 * size) continue;
+        if (fabs(JO_PART(S[i][j], lane)) <= 1e-30 * size) continue;
         const jo_real x = 0.5 * (S[j][j] - S[i][i]) / S[i][j], root = jo_sqrt(x * x + 1.0);
-        const jo_real t = 1.0 / (JO_RE(x) < 0.0 ? x - root : x + root), c = 1.0 / jo_sqrt(t * t + 1.0);
+        const jo_real t = 1.0 / (JO_PART(x, lane) < 0.0 ? x - root : x + root), c = 1.0 / jo_sqrt(t * t + 1.0);
         const jo_real u = S[i][l], v = S[j][l];
         S[i][i] -= t * S[i][j];
         S[j][j] += t * S[i][j];
-        S[i][j] = S[j][i] = 0.0;
+        S[i][j] = S[j][i] = jo_same(0.0);
         S[i][l] = S[l][i] = c * (u - t * v);
         S[j][l] = S[l][j] = c * (v + t * u);
     }
     for (int i = 0; i < 3; i++) y[i] = S[i][i];
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 2; j++)
-            if (JO_RE(y[j]) < JO_RE(y[j + 1])) {
+            if (JO_PART(y[j], lane) < JO_PART(y[j + 1], lane)) {
                 const jo_real t = y[j];
                 y[j] = y[j + 1];
                 y[j + 1] = t;
             }
+    for (int i = 0; i < 3; i++) jo_put(out + i, y[i], lane);
+}
+
+static void principal(jo_real *y, const jo_real *s)
+{
+    for (int l = 0; l < JO_MACHINES; l++) principal_of(y, s, l);
 }
 
 static void stress(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
@@ -181,6 +225,20 @@ static void modal(const jo_model *m, const jo_data *d, int body, jo_real *y)
     }
 }
 
+/* momentum and moment of momentum about the frame of what moves in it, local: int Phi p' dm, int u x Phi p' dm */
+static void deformation_momentum(const jo_model *m, const jo_data *d, int body, jo_real *y)
+{
+    const jo_body *b = &m->body[body];
+    const jo_body_work *w = &d->body[body];
+    for (int i = 0; i < 3; i++) {
+        y[i] = y[3 + i] = jo_same(0.0);
+        for (int j = 0; j < b->n; j++) {
+            y[i] += b->I3[i * b->np + j] * w->pd[j];
+            y[3 + i] += w->B[i * b->np + j] * w->pd[j];
+        }
+    }
+}
+
 /* force or torque of a coupling or drive along each of its coordinates, on their b */
 static void multiplier(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
 {
@@ -195,7 +253,7 @@ static void section(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_
     jo_real all[24] = {0.0};
     const int first = s->other > 0 ? s->other : 0;
     jo_beam_section(m, d, s->object, all);
-    for (int i = 0; i < s->count; i++) y[i] = first + i < 24 ? all[first + i] : 0.0;
+    for (int i = 0; i < s->count; i++) y[i] = first + i < 24 ? all[first + i] : jo_same(0.0);
 }
 
 /* damage and closed cycles of each meter */
@@ -204,8 +262,8 @@ static void damage(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_r
     for (int k = 0; k < s->count / 2; k++) {
         const jo_meter *r = &m->meter[s->object + k];
         const double *memory = d->memory + r->at;
-        y[2 * k] = jo_meter_damage(r, memory, r->residue, d->scratch);
-        y[2 * k + 1] = memory[JO_METER_CLOSED];
+        y[2 * k] = jo_same(jo_meter_damage(r, memory, r->residue, d->scratch));
+        y[2 * k + 1] = jo_same(memory[JO_METER_CLOSED]);
     }
 }
 
@@ -245,8 +303,10 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
         case JO_SENSOR_ACCELERATION:
         case JO_SENSOR_ANGULAR_VELOCITY:
         case JO_SENSOR_ANGULAR_ACCELERATION: marker_sensor(m, d, s, y); break;
+        case JO_SENSOR_ACCELERATION_PARTS: acceleration_parts(m, d, s, y); break;
         case JO_SENSOR_ORIENTATION: orientation(d, s, y); break;
         case JO_SENSOR_MODAL: modal(m, d, s->object, y); break;
+        case JO_SENSOR_DEFORMATION_MOMENTUM: deformation_momentum(m, d, s->object, y); break;
         case JO_SENSOR_MULTIPLIER: multiplier(m, d, s, y); break;
         case JO_SENSOR_COORDINATE: y[0] = d->coordinate[s->object].value; break;
         case JO_SENSOR_RATE: y[0] = d->coordinate[s->object].rate; break;

@@ -5,7 +5,9 @@
 #include "jousto.h"
 #include <math.h>
 
-#ifdef JO_COMPLEX
+#if defined(JO_VECTOR)
+#include "lanes/lanes.h"
+#elif defined(JO_COMPLEX)
 #define JO_RE(x) creal(x)
 #define jo_sqrt csqrt
 #define jo_sin csin
@@ -17,14 +19,36 @@
 #define jo_cos cos
 #endif
 
+/* Decisions, one for each lane: where there is but one, plain comparisons of real parts. lanes/lanes.h has the others. */
+#ifndef JO_VECTOR
+enum { JO_MACHINES = 1 };
+typedef int jo_mask;
+#define JO_LESS(a, b) (JO_RE(a) < JO_RE(b))
+#define JO_LESS_OR_EQUAL(a, b) (JO_RE(a) <= JO_RE(b))
+#define JO_COMMON(x) JO_RE(x)                                      /* what all lanes have in common */
+#define JO_PART(x, lane) ((void)(lane), JO_RE(x))
+static inline jo_real jo_same(double x) { return x; }              /* a number in all lanes */
+#define JO_ALL 1
+static inline int jo_some(jo_mask x) { return x; }
+static inline int jo_every(jo_mask x) { return x; }
+static inline jo_real jo_choose(jo_mask x, jo_real a, jo_real b) { return x ? a : b; }
+static inline jo_real jo_magnitude(jo_real x) { return fabs(JO_RE(x)); }
+static inline double jo_floor(jo_real x) { return floor(JO_RE(x)); }
+static inline double jo_most(jo_real x) { return JO_RE(x); }       /* the largest of all lanes; a NaN stays */
+static inline void jo_put(jo_real *y, jo_real x, int lane) { (void)lane; *y = x; }
+static inline void jo_only(jo_mask x, jo_real *y, int n) { (void)x; (void)y; (void)n; }   /* 0 in other lanes */
+/* what is not sound becomes NaN where there are other lanes, which go on; returns whether none goes on */
+static inline int jo_spoil(jo_real *x, jo_mask sound) { (void)x; return !sound; }
+#endif
+
 /* Several modal coordinates at once: four or two, as the processor's registers hold, where the compiler has
  * vector types, else one. Modal arrays are
  * padded, so that loops `for (j = 0; j < np; j += JO_WIDTH)` need no remainder. */
-#if defined(__GNUC__) && !defined(JO_COMPLEX) && !defined(__AVX__)
+#if defined(__GNUC__) && !defined(JO_COMPLEX) && !defined(JO_VECTOR) && !defined(__AVX__)
 typedef double jo_lanes __attribute__((vector_size(16), aligned(8), may_alias));
 enum { JO_WIDTH = 2 };
 static inline jo_real jo_sum(const jo_lanes x) { return x[0] + x[1]; }
-#elif defined(__GNUC__) && !defined(JO_COMPLEX)
+#elif defined(__GNUC__) && !defined(JO_COMPLEX) && !defined(JO_VECTOR)
 typedef double jo_lanes __attribute__((vector_size(32), aligned(8), may_alias));
 enum { JO_WIDTH = 4 };
 static inline jo_real jo_sum(const jo_lanes x) { return (x[0] + x[1]) + (x[2] + x[3]); }
@@ -51,12 +75,14 @@ static inline jo_real jo_dot3(const jo_real *a, const jo_real *b)
 }
 static inline double jo_larger(double a, double b) { return a > b ? a : b; }
 
+#ifndef JO_VECTOR
 static inline double jo_length(const jo_real *x, int n)
 {
     double sum = 0.0;
     for (int i = 0; i < n; i++) sum += JO_RE(x[i]) * JO_RE(x[i]);
     return sqrt(sum);
 }
+#endif
 /* y = a x b */
 static inline void jo_cross(jo_real *y, const jo_real *a, const jo_real *b)
 {
@@ -102,13 +128,13 @@ static inline void jo_rotation(jo_real *A, const jo_real *e)
     A[6] = 2.0 * (e1 * e3 - e0 * e2); A[7] = 2.0 * (e2 * e3 + e0 * e1); A[8] = 1.0 - 2.0 * (e1 * e1 + e2 * e2);
 }
 
-/* quaternion (scalar first and not negative) of a rotation matrix, from its largest component */
-static inline void jo_quaternion(jo_real *e, const jo_real *A)
+/* quaternion (scalar first and not negative) of a rotation matrix, from its largest component in a lane */
+static inline void jo_quaternion_of(jo_real *e, const jo_real *A, int lane)
 {
-    jo_real t[4] = {1.0 + A[0] + A[4] + A[8], 1.0 + A[0] - A[4] - A[8], 1.0 - A[0] + A[4] - A[8], 1.0 - A[0] - A[4] + A[8]};
+    const jo_real t[4] = {1.0 + A[0] + A[4] + A[8], 1.0 + A[0] - A[4] - A[8], 1.0 - A[0] + A[4] - A[8], 1.0 - A[0] - A[4] + A[8]};
     int k = 0;
     for (int i = 1; i < 4; i++)
-        if (JO_RE(t[i]) > JO_RE(t[k])) k = i;
+        if (JO_PART(t[i], lane) > JO_PART(t[k], lane)) k = i;
     jo_real s = 0.5 / jo_sqrt(t[k]);
     jo_real x[4][4] = {
         {t[0], A[7] - A[5], A[2] - A[6], A[3] - A[1]},
@@ -116,32 +142,41 @@ static inline void jo_quaternion(jo_real *e, const jo_real *A)
         {A[2] - A[6], A[1] + A[3], t[2], A[5] + A[7]},
         {A[3] - A[1], A[2] + A[6], A[5] + A[7], t[3]},
     };
-    if (JO_RE(x[k][0]) < 0.0) s = -s;
-    for (int i = 0; i < 4; i++) e[i] = x[k][i] * s;
+    if (JO_PART(x[k][0], lane) < 0.0) s = -s;
+    for (int i = 0; i < 4; i++) jo_put(e + i, x[k][i] * s, lane);
+}
+static inline void jo_quaternion(jo_real *e, const jo_real *A)
+{
+    for (int l = 0; l < JO_MACHINES; l++) jo_quaternion_of(e, A, l);
 }
 
 /* f[0..2] = sin(x)/x, (1 - cos x)/x^2, (x - sin x)/x^3 as functions of s = x^2, all smooth at 0 */
 static inline void jo_sinc(jo_real s, jo_real *f)
 {
-    if (JO_RE(s) < 0.04) {   /* Taylor series, error below 1e-17 */
+    const jo_mask small = JO_LESS(s, 0.04);
+    if (jo_some(small)) {   /* Taylor series, error below 1e-17 */
         f[0] = 1.0 + s * (-1.0 / 6.0 + s * (1.0 / 120.0 + s * (-1.0 / 5040.0 + s * (1.0 / 362880.0 - s * (1.0 / 39916800.0)))));
         f[1] = 0.5 + s * (-1.0 / 24.0 + s * (1.0 / 720.0 + s * (-1.0 / 40320.0 + s * (1.0 / 3628800.0 - s * (1.0 / 479001600.0)))));
         f[2] = 1.0 / 6.0 + s * (-1.0 / 120.0 + s * (1.0 / 5040.0 + s * (-1.0 / 362880.0 + s * (1.0 / 39916800.0 - s * (1.0 / 6227020800.0)))));
-    } else {
-        jo_real x = jo_sqrt(s), sx = jo_sin(x), cx = jo_cos(x);
-        f[0] = sx / x; f[1] = (1.0 - cx) / s; f[2] = (x - sx) / (s * x);
+    }
+    if (!jo_every(small)) {
+        const jo_real x = jo_sqrt(s), sx = jo_sin(x), cx = jo_cos(x);
+        const jo_real g[3] = {sx / x, (1.0 - cx) / s, (x - sx) / (s * x)};
+        for (int i = 0; i < 3; i++) f[i] = jo_choose(small, f[i], g[i]);
     }
 }
 
 /* derivatives of f[1], f[2] with respect to s, from f of jo_sinc */
 static inline void jo_sinc_rate(jo_real s, const jo_real *f, jo_real *df1, jo_real *df2)
 {
-    if (JO_RE(s) < 0.04) {
+    const jo_mask small = JO_LESS(s, 0.04);
+    if (jo_some(small)) {
         *df1 = -1.0 / 24.0 + s * (1.0 / 360.0 - s * (1.0 / 13440.0 - s * (1.0 / 907200.0 - s * (1.0 / 95800320.0))));
         *df2 = -1.0 / 120.0 + s * (1.0 / 2520.0 - s * (1.0 / 120960.0 - s * (1.0 / 9979200.0 - s * (1.0 / 1245404160.0))));
-    } else {
-        *df1 = (0.5 * f[0] - f[1]) / s;
-        *df2 = (0.5 * f[1] - 1.5 * f[2]) / s;
+    }
+    if (!jo_every(small)) {
+        *df1 = jo_choose(small, *df1, (0.5 * f[0] - f[1]) / s);
+        *df2 = jo_choose(small, *df2, (0.5 * f[1] - 1.5 * f[2]) / s);
     }
 }
 

@@ -68,10 +68,10 @@ int jo_check(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
-        double sum = 0.0;
-        for (int j = 0; j < 6 + b->n; j++) sum += fabs(JO_RE(d->v[b->iv + j]));
-        for (int j = 0; j < 7 + b->n; j++) sum += fabs(JO_RE(d->q[b->iq + j]));
-        if (!(sum < JO_LARGEST)) {
+        jo_real sum = {0.0};
+        for (int j = 0; j < 6 + b->n; j++) sum += jo_magnitude(d->v[b->iv + j]);
+        for (int j = 0; j < 7 + b->n; j++) sum += jo_magnitude(d->q[b->iq + j]);
+        if (jo_spoil(d->v + b->iv, JO_LESS(sum, JO_LARGEST))) {
             d->error_index = i;
             return JO_NOT_FINITE;
         }
@@ -84,4 +84,11 @@ void jo_restart(jo_data *d)
     d->restart = 1;
     d->watching = d->grid.valid = 0;
     jo_beam_forget(d);
+}
+
+void jo_data_count_turns(const jo_model *m, jo_data *d)
+{
+    if (!m->nturn) return;
+    jo_refresh(m, d);
+    jo_count_turns(m, d);
 }

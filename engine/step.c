@@ -14,7 +14,7 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s, const jo_
     for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
     for (int i = 0; i < m->nv; i++) {
         d->v0[i] = d->v[i];
-        d->dq[i] = d->dv[i] = d->rate[i] = d->acc[i] = 0.0;
+        d->dq[i] = d->dv[i] = d->rate[i] = d->acc[i] = jo_same(0.0);
     }
     for (int k = 0; k < 4; k++) {
         if (k) {   /* rate and acc hold the previous stage */
@@ -48,7 +48,7 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s, const jo_
 static void no_extra(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nbody; i++)
-        for (int j = 0; j < m->body[i].n; j++) d->body[i].extra[j] = 0.0;
+        for (int j = 0; j < m->body[i].n; j++) d->body[i].extra[j] = jo_same(0.0);
 }
 
 /* the second stage starts from accelerations and multipliers of the first; beams lag by
@@ -60,7 +60,7 @@ static void second_stage(const jo_model *m, jo_data *d, double gh)
         d->base[i] = d->acc[i];
         d->rate[i] = gh * (2.0 * d->v0[i] - d->rate[i] + 3.0 * gh * d->acc[i]);
         d->dv[i] = gh * d->acc[i];
-        d->lag[i] = 0.0;
+        d->lag[i] = jo_same(0.0);
     }
     for (int i = 0; i < m->nrow; i++) d->base_lam[i] = d->lam[i];
     jo_beam_lag(m, d, d->rate, d->dv);
@@ -129,7 +129,7 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
     d->counts.steps++;
     d->control.known = 0;
     d->control.length = s->step;
-    if (s->method == JO_DOPRI) status = jo_step_dopri(m, d, s, s->step, JO_RE(d->time[0]) + s->step);
+    if (s->method == JO_DOPRI) status = jo_step_dopri(m, d, s, s->step, JO_COMMON(d->time[0]) + s->step);
     else {
         const int implicit = s->method == JO_ALPHA;
         jo_stage stage = {.alpha = s->alpha, .beta = s->beta};

@@ -4,7 +4,8 @@ The boom of 12 m is a box girder in three pieces with walls of 6 mm; the heights
 sought. It slews a quarter turn in 4 s while the wheels of a trolley drive out to its tip. Stress
 and the tip's deflection are limited at all instants. Equivalent static loads of order 0 and 1 are
 compared: constant loads end at a design that is not the lightest, loads that follow the design to
-first order at one where the conditions of an optimum hold.
+first order at one where the conditions of an optimum hold. Direct optimisation of the runs, which
+starts there, stays there.
 """
 
 from __future__ import annotations
@@ -20,15 +21,18 @@ STEEL = jo.Material(210e9, 0.3, 7850, name="steel")
 PIECE, WALL, TURN = 4.0, 6e-3, 1.5708  # m, m, rad
 WHEELS = 5e3  # N
 STRESS, DEFLECTION = 120e6, 0.1  # Pa, m
+PIECES, BOUNDS = ("root", "middle", "tip"), (0.15, 0.8)  # m
+STAYS = 1e-3
+"""How far direct optimisation may move from an optimum, as a share of the bounds."""
 
 
-def parts(heights: Mapping[str, float]) -> dict[str, jo.Part]:
+def parts(heights: Mapping[str, float], wall: float = WALL) -> dict[str, jo.Part]:
     """The boom: box girders, 0.6 times as wide as high."""
     pieces = [
         jo.Member(
             (PIECE * i, 0, 0),
             (PIECE * (i + 1), 0, 0),
-            jo.Box(0.6 * height, height, WALL),
+            jo.Box(0.6 * height, height, wall),
             STEEL,
             elements=2,
             name=name,
@@ -38,7 +42,9 @@ def parts(heights: Mapping[str, float]) -> dict[str, jo.Part]:
     return {"boom": jo.Part.from_members(pieces, name="boom")}
 
 
-def crane(heights: Mapping[str, float], parts: Mapping[str, jo.Part]) -> jo.Mechanism:
+def crane(
+    heights: Mapping[str, float], parts: Mapping[str, jo.Part], wheels: float = WHEELS
+) -> jo.Mechanism:
     """The boom on its slewing drive, the trolley on its way out."""
     reduced = jo.reduce(parts["boom"], jo.CraigBampton(["root.start"], modes=6))
     boom = jo.FlexibleBody("boom", reduced, damping=0.01)
@@ -47,7 +53,7 @@ def crane(heights: Mapping[str, float], parts: Mapping[str, jo.Part]) -> jo.Mech
         "trolley",
         boom,
         ("root.start", "tip.end"),
-        (0, 0, -WHEELS),
+        (0, 0, -wheels),
         jo.SCurve((0.5, 4.5), (2.0, 3 * PIECE)),
     )
     return jo.Mechanism(
@@ -60,33 +66,47 @@ def crane(heights: Mapping[str, float], parts: Mapping[str, jo.Part]) -> jo.Mech
     )
 
 
-def lightest(order: int) -> Optimum:
-    """The boom of least mass by equivalent static loads of an order."""
-    heights = [
-        jo.Parameter(name, 0.4, bounds=(0.15, 0.8), unit="m") for name in ("root", "middle", "tip")
-    ]
+def problem(start: Mapping[str, float]) -> MachineProblem:
+    """The search for the lightest boom, from the heights of its pieces at the start."""
     limits = [
         StressLimit("boom", STRESS),
         DisplacementLimit("boom", DEFLECTION, "tip.end", relative_to="root.start"),
     ]
-    problem = MachineProblem(
-        heights, parts, crane, limits, 6.0, solver=jo.ROS2(step=4e-3), output_step=0.04
+    return MachineProblem(
+        [jo.Parameter(name, start[name], bounds=BOUNDS, unit="m") for name in PIECES],
+        parts,
+        crane,
+        limits,
+        6.0,
+        solver=jo.ROS2(step=4e-3),
+        output_step=0.04,
     )
-    # constant loads do not settle here: they go round between four designs
-    return optimise(problem, order=order, cycles=30 if order else 8)
+
+
+def away(one: Optimum, other: Optimum) -> float:
+    """How far two designs are apart at most, as a share of the bounds."""
+    return max(abs(one.values[name] - other.values[name]) for name in PIECES) / (
+        BOUNDS[1] - BOUNDS[0]
+    )
 
 
 def main(out: Path) -> int:
-    """Optimise with both orders; return 0 if order 1 meets the conditions and is lighter."""
+    """Optimise; return 0 if order 1 is lighter than order 0 and direct optimisation stays there."""
     out.mkdir(parents=True, exist_ok=True)
-    classical, first = lightest(0), lightest(1)
-    for found in (classical, first):
+    start = dict.fromkeys(PIECES, 0.4)
+    # constant loads do not settle here: they go round between four designs
+    classical = optimise(problem(start), order=0, cycles=8)
+    first = optimise(problem(start), order=1, cycles=30)
+    direct = optimise(problem(first.values), "direct")
+    for found in (classical, first, direct):
         print(found)
         print()
     jo.plot(first, path=out / "crane_boom.png")
     saved = 1.0 - first.cost / classical.cost
     print(f"order 1 is lighter by {100 * saved:.2f} %")
+    print(f"direct optimisation moves by {100 * away(first, direct):.4f} % of the bounds")
     good = first.converged and first.kkt < 1e-4 and first.ratio < 1.001 and saved > 0.001
+    good = good and direct.converged and away(first, direct) < STAYS
     return 0 if good else 1
 
 

@@ -17,7 +17,7 @@ from scipy.integrate import solve_bvp
 
 import jousto as jo
 from jousto.output.style import COLORS, STYLE
-from jousto.schema.file.read import parse_model
+from jousto.schema.read import parse_model
 
 MODEL = Path(__file__).with_name("steel_strip.yaml")
 LENGTH, WIDTH, HEIGHT = 1.0, 0.02, 0.0005  # m, as in the file

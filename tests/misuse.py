@@ -15,8 +15,9 @@ import jousto as jo
 from jousto.output.dispatch import implementation
 from jousto.output.plot import BEAM, DRAWN
 from jousto.output.write import WRITTEN
+from jousto.schema.read import parse_model
 from measurement.monitor import watched
-from session import EXAMPLES, STEEL, objects, turn
+from session import EXAMPLES, STEEL, falling, objects, turn
 
 DRAW = {kind: implementation(place) for kind, place in DRAWN.items()}
 WRITE = {
@@ -41,12 +42,13 @@ WRONG: dict[str, Any] = {
 
 NO_FILE = {"mesh_step", "read_matrices", "reduce_superelement", "identify_payload"}
 """Calls that fail for want of a file of another program or of a moving twin."""
-NOT_CALLED = {"names", "sn_curves", "strain_lives", "solvers"}
-"""Public functions without arguments."""
+NOT_CALLED = {"names", "sn_curves", "strain_lives", "solvers", "live"}
+"""Public functions without arguments, and one that would run on: tests/viewer/live."""
 SPECIAL = {
     *("arc_length", "inertia_share", "load_steps", "planar_frequencies", "rest", "simulate_planar"),
     *("spinning", "equivalent_load", "external", "locate_load", "place_loads", "smooth"),
-    *("stress_blocks", "tune"),
+    *("stress_blocks", "tune", "drive_part"),
+    "realtime",  # compiles a program each time
     *("study", "read_distribution", "read_outcome"),  # see tests/design/studies
 }
 """Functions of planar frames and twins, for those who know them."""
@@ -82,10 +84,12 @@ def _machines(made: Made, _: Path) -> list[Call]:
     placed = [
         *(jo.Revolute, jo.Spherical, jo.Fixed, jo.Prismatic, jo.Cylindrical, jo.Universal),
         *(jo.Planar, jo.PointOnLine, jo.PointOnPlane, jo.ConstantOrientation),
+        *(jo.mechanism.ParallelAxes, jo.mechanism.Perpendicular),
     ]
     moved = [
         *(jo.PositionSensor, jo.VelocitySensor, jo.AccelerationSensor, jo.OrientationSensor),
         *(jo.AngularVelocitySensor, jo.AngularAccelerationSensor),
+        jo.mechanism.AccelerationPartsSensor,
     ]
     sites = (jo.StressSensor, jo.VonMisesSensor, jo.mechanism.PrincipalStressSensor)
     return [
@@ -120,6 +124,7 @@ def _machines(made: Made, _: Path) -> list[Call]:
         (jo.ReactionSensor, {"name": "s", "joint": hinge}),
         (jo.ForceSensor, {"name": "s", "force": spring}),
         (jo.mechanism.ModalSensor, {"name": "s", "body": arm}),
+        (jo.mechanism.DeformationMomentumSensor, {"name": "s", "body": arm}),
         *((kind, {"name": "s", "body": arm}) for kind in sites),
         (jo.mechanism.SectionSensor, {"name": "s", "beam": arch}),
         (
@@ -162,6 +167,7 @@ def _machines(made: Made, _: Path) -> list[Call]:
         (jo.Table, {"times": [0, 1], "values": [0, 1]}),
         (jo.Input, {"name": "u"}),
         (jo.Rotate, {"axis": (0, 0, 1), "degrees": 3.0}),
+        (jo.Rotate.euler, {"convention": "ZXZ", "degrees": (1.0, 2.0, 3.0)}),
         (jo.model.DamageMeter, {"sn": made["curve"], "residue": "half"}),
         (
             jo.mechanism.MovingLoad,
@@ -227,6 +233,19 @@ def _parts(made: Made, folder: Path) -> list[Call]:
         (jo.reduction.from_modes, {"part": beam, "modes": shape, "frequencies": [1.0]}),
         (jo.reduction.advise, {"part": beam, "interfaces": ("start",), "frequency_limit": 300.0}),
         (jo.reduction.clamp, {"reduced": made["reduced"], "node": "start"}),
+        (
+            jo.reduction.in_frame,
+            {"reduced": made["reduced"], "frame": jo.reduction.NodeFrame("start")},
+        ),
+        (
+            jo.reduction.same_motion,
+            {
+                "old": made["reduced"],
+                "new": made["reduced"],
+                "q": np.r_[0, 0, 0, 1, 0, 0, 0, np.zeros(made["reduced"].n)],
+                "v": np.zeros(6 + made["reduced"].n),
+            },
+        ),
         (jo.reduction.inertia_relief, {"part": beam, "loads": np.ones(beam.M.shape[0])}),
         (
             jo.reduction.memory_estimate,
@@ -261,6 +280,8 @@ def _analyses(made: Made, folder: Path) -> list[Call]:
         (jo.doctor, {"mechanism": made["mechanism"]}),
         (jo.model.Engine, {"model": model}),
         (jo.simulate, {"model": model, "t_end": 0.002}),
+        (jo.verify, {"mechanism": falling(), "t_end": 0.002, "step": 0.1}),
+        (jo.natural.moving_frame, {"mechanism": falling(), "t_end": 0.002, "step": 0.1}),
         (jo.simulation.Simulator, {"model": model}),
         (jo.load, {"path": run.save(folder / "run.h5")}),
         (jo.read_model, {"path": EXAMPLES / "flexible_pendulum.yaml"}),
@@ -308,6 +329,8 @@ def _analyses(made: Made, folder: Path) -> list[Call]:
         (jo.still, {"run": run, "path": "s.png"}),
         (jo.animate, {"run": run, "path": "a.gif", "fps": 5.0}),
         (jo.draw, {"thing": made["beam"], "path": "p.png"}),
+        # without a server, which would stay
+        (jo.view, {"thing": run, "open": False, "embed": True}),
         (WRITE["Solution csv"], {"run": run, "path": "w.csv"}),
         (WRITE["ReducedPart vtu"], {"reduced": made["reduced"], "path": "r.vtu"}),
         (WRITE["ReducedPart fem"], {"reduced": made["reduced"], "path": "r.fem"}),
@@ -332,6 +355,15 @@ def _recovery(made: Made, folder: Path) -> list[Call]:
         (
             jo.recovery.field_from,
             {"modes": made["reduced"].stress, "p": np.zeros((3, 10)), "time": [0.0, 0.1, 0.2]},
+        ),
+        (
+            jo.design.equivalent_loads,
+            {
+                "run": run,
+                "body": made["mechanism"].bodies[0],
+                "times": [0.0],
+                "part": made["beam"],
+            },
         ),
         (DRAW["StressField"], {"field": field.only("e1.a.top"), "path": "stress.png"}),
         (WRITE["StressField vtu"], {"run": run, "field": field, "path": "contour.vtu"}),
@@ -490,6 +522,7 @@ def _studies(made: Made, folder: Path) -> list[Call]:
         (jo.design.grid, some),
         (jo.design.read_samples, some | {"path": points}),
         (jo.design.read_study, {"path": kept}),
+        (jo.design.gradient, {"study": made["study"]}),
         *counted,
     ]
 
@@ -508,6 +541,23 @@ def _design(made: Made, _: Path) -> list[Call]:
         "damping": 0.01,
     }
     state = {"limit": lambda x: x["a"] + x["b"] - 6.0, "variables": pair}
+    spread = jo.Parameter("mass", 2.0, unit="kg", distribution="normal(sd=0.1)")
+    some = jo.study(turn, spread, "m = mass", t_end=0.01)
+    bar = parse_model("""
+parameters: {h: {value: 30 mm, bounds: [5 mm, 100 mm]}}
+parts:
+  rod: {type: beam, length: 1 m, section: {type: rectangle, width: 20 mm, height: "${h}"},
+        material: S355, elements: 1, reduce: {type: craig-bampton, interfaces: [start], modes: 1}}
+bodies: [{name: arm, part: rod, damping: 0.05}]
+""")
+    spring = parse_model("""
+parameters:
+  k: {value: 40 N/m, bounds: [10 N/m, 100 N/m]}
+  m: {value: 1 kg, distribution: normal(sd=0.05 kg)}
+bodies: [{name: block, mass: "${m}", inertia: [1, 1, 1]}]
+joints: [{type: prismatic, name: rail, a: ground.origin, b: block.origin, axis: [1, 0, 0]}]
+forces: [{type: spring, name: spring, coordinate: rail.displacement, stiffness: "${k}"}]
+""")
     return [
         (design.StressLimit, {"body": "boom", "maximum": 1e8, "criterion": "s11"}),
         (design.DisplacementLimit, {"body": "boom", "maximum": 0.1, "node": "tip"}),
@@ -524,6 +574,7 @@ def _design(made: Made, _: Path) -> list[Call]:
                 "t_end": 1.0,
             },
         ),
+        (design.file_problem, {"file": bar, "limits": "frequency(1) >= 20 Hz", "t_end": 0.1}),
         (design.optimise, {"problem": design.StructureProblem(**chain), "order": 0, "cycles": 1}),
         (
             jo.study,
@@ -537,6 +588,7 @@ def _design(made: Made, _: Path) -> list[Call]:
             },
         ),
         (design.Function, {"name": "seen", "function": lambda run: 1.0}),
+        (design.Damage, {"name": "life", "check_name": "arm"}),
         (design.read_outcome, {"text": "max(place.y)"}),
         (design.by_moments, {"kind": "normal", "mean": 1.0, "deviation": 1.0, "start": 0.0}),
         (design.Random, {"name": "a", "distribution": pair[0].distribution, "keep": "cov"}),
@@ -544,6 +596,7 @@ def _design(made: Made, _: Path) -> list[Call]:
         (design.Nataf, {"variables": pair, "correlation": {("a", "b"): 0.1}, "measure": "normal"}),
         (design.Rosenblatt, {"variables": pair}),
         (design.LimitState, {"function": state["limit"], "step": 1e-4, "name": "g"}),
+        (design.limit_state, {"study": some, "limit": "m <= 3 kg", "step": 1e-4}),
         (design.form, {**state, "method": "hlrf", "start": {"a": 5.0, "b": 5.0}, "far": 9.0}),
         (design.sorm, {**state, "step": 0.1}),
         (design.pma, {**state, "beta": 2.0, "method": "hmv", "start": {"a": 5.0, "b": 5.0}}),
@@ -552,6 +605,18 @@ def _design(made: Made, _: Path) -> list[Call]:
         (design.importance_sampling, {**state, "samples": 50, "variation": 0.5}),
         (design.subset_simulation, {**state, "samples": 50, "share": 0.2, "levels": 9}),
         (design.check_linearisation, {"found": design.form(**state), "samples": 50}),
+        (
+            design.file_rbdo,
+            {
+                "file": spring,
+                "limits": "frequency(1) >= 1 Hz",
+                "cost": "k",
+                "parameters": spring.parameters,
+                "target": 2.0,
+                "t_end": 0.01,
+                "cycles": 20,
+            },
+        ),
         (
             design.rbdo,
             {

@@ -114,9 +114,22 @@ def machine(found: Objects, folder: Path) -> Objects:
         "filed": jo.simulate(model, 0.1, output_step=1e-3, path=folder / "run.h5"),
         "simulator": jo.simulation.Simulator(model),
         "settled": jo.simulation.settled(model),
+        "fallen": jo.natural.moving_frame(falling(), 2e-3),
+        "step times": jo.export.StepTimes(
+            "machine", 1e-3, 1000, 2e-6, 9e-6, np.array([2e-6, 9e-6]), np.array([990, 10]), 4096
+        ),
+        "verification": jo.verify(falling(), 2e-3),
         "driven": jo.compile(jo.read_model(EXAMPLES / "four_bar.yaml", rigid=True).mechanism),
         "file": jo.read_model(EXAMPLES / "flexible_pendulum.yaml"),
     }
+
+
+def falling() -> jo.Mechanism:
+    """A ball on a rod."""
+    ball = jo.RigidBody("ball", 1.0, (1, 1, 1), position=(1, 0, 0))
+    rod = jo.Rod("rod", jo.ground["origin"], ball["origin"])
+    sensor = jo.PositionSensor("place", ball["origin"])
+    return jo.Mechanism(ball, rod, jo.Gravity((0, -9.81, 0)), sensor, name="fall")
 
 
 def statics(_: Objects, __: Path) -> Objects:
@@ -294,6 +307,7 @@ def studies(_: Objects, __: Path) -> Objects:
     return {
         "study": made,
         "study table": made.table,
+        "gradient": jo.design.gradient(made, outcomes="min(place.y)"),
         "outcome": jo.design.read_outcome("min(place.y)"),
         "case": cases[0],
     }

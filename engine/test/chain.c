@@ -193,9 +193,9 @@ int main(void)
         {1, 0, end, E, 0, 0, 0},      {2, 0, origin, E, near, 0, 0},    {2, 1, end, E, far, turn, 0}, {2, 1, end, E, far, turn, 0},
     };
     jo_joint joint[JOINTS] = {
-        {2, {0, 1}, 1, 2, 0, {0, 1, 0}, {2, 2, 0}, 0, 5, 0, -1},
-        {2, {2, 3}, 1, 3, 0, {0, 1, 0}, {2, 2, 1}, 0, 6, 5, -1},
-        {2, {4, 5}, 1, 0, 0, {0, 0, 0}, {0, 0, 0}, 0, 3, 11, -1},
+        {2, {0, 1}, 1, 2, 0, {0, 1, 0}, {2, 2, 0}, 0, 5, 0, -1, -1},
+        {2, {2, 3}, 1, 3, 0, {0, 1, 0}, {2, 2, 1}, 0, 6, 5, -1, -1},
+        {2, {4, 5}, 1, 0, 0, {0, 0, 0}, {0, 0, 0}, 0, 3, 11, -1, -1},
     };
     /* elimination order revolute, spherical, fixed: blocks 3 = (fixed, revolute), 4 = (fixed, spherical) */
     jo_pair pair[] = {
@@ -208,8 +208,8 @@ int main(void)
     static const double harmonic[4] = {1, 2, 3, 0.5}, table[6] = {0, 0.5, 2, 0, 1, 0.5}, jump[3] = {5, 1, 2};
     jo_signal signal[] = {{JO_SIGNAL_HARMONIC, 0, 0, {0, 0}, harmonic}, {JO_SIGNAL_TABLE, 3, 0, {0, 0}, table}, {JO_SIGNAL_STEP, 0, 0, {0, 0}, jump}};
     jo_force force[] = {
-        {JO_FORCE_load, -1, 6, -1, -1, 0, 0, 0, -1, -1, -1, push, 0, 0},     {JO_FORCE_load, -1, 6, -1, -1, 1, 0, 1, -1, -1, -1, screw, 0, 0},
-        {JO_FORCE_load, -1, 4, -1, -1, 0, 0, 2, -1, -1, -1, push, 0, 0},     {JO_FORCE_load, -1, 6, -1, -1, 0, 0, -1, -1, -1, -1, twist, 0, 0},
+        {JO_FORCE_load, -1, 6, -1, -1, 0, 0, 0, -1, -1, -1, push, 0, 0, -1},     {JO_FORCE_load, -1, 6, -1, -1, 1, 0, 1, -1, -1, -1, screw, 0, 0, -1},
+        {JO_FORCE_load, -1, 4, -1, -1, 0, 0, 2, -1, -1, -1, push, 0, 0, -1},     {JO_FORCE_load, -1, 6, -1, -1, 0, 0, -1, -1, -1, -1, twist, 0, 0, -1},
     };
     jo_sensor sensor[] = {
         {JO_SENSOR_POSITION, 7, -1, -1, 0, 3, 0},          {JO_SENSOR_VELOCITY, 7, -1, -1, 3, 3, 0},   {JO_SENSOR_ORIENTATION, 7, -1, -1, 6, 4, 0},

@@ -8,6 +8,9 @@ What a first model needs are names of the package itself; more is in its rooms, 
 ``__init__.pyi`` and are loaded when they are first used, so that importing the package is quick.
 """
 
+import sys
+from importlib import import_module
+
 from jousto.base.rooms import open_room, public_names
 
 VERBS = ("plot", "write")
@@ -15,6 +18,8 @@ VERBS = ("plot", "write")
 
 def _gone(name: str) -> str:
     """Return where a name is now that was one of the package itself."""
+    if name.startswith("_"):
+        return ""
     verb = name.partition("_")[0]
     places = [f"jo.{verb}(...)"] if verb in VERBS else []
     places += (place for place in public_names() if place.endswith(f".{name}"))
@@ -22,3 +27,6 @@ def _gone(name: str) -> str:
 
 
 open_room(__name__, _gone)
+
+if "IPython" in sys.modules:  # its cells show tables and pictures
+    import_module("jousto.viewer.notebook").register()

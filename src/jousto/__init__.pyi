@@ -1,11 +1,13 @@
 # the public names; they are loaded from here when they are first used
 from . import (
     design as design,
+    export as export,
     fatigue as fatigue,
     materials as materials,
     mechanism as mechanism,
     mesh as mesh,
     model as model,
+    natural as natural,
     parts as parts,
     planar as planar,
     recovery as recovery,
@@ -21,7 +23,7 @@ from .base.errors import (
 )
 from .base.rotations import Rotate as Rotate
 from .base.version import __version__ as __version__
-from .design.studies.parameter import Parameter as Parameter
+from .design.studies.parameters.parameter import Parameter as Parameter
 from .design.studies.study import study as study
 from .fatigue.miner.damage_field import damage_field as damage_field
 from .materials.library import material as material
@@ -44,6 +46,7 @@ from .mechanism.forces.springs import (
     Spring as Spring,
     UserForce as UserForce,
 )
+from .mechanism.foreign.fmu import Fmu as Fmu
 from .mechanism.initial import Initial as Initial
 from .mechanism.joints.coordinate import (
     Angle as Angle,
@@ -106,8 +109,9 @@ from .mesh.mesh import Mesh as Mesh
 from .mesh.readers.files import read_mesh as read_mesh
 from .mesh.readers.step import mesh_step as mesh_step
 from .model.compile import compile as compile
+from .model.doctor import doctor as doctor
 from .model.model import Model as Model
-from .model.rank.doctor import doctor as doctor
+from .natural.verify import verify as verify
 from .output.plot import plot as plot
 from .output.scenes.animate import animate as animate, still as still
 from .output.scenes.draw import draw as draw
@@ -121,7 +125,7 @@ from .reduction.damping import Rayleigh as Rayleigh
 from .reduction.methods import CraigBampton as CraigBampton, FreeFree as FreeFree
 from .reduction.reduced import ReducedPart as ReducedPart
 from .reduction.reducer import reduce as reduce
-from .schema.file.read import read_model as read_model
+from .schema.read import read_model as read_model
 from .sections.profiles import Box as Box, IBeam as IBeam
 from .sections.section import Circle as Circle, Rectangle as Rectangle, Tube as Tube
 from .simulation.modes.linear import modes as modes
@@ -130,3 +134,5 @@ from .simulation.running.simulate import simulate as simulate
 from .simulation.solvers.explicit import RK4 as RK4, ROS2 as ROS2
 from .simulation.solvers.implicit import GeneralizedAlpha as GeneralizedAlpha
 from .simulation.statics.equilibrium import equilibrium as equilibrium
+from .viewer.live.live import live as live
+from .viewer.view import view as view

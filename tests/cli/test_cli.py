@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import h5py
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -20,7 +21,7 @@ from cli.test_meshes import call
 from jousto.base.declare import SECTIONS
 from jousto.cli import commands
 from jousto.cli.group import app
-from jousto.schema.file.read import model_schema
+from jousto.schema.read import model_schema
 
 MODEL = """\
 name: pendulum
@@ -324,6 +325,15 @@ def test_info_of_model_result_and_part(model, result):
     assert "reduced part rod" in found.out
     assert "interfaces   start" in found.out
     assert "named nodes  start, end\n" in found.out
+    lines = [line.strip() for line in found.out.splitlines()]
+    # a straight rod: mass, half of it times its length, a third of it times its length squared
+    part = jo.ReducedPart.load(model.with_name("rod.h5"))
+    m, L = part.invariants.mass, float(np.ptp(part.nodes[:, 0]))
+    assert f"I1      mass, {m:.6g} kg" in lines
+    assert f"I2      first moment, {m * L / 2:.6g}, 0, 0 kg m" in lines
+    assert [x.split()[0] for x in lines if re.match(r"I\d ", x)] == [f"I{k}" for k in range(1, 10)]
+    # one interface: nothing of it deforms alone
+    assert sum("Hz, vibration, 0 % static" in x for x in lines) == part.n
 
 
 def test_info_of_damaged_and_foreign_files(tmp_path, result):

@@ -50,7 +50,10 @@ def test_refuses_clearly(tmp_path: Path) -> None:
     assert (code, "no such file" in text) == (2, True)
     (tmp_path / "a.txt").write_text("hello")
     code, text = call("export", tmp_path / "a.txt", "-o", tmp_path / "a.csv")
-    assert (code, "is neither a reduced part nor results" in text) == (2, True)
+    assert (code, "is neither a reduced part, results of jousto nor a model file" in text) == (
+        2,
+        True,
+    )
 
 
 def test_info_on_a_mesh(tmp_path: Path) -> None:

@@ -10,8 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import jousto as jo
+from jousto.cli.group import app
 from jousto.measurement.monitor.recorded import MonitorRecord
 from measurement.monitor.watched import NAMES, lines, motion, written
 
@@ -43,16 +45,9 @@ monitor:
 ENV = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
 
 
-def call(*words, **options):
-    run = subprocess.run(
-        [sys.executable, "-m", "jousto", *map(str, words)],
-        capture_output=True,
-        text=True,
-        env=ENV,
-        timeout=120,
-        **options,
-    )
-    return run.returncode, run.stdout, run.stderr
+def call(*words, input=None):
+    result = CliRunner().invoke(app, [str(word) for word in words], input=input)
+    return result.exit_code, result.stdout, result.stderr
 
 
 @pytest.fixture
@@ -91,6 +86,7 @@ def test_a_pipe_and_ctrl_c(case, tmp_path):
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         env=ENV,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     process.stdin.write(data.read_bytes()[:20_000])
     process.stdin.flush()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import signal
 import subprocess
 import sys
 import threading
@@ -45,6 +46,11 @@ def test_a_table_is_drawn_and_ctrl_c_ends_it_clean(tmp_path):
             seen += more
         assert what in seen, seen.decode(errors="replace")
 
+    def alone():
+        fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+        # a test that runs in the background must not hand its deafness to Ctrl-C on
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+
     process = subprocess.Popen(
         [sys.executable, "-m", "jousto", "monitor", str(model), "--gauges", str(pipe)],
         stdin=terminal,
@@ -52,7 +58,7 @@ def test_a_table_is_drawn_and_ctrl_c_ends_it_clean(tmp_path):
         stderr=terminal,
         env={**ENV, "TERM": "xterm-256color", "COLUMNS": "120", "LINES": "40"},
         start_new_session=True,
-        preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+        preexec_fn=alone,
     )
     os.close(terminal)
     # a process that hangs is ended, which ends the wait

@@ -16,7 +16,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import norm
 
-from jousto.design.reliability.random import Random, by_moments
+from jousto.design.reliability.inputs.random import Random
+from jousto.design.studies.parameters.distributions import by_moments
 
 
 def normal(name, mean, deviation):
@@ -55,7 +56,7 @@ def roof(x):
 def oscillator(x):
     k = x["c1"] + x["c2"]
     swing = np.sin(np.sqrt(k / x["m"]) * x["t1"] / 2.0)
-    return 3.0 * x["r"] - np.abs(2.0 * x["F1"] / k * swing)
+    return 3.0 * x["r"] - np.sqrt((2.0 * x["F1"] / k * swing) ** 2)  # the magnitude, analytic
 
 
 def frame(x):
@@ -69,6 +70,18 @@ def convex(x):
 
 def concave(x):
     return (np.exp(0.8 * x["a"] - 1.2) + np.exp(0.7 * x["b"] - 0.6) - 5.0) / 10.0
+
+
+def slopes(function, variables):
+    """Return the gradient of a limit state by complex steps, exact to round-off."""
+    names = [one.name for one in variables]
+
+    def gradient(x):
+        point = {name: x[name] for name in names}
+        moved = ({**point, name: complex(point[name], 1e-30)} for name in names)
+        return [function(place).imag / 1e-30 for place in moved]
+
+    return gradient
 
 
 TEN = {

@@ -9,9 +9,9 @@ import pytest
 import scipy.stats as stats
 
 import jousto as jo
-from jousto.design.reliability.correlation import normal_correlation
-from jousto.design.reliability.random import KINDS
-from jousto.design.reliability.transform import transformation
+from jousto.design.reliability.inputs.correlation import normal_correlation
+from jousto.design.reliability.inputs.transform import transformation
+from jousto.design.studies.parameters.distributions import KINDS
 
 Random, by_moments, Nataf = jo.design.Random, jo.design.by_moments, jo.design.Nataf
 LAWS = [by_moments(kind, 10.0, 2.5) for kind in KINDS] + [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import scipy.stats as stats
+from scipy import optimize, stats
 
 import jousto as jo
 from design.limit_states import lognormal, normal
@@ -140,6 +140,49 @@ def test_speed_reducer_of_golinski(method):
         assert found.betas[name] == pytest.approx(3.0, abs=1e-5)
 
 
+def test_speed_reducer_by_nested_form_of_openturns(openturns):
+    """The same optimum by another program: indices by FORM of OpenTURNS, designs by SLSQP of SciPy.
+
+    The limits that are active in the published design; each outer step asks for all indices anew.
+    """
+    ot = openturns
+    names = list(BOUNDS)
+    low, high = np.array(list(BOUNDS.values())).T
+
+    def index(limit: str, d: np.ndarray) -> float:
+        law = ot.JointDistribution([ot.Normal(float(x), 0.005) for x in d])
+        g = ot.PythonFunction(7, 1, lambda x: [LIMITS[limit](dict(zip(names, x, strict=True)))])
+        fails = ot.ThresholdEvent(ot.CompositeRandomVector(g, ot.RandomVector(law)), ot.Less(), 0.0)
+        solver = ot.AbdoRackwitz()
+        solver.setStartingPoint([float(x) for x in d])
+        for set_error in (
+            solver.setMaximumAbsoluteError,
+            solver.setMaximumRelativeError,
+            solver.setMaximumResidualError,
+            solver.setMaximumConstraintError,
+        ):
+            set_error(1e-10)
+        form = ot.FORM(solver, fails)
+        form.run()
+        beta = form.getResult().getGeneralisedReliabilityIndex()
+        return float(beta)
+
+    active = ["stress 1", "stress 2", "width", "shaft 2"]
+    found = optimize.minimize(
+        weight,
+        [3.6, 0.7, 17.0, 7.4, 7.8, 3.4, 5.35],
+        method="SLSQP",
+        bounds=list(zip(low, high, strict=True)),
+        constraints={"type": "ineq", "fun": lambda d: [index(x, d) - 3.0 for x in active]},
+        options={"eps": 1e-4, "ftol": 1e-8},
+    )
+    # not its word of success: rounding decides whether the last line search finds a step downhill
+    assert found.fun == pytest.approx(3038.61, abs=2e-2)
+    indices = {x: index(x, found.x) for x in LIMITS}
+    assert min(indices.values()) > 3.0 - 1e-5
+    assert [x for x in LIMITS if indices[x] < 3.0 + 1e-3] == active
+
+
 def test_a_single_load_has_a_closed_form():
     """Area d of a bar under a normal load: ``d = (m + beta s) / strength``, d not random."""
     load = normal("F", 100.0, 10.0)
@@ -205,6 +248,15 @@ def test_a_design_that_cannot_be_says_what_is_missed():
         rbdo(cost, THREE, pair(0.3), BOX, 3.0, cycles=1)
 
 
+@pytest.mark.parametrize("start", [(5.0, 5.0), (9.0, 9.0), (2.0, 8.0), (8.0, 2.0), (4.0, 6.0)])
+def test_a_long_first_step_does_not_end_the_search(start):
+    """A linear cost leads at once to a corner in which the first limit has no slope."""
+    x1, x2 = start
+    box = {"x1": (0, 10), "x2": (0, 10)}
+    found = rbdo(cost, THREE, pair(0.3), box, 3.0, start={"x1": x1, "x2": x2})
+    assert found.cost == pytest.approx(6.725659, abs=2e-6)
+
+
 def test_an_infeasible_start_is_left():
     found = rbdo(cost, THREE, pair(0.3), BOX, 3.0, start={"x1": 1.0, "x2": 1.0})
     assert found.cost == pytest.approx(6.725659, abs=2e-6)
@@ -252,7 +304,9 @@ def test_wrong_input_is_told_in_sentences(named, said):
 
 def test_a_nested_optimisation_that_does_not_end_says_so():
     pair = [jo.design.Random(name, jo.design.by_moments("normal", 5.0, 0.3)) for name in "ab"]
-    with pytest.raises(jo.design.DesignPointError, match="did not end in 1 steps"):
+    with pytest.raises(
+        jo.design.DesignPointError, match="not end in 1 step, raise cycles=; missed"
+    ):
         jo.design.rbdo(
             lambda d: d["a"] ** 2 + d["b"] ** 4,
             [lambda x: x["a"] * x["b"] ** 2 - 3.0],

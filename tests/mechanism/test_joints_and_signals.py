@@ -30,7 +30,7 @@ G = Gravity((0, -9.81, 0))
 ROWS = {
     "Spherical": 3, "Revolute": 5, "Fixed": 6, "Prismatic": 5, "Cylindrical": 4, "Universal": 4,
     "Planar": 3, "PointOnLine": 2, "PointOnPlane": 1, "ConstantOrientation": 3, "Rod": 1,
-    "Screw": 5,
+    "Screw": 5, "ParallelAxes": 2, "Perpendicular": 1,
 }  # fmt: skip
 
 

@@ -112,6 +112,40 @@ def test_an_axis_too_short_for_a_direction():
     assert error.value.problems[0].message == "axis is (1e-300, 0, 0), must have a direction"
 
 
+CONVENTIONS = [a + b + c for a in "XYZ" for b in "XYZ" for c in "XYZ" if a != b != c]
+
+
+@pytest.mark.parametrize("convention", [*CONVENTIONS, *(c.lower() for c in CONVENTIONS)])
+def test_euler_angles_agree_with_scipy(convention):
+    for angles in ((0.3, -0.8, 2.9), (0, 0, 0), (np.pi, 0, np.pi), (1.0, np.pi / 2, -1.0)):
+        expected = Rotation.from_euler(convention, angles).as_matrix()
+        turn = Rotate.euler(convention, radians=angles)
+        np.testing.assert_allclose(turn.matrix, expected, atol=1e-15 * 4)
+        again = Rotate.euler(convention, degrees=np.degrees(angles))
+        np.testing.assert_allclose(again.matrix, expected, atol=1e-15 * 4)
+
+
+def test_wrong_euler_angles_say_all_that_is_wrong():
+    with pytest.raises(InputError) as error:
+        Rotate.euler("XxZ", degrees=(1, 2))
+    convention, angles = (p.message for p in error.value.problems)
+    assert convention.startswith("convention is 'XxZ', must be three axes, neighbours different")
+    assert "did you mean" not in convention  # XXZ has equal neighbours
+    assert angles == "degrees has shape (2,), must be (3)"
+    for wrong, meant in (("321", "ZYX"), ("zXz", "ZXZ")):
+        with pytest.raises(InputError, match=f"did you mean '{meant}'"):
+            Rotate.euler(wrong, degrees=(1, 2, 3))
+    for wrong in (3, None, "ZX", "ABC", ""):
+        with pytest.raises(InputError, match="must be three axes"):
+            Rotate.euler(wrong, degrees=(1, 2, 3))
+    with pytest.raises(InputError, match="give the angles as degrees=... or radians=..., one of"):
+        Rotate.euler("ZXZ")
+    with pytest.raises(
+        InputError, match=r"the angles \(1, 2, 3\) need the name of their unit: deg"
+    ):
+        Rotate.euler("ZXZ", (1, 2, 3))
+
+
 def test_the_angle_of_a_turn_has_a_name():
     one, other = Rotate((0, 0, 2), degrees=30), Rotate((0, 0, 2), radians=np.pi / 6)
     np.testing.assert_allclose(one.matrix, other.matrix, atol=1e-15)

@@ -10,7 +10,7 @@ import pytest
 
 import jousto as jo
 from jousto.mechanism.bodies.shapes import Array
-from jousto.schema.file.read import parse_model
+from jousto.schema.read import parse_model
 
 
 def same(body: jo.RigidBody, mass: float, center: tuple, inertia: object, rel: float) -> None:

@@ -12,9 +12,9 @@ import jousto as jo
 from jousto.mechanism.signals.base import Constant, Input
 from jousto.mechanism.signals.harmonic import Harmonic
 from jousto.mechanism.signals.piecewise import Ramp, SCurve, Table
-from jousto.model.builder import Builder
 from jousto.model.model import CoordinateModel, ForceModel, MarkerModel, SensorModel
 from jousto.model.native.native import displaced
+from jousto.model.packing.builder import Builder
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*moves freely", "ignore:.*nothing will move")
 

@@ -51,6 +51,8 @@ JOINTS = {
     "PointOnPlane": lambda a, b: jo.PointOnPlane("j", a, b, AXIS),
     "ConstantOrientation": lambda a, b: jo.ConstantOrientation("j", a, b),
     "Screw": lambda a, b: jo.Screw("j", a, b, 0.2, AXIS),
+    "ParallelAxes": lambda a, b: jo.mechanism.ParallelAxes("j", a, b, AXIS),
+    "Perpendicular": lambda a, b: jo.mechanism.Perpendicular("j", a, b, (0, 1, 0), (0, 0, 1)),
 }
 
 

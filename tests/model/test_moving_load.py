@@ -7,7 +7,7 @@ import pytest
 
 import jousto as jo
 from jousto.model.native.native import Engine
-from jousto.schema.file.read import parse_model
+from jousto.schema.read import parse_model
 
 LENGTH, FORCE = 4.0, 500.0  # m, N
 STEEL = jo.Material(E=210e9, nu=0.3, rho=7850.0)

@@ -139,3 +139,22 @@ def test_modes_of_a_clamped_part_are_asked_too() -> None:
     work = Reach(flat).work(loads()[:, None])
     assert work is not None and work[1][0] < 1e-9 * work[0][0]
     assert Reach(reduced).work(loads()[:, None])[1][0] > 0.98 * work[0][0]  # type: ignore[index]
+
+
+def test_the_full_model_is_factorised_once_for_all_loads(monkeypatch: pytest.MonkeyPatch) -> None:
+    part = jo.Part.beam(LENGTH, jo.Rectangle(0.02, 0.01), NODES - 1, STEEL)  # nobody asked it yet
+    body = jo.FlexibleBody("beam", jo.reduce(part, jo.CraigBampton(("start", "end"), modes=8)))
+    weld = jo.Fixed("weld", jo.ground["origin"], body["start"])
+    winds = [jo.mechanism.ModalLoad(f"wind {k}", body, pattern(k)) for k in (1, 2)]
+    made: list[object] = []
+    init = Reach.__init__
+
+    def counted(self: Reach, reduced: jo.ReducedPart) -> None:
+        made.append(reduced)
+        init(self, reduced)
+
+    monkeypatch.setattr(Reach, "__init__", counted)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", jo.JoustoWarning)
+        jo.compile(jo.Mechanism(body, weld, *winds))
+    assert len(made) == 1

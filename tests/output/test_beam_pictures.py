@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.output.scenes.scene import make_scene
-from jousto.output.scenes.skins import beam_skin, outline_rows, tube
+from jousto.output.scenes.stage import make_stage
 from jousto.recovery.beams.strains import exponential
+from jousto.recovery.fields.criteria import evaluate
+from jousto.scene.make import make_scene
+from jousto.scene.posed import rows_at, section_axes, stresses, vertices
+from jousto.scene.sections import outline_rows, tube
 from recovery.beams.cases import cantilever
 
 
@@ -22,16 +25,17 @@ def bent() -> jo.Solution:
 
 def test_skin_of_a_cantilever(bent: jo.Solution) -> None:
     """Its volume is that of the beam, its stress at the corners of the clamp that of the field."""
-    skin = beam_skin(bent, bent.beams[0], [0.0])
-    a, b, c = (skin.x[0][skin.triangles[:, k]] for k in range(3))
+    scene = make_scene(bent)
+    (body,), row = scene.bodies, rows_at(scene, [0.0])
+    x, tensors = vertices(body, row)[0], stresses(body, row)[0]
+    a, b, c = (x[body.triangles[:, k]] for k in range(3))
     volume = np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0
     assert volume == pytest.approx(0.02 * 0.04, rel=1e-4)
     exact = 6.0 * 10.0 / (0.02 * 0.04**2) + 6.0 * 3.0 / (0.04 * 0.02**2)
-    assert skin.mises is not None and skin.tensors is not None
-    assert skin.mises.max() == pytest.approx(exact, rel=1e-4)
-    corner = int(np.argmax(skin.tensors[0, :, 0]))
-    assert skin.x[0, corner] == pytest.approx([0.0, -0.01, 0.02], abs=1e-6)
-    z = skin.axes[0, 0, :, 2]
+    assert evaluate(tensors, "von-mises").max() == pytest.approx(exact, rel=1e-4)
+    corner = int(np.argmax(tensors[:, 0]))
+    assert x[corner] == pytest.approx([0.0, -0.01, 0.02], abs=1e-6)
+    z = section_axes(body.rings, row)[0, 0, :, 2]
     assert z == pytest.approx([0.0, 0.0, 1.0], abs=1e-6)
 
 
@@ -61,12 +65,10 @@ def test_tubes_are_closed() -> None:
 
 
 def test_scene_shows_beams_and_no_nodes(bent: jo.Solution) -> None:
-    scene = make_scene(bent, np.array([0.0]), scale=1.0, view=None, trail=None, stress=True)
-    assert len(scene.bodies) == 1 and scene.limit > 0.0
-    outline, x = scene.bodies[0]
-    assert outline.surface is not None and outline.surface.closed
-    assert len(scene.stress) == 1 and scene.stress[0] is not None
-    assert scene.stress[0].shape == (1, x.shape[1])
+    stage = make_stage(bent, np.array([0.0]), scale=1.0, view=None, trail=None, stress=True)
+    assert len(stage.bodies) == 1 and stage.limit > 0.0
+    surface = stage.bodies[0].surface
+    assert surface is not None and surface.closed
 
 
 def test_pictures_and_films(bent: jo.Solution, tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import pytest
 from PIL import Image
 
 import jousto as jo
+from jousto.output.scenes.draw import GHOST
 from output.blocks import bar
 from schema.plates import plate
 
@@ -30,6 +31,22 @@ def test_pictures_of_a_mesh_a_part_and_a_mode(tmp_path: Path) -> None:
     assert colors(mode) > colors(jo.draw(bar(), tmp_path / "still.svg".replace("svg", "jpg")))
     beam = jo.Part.beam(1.0, jo.Rectangle(0.1, 0.1), 4, jo.material("S355"))
     assert colors(jo.draw(beam, tmp_path / "beam.png")) > 20
+
+
+def test_a_mode_is_drawn_over_the_undeformed_shape(tmp_path: Path) -> None:
+    beam = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.03), 6, jo.material("S355"), name="bar")
+    reduced = jo.reduce(beam, jo.FreeFree(modes=2))
+    with Image.open(jo.draw(reduced, tmp_path / "mode.png", mode=0)) as image:
+        pixels = np.asarray(image.convert("RGB"), dtype=float)
+    # a pale straight bar, from end to end, all of one shade of the pale colour
+    shade = pixels[:, :, 1:2] / (255 * GHOST[1])
+    pale = np.abs(pixels - 255 * shade * GHOST).max(axis=2) < 2.5
+    wide = np.flatnonzero((pale & (shade[:, :, 0] < 0.95)).sum(axis=1) > 0.4 * pixels.shape[1])
+    # the bar is 0.03 of its length high, and bends by more
+    assert len(wide) == pytest.approx(0.03 * 0.75 * pixels.shape[1], abs=12)
+    assert np.ptp(wide) == len(wide) - 1
+    text = jo.draw(reduced, tmp_path / "mode.svg", mode=0).read_text()
+    assert f"bar, mode 1: {reduced.frequencies[0]:.5g} Hz" in text  # modes are counted from 1
 
 
 def test_what_cannot_be_drawn_is_said_at_once(tmp_path: Path) -> None:

@@ -11,7 +11,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import jousto as jo
 from jousto.output.figures.load_path import plot_load_path
-from jousto.output.scenes.scene import Scene, new_picture
+from jousto.output.scenes.backdrop import new_picture
+from jousto.output.scenes.stage import Stage
 from jousto.output.scenes.view import choose_view
 from jousto.output.style import styled
 
@@ -25,12 +26,12 @@ def boxes(figure, artists):
 @pytest.mark.parametrize("plane", ["xy", None])
 def test_the_speed_of_a_film_stands_beside_the_colours_of_stress(plane):
     corners = np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]])
-    scene = Scene(
-        np.zeros(1), (), (), np.zeros(1), choose_view(plane, corners, None),
+    stage = Stage(
+        np.zeros(1), (), np.zeros((1, 0)), 1.0, (), np.zeros(1), choose_view(plane, corners, None),
         np.array([[-1.0, -1.0], [1.0, 1.0]]), corners, -1.0, 0.5, (), limit=3e8,
     )  # fmt: skip
     with styled():
-        figure, _ = new_picture(scene, "a long name of a machine", "50 × slow motion")
+        figure, _ = new_picture(stage, "a long name of a machine", "50 × slow motion")
         (note,) = (t for t in figure.texts if "slow" in t.get_text())
         bar = figure.axes[-1]
         labels = [t for t in (*bar.get_yticklabels(), bar.yaxis.get_offset_text()) if t.get_text()]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -46,7 +48,11 @@ def test_a_probability_settles(tmp_path):
 def test_designs_and_the_error_of_their_tangents():
     found = jo.design.rbdo(
         lambda d: d["a"],
-        {"near": lambda x: x["a"] - 3.0, "far": lambda x: x["a"] + 90.0, "never": lambda x: 1.0},
+        {
+            "near": lambda x: x["a"] - 3.0,
+            "far": lambda x: x["a"] + 90.0,
+            "never": lambda x: 1.0 + math.exp(0.1 * x["a"]),
+        },
         [normal("a", 10, 1)],
         {"a": (0.0, 20.0)},
         2.0,

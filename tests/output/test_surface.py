@@ -9,12 +9,14 @@ import pytest
 from PIL import Image
 
 import jousto as jo
-from jousto.output.scenes.scene import make_scene
+from jousto.output.scenes.stage import make_stage
 from jousto.output.scenes.surface import is_surface, lit, make_surface
 from jousto.output.scenes.view import View
-from jousto.recovery.surface import surface_stress
+from jousto.recovery.fields.criteria import evaluate
+from jousto.scene.make import make_scene
+from jousto.scene.posed import rows_at, stresses
 from output.blocks import bar, grid, swinging_bar
-from output.runs import swing
+from output.runs import spatial, swing
 
 
 def test_a_block_is_a_closed_surface_of_which_half_is_seen() -> None:
@@ -76,19 +78,38 @@ def test_open_triangles_are_seen_from_both_sides() -> None:
 
 def test_results_hold_the_stress_of_the_surface() -> None:
     run, reduced = swinging_bar(), bar()
-    nodes, values = surface_stress(run, "bar", [0.05, 0.1])
-    assert np.array_equal(reduced.nodes[nodes], reduced.stress.positions)
+    scene = make_scene(run)
+    (body,) = scene.bodies
+    assert np.array_equal(reduced.nodes[body.nodes - 1], reduced.stress.positions)
+    values = evaluate(stresses(body, rows_at(scene, [0.05, 0.1])), "von-mises")
     p = [np.interp(t, run.time, run.q[:, 7]) for t in (0.05, 0.1)]
-    expected = 1e6 * np.abs(np.outer(p, reduced.nodes[nodes, 0]))
+    expected = 1e6 * np.abs(np.outer(p, reduced.nodes[body.nodes - 1, 0]))
     assert np.allclose(values, expected, rtol=1e-6)
-    assert surface_stress(swing(), "arm") is None  # a beam
+
+
+def test_beams_have_the_stress_of_their_sections_on_their_surface() -> None:
+    """At the points of the section that lie on its edge, from their stress in each mode."""
+    run = swing()
+    scene = make_scene(run)
+    arm = next(body for body in scene.bodies if body.name == "arm")
+    found = stresses(arm, rows_at(scene, run.time[-1:]))[0]
+    modes, p = run.stress_modes("arm"), run.q[-1, 7:11]
+    rings = (int(arm.section.max()) + 1) // 4  # of one of four elements
+    for name in ("top", "bottom"):
+        site = modes.labels.index(f"e3.a.{name}")
+        near = np.flatnonzero(arm.section == 2 * rings)
+        away = np.linalg.norm(arm.positions[near] - modes.positions[site], axis=1)
+        expected = modes.modes[site] @ p
+        assert abs(expected[0]) > 1e4
+        scale = np.abs(expected).max()
+        np.testing.assert_allclose(found[near[away.argmin()]], expected, atol=1e-6 * scale)
 
 
 def test_colours_are_those_of_the_stress() -> None:
     run = swinging_bar()
-    scene = make_scene(run, run.time, scale=1.0, view=None, trail=None, stress=True)
-    assert scene.limit == pytest.approx(1e6 * np.abs(run.q[:, 7]).max(), rel=1e-6)
-    given = make_scene(run, run.time, scale=1.0, view=None, trail=None, stress=5e6)
+    stage = make_stage(run, run.time, scale=1.0, view=None, trail=None, stress=True)
+    assert stage.limit == pytest.approx(1e6 * np.abs(run.q[:, 7]).max(), rel=1e-6)
+    given = make_stage(run, run.time, scale=1.0, view=None, trail=None, stress=5e6)
     assert given.limit == 5e6
 
 
@@ -107,6 +128,6 @@ def test_pictures_and_films_of_solids(tmp_path: Path) -> None:
 
 def test_stress_must_be_known(tmp_path: Path) -> None:
     with pytest.raises(jo.InputError, match="'jousto hotspots RESULT BODY -o FILE.png'"):
-        jo.animate(swing(), tmp_path / "a.gif", stress=True)
+        jo.animate(spatial(), tmp_path / "a.gif", stress=True)
     with pytest.raises(jo.InputError, match="stress is -1 Pa, must be a positive number"):
         jo.still(swinging_bar(), tmp_path / "a.png", stress=-1.0)

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.output.scenes.scene import make_scene
-from jousto.output.scenes.symbols import SymbolPen, coil, ground_lines, joined_points, size_of
+from jousto.output.scenes.stage import make_stage
+from jousto.output.scenes.symbols import SymbolPen, coil, ground_lines, make_symbols, size_of
 from jousto.output.scenes.view import View
 from jousto.output.style import Picture
+from jousto.scene.make import make_scene
+from jousto.scene.posed import rows_at
 
 G = jo.ground
 STEEL = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)
@@ -47,8 +49,20 @@ def run():
     return jo.simulate(jo.compile(machine()), 0.2, solver=jo.RK4(1e-4), output_step=0.02)
 
 
+ORDER = ("pivot", "rail", "rod", "spring", "damper", "pump", "rubber")
+
+
+def shown(run):
+    """What of the scene pictures show, by its name."""
+    scene = make_scene(run)
+    names = [one.name for one in scene.symbols if one.name in ORDER]
+    found = make_symbols(scene.symbols, rows_at(scene, run.time), 1.0, None)
+    assert len(found.kinds) == len(names)
+    return {name: (found.kinds[k], found.ends[:, k]) for k, name in enumerate(names)}
+
+
 def test_every_connection_has_its_kind(run):
-    assert {one.name: one.kind for one in run.connections} == {
+    assert {name: kind for name, (kind, _) in shown(run).items()} == {
         "pivot": "hinge", "rail": "slide", "rod": "rod", "spring": "spring", "damper": "damper",
         "pump": "actuator", "rubber": "bushing",
     }  # fmt: skip
@@ -62,9 +76,7 @@ def test_their_ends_are_where_sensors_are(run, tmp_path, kept):
         run = jo.load(tmp_path / "r.h5")
     elif kept == "pickle":
         run = pickle.loads(pickle.dumps(run))
-    found = run.connections
-    ends = joined_points(run, found, run.time, 1.0)
-    at = {one.name: ends[:, k] for k, one in enumerate(found)}
+    at = {name: ends for name, (_, ends) in shown(run).items()}
     for name, a, b in (("spring", "hook", "tip"), ("pump", "hook", "third")):
         # some hundred roundings beside 1 m
         np.testing.assert_allclose(at[name][:, 0], run[a], atol=1e-13)
@@ -75,7 +87,7 @@ def test_their_ends_are_where_sensors_are(run, tmp_path, kept):
 
 
 def test_supports_stand_at_the_points_of_ground(run):
-    scene = make_scene(run, run.time, scale=1.0, view="xy", trail=None)
+    scene = make_stage(run, run.time, scale=1.0, view="xy", trail=None)
     points = {tuple(point) for point in np.round(scene.symbols.grounds, 9).tolist()}
     assert points == {(0.0, 0.0), (0.0, -1.0), (0.0, -1.5), (-1.0, -2.0), (0.0, -2.0)}
     triangle, base, *_ = ground_lines(np.array([0.3, 0.2]), 0.1)
@@ -99,7 +111,7 @@ def test_the_coil_of_a_spring_is_as_wide_as_asked(end):
 
 
 def test_a_cylinder_keeps_its_length_while_its_rod_moves(run):
-    scene = make_scene(run, run.time, scale=1.0, view="xy", trail=None)
+    scene = make_stage(run, run.time, scale=1.0, view="xy", trail=None)
     pen = SymbolPen(Picture().add_subplot(), scene.symbols, size_of(scene.box))
     place = [kind for kind in scene.symbols.kinds if kind in ("damper", "actuator")].index(
         "actuator"
@@ -119,7 +131,7 @@ def test_a_cylinder_keeps_its_length_while_its_rod_moves(run):
 def test_they_change_the_picture(run, tmp_path, monkeypatch, name):
     view = View((1, 1, 1))
     with_them = jo.animate(run, tmp_path / name, view=view, stills=2, fps=5, speed=0.2).read_bytes()
-    monkeypatch.setattr("jousto.output.scenes.scene.draw_grounds", lambda *_: None)
+    monkeypatch.setattr("jousto.output.scenes.backdrop.draw_grounds", lambda *_: None)
     monkeypatch.setattr(SymbolPen, "show", lambda *_: None)
     without = jo.animate(run, tmp_path / name, view=view, stills=2, fps=5, speed=0.2).read_bytes()
     assert with_them != without

@@ -21,7 +21,7 @@ from jousto.mesh.readers.cdb import _announced
 from jousto.mesh.readers.files import which
 from jousto.parts.matrices.plain import read_plain
 from jousto.reduction.damping import modal_damping
-from jousto.schema.file.read import read_model
+from jousto.schema.read import read_model
 
 STEEL = jo.Material(2.1e11, 0.3, 7850.0)
 
@@ -30,7 +30,7 @@ BLANKS = r"""
 import sys
 from pathlib import Path
 from jousto.base.errors import InputError
-from jousto.mesh.readers.bulk import read_bulk
+from jousto.mesh.readers.nastran import read_bulk
 from jousto.mesh.readers.cad import step_unit
 from jousto.mesh.readers.cdb import _announced
 from jousto.mesh.readers.files import FORMATS

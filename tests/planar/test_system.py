@@ -105,6 +105,9 @@ def test_tangents_of_the_whole_frame(frame: PlanarFrame) -> None:
     off = system.tangent(p, loads, c, m, inertia_tangents=False)
     Kacc, Cacc = system.elimination.inertia_tangents(q, v, a, system.M)
     assert abs(J - off - Kacc - c * Cacc).max() < 1e-12 * abs(J).max()
+    half = system.tangent(p, loads, c, m, inertia_tangents="symmetric") - off
+    assert abs(half - half.T).max() < 1e-12 * abs(J).max()
+    assert abs(half + half.T - (J - off) - (J - off).T).max() < 1e-12 * abs(J).max()
 
 
 def test_stiffness_is_the_static_tangent() -> None:

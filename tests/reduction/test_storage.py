@@ -147,8 +147,8 @@ DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "other format": (attribute("format", "results"), "its format is 'results'"),
     "newer": (
-        attribute("version", 4),
-        "version 4 of the format, this jousto reads versions up to 3",
+        attribute("version", 6),
+        "version 6 of the format, this jousto reads versions up to 5",
     ),
     "no header": (delete("header"), "incomplete or damaged"),
     "bad header": (replace_dataset("header", np.zeros(5, np.uint8)), "is damaged"),

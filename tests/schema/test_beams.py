@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.schema.file.read import parse_model
+from jousto.schema.read import parse_model
 from schema.models import same
 
 MODEL = """

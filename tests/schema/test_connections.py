@@ -16,12 +16,13 @@ from jousto.mechanism.forces.springs import Bushing, JointForce, Servo, Spring
 from jousto.mechanism.joints.base import PARALLEL, AxisJoint, held
 from jousto.mechanism.joints.coordinate import Distance
 from jousto.mechanism.joints.coupling import Coupling, Drive, Gear, Rack
+from jousto.mechanism.joints.directions import ParallelAxes, Perpendicular
 from jousto.mechanism.joints.hinges import Cylindrical, Revolute, Screw, Universal
 from jousto.mechanism.joints.points import PointOnLine, PointOnPlane, Rod, Spherical
 from jousto.mechanism.joints.slides import ConstantOrientation, Fixed, Planar, Prismatic
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.signals.piecewise import Ramp, SCurve, Table
-from jousto.schema.file.read import model_schema, parse_model
+from jousto.schema.read import model_schema, parse_model
 from schema.models import same
 
 BODIES = "bodies:\n" + "".join(
@@ -42,6 +43,9 @@ joints:
   - {type: rod, name: rod, a: ground.origin, b: b9.origin, length: 900 cm}
   - {type: spherical, name: ball, a: {body: ground, at: [10, 0, 0]}, b: b10.origin}
   - {type: fixed, name: weld, a: {body: ground, at: [11, 0, 0]}, b: b11.origin}
+  - {type: parallel-axes, name: axes, a: b0.origin, b: b1.origin, axis: [0, 1, 0]}
+  - {type: perpendicular, name: right, a: b2.origin, b: b3.origin, axis_a: [0, 0, 1],
+     axis_b: [0, 1, 0]}
 """
 COUPLINGS = """\
 couplings:
@@ -78,6 +82,8 @@ def machine() -> Mechanism:
         Rod("rod", o, b[9]["origin"], length=9.0),
         Spherical("ball", ground.at((10, 0, 0)), b[10]["origin"]),
         Fixed("weld", ground.at((11, 0, 0)), b[11]["origin"]),
+        ParallelAxes("axes", b[0]["origin"], b[1]["origin"], axis=(0, 1, 0)),
+        Perpendicular("right", b[2]["origin"], b[3]["origin"], (0, 0, 1), (0, 1, 0)),
         Gear("gear", hinge.angle, tube.angle, -2),
         Rack("rack", table.angle, slide.displacement, 0.05),
         Coupling("pulley", (line.displacement, plane.x), (1, -2), 0.03),

@@ -7,7 +7,7 @@ import pytest
 
 import jousto as jo
 from jousto.mechanism.signals.switched import Switched
-from jousto.schema.file.read import parse_model
+from jousto.schema.read import parse_model
 
 TEXT = """\
 name: crane
@@ -55,6 +55,14 @@ def test_events_equal_the_python_constructors():
     assert switched.event is limit
     assert switched.before(0.0) == 2000.0
     assert [s.name for s in mechanism.sensors] == ["tip", "torque"]
+
+
+def test_an_event_names_what_it_releases():
+    text = TEXT.replace("direction: falling}", "direction: falling, releases: [motor, slewing]}")
+    mechanism = parse_model(text).mechanism
+    assert mechanism.events[-1].releases == (mechanism.forces[0], mechanism.joints[0])
+    with pytest.raises(jo.InputError, match=r"releases.*no joint, coupling or force 'motr'.*motor"):
+        parse_model(text.replace("[motor,", "[motr,"))
 
 
 def test_the_file_runs_and_stops_at_the_event():

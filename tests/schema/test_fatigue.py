@@ -7,8 +7,9 @@ import pytest
 import jousto as jo
 from jousto.base.errors import InputError
 from jousto.recovery.fields.criteria import Plane
-from jousto.schema.entries.fatigue import parse_fatigue, read_curve, read_duty
-from jousto.schema.file.read import parse_model
+from jousto.schema.make.blocks.duty import read_duty
+from jousto.schema.make.blocks.fatigue import parse_fatigue, read_curve
+from jousto.schema.read import parse_model
 
 MODEL = """\
 parts:

@@ -15,7 +15,7 @@ import pytest
 from jousto.base.errors import JoustoError
 from jousto.model.compile import compile
 from jousto.schema.file.document import parse_document
-from jousto.schema.file.read import parse_model
+from jousto.schema.read import parse_model
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 # quick to reduce, with most kinds of entries between them

@@ -2,36 +2,51 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import jousto as jo
+from gmsh_session import opened
 from jousto.base import errors
 from jousto.base.errors import JoustoWarning
 from jousto.reduction.files import cache
-from jousto.schema.file.read import read_part_file
+from jousto.schema.read import read_part_file
 
-pytest.importorskip("gmsh")
-ARM = Path(__file__).parents[2] / "examples" / "data" / "link_arm.step"
-PART = f"""\
+gmsh = pytest.importorskip("gmsh")
+PART = """\
 type: solid
-mesh: {{cad: {ARM}, size: SIZE, order: 1}}
+mesh: {cad: CAD, size: SIZE, order: 1}
 material: S355
-reduce: {{type: free-free, modes: 2}}
+reduce: {type: free-free, modes: 2}
 """
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cad: Path) -> Path:
+    shutil.copy(cad, tmp_path / "arm.step")
     monkeypatch.setenv("JOUSTO_CACHE", str(tmp_path / "kept"))
     return tmp_path / "kept"
 
 
-def part(tmp_path: Path, size: str = "80 mm", **options: object) -> jo.Part:
+@pytest.fixture(scope="module")
+def cad(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a CAD file of a pin on a block, mm."""
+    path = tmp_path_factory.mktemp("cad") / "arm.step"
+    with opened(gmsh):
+        block = (3, gmsh.model.occ.addBox(0, 0, 0, 100, 40, 20))
+        pin = (3, gmsh.model.occ.addCylinder(30, 20, 20, 0, 0, 30, 10))
+        gmsh.model.occ.fuse([block], [pin])
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(path))
+    return path
+
+
+def part(tmp_path: Path, size: str = "20 mm", **options: object) -> jo.Part:
     path = tmp_path / "arm.yml"
-    path.write_text(PART.replace("SIZE", size))
+    path.write_text(PART.replace("SIZE", size).replace("CAD", str(tmp_path / "arm.step")))
     return read_part_file(path, reduce=False, **options).part
 
 
@@ -47,7 +62,7 @@ def test_a_cad_file_is_meshed_once(
     with monkeypatch.context() as patch:
         patch.setattr("jousto.mesh.readers.step.mesh_step", no_mesh)
         second = part(tmp_path, cache=True)
-        for size, options in (("90 mm", {"cache": True}), ("80 mm", {"cache": False})):
+        for size, options in (("25 mm", {"cache": True}), ("20 mm", {"cache": False})):
             with pytest.raises(AssertionError, match="once more"):
                 part(tmp_path, size, **options)
     assert cache.key(first) == cache.key(second)

@@ -14,7 +14,7 @@ import jousto as jo
 from jousto.base.errors import InputError
 from jousto.materials.material import Material
 from jousto.parts.part import Part
-from jousto.schema.file.read import read_part, read_part_file
+from jousto.schema.read import read_part, read_part_file
 from jousto.sections.section import Circle
 from parts.matrix_files import full, write_abaqus, write_calculix, write_user_element
 

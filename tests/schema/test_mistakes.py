@@ -7,7 +7,7 @@ import warnings
 import pytest
 
 from jousto.base.errors import InputError, JoustoWarning
-from jousto.schema.file.read import parse_model
+from jousto.schema.read import parse_model
 from schema.models import PENDULUM
 
 
@@ -60,7 +60,8 @@ SINGLE = [
     ("euler-bernoulli", "euler", 10,
      "parts.rod.theory.type: no theory type 'euler'; known: timoshenko, euler-bernoulli"),
     ("craig-bampton", "craig", 11,
-     "parts.rod.reduce.type: no reduction type 'craig'; known: craig-bampton, free-free"),
+     "parts.rod.reduce.type: no reduction type 'craig'; known: craig-bampton, free-free, "
+     "shape-functions"),
     ("[start]", "[strat]", 11,
      "parts.rod.reduce: no node set 'strat'; did you mean 'start'?"),
     ("[start]", "start", 11, "parts.rod.reduce.interfaces: expects a list, got 'start'"),
@@ -85,7 +86,14 @@ SINGLE = [
      "Euler parameters (scalar first) must have length 1"),
     ("position: [0, 0, 0]", "orientation: [1, 0]", 13,
      "bodies.0.orientation: expects {axis: [x, y, z], angle_deg: ...}, four Euler parameters "
-     "(scalar first) or the three rows of a rotation matrix, got a list of 2"),
+     "(scalar first), the three rows of a rotation matrix or {euler_deg: [a, b, c], "
+     "convention: ZXZ}, got a list of 2"),
+    ("position: [0, 0, 0]", "orientation: {euler_deg: [1, 2, 3], convention: '313'}", 13,
+     "bodies.0.orientation.convention: convention is '313', must be three axes, neighbours "
+     "different: capitals such as 'ZXZ' for the axes as they have been turned (intrinsic), small "
+     "letters such as 'zxz' for those of the world (extrinsic); did you mean 'ZXZ'?"),
+    ("position: [0, 0, 0]", "orientation: {euler_deg: [1, 2, 3]}", 13,
+     "bodies.0.orientation: 'convention' is missing"),
     ("position: [0, 0, 0]", "orientation: {axis: [0, 0, 0], angle_deg: 3}", 13,
      "bodies.0.orientation.axis: axis is (0, 0, 0), must have a direction"),
     ("position: [0, 0, 0]", "orientation: {axis: [0, 0, 1], angle_deg: 3 m}", 13,
@@ -99,8 +107,8 @@ SINGLE = [
      "joints.0.b: expects a marker such as arm.tip or ground.origin, got 'arm'"),
     ("b: arm.start", "b: {body: arm}", 15,
      "joints.0.b: give either point: NAME or at: [x, y, z]"),
-    ("b: arm.start", "b: {body: arm, at: [0, 0, 0]}", 15,
-     "joints.0.b.at: 'arm' is flexible, give point: and the name of a node"),
+    ("b: arm.start", "b: {body: arm, at: [0, 1, 0]}", 15,
+     "joints.0.b.at: body 'arm': point (0, 1, 0) lies 1 m from the axis of the nearest beam"),
     ("b: arm.start", "b: {body: ram, point: start}", 15,
      "joints.0.b.body: no body 'ram'; did you mean 'arm'?"),
     ("b: arm.start", "b: ground.origin", 15,

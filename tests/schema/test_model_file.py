@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 import scipy.io
 import scipy.sparse
+from scipy.spatial.transform import Rotation
 
 from jousto.base.declare import kinds
 from jousto.base.errors import InputError, JoustoWarning
-from jousto.base.rotations import Rotate
+from jousto.base.rotations import Rotate, rotation_matrix
 from jousto.materials.material import Material
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody, ground
+from jousto.mechanism.event import Event
 from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.forces.loads import Force, Gravity, Torque
 from jousto.mechanism.initial import Initial
@@ -31,7 +33,6 @@ from jousto.mechanism.sensors.motion import (
     PositionSensor,
     VelocitySensor,
 )
-from jousto.mechanism.signals.event import Event
 from jousto.mechanism.signals.harmonic import Harmonic
 from jousto.mechanism.signals.piecewise import Step, Table
 from jousto.model.compile import compile
@@ -42,7 +43,7 @@ from jousto.parts.part import Part
 from jousto.reduction.damping import Rayleigh
 from jousto.reduction.methods import CraigBampton, FreeFree
 from jousto.reduction.reducer import reduce
-from jousto.schema.file.read import model_schema, parse_model, read_model, read_part
+from jousto.schema.read import model_schema, parse_model, read_model, read_part
 from jousto.sections.profiles import Box, IBeam
 from jousto.sections.section import Circle, GeneralSection, Rectangle, SectionPoint, Tube
 from jousto.simulation.running.simulate import simulate
@@ -296,6 +297,19 @@ def test_degrees_of_an_angle_are_those_written(text, degrees):
     np.testing.assert_array_equal(model.mechanism.bodies[0].orientation, expected)
 
 
+@pytest.mark.parametrize("convention", ["ZXZ", "xyz"])
+def test_euler_angles_name_their_convention(convention):
+    model = parse_model(
+        "bodies: [{name: a, mass: 1, inertia: [1, 1, 1], "
+        f"orientation: {{euler_deg: [30, 0.5 rad, -20 deg], convention: {convention}}}}}]\n"
+        "joints: [{type: spherical, name: j, a: ground.origin, b: a.origin}]"
+    )
+    angles = (30, np.degrees(0.5), -20)
+    expected = Rotation.from_euler(convention, angles, degrees=True).as_matrix()
+    found = rotation_matrix(model.mechanism.bodies[0].orientation)
+    np.testing.assert_allclose(found, expected, atol=1e-15)
+
+
 # -- parts alone ----------------------------------------------------------------------------
 
 
@@ -337,6 +351,7 @@ def test_the_schema_knows_every_key_of_the_file():
     assert set(schema["properties"]) == {
         "$schema", "name", "parts", "bodies", "joints", "couplings", "forces", "frictions",
         "parameters", "gravity", "sensors", "events", "initial", "simulation", "fatigue", "monitor",
+        "limits", "reliability",
     }  # fmt: skip
     assert schema["required"] == ["bodies"]
     assert schema["additionalProperties"] is False

@@ -16,7 +16,9 @@ from jousto.mechanism.bodies.body import Shaped
 from jousto.mechanism.bodies.marker import MarkerField
 from jousto.mechanism.bodies.shapes import Solid, cylinder
 from jousto.mechanism.sensors.base import Reading, Sensor
-from jousto.schema.file.read import model_schema, parse_model
+from jousto.mechanism.signals.base import USE, Signal
+from jousto.mechanism.signals.piecewise import polynomials
+from jousto.schema.read import model_schema, parse_model
 
 TEXT = """\
 bodies:
@@ -105,3 +107,49 @@ def test_they_have_entries_help_and_checks(classes):
     body = jo.RigidBody("body", 1.0, (1.0, 1.0, 1.0))
     with pytest.raises(jo.InputError, match="marker: body 'other' is not in the mechanism"):
         jo.Mechanism(body, climb("up", other["origin"]))
+
+
+def test_a_model_file_drives_a_slide_by_a_signal_that_was_declared_here():
+    class Dwell(Signal, tag="dwell"):
+        """A move of a height in a time, at rest at both ends: ``3 s^2 - 2 s^3``."""
+
+        height: Number = field("Height", unit=USE)
+        duration: Number = field("Time", unit="s", above=0)
+
+        def jet(self, t):
+            s = np.clip(t / self.duration, 0.0, 1.0)
+            h, T = self.height, self.duration
+            inside = (t >= 0) & (t < T)
+            return (
+                h * s**2 * (3 - 2 * s),
+                6 * h / T * s * (1 - s),
+                np.where(inside, 6 * h / T**2 * (1 - 2 * s), 0.0),
+            )
+
+        @property
+        def law(self):
+            h, T = self.height, self.duration
+            return polynomials(
+                np.array([0.0, T]), np.array([[-2 * h / T**3], [3 * h / T**2], [0], [0]])
+            )
+
+    text = """\
+bodies: [{name: cam, mass: 2 kg, inertia: [1, 1, 1]}]
+joints: [{type: prismatic, name: lift, a: ground.origin, b: cam.origin, axis: [0, 0, 1]}]
+couplings:
+  - type: drive
+    name: drive
+    coordinate: lift.displacement
+    signal: {type: dwell, height: 20 mm, duration: 0.5 s}
+sensors:
+  - {type: coordinate, name: z, coordinate: lift.displacement}
+  - {type: reaction, name: push, joint: drive}
+"""
+    try:
+        run = jo.simulate(jo.compile(parse_model(text).mechanism), 0.5, solver=jo.RK4(0.01))
+    finally:
+        del SECTIONS["signals"]["dwell"]
+    t, h, T = run.time, 0.02, 0.5
+    assert run["z"][:, 0] == pytest.approx(h * (t / T) ** 2 * (3 - 2 * t / T), abs=1e-12)
+    force = 2.0 * 6 * h / T**2 * (1 - 2 * t / T)
+    assert np.abs(run["push"][1:-1, 0]) == pytest.approx(np.abs(force[1:-1]), abs=1e-9)

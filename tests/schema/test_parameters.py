@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import jousto as jo
-from jousto.schema.file.read import parse_model
+from jousto.schema.read import parse_model
 
 BALL = """
 parameters:

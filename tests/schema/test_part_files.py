@@ -6,7 +6,7 @@ import pytest
 
 from jousto.base.errors import InputError
 from jousto.reduction.methods import CraigBampton
-from jousto.schema.file.read import read_part_file
+from jousto.schema.read import read_part_file
 
 PART = """\
 type: beam

@@ -16,6 +16,7 @@ from jousto.mechanism.bodies.body import ground
 from jousto.mechanism.forces.springs import ModalLoad
 from jousto.mechanism.joints.coordinate import Distance
 from jousto.mechanism.sensors.body import (
+    DeformationMomentumSensor,
     ModalSensor,
     PrincipalStressSensor,
     StressSensor,
@@ -26,6 +27,7 @@ from jousto.mechanism.sensors.damage import DamageSensor
 from jousto.mechanism.sensors.gauge import Gauge
 from jousto.mechanism.sensors.loads import ForceSensor, ReactionSensor
 from jousto.mechanism.sensors.motion import (
+    AccelerationPartsSensor,
     AccelerationSensor,
     AngularAccelerationSensor,
     AngularVelocitySensor,
@@ -44,7 +46,7 @@ from jousto.mechanism.sensors.section import SectionSensor
 from jousto.mechanism.sensors.temperature import Temperature
 from jousto.mechanism.signals.base import USE, Constant, Signal
 from jousto.mechanism.signals.piecewise import Step, Table
-from jousto.schema.file.read import model_schema, parse_model, read_model
+from jousto.schema.read import model_schema, parse_model, read_model
 from schema.models import same
 
 MODEL = """\
@@ -100,6 +102,8 @@ sensors:
   - {type: rosette, name: s24, body: arm, at: e1.a.top, kind: '60',
      temperature: {signal: 30, part: S355}}
   - {type: bridge, name: s25, arms: [s15, null, s16], gauge_factor: 2.1}
+  - {type: acceleration-parts, name: s26, marker: arm.end, relative_to: slider.origin}
+  - {type: deformation-momentum, name: s27, body: arm}
 """
 
 
@@ -151,6 +155,8 @@ def test_sensors_equal_the_python_constructors():
         ),
         Rosette("s24", arm, "e1.a.top", kind="60", temperature=Temperature(30.0, part=12e-6)),
         Bridge("s25", (top, None, between), gauge_factor=2.1),
+        AccelerationPartsSensor("s26", end, relative_to=seat),
+        DeformationMomentumSensor("s27", arm),
     )
     same(model.sensors, expected)
     # those of beams: test_beams.py

@@ -10,7 +10,7 @@ import pytest
 import jousto as jo
 from jousto.output.scenes.surface import is_surface
 from jousto.schema.file.document import parse_document
-from jousto.schema.file.read import build_model, parse_model, read_part, read_part_file
+from jousto.schema.read import build_model, parse_model, read_part, read_part_file
 from schema.plates import plate
 
 BODY = """

@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 
 import jousto as jo
 from jousto.cli.group import app
-from jousto.simulation.running.state import State
+from jousto.simulation.state import State
 from verification.mechanisms import chain, orders
 
 G = 9.81

@@ -9,6 +9,7 @@ import pytest
 
 import jousto as jo
 from jousto.simulation.running.simulate import describe
+from jousto.simulation.solvers.choice import choose
 from jousto.simulation.solvers.growth import excess
 
 STEEL = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)
@@ -52,6 +53,18 @@ def test_springs_count_in_the_choice(stiffness: float):
     y, static = run["c"][:, 1], -2.0 * 9.81 / stiffness
     assert np.mean(y) == pytest.approx(static, rel=0.05)
     assert np.abs(y).max() < 2.1 * abs(static)
+
+
+@pytest.mark.filterwarnings("ignore:.*the energy balance misses")
+@pytest.mark.parametrize("stiffness", [2e7, 1e9])
+def test_a_force_in_python_hides_no_bushing(stiffness: float):
+    """Half of the weight is pushed up: the bar hangs half as deep, and does not fly away."""
+    bare = hung(stiffness)
+    lift = jo.UserForce("lift", bare.bodies[0]["origin"], lambda t, x: [0, 9.81, 0, 0, 0, 0])
+    model = jo.compile(jo.Mechanism(*bare.items, lift))
+    assert choose(model, 1.0, None) == choose(jo.compile(bare), 1.0, None)
+    y = jo.simulate(model, 0.2)["c"][:, 1]
+    assert np.mean(y) == pytest.approx(-9.81 / stiffness, rel=0.05)
 
 
 def test_a_machine_that_falls_over_needs_no_other_method():

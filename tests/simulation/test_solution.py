@@ -14,8 +14,8 @@ from numpy.testing import assert_array_equal
 
 import jousto as jo
 from jousto.simulation.results import memory
+from jousto.simulation.results.diagnostics import Energy
 from jousto.simulation.results.stored import FileRecords
-from jousto.simulation.running.diagnostics import Energy
 from session import objects
 
 EARTH = jo.Gravity((0, -9.81, 0))

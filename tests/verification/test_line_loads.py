@@ -7,7 +7,7 @@ import pytest
 
 import jousto as jo
 from jousto.model.native.native import Engine, displaced
-from jousto.simulation.statics.balance import newton_sparse
+from jousto.simulation.modes.spectrum import newton_sparse
 
 STIFF = 1e8  # neither stretch nor shear: 1e-8
 

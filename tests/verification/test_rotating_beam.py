@@ -15,6 +15,7 @@ import pytest
 from numpy.typing import NDArray
 
 import jousto as jo
+from jousto.reduction.frames.frame import Frame
 from parts.grids import grid
 from verification.hubs import on_a_hub
 
@@ -34,9 +35,13 @@ FLAP = {
 
 def frequencies(speed: float, stiffening: bool) -> NDArray[np.float64]:
     """Frequencies of a beam of 1 m fixed to a heavy hub that turns about z, over UNIT."""
+    return turning(blade(stiffening), speed)
+
+
+@cache
+def blade(stiffening: bool) -> jo.ReducedPart:
     part = jo.Part.beam(1.0, SECTION, 8, STEEL, theory=jo.parts.EulerBernoulli())
-    rod = jo.reduce(part, jo.CraigBampton(("start",), modes=12), stiffening=stiffening)
-    return turning(rod, speed)
+    return jo.reduce(part, jo.CraigBampton(("start",), modes=12), stiffening=stiffening)
 
 
 @cache
@@ -66,6 +71,24 @@ def test_flap(speed: float) -> None:
     found = frequencies(speed, True)
     for wanted in FLAP[speed]:
         assert nearest(found, wanted) == pytest.approx(wanted, rel=5e-4)
+
+
+@pytest.mark.parametrize("speed", [0.0, 3.0, 12.0])
+@pytest.mark.parametrize(
+    "frame", [jo.reduction.NodeFrame("start"), jo.reduction.ChordFrame("start", "end")]
+)
+@pytest.mark.parametrize("solid", [False, True], ids=["beam", "solid"])
+def test_seen_from_the_hub(speed: float, frame: Frame, solid: bool) -> None:
+    """A blade whose frame sits on the hub, or goes through both of its ends, stiffens as well."""
+    if solid and isinstance(frame, jo.reduction.ChordFrame):
+        pytest.skip("the tip of the solid blade has no node")
+    mean = solid_blade() if solid else blade(True)
+    found = turning(jo.reduction.in_frame(mean, frame), speed)
+    for wanted in FLAP[speed]:
+        assert nearest(found, wanted) == pytest.approx(wanted, rel=8e-4 if solid else 5e-4)
+    lag = float(np.sqrt((2.0 * FLAP[speed / 2.0][0]) ** 2 - speed**2)) if speed != 3.0 else None
+    if lag is not None:
+        assert nearest(found, lag) == pytest.approx(lag, rel=8e-4 if solid else 5e-4)
 
 
 @pytest.mark.parametrize("speed", [0.0, 6.0, 12.0])

@@ -8,6 +8,8 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.base.complexstep import floats, is_stepping
+
 A = TypeVar("A", bound=NDArray[Any])
 
 Array = NDArray[np.float64]
@@ -18,10 +20,12 @@ if TYPE_CHECKING:
 else:
     Sparse = Any
 
+NEXT, LAST = [1, 2, 0], [2, 0, 1]
+
 
 def read_only(array: ArrayLike) -> Array:
     """Return a contiguous float copy of the array that cannot be written to."""
-    return frozen(np.array(array, dtype=np.float64, order="C"))
+    return frozen(np.array(floats(array), order="C"))
 
 
 def frozen(array: A) -> A:
@@ -38,12 +42,23 @@ def skew(x: ArrayLike) -> Array:
     >>> skew([1, 2, 3]) @ [0, 0, 1]
     array([ 2., -1.,  0.])
     """
-    x = np.asarray(x, dtype=np.float64)
-    out = np.zeros((*x.shape, 3))
+    x = floats(x)
+    out = np.zeros((*x.shape, 3), x.dtype)
     out[..., 0, 1], out[..., 0, 2] = -x[..., 2], x[..., 1]
     out[..., 1, 0], out[..., 1, 2] = x[..., 2], -x[..., 0]
     out[..., 2, 0], out[..., 2, 1] = -x[..., 1], x[..., 0]
     return out
+
+
+def crossed(a: Array, b: Array) -> Array:
+    """Return a cross b, (..., 3): for a few vectors a fraction of the cost of ``numpy.cross``.
+
+    Examples
+    --------
+    >>> crossed(np.array([1.0, 2.0, 3.0]), np.array([0.0, 0.0, 1.0]))
+    array([ 2., -1.,  0.])
+    """
+    return np.asarray(a[..., NEXT] * b[..., LAST] - a[..., LAST] * b[..., NEXT])
 
 
 def transposed(x: Array) -> Array:
@@ -58,12 +73,17 @@ def as_csr(matrix: object) -> Sparse:
     """
     if (
         isinstance(matrix, scipy.sparse.csr_array)
-        and matrix.dtype == np.float64
+        and (matrix.dtype == np.float64 or is_stepping())
         and matrix.has_canonical_format
         and not np.any(matrix.data == 0.0)
     ):
         return matrix
-    out = scipy.sparse.csr_array(matrix, dtype=np.float64, copy=True)  # type: ignore[call-overload]
+    kind = (
+        np.complex128
+        if is_stepping() and getattr(matrix, "dtype", float) == np.complex128
+        else np.float64
+    )
+    out = scipy.sparse.csr_array(matrix, dtype=kind, copy=True)  # type: ignore[call-overload]
     out.sum_duplicates()
     out.eliminate_zeros()
     return out  # type: ignore[no-any-return]

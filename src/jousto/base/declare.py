@@ -34,6 +34,7 @@ from jousto.base.units import KINDS, check_unit
 
 P = ParamSpec("P")
 Out = TypeVar("Out", covariant=True)
+Form = TypeVar("Form")
 
 SECTIONS: dict[str, dict[str, type[Declared]]] = {}
 """Classes by their word ``type`` in each section of a model file."""
@@ -220,26 +221,44 @@ class Makes(Protocol[Out]):
         """The object."""
 
 
-def maker(name: str, cls: Callable[P, Makes[Out]]) -> Callable[P, Out]:
+def maker(name: str, cls: Callable[P, Makes[Out]], returns: str = "") -> Callable[P, Out]:
     """Return the function that makes what the objects of a declared class stand for.
 
     Parameters
     ----------
     name : str
-        How users call it, ``"RigidBody.box"``.
+        How users call it, ``"RigidBody.box"``, ``"fat_class"``.
     cls : type
         The class; the function has its arguments and its help.
+    returns : str
+        What it returns, where that is not what stands before the dot of its name.
+    """
+    return made_by(name, cls, lambda form: form.made, returns)
+
+
+def made_by(
+    name: str, cls: Callable[P, Form], make: Callable[[Form], Out], returns: str = ""
+) -> Callable[P, Out]:
+    """Return the function that makes an object of a declared class and of that another one.
+
+    Parameters
+    ----------
+    name, cls, returns
+        As for `maker`.
+    make : function
+        Returns the other object.
     """
 
-    def make(*given: P.args, **named: P.kwargs) -> Out:
-        return cls(*given, **named).made
+    def call(*given: P.args, **named: P.kwargs) -> Out:
+        return make(cls(*given, **named))
 
-    make.__qualname__, make.__name__ = name, name.rpartition(".")[2]
-    make.__module__ = cls.__module__
-    make.__doc__ = (inspect.getdoc(cls) or "").replace("A ", "Return a ", 1)
-    signature = inspect.signature(cls).replace(return_annotation=name.partition(".")[0])
-    make.__dict__["__signature__"] = signature
-    return explained(make)
+    call.__qualname__, call.__name__ = name, name.rpartition(".")[2]
+    call.__module__ = cls.__module__
+    call.__doc__ = (inspect.getdoc(cls) or "").replace("A ", "Return a ", 1)
+    found = returns or name.partition(".")[0]
+    signature = inspect.signature(cls).replace(return_annotation=found)
+    call.__dict__["__signature__"] = signature
+    return explained(call)
 
 
 def kinds(section: str, room: str) -> dict[str, type[Declared]]:

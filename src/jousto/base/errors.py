@@ -14,6 +14,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.complexstep import floats, is_stepping, scalar
+
 T = TypeVar("T")
 
 
@@ -87,6 +89,10 @@ class UnknownNameError(InputError, KeyError):
         return Exception.__str__(self)  # not the quoted text of a KeyError
 
 
+class NotAnalytic(JoustoError):
+    """Something that complex steps cannot differentiate; the message says what."""
+
+
 class SimulationError(JoustoError):
     """A run failed; the results up to the failure are kept.
 
@@ -144,13 +150,14 @@ class Problems:
     ) -> bool:
         """Return whether the value is a finite number that is good, or note a problem."""
         try:
-            if isinstance(value, (str, complex)) or np.ndim(value) != 0:
+            wrong = str if is_stepping() else (str, complex)
+            if isinstance(value, wrong) or np.ndim(value) != 0:
                 raise TypeError
-            x = float(value)
+            x = scalar(value)
         except (TypeError, ValueError, OverflowError):
             self.add(where, f"{name} is {value!r}, must be {wanted}{unit and ' in '}{unit}")
             return False
-        if not math.isfinite(x) or not good(x):
+        if not np.isfinite(x) or not good(x):
             found = f"{x:g} {unit}".rstrip()
             self.add(where, f"{name} is {found}, must be {wanted}")
             return False
@@ -179,7 +186,7 @@ class Problems:
         """
         wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
         try:
-            array = np.array(value, dtype=np.float64)
+            array = np.array(floats(value))
         except (TypeError, ValueError, OverflowError):
             if shape:
                 self.add(where, f"{name} is not an array of numbers of shape {wanted}")

@@ -11,7 +11,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from jousto.base.errors import suggest
+import numpy as np
+
+from jousto.base.complexstep import SteppedText, magnitude, power, scalar, stepped
+from jousto.base.errors import NotAnalytic, suggest
 from jousto.base.units import KINDS, NUMBER, UnitError, converted, parse_unit, registry
 
 BASE = ("m", "kg", "s", "rad")
@@ -50,6 +53,9 @@ class Quantity:
     @property
     def text(self) -> str:
         """The quantity as a model file has it."""
+        if stepped(self.value):
+            plain = Quantity(float(np.real(self.value)), self.exponents)
+            return SteppedText(plain.text, float(np.imag(self.value)))
         return repr(self.value) + ("" if self.exponents == NONE else f" {self.unit}")
 
     @property
@@ -164,6 +170,8 @@ def evaluate(text: str, known: Mapping[str, Quantity], used: set[str] | None = N
         raise ExpressionError("is too large") from None
     except RecursionError:
         raise ExpressionError("is nested too deeply") from None
+    if stepped(found.value) and np.isfinite(found.value):
+        return found
     if isinstance(found.value, complex) or not math.isfinite(found.value):
         raise ExpressionError(f"is {found.value}, must be a finite number")
     return found
@@ -231,16 +239,17 @@ def _operation(sign: ast.operator, a: Quantity, b: Quantity) -> Quantity:
     if isinstance(sign, ast.Pow):
         if b.exponents != NONE:
             raise ExpressionError(f"the exponent is {b.said}, must be a plain number")
-        return Quantity(a.value**b.value, tuple(x * b.value for x in a.exponents))
+        exponents = tuple(x * np.real(b.value) for x in a.exponents)
+        return Quantity(power(a.value, b.value), exponents)
     if type(sign) not in OPERATIONS:
         hint = "; powers are written with **" if isinstance(sign, ast.BitXor) else ""
         raise ExpressionError(f"only + - * / and ** are known{hint}")
-    work, power = OPERATIONS[type(sign)]
-    if not power:
+    work, sense = OPERATIONS[type(sign)]
+    if not sense:
         _alike([a, b])
         return Quantity(work(a.value, b.value), a.exponents)
     pairs = zip(a.exponents, b.exponents, strict=True)
-    return Quantity(work(a.value, b.value), tuple(x + power * y for x, y in pairs))
+    return Quantity(work(a.value, b.value), tuple(x + sense * y for x, y in pairs))
 
 
 def _alike(values: list[Quantity]) -> None:
@@ -275,9 +284,23 @@ def _called(name: str, given: list[Quantity]) -> Quantity:
         if exponents not in allowed:
             raise ExpressionError(f"{name} takes a plain number, got {given[0].said}")
         exponents = ANGLE if name in ("asin", "acos", "atan") else NONE
-    values = [x.value for x in given]
+    values: list[Any] = [x.value for x in given]
+    if stepped(*values):
+        return Quantity(scalar(_stepped(name, values)), exponents)
     try:
         found = FUNCTIONS[name](values) if many else FUNCTIONS[name](values[0])
     except ValueError:
         raise ExpressionError(f"{name} of {given[0].said} does not exist") from None
     return Quantity(float(found), exponents)
+
+
+def _stepped(name: str, values: list[Any]) -> Any:
+    """Return a function of numbers with derivatives."""
+    if name == "abs":
+        return magnitude(values[0])
+    if name in ("min", "max"):
+        return FUNCTIONS[name](values, key=np.real)
+    if name in ("floor", "ceil", "round"):
+        raise NotAnalytic(f"{name}({np.real(values[0]):g}) has no derivative")
+    names = {"asin": "arcsin", "acos": "arccos", "atan": "arctan"}
+    return getattr(np, names.get(name, name))(values[0])

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jousto.base.complexstep import floats, scalar
 from jousto.base.errors import Problems
 from jousto.base.fields import Field, In, Out
 
@@ -24,16 +25,16 @@ def number(problems: Problems, where: str, name: str, value: Any) -> float | Non
     try:
         if isinstance(value, str):
             raise TypeError
-        array = np.asarray(value, dtype=np.float64)
+        array = floats(value)
     except (TypeError, ValueError, OverflowError):
         array = np.empty(0)
     if array.shape != ():
         problems.add(where, f"{name} is {value!r}, must be a number")
         return None
     if not np.isfinite(array):
-        problems.add(where, f"{name} is {float(array):g}, must be finite")
+        problems.add(where, f"{name} is {array[()]:g}, must be finite")
         return None
-    return float(array)
+    return scalar(array[()])
 
 
 class _Numeric(Field[In, Out]):
@@ -89,7 +90,7 @@ class _Numeric(Field[In, Out]):
             good = problems.number(
                 where, self.label, value, unit, wanted, lambda x: not self.missed(x)
             )
-            return float(value) if good else None
+            return scalar(value) if good else None
         if self.wanted:
             found = None if isinstance(value, bool) else number(Problems(), "", "", value)
             if found is None or self.missed(found):

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arrays import Array, read_only, skew
+from jousto.base.complexstep import arctan2, floats, norm, stepped
 from jousto.base.errors import Problems
 from jousto.base.fields import Field
 from jousto.base.numbers import number, set_fields
@@ -31,7 +32,7 @@ def rotation_matrix(e: ArrayLike) -> Array:
     >>> rotation_matrix([0.5**0.5, 0, 0, 0.5**0.5]).round(12) @ [1, 0, 0]  # 90 deg about z
     array([0., 1., 0.])
     """
-    e0, e1, e2, e3 = np.asarray(e, dtype=np.float64)
+    e0, e1, e2, e3 = floats(e)
     return np.array(
         [
             [1 - 2 * (e2 * e2 + e3 * e3), 2 * (e1 * e2 - e0 * e3), 2 * (e1 * e3 + e0 * e2)],
@@ -47,7 +48,7 @@ def euler_parameters(A: ArrayLike) -> Array:
     Shepperd's method: divide by the largest of the four components, so that no turn is
     badly conditioned. The sign is chosen so that e0 is not negative.
     """
-    A = np.asarray(A, dtype=np.float64)
+    A = floats(A)
     trace = np.trace(A)
     squares = np.array([trace, A[0, 0], A[1, 1], A[2, 2]])
     k = int(np.argmax(squares))
@@ -56,12 +57,12 @@ def euler_parameters(A: ArrayLike) -> Array:
     else:
         i = k - 1
         j, m = (i + 1) % 3, (i + 2) % 3
-        e = np.empty(4)
+        e = np.empty(4, A.dtype)
         e[0] = A[m, j] - A[j, m]
         e[1 + i] = 1 + 2 * A[i, i] - trace
         e[1 + j] = A[j, i] + A[i, j]
         e[1 + m] = A[m, i] + A[i, m]
-    e /= np.linalg.norm(e)
+    e /= norm(e)
     return -e if e[0] < 0.0 else e
 
 
@@ -73,8 +74,8 @@ def exp_rotation(theta: ArrayLike) -> Array:
     >>> exp_rotation([0, 0, np.pi / 2]).round(12) @ [1, 0, 0]
     array([0., 1., 0.])
     """
-    theta = np.asarray(theta, dtype=np.float64)
-    angle = float(np.linalg.norm(theta))
+    theta = floats(theta)
+    angle = norm(theta)
     W = skew(theta)
     # sinc keeps both coefficients exact for small angles
     a = np.sinc(angle / np.pi)
@@ -90,9 +91,9 @@ def unit_vector(direction: ArrayLike) -> Array:
     >>> unit_vector([0, 3e200, 4e200]).round(12)
     array([0. , 0.6, 0.8])
     """
-    d = np.asarray(direction, dtype=np.float64)
+    d = floats(direction)
     d = d / np.abs(d).max()
-    return np.asarray(d / np.linalg.norm(d))
+    return np.asarray(d / norm(d))
 
 
 def parse_direction(problems: Problems, where: str, name: str, value: Any) -> Array | None:
@@ -118,20 +119,24 @@ class Direction(Field["ArrayLike | None", "Array | None"]):
 
 def turn_onto(A: ArrayLike, axis: ArrayLike) -> Array:
     """Return the frame A (3, 3) turned by the smallest rotation that puts its z axis on `axis`."""
-    A = np.asarray(A, dtype=np.float64)
+    A = floats(A)
     h = unit_vector(axis)
     z = A[:, 2]
     cross = skew(z) @ h
-    sine, cosine = float(np.linalg.norm(cross)), float(z @ h)
+    sine, cosine = norm(cross), z @ h
     if sine < 1e-12:
+        if stepped(cross):
+            return np.asarray(
+                exp_rotation(cross * np.sign(cosine.real)) @ turn_onto(A.real, h.real)
+            )
         # parallel: nothing to do; opposite: half a turn about x
         return A.copy() if cosine > 0 else np.asarray(A @ np.diag([1.0, -1.0, -1.0]))
-    return np.asarray(exp_rotation(cross / sine * np.arctan2(sine, cosine)) @ A)
+    return np.asarray(exp_rotation(cross / sine * arctan2(sine, cosine)) @ A)
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Rotate:
-    """A turn about an axis; the unit of the angle is its name.
+    """A turn about an axis; the unit of the angle is its name. `Rotate.euler` makes one of angles.
 
     Parameters
     ----------
@@ -164,23 +169,61 @@ class Rotate:
         radians: float | None = None,
     ) -> None:
         problems = Problems()
-        if unnamed:
-            problems.add(
-                "Rotate",
-                f"the angle {unnamed[0]!r} needs the name of its unit: degrees={unnamed[0]!r} or "
-                f"radians={unnamed[0]!r}",
-            )
-        elif (degrees is None) == (radians is None):
-            problems.add("Rotate", "give the angle as degrees=... or radians=..., one of the two")
+        one_unit(problems, "Rotate", "the angle", unnamed, degrees, radians)
         angle = None
         if degrees is not None:
             given = number(problems, "Rotate", "degrees", degrees)
-            angle = None if given is None else float(np.radians(given))
+            angle = None if given is None else given * (np.pi / 180.0)
         elif radians is not None:
             angle = number(problems, "Rotate", "radians", radians)
         direction = parse_direction(problems, "Rotate", "axis", axis)
         problems.raise_if_any()
         set_fields(self, axis=direction, radians=angle)
+
+    @classmethod
+    def euler(
+        cls,
+        convention: str,
+        *unnamed: Never,
+        degrees: ArrayLike | None = None,
+        radians: ArrayLike | None = None,
+    ) -> Rotate:
+        """Return the turn of three angles about axes, in the order of the convention.
+
+        Parameters
+        ----------
+        convention : str
+            The axes. Capitals are those of the body as it has been turned so far (intrinsic):
+            ``"ZXZ"`` is ``A = Az(a) Ax(b) Az(c)``. Small letters are those of the world
+            (extrinsic): ``"zxz"`` is ``A = Az(c) Ax(b) Az(a)``. So does scipy's ``Rotation``.
+        degrees, radians : (3,) array_like
+            The angles a, b, c; one of the two.
+
+        Raises
+        ------
+        InputError
+            If the convention is none, or the angles are not three finite numbers with a unit.
+
+        Examples
+        --------
+        >>> Rotate.euler("ZYX", degrees=(90, 0, 90)).matrix.round(12) @ [0, 1, 0]  # yaw, then roll
+        array([0., 0., 1.])
+        """
+        problems = Problems()
+        axes = parse_convention(problems, "Rotate.euler", convention)
+        one_unit(problems, "Rotate.euler", "the angles", unnamed, degrees, radians)
+        name = "radians" if degrees is None else "degrees"
+        given = radians if degrees is None else degrees
+        found = None if given is None else problems.array("Rotate.euler", name, given, (3,))
+        problems.raise_if_any()
+        assert axes is not None
+        assert found is not None
+        angles = found if degrees is None else np.radians(found)
+        turns = [exp_rotation(x * np.eye(3)[i]) for x, i in zip(angles, axes, strict=True)]
+        e = euler_parameters(np.linalg.multi_dot(turns if convention.isupper() else turns[::-1]))
+        sine = float(np.linalg.norm(e[1:]))
+        axis = e[1:] if sine > 0.0 else np.array([0.0, 0.0, 1.0])
+        return cls(axis, radians=2.0 * float(np.arctan2(sine, e[0])))
 
     def __repr__(self) -> str:
         axis = ", ".join(f"{x:g}" for x in self.axis)
@@ -201,6 +244,39 @@ class Rotate:
     def matrix(self) -> Array:
         """Rotation matrix (3, 3)."""
         return rotation_matrix(self.euler_parameters)
+
+
+def one_unit(
+    problems: Problems, where: str, what: str, unnamed: tuple[Any, ...], *given: Any
+) -> None:
+    """Note a problem unless what is an angle is given once, as degrees or as radians."""
+    if unnamed:
+        it = repr(unnamed[0])
+        needs = "needs the name of its" if what == "the angle" else "need the name of their"
+        problems.add(where, f"{what} {it} {needs} unit: degrees={it} or radians={it}")
+    elif sum(x is not None for x in given) != 1:
+        problems.add(where, f"give {what} as degrees=... or radians=..., one of the two")
+
+
+def parse_convention(problems: Problems, where: str, value: Any) -> tuple[int, ...] | None:
+    """Return the axes 0, 1, 2 of a convention of Euler angles, or note why it is none."""
+    if isinstance(value, str) and is_convention(value):
+        return tuple("XYZ".index(x) for x in value.upper())
+    likely = value.upper().translate(str.maketrans("123", "XYZ")) if isinstance(value, str) else ""
+    hint = f"; did you mean {likely!r}?" if is_convention(likely) else ""
+    problems.add(
+        where,
+        f"convention is {value!r}, must be three axes, neighbours different: capitals such as "
+        "'ZXZ' for the axes as they have been turned (intrinsic), small letters such as 'zxz' for "
+        f"those of the world (extrinsic){hint}",
+    )
+    return None
+
+
+def is_convention(text: str) -> bool:
+    """Return whether a text is three axes X, Y, Z, all of one case, neighbours different."""
+    one_case = len(text) == 3 and (set(text) <= set("XYZ") or set(text) <= set("xyz"))
+    return one_case and text[0] != text[1] != text[2]
 
 
 def parse_orientation(problems: Problems, where: str, name: str, value: Any) -> Array | None:
@@ -227,7 +303,7 @@ def parse_orientation(problems: Problems, where: str, name: str, value: Any) -> 
     if hasattr(value, "as_matrix"):
         value = value.as_matrix()
     try:
-        array = np.array(value, dtype=np.float64)
+        array = floats(value)
     except (TypeError, ValueError, OverflowError):
         array = np.empty(0)
     if array.shape not in ((4,), (3, 3)):
@@ -235,22 +311,23 @@ def parse_orientation(problems: Problems, where: str, name: str, value: Any) -> 
         problems.add(
             where,
             f"{name} {found}; must be four Euler parameters (scalar first), a (3, 3) rotation "
-            "matrix, a scipy Rotation or Rotate(axis, degrees=...)",
+            "matrix, a scipy Rotation, Rotate(axis, degrees=...) or "
+            'Rotate.euler("ZXZ", degrees=...)',
         )
         return None
     if not np.all(np.isfinite(array)):
         problems.add(where, f"{name} is {array.tolist()}, must be finite")
         return None
     if array.shape == (4,):
-        norm = float(np.linalg.norm(array))
-        if abs(norm - 1) > UNIT_TOLERANCE:
+        length = norm(array)
+        if abs(length - 1) > UNIT_TOLERANCE:
             problems.add(
                 where,
-                f"{name} {array.tolist()} has length {norm:g}; Euler parameters (scalar first) "
+                f"{name} {array.tolist()} has length {length:g}; Euler parameters (scalar first) "
                 "must have length 1",
             )
             return None
-        return read_only(array / norm)
+        return read_only(array / length)
     error = float(np.abs(array.T @ array - np.eye(3)).max())
     if error > UNIT_TOLERANCE:
         problems.add(

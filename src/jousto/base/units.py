@@ -15,6 +15,9 @@ from collections.abc import Callable
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from jousto.base.complexstep import SteppedText, scalar, stepped
 from jousto.base.errors import Problems, suggest
 
 if TYPE_CHECKING:
@@ -233,8 +236,14 @@ def quantity(value: Any, unit: str) -> float:
             raise UnitError(f"expects {kind}{example}, got {value!r}")
         digits, unit_text = match.groups()
         if unit_text:
-            return _convert(value.strip(), digits, unit_text, unit)
+            number = _convert(value.strip(), digits, unit_text, unit)
+            if isinstance(value, SteppedText):
+                factor = _convert(f"1 {unit_text}", "1", unit_text, unit)
+                return scalar(np.complex128(number + 1j * value.slope * factor))
+            return number
         value = float(digits)
+    if stepped(value):
+        return scalar(value)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise UnitError(f"expects {kind}{example}, got {describe(value)}")
     try:

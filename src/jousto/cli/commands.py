@@ -13,11 +13,11 @@ import typer
 from jousto.base.errors import InputError, JoustoWarning, Problem, count
 from jousto.cli.group import command
 from jousto.cli.options import Model, Output, Result, Trust, amount, compile_model, end_time
-from jousto.cli.parts import describe_part
+from jousto.cli.parts import describe_content, describe_part
 from jousto.cli.terminal import facts, plain, progress_bar, say
 
 if TYPE_CHECKING:
-    from jousto.schema.file.read import ModelFile
+    from jousto.schema.read import ModelFile
     from jousto.simulation.results.solution import Solution
 
 MOST_EVENTS = 20  # that are printed
@@ -41,7 +41,7 @@ def run(
     trust: Trust = False,
 ) -> None:
     """Simulate a model; the results go to MODEL.h5 unless -o names another file."""
-    from jousto.schema.file.read import read_model
+    from jousto.schema.read import read_model
     from jousto.schema.targets import RESULTS, output_path
 
     target = output_path(output, model, ".h5", kind=RESULTS)
@@ -80,6 +80,7 @@ def info(
     trust: Trust = False,
 ) -> None:
     """Say what is in a model file, a results file, a reduced part or a mesh in m."""
+    from jousto.reduction.reduced import SID, ReducedPart
     from jousto.schema.file.document import is_hdf5
     from jousto.schema.targets import MONITOR, REDUCED_PART, hdf5_format
 
@@ -88,20 +89,20 @@ def info(
         from jousto.mesh.readers.files import read_mesh
 
         describe_mesh(read_mesh(file))
+    elif file.suffix.lower() in SID or (is_hdf5(file) and hdf5_format(file) == REDUCED_PART):
+        part = ReducedPart.load(file)
+        describe_part(part)
+        describe_content(part)
     elif not is_hdf5(file):
         if file.suffix.lower() in (".h5", ".hdf5") and file.is_file():
             raise InputError(Problem(str(file), "is not an HDF5 file, or it is damaged"))
-        from jousto.schema.file.read import read_model
+        from jousto.schema.read import read_model
 
         describe_model(read_model(file, trust=trust))
     elif hdf5_format(file) == MONITOR:
         from jousto.measurement.monitor.recorded import MonitorRecord
 
         say(str(MonitorRecord(file)))
-    elif hdf5_format(file) == REDUCED_PART:
-        from jousto.reduction.reduced import ReducedPart
-
-        describe_part(ReducedPart.load(file))
     else:
         describe_result(file)
 
@@ -195,7 +196,7 @@ def schema() -> None:
     """Print the JSON schema of the model file, for editors."""
     import json
 
-    from jousto.schema.file.read import model_schema
+    from jousto.schema.read import model_schema
 
     sys.stdout.write(json.dumps(model_schema(), indent=1, ensure_ascii=False) + "\n")
 
@@ -231,8 +232,8 @@ def describe_result(path: Path) -> None:
 @command()
 def check(model: Model, trust: Trust = False) -> None:
     """Read a model file, check everything and say what is in it and how it can move."""
-    from jousto.model.rank.doctor import doctor
-    from jousto.schema.file.read import read_model
+    from jousto.model.doctor import doctor
+    from jousto.schema.read import read_model
 
     file = read_model(model, trust=trust)
     describe_model(file)

@@ -16,10 +16,11 @@ from jousto.cli.terminal import FAILED, say
 
 if TYPE_CHECKING:
     from jousto.fatigue.cycles.duty import DutyCycle
+    from jousto.fatigue.miner.check import FatigueCheck
     from jousto.fatigue.miner.damage_field import DamageField
     from jousto.materials.strength.mean_stress import MeanStress
     from jousto.materials.strength.sn import SN
-    from jousto.schema.entries.fatigue import Fatigue, FatigueCheck
+    from jousto.schema.make.blocks.fatigue import Fatigue
     from jousto.simulation.results.solution import Solution
 
 
@@ -111,8 +112,8 @@ def fatigue(
     Of several bodies the files are those of the one with most damage. A safety below 1 means that
     the life required (or one repeat) is not reached with the damage allowed.
     """
+    from jousto.fatigue.miner.check import FatigueCheck
     from jousto.fatigue.miner.damage_field import damage_field
-    from jousto.schema.entries.fatigue import FatigueCheck
 
     span = (instant(start, "--from"), instant(end, "--to"))
     events = _events(results or [], repeats or [], transitions, duty)
@@ -133,7 +134,8 @@ def fatigue(
         if not names:
             raise InputError(Problem(run.where, "no body with stress in these results"))
         places = tuple(sites) if sites else None
-        checks = [FatigueCheck(n, n, curve, residue, places, options) for n in names]
+        options |= {"sn": curve, "residue": residue, "sites": places}
+        checks = [FatigueCheck(body=name, **options) for name in names]
     found: list[tuple[DamageField, DutyCycle, FatigueCheck]] = []
     for check in checks:
         source = events.duty(check.body, check.sites, span)
@@ -180,7 +182,7 @@ class _Events:
 def _events(
     results: list[Path], repeats: list[float], transitions: str | None, duty: Path | None
 ) -> _Events:
-    from jousto.schema.entries.fatigue import read_duty
+    from jousto.schema.make.blocks.duty import read_duty
     from jousto.simulation.results.solution import load
 
     problems = Problems()
@@ -211,7 +213,7 @@ def _events(
 
 def _block(run: Solution) -> Fatigue | None:
     """Return the fatigue block of the model that a run was made of."""
-    from jousto.schema.entries.fatigue import parse_fatigue
+    from jousto.schema.make.blocks.fatigue import parse_fatigue
 
     text = run.model_text
     return parse_fatigue(text, f"model in {run.path.name}") if text.strip() else None
@@ -233,10 +235,33 @@ def _checks(run: Solution, known: Fatigue | None, bodies: list[str] | None) -> l
     return checks
 
 
+def check_fields(run: Solution, sn: str | None, residue: str | None) -> list[DamageField]:
+    """Return the damage of bodies by the checks of the model, or of all by a curve."""
+    from jousto.fatigue.miner.check import FatigueCheck
+    from jousto.fatigue.miner.damage_field import damage_field
+    from jousto.recovery.fields.build import stress_field
+
+    known = _block(run)
+    if sn is None:
+        checks = _checks(run, known, None)
+    else:
+        given: dict[str, Any] = {"sn": named_curve(sn, known), "residue": residue}
+        checks = [FatigueCheck(body=name, **given) for name in run.stressed]
+    return [
+        damage_field(
+            stress_field(run, check.body, sites=check.sites),
+            check.sn,
+            residue=residue or check.residue,
+            **check.options,
+        )
+        for check in checks
+    ]
+
+
 def named_curve(name: str, known: Fatigue | None) -> SN:
     """Return the curve of an option: of the model, a file or the library."""
     from jousto.materials.strength.sn_library import sn_curve
-    from jousto.schema.entries.fatigue import read_curve
+    from jousto.schema.make.blocks.fatigue import read_curve
 
     curves = {} if known is None else known.curves
     if name in curves:

@@ -107,7 +107,7 @@ def both_runs(
     Bodies `asked` for are looked for before anything is simulated.
     """
     from jousto.recovery.friction import without_friction
-    from jousto.schema.file.read import read_model
+    from jousto.schema.read import read_model
     from jousto.schema.targets import RESULTS, output_path
     from jousto.simulation.running.simulate import simulate
 

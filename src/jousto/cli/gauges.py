@@ -128,7 +128,7 @@ def _list_model(file: Path, trust: bool) -> None:
     from jousto.mechanism.sensors.bridge import Bridge
     from jousto.mechanism.sensors.gauge import Gauge, gauge_rows
     from jousto.mechanism.sensors.rosette import Rosette
-    from jousto.schema.file.read import read_model
+    from jousto.schema.read import read_model
 
     mechanism = read_model(file, trust=trust).mechanism
     found: list[Any] = [s for s in mechanism.sensors if isinstance(s, Gauge | Rosette | Bridge)]

@@ -19,8 +19,12 @@ from jousto.cli.terminal import log_to_screen, report, say, shown_warnings, spel
 Function = TypeVar("Function", bound=Callable[..., None])
 
 OFFERS = {
-    "parts": "advise reduce export",
+    "parts": "advise reduce",
+    "export": "export",
+    "realtime": "realtime",
     "commands": "check run info plot animate schema",
+    "view": "view",
+    "live": "live",
     "hotspots": "hotspots peaks",
     "fatigue": "fatigue",
     "stress": "stress forces",
@@ -29,8 +33,11 @@ OFFERS = {
     "meshes": "mesh",
     "monitor": "monitor",
     "multiaxial": "multiaxial strain-life hertz",
-    "studies": "path buckle equilibrium modes linearise kinematics",
+    "analyses": "path buckle equilibrium modes linearise kinematics",
     "study": "study",
+    "reliability": "reliability",
+    "optimise": "optimise",
+    "verify": "verify",
 }
 PLACES = {name: place for place, names in OFFERS.items() for name in names.split()}
 """Commands in the order of the help, with the modules of this folder that offer them."""

@@ -18,7 +18,7 @@ from jousto.cli.terminal import say
 
 if TYPE_CHECKING:
     from jousto.measurement.monitor.watch import Progress
-    from jousto.schema.file.read import ModelFile
+    from jousto.schema.read import ModelFile
 
 STYLES = {"alarm": "bold red", "channel": "yellow", "garbage": "yellow", "backwards": "yellow"}
 SHOWN = 12  # events below the table
@@ -54,7 +54,7 @@ def monitor(
     from dataclasses import replace
 
     from jousto.measurement.monitor.watch import watch
-    from jousto.schema.file.read import read_model
+    from jousto.schema.read import read_model
     from jousto.schema.targets import MONITOR, output_path
 
     target = output_path(output, model, ".monitor.h5", kind=MONITOR)

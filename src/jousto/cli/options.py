@@ -12,7 +12,7 @@ from jousto.base.errors import InputError, Problem
 from jousto.cli.terminal import say
 
 if TYPE_CHECKING:
-    from jousto.schema.file.read import ModelFile
+    from jousto.schema.read import ModelFile
 
 Model = Annotated[Path, typer.Argument(metavar="MODEL", help="Model file (YAML or JSON).")]
 Result = Annotated[Path, typer.Argument(metavar="RESULT", help="Results file (HDF5).")]
@@ -55,6 +55,30 @@ Solver = Annotated[
 Initial = Annotated[
     bool, typer.Option("--initial", help="About the initial pose, not the rest position.")
 ]
+Workers = Annotated[int, typer.Option("--workers", min=1, help="How many at once.")]
+On = Annotated[str, typer.Option("--on", metavar="threads|processes|dask", help="What works.")]
+Limits = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--limit",
+        metavar="LIMIT",
+        help="An outcome and its bound, 'max(tip.y) <= 12 mm'; without it the limits of the model.",
+    ),
+]
+Vary = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--vary",
+        metavar="NAME=VALUES",
+        help="wall=2..8mm (bounds), load=lognormal(mean=1 kN, sd=100 N); instead of the model's.",
+    ),
+]
+End = Annotated[
+    str | None, typer.Option("--t-end", metavar="TIME", help="End of the runs, '500 ms'.")
+]
+Drawing = Annotated[
+    Path | None, typer.Option("--picture", metavar="FILE.png", help="Draw the result.")
+]
 
 
 def compile_model(mechanism: Any) -> Any:
@@ -66,7 +90,7 @@ def compile_model(mechanism: Any) -> Any:
 
 def compiled_model(path: Path, trust: bool) -> Any:
     """Return the compiled model of a model file."""
-    from jousto.schema.file.read import read_model
+    from jousto.schema.read import read_model
 
     return compile_model(read_model(path, trust=trust).mechanism)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from jousto.base.errors import InputError, MissingFileError, Problem
+from jousto.base.errors import InputError, Problem
 from jousto.base.names import file_name
 from jousto.cli.group import command
 from jousto.cli.options import Output, PartName, PartPath, Solver, amount
@@ -17,7 +17,7 @@ from jousto.cli.terminal import FAILED, facts, say
 if TYPE_CHECKING:
     from jousto.parts.part import Part
     from jousto.reduction.reduced import ReducedPart
-    from jousto.schema.file.read import PartFile
+    from jousto.schema.read import PartFile
 
 
 Html = Annotated[
@@ -57,7 +57,7 @@ def reduce_part(
     Ends with the certificate: what the part weighs, whether it is sound, and how its modes compare
     with the full model.
     """
-    from jousto.schema.file.read import read_part_file
+    from jousto.schema.read import read_part_file
     from jousto.schema.targets import REDUCED_PART, output_path
 
     if strict and bare:
@@ -82,52 +82,18 @@ def reduce_part(
         raise typer.Exit(FAILED)
 
 
-@command()
-def export(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Reduced part or results (HDF5).")],
-    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="File to write.")],
-    names: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="[NAME]...", help="Sensors of results; all if none."),
-    ] = None,
-) -> None:
-    """Write a reduced part or results for other programs; the ending selects which.
-
-    Reduced parts: .vtu (ParaView, with modes and modal stress), .fem (MBDyn), .sid (standard
-    input data). Results: .csv (time and sensors).
-    """
-    from jousto.schema.targets import REDUCED_PART, RESULTS, hdf5_format, output_path
-
-    kind, suffix = hdf5_format(file), output.suffix.lower()
-    if not file.is_file():
-        raise MissingFileError(Problem(str(file), "no such file"))
-    known = {REDUCED_PART: (".vtu", ".fem", ".sid"), RESULTS: (".csv",)}.get(kind)
-    if known is None:
-        raise InputError(Problem(str(file), "is neither a reduced part nor results of jousto"))
-    if suffix not in known:
-        what = "a reduced part" if kind == REDUCED_PART else "results"
-        raise InputError(Problem(str(output), f"must end with {', '.join(known)} to export {what}"))
-    from jousto.output.write import write
-
-    output_path(output, file, suffix)
-    if kind == RESULTS:
-        from jousto.simulation.results.solution import load
-
-        write(load(file), output, *(names or ()))
-    else:
-        from jousto.reduction.reduced import ReducedPart
-
-        if names:
-            raise InputError(Problem(names[0], "a reduced part has no sensors to name"))
-        write(ReducedPart.load(file), output)
-    say(f"written to {output}", style="green")
-
-
 def describe_part(part: ReducedPart) -> None:
     """Print what is in a reduced part."""
     from jousto.schema.summary import part_facts
 
     facts(part_facts(part), f"reduced part {part.name}")
+
+
+def describe_content(part: ReducedPart) -> None:
+    """Print the mass integrals and the modes of a reduced part."""
+    from jousto.schema.summary import content_facts
+
+    facts(content_facts(part), "mass integrals and modes")
 
 
 def page_path(given: Path | None, source: Path) -> Path | None:
@@ -188,7 +154,7 @@ def advise(
     """
     from jousto.reduction.certificate.advice import advise as propose
     from jousto.reduction.methods import CraigBampton
-    from jousto.schema.file.read import read_part_file
+    from jousto.schema.read import read_part_file
 
     file = read_part_file(part, name, reduce=False)
     if file.part is None:

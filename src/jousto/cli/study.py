@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import re
 import sys
-from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from jousto.base.errors import InputError, Problem, suggest
+from jousto.base.errors import InputError, Problem
 from jousto.cli.group import command
 from jousto.cli.hotspots import check_targets
-from jousto.cli.options import Model, Output, Trust, amount
+from jousto.cli.options import Model, On, Output, Trust, Workers, amount
 from jousto.cli.terminal import say
+from jousto.cli.varied import WAYS, check_choice, nothing_varied, problems_of, varied
 
 if TYPE_CHECKING:
     from jousto.base.arrays import Array
-    from jousto.design.studies.parameter import Parameter
+    from jousto.design.studies.parameters.parameter import Parameter
 
 METHODS = ("lhs", "sobol", "random")
-RANGE = re.compile(r"(.+?)\.\.(.+?)(?:/\s*(\d+))?")
 
 
 @command()
@@ -56,10 +55,8 @@ def study(
         str, typer.Option(metavar="lhs|sobol|random", help="How samples are spread.")
     ] = "lhs",
     seed: Annotated[int, typer.Option(help="The same seed gives the same samples.")] = 0,
-    workers: Annotated[int, typer.Option(min=1, help="How many at once.")] = 1,
-    on: Annotated[
-        str, typer.Option("--on", metavar="threads|processes|dask", help="What works.")
-    ] = "processes",
+    workers: Workers = 1,
+    on: On = "processes",
     t_end: Annotated[
         str | None, typer.Option("--t-end", metavar="TIME", help="End of the runs, '500 ms'.")
     ] = None,
@@ -77,10 +74,10 @@ def study(
     kept as they come: after a kill the same command goes on. A point that fails stays in the table
     with its reason.
     """
-    from jousto.design.studies.outcomes import read_outcomes
+    from jousto.design.studies.outcomes.outcomes import read_outcomes
     from jousto.design.studies.study import study as function_of
     from jousto.design.studies.table import check_suffix
-    from jousto.schema.file.read import read_model
+    from jousto.schema.read import read_model
 
     problems: list[Problem] = []
     file = read_model(model, trust=trust)
@@ -93,16 +90,16 @@ def study(
         lambda: check_targets({picture: ()}),
         lambda: amount(t_end, "s", "--t-end"),
         lambda: _how_many(samples),
-        lambda: _choice("--method", method, METHODS),
-        lambda: _choice("--on", on, ("threads", "processes", "dask")),
+        lambda: check_choice("--method", method, METHODS),
+        lambda: check_choice("--on", on, WAYS),
     ):
-        problems += _problems(check)
+        problems += problems_of(check)
     known = {p.name: p for p in file.parameters}
     axes: dict[str, list[float]] = {}
     for text in vary or ():
-        problems += _problems(lambda t=text: parameters.append(_varied(t, known, axes)))
+        problems += problems_of(partial(_add, parameters, text, known, axes))
     if not vary and not (samples or "").endswith(".csv"):
-        problems.append(Problem("--vary", _nothing(known)))
+        problems.append(Problem("--vary", nothing_varied(known)))
     try:
         outcomes = read_outcomes(outcome or ())
     except InputError as error:
@@ -135,13 +132,13 @@ def study(
         say(f"picture in {picture}", style="green")
 
 
-def _problems(check: Any) -> list[Problem]:
-    """Return what is wrong, if anything is."""
-    try:
-        check()
-    except InputError as error:
-        return list(error.problems)
-    return []
+def _add(
+    parameters: list[Parameter],
+    text: str,
+    known: dict[str, Parameter],
+    axes: dict[str, list[float]],
+) -> None:
+    parameters.append(varied(text, known, axes))
 
 
 def _how_many(samples: str | None) -> None:
@@ -149,68 +146,6 @@ def _how_many(samples: str | None) -> None:
     if given and not (samples and samples.isdecimal() and int(samples) > 0):
         message = f"is {samples!r}, must be a number of samples or a file .csv"
         raise InputError(Problem("--samples", message))
-
-
-def _choice(option: str, word: str, known: tuple[str, ...]) -> None:
-    if word not in known:
-        raise InputError(Problem(option, f"is {word!r}{suggest(word, known)}"))
-
-
-def _nothing(known: dict[str, Any]) -> str:
-    if not known:
-        return "the model has no parameters; add parameters: {wall: 4 mm} and use ${wall}"
-    return f"name what is varied: {', '.join(known)}"
-
-
-def _varied(text: str, known: dict[str, Parameter], axes: dict[str, list[float]]) -> Parameter:
-    """Return the parameter of an option; values of a grid go into `axes`."""
-    from jousto.design.studies.distributions import CALL, read_distribution
-
-    name, equals, values = (piece.strip() for piece in text.partition("="))
-    where = f"--vary {name}"
-    if name not in known:
-        tail = suggest(name, known) if known else f"; {_nothing(known)}"
-        raise InputError(Problem("--vary", f"no parameter {name!r}{tail}"))
-    own = known[name]
-    if not equals:
-        return own
-    if CALL.fullmatch(values):
-        made = read_distribution(values, own.value, own.exponents, where)
-        return replace(own, distribution=made)
-    match = RANGE.fullmatch(values)
-    if match is None:
-        axes[name] = _numbers(values.split(","), own, where)
-        return replace(own, bounds=None)
-    low, high = _numbers([match[1], match[2]], own, where)
-    if not low < high:
-        raise InputError(Problem(where, f"{low:g} must be below {high:g}"))
-    if match[3] is None:
-        value = min(max(own.value, low), high)
-        return replace(own, value=value, bounds=(low, high), distribution=None)
-    count = int(match[3])
-    if count < 2:
-        raise InputError(Problem(where, f"has {count} values, must have 2 or more"))
-    axes[name] = [low + (high - low) * k / (count - 1) for k in range(count)]
-    return replace(own, bounds=None)
-
-
-def _numbers(texts: list[str], parameter: Parameter, where: str) -> list[float]:
-    """Return values in SI; the unit of the last one is that of those without."""
-    from jousto.base.expressions import NONE, ExpressionError, evaluate
-
-    unit = re.sub(r"^\s*[-+]?[\d._]+(?:[eE][-+]?\d+)?", "", texts[-1]).strip()
-    found = []
-    for text in texts:
-        try:
-            quantity = evaluate(text, {})
-            if unit and quantity.exponents == NONE:
-                quantity = evaluate(f"{text} {unit}", {})
-        except ExpressionError as error:
-            raise InputError(Problem(where, str(error))) from None
-        if quantity.exponents not in (NONE, parameter.exponents):
-            raise InputError(Problem(where, f"{quantity.said} must be in {parameter.unit}"))
-        found.append(quantity.value)
-    return found
 
 
 def _points(
@@ -223,7 +158,7 @@ def _points(
     """Return the points: the grid, with samples of what is not on it."""
     import numpy as np
 
-    from jousto.design.studies import samples as spread
+    from jousto.design.studies.parameters import samples as spread
 
     if samples is not None and samples.endswith(".csv"):
         return spread.read_samples(samples, parameters)

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from io import TextIOWrapper
 from typing import Any, TextIO
 
-from jousto.base.errors import InputError, JoustoWarning, SimulationError
+from jousto.base.errors import InputError, JoustoError, JoustoWarning, SimulationError
 from jousto.base.names import harmless
 
 FAILED, BAD_INPUT = 1, 2
@@ -73,7 +73,7 @@ def report(error: BaseException) -> int:
         name = f"{error.filename}: " if error.filename else ""
         say(f"{name}{error.strerror or error}", error=True, style="red")
         return BAD_INPUT
-    if not isinstance(error, SimulationError | KeyboardInterrupt):
+    if not isinstance(error, JoustoError | KeyboardInterrupt):
         text = f"{type(error).__name__}: {error}".splitlines()[0]
         say(f"internal error, {text}", error=True, style="red")
         say("this is a bug of jousto; run again with --debug to see where", error=True)

@@ -1,4 +1,6 @@
 # names of jo.design; they are loaded from here when they are first used
+from .optimisation.comparison import Comparison as Comparison
+from .optimisation.equivalent import equivalent_loads as equivalent_loads
 from .optimisation.limits import (
     DisplacementLimit as DisplacementLimit,
     FrequencyLimit as FrequencyLimit,
@@ -6,6 +8,7 @@ from .optimisation.limits import (
     StressLimit as StressLimit,
 )
 from .optimisation.machine import MachineProblem as MachineProblem
+from .optimisation.of_file import file_problem as file_problem
 from .optimisation.optimise import optimise as optimise
 from .optimisation.optimum import Cycle as Cycle, Optimum as Optimum
 from .optimisation.problem import Place as Place, Problem as Problem
@@ -15,19 +18,17 @@ from .reliability.errors import (
     LimitStateError as LimitStateError,
 )
 from .reliability.form import FormResult as FormResult, form as form
+from .reliability.inputs.random import Conditional as Conditional, Random as Random
+from .reliability.inputs.transform import Joint as Joint, Nataf as Nataf, Rosenblatt as Rosenblatt
 from .reliability.limit import LimitState as LimitState
+from .reliability.of_file import file_rbdo as file_rbdo
+from .reliability.of_study import limit_state as limit_state
 from .reliability.pma import (
     PmaResult as PmaResult,
     RiaResult as RiaResult,
     pma as pma,
     ria as ria,
 )
-from .reliability.random import (
-    Conditional as Conditional,
-    Random as Random,
-    by_moments as by_moments,
-)
-from .reliability.rbdo import RbdoResult as RbdoResult, rbdo as rbdo
 from .reliability.sampling import (
     LinearisationCheck as LinearisationCheck,
     SamplingResult as SamplingResult,
@@ -37,10 +38,14 @@ from .reliability.sampling import (
 )
 from .reliability.sorm import SormResult as SormResult, sorm as sorm
 from .reliability.subset import subset_simulation as subset_simulation
-from .reliability.transform import Joint as Joint, Nataf as Nataf, Rosenblatt as Rosenblatt
+from .reliability.targets.rbdo import RbdoResult as RbdoResult, rbdo as rbdo
 from .studies.case import Case as Case
-from .studies.outcomes import Function as Function, Outcome as Outcome, read_outcome as read_outcome
-from .studies.samples import (
+from .studies.gradient import GradientResult as GradientResult, gradient as gradient
+from .studies.outcomes.function import Function as Function
+from .studies.outcomes.outcome import Outcome as Outcome
+from .studies.outcomes.outcomes import Damage as Damage, read_outcome as read_outcome
+from .studies.parameters.distributions import by_moments as by_moments
+from .studies.parameters.samples import (
     grid as grid,
     latin_hypercube as latin_hypercube,
     random_samples as random_samples,

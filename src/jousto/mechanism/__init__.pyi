@@ -1,14 +1,20 @@
 # names of jo.mechanism; they are loaded from here when they are first used
 from .beams.body import BeamDamping as BeamDamping
 from .beams.stiffness import BeamSection as BeamSection
+from .event import Event as Event
 from .forces.friction import Regularised as Regularised, StickSlip as StickSlip
 from .forces.line_load import LineLoad as LineLoad
 from .forces.moving import MovingLoad as MovingLoad
 from .forces.springs import ModalLoad as ModalLoad
-from .sensors.body import ModalSensor as ModalSensor, PrincipalStressSensor as PrincipalStressSensor
+from .joints.directions import ParallelAxes as ParallelAxes, Perpendicular as Perpendicular
+from .sensors.body import (
+    DeformationMomentumSensor as DeformationMomentumSensor,
+    ModalSensor as ModalSensor,
+    PrincipalStressSensor as PrincipalStressSensor,
+)
 from .sensors.damage import DamageSensor as DamageSensor
+from .sensors.motion import AccelerationPartsSensor as AccelerationPartsSensor
 from .sensors.readings import EnergySensor as EnergySensor
 from .sensors.section import SectionSensor as SectionSensor
 from .signals.base import Product as Product, Sum as Sum
-from .signals.event import Event as Event
 from .signals.switched import Switched as Switched

@@ -12,17 +12,18 @@ from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.beams.pieces import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, Ground, RigidBody
 from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.event import Event
 from jousto.mechanism.forces.base import ForceElement
 from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.forces.loads import Gravity, PointLoad
+from jousto.mechanism.foreign.fmu import Fmu, FmuSensor
 from jousto.mechanism.initial import Initial
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate, Distance
 from jousto.mechanism.joints.coupling import Coupler, Drive
 from jousto.mechanism.members import Members
 from jousto.mechanism.sensors.base import Sensor
-from jousto.mechanism.signals.base import Signal, leaves
-from jousto.mechanism.signals.event import Event
+from jousto.mechanism.signals.base import Input, Signal, leaves
 from jousto.mechanism.signals.switched import Switched
 
 # largest gap at a joint, relative to the size of the mechanism, that projection may close
@@ -31,7 +32,7 @@ GAP_TOLERANCE = 1e-6
 # all that may be given to a mechanism
 ITEMS = (
     *(RigidBody, FlexibleBody, BeamBody, Joint, Coupler, Gravity, Friction, Event, Initial),
-    *(ForceElement, Sensor),
+    *(ForceElement, Sensor, Fmu),
 )
 
 
@@ -87,6 +88,7 @@ def check_names(problems: Problems, mechanism: Members) -> None:
         "joints and couplings": (*mechanism.joints, *mechanism.couplings),
         "forces": (*mechanism.forces, *mechanism.frictions),
         "events": mechanism.events,
+        "fmus": mechanism.fmus,
         "sensors": mechanism.sensors,
     }
     for group, items in groups.items():
@@ -182,6 +184,26 @@ def signals_of(item: Any) -> Iterator[Signal]:
             yield from leaves(value)
 
 
+def check_releases(problems: Problems, mechanism: Members) -> None:
+    """Note what events release that is not there, is released twice, or has friction."""
+    there = {id(x) for x in (*mechanism.joints, *mechanism.couplings, *mechanism.forces)}
+    rubbing = {id(friction.joint): friction.name for friction in mechanism.frictions}
+    first: dict[int, str] = {}
+    for event in mechanism.events:
+        for item in event.releases:
+            what = f"releases {kind_of(item)} {item.name!r}, which"
+            if id(item) not in there:
+                problems.add(where(event), f"{what} is not in the mechanism; add it")
+            if first.setdefault(id(item), event.name) != event.name:
+                problems.add(where(event), f"{what} event {first[id(item)]!r} releases already")
+            if id(item) in rubbing:
+                problems.add(
+                    where(event),
+                    f"{what} has the friction {rubbing[id(item)]!r}; friction is not released, "
+                    "leave it out",
+                )
+
+
 def check_events(problems: Problems, mechanism: Members) -> None:
     """Note events that watch what is not measured, and signals of events that are not there."""
     sensors = [sensor.name for sensor in mechanism.sensors]
@@ -194,6 +216,7 @@ def check_events(problems: Problems, mechanism: Members) -> None:
             else:
                 text = "is not in the mechanism; add it"
             problems.add(where(event), f"watches sensor {event.watch.name!r}, which {text}")
+    check_releases(problems, mechanism)
     events = [event.name for event in mechanism.events]
     items = (*mechanism.forces, *mechanism.couplings, *mechanism.sensors)
     for item in items:
@@ -209,6 +232,31 @@ def check_events(problems: Problems, mechanism: Members) -> None:
                     where(item),
                     f"its signal is switched by event {signal.event.name!r}, which {text}",
                 )
+
+
+def check_fmus(problems: Problems, mechanism: Members) -> None:
+    """Note what foreign models measure or set that is not there, or is set twice."""
+    used = {
+        signal.name
+        for item in (*mechanism.forces, *mechanism.couplings, *mechanism.sensors)
+        for signal in signals_of(item)
+        if isinstance(signal, Input) and not isinstance(item, FmuSensor)
+    }
+    setters: dict[str, str] = {}
+    for fmu in mechanism.fmus:
+        for value in fmu.inputs.values():
+            if isinstance(value, tuple):
+                check_member(problems, fmu, value[0], mechanism.sensors)
+        for name in fmu.driven:
+            if name not in used:
+                problems.add(
+                    where(fmu),
+                    f"sets input {name!r}, which nothing in the mechanism uses"
+                    f"{suggest(name, used)}",
+                )
+            if name in setters:
+                problems.add(where(fmu), f"sets input {name!r}, which {setters[name]} sets already")
+            setters.setdefault(name, f"fmu {fmu.name!r}")
 
 
 def used_joints(mechanism: Members) -> set[int]:
@@ -232,7 +280,7 @@ def check_joints(problems: Problems, mechanism: Members) -> None:
         if isinstance(a.body, Ground) and isinstance(b.body, Ground):
             problems.add(where(joint), f"both markers are on the ground, {a.label} and {b.label}")
         elif a.body is b.body:
-            if np.array_equal(a.position_local, b.position_local) and a.node == b.node:
+            if np.array_equal(a.position_local, b.position_local) and a.site == b.site:
                 problems.add(where(joint), f"connects {a.label} with itself")
             else:
                 problems.add(
@@ -421,16 +469,17 @@ def warn_interfaces(mechanism: Members) -> None:
     for item in (*mechanism.joints, *mechanism.couplings, *elements):
         for marker in {id(m): m for _, m in markers_of(item)}.values():
             reduced = getattr(marker.body, "reduced", None)
-            if reduced is None or marker.node is None or not reduced.interfaces:
+            if reduced is None or marker.site is None or not reduced.interfaces:
                 continue
             nodes = {n for name in reduced.interfaces for n in reduced.node_sets[name]}
             # with most of the modes it makes no difference
+            place = repr(marker.point) if marker.followed is None else "a node there"
             if marker.node not in nodes and reduced.n < 3 * len(reduced.nodes) - 6:
                 warn(
                     where(item),
                     f"{marker.label} is no interface of part {reduced.name!r} (those are "
                     f"{', '.join(reduced.interfaces)}): its modes do not hold how the body yields "
-                    f"to a force there; reduce it with {marker.point!r} among the interfaces, or "
+                    f"to a force there; reduce it with {place} among the interfaces, or "
                     "with many more modes",
                 )
 

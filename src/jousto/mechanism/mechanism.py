@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from jousto.base.arrays import Array, read_only
+from jousto.base.complexstep import is_stepping
 from jousto.base.errors import Problems
 from jousto.base.names import check_name
 from jousto.base.rotations import rotation_matrix
@@ -23,7 +24,7 @@ class Mechanism(Members):
 
     Parameters
     ----------
-    *items : RigidBody, FlexibleBody, BeamBody, joint, Gravity, force, Initial, Event or sensor
+    *items : RigidBody, FlexibleBody, BeamBody, joint, Gravity, force, Initial, Event, sensor or Fmu
         In any order; bodies, joints, forces and sensors keep the order in which they are given.
     name : str
         Name for plots and messages.
@@ -37,6 +38,8 @@ class Mechanism(Members):
         The beams, in the given order.
     initials : tuple of Initial
         Values and rates of coordinates at the start.
+    fmus : tuple of Fmu
+        Models of other programs; what they give stands among the sensors.
     gravity : (3,) array
         Acceleration of free fall, world frame, m/s2; zero without a `Gravity`.
     size : float
@@ -63,7 +66,8 @@ class Mechanism(Members):
 
     def __init__(self, *items: Any, name: str = "mechanism") -> None:
         super().__init__(*items, name=name)
-        self.check()
+        if not is_stepping():  # the machine was checked with the values alone
+            self.check()
 
     def __repr__(self) -> str:
         def count(kind: str, plural: str, items: Sequence[Any]) -> str:
@@ -108,6 +112,7 @@ class Mechanism(Members):
         checks.check_names(problems, self)
         checks.check_members(problems, self)
         checks.check_events(problems, self)
+        checks.check_fmus(problems, self)
         checks.check_joints(problems, self)
         checks.check_rotations(problems, self)
         checks.check_drives(problems, self)

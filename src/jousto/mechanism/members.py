@@ -9,19 +9,21 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arrays import Array, read_only
+from jousto.base.complexstep import floats
 from jousto.base.numbers import set_fields
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.beams.pieces import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, MovingBody, RigidBody
+from jousto.mechanism.event import Event
 from jousto.mechanism.forces.base import ForceElement
 from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.forces.loads import Gravity
+from jousto.mechanism.foreign.fmu import Fmu
 from jousto.mechanism.initial import Initial
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coupling import Coupler
 from jousto.mechanism.sensors.base import Sensor
-from jousto.mechanism.signals.event import Event
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -39,10 +41,12 @@ class Members:
     events: tuple[Event, ...]
     sensors: tuple[Sensor, ...]
     initials: tuple[Initial, ...]
+    fmus: tuple[Fmu, ...]
     gravity: Array
 
     def __init__(self, *items: Any, name: str = "mechanism") -> None:
-        fields = {
+        fmus = tuple(x for x in items if isinstance(x, Fmu))
+        fields: dict[str, Any] = {
             "bodies": tuple(flattened(items)),
             "beams": tuple(x for x in items if isinstance(x, BeamBody)),
             "joints": tuple(x for x in items if isinstance(x, Joint)),
@@ -50,7 +54,11 @@ class Members:
             "forces": tuple(x for x in items if isinstance(x, ForceElement)),
             "frictions": tuple(x for x in items if isinstance(x, Friction)),
             "events": tuple(x for x in items if isinstance(x, Event)),
-            "sensors": tuple(x for x in items if isinstance(x, Sensor)),
+            "sensors": (
+                *(x for x in items if isinstance(x, Sensor)),
+                *(sensor for fmu in fmus for sensor in fmu.sensors),
+            ),
+            "fmus": fmus,
             "initials": tuple(x for x in items if isinstance(x, Initial)),
         }
         gravity = [x.acceleration for x in items if isinstance(x, Gravity)]
@@ -90,7 +98,7 @@ def beam_points(beam: BeamBody) -> Array:
 def body_points(body: MovingBody) -> Array:
     """Return the world positions (k, 3) of a body's nodes or named points, undeformed."""
     if isinstance(body, FlexibleBody):
-        points = np.asarray(body.reduced.nodes, dtype=np.float64)
+        points = floats(body.reduced.nodes)
     else:
         points = np.stack([np.zeros(3), body.center, *body.markers.values()])
     return np.asarray(body.position + points @ rotation_matrix(body.orientation).T)

@@ -11,22 +11,27 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array, skew
+from jousto.base.complexstep import floats, is_stepping
 from jousto.base.errors import InputError, Problem, count, warn
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.beams.pieces import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.checks import coordinates_of, used_joints
 from jousto.mechanism.mechanism import Mechanism
-from jousto.model.bodies import beam_models, beam_shapes, warn_beams, warn_bodies
-from jousto.model.builder import Builder
-from jousto.model.events import event_models, watched_coordinates
-from jousto.model.measure import NOT_UNIQUE, flag_reactions, meter_models, sensor_models
+from jousto.model.frame_record import frame_shape
 from jousto.model.model import BodyModel, Model, Shape
 from jousto.model.native.native import Engine, SingularJoints
 from jousto.model.ordering import MOST, Elimination, TooDense, eliminate
+from jousto.model.packing.bodies import beam_models, beam_shapes, warn_beams, warn_bodies
+from jousto.model.packing.builder import Builder
+from jousto.model.packing.events import event_models, watched_coordinates
+from jousto.model.packing.foreign import fmu_models
+from jousto.model.packing.measure import NOT_UNIQUE, flag_reactions, meter_models, sensor_models
 from jousto.model.rank.reach import warn_loads
 from jousto.model.rank.redundancy import check_closed, is_drive, repeated_rows
 from jousto.model.start import quiet_velocities, started
+from jousto.model.stepped import with_start
+from jousto.model.symbols import symbols
 from jousto.reduction.located import located
 
 if TYPE_CHECKING:
@@ -72,12 +77,13 @@ def compile(mechanism: Mechanism) -> Model:
         another, so that their reactions are not unique, or the mass of a flexible body lies so
         nearly on a line that its modes cannot follow how bending turns it.
     """
-    warn_beams(mechanism)
-    warn_bodies(mechanism)
-    warn_loads(mechanism)
+    if not is_stepping():
+        warn_beams(mechanism)
+        warn_bodies(mechanism)
+        warn_loads(mechanism)
     index = {id(body): i for i, body in enumerate(mechanism.bodies)}
     bodies, q0, v0 = _bodies(mechanism)
-    builder = Builder(index, {id(event): i for i, event in enumerate(mechanism.events)})
+    builder = Builder(index, mechanism.events)
     used = used_joints(mechanism)
     for joint in mechanism.joints:
         builder.joint(joint, used=id(joint) in used)
@@ -106,7 +112,7 @@ def compile(mechanism: Mechanism) -> Model:
                 on_body[body].append(k)
     model = Model(
         name=mechanism.name,
-        gravity=np.array(mechanism.gravity, dtype=float),
+        gravity=np.array(floats(mechanism.gravity)),
         bodies=bodies,
         markers=tuple(builder.markers),
         active=active,
@@ -125,10 +131,15 @@ def compile(mechanism: Mechanism) -> Model:
         meters=meter_models(mechanism, sensors),
         beams=beam_models(mechanism, index),
         beam_shapes=beam_shapes(mechanism, index),
+        symbols=() if is_stepping() else symbols(mechanism, index),
+        fmus=fmu_models(mechanism, sensors),
     )
-    if mechanism.initials:
-        model = started(model, mechanism.initials, builder)
-    made = _consistent(model)
+
+    def finished(model: Model) -> Model:
+        begun = started(model, mechanism.initials, builder) if mechanism.initials else model
+        return _consistent(begun)
+
+    made = with_start(model, finished, mechanism.initials) if is_stepping() else finished(model)
     log.info(
         "%s: %d velocities, %d constraint rows%s",
         *(made.name, made.nv, made.nrow, ", some repeated" if made.redundant else ""),
@@ -172,7 +183,7 @@ def _bodies(mechanism: Mechanism) -> tuple[tuple[BodyModel, ...], Array, Array]:
             kind = (id(body.reduced), body.drop_invariants)
             if kind not in parts:  # bodies of one part share its arrays
                 parts[kind] = _flexible(body, 0, 0)
-            D = np.array(body.modal_damping, dtype=float)
+            D = np.array(floats(body.modal_damping))
             model = replace(parts[kind], name=body.name, iq=iq, iv=iv, D=D)
         else:
             model = _rigid(body, iq, iv)
@@ -243,30 +254,35 @@ def _flexible(body: FlexibleBody, iq: int, iv: int) -> BodyModel:
         name=body.name,
         iq=iq,
         iv=iv,
-        mass=np.array([inv.mass], dtype=float),
-        S0=np.array(inv.first_moment, dtype=float),
+        mass=np.array(floats([inv.mass])),
+        S0=np.array(floats(inv.first_moment)),
         J0=np.array([J[i, j] for i, j in SYMMETRIC]),
-        I3=np.array(inv.I3, dtype=float),
+        I3=np.array(floats(inv.I3)),
         B0=axial(inv.N0),
         D0=half_inertia_rate(inv.N0),
         ED=ED,
         EB=EB,
-        K=np.array(body.reduced.stiffness, dtype=float),
+        K=np.array(floats(body.reduced.stiffness)),
         D=np.zeros(len(body.reduced.stiffness)),
         stiffening=body.reduced.stiffening is not None,
     )
 
 
+def part_shape(reduced: ReducedPart) -> Shape:
+    """Return what results keep of a part to draw the bodies made of it."""
+    return Shape(
+        "flexible",
+        np.array(floats(reduced.nodes)),
+        np.array(reduced.elements, dtype=np.int64),
+        np.array(floats(reduced.modes)),
+        _stress(reduced),
+        frame_shape(reduced),
+    )
+
+
 def _shape(body: RigidBody | FlexibleBody) -> Shape:
     if isinstance(body, FlexibleBody):
-        reduced = body.reduced
-        return Shape(
-            "flexible",
-            np.array(reduced.nodes, dtype=float),
-            np.array(reduced.elements, dtype=np.int64),
-            np.array(reduced.modes, dtype=float),
-            _stress(reduced),
-        )
+        return part_shape(body.reduced)
     points = body.outline
     if points is not None and points.ndim == 3:  # a surface
         nodes, corners = np.unique(points.reshape(-1, 3), axis=0, return_inverse=True)
@@ -277,7 +293,7 @@ def _shape(body: RigidBody | FlexibleBody) -> Shape:
         elements = np.array([[0, i] for i in range(1, len(points))], dtype=np.int64)
     else:
         elements = np.array([[i, i + 1] for i in range(len(points) - 1)], dtype=np.int64)
-    nodes = np.array(points, dtype=float)
+    nodes = np.array(floats(points))
     return Shape("rigid", nodes, elements.reshape(-1, 2), np.zeros((len(nodes), 3, 0)))
 
 

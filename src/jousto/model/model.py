@@ -11,9 +11,12 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.described import described
+from jousto.mechanism.foreign.fmu import Fmu
 from jousto.mechanism.sensors.rule import MeterRule
 from jousto.model.beam_record import BeamShape
+from jousto.model.frame_record import FrameShape
 from jousto.model.ordering import Elimination
+from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
 
 
@@ -167,6 +170,8 @@ class JointModel:
         Place among the optional joints, -1 if the rows hold always.
     used : bool
         Whether a drive, a force, a sensor or an event needs a coordinate of the joint.
+    release : int
+        The event that ends its rows, -1 for none.
     """
 
     name: str
@@ -177,6 +182,7 @@ class JointModel:
     lines: tuple[LineModel, ...] = ()
     lock: int = -1
     used: bool = False
+    release: int = -1
 
     @property
     def rows(self) -> int:
@@ -203,7 +209,10 @@ class SignalModel:
 @described
 @dataclass(frozen=True, eq=False)
 class ForceModel:
-    """What pushes; its kind is one of jousto.h: "load", "along", "modal load"."""
+    """What pushes; its kind is one of jousto.h: "load", "along", "modal load".
+
+    `release` is the event that ends it, -1 for none.
+    """
 
     name: str
     kind: str
@@ -219,6 +228,7 @@ class ForceModel:
     spring: int = -1
     damper: int = -1
     function: Any = None
+    release: int = -1
 
 
 @described
@@ -277,12 +287,35 @@ class MeterModel:
     factor: float
 
 
+@dataclass(frozen=True, eq=False)
+class FmuModel:
+    """A functional mock-up unit and where the model has what crosses.
+
+    Attributes
+    ----------
+    fmu : Fmu
+        As it was declared.
+    measured : dict
+        Inputs of the unit: places of sensor values.
+    given : dict
+        Inputs of the unit: values that do not change.
+    set : dict
+        Outputs of the unit: names of the model's inputs that get them.
+    """
+
+    fmu: Fmu
+    measured: dict[str, int]
+    given: dict[str, float]
+    set: dict[str, str]
+
+
 @described
 @dataclass(frozen=True, eq=False)
 class Shape:
     """What a body looks like, for pictures: nodes (nn, 3) m, elements, modes (nn, 3, n).
 
-    Flexible bodies may know the stress of each mode at places of theirs.
+    Flexible bodies may know the stress of each mode at places of theirs, and those of beams their
+    elements.
     """
 
     kind: str
@@ -290,6 +323,7 @@ class Shape:
     elements: NDArray[np.int64]
     modes: Array
     stress: StressModes | None = None
+    frame: FrameShape | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -321,6 +355,10 @@ class Model:
         What results keep of each beam: its elements, nodes and the stress of its section.
     beams : tuple of BeamModel
         Elements of geometrically exact beams between bodies.
+    symbols : tuple of SymbolShape
+        Where joints, forces, sensors and named points are, for pictures.
+    fmus : tuple of FmuModel
+        Models of other programs, which `simulate` runs beside it.
     """
 
     name: str
@@ -344,6 +382,8 @@ class Model:
     meters: tuple[MeterModel, ...] = ()
     beam_shapes: tuple[BeamShape, ...] = ()
     beams: tuple[BeamModel, ...] = ()
+    symbols: tuple[SymbolShape, ...] = ()
+    fmus: tuple[FmuModel, ...] = ()
 
     @cached_property
     def nq(self) -> int:

@@ -13,10 +13,10 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.initial import Initial
-from jousto.model.builder import Builder
 from jousto.model.model import JointModel, LineModel, Model, SignalModel
 from jousto.model.native.native import Engine, displaced
 from jousto.model.ordering import eliminate
+from jousto.model.packing.builder import Builder
 from jousto.model.rank.redundancy import RANK, SHARE, constraint_matrix, dependent_rows, is_drive
 
 SAME = 1e-12  # of the velocities: round-off

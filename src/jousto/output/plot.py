@@ -14,10 +14,11 @@ from jousto.output.style import Picture
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from jousto.design.optimisation.comparison import Comparison
     from jousto.design.optimisation.optimum import Optimum
     from jousto.design.reliability.form import FormResult
-    from jousto.design.reliability.rbdo import RbdoResult
     from jousto.design.reliability.sampling import LinearisationCheck, SamplingResult
+    from jousto.design.reliability.targets.rbdo import RbdoResult
     from jousto.design.studies.table import StudyTable
     from jousto.fatigue.cycles.rainflow import Cycles
     from jousto.fatigue.local.strain_life import Rule
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from jousto.materials.strength.strain_life import StrainLife
     from jousto.measurement.gauges.compare import GaugeComparison
     from jousto.measurement.monitor.recorded import MonitorRecord
-    from jousto.measurement.twin.bands import Band
+    from jousto.measurement.twin.bands.bands import Band
     from jousto.output.scenes.view import View
     from jousto.planar.results import PlanarPath, PlanarRun
     from jousto.recovery.beams.forces import SectionForces
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from jousto.recovery.friction import FrictionStress
     from jousto.recovery.hotspots.spots import HotSpots
     from jousto.simulation.modes.campbell import Campbell
+    from jousto.simulation.modes.linear import MechanismModes
     from jousto.simulation.results.solution import Solution
     from jousto.simulation.statics.load_paths import LoadPath
 
@@ -54,6 +56,7 @@ DRAWN = {
     "StrainLife": "figures.cycles.plot_hysteresis",
     "RandomResponse": "figures.cycles.plot_spectrum",
     "Campbell": "figures.campbell.plot_campbell",
+    "MechanismModes": "figures.modes.plot_modes",
     "LoadPath": "figures.load_path.plot_load_path",
     "GaugeComparison": "figures.measured.plot_gauges",
     "Band": "figures.measured.plot_band",
@@ -65,6 +68,7 @@ DRAWN = {
     "PlanarRun": "figures.planar.plot_planar",
     "PlanarPath": "figures.planar.plot_planar",
     "Optimum": "figures.optimisation.plot_optimum",
+    "Comparison": "figures.optimisation.plot_comparison",
     "StudyTable": "figures.studies.plot_study",
 }
 BEAM = "figures.beams.plot_beam"
@@ -96,6 +100,8 @@ def plot(thing: RandomResponse, sites: Sequence[str] | str, *, criterion: str = 
 @overload
 def plot(thing: Campbell, *, kind: Literal["frequencies", "root locus"] = ..., orders: Sequence[float] = ..., path: File = ...) -> Picture: ...  # noqa: E501
 @overload
+def plot(thing: MechanismModes, mode: int = ..., *, scale: float = ..., view: View | str | None = ..., path: File = ...) -> Picture: ...  # noqa: E501
+@overload
 def plot(thing: LoadPath, sensor: str, *, path: File = ...) -> Picture: ...
 @overload
 def plot(thing: Band, *, sites: Sequence[str] | str | None = ..., truth: ArrayLike | None = ..., path: File = ...) -> Picture: ...  # noqa: E501
@@ -104,7 +110,7 @@ def plot(thing: FormResult | SamplingResult | LinearisationCheck | RbdoResult, *
 @overload
 def plot(thing: StudyTable, *names: str, kind: Literal["lines", "scatter", "surface", "parallel"] | None = ..., path: File = ...) -> Picture: ...  # noqa: E501
 @overload
-def plot(thing: GaugeComparison | MonitorRecord | Optimum | PlanarRun | PlanarPath, *, path: File = ...) -> Picture: ...  # noqa: E501
+def plot(thing: GaugeComparison | MonitorRecord | Optimum | Comparison | PlanarRun | PlanarPath, *, path: File = ...) -> Picture: ...  # noqa: E501
 # fmt: on
 @explained
 def plot(thing: Any, *what: Any, path: File = None, **options: Any) -> Picture:
@@ -128,6 +134,8 @@ def plot(thing: Any, *what: Any, path: File = None, **options: Any) -> Picture:
         strain-life curve         loops at a notch; a history of elastic stress, `rule`
         random response           spectra at places; sites, `criterion`
         Campbell data             frequencies with `orders`, or ``kind="root locus"``
+        modes of a machine        the machine in a mode over its shape at rest: the mode from 0,
+                                  `scale`, `view`
         load path                 load over a sensor's value; the sensor
         gauge comparison          measured and virtual channels
         band of a twin            stress with its band: `sites`, `truth`
@@ -138,6 +146,7 @@ def plot(thing: Any, *what: Any, path: File = None, **options: Any) -> Picture:
         reliable design           cost over the cycles, indices beside their targets
         planar run or path        shapes with energies or load factors
         optimum                   cost, largest ratio and parameters over the cycles
+        comparison                the same of several methods over the runs
         table of a study          outcomes over parameters: columns, ``kind="lines"``, "scatter",
                                   "surface" or "parallel"
         ========================  ============================================================

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
@@ -13,8 +13,12 @@ from jousto.output.style import target
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from jousto.design.optimisation.comparison import Comparison
+    from jousto.design.optimisation.optimum import Optimum
     from jousto.fatigue.miner.damage_field import DamageField
     from jousto.mesh.mesh import Mesh
+    from jousto.model.model import Model
+    from jousto.natural.verification import Verification
     from jousto.recovery.fields.criteria import Criterion
     from jousto.recovery.fields.field import StressField
     from jousto.recovery.hotspots.spots import HotSpots
@@ -22,15 +26,18 @@ if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
     from jousto.simulation.results.frames import Names
     from jousto.simulation.results.solution import Solution
+    from jousto.simulation.solvers.explicit import Solver
+    from jousto.simulation.state import State
     from jousto.simulation.statics.load_paths import LoadPath
 
 File = str | Path
 
 MESHES = ("vtu", "vtk", "inp", "msh", "med", "bdf", "nas", "stl")
-SID, CONTOUR, BEAM = (
+SID, CONTOUR, BEAM, PROGRAM = (
     "files.sid.write_sid",
     "files.contour.write_contour",
     "figures.beams.write_beam",
+    "files.programs.write_program",
 )
 WRITTEN = {
     "Solution": {"csv": "files.table.write_csv", "vtu": BEAM, "pvd": BEAM},
@@ -38,6 +45,7 @@ WRITTEN = {
     "HotSpots": {"vtu": "figures.hotspots.write_hotspots"},
     "DamageField": {"vtu": "figures.damage.write_damage"},
     "LoadPath": {"csv": "figures.load_path.write_load_path"},
+    "Model": {"c": PROGRAM, "zip": PROGRAM, "fmu": "files.programs.write_fmu"},
     "Mesh": dict.fromkeys(MESHES, "files.meshes.write_mesh"),
     "ReducedPart": {
         "fem": "files.mbdyn.write_fem",
@@ -46,6 +54,9 @@ WRITTEN = {
         "vtu": "files.vtu.write_vtu",
     },
     "Certificate": {"html": "pages.certificate.write_certificate"},
+    "Verification": {"html": "pages.verification.write_verification"},
+    "Optimum": {"html": "pages.optimum.write_optimum"},
+    "Comparison": {"html": "pages.optimum.write_optimum"},
 }
 
 OWN = {"csv": "to_csv", "h5": "save"}
@@ -68,7 +79,9 @@ def write(thing: Mesh, path: File, *, unit: str = ...) -> Path: ...
 @overload
 def write(thing: ReducedPart, path: File, *, nodes: Sequence[str | int] | None = ..., damping: float | Sequence[float] = ..., invariants: bool = ..., stress: bool = ...) -> Path: ...  # noqa: E501
 @overload
-def write(thing: LoadPath | Certificate, path: File) -> Path: ...
+def write(thing: Model, path: File, *, solver: Solver | None = ..., state: State | None = ..., name: str = ..., version: int = ..., on: Iterable[str] = ..., stop: float = ..., documents: dict[str, bytes] | None = ...) -> Path: ...  # noqa: E501
+@overload
+def write(thing: LoadPath | Certificate | Verification | Optimum | Comparison, path: File) -> Path: ...  # noqa: E501
 # fmt: on
 @explained
 def write(thing: Any, path: File, *what: Any, **options: Any) -> Path:
@@ -87,6 +100,9 @@ def write(thing: Any, path: File, *what: Any, **options: Any) -> Path:
                           .fem                MBDyn: `nodes`, `damping`, `invariants`
                           .sid .SID_FEM       standard input data: `nodes`, `damping`
         certificate       .html               a page without network or script
+        verification      .html               a page without network or script
+        optimum,          .html               a page without network or script
+        comparison
         run               .csv                sensors; their names
                           .vtu .pvd           the surface of a `beam` at `times`
         stress field      .csv                envelope of a `criterion`, at a `time`, `histories`
@@ -94,6 +110,9 @@ def write(thing: Any, path: File, *what: Any, **options: Any) -> Path:
         hot spots         .vtu                worst values and ranks; the run
         damage field      .vtu                damage, life and safety; the run
         load path         .csv                loads, stability and sensors
+        compiled model    .c .zip             a program of C99: `solver`, `state`, `name`
+                          .fmu                the same and `version` (2, 3), platforms `on`, `stop`,
+                                              further `documents` by their place in it
         ================  ==================  ======================================================
     path : path
     *what

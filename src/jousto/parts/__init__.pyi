@@ -11,7 +11,7 @@ from .loads import (
 from .mass import PointMass as PointMass
 from .matrices.matrices import Matrices as Matrices
 from .matrices.read import read_matrices as read_matrices
-from .solids.error import (
+from .mesh_error import (
     MeshError as MeshError,
     mesh_error as mesh_error,
     place_errors as place_errors,

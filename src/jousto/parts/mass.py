@@ -41,7 +41,7 @@ class Tensor(Field[ArrayLike | None, Array]):
         scale = np.abs(J).max()
         if np.abs(J - J.T).max() > 1e-9 * scale:
             problems.add(where, "inertia is not symmetric")
-        elif np.linalg.eigvalsh(second_moment(J)).min() < -1e-9 * scale:
+        elif np.linalg.eigvalsh(second_moment(J.real)).min() < -1e-9 * scale:
             moments = ", ".join(f"{x:.6g}" for x in np.linalg.eigvalsh(J))
             problems.add(
                 where,
@@ -194,15 +194,16 @@ def rigid_points(node: Ints, mass: Array, offset: Array, moment: Array, nodes: A
         One point for each node that carries mass or rotary inertia, in node order.
     """
     nn = len(nodes)
-    m = np.zeros(nn)
+    kind = np.result_type(mass, offset, moment)
+    m = np.zeros(nn, kind)
     np.add.at(m, node, mass)
-    first = np.zeros((nn, 3))
+    first = np.zeros((nn, 3), kind)
     np.add.at(first, node, mass[:, None] * offset)
     c = first / np.where(m > 0.0, m, 1.0)[:, None]
 
     # parallel-axis terms about the common centre
     arm = offset - c[node]
-    G = np.zeros((nn, 3, 3))
+    G = np.zeros((nn, 3, 3), kind)
     np.add.at(G, node, moment + mass[:, None, None] * arm[:, :, None] * arm[:, None, :])
 
     used = np.flatnonzero((m > 0.0) | np.any(G != 0.0, axis=(1, 2)))

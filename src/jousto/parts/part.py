@@ -2,164 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from jousto.base.arguments import explained
 from jousto.base.arrays import Array, Ints, Sparse, read_only, skew, times
-from jousto.base.declare import maker
+from jousto.base.declare import made_by
 from jousto.base.errors import InputError, Problem, Problems
-from jousto.base.fields import Label, field
 from jousto.base.names import check_name
-from jousto.base.numbers import OptionalValues, Positive
-from jousto.materials.material import Material
-from jousto.materials.orthotropic import Orthotropic
 from jousto.mesh.area import node_normals
 from jousto.mesh.mesh import Mesh
 from jousto.mesh.sets import (
-    node_graph,
     node_index,
-    pieces,
     read_elements,
     read_sets,
-    rigid_groups,
-    tied,
 )
-from jousto.parts.frames.element import Elements
-from jousto.parts.frames.frame import BeamOptions, Frame, FrameArrays, assemble, check_frame
-from jousto.parts.frames.members import (
-    FrameMembers,
-    MaterialField,
-    SectionField,
-    join_members,
-)
+from jousto.parts.form import PartForm
+from jousto.parts.frames.forms import ArrayFrame, MemberFrame, StraightBeam
+from jousto.parts.frames.outlines import Outlines
 from jousto.parts.frames.second_order import SecondOrder
 from jousto.parts.frames.stress import StressOperator
 from jousto.parts.geometry import Geometry
 from jousto.parts.interface import Interface, Tie, resolve
 from jousto.parts.loads import Load, load_vector
-from jousto.parts.mass import MassPoints, PointMass
-from jousto.parts.matrices.checks import check_matrices, points_from_blocks, rigid_modes
-from jousto.parts.solids.build import solid_fields
+from jousto.parts.mass import MassPoints
+from jousto.parts.matrices.checks import rigid_modes
+from jousto.parts.matrices.form import MatrixFiles, PlainMatrices
+from jousto.parts.solids.form import MeshSolid
 from jousto.parts.solids.model import SolidModel
 from jousto.parts.solids.second_order import SolidSecondOrder
 from jousto.parts.solids.stress import SolidStress
 from jousto.parts.solids.surface import surface_stress
 
 
-class ArrayFrame(FrameArrays, tag="frame"):
-    """A frame of beams in space from arrays.
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong.
-
-    Examples
-    --------
-    >>> from jousto import Member, Rectangle, Tube
-    >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
-    >>> part = Part.frame([[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 1], [1, 2]],
-    ...                   sections=Tube(0.05, 0.002), materials=steel)
-    >>> f"{part.mass:.4f} kg"
-    '4.7351 kg'
-    """
-
-    @property
-    def made(self) -> Part:
-        """The part."""
-        return Part.of_frame(check_frame(self))
-
-
-class MemberFrame(FrameMembers, tag="members"):
-    """A frame of straight members, joined where their ends meet a node.
-
-    A member named "leg" gives the node sets "leg" (all its nodes), "leg.start" and "leg.end".
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong.
-
-    Examples
-    --------
-    >>> from jousto import Member, Rectangle, Tube
-    >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
-    >>> tube = Tube(0.05, 0.002)
-    >>> part = Part.from_members(
-    ...     [Member((0, 0, 0), (1, 0, 0), tube, steel, elements=4, name="boom"),
-    ...      Member((1, 0, 0), (1, 0, 1), tube, steel, elements=3)],
-    ...     points={"tip": (1, 0, 1)})
-    >>> len(part.nodes), part.node("tip"), part.node_sets["boom.end"]
-    (8, 7, (4,))
-    """
-
-    @property
-    def made(self) -> Part:
-        """The part."""
-        return Part.of_frame(check_frame(join_members(self)))
-
-
-class StraightBeam(BeamOptions, tag="beam"):
-    """A straight beam along +x from the origin, with node sets "start" and "end".
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong.
-
-    Examples
-    --------
-    >>> from jousto import Member, Rectangle, Tube
-    >>> steel = Material(E=210e9, nu=0.3, rho=7850.0)
-    >>> part = Part.beam(2.0, Rectangle(0.1, 0.1), 4, steel, lumped=True)
-    >>> part.mass_points.mass
-    array([19.625, 39.25 , 39.25 , 39.25 , 19.625])
-    """
-
-    length: Positive = field("Its length", unit="m")
-    section: SectionField = field(
-        "Cross section; its y axis is the part's y unless ``orientation`` turns it"
-    )
-    elements: Elements = field("Number of elements of equal length")
-    material: MaterialField = field("Its material")
-    orientation: OptionalValues = field(
-        "Vector near the section's z axis, part frame; (0, 0, 1) if not given",
-        shape=(3,),
-        default=None,
-        kw_only=True,
-    )
-    name: Label = field("Name of the part", file=False, default="beam", kw_only=True)
-
-    @property
-    def made(self) -> Part:
-        """The part."""
-        n = self.elements
-        nodes = np.zeros((n + 1, 3))
-        nodes[:, 0] = np.linspace(0.0, self.length, n + 1)
-        frame = FrameArrays(
-            nodes,
-            np.stack([np.arange(n), np.arange(1, n + 1)], axis=1),
-            sections=self.section,
-            materials=self.material,
-            orientations=self.orientation,
-            node_sets={"start": (0,), "end": (n,)},
-            **{key: getattr(self, key) for key in BeamOptions.fields},
-        )
-        return Part.of_frame(check_frame(frame))
+def part_of(form: PartForm) -> Part:
+    """Return the part that is made of beams, a mesh or matrices."""
+    return Part.of(form)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Part(Geometry):
     """A flexible component before reduction, in its own part frame, free of supports.
 
-    Made by :meth:`beam`, :meth:`frame`, :meth:`from_members`, :meth:`solid` or
-    :meth:`from_matrices`.
+    Made by :meth:`beam`, :meth:`frame`, :meth:`from_members`, :meth:`solid`,
+    :meth:`from_matrices` or :meth:`from_file`.
 
     Parameters
     ----------
@@ -195,6 +84,8 @@ class Part(Geometry):
         The mesh of the solids.
     attached : MassPoints, optional
         Rigid masses that stand in M beside the consistent mass of solids.
+    outlines : Outlines, optional
+        Outer edges of the sections of beams, for drawing.
     """
 
     elements: Ints
@@ -207,6 +98,7 @@ class Part(Geometry):
     solids: SolidModel | None = None
     mesh: Mesh | None = None
     attached: MassPoints | None = None
+    outlines: Outlines | None = None
 
     def __post_init__(self) -> None:
         where, problems = f"part '{self.name}'", Problems()
@@ -239,219 +131,19 @@ class Part(Geometry):
                 object.__setattr__(self, "_ties", ties)
         problems.raise_if_any()
 
-    beam = staticmethod(maker("Part.beam", StraightBeam))
-    frame = staticmethod(maker("Part.frame", ArrayFrame))
-    from_members = staticmethod(maker("Part.from_members", MemberFrame))
+    beam = staticmethod(made_by("Part.beam", StraightBeam, part_of))
+    frame = staticmethod(made_by("Part.frame", ArrayFrame, part_of))
+    from_members = staticmethod(made_by("Part.from_members", MemberFrame, part_of))
+    solid = staticmethod(made_by("Part.solid", MeshSolid, part_of))
+    from_matrices = staticmethod(made_by("Part.from_matrices", PlainMatrices, part_of))
+    from_file = staticmethod(made_by("Part.from_file", MatrixFiles, part_of))
 
     @classmethod
-    def of_frame(cls, frame: Frame) -> Part:
-        """Return the part of a frame whose input was checked."""
-        K, M, points, stress, second_order = assemble(frame)
-        return cls(
-            name=frame.name,
-            nodes=frame.nodes,
-            elements=frame.elements,
-            dofs_per_node=6,
-            M=M,
-            K=K,
-            node_sets=frame.node_sets,
-            mass_points=points,
-            stress=stress,
-            second_order=second_order,
-        )
-
-    @classmethod
-    def solid(
-        cls,
-        mesh: Mesh,
-        materials: Material | Orthotropic | Mapping[str, Material | Orthotropic],
-        *,
-        lumped: bool = False,
-        point_masses: PointMass | Sequence[PointMass] = (),
-        weighed_mass: float | None = None,
-        interfaces: Sequence[Interface] = (),
-        name: str | None = None,
-    ) -> Part:
-        """Return a part of solid elements from a mesh.
-
-        Nodes keep the order of the mesh; nodes that no solid element uses are left out with a
-        warning. ``K = int B^T C B dV`` and ``M = int rho N^T N dV`` are integrated exactly for
-        straight elements, the mass for curved ones, too. Take quadratic elements (``tetra10``,
-        ``hexahedron20``, ``wedge15``): linear ones are far too stiff in bending.
-
-        Parameters
-        ----------
-        mesh : Mesh
-            With ``tetra tetra10 hexahedron hexahedron20 wedge wedge15`` elements.
-        materials : Material, Orthotropic or {str: Material or Orthotropic}
-            One for all elements, or one for each element set (or each material named in the file).
-        lumped : bool
-            Mass on the nodes instead of the consistent mass: shares of each element's mass like
-            the diagonal of its consistent matrix.
-        point_masses : PointMass or sequence of PointMass
-            Rigid masses on a node, or on the mean of a node set; inertia and offset need a set.
-        weighed_mass : float, optional
-            Mass of the real part in kg, with its point masses: densities are scaled to meet it.
-        interfaces : sequence of Interface
-            Surfaces tied to one node of six motions each.
-        name : str, optional
-            The name of the mesh if not given.
-
-        Raises
-        ------
-        InputError
-            With everything that is wrong: no solid elements, unknown sets, elements without a
-            material or turned inside out, point masses that cannot be held, errors that
-            :meth:`Mesh.check` finds.
-
-        Warns
-        -----
-        JoustoWarning
-            If nodes belong to no solid element, the weighed mass is far from the model's, or the
-            mesh is doubtful: its size suggests another unit, it falls into pieces, nodes coincide.
-        """
-        label = str(getattr(mesh, "name", "solid")) if name is None else name
-        where = f"part '{label}'"
-        fields = solid_fields(
-            mesh,
-            materials,
-            where,
-            lumped=lumped,
-            point_masses=point_masses,
-            weighed_mass=weighed_mass,
-        )
-        return cls(name=label, interfaces=interfaces, **fields)
-
-    @classmethod
-    @explained
-    def from_matrices(
-        cls,
-        M: Any,
-        K: Any,
-        nodes: Any,
-        *,
-        dofs_per_node: int | None = None,
-        node_sets: Mapping[str, Any] | None = None,
-        elements: Any = None,
-        interfaces: Sequence[Interface] = (),
-        name: str = "part",
-    ) -> Part:
-        """Return a part from the matrices of another program.
-
-        Parameters
-        ----------
-        M, K : (ndof, ndof) array_like or sparse
-            Mass and stiffness of the unsupported component, SI units, node after node.
-        nodes : (nn, 3) array_like
-            Positions in m, part frame.
-        dofs_per_node : int, optional
-            3 or 6; from the sizes if not given.
-        node_sets : mapping of str to node indices, optional
-        elements : (ne, m) array_like of int, optional
-            For drawing only.
-        interfaces : sequence of Interface
-            Surfaces tied to one node of six motions each.
-        name : str
-
-        Raises
-        ------
-        InputError
-            If a matrix is not square, symmetric and finite, does not fit the nodes, M is not
-            positive semidefinite, a node has neither mass nor stiffness, or K falls into pieces
-            that no rigid interface joins.
-
-        Warns
-        -----
-        JoustoWarning
-            If a rigid motion stores strain energy, that is, K is not free of supports.
-
-        Examples
-        --------
-        >>> from jousto import Rectangle
-        >>> beam = Part.beam(1.0, Rectangle(0.1, 0.1), 2, Material(2e11, 0.3, 7850.0))
-        >>> Part.from_matrices(beam.M, beam.K, beam.nodes).dofs_per_node
-        6
-        """
-        mass, stiff, xyz, dofs = check_matrices(
-            name, M, K, nodes, dofs_per_node, whole=not interfaces
-        )
-        part = cls(
-            name=name,
-            nodes=xyz,
-            elements=np.zeros((0, 2), dtype=np.int64) if elements is None else elements,
-            dofs_per_node=dofs,
-            M=mass,
-            K=stiff,
-            node_sets=node_sets or {},
-            mass_points=points_from_blocks(mass, xyz, dofs),
-            interfaces=interfaces,
-        )
-        if interfaces:
-            problems = Problems()
-            graph = tied(node_graph(stiff, dofs), rigid_groups(part.ties))
-            pieces(problems, f"part '{name}'", xyz, graph)
-            problems.raise_if_any()
+    def of(cls, form: PartForm) -> Part:
+        """Return the part that is made of beams, a mesh or matrices."""
+        part = cls(**form.assembled())
+        form.judge(part)
         return part
-
-    @classmethod
-    def from_file(
-        cls,
-        K: str | Path,
-        M: str | Path | None = None,
-        *,
-        nodes: Any = None,
-        dofs: Any = None,
-        format: str | None = None,
-        units: str = "SI",
-        node_sets: Mapping[str, Any] | None = None,
-        interfaces: Sequence[Interface] = (),
-        name: str | None = None,
-    ) -> Part:
-        """Return a part from the matrix files of another program, see `read_matrices`.
-
-        The rows are put in the order of the nodes; node sets of the mesh keep their names, and
-        ``n17`` is the node with the number 17 in the other program.
-
-        Parameters
-        ----------
-        K, M : str or Path
-            Files of the stiffness and the mass matrix; one file where the format has both.
-        nodes, dofs, format, units
-            See `read_matrices`.
-        node_sets : mapping of str to numbers of nodes, optional
-            More node sets, numbered as in the other program.
-        interfaces : sequence of Interface, optional
-            Surfaces that follow a node with six degrees of freedom.
-        name : str, optional
-            From the file if not given.
-
-        Raises
-        ------
-        InputError
-            With everything that is wrong with the files, or with the matrices (`from_matrices`).
-
-        Warns
-        -----
-        JoustoWarning
-            If the units look wrong, or a rigid motion stores strain energy.
-        """
-        from jousto.parts.matrices.matrices import nodal
-        from jousto.parts.matrices.read import read_matrices
-
-        found = read_matrices(
-            K, M, nodes=nodes, dofs=dofs, format=format, units=units, name=name
-        ).with_sets(node_sets or {})
-        ordered = nodal(found)
-        return cls.from_matrices(
-            ordered.M,
-            ordered.K,
-            ordered.nodes,
-            dofs_per_node=ordered.dofs_per_node,
-            node_sets=ordered.node_sets,
-            elements=ordered.elements if len(ordered.elements) else None,
-            interfaces=interfaces,
-            name=found.name,
-        )
 
     def with_interfaces(self, *interfaces: Interface) -> Part:
         """Return the part with these interfaces in place of those it has.
@@ -467,7 +159,7 @@ class Part(Geometry):
 
         Examples
         --------
-        >>> from jousto import Rectangle
+        >>> from jousto import Material, Rectangle
         >>> beam = Part.beam(1.0, Rectangle(0.1, 0.1), 2, Material(2e11, 0.3, 7850.0))
         >>> beam.with_interfaces(Interface("tip", "end", at=(1.0, 0.2, 0.0))).ties
         (<Tie 'tip': rigid, 1 nodes about (1, 0.2, 0) m>,)
@@ -530,7 +222,7 @@ class Part(Geometry):
         The force that buckles a cantilever, over ``pi^2 E I / (4 L^2)``:
 
         >>> from scipy.linalg import eigh
-        >>> from jousto import Circle
+        >>> from jousto import Circle, Material
         >>> part = Part.beam(1.0, Circle(0.01), 4, Material(2e11, 0.3, 7850.0))
         >>> f = np.zeros(24)
         >>> f[18] = -1.0
@@ -576,7 +268,7 @@ class Part(Geometry):
 
         Examples
         --------
-        >>> from jousto import Circle
+        >>> from jousto import Circle, Material
         >>> from jousto.parts import NodalForce, Weight
         >>> beam = Part.beam(1.0, Circle(0.01), 2, Material(2e11, 0.3, 7850.0))
         >>> f = beam.load(Weight((0, 0, -9.81)), NodalForce("end", (0, 0, -100)))

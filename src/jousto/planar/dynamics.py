@@ -13,7 +13,7 @@ from jousto.base.errors import InputError, Problem, Problems, SimulationError, w
 from jousto.planar.frame import PlanarFrame
 from jousto.planar.methods import Convergence, Method
 from jousto.planar.results import PlanarRun, PlanarState, Records, rest
-from jousto.planar.system import Loads, Point, System
+from jousto.planar.system import Loads, Point, System, Tangents
 
 Array = NDArray[Any]
 
@@ -79,7 +79,7 @@ def newton(
     loads: Loads,
     rule: Scheme,
     convergence: Convergence,
-    inertia_tangents: bool,
+    inertia_tangents: Tangents,
 ) -> Outcome:
     """Correct a predicted state until the residual at the end of the step is small."""
     q, v, a = (x.copy() for x in start)
@@ -144,7 +144,7 @@ def simulate_planar(
     method: Method,
     *,
     convergence: Convergence | None = None,
-    inertia_tangents: bool = True,
+    inertia_tangents: Tangents = True,
     start: PlanarState | None = None,
     partial: bool = False,
 ) -> PlanarRun:
@@ -159,9 +159,9 @@ def simulate_planar(
         Its step is shortened, never lengthened, so that equal steps end at `t_end`.
     convergence : Convergence, optional
         By default to 1e-9 of the largest force.
-    inertia_tangents : bool
-        Whether Newton's matrix has the velocity-dependent tangents K_acc and C_acc of eq. 13. They
-        change the number of iterations, not the result.
+    inertia_tangents : bool or "symmetric"
+        Whether Newton's matrix has the velocity-dependent tangents K_acc and C_acc of eq. 13, or
+        the symmetric part of them only. They change the number of iterations, not the result.
     start : PlanarState, optional
         Unloaded and at rest by default; ``run.state()`` continues a run.
     partial : bool
@@ -186,6 +186,10 @@ def simulate_planar(
     """
     problems = Problems()
     problems.positive("simulate_planar", "t_end", t_end, "s")
+    given: object = inertia_tangents
+    if not isinstance(given, bool) and given != "symmetric":
+        text = f"inertia_tangents is {given!r}, must be True, False or 'symmetric'"
+        problems.add("simulate_planar", text)
     problems.raise_if_any()
     convergence = convergence or Convergence()
     system, rule = frame.system, scheme(method)

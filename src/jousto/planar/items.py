@@ -13,6 +13,7 @@ from jousto.base.declare import Declared
 from jousto.base.errors import Problems
 from jousto.base.fields import field
 from jousto.base.numbers import Number, Positive
+from jousto.materials.damping import ProportionalDamping
 from jousto.materials.material import Material
 from jousto.sections.section import Section
 
@@ -241,23 +242,8 @@ class FunctionLink:
 Link = RigidLink | LinearLink | FunctionLink
 
 
-class PlanarDamping(Declared, by_value=True):
-    """Damping of all beams."""
-
-    mass: Number = field(
-        "Forces ``-mass M u'`` on everything that moves, also on rigid motion",
-        unit="1/s",
-        least=0,
-        wanted=NOT_NEGATIVE,
-        default=0.0,
-    )
-    stiffness: Number = field(
-        "Kelvin-Voigt: the resultants are ``D (e + stiffness e')``, so that rigid motion is free",
-        unit="s",
-        least=0,
-        wanted=NOT_NEGATIVE,
-        default=0.0,
-    )
+class PlanarDamping(ProportionalDamping):
+    """Damping of all beams, also of what is fixed to them: everything that moves has mass."""
 
 
 def vector(x: Any) -> np.ndarray[Any, Any]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,9 @@ from jousto.planar.elimination import (
 from jousto.planar.items import PlanarLoad
 
 Array = NDArray[Any]
+
+Tangents: TypeAlias = bool | Literal["symmetric"]
+"""Whether Newton's matrix has K_acc and C_acc of eq. 13, or their symmetric part."""
 
 
 class Loads:
@@ -192,7 +195,7 @@ class System:
         return C
 
     def tangent(
-        self, p: Point, loads: Loads, c: float, m: float, inertia_tangents: bool = True
+        self, p: Point, loads: Loads, c: float, m: float, inertia_tangents: Tangents = True
     ) -> Array:
         """Return ``dr/dq + c dr/dv + m dr/da``.
 
@@ -202,9 +205,13 @@ class System:
         loads : Loads
         c, m : float
             How velocities (1/s) and accelerations (1/s^2) follow the unknowns in the method.
-        inertia_tangents : bool
-            False leaves K_acc and C_acc of eq. 13 out.
+        inertia_tangents : bool or "symmetric"
+            False leaves K_acc and C_acc of eq. 13 out, "symmetric" takes ``(X + X^T) / 2`` of them.
         """
+        if inertia_tangents == "symmetric":
+            K, C = self.elimination.inertia_tangents(p.q, p.v, p.a, self.M)
+            X = K + c * C
+            return self.tangent(p, loads, c, m, False) + 0.5 * (X + X.T)
         s, B, B1 = p.slaves, p.slaves.B, p.slaves.B1
         K, C = self.slave_stiffness(p, loads), self.slave_damping(p)
         inner = (K + c * C + m * self.M) @ B + C @ B1

@@ -12,7 +12,7 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.units import shown_unit
-from jousto.parts.solids.error import place_errors
+from jousto.parts.mesh_error import place_errors
 from jousto.parts.solids.stress import SolidStress
 from jousto.recovery.fields.build import stress_field
 from jousto.recovery.fields.field import StressField

@@ -14,11 +14,10 @@ from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.base.files import write_table
 from jousto.base.ranking import ranking
+from jousto.mechanism.event import Event
 from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.mechanism import Mechanism
-from jousto.mechanism.sensors.damage import DamageSensor
 from jousto.mechanism.sensors.loads import ForceSensor
-from jousto.mechanism.signals.event import Event
 from jousto.recovery.fields.build import field_from, stress_field
 from jousto.recovery.fields.criteria import evaluate
 from jousto.recovery.fields.field import StressField
@@ -393,7 +392,7 @@ def without_friction(mechanism: Mechanism) -> Mechanism:
     gone |= {
         id(sensor)
         for sensor in mechanism.sensors
-        if isinstance(sensor, DamageSensor) and id(sensor.sensor) in gone
+        if any(id(meter.sensor) in gone for meter in sensor.meters)
     }
     items = [
         item

@@ -2,10 +2,20 @@
 from .certificate.advice import Advice as Advice, advise as advise
 from .certificate.certificate import Certificate as Certificate, Check as Check
 from .certificate.certify import certify as certify
-from .clamp import clamp as clamp
 from .files.cache import ReductionCache as ReductionCache
+from .frames.clamp import clamp as clamp, in_frame as in_frame
+from .frames.frame import (
+    AsGiven as AsGiven,
+    ChordFrame as ChordFrame,
+    MeanFrame as MeanFrame,
+    NodeFrame as NodeFrame,
+)
+from .frames.transfer import same_motion as same_motion
+from .methods import ShapeFunctions as ShapeFunctions
 from .modes.relief import InertiaRelief as InertiaRelief, inertia_relief as inertia_relief
 from .reducer import from_modes as from_modes
+from .shapes.line import BeamFunctions as BeamFunctions, Splines as Splines
+from .shapes.polynomials import Polynomials as Polynomials
 from .sparse.factor import SolverInfo as SolverInfo, solvers as solvers
 from .sparse.memory import MemoryEstimate as MemoryEstimate, memory_estimate as memory_estimate
 from .superelement import reduce_superelement as reduce_superelement

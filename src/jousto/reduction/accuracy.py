@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.parts.solids.error import mesh_error
+from jousto.parts.mesh_error import mesh_error
 from jousto.reduction.certificate.certificate import Check, Status, Table, number, percent, vector
 from jousto.reduction.certificate.part_checks import FullModel
 from jousto.reduction.modes.interface_modes import Modes

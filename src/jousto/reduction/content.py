@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from jousto.base.arrays import Array
 from jousto.base.errors import Problems, suggest
 from jousto.base.frozen import Frozen
+from jousto.parts.frames.element import BeamElements
+from jousto.parts.frames.outlines import Outlines
 from jousto.reduction.fields.invariants import Invariants
 from jousto.reduction.fields.stiffening import Stiffening
 from jousto.reduction.fields.stress import StressModes
@@ -38,6 +40,8 @@ class Content:
     stiffening: Stiffening | None = None
     rotation_nodes: NDArray[np.intp] | None = None
     faces: tuple[NDArray[np.intp], ...] = ()
+    beams: BeamElements | None = None
+    outlines: Outlines | None = None
     source: Part | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
@@ -81,6 +85,13 @@ class Content:
             problems.add(where, f"elements has shape {elements.shape}, must be (any, any)")
         elif elements.size and not (0 <= elements.min() and elements.max() < nn):
             problems.add(where, f"elements name nodes outside 0..{nn - 1}")
+        if self.beams is not None and elements.shape != (len(self.beams), 2):
+            problems.add(where, f"beams are {len(self.beams)}, elements {elements.shape}")
+        if self.outlines is not None and self.outlines.which.shape != (len(elements),):
+            problems.add(
+                where,
+                f"outlines are of {len(self.outlines.which)} elements, there are {len(elements)}",
+            )
         faces = tuple(np.array(face, dtype=np.intp) for face in self.faces)
         for face in faces:
             if face.ndim != 2 or face.shape[1] not in (3, 4, 6, 8):

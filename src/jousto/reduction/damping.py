@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from jousto.base.arrays import Array, frozen
+from jousto.base.complexstep import floats
 from jousto.base.declare import Declared
 from jousto.base.errors import InputError, Problem, warn
 from jousto.base.fields import field
@@ -91,13 +92,13 @@ def modal_damping(spec: Damping, frequencies: Sequence[float] | Array) -> Array:
     >>> modal_damping(0.01, [10.0]).round(6)
     array([1.256637])
     """
-    f = np.asarray(frequencies, dtype=np.float64)
+    f = floats(frequencies)
     omega = 2.0 * np.pi * f
     if isinstance(spec, Rayleigh):
         D = spec.alpha + spec.beta * omega**2
     else:
         try:
-            zeta = np.array(spec, dtype=np.float64)
+            zeta = floats(spec)
         except (TypeError, ValueError):
             message = f"{spec!r} is neither a ratio, nor a list of ratios, nor Rayleigh(...)"
             raise InputError(Problem("damping", message)) from None
@@ -117,4 +118,4 @@ def modal_damping(spec: Damping, frequencies: Sequence[float] | Array) -> Array:
         if zeta.max(initial=0.0) > 1.0:
             warn("damping", f"the ratio {zeta.max():g} is above 1 (is it in per cent?)")
         D = np.broadcast_to(2.0 * zeta * omega, f.shape).copy()
-    return frozen(np.asarray(D, dtype=np.float64))
+    return frozen(np.array(floats(D)))

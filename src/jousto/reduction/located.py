@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +15,20 @@ if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
 
 
+_KNOWN: WeakKeyDictionary[ReducedPart, StressModes] = WeakKeyDictionary()
+
+
 def located(reduced: ReducedPart) -> StressModes | None:
     """Return the stress modes of a part with the node and the node sets of every place."""
     stress = reduced.stress
     if stress is None or stress.nodes is not None:
         return stress
+    if reduced not in _KNOWN:  # studies compile the same part many times
+        _KNOWN[reduced] = _located(reduced, stress)
+    return _KNOWN[reduced]
+
+
+def _located(reduced: ReducedPart, stress: StressModes) -> StressModes:
     nodes = _nodes(reduced, stress)
     at: dict[int, list[int]] = {}
     for place, node in enumerate(nodes.tolist()):

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.linalg
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, Ints
 from jousto.reduction.certificate.certify import full_model
 from jousto.reduction.certificate.interface_loads import elastic_response
 from jousto.reduction.certificate.part_checks import FullModel
+from jousto.reduction.frames.clamp import by_mean_axes
 from jousto.reduction.modes.families import held_response
 from jousto.reduction.modes.interface_modes import Modes, modes_of
 
@@ -36,7 +37,7 @@ class Reach:
 
     def __init__(self, reduced: ReducedPart) -> None:
         assert reduced.source is not None
-        self._reduced = reduced
+        self._reduced = by_mean_axes(reduced)
         self.part = reduced.source
         full, faults = full_model(self.part, modes=0)
         self._full: FullModel | None = None if faults else full
@@ -61,6 +62,13 @@ class Reach:
         elif first < d:
             F[node * d + first + np.arange(3), np.arange(3)] = 1.0
         return F
+
+    def spread(self, nodes: Ints, loads: Array) -> Array:
+        """Return forces and moments (k, 6, m) on nodes as loads (ndof, m)."""
+        out = np.zeros((self.part.K.shape[0], loads.shape[2]))
+        for node, load in zip(nodes.tolist(), loads, strict=True):
+            out += self.unit(node, 0) @ load[:3] + self.unit(node, 3) @ load[3:]
+        return out
 
     def weight(self, g: Array) -> Array:
         """Return the loads (ndof,) of an acceleration of the frame, part axes, m/s2."""

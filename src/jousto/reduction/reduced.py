@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib.metadata
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,7 +16,12 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.reduction.content import Content
-from jousto.reduction.modes.rigid import length_scale
+from jousto.reduction.modes.rigid import length_scale, rigid_modes
+
+SID = (".sid", ".sid_fem")
+"""Endings of standard input data."""
+RIGID = 1e-9
+"""Deformation of the interfaces in a mode over their motion below which they move as one body."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +63,10 @@ class ReducedPart(Content):
     faces : tuple of (nf, k) int array
         Outer faces of a solid by kind, k = 3, 4, 6 or 8 nodes, corners first, then the middles of
         the sides, normals outwards: where strain gauges stick. Empty for beams.
+    beams : BeamElements or None
+        Axes, lengths and shear of the elements of beams: what points between the nodes need.
+    outlines : Outlines or None
+        Outer edges of the sections of beams, for drawing.
     source : Part or None
         The part that was reduced, if it is not large (30,000 degrees of freedom): `compile` asks
         it what loads do that the modes leave out. Not saved.
@@ -117,6 +127,37 @@ class ReducedPart(Content):
         if place == len(self.rotation_nodes) or self.rotation_nodes[place] != node:
             return None
         return np.asarray(self.rotations[place])
+
+    @property
+    def static_shares(self) -> Array:
+        """Share of the strain energy of each mode that is static, (n,), from 0 to 1.
+
+        The strain energy of a mode is that of the static shape in which loads on the interfaces
+        alone move these as the mode does (constraint or attachment modes), and that of a vibration
+        with the interfaces held; the two are orthogonal. Modes whose share is above a half are
+        corrections: they are there for the interfaces' deformation, not for their frequencies. With
+        U the motion of the interfaces in the modes, freed of rigid motion, and the singular vectors
+        V of ``U diag(1/omega)``, the shares are the squares of the rows of V, summed: in
+        all as many as the interfaces deform independently, 6 (i - 1) for i interface nodes.
+        """
+        length = length_scale(self.nodes)
+        moved, rigid = [np.zeros((0, self.n))], [np.zeros((0, 6))]
+        for node in (k for name in self.interfaces for k in self.node_sets[name]):
+            moved.append(self.modes[node])
+            rigid.append(rigid_modes(self.nodes[node : node + 1], 3))
+            turn = self.rotation(node)
+            if turn is not None:
+                moved.append(length * turn)
+                rigid.append(np.hstack([np.zeros((3, 3)), length * np.eye(3)]))
+        U, R = np.vstack(moved) / np.sqrt(self.stiffness), np.vstack(rigid)
+        if not len(U):
+            return np.zeros(self.n)
+        # rotations of the rigid motion over the length: the columns are of one size
+        scaled = R / np.repeat([1.0, length], 3)
+        deformed = U - scaled @ np.linalg.lstsq(scaled, U, rcond=RIGID)[0]
+        _, size, V = np.linalg.svd(deformed, full_matrices=False)
+        found = size > RIGID * np.abs(U).max(initial=0.0)
+        return np.asarray(np.sum(V[found] ** 2, axis=0))
 
     def keep(self, indices: Sequence[int] | NDArray[Any]) -> ReducedPart:
         """Return the part with only these modes, in the order given.
@@ -205,24 +246,41 @@ class ReducedPart(Content):
 
     @classmethod
     def load(cls, path: str | Path) -> ReducedPart:
-        """Read a part written by `save`.
+        """Read a part written by `save`, or standard input data of another program.
+
+        Standard input data (``.sid``, ``.SID_FEM``) hold nodes, modes and mass integrals, no
+        stress; node sets are ``node1``, ... by the numbers of the file. Modes that are not
+        orthonormal become those of ``Ke x = omega^2 Me x``; damping ratios of the modes are in
+        ``provenance["damping ratios"]``.
 
         Raises
         ------
         InputError
             No such file, not a reduced part, another version of the format, or damaged.
+
+        Warns
+        -----
+        JoustoWarning
+            What of standard input data is left out.
         """
+        if Path(path).suffix.lower() in SID:
+            from jousto.reduction.files.sid import load_sid
+
+            return load_sid(Path(path), cls, package_versions())
         from jousto.reduction.files.storage import load
 
         return load(Path(path), cls)
 
 
+@functools.cache
+def _version(package: str) -> str:
+    # its file is read from disk
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return "unknown"
+
+
 def package_versions() -> dict[str, str]:
     """Return the versions that a result depends on, for its provenance."""
-    versions = {}
-    for package in ("jousto", "numpy", "scipy"):
-        try:
-            versions[package] = importlib.metadata.version(package)
-        except importlib.metadata.PackageNotFoundError:
-            versions[package] = "unknown"
-    return versions
+    return {package: _version(package) for package in ("jousto", "numpy", "scipy")}

@@ -15,7 +15,9 @@ from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.errors import InputError, Problem, Problems, warn
+from jousto.base.complexstep import floats, is_stepping, plainly, real_parts
+from jousto.base.errors import InputError, NotAnalytic, Problem, Problems, warn
+from jousto.parts.frames.second_order import SecondOrder
 from jousto.parts.part import Part
 from jousto.parts.solids.scatter import place_scatter
 from jousto.parts.solids.stress import SolidStress
@@ -36,7 +38,9 @@ from jousto.reduction.files.cache import (
     key as content_key,
 )
 from jousto.reduction.files.run import Report, Run, reporter
-from jousto.reduction.methods import CraigBampton, FreeFree, Method
+from jousto.reduction.frames.clamp import in_frame, seen_from
+from jousto.reduction.frames.frame import AsGiven
+from jousto.reduction.methods import CraigBampton, FreeFree, Method, ShapeFunctions
 from jousto.reduction.modes import eigen
 from jousto.reduction.modes.partition import craig_bampton_basis, whole_part_basis
 from jousto.reduction.modes.relief import free_loads, with_residuals
@@ -46,10 +50,12 @@ from jousto.reduction.modes.rigid import (
     length_scale,
     mass_orthonormal_rigid_modes,
 )
+from jousto.reduction.modes.ritz import ritz
 from jousto.reduction.modes.ties import interface_names
 from jousto.reduction.reduced import ReducedPart, package_versions
 from jousto.reduction.sparse import factor
 from jousto.reduction.sparse.memory import check_memory, memory_estimate
+from jousto.reduction.stepped import stepped_modes
 
 ORTHONORMALITY = 1e-10
 """Largest deviation of the modal mass matrix from the identity."""
@@ -87,7 +93,7 @@ def reduce(
     ----------
     part : Part
         The free part.
-    method : CraigBampton or FreeFree
+    method : CraigBampton, FreeFree or ShapeFunctions
         Which modes.
     stiffening : bool
         Whether forces along the body stiffen or soften it: for blades, shafts and arms that spin
@@ -128,11 +134,18 @@ def reduce(
         raise InputError(Problem("reduce", message))
     where = f"part '{part.name}'"
     given: object = method
-    if not isinstance(given, (CraigBampton, FreeFree)):
-        message = f"method is {given!r}, must be CraigBampton(...) or FreeFree(...)"
+    if not isinstance(given, (CraigBampton, FreeFree, ShapeFunctions)):
+        message = (
+            f"method is {given!r}, must be CraigBampton(...), FreeFree(...) or ShapeFunctions(...)"
+        )
         raise InputError(Problem(where, message))
     if solver is not None:
         factor.choose(part.K.shape[0], where, solver)
+    if is_stepping() and (plain := real_parts(part)) is not part:
+        more: dict[str, Any] = {"stiffening": stiffening, "residual_stress": residual_stress}
+        with plainly():
+            kept = reduce(plain, method, solver=solver, cache=cache, **more)
+        return _stepped(part, plain, kept, method, more)
     loads = read_loads(part, residual_stress)
     options = (stiffening, solver, *(() if loads is None else ("residual stress", loads)))
 
@@ -141,6 +154,21 @@ def reduce(
 
     memory = recalled.current()
     return make() if memory is None else memory.get((part, method, *options), make)
+
+
+def _stepped(
+    part: Part, plain: Part, kept: ReducedPart, method: Method, options: Mapping[str, Any]
+) -> ReducedPart:
+    """Return the reduction of a part with derivatives; `kept` is that of its real parts."""
+    if options["residual_stress"]:
+        raise NotAnalytic("the stress that modes leave out is kept")
+    if method.frame is not None:
+        raise NotAnalytic("the frame does not follow the mean axes")
+    X, frequencies = stepped_modes(part, plain, kept, method)
+    made = _assemble(part, X, frequencies, kept.interfaces, repr(method), Run())
+    if options["stiffening"]:
+        made = replace(made, stiffening=second_order_field(part, X))
+    return made
 
 
 def _kept(
@@ -205,10 +233,15 @@ def _reduced(
     if loads is not None and reduced.stress is not None:
         residual = rest(part, X, 1.0 / mu, interfaces, rigid, loads, run)
         reduced = replace(reduced, stress=replace(reduced.stress, residual=residual))
-    if not stiffening:
-        return reduced
-    with run.stage("stiffening"):
-        return replace(reduced, stiffening=second_order_field(part, X))
+    if stiffening:
+        with run.stage("stiffening"):
+            reduced = replace(reduced, stiffening=second_order_field(part, X))
+    if isinstance(method, ShapeFunctions) and isinstance(method.frame, AsGiven):
+        basis = ritz(part, K, rigid, method.functions)
+        own = np.linalg.lstsq(part.rigid_modes(), rigid.R)[0]
+        implied: Array = own @ basis.G @ (basis.Q.T @ np.asarray(K @ X))
+        return seen_from(reduced, -implied[:3], -implied[3:], method.frame)
+    return reduced if method.frame is None else in_frame(reduced, method.frame)
 
 
 def _modes(
@@ -218,7 +251,11 @@ def _modes(
     where = f"part '{part.name}'"
     wanted: int | None
     limit: float | None
-    if isinstance(method, CraigBampton):
+    if isinstance(method, ShapeFunctions):
+        with run.stage("shape functions"):
+            basis = _spanned(ritz(part, K, rigid, method.functions).Q)
+        wanted, limit, stage = basis.size, None, "orthonormalisation"
+    elif isinstance(method, CraigBampton):
         basis = craig_bampton_basis(part, M, K, method, run)
         wanted, limit, stage = basis.size, None, "orthonormalisation"
     else:
@@ -237,18 +274,24 @@ def _modes(
                 frequency_limit=limit,
                 where=where,
                 report=lambda done: report(stage, done),
-                massless=isinstance(method, CraigBampton),
+                massless=not isinstance(method, FreeFree),
             )
             mu, X = _unique(part, mu, X, M)
-        if isinstance(method, FreeFree):
-            mu, X = eigen.select(mu, X, method.modes, method.frequency_limit, "free-free", where)
+        if not isinstance(method, CraigBampton):
+            mu, X = _selected(part, mu, X, method)
             loads = free_loads(part, method)
             if loads.shape[1]:
+                if isinstance(method, ShapeFunctions):
+                    free = whole_part_basis(part, K, run)
+                    elastic = replace(free, lift=lambda y: rigid.remove(free.lift(y)))
                 Y = with_residuals(X, loads, elastic, rigid, K)
-                n = Y.shape[1]
-                whole = eigen.Flexibility(n, lambda y: Y @ y, lambda f: Y.T @ f, np.eye(n), None)
                 mu, X = eigen.spectrum(
-                    whole, M, modes=n, frequency_limit=None, where=where, massless=True
+                    _spanned(Y),
+                    M,
+                    modes=Y.shape[1],
+                    frequency_limit=None,
+                    where=where,
+                    massless=True,
                 )
                 mu, X = _unique(part, mu, X, M)
         if not len(mu):
@@ -265,6 +308,23 @@ def _modes(
         after = np.sum(mu[moving] > eigen.STAND_IN * mu[0]) - 0.5
         order = np.argsort(np.where(moving, np.arange(len(mu)), after), kind="stable")
     return mu[order], X[:, order]
+
+
+def _spanned(Y: Array) -> eigen.Flexibility:
+    """Return the body of vectors of unit stiffness."""
+    n = Y.shape[1]
+    return eigen.Flexibility(n, lambda y: Y @ y, lambda f: Y.T @ f, np.eye(n), None)
+
+
+def _selected(
+    part: Part, mu: Array, X: Array, method: FreeFree | ShapeFunctions
+) -> tuple[Array, Array]:
+    """Return the modes that a method keeps of those that it has."""
+    if method.modes is None and method.frequency_limit is None:
+        return mu, X
+    kind = "free-free" if isinstance(method, FreeFree) else "shape functions'"
+    where = f"part '{part.name}'"
+    return eigen.select(mu, X, method.modes, method.frequency_limit, kind, where)
 
 
 def _unique(part: Part, mu: Array, X: Array, M: sp.csr_array) -> tuple[Array, Array]:
@@ -360,6 +420,7 @@ def _assemble(
             rotations, turning = q[:, 3:], nn + np.arange(len(part.ties))
         else:
             rotations = np.concatenate([rotations, q[:, 3:]])
+    second = part.second_order
     return ReducedPart(
         name=part.name,
         nodes=nodes,
@@ -374,6 +435,8 @@ def _assemble(
         interfaces=interfaces,
         provenance=_provenance(part, method, run),
         faces=tuple(part.faces),
+        beams=second.beams if isinstance(second, SecondOrder) else None,
+        outlines=part.outlines,
     )
 
 
@@ -392,7 +455,7 @@ def invariants(part: Part, X: ArrayLike) -> Invariants:
     Mass points are used where the part has them, else bilinear forms of its mass matrix; rigid
     masses attached to a consistent mass matrix are points again.
     """
-    modes = np.asarray(X, dtype=np.float64)
+    modes = floats(X)
     if part.mass_points is not None:
         return invariants_from_points(part.mass_points, modes)
     M = sp.csr_array(part.M)
@@ -407,7 +470,7 @@ def _stress(part: Part, X: Array, frequencies: Array, run: Run) -> StressModes |
     if part.stress is None:
         return None
     s = part.stress
-    modes = np.empty((len(s.sites), 6, X.shape[1]))
+    modes = np.empty((len(s.sites), 6, X.shape[1]), X.dtype)
     with run.stage("stress modes") as report:
         # a few modes at a time: what elements need in between stays small
         for k in range(0, X.shape[1], STRESS_BLOCK):
@@ -415,7 +478,7 @@ def _stress(part: Part, X: Array, frequencies: Array, run: Run) -> StressModes |
             modes[:, :, some] = s.evaluate(X[:, some])
             report("stress modes", min(k + STRESS_BLOCK, X.shape[1]) / X.shape[1])
     scatter = None
-    if isinstance(s, SolidStress):
+    if isinstance(s, SolidStress) and not np.iscomplexobj(X):
         with run.stage("error of the mesh"):
             # shapes of low frequency are the larger ones, p = f / W2
             scatter = place_scatter(s, X, modes, (frequencies / frequencies.min()) ** -2.0)
@@ -425,6 +488,8 @@ def _stress(part: Part, X: Array, frequencies: Array, run: Run) -> StressModes |
 
 
 def _provenance(part: Part, method: str, run: Run) -> dict[str, str]:
+    if is_stepping():
+        return {"method": method}
     solver = {"solver": run.used} if run.used else {}
     return {"method": method, "input": content_hash(part), **solver, **package_versions()}
 

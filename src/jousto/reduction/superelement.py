@@ -10,9 +10,11 @@ import scipy.linalg
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from jousto.base.arguments import explained
 from jousto.base.arrays import Array, Index
+from jousto.base.declare import Declared, maker
 from jousto.base.errors import InputError, Problem, Problems, count, warn
+from jousto.base.fields import AnyField, field
+from jousto.base.numbers import OptionalNumber
 from jousto.reduction.fields.invariants import EPS, Invariants
 from jousto.reduction.modes.eigen import STAND_IN
 from jousto.reduction.modes.rigid import length_scale
@@ -32,11 +34,8 @@ MASSLESS = 1e-13
 """Least ``(w_1 / w)^2`` of motions that count as modes; the others move no mass."""
 
 
-@explained
-def reduce_superelement(
-    matrices: Matrices, *, modes: int | None = None, frequency_limit: float | None = None
-) -> ReducedPart:
-    """Return the elastic modes of a condensed model: what the other program kept, orthonormal.
+class Condensed(Declared):
+    """A reduced part of a condensed model: what the other program kept, orthonormal.
 
     The rows may be nodes with three or six directions and modal coordinates, as Guyan's and
     Craig and Bampton's methods leave them. With the rigid motions R, ``R^T M R = E``, the modes
@@ -46,21 +45,9 @@ def reduce_superelement(
     the inertia tensor changes as the body deforms does not (they do not tell where between the
     nodes the mass is) and is left out: a share of deflection over length of the inertia.
 
-    Parameters
-    ----------
-    matrices : Matrices
-        From `read_matrices`.
-    modes : int, optional
-        Keep the lowest; all if not given.
-    frequency_limit : float, optional
-        Keep what is below, Hz.
-
-    Returns
-    -------
-    ReducedPart
-        Node sets are ``n17`` for the node with the number 17 in the other program and those of
-        the mesh. Without limits the static response to loads on the nodes is that of the
-        superelement.
+    Node sets of the reduced part are ``n17`` for the node with the number 17 in the other program
+    and those of the mesh. Without limits the static response to loads on the nodes is that of the
+    superelement.
 
     Raises
     ------
@@ -73,6 +60,25 @@ def reduce_superelement(
     JoustoWarning
         Nodes that lack a translation are left out.
     """
+
+    matrices: AnyField = field("From `read_matrices`", noun="Matrices", file=False)
+    modes: AnyField = field(
+        "Keep the lowest; all if not given", form="count", noun="int", default=None, kw_only=True
+    )
+    frequency_limit: OptionalNumber = field(
+        "Keep what is below; all if not given", unit="Hz", default=None, kw_only=True
+    )
+
+    @property
+    def made(self) -> ReducedPart:
+        """The reduced part."""
+        return _reduced(self.matrices, self.modes, self.frequency_limit)
+
+
+reduce_superelement = maker("reduce_superelement", Condensed, "ReducedPart")
+
+
+def _reduced(matrices: Matrices, modes: int | None, frequency_limit: float | None) -> ReducedPart:
     where = f"matrices '{matrices.name}'"
     matrices.check_free()
     rows = matrices.used.astype(np.intp)

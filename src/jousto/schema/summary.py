@@ -13,9 +13,10 @@ from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.forces.line_load import LineLoad
 
 if TYPE_CHECKING:
+    from jousto.mechanism.mechanism import Mechanism
     from jousto.mesh.mesh import Mesh
     from jousto.reduction.reduced import ReducedPart
-    from jousto.schema.file.read import ModelFile
+    from jousto.schema.read import ModelFile
 
 Facts: TypeAlias = list[tuple[str, str]]
 
@@ -23,8 +24,24 @@ FLAT = 1e-6  # thickness over size below which a surface is flat
 
 
 def model_facts(file: ModelFile) -> Facts:
-    """Return what is in a model."""
-    mechanism = file.mechanism
+    """Return what is in a model file."""
+    rows = mechanism_facts(file.mechanism)
+    if file.fatigue is not None:
+        rows += [(f"S-N curve {name}", str(curve)) for name, curve in file.fatigue.curves.items()]
+        for check in file.fatigue.checks:
+            text = f"body {check.body}, {check.sn.name or 'S-N curve'}, residue: {check.residue}"
+            rows.append((f"fatigue {check.name}", text))
+    if file.simulation is not None:
+        solver = file.simulation.solver
+        text = f"{file.simulation.t_end:g} s" + (
+            f" with {solver}" if solver else ", solver chosen by the model"
+        )
+        rows.append(("simulation", text))
+    return rows
+
+
+def mechanism_facts(mechanism: Mechanism) -> Facts:
+    """Return what is in a mechanism."""
     rows: Facts = []
     for body in mechanism.items:
         if not isinstance(body, RigidBody | FlexibleBody | BeamBody):
@@ -56,22 +73,11 @@ def model_facts(file: ModelFile) -> Facts:
         text = f"of joint {friction.joint.name}, mu {friction.mu_kinetic:g}"
         rows.append((f"friction {friction.name}", f"{text}, {friction.law}"))
     rows += [(f"sensor {s.name}", f"{s.description}, {s.unit}") for s in mechanism.sensors]
-    if file.fatigue is not None:
-        rows += [(f"S-N curve {name}", str(curve)) for name, curve in file.fatigue.curves.items()]
-        for check in file.fatigue.checks:
-            text = f"body {check.body}, {check.sn.name or 'S-N curve'}, residue: {check.residue}"
-            rows.append((f"fatigue {check.name}", text))
     for event in mechanism.events:
         mark = {"both": "passes", "rising": "rises above", "falling": "falls below"}
         text = f"{event.watch.name} {mark[event.direction]} {event.threshold:g}"
         rows.append((f"event {event.name}", text + (", stops the run" if event.stop else "")))
     rows.append(("gravity", " ".join(f"{g:g}" for g in mechanism.gravity) + " m/s2"))
-    if file.simulation is not None:
-        solver = file.simulation.solver
-        text = f"{file.simulation.t_end:g} s" + (
-            f" with {solver}" if solver else ", solver chosen by the model"
-        )
-        rows.append(("simulation", text))
     return rows
 
 
@@ -131,6 +137,45 @@ def _direction(e: Any) -> str:
     if sorted(parts) == [0.0, 0.0, 1.0]:
         return "xyz"[parts.index(1.0)]
     return "(" + ", ".join(f"{a:g}" for a in parts) + ")"
+
+
+def content_facts(part: ReducedPart) -> Facts:
+    """Return the mass integrals of a reduced part, and what its modes are for."""
+    i = part.invariants
+
+    def matrix(a: Any, unit: str) -> str:
+        shape = " x ".join(str(n) for n in a.shape)
+        return f"{shape}, largest {np.abs(a).max(initial=0.0):.4g} {unit}".rstrip()
+
+    def rounded(a: Any, size: float) -> str:
+        return ", ".join(f"{x:.6g}" for x in np.where(np.abs(a) < 1e-9 * size, 0.0, a))
+
+    J = i.I7
+    size = float(np.abs(J).max())
+    rows = [
+        ("I1", f"mass, {i.I1:.6g} kg"),
+        ("I2", f"first moment, {rounded(i.I2, (i.I1 * size) ** 0.5)} kg m"),
+        ("I3", f"momentum of the modes, {matrix(i.I3, 'kg^0.5')}"),
+        ("I4", f"angular momentum of the modes, {matrix(i.I4, 'kg^0.5 m')}"),
+        ("I5", f"its change with the modes, {matrix(i.I5, '')}"),
+        ("I6", f"modal mass, {matrix(i.I6, '')}"),
+        ("I7", f"inertia xx yy zz, {rounded(np.diag(J), size)} kg m2"),
+        ("", f"inertia yz xz xy, {rounded(J[[1, 0, 0], [2, 2, 1]], size)} kg m2"),
+        ("I8", f"its change with the modes, {matrix(i.I8, 'kg^0.5 m')}"),
+        ("I9", f"with products of modes, {matrix(i.I9, '')}"),
+    ]
+    # attachment modes and residual vectors respond to loads on masses that move: neither of both
+    text = part.provenance.get("method", "")
+    mixed = any(word in text for word in ("residuals=", "inertia_relief=True"))
+    mixed = (
+        mixed
+        or text.startswith("ShapeFunctions")
+        or (text.startswith("FreeFree") and bool(part.interfaces))
+    )
+    for j, (f, share) in enumerate(zip(part.frequencies, part.static_shares, strict=True)):
+        kind = "" if mixed else " correction," if share > 0.5 else " vibration,"
+        rows.append((f"mode {j + 1}", f"{f:.6g} Hz,{kind} {100 * share:.0f} % static"))
+    return rows
 
 
 def part_facts(part: ReducedPart) -> Facts:

@@ -17,6 +17,7 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
+from jousto.base.complexstep import scalar
 from jousto.base.declare import Declared
 from jousto.base.described import describe
 from jousto.base.errors import Problems
@@ -152,7 +153,7 @@ class Rectangle(Declared, section="sections", tag="rectangle", by_value=True):
         """Saint-Venant torsion constant in m^4."""
         long, short = max(self.width, self.height), min(self.width, self.height)
         n = np.arange(1, 60, 2)
-        series = float(np.sum(np.tanh(0.5 * n * np.pi * long / short) / n**5))
+        series = scalar(np.sum(np.tanh(0.5 * n * np.pi * long / short) / n**5))
         return long * short**3 / 3.0 * (1.0 - 192.0 / np.pi**5 * short / long * series)
 
     @property
@@ -176,8 +177,8 @@ class Rectangle(Declared, section="sections", tag="rectangle", by_value=True):
         n = np.arange(1, 60, 2)
         decay = np.exp(-0.5 * n * np.pi * long / short)
         signs = np.where(n % 4 == 1, 1.0, -1.0)
-        cosh = float(np.sum(2.0 * decay / (1.0 + decay**2) / n**2))
-        one_minus_tanh = float(np.sum(signs * 2.0 * decay**2 / (1.0 + decay**2) / n**2))
+        cosh = scalar(np.sum(2.0 * decay / (1.0 + decay**2) / n**2))
+        one_minus_tanh = scalar(np.sum(signs * 2.0 * decay**2 / (1.0 + decay**2) / n**2))
         catalan = 0.9159655941772190
         at_long = short * (1.0 - 8.0 / np.pi**2 * cosh)
         at_short = 8.0 * short / np.pi**2 * (catalan - one_minus_tanh)

@@ -16,6 +16,7 @@ from jousto.base.errors import InputError, Problem, Problems, SimulationError
 from jousto.model.model import Model
 from jousto.model.native.header import places
 from jousto.model.native.native import Engine, displaced
+from jousto.model.packing.foreign import without_fmus
 from jousto.model.rank.redundancy import RANK, null_space, repeated_rows, unit_rows
 from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution
@@ -129,6 +130,7 @@ def _instants(model: Any, times: Any) -> Array:
 
 def _check_driven(model: Model) -> None:
     """Refuse sticking friction and free motions, other than bending, at the initial pose."""
+    without_fmus(model, "kinematics", "moves by forces")
     problems = Problems()
     for friction in model.frictions:
         if friction.sticks:

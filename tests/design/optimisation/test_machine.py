@@ -66,8 +66,8 @@ def test_statics_under_equivalent_loads_are_the_motion():
     z = body.solve(loads[0].columns)
     reaction = body.K @ z - loads[0].columns
     assert np.abs(reaction).max() < 1e-8 * np.abs(loads[0].columns).max()
-    ((_, _, moving),) = esl.dynamic_table(one, x)
-    ((_, _, still),) = esl.static_table(one, x, loads)
+    ((_, _, moving),) = esl.table_of(one, x)
+    ((_, _, still),) = esl.table_of(one, x, loads)
     assert still == pytest.approx(moving, abs=1e-9 * moving.max())
     assert moving.max() > 0.01
 
@@ -114,9 +114,42 @@ def test_two_load_cases_bound_together():
     def both(values, parts):
         return {"down": clamped(values, parts), "thrown": spinning(values, parts)}
 
-    found = optimise(problem([StressLimit("bar", 80e6, criterion="s11")], build=both))
+    one = problem([StressLimit("bar", 80e6, criterion="s11")], build=both)
+    found = optimise(one)
+    runs = one.solutions(found.values)
+    largest = [jo.stress_field(run, "bar").values("s11").max() for run in runs.values()]
+    assert tuple(runs) == ("down", "thrown")
+    assert max(largest) == pytest.approx(80e6 * found.ratio, rel=1e-9)
+    with pytest.raises(jo.InputError, match="no value of height"):
+        one.solutions({})
     assert found.ratio == pytest.approx(1.0, abs=1e-4)
     assert {place.case for place, _ in found.active} == {"down"}
+
+
+def test_runs_start_where_a_function_of_the_model_says():
+    speed = 20.0
+
+    def turning(values, parts):
+        reduced = jo.reduce(parts["bar"], jo.CraigBampton(["start", "end"], modes=12))
+        bar = jo.FlexibleBody("bar", reduced)
+        hinge = jo.Revolute("hinge", jo.ground["origin"], bar["start"], axis=(0, 1, 0))
+        return jo.Mechanism(bar, hinge, jo.Drive("turn", hinge.angle, jo.ConstantSpeed(speed)))
+
+    longer = DisplacementLimit("bar", 1e-4, "end", direction=(1, 0, 0), relative_to="start")
+    problem = MachineProblem(
+        [jo.Parameter("height", 0.03, bounds=(0.005, 0.1), unit="m")],
+        parts,
+        turning,
+        [longer],
+        0.01,
+        solver=jo.ROS2(step=1e-4),
+        output_step=1e-3,
+        state=jo.simulation.settled,
+    )
+    ((_, _, ratio),) = esl.table_of(problem, problem.start)
+    # a bar that turns is longer by rho w^2 L^3 / (3 E), and does not ring about that
+    closed = 7850 * speed**2 * LENGTH**3 / (3 * 210e9)
+    assert 1e-4 * ratio[0] == pytest.approx(closed, rel=2e-3)
 
 
 def test_functions_that_return_something_else():
@@ -132,6 +165,9 @@ def test_functions_that_return_something_else():
         )
     with pytest.raises(jo.InputError, match="build returns None"):
         optimise(problem([StressLimit("bar", 1e8)], build=lambda values, parts: None))
+    one = problem([StressLimit("bar", 1e8)])
+    with pytest.raises(jo.InputError, match="state is 'rest', must be a State or a function"):
+        MachineProblem(one.parameters, parts, clamped, one.limits, 1.0, state="rest")
 
 
 def test_a_history_as_a_table(tmp_path):

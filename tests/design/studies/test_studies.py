@@ -19,10 +19,10 @@ import pytest
 import jousto as jo
 from design.studies import machines
 from design.studies.machines import CANTILEVER, FORCES, RUN
-from jousto.design.studies.journal import Journal
+from jousto.design.studies.running.journal import Journal
 from jousto.schema.file.document import read_document
-from jousto.schema.file.read import build_model, parse_model
-from jousto.schema.file.variants import Variants
+from jousto.schema.read import build_model, parse_model
+from jousto.schema.variants import Variants
 
 TESTS = Path(__file__).parents[2]
 
@@ -105,6 +105,53 @@ def test_runs_of_a_fixed_step_go_through_the_engine_in_one_call(
     np.testing.assert_allclose(study(X)[:, 0], WAY, rtol=1e-12)
 
 
+def test_a_run_knows_nothing_of_the_one_before() -> None:
+    """Friction that sticks, an event and energies remember: a study's engine forgets them."""
+    block = jo.RigidBody("block", 1.0, (1, 1, 1))
+    slide = jo.Prismatic("slide", jo.ground["origin"], block["origin"], axis=(1, 0, 0))
+    model = jo.compile(
+        jo.Mechanism(
+            block,
+            slide,
+            jo.JointForce("push", slide.displacement, jo.Input("force")),
+            jo.Friction("rub", slide, 0.2, 0.3, law=jo.mechanism.StickSlip()),
+            jo.mechanism.Event("far", slide.displacement, threshold=0.1),
+            jo.Gravity((0, -10.0, 0)),
+            jo.CoordinateSensor("way", slide.displacement),
+        )
+    )
+    runs: list[jo.Solution] = []
+
+    def kept(run: jo.Solution) -> int:
+        runs.append(run)
+        return len(runs)
+
+    forces = (2.9, 8.0, 2.9, 8.0)
+    jo.study(model, jo.Parameter("force", 0.0), kept, **RUN)([[force] for force in forces])
+    for run, force in zip(runs, forces, strict=True):
+        alone = jo.simulate(model, inputs={"force": force}, **RUN)
+        assert (run["way"] == alone["way"]).all()
+        assert (run.energy.work == alone.energy.work).all()
+        assert run.events == alone.events
+        assert len(run.events) == (force > 3.0)  # what static friction holds never comes far
+
+
+def test_warnings_of_threads_are_counted() -> None:
+    """RK4 loses energy where a step is 1.5 rad of a swing: each run warns of it."""
+
+    def swing(rate: float) -> jo.Mechanism:
+        block = jo.RigidBody("block", 1.0, (1, 1, 1), velocity=(1, 0, 0))
+        slide = jo.Prismatic("slide", jo.ground["origin"], block["origin"], axis=(1, 0, 0))
+        spring = jo.Spring("spring", slide.displacement, stiffness=rate)
+        return jo.Mechanism(block, slide, spring, jo.CoordinateSensor("way", slide.displacement))
+
+    study = jo.study(swing, jo.Parameter("rate", 225.0), "last(way)", **RUN)
+    table = study.run([[225.0 + k] for k in range(6)], workers=2)
+    assert table.good.all()
+    assert sum(table.notes.values()) == 6
+    assert all("energy balance" in note for note in table.notes)
+
+
 # -- what is done again -------------------------------------------------------------------------
 
 
@@ -182,7 +229,11 @@ def test_failed_points_are_kept_with_their_reason(tmp_path: Path) -> None:
 
 def test_all_mistakes_are_told_at_once() -> None:
     with pytest.raises(jo.InputError) as error:
-        jo.study(parse_model(CANTILEVER), ["hight", "k"], ["max(tup.y)", "maxx(tip.y)", "mass"])
+        jo.study(
+            *(parse_model(CANTILEVER), ["hight", "k"], ["max(tup.y)", "maxx(tip.y)", "mass"]),
+            t_end=-1.0,
+        )
+    assert "study: t_end is -1 s, must be a positive number" in str(error.value)
     assert "no parameter 'hight'; did you mean 'height'?" in str(error.value)
     assert "no outcome 'maxx'; did you mean 'max'?" in str(error.value)
     wrong = ["max(tup.y)", "max(tip)", "max(tip.w)", "stress(arn)", "reaction(hold)", "damage(arm)"]
@@ -489,6 +540,47 @@ def test_dask_works_on_this_machine(tmp_path: Path) -> None:
         processes=False, n_workers=1, dashboard_address="127.0.0.1:0"
     ) as client:
         np.testing.assert_allclose(forces().run(X, workers=client)["way"], WAY, rtol=1e-12)
+
+
+@pytest.mark.slow
+def test_a_killed_scheduler_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """kill -9 of a scheduler of its own: the study ends, and goes on without what it did."""
+    distributed = pytest.importorskip("distributed")
+    file, path = tmp_path / "scheduler.json", tmp_path / "t.h5"
+    monkeypatch.setenv("JOUSTO_TEST_MARK", str(tmp_path / "mark"))
+    env = os.environ | {"PYTHONPATH": str(TESTS)}
+    own = ["--scheduler-file", str(file), "--no-dashboard"]
+    address = [*own, "--host", "127.0.0.1", "--port", "0"]
+    worker = [*own, "--no-nanny", "--nthreads", "1", "--death-timeout", "30"]
+    programs = [
+        subprocess.Popen([sys.executable, "-m", f"distributed.cli.dask_{name}", *given], env=env)
+        for name, given in (("scheduler", address), ("worker", worker))
+    ]
+
+    def kill(done: int, total: int) -> None:
+        if done == 6:
+            programs[0].kill()
+
+    x = np.array([[2.0, f] for f in np.linspace(0.5, 7.0, 40)])
+    study = jo.study(machines.pushed, FORCES, {"way": machines.slow}, **RUN)
+    try:
+        for _ in range(600):
+            if file.exists():
+                break
+            time.sleep(0.05)
+        with distributed.Client(scheduler_file=str(file), timeout=5) as client:
+            client.wait_for_workers(1, timeout=30)
+            with pytest.raises(jo.InputError, match=r"cluster is gone.* same path goes on"):
+                study.run(x, workers=client, path=path, progress=kill)
+    finally:
+        for program in programs:
+            program.kill()
+            program.wait()
+    done = len(Journal(path.with_name("t.h5.jsonl"), study._about()).rows)
+    assert 6 <= done < len(x) and not path.exists()
+    runs = study.counts["runs"]  # of chunks that came back
+    np.testing.assert_allclose(study.run(x, path=path)["way"], x[:, 1] / 4.0, rtol=1e-12)
+    assert study.counts["runs"] - runs == len(x) - done
 
 
 # -- samples ------------------------------------------------------------------------------------

@@ -10,8 +10,8 @@ import pytest
 import jousto as jo
 from jousto.measurement.monitor.health import ChannelRules
 from jousto.measurement.monitor.monitor import Monitor
-from jousto.measurement.twin.bands import stress_band
-from jousto.measurement.twin.life import damage_band
+from jousto.measurement.twin.bands.bands import stress_band
+from jousto.measurement.twin.bands.life import damage_band
 from jousto.measurement.twin.signals import gauge_errors
 from jousto.measurement.twin.smoother import smooth
 from measurement.monitor.test_observed import NOISE, SPOTS, STEP, held, rows, swung

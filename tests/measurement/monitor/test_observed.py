@@ -10,7 +10,7 @@ import jousto as jo
 from jousto.measurement.monitor.health import STATES
 from jousto.measurement.monitor.monitor import Monitor
 from jousto.measurement.monitor.watch import watch
-from jousto.measurement.twin.system import Accelerometer
+from jousto.measurement.twin.motion.system import Accelerometer
 from measurement.monitor.watched import lines, written
 
 STEEL = jo.Material(2.1e11, 0.3, 7850.0)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.measurement.twin import bands
-from jousto.measurement.twin.bands import stress_band, stress_blocks
-from jousto.measurement.twin.life import damage_band
+from jousto.measurement.twin.bands import bands
+from jousto.measurement.twin.bands.bands import stress_band, stress_blocks
+from jousto.measurement.twin.bands.life import damage_band
 from jousto.measurement.twin.observed import Posterior
 from jousto.measurement.twin.smoother import smooth
 from jousto.recovery.fields.criteria import evaluate

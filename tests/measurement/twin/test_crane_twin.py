@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.measurement.twin.bands import stress_band
-from jousto.measurement.twin.life import damage_band
+from jousto.measurement.twin.bands.bands import stress_band
+from jousto.measurement.twin.bands.life import damage_band
 from jousto.measurement.twin.smoother import smooth
 from jousto.measurement.twin.tuning import tune
 from measurement.twin.crane import DRIVES, STEEL, boom, crane

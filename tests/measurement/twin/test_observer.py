@@ -12,11 +12,11 @@ import pytest
 import scipy.linalg as la
 
 import jousto as jo
-from jousto.measurement.twin.bands import stress_band
+from jousto.measurement.twin.bands.bands import stress_band
 from jousto.measurement.twin.loads import identify_payload
-from jousto.measurement.twin.reference import InertialForce
+from jousto.measurement.twin.motion.reference import InertialForce
+from jousto.measurement.twin.motion.system import Accelerometer, System
 from jousto.measurement.twin.smoother import draw, smooth
-from jousto.measurement.twin.system import Accelerometer, System
 from jousto.measurement.twin.tuning import innovation_test, tune
 from jousto.reduction.fields.invariants import Invariants
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.measurement.twin.bands import stress_band
+from jousto.measurement.twin.bands.bands import stress_band
 from jousto.measurement.twin.observed import Posterior
 from jousto.measurement.twin.signals import gauge_errors
 from jousto.recovery.fields.criteria import evaluate
@@ -23,6 +25,7 @@ DRAWS = 400
 LOW, HIGH = 0.95 - 3 * np.sqrt(0.95 * 0.05 / DRAWS), 0.95 + 3 * np.sqrt(0.95 * 0.05 / DRAWS)
 
 
+@cache
 def rod() -> jo.ReducedPart:
     part = jo.Part.beam(1.0, jo.Rectangle(0.02, H), 20, jo.Material(E=E, nu=0.3, rho=7850))
     held = jo.reduction.clamp(jo.reduce(part, jo.CraigBampton(("start", "end"), modes=3)), "start")

@@ -240,7 +240,13 @@ class FrequencyLimit(Limit, tag="frequency", by_value=True):
         if len(frequencies) < self.mode:
             message = f"there is no mode {self.mode}: the machine has {len(frequencies)}"
             raise InputError(Problem("frequency limit", message))
-        return float(self.minimum / frequencies[self.mode - 1])
+        found = float(frequencies[self.mode - 1])
+        if not found > 0.0:
+            message = (
+                f"mode {self.mode} has {found:g} Hz: a motion without stiffness; limit another"
+            )
+            raise InputError(Problem("frequency limit", message))
+        return float(self.minimum / found)
 
 
 def stress_of(body: Elastic) -> Any:

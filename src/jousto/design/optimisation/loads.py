@@ -6,11 +6,13 @@ G. J. Park, Comput. Methods Appl. Mech. Eng. 191 (2002) 2077-2094).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, Ints
 from jousto.base.errors import InputError, Problem as Trouble
 from jousto.design.optimisation.elastic import Elastic, EquivalentLoad, Motion
 from jousto.design.optimisation.limits import BodyLimit, LifeLimit
@@ -98,28 +100,58 @@ def _finite(limit: BodyLimit, ratios: Array) -> Array:
     return ratios
 
 
-def static_table(problem: Problem, x: Array, loads: Sequence[EquivalentLoad]) -> Table:
-    """Return the ratios of all limits of a design under equivalent loads, at all instants."""
+@dataclass(frozen=True, eq=False)
+class Deformed:
+    """A body and how it deforms: ``z(t) = shapes y(t)``.
+
+    Parameters
+    ----------
+    body : Elastic
+    shapes : (ndof, nc) array
+    count : int
+        Of instants.
+    coordinates : function
+        Returns y (nc, ni) at some instants.
+    """
+
+    body: Elastic
+    shapes: Array
+    count: int
+    coordinates: Callable[[Ints], Array]
+
+
+def deformed(
+    problem: Problem, x: Array, loads: Sequence[EquivalentLoad] | None = None
+) -> list[Deformed]:
+    """Return the bodies of a design under equivalent loads, or of None in its motion."""
     bodies = problem.bodies(x)
-    every = [np.arange(load.values.shape[1]) for load in loads]
+    if loads is None:
+        return [
+            Deformed(
+                *(bodies[m.body], m.shapes, len(m.time)),
+                lambda i, m=m: m.coordinates[:, i],  # type: ignore[misc]
+            )
+            for m in problem.motions(x)
+        ]
+    return [
+        Deformed(
+            bodies[load.motion.body],
+            bodies[load.motion.body].solve(load.columns),
+            load.values.shape[1],
+            partial(load.coordinates, x),
+        )
+        for load in loads
+    ]
+
+
+def table_of(problem: Problem, x: Array, loads: Sequence[EquivalentLoad] | None = None) -> Table:
+    """Return the ratios of all limits at all instants, see `deformed`."""
     table: Table = []
-    for k, load in enumerate(loads):
-        body = bodies[load.motion.body]
-        z = body.solve(load.columns)
-        y = load.coordinates(x, every[k])
-        for one in limits_of(problem, body):
-            table.append((one, k, _finite(one, one.ratios(one.rows(body, z), y))))
-    return table
-
-
-def dynamic_table(problem: Problem, x: Array) -> Table:
-    """Return the ratios of all limits of a design in its motion."""
-    bodies, table = problem.bodies(x), []
-    for k, motion in enumerate(problem.motions(x)):
-        body = bodies[motion.body]
-        for one in limits_of(problem, body):
-            rows = one.rows(body, motion.shapes)
-            table.append((one, k, _finite(one, one.ratios(rows, motion.coordinates))))
+    for k, one in enumerate(deformed(problem, x, loads)):
+        y = one.coordinates(np.arange(one.count))
+        for limit in limits_of(problem, one.body):
+            ratios = limit.ratios(limit.rows(one.body, one.shapes), y)
+            table.append((limit, k, _finite(limit, ratios)))
     return table
 
 
@@ -148,34 +180,22 @@ def screened(table: Table, share: float, most: int = 400) -> list[Kept]:
     return kept
 
 
-def static_ratios(
-    problem: Problem, x: Array, loads: Sequence[EquivalentLoad], kept: Sequence[Kept]
+def ratios_of(
+    problem: Problem,
+    x: Array,
+    kept: Sequence[Kept],
+    loads: Sequence[EquivalentLoad] | None = None,
 ) -> Array:
-    """Return the ratios of the kept rows of a design under equivalent loads."""
-    bodies = problem.bodies(x)
-    z = [bodies[load.motion.body].solve(load.columns) for load in loads]
+    """Return the ratios of the kept rows, see `deformed`."""
+    bodies = deformed(problem, x, loads)
     found = [problem.fixed(x)]
-    for one in kept:
-        load = loads[one.motion]
-        instants = np.arange(load.values.shape[1]) if one.instants is None else one.instants
-        rows = one.limit.rows(bodies[load.motion.body], z[one.motion])
-        r = _finite(one.limit, one.limit.ratios(rows, load.coordinates(x, instants)))
-        found.append(r[one.places, one.columns])
-    return np.concatenate(found)
-
-
-def dynamic_ratios(problem: Problem, x: Array, kept: Sequence[Kept]) -> Array:
-    """Return the ratios of the kept rows of a design in its motion."""
-    bodies, motions = problem.bodies(x), problem.motions(x)
-    found = [problem.fixed(x)]
-    for one in kept:
-        motion = motions[one.motion]
-        if one.instants is not None:
-            _same_instants(len(motion.time), one.count)
-        y = motion.coordinates if one.instants is None else motion.coordinates[:, one.instants]
-        rows = one.limit.rows(bodies[motion.body], motion.shapes)
-        r = _finite(one.limit, one.limit.ratios(rows, y))
-        found.append(r[one.places, one.columns])
+    for row in kept:
+        one = bodies[row.motion]
+        if row.instants is not None:
+            _same_instants(one.count, row.count)
+        y = one.coordinates(np.arange(one.count) if row.instants is None else row.instants)
+        r = _finite(row.limit, row.limit.ratios(row.limit.rows(one.body, one.shapes), y))
+        found.append(r[row.places, row.columns])
     return np.concatenate(found)
 
 

@@ -7,18 +7,22 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, some
 from jousto.base.errors import InputError, Problem as Trouble, Problems
 from jousto.design.optimisation.elastic import Elastic, Motion
 from jousto.design.optimisation.limits import Limit
 from jousto.design.optimisation.problem import Problem, forget
-from jousto.design.studies.parameter import Parameter
+from jousto.design.studies.case import Settings
+from jousto.design.studies.parameters.parameter import Parameter
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.compile import compile
+from jousto.model.model import Model
 from jousto.parts.part import Part
 from jousto.simulation.modes.linear import modes
+from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.simulate import simulate
+from jousto.simulation.state import State
 
 Machines = Mechanism | Mapping[str, Mechanism]
 
@@ -42,6 +46,9 @@ class MachineProblem(Problem):
         End of each run, s.
     solver, output_step
         As for `simulate`; with a solver of fixed step the runs change smoothly with the parameters.
+    state : State or function, optional
+        Where runs start, or a function of the model that finds it: `jo.simulation.settled`,
+        `jo.equilibrium`.
     cost : function, optional
         Returns what shall be least, for the parameters by name and the parts. The mass of the
         parts, kg, if not given.
@@ -62,6 +69,7 @@ class MachineProblem(Problem):
         *,
         solver: Any = None,
         output_step: float | None = None,
+        state: State | Callable[[Model], State] | None = None,
         cost: Callable[[Mapping[str, float], Mapping[str, Part]], float] | None = None,
     ) -> None:
         super().__init__(parameters, limits)
@@ -71,10 +79,15 @@ class MachineProblem(Problem):
         for key, function in functions.items():
             if not callable(function):
                 problems.add("MachineProblem", f"{key} is {function!r}, must be a function")
+        begin: Any = state
+        if not (begin is None or isinstance(begin, State) or callable(begin)):
+            message = f"state is {state!r}, must be a State or a function of the model"
+            problems.add("MachineProblem", message)
         problems.raise_if_any()
         self._make, self._build = parts, build
-        self._cost = mass if cost is None else cost
-        self._t_end, self._solver, self._output_step = t_end, solver, output_step
+        self._cost, self._t_end = mass if cost is None else cost, float(t_end)
+        how = {"solver": solver, "output_step": output_step, "state": state}
+        self._settings = Settings(t_end, how)
         self._parts: dict[bytes, Mapping[str, Part]] = {}
 
     def parts(self, x: Array) -> Mapping[str, Part]:
@@ -126,13 +139,34 @@ class MachineProblem(Problem):
         f = modes(compile(machine)).frequencies
         return np.asarray(f[f > 1e-6 * f.max(initial=0.0)])
 
+    def solutions(self, values: Mapping[str, float]) -> dict[str, Solution]:
+        """Return the run of each load case, by its name, empty if there is one only.
+
+        Parameters
+        ----------
+        values : dict of float
+            The parameters, such as ``optimum.values``.
+
+        Raises
+        ------
+        InputError
+            If one is missing.
+        """
+        missing = [name for name in self.names if name not in values]
+        if missing:
+            raise InputError(Trouble("MachineProblem", f"no value of {some(missing)}"))
+        x = np.array([values[name] for name in self.names], dtype=np.float64)
+        return {case: self._simulated(one) for case, one in self.machines(x).items()}
+
+    def _simulated(self, machine: Mechanism) -> Solution:
+        model = compile(machine)
+        return simulate(model, self._t_end, **self._settings.given(model))
+
     def run(self, x: Array) -> tuple[Motion, ...]:
         """Run all load cases."""
         found = []
         for case, machine in self.machines(x).items():
-            run = simulate(
-                compile(machine), self._t_end, solver=self._solver, output_step=self._output_step
-            )
+            run = self._simulated(machine)
             bodies = {body.name: body for body in machine.bodies}
             for i, (name, part) in enumerate(self.parts(x).items()):
                 y = run.coordinates(name)[:, 7:].T

@@ -133,7 +133,7 @@ def by_loads(
     converged, message = False, f"not converged in {cycles} cycles"
     for _ in range(cycles):
         plain = esl.classical(x, problem.bodies(x), problem.motions(x))
-        table = esl.dynamic_table(problem, x)
+        table = esl.table_of(problem, x)
         ratio = largest(table, problem.fixed(x))
         # constant loads find a design within the limits from anywhere, slopes the optimum near it
         ahead = order == 1 and len(history) < AHEAD and ratio > 1.0 + NEAR
@@ -141,7 +141,7 @@ def by_loads(
         kept = esl.screened(table, screen)
 
         def ratios(y: Array, loads: list[EquivalentLoad] = loads, kept: list[Kept] = kept) -> Array:
-            return esl.static_ratios(problem, y, loads, kept)
+            return esl.ratios_of(problem, y, kept, loads)
 
         def slopes(y: Array, ratios: Function = ratios) -> Array:
             return differences(problem, ratios, y, SMALL)
@@ -192,12 +192,12 @@ def directly(
     x, history = problem.start.copy(), list[Cycle]()
     converged, message = False, f"not converged in {cycles} rounds"
     for _ in range(cycles):
-        table = esl.dynamic_table(problem, x)
+        table = esl.table_of(problem, x)
         ratio = largest(table, problem.fixed(x))
         kept = esl.screened(table, screen)
 
         def ratios(y: Array, kept: list[Kept] = kept) -> Array:
-            return esl.dynamic_ratios(problem, y, kept)
+            return esl.ratios_of(problem, y, kept)
 
         def slopes(y: Array, ratios: Function = ratios) -> Array:
             return differences(problem, ratios, y, size)
@@ -228,13 +228,13 @@ def finished(
 ) -> Optimum:
     """Return the report of a design, judged by its motion."""
     span = problem.high - problem.low
-    table = esl.dynamic_table(problem, x)
+    table = esl.table_of(problem, x)
     ratio = largest(table, problem.fixed(x))
     kept = esl.screened(table, screen)
-    ratios = esl.dynamic_ratios(problem, x, kept)
+    ratios = esl.ratios_of(problem, x, kept)
     names = esl.labels(problem, x, kept)
     scale = abs(problem.cost(x)) or 1.0
-    slopes = differences(problem, lambda y: esl.dynamic_ratios(problem, y, kept), x, size) * span
+    slopes = differences(problem, lambda y: esl.ratios_of(problem, y, kept), x, size) * span
     gradient = differences(problem, lambda y: np.array([problem.cost(y)]), x, SMALL)[0]
     gradient = gradient * span / scale
     edge = 1e-9 * span

@@ -85,6 +85,11 @@ class Optimum(Tabular):
     runs: int
     history: tuple[Cycle, ...]
 
+    @property
+    def kept(self) -> bool:
+        """Whether the design keeps its limits, within 1e-3 of them."""
+        return self.ratio <= 1.0 + ACTIVE
+
     def _facts(self) -> str:
         values = ", ".join(f"{k} {v:.6g}" for k, v in list(self.values.items())[:4])
         end = "" if self.converged else ", not converged"

@@ -14,7 +14,7 @@ from jousto.base.described import described
 from jousto.base.errors import InputError, Problem as Trouble, Problems, count, suggest
 from jousto.design.optimisation.elastic import Elastic, Motion
 from jousto.design.optimisation.limits import BodyLimit, FrequencyLimit, Limit
-from jousto.design.studies.parameter import Parameter
+from jousto.design.studies.parameters.parameter import Parameter
 
 
 @described

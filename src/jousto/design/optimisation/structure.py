@@ -17,8 +17,10 @@ from jousto.base.errors import InputError, Problem as Trouble, Problems
 from jousto.design.optimisation.elastic import Elastic, Motion
 from jousto.design.optimisation.limits import Limit
 from jousto.design.optimisation.problem import Problem
-from jousto.design.studies.parameter import Parameter
+from jousto.design.studies.parameters.parameter import Parameter
+from jousto.parts.frames.stress import StressOperator
 
+WHERE = "StructureProblem"
 GAUSS = np.polynomial.legendre.leggauss(5)
 
 
@@ -27,13 +29,13 @@ class StructureProblem(Problem):
 
     It starts at rest. The motion is exact for forces that are polynomials of degree 4 between
     instants, whatever the frequencies of the modes: each mode by its exponential, the force by its
-    polynomial through the five points of Gauss' rule.
+    polynomial through the five points of Gauss' rule. Without mass it is ``K z = F(t)``.
 
     Parameters
     ----------
     parameters : sequence of Parameter
     matrices : function
-        Returns M and K (n, n) for the parameters by name.
+        Returns M and K (n, n), symmetric, for the parameters by name; None for M without mass.
     force : function
         Returns F (n, nt) at times (nt,), N.
     time : (nt,) array_like
@@ -44,20 +46,48 @@ class StructureProblem(Problem):
         Their body is "structure", its nodes "1" .. "n", one for each degree of freedom.
     damping : float
         Ratio of all modes, below 1.
+    stress : function, optional
+        Returns the stress of each member per displacement, (n,), Pa/m, by the names of the members,
+        for the parameters by name; `StressLimit` and `LifeLimit` take them as sites, their
+        component s11.
+
+    Raises
+    ------
+    InputError
+        If time, functions or what they return at the start do not fit one another.
+
+    Examples
+    --------
+    A bar of 1 m under 10 kN, whose stress shall stay below 100 MPa, needs 100 mm^2:
+
+    >>> import jousto as jo
+    >>> from jousto.design import StressLimit, StructureProblem, optimise
+    >>> bar = StructureProblem(
+    ...     [jo.Parameter("A", 1e-3, bounds=(1e-5, 1e-2), unit="m^2")],
+    ...     lambda v: (None, [[210e9 * v["A"]]]),
+    ...     lambda t: np.full((1, len(t)), 10e3),
+    ...     [0.0, 1.0],
+    ...     lambda v: 7850.0 * v["A"],
+    ...     [StressLimit("structure", 100e6, criterion="s11")],
+    ...     stress=lambda v: {"bar": [210e9]},
+    ... )
+    >>> round(1e6 * optimise(bar).values["A"], 2)
+    100.0
     """
 
     def __init__(
         self,
         parameters: Sequence[Parameter],
-        matrices: Callable[[Mapping[str, float]], tuple[Any, Any]],
+        matrices: Callable[[Mapping[str, float]], tuple[ArrayLike | None, ArrayLike]],
         force: Callable[[Array], Array],
         time: ArrayLike,
         cost: Callable[[Mapping[str, float]], float],
         limits: Sequence[Limit],
         damping: float = 0.0,
+        stress: Callable[[Mapping[str, float]], Mapping[str, ArrayLike]] | None = None,
     ) -> None:
         super().__init__(parameters, limits)
-        problems, where = Problems(), "StructureProblem"
+        problems, where = Problems(), WHERE
         t = problems.array(where, "time", time, (None,))
         problems.number(where, "damping", damping, "", "from 0 to below 1", lambda v: 0 <= v < 1)
         if t is not None and (
@@ -65,6 +95,8 @@ class StructureProblem(Problem):
         ):
             problems.add(where, "time must start at 0 and be evenly spaced")
         functions: dict[str, Any] = {"matrices": matrices, "force": force, "cost": cost}
+        if stress is not None:
+            functions["stress"] = stress
         for key, function in functions.items():
             if not callable(function):
                 problems.add(where, f"{key} is {function!r}, must be a function")
@@ -72,17 +104,64 @@ class StructureProblem(Problem):
         assert t is not None
         self.time = t
         self._matrices, self._cost, self._damping = matrices, cost, damping
+        self._stress = stress
         x, _ = GAUSS
         h = t[1]
         share = 0.5 * (1.0 + x)
         # column j: the powers of share in the polynomial that is 1 at point j and 0 at the others
         self._powers = np.linalg.inv(np.vander(share, increasing=True))
         points = (t[:-1, None] + h * share).ravel()
-        F = np.asarray(force(points), dtype=np.float64)
-        if F.ndim != 2 or F.shape[1] != len(points) or not np.all(np.isfinite(F)):
-            message = "force must return finite numbers (n, nt) at any times of the run"
-            raise InputError(Trouble(where, message))
+        F = _forces(force, points)
         self._force = F.reshape(F.shape[0], len(t) - 1, len(x))
+        self._size = len(F)
+        massless = self.matrices(self.start)[0] is None
+        self._still = _forces(force, t) if massless else None
+        self._operator(self.start)
+
+    def matrices(self, x: Array) -> tuple[Array | None, Array]:
+        """Return M, or None without mass, and K (n, n).
+
+        Raises
+        ------
+        InputError
+            If they are not symmetric, finite and of the size of the force.
+        """
+        made: Any = self._matrices(self.values(x))
+        if not isinstance(made, (tuple, list)) or len(made) != 2:
+            raise InputError(Trouble(WHERE, f"matrices returns {made!r}, must be M and K"))
+        problems, size = Problems(), (self._size, self._size)
+        found: list[Array | None] = []
+        for name, one in zip("MK", made, strict=True):
+            A = None if name == "M" and one is None else problems.array(WHERE, name, one, size)
+            if A is not None and np.abs(A - A.T).max() > 1e-9 * np.abs(A).max():
+                problems.add(WHERE, f"{name} is not symmetric")
+            found.append(A)
+        problems.raise_if_any()
+        assert found[1] is not None
+        return found[0], found[1]
+
+    def _operator(self, x: Array) -> StressOperator | None:
+        """Return the stress of the members.
+
+        Raises
+        ------
+        InputError
+            If `stress` returns something else than rows by names.
+        """
+        if self._stress is None:
+            return None
+        made: Any = self._stress(self.values(x))
+        if not isinstance(made, Mapping) or not made:
+            message = f"stress returns {made!r}, must be a dict of rows by the names of members"
+            raise InputError(Trouble(WHERE, message))
+        problems = Problems()
+        rows = [problems.array(WHERE, f"stress[{k!r}]", v, (self._size,)) for k, v in made.items()]
+        problems.raise_if_any()
+        table = np.zeros((len(made), 6, self._size))
+        table[:, 0] = rows
+        places, axes = np.zeros((len(made), 3)), np.tile(np.eye(3), (len(made), 1, 1))
+        matrix = sp.csr_array(table.reshape(-1, self._size))
+        return StressOperator(tuple(map(str, made)), places, axes, matrix)
 
     def cost(self, x: Array) -> float:
         """Return what shall be least."""
@@ -90,16 +169,23 @@ class StructureProblem(Problem):
 
     def elastic(self, x: Array) -> tuple[Elastic, ...]:
         """Return the structure."""
-        K = np.asarray(self._matrices(self.values(x))[1], dtype=np.float64)
-        n = len(K)
-        names = {str(i + 1): i for i in range(n)}
-        none = np.zeros(0, dtype=np.intp)
-        return (Elastic("structure", sp.csr_array(K), none, np.zeros((n, 0)), None, names),)
+        K = sp.csr_array(self.matrices(x)[1])
+        names = {str(i + 1): i for i in range(self._size)}
+        held, rigid = np.zeros(0, dtype=np.intp), np.zeros((self._size, 0))
+        return (Elastic("structure", K, held, rigid, self._operator(x), names),)
 
     def frequencies(self, x: Array) -> Array:
-        """Return the natural frequencies, Hz."""
-        M, K = self._matrices(self.values(x))
-        return np.asarray(np.sqrt(sl.eigh(K, M, eigvals_only=True)) / (2.0 * np.pi))
+        """Return the natural frequencies, Hz.
+
+        Raises
+        ------
+        InputError
+            If the structure has no mass, or K is not positive definite.
+        """
+        M, K = self.matrices(x)
+        if M is None:
+            raise InputError(Trouble("frequency limit", "the structure has no mass"))
+        return np.sqrt(_modes(M, K)[0]) / (2.0 * np.pi)
 
     def _weights(self, z: complex) -> Any:
         """Return the weights (5,) of ``int_0^1 exp(z (1 - s)) f(s) ds`` at Gauss' points.
@@ -114,9 +200,13 @@ class StructureProblem(Problem):
         return (phi * [math.factorial(k) for k in range(n)]) @ self._powers
 
     def run(self, x: Array) -> tuple[Motion, ...]:
-        """Return the motion, mode by mode."""
-        M, K = self._matrices(self.values(x))
-        w2, shapes = sl.eigh(np.asarray(K), np.asarray(M))
+        """Return the motion, mode by mode, or statics without mass."""
+        M, K = self.matrices(x)
+        if M is None:
+            assert self._still is not None
+            (body,) = self.bodies(x)
+            return (Motion(0, "", self.time, np.eye(self._size), body.solve(self._still)),)
+        w2, shapes = _modes(M, K)
         w, h = np.sqrt(w2), self.time[1]
         pole = w * (-self._damping + 1j * np.sqrt(1.0 - self._damping**2))
         q = np.zeros((len(w), len(self.time)))
@@ -126,3 +216,36 @@ class StructureProblem(Problem):
             s = lfilter([1.0], [1.0, -np.exp(p * h)], pushed)
             q[i, 1:] = s.imag / p.imag
         return (Motion(0, "", self.time, shapes, q),)
+
+
+def _forces(force: Callable[[Array], Array], time: Array) -> Array:
+    """Return the forces (n, nt).
+
+    Raises
+    ------
+    InputError
+        If the function returns something else.
+    """
+    F = np.asarray(force(time), dtype=np.float64)
+    if F.ndim != 2 or F.shape[1] != len(time) or not np.all(np.isfinite(F)):
+        message = "force must return finite numbers (n, nt) at any times of the run"
+        raise InputError(Trouble(WHERE, message))
+    return F
+
+
+def _modes(M: Array, K: Array) -> tuple[Array, Array]:
+    """Return the squares of the circular frequencies and the mass-normalised modes.
+
+    Raises
+    ------
+    InputError
+        If M or K is not positive definite.
+    """
+    try:
+        w2, shapes = sl.eigh(K, M)
+    except np.linalg.LinAlgError:
+        message = "M is not positive definite: every degree of freedom needs mass"
+        raise InputError(Trouble(WHERE, message)) from None
+    if w2[0] <= 1e-14 * w2[-1]:
+        raise InputError(Trouble(WHERE, "K is not positive definite: is the structure supported?"))
+    return w2, shapes

@@ -16,10 +16,10 @@ from jousto.base.described import described
 from jousto.base.errors import Problems, count
 from jousto.base.frozen import Frozen
 from jousto.design.reliability.errors import DesignPointError, LimitStateError
+from jousto.design.reliability.inputs.random import Affine, Random
+from jousto.design.reliability.inputs.space import Space
+from jousto.design.reliability.inputs.transform import Transformation
 from jousto.design.reliability.limit import LimitState, Values, shown
-from jousto.design.reliability.random import Affine, Random
-from jousto.design.reliability.space import Space
-from jousto.design.reliability.transform import Transformation
 
 ARMIJO = 0.1
 HALVINGS = 12
@@ -151,7 +151,7 @@ def moved_by(
 @explained
 def form(
     limit: LimitState | Callable[..., Any],
-    variables: Any,
+    variables: Any = None,
     *,
     method: Literal["sqp", "hlrf"] = "sqp",
     start: Mapping[str, float] | None = None,
@@ -172,7 +172,7 @@ def form(
     ----------
     limit : LimitState or callable
         ``G(x) <= 0`` is failure; x has values by name (`Values`).
-    variables : sequence of Random, Nataf, Rosenblatt or Joint
+    variables : sequence of Random, Nataf, Rosenblatt or Joint, optional
         The random variables; a sequence is of independent ones.
     method : {"sqp", "hlrf"}
         See above.
@@ -291,7 +291,7 @@ def slope_at(space: Space, u: Array, g: float, rows: list[tuple[float, ...]]) ->
         point = shown(space.values(u))
         message = (
             f"{space.counted.where}: its gradient is zero at {point}; nothing there says where it "
-            "fails: give another start"
+            "fails: give another start; a limit that nothing random changes needs no analysis"
         )
         raise DesignPointError(message, u, rows)
     return slope
@@ -339,9 +339,11 @@ def _no_point(
     where = space.counted.where
     same = all(row[2] * rows[0][2] > 0.0 for row in rows) and rows[-1][2] * g > 0.0
     if same and len(rows) <= iterations:
+        found, none = ("no failure", "none") if g > 0.0 else ("nothing safe", "nothing")
+        kink = "" if np.linalg.norm(u) >= far else ", or a kink of G holds the search"
         message = (
-            f"{where}: no failure found; G is still {g:.4g} at {point}. There may be none within "
-            f"beta = {far:g} (Pf < {ndtr(-far):.1g}); another start makes sure"
+            f"{where}: {found} found; G is still {g:.4g} at {point}. There may be {none} within "
+            f"beta = {far:g} (probability < {ndtr(-far):.1g}){kink}; another start makes sure"
         )
     else:
         message = (

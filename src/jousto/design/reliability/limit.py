@@ -12,11 +12,22 @@ from numpy.typing import ArrayLike
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.described import described
-from jousto.base.errors import InputError, Problem, Problems, UnknownNameError, suggest
+from jousto.base.errors import (
+    InputError,
+    JoustoError,
+    Problem,
+    Problems,
+    UnknownNameError,
+    suggest,
+)
 from jousto.base.names import check_name
 from jousto.design.reliability.errors import LimitStateError
 
 SHOWN = 6  # variables in a message
+BATCH = 100_000  # points of a sampling at once
+FEW = 10_000  # of limit states that take one point at a time
+MOST_REASONS = 20  # that are counted
+LARGEST = 1e150  # of a value: its square is a double
 
 
 class Values(np.ndarray[Any, np.dtype[np.float64]]):
@@ -91,6 +102,8 @@ class LimitState:
         root of their relative error.
     differences : {"forward", "central"}
         n or 2 n calls for each gradient.
+    variables : sequence of Random, Nataf, Rosenblatt or Joint, optional
+        The random variables, for analyses that are given none.
 
     Examples
     --------
@@ -106,6 +119,7 @@ class LimitState:
     name: str = ""
     step: float = 1e-5
     differences: Literal["forward", "central"] = "forward"
+    variables: Any = None
 
     def __post_init__(self) -> None:
         problems = Problems()
@@ -126,6 +140,11 @@ class LimitState:
             own = getattr(self.function, "__name__", "")
             object.__setattr__(self, "name", own if own.isidentifier() else "G")
 
+    @property
+    def batch(self) -> int:
+        """How many points a sampling asks for at once."""
+        return BATCH if self.vectorised else FEW
+
     def _facts(self) -> str:
         how = (
             f"{self.differences} differences" if self.gradient is None else "its gradient is given"
@@ -133,13 +152,20 @@ class LimitState:
         return how + (", vectorised" if self.vectorised else "")
 
 
-def limit_state(given: LimitState | Callable[..., Any], name: str = "") -> LimitState:
+def as_limit(given: LimitState | Callable[..., Any], name: str = "") -> LimitState:
     """Return a limit state of one or of a plain function."""
     if isinstance(given, LimitState):
         return given
     if name and callable(given):
         return LimitState(given, name=name)
     return LimitState(given)
+
+
+def said(error: Exception) -> str:
+    """Return an error in one line; those of jousto are sentences."""
+    text = " / ".join(str(error).splitlines())
+    kind = "" if isinstance(error, JoustoError) and text else type(error).__name__
+    return ": ".join(filter(None, (kind, text)))
 
 
 class Counted:
@@ -158,6 +184,7 @@ class Counted:
         self.names = tuple(names)
         self.calls = 0
         self.gradients = 0
+        self.reasons: dict[str, int] = {}  # why points had no value, and how many
         self._slope: tuple[bytes, Any] | None = None
 
     @property
@@ -188,12 +215,20 @@ class Counted:
         try:
             return function(point)
         except Exception as error:
-            said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-            raise self._wrong(f"failed: {said}", point) from error
+            raise self._wrong(f"failed: {said(error)}", point) from error
 
     def _wrong(self, what: str, point: Values) -> LimitStateError:
         message = f"{self.where}: {what}, at {shown(point)}"
+        if what in self.reasons or len(self.reasons) < MOST_REASONS:
+            self.reasons[what] = self.reasons.get(what, 0) + 1
         return LimitStateError(message, {name: float(point[name]) for name in point.names})
+
+    def _no_number(self, g: float, x: Array) -> LimitStateError:
+        """Return why there is no finite number at a point, as the function says it if it can."""
+        point = named(self.names, x)
+        why = getattr(self.limit.function, "why", None)
+        reason = why(point) if callable(why) else ""
+        return self._wrong(f"failed: {reason}" if reason else f"returned {g}", point)
 
     def _number(self, found: Any, point: Values) -> float:
         try:
@@ -204,7 +239,9 @@ class Counted:
         except (TypeError, ValueError):
             raise self._wrong(f"returned {found!r:.60}, must be one number", point) from None
         if not np.isfinite(g):
-            raise self._wrong(f"returned {g}", point)
+            raise self._no_number(g, np.asarray(point))
+        if abs(g) > LARGEST:
+            raise self._wrong(f"returned {g:g}, no double has its square: scale it", point)
         return g
 
     def values(self, X: Array, *, lenient: bool = False) -> Array:
@@ -217,12 +254,13 @@ class Counted:
                 g = np.asarray(found[0] if self.limit.gradient is True else found, np.float64)
                 g = np.broadcast_to(g, X.shape[1:])
             except Exception as error:
-                said = f"{type(error).__name__}: {error}"
-                message = f"failed for {X.shape[1]} points at once: {said}"
+                message = f"failed for {X.shape[1]} points at once: {said(error)}"
                 raise self._wrong(message, named(self.names, X[:, 0])) from error
-            bad = np.flatnonzero(~np.isfinite(g))
-            if len(bad) and not lenient:
-                raise self._wrong(f"returned {g[bad[0]]}", named(self.names, X[:, bad[0]]))
+            for x, value in zip(X.T, g, strict=True):
+                if not np.isfinite(value):
+                    nothing = self._no_number(float(value), x)
+                    if not lenient:
+                        raise nothing
             return np.where(np.isfinite(g), g, np.nan)
         out = np.empty(X.shape[1])
         for k, x in enumerate(X.T):

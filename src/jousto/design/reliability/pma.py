@@ -23,9 +23,9 @@ from jousto.design.reliability.form import (
     moved_by_moments,
     slope_at,
 )
+from jousto.design.reliability.inputs.space import Space
+from jousto.design.reliability.inputs.transform import Transformation
 from jousto.design.reliability.limit import LimitState, Values, shown
-from jousto.design.reliability.space import Space
-from jousto.design.reliability.transform import Transformation
 
 Method = Literal["sqp", "hmv", "amv", "cmv"]
 METHODS = ("sqp", "hmv", "amv", "cmv")
@@ -148,7 +148,10 @@ class RiaResult:
 
 @explained
 def ria(
-    limit: LimitState | Callable[..., Any], variables: Any, beta: float, **options: Any
+    limit: LimitState | Callable[..., Any],
+    variables: Any = None,
+    beta: float = 3.0,
+    **options: Any,
 ) -> RiaResult:
     """Compare the reliability index with a target: the reliability index approach.
 
@@ -156,7 +159,7 @@ def ria(
     ----------
     limit : LimitState or callable
         ``G(x) <= 0`` is failure.
-    variables : sequence of Random, Nataf, Rosenblatt or Joint
+    variables : sequence of Random, Nataf, Rosenblatt or Joint, optional
         The random variables.
     beta : float
         Target.
@@ -191,8 +194,8 @@ def ria(
 @explained
 def pma(
     limit: LimitState | Callable[..., Any],
-    variables: Any,
-    beta: float,
+    variables: Any = None,
+    beta: float = 3.0,
     *,
     method: Method = "sqp",
     start: Mapping[str, float] | None = None,
@@ -212,7 +215,7 @@ def pma(
     ----------
     limit : LimitState or callable
         ``G(x) <= 0`` is failure; x has values by name (`Values`).
-    variables : sequence of Random, Nataf, Rosenblatt or Joint
+    variables : sequence of Random, Nataf, Rosenblatt or Joint, optional
         The random variables; a sequence is of independent ones.
     beta : float
         Target, the radius of the sphere.

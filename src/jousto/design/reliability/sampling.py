@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -15,13 +15,13 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.frozen import Frozen
 from jousto.design.reliability.form import FormResult, form
+from jousto.design.reliability.inputs.space import Space
 from jousto.design.reliability.limit import LimitState
-from jousto.design.reliability.space import Space
 
-BATCH = 100_000
-FEW = 10_000  # of limit states that take one point at a time
 Failed = Literal["raise", "count"]
+MOST = 1e10  # samples
 
 
 @described
@@ -49,6 +49,8 @@ class SamplingResult:
         Points at which the limit state gave no number, counted as failures.
     calls : int
         Of the limit state, with those for a design point.
+    reasons : dict of int
+        Why points had no number, and how many.
     history : (k, 3) array
         Samples, probability and variation after each batch; of subset simulation the levels:
         samples, threshold and conditional probability.
@@ -66,6 +68,7 @@ class SamplingResult:
     broken: int
     calls: int
     history: Array
+    reasons: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def beta(self) -> float:
@@ -143,7 +146,7 @@ def monte_carlo(
     rows: list[tuple[float, float, float]] = []
     done = failures = broken = 0
     while done < samples:
-        size = min(batch(space), samples - done)
+        size = min(space.limit.batch, samples - done)
         g = space.many(rng.standard_normal((space.n, size)), lenient=failed == "count")
         broken += int(np.isnan(g).sum())
         failures += int(np.sum(~(g > 0.0)))
@@ -167,12 +170,8 @@ def monte_carlo(
         broken=broken,
         calls=space.calls,
         history=np.array(rows),
+        reasons=Frozen(space.counted.reasons),
     )
-
-
-def batch(space: Space) -> int:
-    """Return how many points at once."""
-    return BATCH if space.limit.vectorised else FEW
 
 
 def check_sampling(where: str, samples: Any, confidence: Any, failed: Any, seed: Any) -> None:
@@ -184,8 +183,8 @@ def check_sampling(where: str, samples: Any, confidence: Any, failed: Any, seed:
         With all of them.
     """
     problems = Problems()
-    whole = "a whole number, at least 1"
-    problems.number(where, "samples", samples, "", whole, lambda x: x >= 1 and x == int(x))
+    whole = f"a whole number from 1 to {MOST:g}"
+    problems.number(where, "samples", samples, "", whole, lambda x: 1 <= x <= MOST and x == int(x))
     inside = "between 0 and 1"
     problems.number(where, "confidence", confidence, "", inside, lambda x: 0.0 < x < 1.0)
     if failed not in ("raise", "count"):
@@ -273,7 +272,7 @@ def importance_sampling(
     rows: list[tuple[float, float, float]] = []
     broken = done = 0
     while done < samples:
-        size = min(100 if variation is not None else batch(space), samples - done)
+        size = min(100 if variation is not None else space.limit.batch, samples - done)
         v = rng.standard_normal((space.n, size))
         g = space.many(found.u[:, None] + v, lenient=failed == "count")
         broken += int(np.isnan(g).sum())
@@ -303,6 +302,7 @@ def importance_sampling(
         broken=broken,
         calls=space.calls + found.calls,
         history=np.array(rows),
+        reasons=Frozen(space.counted.reasons),
     )
 
 

@@ -16,8 +16,8 @@ from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count, warn
 from jousto.design.reliability.errors import DesignPointError
 from jousto.design.reliability.form import FormResult, form
+from jousto.design.reliability.inputs.space import Space
 from jousto.design.reliability.limit import LimitState
-from jousto.design.reliability.space import Space
 
 STEP = 1e-3  # of differences of a given gradient
 STEP_OF_VALUES = 3.0  # times the root of that of a gradient

@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array, Ints
 from jousto.base.errors import Problems
+from jousto.base.frozen import Frozen
 from jousto.design.reliability.errors import DesignPointError
 from jousto.design.reliability.form import FormResult
+from jousto.design.reliability.inputs.space import Space
 from jousto.design.reliability.limit import LimitState, shown
 from jousto.design.reliability.sampling import (
     Failed,
@@ -22,7 +24,6 @@ from jousto.design.reliability.sampling import (
     lognormal_interval,
     space_of,
 )
-from jousto.design.reliability.space import Space
 
 WHERE = "subset simulation"
 ACCEPTED = 0.44  # share of moves at which chains forget fastest
@@ -100,6 +101,12 @@ def subset_simulation(
     square, p, width = 0.0, 1.0, FIRST
     link = np.zeros((samples, 1), dtype=np.int64)  # of the chains, none at first
     for _ in range(levels):
+        if np.min(g) == np.max(g) > 0.0:
+            message = (
+                f"{space.counted.where}: is {g[0]:.4g} at all {samples} points of level "
+                f"{len(rows) + 1}; nothing there is nearer to failure"
+            )
+            raise DesignPointError(message, u[:, 0], rows)
         order = np.argsort(g, kind="stable")
         threshold = max(0.5 * float(g[order[chains - 1]] + g[order[chains]]), 0.0)
         tie = float(g[order[chains]])
@@ -140,6 +147,7 @@ def subset_simulation(
         broken=broken,
         calls=space.calls,
         history=np.array(rows),
+        reasons=Frozen(space.counted.reasons),
     )
 
 

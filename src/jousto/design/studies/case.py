@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from jousto.base.described import described
-from jousto.base.errors import InputError, Problem
+from jousto.base.errors import InputError, NotAnalytic, Problem
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.compile import compile
 from jousto.model.model import Model
+from jousto.model.stepped import has_steps
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.again import Repeated
+from jousto.simulation.running.together import together
 
 Counts = dict[str, int]
 
@@ -38,8 +42,20 @@ class Settings:
         """Return the arguments for a model."""
         how = dict(self.how)
         if callable(how.get("state")):
-            how["state"] = how["state"](model)
+            how["state"] = _begun(how["state"], model)
         return how
+
+
+def _begun(begin: Callable[[Model], Any], model: Model) -> Any:
+    """Return the state that a function of the model says."""
+    if not has_steps(model):
+        return begin(model)
+    from jousto.simulation.statics.equilibrium import equilibrium
+    from jousto.simulation.statics.stepped import rest
+
+    if begin is not equilibrium:
+        raise NotAnalytic("a function makes the state at the start")
+    return rest(model)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,12 +72,21 @@ class Machine:
         What is to be checked for fatigue.
     counts : dict
         Where compilations and runs are counted.
+    plain : bool
+        Whether the mechanism has no derivatives that the model has.
     """
 
     made: Any
     settings: Settings
     checks: tuple[Any, ...]
     counts: Counts
+    plain: bool = False
+
+    def with_slope(self, model: Model, checks: tuple[Any, ...]) -> Machine:
+        """Return one whose model and checks have derivatives, the mechanism none."""
+        made = replace(self, checks=checks, plain=True)
+        vars(made)["model"] = model
+        return made
 
     @property
     def mechanism(self) -> Mechanism:
@@ -104,19 +129,37 @@ class Case:
     ----------
     values : dict
         Values of the parameters, SI.
+    reach : float
+        Over which what depends on the parameter that has a derivative changes.
+    followed : bool
+        Whether `along` was asked since it was set to False.
     """
 
     def __init__(
-        self, machine: Machine, values: Mapping[str, float], inputs: Mapping[str, float]
+        self,
+        machine: Machine,
+        values: Mapping[str, float],
+        inputs: Mapping[str, float],
+        reach: float = 1.0,
     ) -> None:
         self._machine = machine
         self.values = dict(values)
         self._inputs = dict(inputs)
         self._kept: dict[object, Any] = {}
+        self.reach = reach
+        self.followed = False
 
     @property
     def mechanism(self) -> Mechanism:
-        """The mechanism."""
+        """The mechanism.
+
+        Raises
+        ------
+        NotAnalytic
+            If the model alone has derivatives.
+        """
+        if self._machine.plain:
+            raise NotAnalytic("what looks into the mechanism needs its numbers")
         return self._machine.mechanism
 
     @property
@@ -142,6 +185,12 @@ class Case:
         return lambda: self.once("run", lambda: repeated.run(self._inputs))
 
     @property
+    def alike(self) -> bool:
+        """Whether it may run side by side with others of its structure."""
+        stepped = any(np.iscomplexobj(value) for value in self._inputs.values())
+        return self.runs and not stepped and self._machine.repeated.alike is not None
+
+    @property
     def ran(self) -> bool:
         """Whether it was simulated."""
         return "run" in self._kept
@@ -157,3 +206,12 @@ class Case:
         if name not in self._kept:
             self._kept[name] = make()
         return self._kept[name]
+
+
+def run_together(cases: Sequence[Case]) -> None:
+    """Run machines of one structure side by side; the others run when their results are wanted."""
+    waiting = [case for case in cases if not case.ran and case.alike]
+    runs = [(case._machine.repeated, case._inputs) for case in waiting]
+    for case, solution in zip(waiting, together(runs), strict=True):
+        if solution is not None:
+            case._kept["run"] = solution

@@ -13,21 +13,26 @@ from numpy.typing import ArrayLike
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.described import described
-from jousto.base.errors import InputError, Problem, count
+from jousto.base.errors import InputError, Problem, Problems, count
+from jousto.base.progress import bars
 from jousto.design.studies.case import Case, Settings
-from jousto.design.studies.evaluator import Evaluator, Row
-from jousto.design.studies.journal import Journal, check_same
-from jousto.design.studies.keys import key_of
-from jousto.design.studies.outcomes import Outcome, read_outcomes
-from jousto.design.studies.parameter import Parameter
-from jousto.design.studies.samples import grid, latin_hypercube, read_samples
-from jousto.design.studies.sources import choose, source_of
-from jousto.design.studies.spread import spread
+from jousto.design.studies.outcomes.outcome import Outcome
+from jousto.design.studies.outcomes.outcomes import read_outcomes
+from jousto.design.studies.parameters.parameter import Parameter
+from jousto.design.studies.parameters.samples import grid, latin_hypercube, read_samples
+from jousto.design.studies.running.evaluator import Evaluator, Row
+from jousto.design.studies.running.journal import Journal, check_same
+from jousto.design.studies.running.keys import key_of
+from jousto.design.studies.running.sources import choose, source_of
+from jousto.design.studies.running.spread import spread
 from jousto.design.studies.table import StudyTable, check_suffix, read_study
 
 Report = Callable[[int, int], None]
 Samples = ArrayLike | Mapping[str, Any] | str | Path | int
 LINES = ".jsonl"
+Point = tuple[float, ...]
+MOST_KNOWN = 100_000
+"""Points beyond the bounds that are remembered, the one worked out first goes first."""
 
 
 @described
@@ -58,6 +63,8 @@ class Study:
         self.units = tuple(evaluator.check())
         self.table: StudyTable | None = None
         self._made_of: dict[str, Any] | None = None
+        self._free: Evaluator | None = None
+        self._known: dict[Point, Row] = {}
 
     def _facts(self) -> str:
         names = ", ".join(parameter.name for parameter in self.parameters)
@@ -73,6 +80,26 @@ class Study:
         """How many reductions, compilations and runs were done so far."""
         return self._evaluator.counts
 
+    def about(self, number: int) -> Outcome:
+        """Return what an outcome is, by its number."""
+        return self._evaluator.outcomes[number]
+
+    def point(self, x: ArrayLike | None = None) -> Array:
+        """Return one point (np,), the nominal values if none is given.
+
+        Raises
+        ------
+        InputError
+            If it is no array of numbers, one for each parameter.
+        """
+        if x is None:
+            return self.nominal
+        problems = Problems()
+        names = ", ".join(parameter.name for parameter in self.parameters)
+        point = problems.array("point", names, x, (len(self.parameters),))
+        problems.raise_if_any()
+        return np.array(point, dtype=float)
+
     @explained
     def case(self, x: ArrayLike | None = None) -> Case:
         """Return the machine at a point, with its ``mechanism``, ``model`` and ``run``.
@@ -82,13 +109,16 @@ class Study:
         x : (np,) array, optional
             The point; the nominal values if not given.
         """
-        point = self.nominal if x is None else self._points(x)[0]
-        return self._evaluator.case(point)
+        return self._evaluator.case(self.point(x))
 
     def __call__(self, x: ArrayLike) -> Array:
         """Return the outcomes (n, no) of points (n, np), or (no,) of one point (np,)."""
         points = self._points(x)
-        found = np.array([self._evaluator(point)[0] for point in points], dtype=float)
+        with self._evaluator.noting():
+            size = self._evaluator.width
+            groups = [points[k : k + size] for k in range(0, len(points), size)]
+            rows = [row for group in groups for row, _ in self._evaluator.rows(group)]
+            found = np.array(rows, dtype=float)
         return found[0] if np.ndim(x) < 2 else found.reshape(len(points), len(self.outcomes))
 
     def _points(self, x: Any) -> Array:
@@ -110,6 +140,38 @@ class Study:
             message = f"{found}, must be (n, {np_}): {names}"
             raise InputError(Problem("samples", message)) from None
         return points
+
+    def rows(self, x: ArrayLike, *, workers: Any = 1, how: str = "threads") -> list[Row]:
+        """Return the outcomes of points, also beyond the bounds, each worked out only once.
+
+        Parameters
+        ----------
+        x : array (n, np)
+            The points.
+        workers, how
+            As in `run`.
+
+        Returns
+        -------
+        list of (list of float, str)
+            Outcomes, and why a point failed; empty if it did not.
+        """
+        points = self._points(x).copy()
+        for k, parameter in enumerate(self.parameters):
+            if parameter.name in self._evaluator.source.unused:
+                points[:, k] = parameter.value
+        keys: list[Point] = [tuple(point.tolist()) for point in points]
+        self._free = self._free or self._evaluator.boundless()
+        todo = [(i, key) for i, key in enumerate(dict.fromkeys(keys)) if key not in self._known]
+        waiting = dict(todo)
+        found = {key: self._known[key] for key in keys if key in self._known}
+        with self._evaluator.noting():
+            for i, row in spread(self._free, todo, None, workers, how):
+                found[waiting[i]] = row
+        self._known |= found
+        while len(self._known) > MOST_KNOWN:
+            del self._known[next(iter(self._known))]
+        return [found[key] for key in keys]
 
     @explained
     def run(
@@ -166,7 +228,7 @@ class Study:
             rows = {x: row for x, row in rows.items() if not row[1]}
         todo = [(i, x) for i, x in enumerate(dict.fromkeys(keys)) if x not in rows]
         waiting = dict(todo)
-        with reporter(progress, len(keys)) as report:
+        with reporter(progress, len(keys)) as report, self._evaluator.noting():
             done = len(keys) - len(todo)
             report(done, len(keys))
             for i, row in spread(self._evaluator, todo, journal, workers, how):
@@ -235,10 +297,7 @@ def reporter(progress: bool | Report | None, total: int) -> Iterator[Report]:
     if not progress:
         yield lambda done, total: None
         return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True)) as bar:
+    with bars() as bar:
         task = bar.add_task(f"study of {count(total, 'point')}", total=total)
         yield lambda done, total: bar.update(task, completed=done, total=total)
 
@@ -306,7 +365,10 @@ def study(
     how = {"solver": solver, "output_step": output_step, "state": state}
     given = {key: value for key, value in how.items() if value is not None}
     source = source_of(model, Settings(t_end, given))
-    problems: list[Problem] = []
+    checked = Problems()
+    if t_end is not None:
+        checked.positive("study", "t_end", t_end, "s")
+    problems: list[Problem] = checked.found
     chosen: tuple[Parameter, ...] = ()
     wanted: tuple[Outcome, ...] = ()
     try:

@@ -16,7 +16,7 @@ from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, UnknownNameError, count, suggest
 from jousto.base.files import Rows, Tabular, written
 from jousto.base.hdf5 import open_format
-from jousto.design.studies.journal import FORMAT, VERSION
+from jousto.design.studies.running.journal import FORMAT, VERSION
 
 SUFFIXES = (".h5", ".hdf5", ".csv", ".parquet")
 FAILED = "failed"

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from jousto.base.declare import Declared, maker
 from jousto.base.errors import Problems, suggest
+from jousto.base.fields import Choice, Flag, field
+from jousto.base.numbers import Number, OptionalNumber, Positive
 from jousto.materials.strength.sn import SN
 
 STANDARDS = ("iiw", "en")
@@ -20,16 +25,19 @@ EXPONENTS = {
 butt welds, butt welds ground flush, and base metal or attachments along the load."""
 
 
-def fat_class(
-    fat: float,
-    standard: str = "iiw",
-    *,
-    shear: bool = False,
-    constant: bool = False,
-    factor: float = 1.0,
-    T_N: float | None = None,
-) -> SN:
-    """Return the S-N curve of a FAT class: the stress range in MPa that 2e6 cycles endure.
+class Standard(Choice):
+    """Where the classes are from."""
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return one of the words."""
+        if value not in self.words:
+            known = suggest(value, self.words)
+            problems.add(where, f"standard is {value!r}, must be iiw or en{known}")
+        return value
+
+
+class FatClass(Declared):
+    """A weld's S-N curve by its FAT class: the stress range in MPa that 2e6 cycles endure.
 
     ========  ======  =====================================================================
     standard  stress  curve
@@ -45,27 +53,6 @@ def fat_class(
     structural hot-spot) stress **range**; inside `SN` amplitudes are half of it. They include the
     residual stress of welds, so that the mean stress does not matter (``R`` is None).
 
-    Parameters
-    ----------
-    fat : float
-        Class, a number such as 71 (MPa).
-    standard : str
-        "iiw" or "en".
-    shear : bool
-        A class of shear stress (80 or 100).
-    constant : bool
-        For loads of constant amplitude, where the knee is an endurance limit. Not for a history
-        with larger and smaller cycles.
-    factor : float
-        On the stress: `thickness_factor`, 1/gamma_Mf (partial factor, EN 1993-1-9 table 3.1) ...
-    T_N : float, optional
-        Scatter band in cycles, for other probabilities of survival than that of the class: 0.977
-        (IIW), 0.95 (EN).
-
-    Returns
-    -------
-    SN
-
     Raises
     ------
     InputError
@@ -77,45 +64,57 @@ def fat_class(
     >>> round(float(weld.cycles(71e6 / 2))), round(2 * weld.S_D / 1e6, 2)
     (2000000, 52.31)
     """
-    where = "fat_class"
-    problems = Problems()
-    wanted = "a class from 5 to 250, a range in MPa at 2e6 cycles such as 71"
-    problems.number(where, "fat", fat, "", wanted, lambda x: 5.0 <= x <= 250.0)
-    if standard not in STANDARDS:
-        known = suggest(standard, STANDARDS)
-        problems.add(where, f"standard is {standard!r}, must be iiw or en{known}")
-    problems.positive(where, "factor", factor, "")
-    problems.raise_if_any()
-    kind = "shear " if shear else ""
-    scaled = "" if factor == 1.0 else f" x {factor:.4g}"
-    name = f"FAT {fat:g} {kind}{standard}{scaled}"
-    half = 0.5e6 * fat * factor
-    if standard == "en":
-        k, N_D = (5.0, 1e8) if shear else (3.0, 5e6)
-        S_D = half * (2e6 / N_D) ** (1.0 / k)
-        if shear or constant:
-            return SN(
-                S_D, N_D, k, "original", R=None, T_N=T_N, survival=0.95, name=name, source=_EN
-            )
-        return SN(
-            S_D,
-            N_D,
-            k,
-            "haibach",
-            k2=5.0,
-            N_cut=1e8,
-            R=None,
-            T_N=T_N,
-            survival=0.95,
-            name=name,
-            source=_EN,
-        )
-    k, N_D = (5.0, 1e8) if shear else (3.0, 1e7)
-    k2 = 22.0 if constant else 2.0 * k - 1.0
-    S_D = half * (2e6 / N_D) ** (1.0 / k)
-    return SN(
-        S_D, N_D, k, "haibach", k2=k2, R=None, T_N=T_N, survival=0.977, name=name, source=_IIW
+
+    kind = "fat_class"
+    fat: Number = field(
+        "Class, a number such as 71 (MPa)",
+        least=5,
+        most=250,
+        wanted="a class from 5 to 250, a range in MPa at 2e6 cycles such as 71",
     )
+    standard: Standard = field("IIW or Eurocode 3", words=STANDARDS, default="iiw")
+    shear: Flag = field("A class of shear stress (80 or 100)", default=False, kw_only=True)
+    constant: Flag = field(
+        "For loads of constant amplitude, where the knee is an endurance limit. Not for a history "
+        "with larger and smaller cycles",
+        default=False,
+        kw_only=True,
+    )
+    factor: Positive = field(
+        "On the stress: `thickness_factor`, 1/gamma_Mf (partial factor, EN 1993-1-9 table 3.1) ...",
+        file=False,
+        default=1.0,
+        kw_only=True,
+    )
+    T_N: OptionalNumber = field(
+        "Scatter band in cycles, for other probabilities of survival than that of the class: 0.977 "
+        "(IIW), 0.95 (EN)",
+        default=None,
+        kw_only=True,
+    )
+
+    @property
+    def made(self) -> SN:
+        """The curve."""
+        kind = "shear " if self.shear else ""
+        scaled = "" if self.factor == 1.0 else f" x {self.factor:.4g}"
+        name = f"FAT {self.fat:g} {kind}{self.standard}{scaled}"
+        about: dict[str, Any] = {"R": None, "T_N": self.T_N, "name": name}
+        half = 0.5e6 * self.fat * self.factor
+        if self.standard == "en":
+            about |= {"survival": 0.95, "source": _EN}
+            k, N_D = (5.0, 1e8) if self.shear else (3.0, 5e6)
+            S_D = half * (2e6 / N_D) ** (1.0 / k)
+            if self.shear or self.constant:
+                return SN(S_D, N_D, k, "original", **about)
+            return SN(S_D, N_D, k, "haibach", k2=5.0, N_cut=1e8, **about)
+        about |= {"survival": 0.977, "source": _IIW}
+        k, N_D = (5.0, 1e8) if self.shear else (3.0, 1e7)
+        k2 = 22.0 if self.constant else 2.0 * k - 1.0
+        return SN(half * (2e6 / N_D) ** (1.0 / k), N_D, k, "haibach", k2=k2, **about)
+
+
+fat_class = maker("fat_class", FatClass, returns="SN")
 
 
 def thickness_factor(

@@ -18,11 +18,11 @@ from jousto.measurement.monitor.alarms import Alarm, AlarmLimits, Alarms
 from jousto.measurement.monitor.estimate import Estimator, estimator_of
 from jousto.measurement.monitor.health import OK, Change, ChannelRules, Health
 from jousto.measurement.monitor.life import Life, LifeMeter
-from jousto.measurement.twin.bands import stress_band
+from jousto.measurement.twin.bands.bands import stress_band
+from jousto.measurement.twin.bands.spot_band import SpotBand
 from jousto.measurement.twin.observed import Posterior
 from jousto.measurement.twin.observer import Observer
 from jousto.measurement.twin.reconstruction import Reconstruction
-from jousto.measurement.twin.spot_band import SpotBand
 from jousto.reduction.fields.stress import StressModes
 from jousto.reduction.reduced import ReducedPart
 

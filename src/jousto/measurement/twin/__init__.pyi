@@ -1,7 +1,7 @@
 # names of jo.twin; they are loaded from here when they are first used
-from .bands import Band as Band, stress_band as stress_band, stress_blocks as stress_blocks
+from .bands.bands import Band as Band, stress_band as stress_band, stress_blocks as stress_blocks
+from .bands.life import DamageBand as DamageBand, damage_band as damage_band
 from .kalman import Balance as Balance
-from .life import DamageBand as DamageBand, damage_band as damage_band
 from .loads import (
     FourierLoads as FourierLoads,
     equivalent_load as equivalent_load,
@@ -12,14 +12,15 @@ from .loads import (
     locate_load as locate_load,
     place_loads as place_loads,
 )
+from .motion.alone import drive_part as drive_part
+from .motion.reference import InertialForce as InertialForce, Reference as Reference
+from .motion.system import Accelerometer as Accelerometer, UnknownLoad as UnknownLoad
 from .observed import Observed as Observed, Posterior as Posterior
 from .observer import Observer as Observer
 from .placement import Placement as Placement, place_gauges as place_gauges
 from .reconstruction import Estimate as Estimate, Reconstruction as Reconstruction
-from .reference import InertialForce as InertialForce, Reference as Reference
 from .signals import gauge_errors as gauge_errors
 from .smoother import Histories as Histories, draw as draw, smooth as smooth
-from .system import Accelerometer as Accelerometer, UnknownLoad as UnknownLoad
 from .tuning import (
     InnovationTest as InnovationTest,
     innovation_test as innovation_test,

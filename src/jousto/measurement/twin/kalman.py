@@ -16,7 +16,7 @@ from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count, warn
 from jousto.base.fields import field
 from jousto.base.numbers import Positive
-from jousto.measurement.twin.system import Accelerometer, System
+from jousto.measurement.twin.motion.system import Accelerometer, System
 
 STEADY = 1e-5
 """Relative change of a covariance per step below which the gain is taken as constant."""

@@ -13,13 +13,13 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.measurement.twin.motion.reference import STILL, InertialForce, Reference
+from jousto.measurement.twin.motion.system import UnknownLoad
 from jousto.measurement.twin.observed import Observed
 from jousto.measurement.twin.observer import Observer
 from jousto.measurement.twin.reconstruction import Reconstruction
-from jousto.measurement.twin.reference import STILL, InertialForce, Reference
 from jousto.measurement.twin.signals import read_strain, read_time
 from jousto.measurement.twin.smoother import draw, smooth
-from jousto.measurement.twin.system import UnknownLoad
 from jousto.reduction.damping import modal_damping
 from jousto.reduction.reduced import ReducedPart
 

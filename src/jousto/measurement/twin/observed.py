@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.measurement.twin.kalman import Channels, Gain
-from jousto.measurement.twin.reference import Reference
-from jousto.measurement.twin.system import System
+from jousto.measurement.twin.motion.reference import Reference
+from jousto.measurement.twin.motion.system import System
 
 
 @described

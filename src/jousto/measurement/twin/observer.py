@@ -25,11 +25,17 @@ from jousto.measurement.twin.kalman import (
     first_gain,
     next_gain,
 )
+from jousto.measurement.twin.motion.reference import STILL, InertialForce, Motion, Reference, cross
+from jousto.measurement.twin.motion.system import (
+    Accelerometer,
+    System,
+    UnknownLoad,
+    as_loads,
+    as_rows,
+)
 from jousto.measurement.twin.observed import Observed, Step, modal
 from jousto.measurement.twin.reconstruction import NOISE
-from jousto.measurement.twin.reference import STILL, InertialForce, Motion, Reference, cross
 from jousto.measurement.twin.signals import LARGEST, read_noise, read_strain, read_time
-from jousto.measurement.twin.system import Accelerometer, System, UnknownLoad, as_loads, as_rows
 from jousto.reduction.damping import modal_damping
 from jousto.reduction.reduced import ReducedPart
 

@@ -15,9 +15,9 @@ from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count
 from jousto.base.ranking import largest
+from jousto.measurement.twin.motion.system import as_rows
 from jousto.measurement.twin.reconstruction import NOISE
 from jousto.measurement.twin.signals import LARGEST, read_noise
-from jousto.measurement.twin.system import as_rows
 from jousto.reduction.reduced import ReducedPart
 
 SWEEPS = 50

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arrays import Array, read_only
-from jousto.base.declare import Declared
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.fields import AnyField, Field, field, kept
 from jousto.base.frozen import Frozen
-from jousto.base.numbers import Number, OptionalValues, set_fields
+from jousto.base.numbers import OptionalValues, set_fields
+from jousto.materials.damping import ProportionalDamping
 from jousto.mechanism.beams.frames import arc_lengths, strains
 from jousto.mechanism.beams.limits import highest_frequencies
 from jousto.mechanism.beams.pieces import BeamNode, element_data, node_bodies
@@ -41,7 +41,7 @@ from jousto.mechanism.bodies.posed import ZERO3, Posed
 SLOW = 1.0  # s of stiffness damping: 1 Hz is far beyond critical
 
 
-class BeamDamping(Declared, by_value=True):
+class BeamDamping(ProportionalDamping):
     """Damping of a beam proportional to its mass and to its stiffness.
 
     A vibration of angular frequency w has the damping ratio ``mass/(2 w) + stiffness w/2``.
@@ -51,22 +51,6 @@ class BeamDamping(Declared, by_value=True):
     InputError
         If a value is negative or not finite.
     """
-
-    mass: Number = field(
-        "Forces ``-mass M v``: resists all motion through the world, rigid motion too. M is the "
-        "mass matrix of the beam, whichever it is: lumped, corrected or shared",
-        unit="1/s",
-        least=0,
-        wanted="zero or positive",
-        default=0.0,
-    )
-    stiffness: Number = field(
-        "Resultants ``s = C (e + stiffness e')``: resists straining alone",
-        unit="s",
-        least=0,
-        wanted="zero or positive",
-        default=0.0,
-    )
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Warn of a stiffness that lets nothing vibrate."""

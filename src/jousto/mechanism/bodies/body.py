@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 import numpy as np
@@ -216,8 +216,9 @@ class SurfaceBody(Shaped, tag="surface"):
     """
 
     surface: AnyField = field(
-        "A file with triangles (STL, OBJ, PLY and what else meshio reads), a `Mesh` of solids, "
-        "or the corners of triangles",
+        "A file with triangles (STL, OBJ, PLY and what else meshio reads), a CAD file (STEP or "
+        "BREP; needs Gmsh, the unit of a STEP file is its own), a `Mesh` of solids, or the corners "
+        "of triangles",
         form="file",
         noun="path, Mesh or (nt, 3, 3) array_like",
         key="file",
@@ -444,14 +445,46 @@ class FlexibleBody(Posed, tag="flexible"):
         )
 
     def at(self, position: ArrayLike, axes: Any = None, name: str | None = None) -> Marker:
-        """Raise InputError: the markers of a flexible body sit on its nodes, see above."""
-        raise InputError(
-            Problem(
-                f"body {self.name!r}",
-                'is flexible, its markers sit on nodes: use a name such as body["node7"], and '
-                ".turned(axes) for other axes",
-            )
-        )
+        """Return a marker at a point of the undeformed body that need not be a node.
+
+        On beams it follows the shape functions of the element beside it, off the axis on a rigid
+        arm of up to a tenth of the part's size. In other parts it follows the nodes around it, by
+        a polynomial of the second degree fitted to their motion. The modes hold what a
+        force there does only as far as they have shapes for it: a node among the interfaces is
+        better for a joint that carries much.
+
+        Parameters
+        ----------
+        position : (3,) array_like
+            In the frame of the part, m.
+        axes : orientation, optional
+            Orientation of the marker in the undeformed body frame; None for its axes.
+        name : str, optional
+            Name for messages.
+
+        Raises
+        ------
+        InputError
+            If the point is outside of the part.
+
+        Examples
+        --------
+        >>> import jousto as jo
+        >>> steel = jo.Material(E=2.1e11, nu=0.3, rho=7850)
+        >>> part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.01), 8, steel)
+        >>> rod = FlexibleBody("rod", jo.reduce(part, jo.CraigBampton(("start", "end"), modes=4)))
+        >>> rod.at((0.3, 0, 0))
+        <Marker 'rod.at(0.3, 0, 0)'>
+        """
+        from jousto.reduction.points import followed
+
+        made = marker_at(self, position, axes, name)
+        try:
+            nodes = followed(self.reduced, made.position_local)
+        except InputError as error:
+            problems = [Problem(f"body {self.name!r}", p.message) for p in error.problems]
+            raise InputError(problems) from None
+        return replace(made, followed=nodes)
 
     @property
     def n(self) -> int:
@@ -466,8 +499,8 @@ MovingBody: TypeAlias = RigidBody | FlexibleBody
 # -- helpers of the constructors ------------------------------------------------------------
 
 
-def marker_at(body: Ground | RigidBody, position: ArrayLike, axes: Any, name: str | None) -> Marker:
-    """Return a marker of the ground or a rigid body at a position in its frame."""
+def marker_at(body: Body, position: ArrayLike, axes: Any, name: str | None) -> Marker:
+    """Return a marker at a position in the frame of the ground or a body."""
     problems = Problems()
     where = "ground" if isinstance(body, Ground) else f"body {body.name!r}"
     at = problems.array(where, "position of the marker", position, (3,))

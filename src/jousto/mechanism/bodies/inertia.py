@@ -37,7 +37,7 @@ def check_inertia(problems: Problems, where: str, inertia: ArrayLike) -> Array |
             f"({j + 1},{i + 1}) is {J[j, i]:g} kg m2",
         )
         return None
-    J1, J2, J3 = np.linalg.eigvalsh((J + J.T) / 2)
+    J1, J2, J3 = np.linalg.eigvalsh((J + J.T).real / 2)
     moments = f"principal moments {J1:g}, {J2:g}, {J3:g} kg m2"
     if J1 <= 1e-14 * scale:
         hint = ""
@@ -97,7 +97,7 @@ def principal_inertia(invariants: Invariants) -> tuple[Array, Array]:
 def check_mass(name: str, invariants: Invariants, p: Array) -> None:
     """Raise an error if the body has no inertia for some rigid motion."""
     Z = rigid_mass(invariants, p)
-    mass = float(invariants.mass)
+    Z, mass = Z.real, invariants.mass.real
     # compare rotations with translations at the body's own size
     size = np.sqrt(max(float(np.trace(Z[3:, 3:])) / 2 / mass, np.finfo(float).tiny))
     scale = np.array([1, 1, 1, 1 / size, 1 / size, 1 / size])

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, Protocol
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from jousto.base.arrays import Array, read_only
+from jousto.base.complexstep import floats
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.fields import Field
 from jousto.base.rotations import exp_rotation, parse_orientation, rotation_matrix
+
+if TYPE_CHECKING:
+    from jousto.reduction.points import Followed as Followed
 
 
 class Placed(Protocol):
@@ -37,8 +41,9 @@ class Placed(Protocol):
 class Marker:
     """A frame fixed to a point of a body; made by ``body["point"]`` or ``body.at(...)``.
 
-    On a flexible body it sits on a node and moves with the node's translation and rotation
-    mode shapes: ``r = R + A (u0 + Phi p)`` and ``A_marker = A exp((Psi p)~) A_0``.
+    On a flexible body it sits on a node, or follows the nodes around a point, and moves with the
+    translation and rotation mode shapes there: ``r = R + A (u0 + Phi p)`` and ``A_marker =
+    A exp((Psi p)~) A_0``.
 
     Parameters
     ----------
@@ -52,6 +57,8 @@ class Marker:
         Index of the node of a flexible body.
     axes : (3, 3) array
         A_0, columns are the marker's axes in the (undeformed) body frame.
+    followed : Followed or None
+        The nodes that a point of a flexible body follows if it is no node.
     """
 
     body: Placed
@@ -59,6 +66,7 @@ class Marker:
     position_local: Array
     node: int | None
     axes: Array
+    followed: Followed | None = None
 
     def __repr__(self) -> str:
         return f"<Marker {self.label!r}>"
@@ -83,28 +91,46 @@ class Marker:
         InputError
             If `axes` is not an orientation.
         """
-        return Marker(
-            self.body, self.point, self.position_local, self.node, marker_axes(self.label, axes)
-        )
+        return replace(self, axes=marker_axes(self.label, axes))
+
+    @property
+    def site(self) -> object:
+        """What of its body carries it: a node, a point of it, or None for the body's frame."""
+        return self.node if self.followed is None else tuple(self.position_local.tolist())
 
     @property
     def Phi(self) -> Array:
         """Translation mode shapes (3, n) at the marker, body frame; n = 0 on rigid bodies."""
         reduced = getattr(self.body, "reduced", None)
-        if reduced is None or self.node is None:
+        if reduced is None or self.site is None:
             return np.zeros((3, 0))
-        return np.asarray(reduced.modes[self.node], dtype=np.float64)
+        if self.followed is not None:
+            return floats(self.followed.motion(reduced)[:3])
+        return floats(reduced.modes[self.node])
 
     @property
     def Psi(self) -> Array:
         """Rotation mode shapes (3, n) at the marker, body frame; zero where there are none."""
         reduced = getattr(self.body, "reduced", None)
-        if reduced is None or self.node is None:
+        if reduced is None or self.site is None:
             return np.zeros((3, 0))
+        if self.followed is not None:
+            return floats(self.followed.motion(reduced)[3:])
         turn = reduced.rotation(self.node)
         if turn is None:
             return np.zeros((3, reduced.modes.shape[2]))
-        return np.asarray(turn, dtype=np.float64)
+        return floats(turn)
+
+    @property
+    def chi(self) -> Array | None:
+        """Second-order translation and rotation (6, n, n), see `Stiffening`; None without."""
+        reduced = getattr(self.body, "reduced", None)
+        if reduced is None or self.site is None or reduced.stiffening is None:
+            return None
+        if self.followed is not None:
+            return floats(self.followed.second_order(reduced))
+        field = reduced.stiffening
+        return np.concatenate([field.translations[self.node], field.rotations[self.node]])
 
     @property
     def r(self) -> Array:

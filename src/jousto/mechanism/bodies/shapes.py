@@ -11,12 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
+from jousto.base.complexstep import scalar
 from jousto.base.errors import InputError, MissingFileError, Problem, Problems, suggest
 from jousto.base.fields import Choice
 from jousto.base.numbers import Vector
 from jousto.base.rotations import turn_onto
 from jousto.base.units import LENGTHS
 
+CAD = (".step", ".stp", ".brep")
 FACETS = 32  # around circles that are drawn
 
 
@@ -66,7 +68,7 @@ class LengthUnit(Choice):
 def box(lengths: Array) -> Solid:
     """Return a box about the origin: ``I_xx = m (ly^2 + lz^2) / 12``."""
     squares = lengths**2
-    volume = float(np.prod(lengths))
+    volume = scalar(np.prod(lengths))
     inertia = np.diag(volume * (squares.sum() - squares) / 12.0)
     corner = 0.5 * lengths
     outward = []
@@ -85,7 +87,7 @@ def box(lengths: Array) -> Solid:
 
 def cylinder(r: float, long: float, direction: Array) -> Solid:
     """Return a cylinder about the origin: ``m r^2 / 2`` along and ``m (3 r^2 + l^2) / 12``."""
-    volume = float(np.pi * r * r * long)
+    volume = scalar(np.pi * r * r * long)
     across = (3.0 * r * r + long * long) / 12.0
     A = turn_onto(np.eye(3), direction)
     inertia = A @ np.diag(volume * np.array([across, across, 0.5 * r * r])) @ A.T
@@ -95,7 +97,7 @@ def cylinder(r: float, long: float, direction: Array) -> Solid:
 
 def sphere(r: float) -> Solid:
     """Return a sphere about the origin: ``2 m r^2 / 5``."""
-    volume = float(4.0 / 3.0 * np.pi * r**3)
+    volume = scalar(4.0 / 3.0 * np.pi * r**3)
     angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, FACETS // 2 + 1)
     profile = r * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     profile[[0, -1], 0] = 0.0
@@ -191,6 +193,11 @@ def read_surface(where: str, source: Any, unit: str) -> Array:
     if hasattr(source, "triangles") and hasattr(source, "nodes"):  # a mesh of solids, in m
         mesh: Any = source
         return np.asarray(mesh.nodes[mesh.triangles], dtype=np.float64)
+    if isinstance(source, str | os.PathLike) and Path(source).suffix.lower() in CAD:
+        from jousto.mesh.readers.step import cad_surface  # meshes are slow to import
+
+        # a STEP file knows its unit
+        return cad_surface(Path(source), unit if Path(source).suffix.lower() == ".brep" else None)
     if isinstance(source, str | os.PathLike):
         return LENGTHS[unit] * _file(where, Path(source))
     problems = Problems()

@@ -362,7 +362,7 @@ def matrix6(problems: Problems, where: str, name: str, value: Any) -> Array | No
             f"{name} is not symmetric: element ({i + 1},{j + 1}) is {M[i, j]:g}, "
             f"({j + 1},{i + 1}) is {M[j, i]:g}",
         )
-    elif np.linalg.eigvalsh(M)[0] < -1e-9 * scale:
-        lowest = np.linalg.eigvalsh(M)[0]
+    elif np.linalg.eigvalsh(M.real)[0] < -1e-9 * scale:
+        lowest = np.linalg.eigvalsh(M.real)[0]
         problems.add(where, f"{name} has the negative eigenvalue {lowest:g}: it would add energy")
     return read_only(M)

@@ -11,6 +11,7 @@ A new joint is one class: two tuples and, where it slides, its lines.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -195,4 +196,4 @@ def held(joint: Joint, *axes: str) -> tuple[Line, ...]:
 def aligned(marker: Marker, frame: Array) -> Marker:
     """Return the marker with the world axes `frame` (3, 3) at the initial pose."""
     axes = read_only(marker.carrier.T @ frame)
-    return Marker(marker.body, marker.point, marker.position_local, marker.node, axes)
+    return replace(marker, axes=axes)

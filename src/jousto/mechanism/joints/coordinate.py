@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from jousto.base.complexstep import arctan2, norm, scalar
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
 from jousto.base.fields import AnyField, Choice, Field, OptionalText, field
@@ -60,7 +61,7 @@ class Coordinate(Declared, section="coordinates"):
         """Note markers that cannot move against each other; make the name."""
         a, b, name = self.a, self.b, self.__dict__["name"]
         label = f"{where}({a.label}, {b.label})" if name is None else name
-        if a.body is b.body and (a.node is None or a.node == b.node):
+        if a.body is b.body and (a.site is None or a.site == b.site):
             place = label if name is None else where
             problems.add(place, f"both markers are on {a.body.name!r}: it never changes")
         object.__setattr__(self, "name", label)
@@ -113,7 +114,7 @@ class Angle(Coordinate, tag="angle"):
     def initial(self) -> float:
         """Value at the initial pose in (-pi, pi], rad."""
         A, x = self.a.A, self.b.A[:, 0]
-        return float(np.arctan2(A[:, 1] @ x, A[:, 0] @ x))
+        return scalar(arctan2(A[:, 1] @ x, A[:, 0] @ x))
 
     @property
     def turns_b(self) -> bool:
@@ -135,7 +136,7 @@ class Displacement(Coordinate, tag="displacement"):
     @property
     def initial(self) -> float:
         """Value at the initial pose, m."""
-        return float(self.a.A[:, self.column] @ (self.b.r - self.a.r))
+        return scalar(self.a.A[:, self.column] @ (self.b.r - self.a.r))
 
 
 class Distance(Coordinate, tag="distance"):
@@ -144,7 +145,7 @@ class Distance(Coordinate, tag="distance"):
     @property
     def initial(self) -> float:
         """Value at the initial pose, m."""
-        return float(np.linalg.norm(self.b.r - self.a.r))
+        return scalar(norm(self.b.r - self.a.r))
 
     @property
     def turns_a(self) -> bool:
@@ -183,7 +184,7 @@ def same_frame(one: Marker, other: Marker, axes: bool) -> bool:
     """Return whether two markers are the same point, and the same frame if `axes`."""
     return (
         one.body is other.body
-        and one.node == other.node
+        and one.site == other.site
         and np.array_equal(one.position_local, other.position_local)
         and (not axes or np.array_equal(one.axes, other.axes))
     )

@@ -2,31 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
 from jousto.base.arrays import Array, read_only
-from jousto.base.errors import Problems
 from jousto.base.fields import field
 from jousto.base.numbers import Number
-from jousto.base.rotations import Direction, turn_onto, unit_vector
+from jousto.base.rotations import Direction
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.joints.base import (
     AXIS,
     PARALLEL,
     AxisJoint,
     Joint,
-    aligned,
     along,
     free_angle,
     held,
 )
 from jousto.mechanism.joints.coordinate import Angle, Coordinate, Displacement, Line
-
-# sine of the angle by which the axes of a universal joint may miss the right angle
-RIGHT_ANGLE = 1e-6
+from jousto.mechanism.joints.directions import CrossedAxes
 
 
 class Revolute(AxisJoint, tag="revolute"):
@@ -114,7 +111,7 @@ class Screw(SharedAxisJoint, tag="screw"):
         return (*held(self, "x", "y"), Line((s, phi), (1.0, -ratio), offset))
 
 
-class Universal(Joint, tag="universal"):
+class Universal(CrossedAxes, tag="universal"):
     """A cardan joint: a point and a right angle between two axes: 4 rows.
 
     ``r_b - r_a = 0``, ``h_a . h_b = 0`` (Rantalainen 2007, eq. 3.95 and 3.90): the cross turns
@@ -124,44 +121,6 @@ class Universal(Joint, tag="universal"):
     """
 
     coincident: ClassVar[bool] = True
-    perpendicular: ClassVar[tuple[tuple[int, int], ...]] = ((2, 2),)
-    axis_a: Direction = field(
-        "Axis h_a of the cross in a, world frame at the initial pose; None for the z axis of a",
-        default=None,
-    )
-    axis_b: Direction = field(
-        "Axis h_b of the cross in b, world frame at the initial pose, at a right angle to h_a; "
-        "None for the x axis of a, turned with its z axis onto h_a. Without `as_placed` h_b is "
-        "the z axis of marker b",
-        default=None,
-    )
-
-    def consistent(self, problems: Problems, where: str) -> None:
-        """Note axes that are not at a right angle."""
-        super().consistent(problems, where)
-        if self.axis_b is None:
-            return
-        h = self.a.A[:, 2] if self.axis_a is None else unit_vector(self.axis_a)
-        sine = float(h @ unit_vector(self.axis_b))
-        if abs(sine) > RIGHT_ANGLE:
-            angle = np.degrees(np.arccos(np.clip(sine, -1, 1)))
-            problems.add(
-                where,
-                f"the axes are at {angle:.6g} deg to each other, must be at 90 deg; "
-                "leave axis_b out to have one chosen",
-            )
-
-    @cached_property
-    def frames(self) -> tuple[Marker, Marker]:
-        """Markers a and b with z axes along h_a and h_b; x of a along h_b if `as_placed`."""
-        if not self.as_placed:
-            return self.a, self.b
-        frame = self.a.A if self.axis_a is None else turn_onto(self.a.A, self.axis_a)
-        h = frame[:, 2]
-        x = frame[:, 0] if self.axis_b is None else unit_vector(self.axis_b)
-        x = unit_vector(x - (h @ x) * h)
-        cross = np.stack([x, np.cross(h, x), h], axis=1)
-        return aligned(self.a, cross), aligned(self.b, cross[:, [1, 2, 0]])
 
     @cached_property
     def angle1(self) -> Angle:
@@ -190,10 +149,4 @@ Y_FIRST_BACK = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 
 def reordered(marker: Marker, axes: Array) -> Marker:
     """Return the marker with axes (3, 3) given in its own."""
-    return Marker(
-        marker.body,
-        marker.point,
-        marker.position_local,
-        marker.node,
-        read_only(marker.axes @ axes),
-    )
+    return replace(marker, axes=read_only(marker.axes @ axes))

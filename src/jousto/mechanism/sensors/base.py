@@ -42,6 +42,29 @@ class Reading:
     at: int = 0
 
 
+@described
+@dataclass(frozen=True, eq=False)
+class Meter:
+    """A rainflow count of the engine: its rule, and which value of a sensor it counts.
+
+    Parameters
+    ----------
+    rule : MeterRule
+        Curve, mean stress, residue.
+    sensor : Sensor
+        What is counted.
+    value : int
+        Which of its values.
+    factor : float
+        Stress, Pa, for a value of 1.
+    """
+
+    rule: Any
+    sensor: Sensor
+    value: int
+    factor: float
+
+
 class Sensor(Declared, section="sensors"):
     """What the engine records while it steps.
 
@@ -67,6 +90,11 @@ class Sensor(Declared, section="sensors"):
     @property
     def turning(self) -> tuple[tuple[str, Marker], ...]:
         """The markers whose orientation matters, with the name of the argument."""
+        return ()
+
+    @property
+    def meters(self) -> tuple[Meter, ...]:
+        """The rainflow counts that the engine keeps for it."""
         return ()
 
     if TYPE_CHECKING:

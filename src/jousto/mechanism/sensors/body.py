@@ -44,6 +44,32 @@ class ModalSensor(Sensor, tag="modal"):
         return f"modal coordinates and velocities of {self.body.name}"
 
 
+class DeformationMomentumSensor(Sensor, tag="deformation-momentum"):
+    """Momenta of the deformation of a flexible body relative to its frame, (6,).
+
+    ``int Phi p' dm`` in kg m/s and ``int (u0 + Phi p) x Phi p' dm`` in kg m2/s about the origin of
+    the frame, both in its axes (Schwertassek, Wallrapp and Shabana 1999). In the mean frame the
+    first is zero and the second of the order of products of p and p', in that of a node or a
+    chord neither is: they show how far the frame is from Tisserand's.
+    """
+
+    unit: ClassVar[str] = "kg m/s, kg m2/s"
+    frame: ClassVar[str] = "body"
+    flexible: ClassVar[bool] = True
+    components: ClassVar[tuple[str, ...]] = ("px", "py", "pz", "hx", "hy", "hz")
+    body: FlexibleField = field("The body")
+
+    @property
+    def reading(self) -> Reading:
+        """What the engine reads."""
+        return Reading("deformation momentum", self.body)
+
+    @property
+    def description(self) -> str:
+        """One line for results and plots."""
+        return f"momenta of the deformation of {self.body.name}"
+
+
 class Sites(Field["Iterable[str] | str | None", "tuple[str, ...]"]):
     """Labels of stress sites; model files may give positions."""
 

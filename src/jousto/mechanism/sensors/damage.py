@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from jousto.base.errors import Problems, suggest, warn
 from jousto.base.fields import Choice, Field, Reference, field
 from jousto.base.numbers import DefaultNumber, Number, set_fields
-from jousto.mechanism.sensors.base import Reading, Sensor
+from jousto.mechanism.sensors.base import Meter, Reading, Sensor
 from jousto.mechanism.sensors.body import VonMisesSensor
 from jousto.mechanism.sensors.rule import RESIDUES, MeterRule, meter_rule
 
@@ -184,10 +184,12 @@ class DamageSensor(Sensor, tag="damage"):
         )
 
     @property
-    def places(self) -> tuple[int, ...]:
-        """Which values of the sensor are counted."""
+    def meters(self) -> tuple[Meter, ...]:
+        """The count of each component."""
         known = tuple(self.sensor.components)
-        return tuple(known.index(name) for name in self.measured)
+        return tuple(
+            Meter(self.rule, self.sensor, known.index(name), self.factor) for name in self.measured
+        )
 
     @property
     def reading(self) -> Reading:

@@ -122,6 +122,41 @@ class AccelerationSensor(MotionSensor, tag="acceleration"):
     unit: ClassVar[str] = "m/s2"
 
 
+class AccelerationPartsSensor(MotionSensor, tag="acceleration-parts"):
+    """Parts of the acceleration of a marker, (15,) m/s2: five vectors after each other.
+
+    With the moving frame at R, its angular velocity w and u the way from it to the marker::
+
+        frame       R''              acceleration of the moving frame's origin
+        normal      w x (w x u)      towards the axis of turning
+        tangential  w' x u
+        coriolis    2 w x u'
+        relative    u''              as seen in the moving frame
+
+    (Rantalainen 2007, eq. 3.23; u' and u'' are derivatives in the moving frame.) Their sum is what
+    `AccelerationSensor` measures in the world. On a flexible body seen from its own frame the
+    relative part is the elastic one, ``A Phi p''``; on a rigid body it is zero, and the Coriolis
+    part as well.
+    """
+
+    quantity: ClassVar[str] = "acceleration parts"
+    unit: ClassVar[str] = "m/s2"
+    components: ClassVar[tuple[str, ...]] = tuple(
+        f"{part}:{x}"
+        for part in ("frame", "normal", "tangential", "coriolis", "relative")
+        for x in XYZ
+    )
+    relative_to: OptionalMarker = field(
+        "The moving frame, whose motion the parts separate; None for the frame of the marker's "
+        "own body",
+        default=None,
+        kw_only=True,
+    )
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Seen from itself a marker has the first part only, which is allowed."""
+
+
 class OrientationSensor(MotionSensor, tag="orientation"):
     """Euler parameters (4,) of a marker's axes, scalar first and not negative.
 

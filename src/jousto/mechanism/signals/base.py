@@ -6,7 +6,7 @@ At a jump or kink all three are those just after it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -42,6 +42,35 @@ class Use:
 USE, RATE_OF_USE = Use(), Use(rate=True)
 
 
+@dataclass(frozen=True, eq=False)
+class Law:
+    """What the engine evaluates for a signal, beside the signals that it is made of.
+
+    Parameters
+    ----------
+    kind : str
+        Name of the law in the header of the engine, ``jousto.h``.
+    data : mapping of str to float
+        Its numbers by their names in the header.
+    rest : tuple of array_like
+        Numbers that follow, as many as there are.
+    count, degree : int
+        Number of the points, and degree of the polynomials between them.
+    event : Event, optional
+        What switches it.
+    name : str
+        Signals of one name are one.
+    """
+
+    kind: str
+    data: Mapping[str, float]
+    rest: tuple[ArrayLike, ...] = ()
+    count: int = 0
+    degree: int = 0
+    event: Any = None
+    name: str = ""
+
+
 class Signal(Declared, section="signals"):
     """A scalar function of time: a factor on a force, the value of a drive, an input.
 
@@ -71,6 +100,11 @@ class Signal(Declared, section="signals"):
     def acceleration(self, t: ArrayLike) -> Array:
         """Return the second derivative at time t, 1/s2."""
         return self.jet(np.asarray(t, dtype=np.float64))[2][()]
+
+    @property
+    def law(self) -> Law:
+        """What the engine evaluates."""
+        raise NotImplementedError(f"{type(self).__name__} has no law of the engine")
 
     @property
     def jumps(self) -> tuple[float, ...]:
@@ -172,6 +206,11 @@ class Constant(Signal, tag="constant", by_value=True):
         zero = np.zeros(t.shape)
         return zero + self.value, zero, zero
 
+    @property
+    def law(self) -> Law:
+        """The value."""
+        return Law("constant", {}, (self.value,))
+
 
 class ConstantSpeed(Signal, tag="constant-speed", by_value=True):
     """A straight line without end, ``offset + speed t``: a drive at constant speed from the start.
@@ -195,6 +234,11 @@ class ConstantSpeed(Signal, tag="constant-speed", by_value=True):
         """Return value, rate and acceleration."""
         zero = np.zeros(t.shape)
         return self.offset + self.speed * t, zero + self.speed, zero
+
+    @property
+    def law(self) -> Law:
+        """The straight line."""
+        return Law("speed", {"offset": self.offset, "speed": self.speed})
 
 
 class Combined(Signal):
@@ -238,6 +282,11 @@ class Sum(Combined, tag="sum", by_value=True):
         return f, df, ddf
 
     @property
+    def law(self) -> Law:
+        """The sum of two signals."""
+        return Law("sum", {})
+
+    @property
     def jumps(self) -> tuple[float, ...]:
         """Times at which a term jumps, s."""
         return merged(term.jumps for term in self.terms)
@@ -276,6 +325,11 @@ class Product(Combined, tag="product", by_value=True):
         return f, df, ddf
 
     @property
+    def law(self) -> Law:
+        """The product of two signals."""
+        return Law("product", {})
+
+    @property
     def jumps(self) -> tuple[float, ...]:
         """Times at which a factor jumps while the others are not zero, s."""
         times = merged(factor.jumps for factor in self.factors)
@@ -308,6 +362,11 @@ class Input(Signal, tag="input", by_value=True):
     kind = "input"
     name: Name = field("Name; inputs of one name are one input")
     initial: Number = field("Value until another one is set", unit=USE, default=0.0)
+
+    @property
+    def law(self) -> Law:
+        """The value that is set from outside."""
+        return Law("input", {}, (self.initial,), name=self.name)
 
     def jet(self, t: Array) -> Jet:
         """Raise InputError: the value is not known as a function of time."""

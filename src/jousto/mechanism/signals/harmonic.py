@@ -7,7 +7,7 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.base.fields import field
 from jousto.base.numbers import Number
-from jousto.mechanism.signals.base import USE, Jet, Signal
+from jousto.mechanism.signals.base import USE, Jet, Law, Signal
 
 
 class Harmonic(Signal, tag="harmonic", by_value=True):
@@ -35,3 +35,9 @@ class Harmonic(Signal, tag="harmonic", by_value=True):
         angle = omega * t + self.phase
         sine, cosine = self.amplitude * np.sin(angle), self.amplitude * np.cos(angle)
         return np.asarray(self.offset + sine), omega * cosine, -(omega**2) * sine
+
+    @property
+    def law(self) -> Law:
+        """The sine."""
+        data = {"offset": self.offset, "amplitude": self.amplitude, "phase": self.phase}
+        return Law("harmonic", {"omega": 2 * np.pi * self.frequency, **data})

@@ -18,7 +18,7 @@ from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.fields import Choice, Field, field
 from jousto.base.files import check_file
 from jousto.base.numbers import Number
-from jousto.mechanism.signals.base import USE, Jet, Signal
+from jousto.mechanism.signals.base import USE, Jet, Law, Signal
 
 
 class Series(Field[ArrayLike, Array]):
@@ -51,6 +51,11 @@ class Step(Signal, tag="step", by_value=True):
         return zero + np.where(t < self.time, self.before, self.after), zero, zero
 
     @property
+    def law(self) -> Law:
+        """The jump."""
+        return Law("step", {"time": self.time, "before": self.before, "after": self.after})
+
+    @property
     def jumps(self) -> tuple[float, ...]:
         """The time of the jump, s."""
         return () if self.before == self.after else (self.time,)
@@ -79,12 +84,22 @@ class Ramp(Signal, tag="ramp", by_value=True):
 
     def jet(self, t: Array) -> Jet:
         """Return value, rate and acceleration."""
-        slope = (self.after - self.before) / (self.end - self.start)
+        slope = self._slope
         share = np.clip((t - self.start) / (self.end - self.start), 0.0, 1.0)
         inside = (t >= self.start) & (t < self.end)
         # exact at both ends
         value = self.before * (1 - share) + self.after * share
         return value, np.where(inside, slope, 0.0), np.zeros(t.shape)
+
+    @property
+    def _slope(self) -> float:
+        return (self.after - self.before) / (self.end - self.start)
+
+    @property
+    def law(self) -> Law:
+        """The line as a polynomial of degree 1."""
+        times = np.array([self.start, self.end])
+        return polynomials(times, np.array([[self._slope], [self.before]]))
 
     @property
     def kinks(self) -> tuple[float, ...]:
@@ -183,6 +198,13 @@ class Table(Points, tag="table"):
         return piecewise(self.times, self.values, self.coefficients, t)
 
     @property
+    def law(self) -> Law:
+        """Straight lines, or the polynomials of the spline."""
+        if len(self.times) > 1 and self.interpolation == "cubic":
+            return polynomials(self.times, self.coefficients)
+        return Law("table", {}, (self.times, self.values), count=len(self.times))
+
+    @property
     def kinks(self) -> tuple[float, ...]:
         """Points at which the slope jumps, s."""
         c = self.coefficients
@@ -239,6 +261,17 @@ class SCurve(Points, tag="s-curve"):
         acceleration = 60 * s * (1 - s) * (1 - 2 * s) / h**2
         value = np.where(s < 1, y[i] + dy * blend, y[i + 1])
         return value, dy * rate, dy * acceleration
+
+    @property
+    def law(self) -> Law:
+        """The polynomials of degree 5."""
+        return polynomials(self.times, self.coefficients)
+
+
+def polynomials(times: Array, c: Array) -> Law:
+    """Return the law of polynomials between times with coefficients c (m+1, k-1)."""
+    rising = np.asarray(c)[::-1].T
+    return Law("pieces", {}, (times, rising), count=len(times), degree=len(c) - 1)
 
 
 def piecewise(times: Array, values: Array, c: Array, t: Array) -> Jet:

@@ -7,7 +7,7 @@ from typing import Any
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.fields import Field, field
-from jousto.mechanism.signals.base import USE, Jet, Signal, SignalField
+from jousto.mechanism.signals.base import USE, Jet, Law, Signal, SignalField
 
 
 class EventField(Field[Any, Any]):
@@ -41,6 +41,11 @@ class Switched(Signal, tag="switched"):
     def parts(self) -> tuple[Signal, ...]:
         """The signals before and after."""
         return self.before, self.after
+
+    @property
+    def law(self) -> Law:
+        """One signal, then the other."""
+        return Law("switched", {}, event=self.event)
 
     def jet(self, t: Array) -> Jet:
         """Raise InputError: the value is not known as a function of time."""

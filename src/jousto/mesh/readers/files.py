@@ -66,7 +66,7 @@ FORMATS = (
     Format(
         "a Nastran bulk data file",
         (".bdf", ".nas", ".fem"),
-        "bulk.read_bulk",
+        "nastran.read_bulk",
         (rb"^(BEGIN\s+BULK|GRID[ *,]|SOL\s+\w+|CEND|CORD|CTETRA|CHEXA|MAT1|PSOLID)",),
     ),
 )

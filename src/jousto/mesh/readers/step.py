@@ -26,6 +26,8 @@ log = logging.getLogger(__name__)
 
 # round faces refine down to this part of the size and no further
 FINEST = 0.25
+FACETS = 24  # of a full turn of a curved surface that is drawn
+SHARE = 0.2  # of the length of a part, for elements that only its surface needs
 # elements with a scaled Jacobian below this get straighter edges: a little above what is a sliver
 POOR = 0.06
 # sizes grow away from a refined face by this much per length
@@ -125,6 +127,41 @@ def mesh_step(
     mesh = _labelled(mesh, found["labels"])
     log.info("%s: %s, %.4g m^3; %s", where, mesh, mesh.volume, mesh.quality())
     return mesh
+
+
+def cad_surface(path: Path, unit: str | None) -> Array:
+    """Return the triangles (nt, 3, 3), m, of the surface of a CAD file, normals outwards.
+
+    Flat faces have few, and a full turn of a curved one `FACETS`.
+
+    Parameters
+    ----------
+    path : Path
+        A ``.step``, ``.stp`` or ``.brep`` file.
+    unit : str or None
+        As for `mesh_step`.
+
+    Raises
+    ------
+    InputError
+        If Gmsh is not installed, or the file is missing, damaged or without a solid.
+    """
+    scale = cad_scale(path, unit)
+    if find_spec("gmsh") is None:
+        raise InputError(Problem(path.name, "reading CAD files needs Gmsh: pip install gmsh"))
+    found = apart(
+        path,
+        "jousto.mesh.readers.step:meshed",
+        "the file is likely damaged: export it again",
+        size=0.0,
+        order=1,
+        curved=False,
+        refine={},
+        per_circle=FACETS,
+        scale=scale,
+    )
+    mesh = Mesh(path.stem, found["nodes"], (Cells(found["kind"], found["cells"]),))
+    return np.asarray(mesh.nodes[mesh.triangles])
 
 
 # ---- gmsh ----------------------------------------------------------------------------------------
@@ -241,10 +278,14 @@ def _sizes(
     names: Mapping[str, tuple[int, int]],
     scale: float,
 ) -> None:
-    """Set the size of elements in m, smaller near refined faces; the model's unit is `scale` m."""
+    """Set the size of elements in m, smaller near refined faces; the model's unit is `scale` m.
+
+    A size of 0 is `SHARE` of the part.
+    """
     problems = Problems()
     box = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3) * scale
     long = float(np.linalg.norm(box[1] - box[0]))
+    size = size or SHARE * long
     tags = [tag for _, tag in gmsh.model.getEntities(3)]
     volume = scale**3 * sum(gmsh.model.occ.getMass(3, tag) for tag in tags)
     wanted = _PER_CUBE * volume / size**3

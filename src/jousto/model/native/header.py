@@ -75,7 +75,8 @@ def rows(struct: str, count: int, values: Mapping[str, ArrayLike]) -> NDArray[np
     fields = places(struct)
     if unknown := values.keys() - fields.keys():
         raise ValueError(f"{struct} has the fields {', '.join(fields)}, no {min(unknown)}")
-    out = np.zeros((count, max(place.stop for place in fields.values())))
+    found = np.result_type(np.float64, *values.values())
+    out = np.zeros((count, max(place.stop for place in fields.values())), found)
     for name, value in values.items():
         out[:, fields[name]] = np.reshape(value, (count, -1))
     return out

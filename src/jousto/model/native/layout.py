@@ -98,6 +98,13 @@ class Layout:
         model.gravity = self._constant(m.gravity, ("model", 0, "gravity"))
         return model
 
+    def memory(self) -> tuple[list[NDArray[np.float64]], list[Any]]:
+        """Return the numbers of the model and its structs, as they lie in memory."""
+        laid = self._keep[0].keep
+        return [x for x in laid if isinstance(x, np.ndarray)], [
+            x for x in laid if not isinstance(x, np.ndarray)
+        ]
+
     def _constant(
         self, array: Any, key: tuple[str, int, str] | None = None, shared: Any = None
     ) -> Any:

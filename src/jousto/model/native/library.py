@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +45,8 @@ def _open(name: str) -> Any:
                 "(pip install .)",
             )
         )
-    library = ffi().dlopen(str(path))
+    # memory of an engine may be given back after its library is, when Python ends: keep it loaded
+    library = ffi().dlopen(str(path), getattr(ffi(), "RTLD_NODELETE", 0))
     found = (library.jo_abi(), library.jo_model_size())
     wanted = (library.JO_ABI, ffi().sizeof("jo_model"))
     if found != wanted:
@@ -95,6 +97,21 @@ def _level() -> int:
 
 def _file(name: str) -> str:
     return "jousto_engine" if name == "baseline" else f"jousto_engine_{name}"
+
+
+LANES = {"v4": 4, "v3": 3}
+"""Builds for machines side by side, the widest first, and the x86-64 level that each needs."""
+
+
+@functools.cache
+def lanes() -> Any:
+    """Return the build that steps several machines at once, or None if there is none for here."""
+    asked = os.environ.get("JOUSTO_CPU", "").strip()
+    for name, level in LANES.items():
+        if _level() >= level and asked in ("", name) and _path(f"jousto_lanes_{name}") is not None:
+            with suppress(OSError):  # what cannot be loaded is as good as none
+                return _open(f"jousto_lanes_{name}")
+    return None
 
 
 @functools.cache

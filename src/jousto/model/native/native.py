@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -180,6 +181,17 @@ class Engine:
             return np.zeros((0, 3))
         log = self._ffi.buffer(self._library.jo_data_log(self._data), 24 * count)
         return np.frombuffer(log, np.float64).reshape(count, 3).copy()
+
+    def mark(self) -> Callable[[], None]:
+        """Return a function that puts all that a run changes back to what it is now."""
+        size, done = int(self._library.jo_data_bytes(self._model)), self.steps_done
+        memory = bytes(self._ffi.buffer(self._data, size))
+
+        def rewind() -> None:
+            self._ffi.memmove(self._data, memory, size)
+            self.steps_done = done
+
+        return rewind
 
     def restart(self) -> None:
         """Forget what methods and events remember of the last step: the state was replaced."""
@@ -370,6 +382,16 @@ class Engine:
             self._library.jo_meter_valid(self._ffi.addressof(rule), start + rule.at)
             for rule in rules
         )
+
+    @property
+    def native_model(self) -> Any:
+        """The jo_model of this engine, for those who write it down."""
+        return self._model
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of the workspace and of a row, for programs that give them the memory."""
+        return int(self._library.jo_data_room(self._model)) + 8 * self.row_size
 
     # -- errors -----------------------------------------------------------------------------
 

@@ -64,7 +64,9 @@ def warn_loads(mechanism: Mechanism) -> None:
         asked = _ASKED.setdefault(reduced.source, {})
         load = (_digest(reduced), pattern.shape, pattern.tobytes())
         if load not in asked:
-            reach = known.setdefault(id(reduced), Reach(reduced))
+            if id(reduced) not in known:
+                known[id(reduced)] = Reach(reduced)
+            reach = known[id(reduced)]
             work = reach.work(_on_part(reach, pattern))
             if len(asked) >= MOST_ASKED:
                 asked.clear()
@@ -94,7 +96,10 @@ def warn_loads(mechanism: Mechanism) -> None:
 
 
 def _loads(force: object) -> Iterator[tuple[FlexibleBody, str, Array]]:
-    """Yield body, place and load: forces (nodes, 3), or [node, 0 or 3 if it is a moment]."""
+    """Yield body, place and load: forces (nodes, 3), or [node, 0 or 3 if it is a moment].
+
+    Of a point between nodes: these, and six loads on each of them for three unit loads, (k, 7, 3).
+    """
     if isinstance(force, ModalLoad):
         yield force.body, f"pattern '{force.name}'", force.pattern
         return
@@ -103,12 +108,19 @@ def _loads(force: object) -> Iterator[tuple[FlexibleBody, str, Array]]:
         if not isinstance(marker, Marker) or not isinstance(marker.body, FlexibleBody):
             continue
         reduced, node = marker.body.reduced, marker.node
+        first = 3 * isinstance(force, Torque)
+        if marker.followed is not None:
+            nodes, weights = marker.followed.nodes, marker.followed.weights
+            number = np.broadcast_to(nodes[:, None, None], (len(nodes), 1, 3))
+            unit = weights[first : first + 3].transpose(1, 2, 0)
+            yield marker.body, f"a load at {marker.point}", np.concatenate([number, unit], axis=1)
+            continue
         if node is None or any(node in reduced.node_sets[i] for i in reduced.interfaces):
             continue
         yield (
             marker.body,
             f"a load at node{node + 1}",
-            np.array([node, 3 * isinstance(force, Torque)]),
+            np.array([node, first]),
         )
 
 
@@ -122,6 +134,8 @@ def _digest(reduced: ReducedPart) -> bytes:
 
 def _on_part(reach: Reach, load: Array) -> Array:
     """Return loads (ndof, m): a pattern, weight (3,), or unit forces or moments on a node (2,)."""
+    if load.ndim == 3:
+        return reach.spread(load[:, 0, 0].astype(np.intp), load[:, 1:])
     if load.ndim == 2:
         return reach.nodal(load)[:, None]
     if len(load) == 3:

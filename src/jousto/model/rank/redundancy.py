@@ -110,7 +110,7 @@ def constraint_matrix(model: Model, engine: Engine) -> Array:
     rows = model.permanent
     engine.v[:] = 0.0
     rest = engine.constraints()[1][:rows]
-    Cq = np.zeros((rows, model.nv))
+    Cq = np.zeros((rows, model.nv), rest.dtype)
     for j in range(model.nv):
         engine.v[j] = 1.0
         Cq[:, j] = engine.constraints()[1][:rows] - rest

@@ -14,11 +14,13 @@ from jousto.base.arguments import explained_as
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.output.files.paraview import Cells, save_series
-from jousto.output.scenes.skins import beam_skin
 from jousto.output.scenes.view import View, choose_view
 from jousto.output.style import COLORS, MUTED, Picture, drawing, target
 from jousto.recovery.beams.forces import RESULTANTS, UNITS, SectionForces, component_of, find_beam
+from jousto.recovery.fields.criteria import evaluate
 from jousto.recovery.shape import find_body, positions
+from jousto.scene.make import make_scene
+from jousto.scene.posed import rows_at, section_axes, stresses, vertices
 from jousto.simulation.results.solution import Solution
 
 WIDTH = 7.2  # inch
@@ -183,16 +185,22 @@ def write_beam(
         If there is no such beam, for another ending, or several instants in a .vtu file.
     """
     out = target(path, ("vtu", "pvd"))
-    shape = find_beam(run, beam)
+    find_beam(run, beam)
+    scene = make_scene(run)
+    (body,) = (one for one in scene.bodies if one.name == beam and one.rings is not None)
+    rings, triangles = body.rings, body.triangles
+    assert rings is not None and triangles is not None
     instants = run.time[-1:] if out.suffix == ".vtu" else run.time
     if times is not None:
         instants = np.atleast_1d(np.asarray(times, dtype=np.float64))
 
     def content(t: float) -> tuple[Array, Cells, dict[str, Array]]:
-        skin = beam_skin(run, shape, [t])
-        data = {f"section {c}": skin.axes[0, :, :, i].copy() for i, c in enumerate("xyz")}
-        if skin.tensors is not None and skin.mises is not None:
-            data |= {"von Mises (Pa)": skin.mises[0], "s11 (Pa)": skin.tensors[0, :, 0].copy()}
-        return skin.x[0], [("triangle", skin.triangles)], data
+        row = rows_at(scene, [t])
+        axes, tensors = section_axes(rings, row)[0], stresses(body, row)
+        data = {f"section {c}": axes[:, :, i].copy() for i, c in enumerate("xyz")}
+        if tensors is not None:
+            data["von Mises (Pa)"] = evaluate(tensors, "von-mises")[0]
+            data["s11 (Pa)"] = tensors[0, :, 0].copy()
+        return vertices(body, row)[0], [("triangle", triangles)], data
 
     return save_series(out, instants, content)

@@ -15,7 +15,7 @@ from jousto.base.errors import InputError, Problem, suggest
 from jousto.fatigue.miner.damage_field import DamageField
 from jousto.output.figures.painted import extent, mark, paint
 from jousto.output.files.paraview import cells_of, save_vtu
-from jousto.output.scenes.scene import UNKNOWN
+from jousto.output.scenes.stage import UNKNOWN
 from jousto.output.scenes.surface import STRESS_COLORS
 from jousto.output.scenes.view import View, choose_view
 from jousto.output.style import MUTED, Picture, drawing, scale_at, target

@@ -15,7 +15,8 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.output.figures.painted import extent, mark, paint
 from jousto.output.files.paraview import cells_of, save_vtu
-from jousto.output.scenes.scene import UNKNOWN, color_bar
+from jousto.output.scenes.backdrop import color_bar
+from jousto.output.scenes.stage import UNKNOWN
 from jousto.output.scenes.surface import STRESS_COLORS
 from jousto.output.scenes.view import View, choose_view
 from jousto.output.style import COLORS, INK, MUTED, Picture, drawing, target

@@ -12,7 +12,7 @@ from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.units import shown_unit
 from jousto.measurement.gauges.compare import GaugeComparison
 from jousto.measurement.monitor.health import STATES
-from jousto.measurement.twin.bands import Band
+from jousto.measurement.twin.bands.bands import Band
 from jousto.output.style import COLORS, INK, MUTED, Picture, blend, drawing, headline, panels_below
 
 if TYPE_CHECKING:

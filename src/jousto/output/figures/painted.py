@@ -9,8 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
 from jousto.base.arrays import Array
-from jousto.output.scenes.lines import drawn
-from jousto.output.scenes.surface import DARKEST_STRESS, Skin, lit
+from jousto.output.scenes.surface import DARKEST_STRESS, Skin, is_surface, lit, make_surface
 from jousto.output.scenes.view import View
 from jousto.output.style import INK, PAPER
 from jousto.simulation.results.records import BodyShape
@@ -42,11 +41,11 @@ def paint(
     ax.set_xlim(middle[0] - 0.5 * size[0], middle[0] + 0.5 * size[0])
     ax.set_ylim(middle[1] - 0.5 * size[1], middle[1] + 0.5 * size[1])
     ax.axis("off")
-    kept, lines = drawn(shape)
-    if lines.surface is not None:
+    if is_surface(shape.elements):
+        surface = make_surface(shape.nodes, shape.elements)
         skin = Skin()
-        tints = colors(values[lines.surface.nodes])
-        skin.show(*lit(lines.surface, view.project(kept.nodes), tints, DARKEST_STRESS))
+        x, tints = view.project(shape.nodes[surface.nodes]), colors(values[surface.nodes])
+        skin.show(*lit(surface, x, tints, DARKEST_STRESS))
         ax.add_artist(skin)
         return
     if not len(shape.elements):

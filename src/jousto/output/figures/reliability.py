@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from jousto.design.reliability.form import FormResult
-from jousto.design.reliability.rbdo import RbdoResult
 from jousto.design.reliability.sampling import LinearisationCheck, SamplingResult
+from jousto.design.reliability.targets.rbdo import RbdoResult
 from jousto.output.style import COLORS, MUTED, PAPER, Picture, blend, drawing
 
 SIZE = (8.0, 3.4)  # inch

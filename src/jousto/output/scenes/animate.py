@@ -16,6 +16,7 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import Problems, warn
 from jousto.base.names import file_name
+from jousto.output.scenes.backdrop import new_picture
 from jousto.output.scenes.film import (
     FILMS,
     MOST_FRAMES,
@@ -24,18 +25,7 @@ from jousto.output.scenes.film import (
     frame_rate,
     write_film,
 )
-from jousto.output.scenes.scene import (
-    Scene,
-    body_color,
-    body_lines,
-    body_skin,
-    line_width,
-    make_scene,
-    nearness,
-    new_picture,
-    shadow_lines,
-    skin_shadow,
-)
+from jousto.output.scenes.stage import Moment, Stage, body_color, make_stage
 from jousto.output.scenes.surface import Skin, plain
 from jousto.output.scenes.symbols import SymbolPen, size_of
 from jousto.output.scenes.view import View
@@ -121,8 +111,8 @@ def animate(
     fps = frame_rate(suffix, float(fps))
     times, speed = _instants(run, fps, float(speed), MOST_FRAMES[suffix])
     with styled():
-        scene = make_scene(run, times, scale=scale, view=view, trail=trail, stress=stress)
-        frames = _frames(scene, run.name, _note(speed, scale), fps, speed, progress)
+        stage = make_stage(run, times, scale=scale, view=view, trail=trail, stress=stress)
+        frames = _frames(stage, run.name, _note(speed, scale), fps, speed, progress)
         write_film(out, frames, len(times), fps)
     return out
 
@@ -167,9 +157,9 @@ def still(
     else:
         instants = np.sort(np.atleast_1d(np.asarray(times, dtype=np.float64)))
     with styled():
-        scene = make_scene(run, instants, scale=scale, view=view, trail=trail, stress=stress)
-        figure, ax = new_picture(scene, run.name, _note(1.0, scale))
-        _overlay(ax, scene)
+        stage = make_stage(run, instants, scale=scale, view=view, trail=trail, stress=stress)
+        figure, ax = new_picture(stage, run.name, _note(1.0, scale))
+        overlay(ax, stage)
         figure.text(
             ax.get_position().x1,
             1 - 0.3 / figure.get_figheight(),
@@ -209,47 +199,51 @@ def _note(speed: float, scale: float) -> str:
     return ", ".join(words)
 
 
-def _overlay(ax: Axes, scene: Scene) -> None:
-    """Draw all instants of the scene into one picture and name some of them."""
-    count, width = len(scene.times), line_width(scene)
-    for k, path in enumerate(scene.trails):
+def overlay(ax: Axes, stage: Stage) -> None:
+    """Draw all instants of the stage into one picture and name some of them."""
+    count, width = len(stage.times), stage.line_width
+    for k, path in enumerate(stage.trails):
         ax.plot(*path[:, :2].T, color=blend(body_color(k), 0.55), linewidth=1.0, zorder=2)
-    if not scene.flat:
-        for i in range(count):
-            shadow = LineCollection(shadow_lines(scene, i), colors="#EDEFF2", linewidths=width)
+    moments = [stage.at(i) for i in range(count)]
+    if not stage.flat:
+        for moment in moments:
+            shadow = LineCollection(moment.shadow_lines(), colors="#EDEFF2", linewidths=width)
             shadow.set_capstyle("round")
             ax.add_collection(shadow)
-            for k in range(len(scene.bodies)):
-                fallen = skin_shadow(scene, k, i)
+            for k in range(len(stage.bodies)):
+                fallen = moment.shadow(k)
                 if fallen is not None:
                     _add_skin(ax, fallen, plain(fallen, "#EDEFF2"), 1.5)
-    for i in range(count):
+    for i, moment in enumerate(moments):
         share = 1.0 if count == 1 else 0.22 + 0.78 * (i / (count - 1)) ** 1.3
-        bodies = body_lines(scene, i)
-        for k in nearness(scene, i):
-            skin = body_skin(scene, k, i, share)
+        for k in moment.order():
+            skin = moment.skin(k, share)
             if skin is not None:
                 _add_skin(ax, *skin, 3.0)
-                continue
-            lines, dots = bodies[k]
-            color = blend(body_color(k), share)
-            for edge, extra in ((PAPER, 2.0), (color, 0.0)):
-                drawn = LineCollection(lines, colors=[edge], linewidths=width + extra)
-                drawn.set_capstyle("round")
-                drawn.set_zorder(3)
-                ax.add_collection(drawn)
-            ax.plot(
-                *dots.T,
-                linestyle="none",
-                marker="o",
-                markersize=width,
-                markerfacecolor=PAPER,
-                markeredgecolor=color,
-                markeredgewidth=1.4,
-                zorder=3.1,
-            )
-        symbols = SymbolPen(ax, scene.symbols, size_of(scene.box), share)
+            else:
+                _add_lines(ax, moment, k, share)
+        symbols = SymbolPen(ax, stage.symbols, size_of(stage.box), share)
         symbols.show(i)
+
+
+def _add_lines(ax: Axes, moment: Moment, k: int, share: float) -> None:
+    lines, dots = moment.lines(k)
+    color, width = blend(body_color(k), share), moment.stage.line_width
+    for edge, extra in ((PAPER, 2.0), (color, 0.0)):
+        drawn = LineCollection(lines, colors=[edge], linewidths=width + extra)
+        drawn.set_capstyle("round")
+        drawn.set_zorder(3)
+        ax.add_collection(drawn)
+    ax.plot(
+        *dots.T,
+        linestyle="none",
+        marker="o",
+        markersize=width,
+        markerfacecolor=PAPER,
+        markeredgecolor=color,
+        markeredgewidth=1.4,
+        zorder=3.1,
+    )
 
 
 def _add_skin(ax: Axes, corners: Array, shades: Array, order: float) -> None:
@@ -260,10 +254,10 @@ def _add_skin(ax: Axes, corners: Array, shades: Array, order: float) -> None:
 
 
 def _frames(
-    scene: Scene, title: str, note: str, fps: float, speed: float, progress: Report | None
+    stage: Stage, title: str, note: str, fps: float, speed: float, progress: Report | None
 ) -> Iterator[Pixels]:
     """Yield the frames; what does not move is drawn once."""
-    figure, ax = new_picture(scene, title, note)
+    figure, ax = new_picture(stage, title, note)
     figure.set_dpi(DPI)
     canvas: Any = FigureCanvasAgg(figure)
     canvas.draw()
@@ -278,49 +272,49 @@ def _frames(
         color=INK,
     )
     digits = int(np.clip(-np.floor(np.log10(speed / fps)), 0, 6))
-    pens = [_Pen(ax, k, scene) for k in range(len(scene.bodies))]
-    shadow = LineCollection([], colors="#E3E6EA", linewidths=line_width(scene))
+    pens = [_Pen(ax, k, stage) for k in range(len(stage.bodies))]
+    shadow = LineCollection([], colors="#E3E6EA", linewidths=stage.line_width)
     shadow.set_capstyle("round")
-    trails = [LineCollection([], linewidths=1.6) for _ in scene.trails]
+    trails = [LineCollection([], linewidths=1.6) for _ in stage.trails]
     for artist in (shadow, *trails):
         ax.add_collection(artist)
     fallen = Skin()
     ax.add_artist(fallen)
-    symbols = SymbolPen(ax, scene.symbols, size_of(scene.box))
-    for i, t in enumerate(scene.times):
+    symbols = SymbolPen(ax, stage.symbols, size_of(stage.box))
+    for i, t in enumerate(stage.times):
         canvas.restore_region(background)
-        if not scene.flat:
-            shadow.set_segments(shadow_lines(scene, i))
+        moment = stage.at(i)
+        if not stage.flat:
+            shadow.set_segments(moment.shadow_lines())
             ax.draw_artist(shadow)
-            for k in range(len(scene.bodies)):
-                below = skin_shadow(scene, k, i)
+            for k in range(len(stage.bodies)):
+                below = moment.shadow(k)
                 if below is not None:
                     fallen.show(below, plain(below, "#E3E6EA"))
                     ax.draw_artist(fallen)
         for k, trail in enumerate(trails):
-            _glow(trail, scene, k, float(t), AFTERGLOW * speed)
+            _glow(trail, stage, k, float(t), AFTERGLOW * speed)
             ax.draw_artist(trail)
-        bodies = body_lines(scene, i)
-        for k in nearness(scene, i):
-            skin = body_skin(scene, k, i)
+        for k in moment.order():
+            skin = moment.skin(k)
             if skin is not None:
                 pens[k].fill(*skin)
             else:
-                pens[k].draw(*bodies[k])
+                pens[k].draw(*moment.lines(k))
         symbols.show(i)
         symbols.draw()
         clock.set_text(f"{t:.{digits}f} s")
         figure.draw_artist(clock)
         yield np.array(canvas.buffer_rgba(), dtype=np.uint8)[:, :, :3].copy()
         if progress is not None:
-            progress(i + 1, len(scene.times))
+            progress(i + 1, len(stage.times))
 
 
 class _Pen:
     """Draws one body again and again: a white edge, the lines, the dots at its ends; a surface."""
 
-    def __init__(self, ax: Axes, k: int, scene: Scene) -> None:
-        width, color = line_width(scene), body_color(k)
+    def __init__(self, ax: Axes, k: int, stage: Stage) -> None:
+        width, color = stage.line_width, body_color(k)
         self.ax = ax
         self.skin = Skin()
         ax.add_artist(self.skin)
@@ -353,11 +347,11 @@ class _Pen:
         self.ax.draw_artist(self.dots)
 
 
-def _glow(trail: LineCollection, scene: Scene, k: int, t: float, seconds: float) -> None:
+def _glow(trail: LineCollection, stage: Stage, k: int, t: float, seconds: float) -> None:
     """Let a trail show the path of the last `seconds`, fading."""
-    times = np.linspace(max(t - seconds, scene.trail_times[0]), t, GLOW_PIECES * GLOW_FINE + 1)
+    times = np.linspace(max(t - seconds, stage.trail_times[0]), t, GLOW_PIECES * GLOW_FINE + 1)
     path = np.stack(
-        [np.interp(times, scene.trail_times, scene.trails[k][:, i]) for i in range(2)], axis=1
+        [np.interp(times, stage.trail_times, stage.trails[k][:, i]) for i in range(2)], axis=1
     )
     starts = range(0, len(times) - 1, GLOW_FINE)
     trail.set_segments([path[i : i + GLOW_FINE + 1] for i in starts])

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
@@ -17,8 +17,8 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.mesh.mesh import Mesh
-from jousto.output.scenes.lines import drawn
-from jousto.output.scenes.scene import body_color, color_bar
+from jousto.output.scenes.backdrop import color_bar
+from jousto.output.scenes.stage import Drawn, body_color, drawn
 from jousto.output.scenes.surface import (
     DARKEST,
     DARKEST_STRESS,
@@ -33,7 +33,7 @@ from jousto.output.style import INK, MUTED, PICTURES, Picture, save, styled, tar
 from jousto.parts.part import Part
 from jousto.recovery.fields.criteria import von_mises
 from jousto.reduction.reduced import ReducedPart
-from jousto.simulation.results.records import BodyShape
+from jousto.scene.make import make_scene
 
 WIDTH, LEGEND, GAP = 7.2, 1.35, 0.2  # inch
 MOST_FACES = 40_000  # whose edges are drawn
@@ -48,18 +48,27 @@ AROUND = {
     8: [0, 4, 1, 5, 2, 6, 3, 7],
 }
 METAL = np.array(to_rgb(STEEL))
+GHOST = 0.35 * METAL + 0.65  # the undeformed shape under a mode
 
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """What is drawn: a body, the faces with edges (nf, k), and named nodes."""
+    """What is drawn: a body, where its vertices are, the faces with edges (nf, k), named nodes.
+
+    `nodes` (nn, 3) are those of faces and names, `size` (3,) is the body's without a mode, `still`
+    are the vertices of the undeformed body.
+    """
 
     title: str
-    shape: BodyShape
+    one: Drawn
+    x: Array
+    nodes: Array
+    size: Array
     faces: tuple[NDArray[np.intp], ...]
     marks: dict[str, NDArray[np.intp]]
     values: Array | None = None
     unit: str = ""
+    still: Array | None = None
 
 
 @explained
@@ -87,7 +96,8 @@ def draw(
         Node sets that get coloured dots; None takes those that interfaces of a part hold, and no
         set of a mesh.
     mode : int, optional
-        Which mode of a ReducedPart, from 0.
+        Which mode of a ReducedPart, from 0; the title counts from 1. Under it is the undeformed
+        shape, pale.
     scale : float
         Largest displacement of the mode in the picture, by the longest side of the part.
     view : View, "xy", "xz" or "yz", optional
@@ -138,22 +148,33 @@ def _subject(thing: Any, sets: Any, mode: int | None, scale: float) -> Subject:
         problems.add(where, "has no elements that can be drawn")
     marks = _marks(thing, sets, where, problems)
     problems.raise_if_any()
-    still = np.zeros((len(thing.nodes), 3, 0))
-    shape = BodyShape(thing.name, "flexible", 0, 0, 0, thing.nodes, np.asarray(elements), still)
-    title = thing.name
+    scene, nodes = make_scene(thing), np.asarray(thing.nodes).real
+    one, size = drawn(scene)[0], np.ptp(scene.bodies[0].positions, axis=0)
+    body, title = one.body, thing.name
     if mode is None or not isinstance(thing, ReducedPart):
-        return Subject(title, shape, faces, marks)
-    phi = thing.modes[:, :, mode]
-    moved = np.linalg.norm(phi, axis=1)
-    size = float(np.ptp(thing.nodes, axis=0).max())
-    factor = scale * size / max(float(moved.max()), 1e-300)
-    shape = replace(shape, nodes=thing.nodes + factor * phi)
-    title = f"{thing.name}, mode {mode}: {thing.frequencies[mode]:.5g} Hz"
-    values, unit = moved / max(float(moved.max()), 1e-300), "displacement"
-    stress = _mode_stress(thing, mode)
-    if stress is not None:
-        values, unit = stress / max(float(np.nanmax(stress)), 1e-300), "von Mises"
-    return Subject(title, shape, faces, marks, values, unit)
+        return Subject(title, one, body.positions, nodes, size, faces, marks)
+    assert body.shapes is not None
+    moved = np.linalg.norm(thing.modes[:, :, mode], axis=1)
+    factor = scale * float(np.ptp(nodes, axis=0).max()) / max(float(moved.max()), 1e-300)
+    title = f"{thing.name}, mode {mode + 1}: {thing.frequencies[mode]:.5g} Hz"
+    if body.stress is None:
+        values, unit = np.linalg.norm(body.shapes[mode], axis=1), "displacement"
+    else:
+        values, unit = np.array(von_mises(body.stress[mode])), "von Mises"
+        if body.known is not None:
+            values[~body.known] = np.nan
+    return Subject(
+        title,
+        one,
+        body.positions + factor * body.shapes[mode],
+        nodes + factor * thing.modes[:, :, mode],
+        size,
+        faces,
+        marks,
+        values / max(float(np.nanmax(values)), 1e-300),
+        unit,
+        body.positions,
+    )
 
 
 def _marks(
@@ -174,27 +195,15 @@ def _marks(
     }
 
 
-def _mode_stress(reduced: ReducedPart, mode: int) -> Array | None:
-    """Return the von Mises stress of a mode at the nodes (nn,), nan where unknown."""
-    if reduced.stress is None:
-        return None
-    places = {tuple(x): k for k, x in enumerate(reduced.nodes)}
-    nodes = np.array([places.get(tuple(x), -1) for x in reduced.stress.positions])
-    known = nodes >= 0
-    if not known.any():
-        return None
-    values = np.full(len(reduced.nodes), np.nan)
-    values[nodes[known]] = von_mises(reduced.stress.modes[known][:, :, mode])
-    return values
-
-
 def _picture(subject: Subject, view: View | str | None) -> Picture:
     """Return the figure."""
-    nodes = subject.shape.nodes
-    chosen = choose_view(view, nodes, None)
-    x = chosen.project(nodes)
-    used = np.unique(subject.shape.elements)
-    low, high = x[used, :2].min(axis=0), x[used, :2].max(axis=0)
+    chosen = choose_view(view, subject.nodes, None)
+    x = chosen.project(subject.nodes)
+    seen = subject.x
+    if subject.still is not None:
+        seen = np.concatenate([seen, subject.still])
+    right_up = chosen.project(seen)[:, :2]
+    low, high = right_up.min(axis=0), right_up.max(axis=0)
     size = np.maximum(high - low, 1e-9)
     size = np.maximum(size, [size[1] / 1.2, size[0] * 0.3]) * 1.06
     side = LEGEND if subject.marks or subject.values is not None else GAP
@@ -211,11 +220,13 @@ def _picture(subject: Subject, view: View | str | None) -> Picture:
     if subject.faces and count <= MOST_FACES and subject.values is None:
         _net(ax, subject, x)
     else:
-        _skin(ax, subject, chosen)
+        if subject.still is not None:
+            _skin(ax, subject.one, subject.still, chosen, GHOST)
+        _skin(ax, subject.one, subject.x, chosen, METAL, subject.values)
     _dots(ax, subject, x)
     left = GAP / WIDTH
     figure.text(left, 1 - 0.3 / total, subject.title, fontsize=10.5, fontweight="bold", va="center")
-    dims = " × ".join(f"{1e3 * d:.4g}" for d in np.ptp(nodes[used], axis=0))
+    dims = " × ".join(f"{1e3 * d:.4g}" for d in subject.size)
     if subject.values is None:
         figure.text(left, 0.13 / total, f"{dims} mm", color=MUTED, fontsize=8.5, va="center")
     _axes_cross(figure, chosen, total)
@@ -225,21 +236,22 @@ def _picture(subject: Subject, view: View | str | None) -> Picture:
     return figure
 
 
-def _skin(ax: Axes, subject: Subject, view: View) -> None:
-    shape, lines = drawn(subject.shape)
-    x = view.project(shape.nodes)
-    if lines.surface is None:
-        for chain in lines.chains:
-            ax.plot(*(chain.weights @ x[chain.nodes, :2]).T, color=body_color(0), linewidth=3.0)
+def _skin(
+    ax: Axes, one: Drawn, vertices: Array, view: View, metal: Array, values: Array | None = None
+) -> None:
+    """Draw a body in one colour, or in that of its values (nv,); one without surface as lines."""
+    x = view.project(vertices)
+    if one.surface is None:
+        color, width = (GHOST, 1.5) if metal is GHOST else (body_color(0), 3.0)
+        ax.add_collection(LineCollection(list(x[one.lines, :2]), colors=[color], linewidths=width))
         return
-    colors, darkest = METAL, DARKEST
-    if subject.values is not None:
-        values = subject.values[lines.surface.nodes]
+    colors, darkest = metal, DARKEST
+    if values is not None:
         colors = np.asarray(STRESS_COLORS(np.nan_to_num(values)))[:, :3]
         colors[np.isnan(values)] = METAL
         darkest = DARKEST_STRESS
     skin = Skin()
-    skin.show(*lit(lines.surface, x, colors, darkest))
+    skin.show(*lit(one.surface, x, colors, darkest))
     ax.add_artist(skin)
 
 

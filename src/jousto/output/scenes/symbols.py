@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,10 +13,8 @@ from matplotlib.lines import Line2D
 from jousto.base.arrays import Array
 from jousto.output.scenes.view import View
 from jousto.output.style import INK, MUTED, PAPER, blend
-from jousto.recovery.shape import positions
-from jousto.simulation.results.connections import Connection
-from jousto.simulation.results.records import BodyShape
-from jousto.simulation.results.solution import Solution
+from jousto.scene.posed import points
+from jousto.scene.scene import Symbol
 
 Lines = list[Array]
 
@@ -23,6 +22,15 @@ SIZE = 0.018  # of a symbol, by the size of the picture
 COILS = 6  # of a spring
 BARREL = 0.6  # length of an actuator's cylinder by its shortest length
 STEEL = "#5A6472"
+KINDS = {
+    **dict.fromkeys(("hinge", "revolute", "spherical", "universal"), "hinge"),
+    **dict.fromkeys(("slide", "prismatic", "cylindrical", "screw", "planar"), "slide"),
+    **dict.fromkeys(("point-on-line", "point-on-plane"), "slide"),
+    **{kind: kind for kind in ("fixed", "rod", "spring", "damper", "actuator", "bushing")},
+    "spring-damper": "spring",
+}
+"""Joints and forces of a scene that pictures show, and how; others have no place between two
+points, or show themselves by what they do."""
 MARKS = {"hinge": "o", "bushing": "o", "slide": "s", "fixed": "s"}
 ALONG = ("rod", "spring", "damper", "actuator")
 MOST_MARKS = 300  # joints of which each still gets a mark
@@ -35,7 +43,7 @@ class Symbols:
     Attributes
     ----------
     kinds : tuple of str
-        See `Connection`.
+        Some of the values of `KINDS`.
     ends : (nt, k, 2, 3) array
         Both points of each at every instant: right, up, nearness, m.
     grounds : (g, 2) array
@@ -50,48 +58,17 @@ class Symbols:
 NO_SYMBOLS = Symbols((), np.zeros((1, 0, 2, 3)), np.zeros((0, 2)))
 
 
-def joined_points(
-    run: Solution, found: tuple[Connection, ...], times: Array, scale: float
-) -> Array:
-    """Return both points of each connection in the world, (nt, k, 2, 3) in m."""
-    ends = np.zeros((len(times), len(found), 2, 3))
-    bodies = run.bodies
-    places: dict[int, list[tuple[int, int]]] = {}
-    for k, one in enumerate(found):
-        for side, point in enumerate((one.a, one.b)):
-            places.setdefault(point.body, []).append((k, side))
-    for body, where in places.items():
-        sides = [(found[k].a, found[k].b)[side] for k, side in where]
-        nodes = np.stack([side.u0 for side in sides])
-        if body < 0:
-            moved = np.broadcast_to(nodes, (len(times), *nodes.shape))
-        else:
-            shape = bodies[body]
-            modes = np.stack([side.modes for side in sides])
-            none = np.zeros((0, 2), dtype=np.int64)
-            probe = BodyShape(
-                shape.name, shape.kind, shape.q_offset, shape.v_offset, shape.n, nodes, none, modes
-            )
-            moved = positions(run, probe, times, scale=scale)
-        for j, (k, side) in enumerate(where):
-            ends[:, k, side] = moved[:, j]
-    return ends
-
-
-def make_symbols(found: tuple[Connection, ...], ends: Array, view: View) -> Symbols:
-    """Return the symbols of connections whose points (nt, k, 2, 3) in the world are known, m."""
-    if not found:
-        return NO_SYMBOLS
-    grounded = [
-        side.u0
-        for one in found
-        for side, other in ((one.a, one.b), (one.b, one.a))
-        if side.body < 0 <= other.body
-    ]
-    points = np.unique(np.round(np.array(grounded).reshape(-1, 3), 12), axis=0)
-    return Symbols(
-        tuple(one.kind for one in found), view.project(ends), view.project(points)[:, :2]
-    )
+def make_symbols(found: Sequence[Symbol], rows: Array, scale: float, view: View | None) -> Symbols:
+    """Return the symbols that pictures show, at rows of the scene; in the world without a view."""
+    shown = [one for one in found if one.kind in KINDS and len(one.sides) > 1]
+    ends = np.zeros((len(rows), len(shown), 2, 3))
+    for k, one in enumerate(shown):
+        for i, side in enumerate((one.sides[0], one.sides[-1])):
+            ends[:, k, i] = points(side, rows, scale=scale)
+    grounds = np.array([one.sides[0].u for one in found if one.kind == "ground"]).reshape(-1, 3)
+    if view is not None:
+        ends, grounds = view.project(ends), view.project(grounds)
+    return Symbols(tuple(KINDS[one.kind] for one in shown), ends, grounds[:, :2])
 
 
 def size_of(box: Array) -> float:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arrays import Array, skew, transposed
+from jousto.base.complexstep import norm
 from jousto.base.declare import Declared
 from jousto.base.described import described
 from jousto.base.errors import Problems
@@ -119,6 +120,11 @@ class BeamElements:
     def __len__(self) -> int:
         return len(self.length)
 
+    @property
+    def kind(self) -> Any:
+        """Type of their numbers."""
+        return np.result_type(*vars(self).values())
+
 
 def local_axes(direction: Array, orientation: Array) -> Array:
     """Return the local axes of members; a member parallel to its orientation vector gives NaN.
@@ -136,9 +142,9 @@ def local_axes(direction: Array, orientation: Array) -> Array:
         Columns are the local x, y, z axes.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
-        x = direction / np.linalg.norm(direction, axis=1, keepdims=True)
-        y = np.cross(orientation / np.linalg.norm(orientation, axis=1, keepdims=True), x)
-        sine = np.linalg.norm(y, axis=1, keepdims=True)
+        x = direction / norm(direction, axis=1)[:, None]
+        y = np.cross(orientation / norm(orientation, axis=1)[:, None], x)
+        sine = norm(y, axis=1)[:, None]
         y = y / np.where(sine > 1e-6, sine, np.nan)
     return np.stack([x, y, np.cross(x, y)], axis=-1)
 
@@ -161,7 +167,7 @@ def stiffness(beams: BeamElements) -> Array:
     parameters ``phi``; exact for a prismatic member loaded at its ends.
     """
     L = beams.length
-    k = np.zeros((len(beams), 12, 12))
+    k = np.zeros((len(beams), 12, 12), beams.kind)
 
     def pair(i: int, j: int, value: Array) -> None:
         k[:, i, j] += value
@@ -217,7 +223,7 @@ def shape_functions(beams: BeamElements, xi: float) -> Array:
         local axes.
     """
     L = beams.length
-    N = np.zeros((len(beams), 6, 12))
+    N = np.zeros((len(beams), 6, 12), beams.kind)
     for i in (0, 3):
         N[:, i, i] = 1.0 - xi
         N[:, i, i + 6] = xi
@@ -251,7 +257,7 @@ def slopes(beams: BeamElements, xi: float) -> Array:
         ``[dv/dx dw/dx drx/dx]``, local axes, from the element's end displacements, local axes.
     """
     L = beams.length
-    N = np.zeros((len(beams), 3, 12))
+    N = np.zeros((len(beams), 3, 12), beams.kind)
     for row, v, r, phi, sign in ((0, 1, 5, beams.phi[:, 0], 1.0), (1, 2, 4, beams.phi[:, 1], -1.0)):
         f = 1.0 / (1.0 + phi)
         N[:, row, v] = f * (6.0 * (xi**2 - xi) - phi) / L
@@ -267,7 +273,7 @@ def end_displacements(beams: BeamElements) -> Array:
 
     ``u_end = u_node + r_node cross offset`` in the part frame, then resolved in local axes.
     """
-    B = np.zeros((len(beams), 12, 12))
+    B = np.zeros((len(beams), 12, 12), beams.kind)
     to_local = transposed(beams.axes)
     for end in (0, 1):
         u, r = slice(6 * end, 6 * end + 3), slice(6 * end + 3, 6 * end + 6)

@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arrays import Array, Ints, Sparse, node_dofs, scatter
-from jousto.base.declare import Declared
+from jousto.base.complexstep import is_stepping, norm
 from jousto.base.errors import Problems, warn
 from jousto.base.fields import AnyField, Flag, Label, Nested, field
 from jousto.base.numbers import Values
 from jousto.materials.library import by_name
 from jousto.materials.material import Material
 from jousto.mesh.sets import connectivity, node_index, read_elements, read_sets, unattached
+from jousto.parts.form import Dictionary, PartForm
 from jousto.parts.frames.element import (
     BeamElements,
     EulerBernoulli,
@@ -44,20 +45,9 @@ class TheoryField(Nested[Theory | None, Theory | None]):
     noun = "EulerBernoulli or Timoshenko"
 
 
-class Dictionary(AnyField):
-    """Values by name."""
-
-    def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the mapping."""
-        if not isinstance(value, Mapping):
-            problems.add(where, f"{self.name} is {value!r}, must be a dictionary")
-        return value
-
-
-class BeamOptions(Declared, section="parts", kw_only=True):
+class BeamOptions(PartForm, kw_only=True):
     """How the beams of a part are modelled, and what is fixed to them."""
 
-    kind = "part"
     lumped: Flag = field(
         "Half of each element's mass at each of its ends, instead of the consistent mass",
         default=False,
@@ -202,8 +192,10 @@ def check_frame(given: FrameArrays) -> Frame:
     if not rho.any() and not any(p.mass > 0.0 for p in masses):
         problems.add(where, "has no mass: every density is zero and there are no point masses")
         problems.raise_if_any()
-    size = float(np.ptp(xyz, axis=0).max())
-    if float(np.sqrt(A.max())) > size:
+    size = float(np.ptp(xyz.real, axis=0).max())
+    if is_stepping():
+        pass  # warned of with the values alone
+    elif float(np.sqrt(A.max())) > size:
         warn(where, f"a section of {np.sqrt(A.max()):g} m is larger than the part, {size:g} m")
     elif rho.max() >= 1.0:  # kg/m^3: not a consistent system of other units
         if size > LARGEST:
@@ -298,7 +290,7 @@ def _line_moment(frame: Frame) -> Array:
     """Return the second moment of sections of unit length (ne, 3, 3), part axes, kg m."""
     _, rhoIy, rhoIz = frame.density.T
     # local: x none, y from Iz, z from Iy
-    g = np.zeros((len(frame.beams), 3, 3))
+    g = np.zeros((len(frame.beams), 3, 3), np.result_type(rhoIy, rhoIz))
     if frame.options.rotary_inertia:
         g[:, 1, 1], g[:, 2, 2] = rhoIz, rhoIy
     axes = frame.beams.axes
@@ -332,8 +324,8 @@ def _geometry(
 ) -> tuple[Array, Array, Array]:
     """Return origin, axes and length of the elements; notes zero length and bad orientation."""
     a, b = xyz[ab[:, 0]] + arms[:, 0], xyz[ab[:, 1]] + arms[:, 1]
-    length = np.linalg.norm(b - a, axis=1)
-    short = length <= 1e-12 * max(float(np.abs(xyz).max()), float(length.max()))
+    length = norm(b - a, axis=1)
+    short = length <= 1e-12 * max(float(np.abs(xyz).max()), float(length.real.max()))
     for e in np.flatnonzero(short)[:6]:
         problems.add(
             where,

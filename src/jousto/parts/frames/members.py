@@ -8,14 +8,16 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arrays import Array, some
+from jousto.base.complexstep import norm, scalar
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
 from jousto.base.fields import AnyField, Field, Label, Nested, field
 from jousto.base.numbers import OptionalValues, Vector
 from jousto.materials.library import by_name
 from jousto.materials.material import Material
+from jousto.parts.form import Dictionary
 from jousto.parts.frames.element import Elements, default_orientation
-from jousto.parts.frames.frame import BeamOptions, Dictionary, FrameArrays
+from jousto.parts.frames.frame import BeamOptions, FrameArrays
 from jousto.sections.section import Section
 
 # positions closer than this part of the frame's size are one node
@@ -95,7 +97,7 @@ class Member(Declared):
         elif self.orientation is not None:
             along = (self.end + self.end_offset - self.start - self.start_offset) / self.length
             size = float(np.linalg.norm(self.orientation))
-            if float(np.linalg.norm(np.cross(along, self.orientation))) <= 1e-6 * size:
+            if float(np.linalg.norm(np.cross(along.real, self.orientation))) <= 1e-6 * size:
                 problems.add(
                     where,
                     f"orientation {self.orientation.tolist()} is zero or parallel to the member;"
@@ -106,7 +108,7 @@ class Member(Declared):
     def length(self) -> float:
         """Flexible length in m."""
         between = self.end + self.end_offset - self.start - self.start_offset
-        return float(np.linalg.norm(between))
+        return scalar(norm(between))
 
 
 class FrameMembers(BeamOptions):
@@ -150,11 +152,11 @@ def join_members(frame: FrameMembers) -> FrameArrays:
     ends = np.array([p for m in members for p in (m.start, m.end)])
     inner = [_inner_nodes(m) for m in members]
     every = np.concatenate([ends, *inner])
-    size = float(np.ptp(every, axis=0).max())
+    size = float(np.ptp(every.real, axis=0).max())
     owner = np.arange(len(every))
     from scipy.spatial import cKDTree  # slow to import and rarely needed
 
-    for i, j in sorted(cKDTree(every).query_pairs(MERGE * size)):
+    for i, j in sorted(cKDTree(every.real).query_pairs(MERGE * size)):
         if i < len(ends):
             owner[j] = min(owner[j], owner[i])
 
@@ -173,8 +175,9 @@ def join_members(frame: FrameMembers) -> FrameArrays:
 
     offsets = []
     for member in members:
-        arms = np.zeros((int(member.elements), 2, 3))
-        arms[0, 0], arms[-1, 1] = member.start_offset, member.end_offset
+        both = (member.start_offset, member.end_offset)
+        arms = np.zeros((int(member.elements), 2, 3), np.result_type(*both))
+        arms[0, 0], arms[-1, 1] = both
         offsets.append(arms)
     sets: dict[str, tuple[int, ...]] = {}
     for member, chain in zip(members, chains, strict=True):
@@ -222,13 +225,13 @@ def _name_points(
     """Add a one-node set for each named position."""
     from scipy.spatial import cKDTree
 
-    tree, size = cKDTree(xyz), float(np.ptp(xyz, axis=0).max())
+    tree, size = cKDTree(xyz.real), float(np.ptp(xyz.real, axis=0).max())
     for name, value in points.items():
         label = f"point '{name}'"
         place = problems.array(where, label, value, (3,))
         if place is None:
             continue
-        distance, node = tree.query(place)
+        distance, node = tree.query(place.real)
         if distance > 1e-6 * size:
             problems.add(
                 where,

@@ -155,9 +155,10 @@ def beam_stress(
 
     forces = section_forces(beams)
     dofs = node_dofs(elements, 6)
-    positions = np.empty((ns, 3))
-    axes = np.empty((ns, 3, 3))
-    constants = np.empty((ns, 2))
+    kind = beams.kind
+    positions = np.empty((ns, 3), kind)
+    axes = np.empty((ns, 3, 3), kind)
+    constants = np.empty((ns, 2), kind)
     blocks, rows, columns = [], [], []
     for key, members in groups.items():
         m = len(points[key])
@@ -186,7 +187,7 @@ def beam_stress(
 
 def _recovery(section: Section) -> Array:
     """Return (points, 3, 6): [s11 s12 s13] from the section forces [N Vy Vz T My Mz]."""
-    S = np.zeros((len(section.points), 3, 6))
+    S = np.zeros((len(section.points), 3, 6), np.result_type(section.A, section.Iy, section.Iz))
     for S_p, p in zip(S, section.points, strict=True):
         S_p[0, [0, 4, 5]] = 1.0 / section.A, p.z / section.Iy, -p.y / section.Iz
         S_p[1:, 1:4] = p.shear

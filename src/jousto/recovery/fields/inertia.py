@@ -14,7 +14,7 @@ from jousto.model.native.native import Engine
 from jousto.recovery.shape import find_body, rotation_matrices
 from jousto.reduction.fields.residual_stress import PRODUCTS, ResidualStress
 from jousto.simulation.results.solution import Solution
-from jousto.simulation.running.state import MEMORY, State, put
+from jousto.simulation.state import MEMORY, State, put
 
 
 def accelerations(run: Solution, model: Model | None = None) -> Array:

@@ -27,6 +27,7 @@ from jousto.reduction.certificate.certificate import (
 from jousto.reduction.certificate.mesh_checks import mesh_checks, mesh_facts
 from jousto.reduction.certificate.part_checks import FullModel, fault_of
 from jousto.reduction.files.run import Report, Run, reporter
+from jousto.reduction.frames.clamp import by_mean_axes
 from jousto.reduction.modes import eigen, interface_modes
 from jousto.reduction.modes.partition import whole_part_basis
 from jousto.reduction.modes.rigid import (
@@ -94,6 +95,8 @@ def certify(
     every one of 12 interface loads bends the reduced part as the full model
     """
     _check_arguments(part, reduced)
+    if reduced is not None:
+        reduced = by_mean_axes(reduced)
     with reporter(progress) as report:
         return _examine(part, reduced, Run(solver, report))
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import cached_property
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -11,6 +14,7 @@ from jousto.reduction.fields.stress import StressModes
 
 SAME = 1e-6
 """Share of a section's size within which two points of it are the same."""
+_KNOWN: WeakKeyDictionary[StressModes, list[Element]] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +52,22 @@ class Element:
     def size(self) -> float:
         """Largest distance of two section points along an axis, m."""
         return float(np.ptp(self.yz, axis=0).max())
+
+    @cached_property
+    def box(self) -> tuple[Array, Array]:
+        """Least and largest coordinates of its section points, in its axes, m."""
+        low, high = self.yz.min(axis=0), self.yz.max(axis=0)
+        return np.array([0.0, *low]), np.array([self.length, *high])
+
+    def nearest(self, local: Array) -> Array:
+        """Return the place of the box that is nearest to a point in its axes."""
+        low, high = self.box
+        return np.minimum(np.maximum(local, low), high)
+
+    def gap(self, x: Array) -> float:
+        """Return how far a point is off the box, m."""
+        local = self.axes.T @ (x - self.origin)
+        return math.dist(local, self.nearest(local))
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +110,12 @@ class Fibre:
 
 def elements(stress: StressModes) -> list[Element]:
     """Return the beam elements whose stress sites are labelled ``e3.a.top``, ``e3.b.top``."""
+    if stress not in _KNOWN:
+        _KNOWN[stress] = _elements(stress)
+    return _KNOWN[stress]
+
+
+def _elements(stress: StressModes) -> list[Element]:
     index = {label: i for i, label in enumerate(stress.labels)}
     groups: dict[str, list[tuple[str, int, int]]] = {}
     for label, i in index.items():
@@ -115,20 +141,25 @@ def nearest_fibre(beams: list[Element], x: Array) -> Fibre:
     Axial stress is linear over a section, ``s11 = N/A + My z/Iy - Mz y/Iz``, so that three points
     that are not on a line give it everywhere.
     """
-    best: Fibre | None = None
-    for element in beams:
-        local = element.axes.T @ (x - element.origin)
-        s = float(np.clip(local[0] / element.length, 0.0, 1.0))
-        low, high = element.yz.min(axis=0), element.yz.max(axis=0)
-        yz = np.clip(local[1:], low, high)
-        shares, exact = _shares(element, yz)
-        place = shares @ element.yz
-        foot = element.origin + element.axes @ np.array([s * element.length, *place])
-        distance = float(np.linalg.norm(foot - x))
-        if best is None or distance < best.distance * (1.0 - 1e-9) - 1e-15:
-            best = Fibre(element, s, shares, exact, foot, distance)
-    assert best is not None
+    gaps = np.array([element.gap(x) for element in beams])
+    best = _on(beams[int(np.argmin(gaps))], x)
+    # an element whose box is farther away than that has no nearer place; of equals the first counts
+    near = np.flatnonzero(gaps <= best.distance * (1.0 + 1e-9) + 1e-12)
+    best = _on(beams[near[0]], x)
+    for i in near[1:]:
+        other = _on(beams[i], x)
+        if other.distance < best.distance * (1.0 - 1e-9) - 1e-15:
+            best = other
     return best
+
+
+def _on(element: Element, x: Array) -> Fibre:
+    """Return the place of an element that is nearest to x."""
+    along, *yz = element.nearest(element.axes.T @ (x - element.origin))
+    shares, exact = _shares(element, np.array(yz))
+    foot = element.origin + element.axes @ np.array([along, *(shares @ element.yz)])
+    distance = float(np.linalg.norm(foot - x))
+    return Fibre(element, float(along / element.length), shares, exact, foot, distance)
 
 
 def _shares(element: Element, yz: Array) -> tuple[Array, bool]:

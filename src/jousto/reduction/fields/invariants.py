@@ -15,6 +15,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array, frozen
+from jousto.base.complexstep import scalar
 from jousto.base.described import described
 from jousto.base.errors import Problems
 from jousto.reduction.modes.rigid import rigid_modes
@@ -83,7 +84,7 @@ class Invariants:
         if E is not None:
             E = _symmetric(E, E.transpose(1, 0, 3, 2), "E[k, j] is not E[j, k]^T", problems)
         problems.raise_if_any()
-        object.__setattr__(self, "mass", float(self.mass))
+        object.__setattr__(self, "mass", scalar(self.mass))
         object.__setattr__(self, "first_moment", first)
         object.__setattr__(self, "second_moment", second)
         object.__setattr__(self, "I3", I3)
@@ -116,6 +117,17 @@ class Invariants:
             self.N0[indices],
             self.E[np.ix_(indices, indices)],
         )
+
+    def rigid_motion(self, momentum: Array) -> Array:
+        """Return the rigid motions (6, m) that have these momenta (6, m).
+
+        Translations of the origin and rotations ``[t, theta]``; ``int (t + theta x u0) dm`` and
+        ``int u0 x (t + theta x u0) dm`` are the linear and the angular momentum.
+        """
+        first = np.einsum("abc,b->ac", EPS, self.first_moment)
+        M = np.block([[self.mass * np.eye(3), first.T], [first, self.I7]])
+        scale = 1.0 / np.sqrt(np.diag(M))[:, None]
+        return np.asarray(scale * np.linalg.solve(scale * M * scale.T, scale * momentum))
 
     @property
     def I1(self) -> float:
@@ -172,8 +184,8 @@ def _tilde_tilde(outer: Array) -> Array:
     return np.asarray(trace * np.eye(3) - np.swapaxes(outer, -1, -2))
 
 
-def _outer(tilde_tilde: Array) -> Array:
-    # the inverse: the trace of a~^T b~ is twice a.b
+def outer(tilde_tilde: Array) -> Array:
+    """Return ``int a b^T dm`` of ``int a~^T b~ dm``, whose trace is twice that of ``a.b``."""
     trace = 0.5 * np.trace(tilde_tilde, axis1=-2, axis2=-1)[..., None, None]
     return np.asarray(np.swapaxes(trace * np.eye(3) - tilde_tilde, -1, -2))
 
@@ -204,7 +216,7 @@ def invariants_from_points(points: MassPoints, X: Array) -> Invariants:
 
     weighted = m[:, None, None] * phi
     N0 = np.einsum("ka,kbj->jab", x, weighted) + np.einsum("kac,kbcj->jab", G, tilde)
-    E = np.empty((n, n, 3, 3))
+    E = np.empty((n, n, 3, 3), np.result_type(weighted, tilde, G))
     G_tilde = np.einsum("kcd,kbdj->kcbj", G, tilde)
     for a in range(3):
         for b in range(3):
@@ -212,7 +224,7 @@ def invariants_from_points(points: MassPoints, X: Array) -> Invariants:
             for c in range(3):
                 E[:, :, a, b] += tilde[:, a, c].T @ G_tilde[:, c, b]
     return Invariants(
-        mass=float(m.sum()),
+        mass=scalar(m.sum()),
         first_moment=m @ x,
         second_moment=np.einsum("k,ka,kb->ab", m, x, x) + G.sum(axis=0),
         I3=weighted.sum(axis=0),
@@ -256,25 +268,26 @@ def invariants_from_matrix(
     turned = [np.einsum("ac,kcj->kaj", EPS[:, b, :], vectors).reshape(-1, n) for b in range(3)]
     mass_turned = [M @ t for t in turned]
 
-    I8 = np.empty((n, 3, 3))
-    I9 = np.empty((n, n, 3, 3))
+    kind = np.result_type(momentum, R)
+    I8 = np.empty((n, 3, 3), kind)
+    I9 = np.empty((n, n, 3, 3), kind)
     for b in range(3):
         I8[:, :, b] = (R[:, 3:].T @ mass_turned[b]).T
         for a in range(3):
             I9[:, :, a, b] = turned[a].T @ mass_turned[b]
     # angular momentum decides the antisymmetric part of N0
-    N0 = _outer(I8)
+    N0 = outer(I8)
     N0 = 0.5 * (N0 + N0.transpose(0, 2, 1)) + 0.5 * np.einsum("abc,aj->jbc", EPS, momentum[3:])
     # modal mass decides the trace of E
-    E = _outer(I9)
+    E = outer(I9)
     E = 0.5 * (E + E.transpose(1, 0, 3, 2))
     modal_mass = X.T @ (M @ X)
     excess = 0.5 * (modal_mass + modal_mass.T) - np.einsum("jkaa->jk", E)
     E += excess[:, :, None, None] / 3.0 * np.eye(3)
     return Invariants(
-        mass=float(np.trace(rigid[:3, :3]) / 3.0),
+        mass=scalar(np.trace(rigid[:3, :3]) / 3.0),
         first_moment=-0.5 * np.einsum("abc,bc->a", EPS, rigid[3:, :3]),
-        second_moment=_outer(rigid[3:, 3:]),
+        second_moment=outer(rigid[3:, 3:]),
         I3=momentum[:3],
         N0=N0,
         E=E,

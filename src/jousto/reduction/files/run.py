@@ -11,6 +11,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
+from jousto.base.progress import bars
 from jousto.reduction.sparse import factor
 from jousto.reduction.sparse.memory import machine_memory
 
@@ -91,7 +92,7 @@ class Run:
 def reporter(progress: bool | Report | None) -> Iterator[Report | None]:
     """Yield the function that reports stages.
 
-    `progress` is True for bars on standard error, a function of your own, or None for silence.
+    `progress` is True for bars (see `bars`), a function of your own, or None for silence.
     """
     if callable(progress):
         yield progress
@@ -99,22 +100,20 @@ def reporter(progress: bool | Report | None) -> Iterator[Report | None]:
     if not progress:
         yield None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-    bars = Progress(
+    shown = bars(
         SpinnerColumn(finished_text="[green]✓"),
         TextColumn("{task.description:24}"),
         BarColumn(bar_width=24),
         TimeElapsedColumn(),
-        console=Console(stderr=True),
     )
-    with bars:
+    with shown:
         tasks: dict[str, int] = {}
 
         def report(stage: str, done: float) -> None:
             if stage not in tasks:
-                tasks[stage] = bars.add_task(stage, total=1.0)
-            bars.update(tasks[stage], completed=done)  # type: ignore[arg-type]
+                tasks[stage] = shown.add_task(stage, total=1.0)
+            shown.update(tasks[stage], completed=done)  # type: ignore[arg-type]
 
         yield report

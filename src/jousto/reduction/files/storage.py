@@ -7,6 +7,7 @@ import json
 import os
 import uuid
 import zlib
+from dataclasses import fields
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -18,6 +19,8 @@ from jousto.base.errors import InputError, MissingFileError, Problem
 from jousto.base.files import written
 from jousto.base.hdf5 import DAMAGE, Group
 from jousto.base.seal import Seal, sealed
+from jousto.parts.frames.element import BeamElements
+from jousto.parts.frames.outlines import Outlines
 from jousto.reduction.content import Content
 from jousto.reduction.fields.invariants import Invariants
 from jousto.reduction.fields.residual_stress import ResidualStress
@@ -25,8 +28,8 @@ from jousto.reduction.fields.stiffening import Stiffening
 from jousto.reduction.fields.stress import StressModes
 
 FORMAT = "jousto reduced part"
-VERSION = 3
-"""2 adds `rotation_nodes`, 3 `faces`; files of older versions are read."""
+VERSION = 5
+"""2 adds `rotation_nodes`, 3 `faces`, 4 `beams`, 5 `outlines`; files of older versions are read."""
 AGAIN = "reduce the part again and save it"
 
 UNITS = {
@@ -34,6 +37,13 @@ UNITS = {
     "frequencies": "Hz",
     "modes": "kg^-0.5",
     "rotations": "kg^-0.5 m^-1",
+    "beams/origin": "m",
+    "beams/length": "m",
+    "beams/offsets": "m",
+    "beams/EA": "N",
+    "beams/GJ": "N m^2",
+    "beams/EIy": "N m^2",
+    "beams/EIz": "N m^2",
     "invariants/mass": "kg",
     "invariants/first_moment": "kg m",
     "invariants/second_moment": "kg m^2",
@@ -158,6 +168,12 @@ def _arrays(part: Content) -> Arrays:
         arrays["rotation_nodes"] = part.rotation_nodes.astype(np.int64)
     for face in part.faces:
         arrays[f"faces/{face.shape[1]}"] = face.astype(np.int64)
+    if part.beams is not None:
+        arrays |= {f"beams/{f.name}": getattr(part.beams, f.name) for f in fields(part.beams)}
+    if part.outlines is not None:
+        arrays["outlines/which"] = part.outlines.which.astype(np.int64)
+        for k, edge in enumerate(part.outlines.edges):
+            arrays[f"outlines/edges/{k}"] = edge
     if part.stress is not None:
         arrays["stress/positions"] = part.stress.positions
         arrays["stress/axes"] = part.stress.axes
@@ -204,6 +220,15 @@ def _part(header: str, arrays: Arrays, kind: type[P]) -> P:
             arrays["stiffening/translations"],
             arrays["stiffening/rotations"],
         )
+    beams = None
+    if "beams/length" in arrays:
+        beams = BeamElements(**{f.name: arrays[f"beams/{f.name}"] for f in fields(BeamElements)})
+    outlines = None
+    if "outlines/which" in arrays:
+        count = sum(key.startswith("outlines/edges/") for key in arrays)
+        outlines = Outlines(
+            tuple(arrays[f"outlines/edges/{k}"] for k in range(count)), arrays["outlines/which"]
+        )
     return kind(
         name=text["name"],
         nodes=arrays["nodes"],
@@ -228,6 +253,8 @@ def _part(header: str, arrays: Arrays, kind: type[P]) -> P:
         faces=tuple(
             arrays[key].astype(np.intp) for key in sorted(arrays) if key.startswith("faces/")
         ),
+        beams=beams,
+        outlines=outlines,
     )
 
 

@@ -77,7 +77,7 @@ def craig_bampton_basis(
     if kept is None:
         inside.prepare()
         with run.stage("fixed-interface modes") as report:
-            mu, full = _fixed_modes(part, M, inside, method, report)
+            mu, full = fixed_modes(part, M, inside, method, report)
         run.keep("fixed-interface modes", mu=mu, modes=full)
     else:
         mu, full = kept["mu"], kept["modes"]
@@ -113,9 +113,10 @@ def craig_bampton_basis(
     return eigen.Flexibility(T.shape[1], lambda y: T @ y, lambda f: T.T @ f, B, None)
 
 
-def _fixed_modes(
+def fixed_modes(
     part: Part, M: sp.csr_array, inside: Inside, method: CraigBampton, report: Report
 ) -> tuple[Array, Array]:
+    """Return ``1 / omega^2`` and the modes with the interfaces held, of unit stiffness."""
     where = f"part '{part.name}'"
     mu, full = eigen.spectrum(
         inside.problem(),

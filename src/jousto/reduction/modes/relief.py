@@ -13,7 +13,7 @@ from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import Problems
 from jousto.parts.part import Part
-from jousto.reduction.methods import FreeFree
+from jousto.reduction.methods import FreeFree, ShapeFunctions
 from jousto.reduction.modes.eigen import Flexibility
 from jousto.reduction.modes.partition import whole_part_basis
 from jousto.reduction.modes.residuals import residual_loads, residual_vectors
@@ -112,8 +112,8 @@ def response(F: Array, basis: Flexibility, rigid: RigidBasis) -> Array:
     return rigid.remove(basis.lift(basis.solve(basis.lower(F))))
 
 
-def free_loads(part: Part, method: FreeFree) -> Array:
-    """Return the loads of attachment modes and residuals of a free-free reduction, (ndof, m)."""
+def free_loads(part: Part, method: FreeFree | ShapeFunctions) -> Array:
+    """Return the loads of attachment modes and residuals of a free part, (ndof, m)."""
     residual = residual_loads(part, method.residuals)
     if not method.interfaces:
         return residual

@@ -43,7 +43,7 @@ def rigid_modes(
     nn = len(nodes)
     arm = nodes - (np.zeros(3) if centre is None else centre)
     directions = np.eye(3) if axes is None else axes
-    modes = np.zeros((nn, dofs_per_node, 6))
+    modes = np.zeros((nn, dofs_per_node, 6), np.result_type(arm, directions))
     for a in range(3):
         modes[:, :3, a] = directions[:, a]
         modes[:, :3, 3 + a] = np.cross(directions[:, a], arm)

@@ -139,6 +139,8 @@ def choose(n: int, where: str, solver: str | None = None) -> str:
     JoustoWarning
         Nothing better than SuperLU is installed for a large part.
     """
+    if solver is None and n <= SMALL:
+        return "superlu"
     installed = [known.name for known in solvers() if known.installed]
     if solver is not None:
         given: object = solver
@@ -149,8 +151,6 @@ def choose(n: int, where: str, solver: str | None = None) -> str:
             message = f"solver '{solver}' ({library}) is not installed: {remark}"
             raise InputError(Problem(where, f"{message}; installed: {', '.join(installed)}"))
         return solver
-    if n <= SMALL:
-        return "superlu"
     if installed[0] == "superlu" and n > LARGE:
         warn(
             where,

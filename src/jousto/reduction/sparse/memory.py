@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import sys
 from collections.abc import Collection
@@ -13,7 +14,7 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.errors import InputError, Problem, warn
-from jousto.reduction.methods import CraigBampton, FreeFree
+from jousto.reduction.methods import CraigBampton, Method
 from jousto.reduction.sparse import factor
 
 if TYPE_CHECKING:
@@ -85,7 +86,7 @@ class MemoryEstimate:
 @explained
 def memory_estimate(
     part: Part,
-    method: CraigBampton | FreeFree,
+    method: Method,
     *,
     stiffening: bool = False,
     solver: str | None = None,
@@ -98,7 +99,7 @@ def memory_estimate(
     Parameters
     ----------
     part : Part
-    method : CraigBampton or FreeFree
+    method : CraigBampton, FreeFree or ShapeFunctions
     stiffening : bool
         As for `reduce`.
     solver : str, optional
@@ -106,7 +107,7 @@ def memory_estimate(
 
     Examples
     --------
-    >>> from jousto import Material, Part, Rectangle
+    >>> from jousto import FreeFree, Material, Part, Rectangle
     >>> beam = Part.beam(1.0, Rectangle(0.1, 0.1), 40, Material(2e11, 0.3, 7850.0))
     >>> print(memory_estimate(beam, FreeFree(modes=5)).unknowns)
     246
@@ -129,7 +130,7 @@ def memory_estimate(
     return MemoryEstimate(n, m, name, bulky, rest + bulky, rest + thin, machine_memory())
 
 
-def _columns(part: Part, method: CraigBampton | FreeFree) -> int:
+def _columns(part: Part, method: Method) -> int:
     """Return the number of interface motions, or attachment modes, and residual vectors."""
     ties = [tie.name for tie in part.ties]
     names: Collection[str] = method.interfaces
@@ -176,6 +177,7 @@ def check_memory(estimate: MemoryEstimate, where: str) -> None:
         warn(where, text.format(f"up to about {_amount(estimate.total)}"))
 
 
+@functools.cache
 def machine_memory() -> float:
     """Return the bytes of memory of this machine, or of the container this process runs in."""
     limits = [np.inf]

@@ -265,19 +265,38 @@ class _Degrees:
         return {"type": ["number", "string"], "description": text}
 
 
+_Angle: TypeAlias = Annotated[float, _Degrees()]
+
+
 class RotateEntry(Entry):
     """A turn about an axis, `Rotate(axis, degrees=angle_deg)`."""
 
     axis: Direction = Field(description="Direction of the axis")
-    angle_deg: Annotated[float, _Degrees()]
+    angle_deg: _Angle
+
+
+class EulerEntry(Entry):
+    """Euler angles in a convention, `Rotate.euler(convention, degrees=euler_deg)`."""
+
+    euler_deg: Annotated[tuple[_Angle, _Angle, _Angle], Vector(3)]
+    convention: Text = Field(
+        description="Axes of the angles: ZXZ about the turned axes, zxz about those of the world"
+    )
+
+
+def _form(value: Any) -> str:
+    """Return which form an orientation has."""
+    if isinstance(value, EulerEntry) or isinstance(value, dict) and "euler_deg" in value:
+        return "euler"
+    return "rotate" if isinstance(value, dict | RotateEntry) else "numbers"
 
 
 class _Orientation:
-    """Annotation of Euler parameters, a rotation matrix or a turn about an axis."""
+    """Annotation of Euler parameters, a rotation matrix, a turn about an axis or Euler angles."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Hand mappings to `RotateEntry`, check the numbers of lists."""
-        rotate = handler(RotateEntry)
+        """Hand mappings to `RotateEntry` and `EulerEntry`, check the numbers of lists."""
+        rotate, euler = handler(RotateEntry), handler(EulerEntry)
 
         def numbers(value: Any) -> Any:
             try:
@@ -290,22 +309,28 @@ class _Orientation:
             except UnitError as error:
                 raise fail(str(error)) from None
             raise fail(
-                "expects {axis: [x, y, z], angle_deg: ...}, four Euler parameters (scalar first) "
-                f"or the three rows of a rotation matrix, got {describe(value)}"
+                "expects {axis: [x, y, z], angle_deg: ...}, four Euler parameters (scalar first), "
+                "the three rows of a rotation matrix or {euler_deg: [a, b, c], convention: ZXZ}, "
+                f"got {describe(value)}"
             )
 
         return core_schema.tagged_union_schema(
-            {"rotate": rotate, "numbers": core_schema.no_info_plain_validator_function(numbers)},
-            discriminator=lambda v: "rotate" if isinstance(v, dict | RotateEntry) else "numbers",
+            {
+                "rotate": rotate,
+                "euler": euler,
+                "numbers": core_schema.no_info_plain_validator_function(numbers),
+            },
+            discriminator=_form,
         )
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        """Describe the three forms."""
+        """Describe the four forms."""
         numbers = {"type": ["number", "string"], "pattern": EXPRESSION}
         row = {"type": "array", "items": numbers, "minItems": 3, "maxItems": 3}
         return {
             "anyOf": [
                 handler(schema["choices"]["rotate"]),
+                handler(schema["choices"]["euler"]),
                 {"type": "array", "items": numbers, "minItems": 4, "maxItems": 4},
                 {"type": "array", "items": row, "minItems": 3, "maxItems": 3},
             ]
@@ -316,7 +341,7 @@ Orientation: TypeAlias = Annotated[Any, _Orientation()]
 
 
 class MarkerEntry(Entry):
-    """A marker with its own axes, or at a position of the ground or a rigid body."""
+    """A marker with its own axes, or at a position of the ground or a body."""
 
     body: Text = Field(description="Name of the body, or ground")
     point: Text | None = Field(None, description="Name of the point")

@@ -30,7 +30,7 @@ from jousto.schema.entries.base import (
 from jousto.schema.entries.choices import Later, Tagged, later
 
 Implied: TypeAlias = Callable[[dict[str, Any]], str | None] | None
-Others: TypeAlias = Mapping[str, type[Entry]]
+Others: TypeAlias = Mapping[str, "type[Entry] | EntryBy"]
 NO_OTHERS: Others = MappingProxyType({})
 
 FORMS: dict[str, Callable[[Any], Any]] = {
@@ -121,18 +121,50 @@ def entry_of(
         return SPECIAL[cls]
     word = (Literal[cls.tag], cls.tag if implied else ...)
     keys: dict[str, Any] = {"type": word} if cls.tag else {}
-    for field in cls.fields.values():
-        if not field.file or field.name in without:
-            continue
-        form = FORMS[field.form](field)
-        if field.required:
-            keys[field.key] = (form, Key(description=said(field)))
-        else:
-            keys[field.key] = (form | None, Key(None, description=said(field)))
+    keys |= keys_of(cls, without)
+    return _entry(cls, keys, base)
+
+
+def _entry(cls: type[Declared], keys: dict[str, Any], base: type[Entry]) -> Any:
+    """Return the entry of a class with these keys."""
     made: Any = create_model(f"{cls.__name__}Entry", __base__=base, **keys)
     made.__doc__ = f"`{cls.__name__}`: {(inspect.getdoc(cls) or '').partition(chr(10))[0]}"
     made.declared = cls
     return made
+
+
+def keys_of(
+    cls: type[Declared], without: tuple[str, ...] = (), optional: tuple[str, ...] = ()
+) -> dict[str, Any]:
+    """Return the keys of the fields of a class; files may leave out those that are optional."""
+    keys: dict[str, Any] = {}
+    for field in cls.fields.values():
+        if not field.file or field.name in without:
+            continue
+        form = FORMS[field.form](field)
+        if field.required and field.name not in optional:
+            keys[field.key] = (form, Key(description=said(field)))
+        else:
+            keys[field.key] = (form | None, Key(None, description=said(field)))
+    return keys
+
+
+def special(cls: Any, word: str, *, implied: bool = False, base: Any = Entry, **keys: Any) -> Any:
+    """Return the entry of a class that files write in another way than its fields alone say.
+
+    Parameters
+    ----------
+    cls : type
+    word : str
+        Its ``type``.
+    implied : bool
+        Whether that may be left out.
+    base : type
+        Entry with further keys.
+    **keys
+        Its keys, most of them from `keys_of`.
+    """
+    return _entry(cls, {"type": (Literal[word], word if implied else ...), **keys}, base)
 
 
 def extended(entry: Any, prefix: str = "", **keys: Any) -> Any:
@@ -209,6 +241,8 @@ class Declarations(Tagged):
         """Return the entry of a class."""
         word = getattr(kind, "tag", "")
         implied = bool(self.tag) and word in (self.unsaid or (word,))
+        if isinstance(kind, EntryBy):
+            kind = kind.entry
         found: type[Entry] = (
             kind if issubclass(kind, Entry) else entry_of(kind, implied, base=self.base)
         )
@@ -220,7 +254,29 @@ def one_of(*given: Any, **named: Any) -> Any:
     return Annotated[Any, Declarations(*given, **named)]
 
 
-class EntryOf:
+class EntryBy:
+    """Annotation of an entry that is made when a file has one.
+
+    Parameters
+    ----------
+    make : callable
+        Returns the entry.
+    """
+
+    def __init__(self, make: Callable[[], Any]) -> None:
+        self.make = make
+
+    @functools.cached_property
+    def entry(self) -> Any:
+        """The entry."""
+        return self.make()
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Validate with the entry."""
+        return later(lambda: self.entry)
+
+
+class EntryOf(EntryBy):
     """Annotation of the entry of one class, which is imported when a file has one.
 
     Parameters
@@ -234,19 +290,8 @@ class EntryOf:
     """
 
     def __init__(self, module: str, name: str, without: tuple[str, ...] = (), **keys: Any) -> None:
-        self.module = module
-        self.name = name
-        self.without = without
-        self.keys = keys
+        def make() -> Any:
+            made = entry_of(getattr(importlib.import_module(module), name), without=without)
+            return extended(made, **keys) if keys else made
 
-    @functools.cached_property
-    def entry(self) -> Any:
-        """The entry."""
-        made = entry_of(
-            getattr(importlib.import_module(self.module), self.name), without=self.without
-        )
-        return extended(made, **self.keys) if self.keys else made
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Validate with the entry of the class."""
-        return later(lambda: self.entry)
+        super().__init__(make)

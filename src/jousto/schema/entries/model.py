@@ -6,9 +6,9 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, Tag
 
+from jousto.mechanism.event import Event
 from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.initial import Initial
-from jousto.mechanism.signals.event import Event
 from jousto.reduction.damping import Rayleigh
 from jousto.schema.entries import beams as beams, connections as connections
 from jousto.schema.entries.base import (
@@ -19,13 +19,14 @@ from jousto.schema.entries.base import (
     Position,
     Text,
 )
+from jousto.schema.entries.blocks.fatigue import FatigueEntry
+from jousto.schema.entries.blocks.limits import ReliabilityEntry
+from jousto.schema.entries.blocks.monitor import MonitorEntry
 from jousto.schema.entries.choices import Later, by_form
 from jousto.schema.entries.declared import FORMS, alone, entry_of, one_of, several
-from jousto.schema.entries.fatigue import FatigueEntry
-from jousto.schema.entries.monitor import MonitorEntry
 from jousto.schema.entries.sensors import SensorEntry
 from jousto.schema.entries.solids import PartEntry
-from jousto.schema.file.simulation import Simulation
+from jousto.schema.simulation import Simulation
 
 # -- bodies ---------------------------------------------------------------------------------
 
@@ -109,3 +110,7 @@ class ModelEntry(Entry):
     simulation: SimulationEntry | None = None
     fatigue: Annotated[FatigueEntry, Later()] | None = None
     monitor: MonitorEntry | None = None
+    limits: tuple[Text, ...] | None = Field(
+        None, description="Outcomes and their bounds, such as max(tip.y) <= 12 mm"
+    )
+    reliability: ReliabilityEntry | None = None

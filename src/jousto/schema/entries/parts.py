@@ -12,14 +12,22 @@ from jousto.schema.entries.base import (
     Direction,
     Entry,
     Flag,
-    Frequency,
     InertiaTensor,
     Position,
     Text,
     Vector,
 )
 from jousto.schema.entries.choices import by_form
-from jousto.schema.entries.declared import FORMS, EntryOf, entry_of, one_of
+from jousto.schema.entries.declared import (
+    FORMS,
+    ROW,
+    EntryBy,
+    EntryOf,
+    entry_of,
+    keys_of,
+    one_of,
+    special,
+)
 
 MaterialEntry: Any = entry_of(Material, implied=True)
 MaterialForm: TypeAlias = Annotated[
@@ -65,6 +73,10 @@ FORMS.update(
         "residuals": lambda field: tuple[Residual, ...],
     }
 )
+SHAPES: Any = one_of("shape functions", "jousto.reduction.shapes")
+FORMS["shape functions"] = lambda field: Annotated[
+    Annotated[SHAPES, Tag("mapping")] | Annotated[ROW[SHAPES, ...], Tag("list")], by_form()
+]
 METHODS = ("reductions", "jousto.reduction.methods")
 MethodEntry: Any = one_of(*METHODS)
 
@@ -123,15 +135,14 @@ FORMS.update(
 )
 
 
-class SuperelementEntry(Entry):
-    """`reduce_superelement`: what the other program kept, orthonormal."""
+def superelement() -> Any:
+    """Return the entry of `reduce_superelement`."""
+    from jousto.reduction.superelement import Condensed
 
-    type: Literal["superelement"]
-    modes: Count | None = Field(None, description="Keep the lowest; all if not given")
-    frequency_limit: Frequency | None = Field(None, description="Highest frequency kept")
+    return special(Condensed, "superelement", **keys_of(Condensed))
 
 
-MatricesMethod: Any = one_of(*METHODS, others={"superelement": SuperelementEntry})
+MatricesMethod: Any = one_of(*METHODS, others={"superelement": EntryBy(superelement)})
 SetInterfaceEntry: Any = Annotated[
     Any,
     EntryOf(
@@ -143,42 +154,27 @@ SetInterfaceEntry: Any = Annotated[
 ]
 
 
-class MatricesEntry(ModeChoice):
-    """`Part.from_file`: mass and stiffness from another program."""
+FORMS.update(
+    {
+        "positions": lambda field: Nodes,
+        "cells": lambda field: tuple[tuple[Count, ...], ...],
+        "set interfaces": lambda field: tuple[SetInterfaceEntry, ...],
+    }
+)
 
-    type: Literal["matrices"]
+
+class MatricesChoices(ModeChoice):
+    """What matrices of other programs have besides the fields of their class."""
+
     reduce: MatricesMethod
-    K: Text = Field(
-        description="File of the stiffness matrix, or of both: .sti, .full, .op4, .pch, .mtx, .npz,"
-        " .npy, .rsa"
-    )
-    M: Text | None = Field(
-        None, description="File of the mass matrix, where it is another one that is not beside K"
-    )
-    nodes: Nodes | None = Field(
-        None,
-        description="Positions: a mesh, a table of x y z or number x y z (.npy, .csv, .txt), or a"
-        " list; found beside the matrices of CalculiX, Ansys and Nastran",
-    )
-    dofs: Text | None = Field(
-        None, description="File with the node and the direction (1..6, 0 modal) of each row"
-    )
-    format: Literal["calculix", "ansys", "op4", "dmig", "abaqus", "plain"] | None = Field(
-        None, description="From the ending and the content if not given"
-    )
-    units: Text | None = Field(
-        None, description="Units of the files, such as SI, mm-t-s, in-lbf-s; SI if not given"
-    )
-    dofs_per_node: Count | None = Field(None, description="3 or 6, from the sizes if not given")
-    node_sets: dict[Text, tuple[Count, ...]] | None = Field(
-        None,
-        description="Numbers of nodes as in the other program; counted from 0 for plain matrices"
-        " without dofs",
-    )
-    interfaces: tuple[SetInterfaceEntry, ...] | None = Field(
-        None, description="Surfaces that follow a node with six directions"
-    )
-    elements: tuple[tuple[Count, ...], ...] | None = Field(None, description="For drawing only")
+
+
+def matrices() -> Any:
+    """Return the entry of `Part.from_file` and `Part.from_matrices`: which it is, the files say."""
+    from jousto.parts.matrices.form import MatrixFiles, PlainMatrices
+
+    keys = keys_of(PlainMatrices, without=("M", "K", "nodes")) | keys_of(MatrixFiles)
+    return special(MatrixFiles, "matrices", base=MatricesChoices, **keys)
 
 
 class ReducedEntry(ModeChoice):

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 from pydantic import Field, Tag
 from pydantic_core import core_schema
 
-from jousto.base.declare import Declared
 from jousto.base.units import describe
 from jousto.mechanism.signals.piecewise import Table
-from jousto.schema.entries.base import Amount, Entry, Text, Time, fail
+from jousto.schema.entries.base import Amount, Entry, Text, fail
 from jousto.schema.entries.choices import by_form
-from jousto.schema.entries.declared import FORMS, SPECIAL, one_of, said
+from jousto.schema.entries.declared import FORMS, SPECIAL, keys_of, one_of, said, special
 
 
 class _Column:
@@ -34,34 +33,38 @@ class _Column:
 
 
 Column: TypeAlias = Annotated[int | str, _Column()]
-LINES = "Straight lines if not given"
-FILE = "Text file with columns of numbers instead, relative to the model file"
-COLUMNS = "Their names in the first line, or numbers from 0; the first two if not given"
-UNITS = "Units of the two columns in the file; SI if not given"
 
 
-class TableEntry(Entry):
-    """`Table`: interpolation between points, held constant outside."""
-
-    declared: ClassVar[type[Declared]] = Table
-    type: Literal["table"]
-    times: tuple[Time, ...] | None = Field(None, description=said(Table.fields["times"]))
-    values: tuple[Amount, ...] | None = Field(None, description=said(Table.fields["values"]))
-    interpolation: Literal["linear", "cubic"] | None = Field(None, description=LINES)
-    file: Text | None = Field(None, description=FILE)
-    columns: tuple[Column, Column] | None = Field(None, description=COLUMNS)
-    units: tuple[Text, Text] | None = Field(None, description=UNITS)
+LINES = Table.fields["interpolation"]
+Lines: Any = FORMS["choice"](LINES)
 
 
-class CurveEntry(Entry):
+class Columns(Entry):
+    """What all tables have besides their numbers: how they go on between them, and a file."""
+
+    interpolation: Lines | None = Field(None, description=said(LINES))
+    file: Text | None = Field(
+        None,
+        description="Text file with columns of numbers instead, relative to the model file",
+    )
+    columns: tuple[Column, Column] | None = Field(
+        None,
+        description="Their names in the first line, or numbers from 0; the first two if not given",
+    )
+    units: tuple[Text, Text] | None = Field(
+        None, description="Units of the two columns in the file; SI if not given"
+    )
+
+
+POINTS = keys_of(Table, without=("interpolation",), optional=("times", "values"))
+TableEntry: Any = special(Table, "table", base=Columns, **POINTS)
+
+
+class CurveEntry(Columns):
     """`Table` of a force over a coordinate or its rate."""
 
     at: tuple[Amount, ...] | None = Field(None, description="Values of the coordinate or its rate")
     values: tuple[Amount, ...] | None = Field(None, description="Forces or torques")
-    interpolation: Literal["linear", "cubic"] | None = Field(None, description=LINES)
-    file: Text | None = Field(None, description=FILE)
-    columns: tuple[Column, Column] | None = Field(None, description=COLUMNS)
-    units: tuple[Text, Text] | None = Field(None, description=UNITS)
 
 
 SignalEntry: Any = one_of("signals", "jousto.mechanism.signals")

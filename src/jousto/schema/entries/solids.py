@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
@@ -12,19 +12,17 @@ from jousto.schema.entries.base import (
     Entry,
     Flag,
     Length,
-    Mass,
     Position,
     Text,
     fail,
 )
 from jousto.schema.entries.choices import by_form
-from jousto.schema.entries.declared import FORMS, EntryOf, one_of
+from jousto.schema.entries.declared import FORMS, EntryBy, EntryOf, keys_of, one_of, special
 from jousto.schema.entries.parts import (
     FePart,
     FramePart,
-    MatricesEntry,
-    PointMassEntry,
     ReducedEntry,
+    matrices,
 )
 
 # -- materials ------------------------------------------------------------------------------
@@ -127,10 +125,9 @@ InterfaceEntry: Any = Annotated[Any, EntryOf("jousto.parts.interface", "Interfac
 WeldToeEntry: Any = Annotated[Any, EntryOf("jousto.fatigue.welds.toes", "WeldToe")]
 
 
-class SolidEntry(FePart):
-    """`Part.solid`: tetrahedra, hexahedra and wedges from a mesh or a CAD file."""
+class SolidChoices(FePart):
+    """What solids have besides the fields of their class."""
 
-    type: Literal["solid"]
     mesh: MeshForm = Field(
         description="A mesh file, {file: ..., unit: mm} or {cad: ..., size: ...}"
     )
@@ -139,10 +136,6 @@ class SolidEntry(FePart):
         None, description="One for each element set, instead of one for all"
     )
     sets: dict[Text, Pick] | None = Field(None, description="Named nodes of the surface")
-    interfaces: tuple[InterfaceEntry, ...] | None = None
-    point_masses: tuple[PointMassEntry, ...] | None = None
-    weighed_mass: Mass | None = Field(None, description="Densities are scaled to this mass")
-    lumped: Flag | None = Field(None, description="Mass lumped at the nodes")
     stiffening: Flag | None = Field(None, description="Forces along the body stiffen or soften it")
     stress: Pick | None = Field(
         None,
@@ -156,15 +149,24 @@ class SolidEntry(FePart):
     cache: Flag | None = Field(None, description="Whether the reduction is kept for the next time")
 
     @model_validator(mode="after")
-    def _one_material(self) -> SolidEntry:
+    def _one_material(self) -> SolidChoices:
         if (self.material is None) == (self.materials is None):
             raise fail("give either material: for the whole part or materials: by element set")
         return self
 
 
-OTHERS: Mapping[str, type[Entry]] = {
-    "solid": SolidEntry,
-    "matrices": MatricesEntry,
+def solid() -> Any:
+    """Return the entry of `Part.solid`: solid elements of a mesh or a CAD file."""
+    from jousto.parts.solids.form import MeshSolid
+
+    keys = keys_of(MeshSolid, without=("mesh", "materials"))
+    return special(MeshSolid, "solid", base=SolidChoices, **keys)
+
+
+FORMS["interfaces"] = lambda field: tuple[InterfaceEntry, ...]
+OTHERS: Mapping[str, Any] = {
+    "solid": EntryBy(solid),
+    "matrices": EntryBy(matrices),
     "reduced": ReducedEntry,
 }
 PartEntry: Any = one_of(

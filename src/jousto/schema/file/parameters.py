@@ -7,12 +7,15 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from jousto.base.complexstep import scalar
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.base.expressions import ExpressionError, Quantity, evaluate, read_quantity
-from jousto.design.studies.parameter import Parameter
+from jousto.design.studies.parameters.parameter import Parameter
 from jousto.schema.file.document import EXPRESSION, Document, Loc
 
 SECTION = "parameters"
+LATER = "limits"
+"""Texts that name parameters, which studies give their values."""
 KEYS = ("value", "bounds", "distribution")
 NAME = re.compile(r"[^\W\d]\w*")
 
@@ -29,11 +32,14 @@ class Expanded:
         Those that may be varied: not those that are expressions themselves.
     unused : tuple of str
         Names of those that nothing depends on.
+    idle : tuple of str
+        Names of those that only limits, and parameters for these, depend on.
     """
 
     document: Document
     parameters: tuple[Parameter, ...] = ()
     unused: tuple[str, ...] = ()
+    idle: tuple[str, ...] = ()
 
 
 def expand(document: Document, values: Mapping[str, float] | None = None) -> Expanded:
@@ -54,15 +60,20 @@ def expand(document: Document, values: Mapping[str, float] | None = None) -> Exp
     if SECTION not in document.data and "${" not in document.text:
         return Expanded(document)
     expander = _Expander(document, values or {})
-    data = {key: value for key, value in document.data.items() if key != SECTION}
-    data = expander.value(data, ())
+    rest = {k: v for k, v in document.data.items() if k not in (SECTION, LATER)}
+    expander.used, needed = set(), expander.used
+    data = expander.value(rest, ())
+    if LATER in document.data:
+        data[LATER] = document.data[LATER]
     if expander.found:
         found = sorted(expander.found, key=lambda pair: document.line(pair[0]))
         raise InputError([problem for _, problem in found])
     made = replace(document, data=data, expressions=expander.texts)
     varied = tuple(expander.parameters.values())
-    unused = tuple(name for name in expander.given if name not in expander.used)
-    return Expanded(made, varied, unused)
+    reached = expander.reached()
+    unused = tuple(name for name in expander.given if name not in reached | needed)
+    idle = tuple(name for name in expander.given if name not in reached)
+    return Expanded(made, varied, unused, idle)
 
 
 class _Expander:
@@ -74,6 +85,7 @@ class _Expander:
         self.found: list[tuple[Loc, Problem]] = []
         self.texts: dict[Loc, str] = {}
         self.used: set[str] = set()
+        self.needs: dict[str, set[str]] = {}  # of parameters that depend on others
         self.parameters: dict[str, Parameter] = {}
         self.given: dict[str, Any] = {}
         self.quantities: dict[str, Quantity] = {}
@@ -128,7 +140,7 @@ class _Expander:
             for problem in error.problems:
                 self.note(loc, problem.message)
             return
-        number = float(self.values.get(name, value.value))
+        number = scalar(self.values.get(name, value.value))
         self.quantities[name] = Quantity(number, value.exponents)
 
     def _quantity(self, loc: Loc, value: Any) -> Quantity | None:
@@ -156,7 +168,10 @@ class _Expander:
             done = []
             for name, text in waiting.items():
                 if not any(re.search(rf"(?<!\w){other}(?!\w)", text) for other in waiting):
+                    self.used, before = set(), self.used
                     value = self._evaluate((SECTION, name), text)
+                    self.needs[name] = self.used
+                    self.used = before | self.used
                     if value is not None:
                         self.quantities[name] = value
                     done.append(name)
@@ -177,6 +192,15 @@ class _Expander:
             if not broken:  # else what is wrong with the parameter has been said
                 self.note(loc, f"${{{text}}}: {error}")
             return None
+
+    def reached(self) -> set[str]:
+        """Return the names that were used, with those that these depend on."""
+        found: set[str] = set()
+        waiting = set(self.used)
+        while waiting:
+            found |= waiting
+            waiting = set().union(*(self.needs.get(name, ()) for name in waiting)) - found
+        return found
 
     def value(self, value: Any, loc: Loc) -> Any:
         """Return data with the values of the expressions in it."""

@@ -8,7 +8,7 @@ from jousto.base.units import UnitError, quantity
 from jousto.schema.file.document import Loc
 
 if TYPE_CHECKING:
-    from jousto.schema.make.context import Builder
+    from jousto.schema.make.builder import Builder
 
 
 def build_amount(builder: Builder, loc: Loc, value: Any, unit: str) -> Any:

@@ -1,230 +1,279 @@
-"""From validated entries to parts, bodies and a mechanism, through the Python constructors."""
+"""Builder: finds what the names of a document mean, such as markers, and collects its problems."""
 
 from __future__ import annotations
 
+import re
 import warnings
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
 
-import numpy as np
+from jousto.base.declare import Declared
+from jousto.base.errors import InputError, JoustoWarning, Problem, suggest
+from jousto.base.rotations import Rotate
+from jousto.mechanism.bodies.body import ground
+from jousto.schema.entries.base import Entry, EulerEntry, MarkerEntry, RotateEntry
+from jousto.schema.file.document import Document, Loc
 
-from jousto.base.errors import InputError, Problems
-from jousto.base.names import check_name
-from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
-from jousto.mechanism.bodies.posed import Posed
-from jousto.mechanism.forces.loads import Gravity
-from jousto.mechanism.mechanism import Mechanism
-from jousto.schema.entries import model as sm, parts as sp
-from jousto.schema.entries.fatigue import build_curves
-from jousto.schema.entries.solids import SolidEntry
-from jousto.schema.file.document import Loc
-from jousto.schema.make.context import Builder, Section
-from jousto.schema.make.declared import build_declared
-from jousto.schema.make.elements import FORMS as OF_FORCES
-from jousto.schema.make.matrices import build_matrices, build_superelement, is_superelement
-from jousto.schema.make.sense import FORMS as OF_SENSORS
-from jousto.schema.make.solid import FORMS as OF_PARTS, build_solid
-
-LISTS = ("bodies", "joints", "couplings", "forces", "frictions", "initial", "sensors", "events")
-
-MOST_KEPT = 64
-"""Reduced parts of variants of a file that are kept, the one made first goes first."""
+T = TypeVar("T")
+MOST_HINTS = 100  # problems of a file that come with likely names
 
 
-class ModelBuilder(Builder):
-    """Builds parts, bodies and the mechanism of a document."""
+class Builder:
+    """Builds the objects of one document and collects problems with their lines.
 
-    forms = {**OF_FORCES, **OF_SENSORS, **OF_PARTS}
+    Parameters
+    ----------
+    document : Document
+        For lines, and the folder of files it refers to.
+    broken : iterable of (str, str or None)
+        Sections and names of entries that failed before; references to them are not reported
+        again. None stands for any name.
+    rigid : bool
+        Whether flexible bodies are made rigid.
+    trust : bool
+        Whether Python code that the document names may run.
+    options : mapping, optional
+        Arguments of `reduce` that go before those of the document: solver, cache, progress.
+    """
 
-    # -- parts ------------------------------------------------------------------------------
+    forms: Mapping[str, Callable[[Any, Any], Any]] = {}
+    """How more forms become objects than those of every declared class."""
 
-    def part_name(self, loc: Loc, name: Any) -> bool:
-        """Return whether a part may have this name, which becomes that of a file; note if not."""
-        problems = Problems()
-        check_name(problems, "part", name)
-        for problem in problems.found:
-            self.note(loc, problem.message)
-        return not problems.found
+    def __init__(
+        self,
+        document: Document,
+        broken: Iterable[tuple[str, str | None]] = (),
+        *,
+        rigid: bool = False,
+        trust: bool = False,
+        options: Mapping[str, Any] | None = None,
+    ) -> None:
+        self.options = dict(options or {})
+        self.document = document
+        self.trust = trust
+        self.broken = set(broken)
+        self.rigid = rigid
+        self.found: list[tuple[Loc, Problem]] = []
+        self.noted: set[Problem] = set()
+        self.warnings: dict[str, None] = {}  # in their order
+        self.curves: dict[str, Any] = {}
+        self.known: dict[str, Mapping[str, Any]] = {}  # what entries may name, by section
+        self.sensors: list[str] = []  # names of all sensors of the file
+        self.kept: dict[Any, Any] = {}  # reduced parts of variants of the file
 
-    def reduced(self, loc: Loc, name: str, entry: Any) -> Any:
-        """Return the ReducedPart of an entry of parts, None if anything is wrong with it."""
-        from jousto.reduction.reduced import ReducedPart
+    def note(self, loc: Loc, message: str) -> None:
+        """Note a problem at a place of the document."""
+        problem = Problem(self.document.where(loc), self.document.told(loc, message))
+        if problem not in self.noted:
+            self.noted.add(problem)
+            self.found.append((loc, problem))
 
-        if entry.in_plane is not None and entry.keep is not None:
-            self.note((*loc, "keep"), "give either keep or in_plane, not both")
-            return None
-        if isinstance(entry, sp.ReducedEntry):
-            reduced = self.make((*loc, "file"), ReducedPart.load, self.file(entry.file))
-            return self.chosen(loc, entry, reduced)
-        if is_superelement(entry):
-            return self.chosen(loc, entry, build_superelement(self, loc, name, entry))
-        part = self.part(loc, name, entry)
-        method = self.method(loc, entry, part)
-        return self.reduction(loc, entry, part, method)
-
-    def recalled(self, loc: Loc, name: str, entry: Any) -> Any:
-        """Return the same, of an entry that another variant had what was made of it then."""
-        place = (name, repr(self.document.at(loc)))
-        if place not in self.kept:
-            reduced = self.reduced(loc, name, entry)
-            if reduced is None:
-                return None
-            self.kept[place] = reduced
-            while len(self.kept) > MOST_KEPT:
-                del self.kept[next(iter(self.kept))]
-        return self.kept[place]
-
-    def method(self, loc: Loc, entry: Any, part: Any = None) -> Any:
-        """Return the CraigBampton or FreeFree of an entry, None if it is wrong."""
-        return build_declared(self, (*loc, "reduce"), entry.reduce, {"part": part})
-
-    def reduction(self, loc: Loc, entry: Any, part: Any, method: Any) -> Any:
-        """Return the ReducedPart of a part as the entry asks for, None if anything is wrong."""
-        from jousto.reduction.reducer import reduce
-
-        if part is None or method is None:
-            return None
-        options: dict[str, Any] = {
-            key: value
-            for key in ("stiffening", "residual_stress", "solver", "cache")
-            if (value := getattr(entry, key, None)) is not None
+    def make(self, loc: Loc, make: Callable[..., T], /, *args: Any, **kwargs: Any) -> T | None:
+        """Return ``make(*args, **kwargs)``; None with the problems noted if it fails."""
+        own = {
+            str(loc[-1]).lower() if loc else "",
+            make.__name__.lower(),
+            make.__qualname__.lower(),
         }
-        options |= self.options
-        reduced = self.make((*loc, "reduce"), reduce, part, method, **options)
-        return self.chosen(loc, entry, reduced)
-
-    def chosen(self, loc: Loc, entry: Any, reduced: Any) -> Any:
-        """Return the ReducedPart with the modes that the entry keeps."""
-        if reduced is not None and entry.in_plane is not None:
-            modes = reduced.in_plane(entry.in_plane)
-            reduced = self.make((*loc, "in_plane"), reduced.keep, modes)
-        elif reduced is not None and entry.keep is not None:
-            reduced = self.make((*loc, "keep"), reduced.keep, entry.keep)
-        return reduced
-
-    def part(self, loc: Loc, name: str, entry: Any) -> Any:
-        """Return the Part of an entry with a mesh, None if anything is wrong with it."""
-        if isinstance(entry, sp.MatricesEntry):
-            return build_matrices(self, loc, name, entry)
-        if isinstance(entry, SolidEntry):
-            return build_solid(self, loc, name, entry)
-        return build_declared(self, loc, entry, more={"name": name})
-
-    # -- mechanism --------------------------------------------------------------------------
-
-    def named_part(self, loc: Loc, entry: Any) -> Any:
-        """Return the ReducedPart of an entry of parts, None if anything is wrong with it."""
-        name: Any = loc[-1]
-        return self.recalled(loc, name, entry) if self.part_name(loc, name) else None
-
-    def item(self, loc: Loc, entry: Any) -> Any:
-        """Return the object of an entry of a list, None if anything is wrong with it."""
-        made = build_declared(self, loc, entry, self.known)
-        return rigid_body(made) if self.rigid and isinstance(made, FlexibleBody) else made
-
-    def mechanism(self, entry: sm.ModelEntry, index: dict[str, list[int]]) -> Any:
-        """Return the Mechanism of a file; None if anything is wrong.
-
-        Parameters
-        ----------
-        entry : ModelEntry
-            The validated file, or what is left of it without invalid entries.
-        index : dict
-            For each list the places of its entries in the file.
-        """
-        self.sensors = [e.name for e in entry.sensors or ()]
-        known = self.known
-        known["curves"] = self.curves = build_curves(self, entry.fatigue)
-        parts = [(name, ("parts", name), part) for name, part in (entry.parts or {}).items()]
-        known["parts"] = made = Section(self, "parts", parts, self.named_part)
-        sections = [made]
-        # a rigid body has neither modes nor stress, nor damage of what is gone with them
-        gone = [e.name for e in entry.sensors or () if self.rigid and e.declared.flexible]
-        for key in LISTS:
-            entries: list[tuple[Any, Loc, Any]] = [
-                (getattr(e, "name", None), (key, i), e)
-                for i, e in zip(index[key], getattr(entry, key) or (), strict=True)
-                if not (self.rigid and getattr(e.declared, "flexible", False))
-                and getattr(e, "sensor", None) not in gone
-            ]
-            known[key] = made = Section(self, key, entries, self.item)
-            sections.append(made)
-        items = [item for made in sections for item in made.all() if item[0][0] != "parts"]
-        if not known["bodies"] and (self.found or self.broken):
-            return None
-        gravity = [] if entry.gravity is None else [Gravity(entry.gravity)]
-        name = entry.name or "mechanism"
-        return self.checked(items, gravity, name)
-
-    def checked(self, items: list[tuple[Loc, Any]], gravity: list[Any], name: str) -> Any:
-        """Return the Mechanism; note its problems at the entries they belong to."""
-        from jousto.mechanism.mechanism import where
-
-        places = {where(item): loc for loc, item in items}
+        name = kwargs.get("name", args[0] if args else kwargs.get("coordinate"))
+        name = getattr(name, "name", name)
+        result, errors = None, None
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             try:
-                made = Mechanism(
-                    *(item for _, item in items),
-                    *gravity,
-                    name=name,
-                )
+                result = make(*args, **kwargs)
+                if isinstance(result, Declared):
+                    result = result.made
             except InputError as error:
-                for problem in error.problems:
-                    loc = places.get(problem.where, ())
-                    text = problem.message if loc else str(problem)
-                    self.note(self.refine(loc, problem.message) if loc else loc, text)
-                return None
-        # what is broken would only cause wrong warnings
-        if not (self.found or self.broken):
-            for item in caught:
-                text = str(item.message)
-                place = next((p for p in places if text.startswith(f"{p}: ")), "")
-                self.warn(places.get(place, ()), item, {place.lower()})
-        return made
+                errors = error
+        # outside of the block, or what is passed on would be caught again without end
+        for item in caught:
+            self.warn(loc, item, own, name)
+        for problem in errors.problems if errors else ():
+            message = shorten(problem.where, problem.message, own, name)
+            place = self.refine(loc, problem.message)
+            self.note(place, message.removeprefix(f"{place[-1]}: " if place else ""))
+        return result
 
+    def warn(
+        self, loc: Loc, item: warnings.WarningMessage, own: set[str], name: Any = None
+    ) -> None:
+        """Keep a warning with its place, pass on those that are not jousto's."""
+        if not issubclass(item.category, JoustoWarning):
+            warnings.warn_explicit(item.message, item.category, item.filename, item.lineno)
+            return
+        where, colon, message = str(item.message).partition(": ")
+        if colon:
+            message = shorten(where, message, own, name)
+        place = self.refine(loc, message)
+        message = message.removeprefix(f"{place[-1]}: " if place else "")
+        text = f"{self.document.where(place)}: {message if colon else where}"
+        self.warnings[text] = None
 
-def rigid_body(body: FlexibleBody) -> RigidBody:
-    """Return the rigid body with mass, inertia and named nodes of a flexible one."""
-    reduced = body.reduced
-    invariants = reduced.invariants
-    mass, U = invariants.mass, invariants.second_moment
-    center = invariants.first_moment / mass
-    U = U - mass * np.outer(center, center)
-    nodes = {key: reduced.nodes[m[0]] for key, m in reduced.node_sets.items() if len(m) == 1}
-    return RigidBody(
-        **{key: getattr(body, key) for key in Posed.fields},
-        mass=mass,
-        inertia=np.trace(U) * np.eye(3) - U,
-        center=center,
-        markers=nodes,
-        outline=drawn_outline(reduced.nodes, reduced.elements),
-    )
+    def refine(self, loc: Loc, message: str) -> Loc:
+        """Return the path of the field that a message of a constructor begins with."""
+        for word in re.findall(r"[A-Za-z_]\w*", message)[:4]:
+            if (*loc, word) in self.document.lines:
+                return (*loc, word)
+        return loc
 
+    def file(self, name: str) -> Path:
+        """Return a file name of the document, relative to the document's folder."""
+        return self.document.folder / name
 
-def drawn_outline(nodes: Any, elements: Any) -> Any:
-    """Return the triangles (nt, 3, 3) of a solid, else a polyline along all elements."""
-    if np.ndim(elements) == 2 and np.shape(elements)[1] == 3 and len(elements):
-        return np.asarray(nodes)[np.asarray(elements)]
-    return round_trip(nodes, elements)
+    def each(self, loc: Loc, value: Any, build: Callable[[Loc, Any], Any]) -> Any:
+        """Return the object of an entry, or the list of objects of a list of entries."""
+        if isinstance(value, Entry | str):
+            return build(loc, value)
+        return [build((*loc, i), item) for i, item in enumerate(value)]
 
+    def orientations(self, loc: Loc, values: dict[str, Any]) -> dict[str, Any]:
+        """Replace turns about axes by `Rotate` objects."""
+        for key in ("orientation", "axes"):
+            if key in values:
+                values[key] = self.orientation((*loc, key), values[key])
+        return values
 
-def round_trip(nodes: Any, elements: Any) -> Any:
-    """Return a polyline (k, 3) along all elements and back, None where there are none."""
-    if np.ndim(elements) != 2 or not len(elements):
-        return None
-    neighbours: dict[int, list[int]] = {}
-    for a, b in np.asarray(elements)[:, [0, -1]].tolist():
-        neighbours.setdefault(a, []).append(b)
-        neighbours.setdefault(b, []).append(a)
-    way, drawn, here = [int(elements[0][0])], set(), [int(elements[0][0])]
-    while here:
-        a = here[-1]
-        ahead = [b for b in neighbours[a] if frozenset((a, b)) not in drawn]
-        if ahead:
-            drawn.add(frozenset((a, ahead[0])))
-            here.append(ahead[0])
+    def orientation(self, loc: Loc, entry: Any) -> Any:
+        """Return an orientation; turns about axes become a `Rotate`."""
+        if isinstance(entry, EulerEntry):
+            return self.make(loc, Rotate.euler, entry.convention, degrees=entry.euler_deg)
+        if not isinstance(entry, RotateEntry):
+            return entry
+        return self.make(loc, Rotate, entry.axis, degrees=entry.angle_deg)
+
+    def unknown(
+        self, loc: Loc, section: str | tuple[str, ...], kind: str, name: str, known: Iterable[str]
+    ) -> None:
+        """Note a reference to nothing, unless it is to an entry that failed itself."""
+        sections = (section,) if isinstance(section, str) else section
+        if not {(s, n) for s in sections for n in (name, None)} & self.broken:
+            hint = ""
+            if len(self.found) < MOST_HINTS:  # looking for likely names takes its time
+                broken = (str(n) for s, n in sorted(self.broken, key=str) if s in sections and n)
+                hint = suggest(name, [*known, *broken])
+            self.note(loc, f"no {kind} {name!r}{hint}")
+
+    def marker(self, loc: Loc, entry: Any, bodies: Mapping[str, Any]) -> Any:
+        """Return the marker of an entry, None if anything is wrong with it."""
+        if isinstance(entry, MarkerEntry):
+            name, point, place = entry.body, entry.point, (*loc, "body")
         else:
-            here.pop()
-        if here:
-            way.append(here[-1])
-    return np.asarray(nodes)[way]
+            name, _, point = entry.partition(".")
+            place = loc
+        body = ground if name == "ground" else bodies.get(name)
+        if body is None:
+            self.unknown(place, "bodies", "body", name, [*bodies, "ground"])
+            return None
+        marker: Any
+        if isinstance(entry, MarkerEntry) and entry.at is not None:
+            marker = self.make((*loc, "at"), body.at, entry.at)
+        else:
+            point_place = (*loc, "point") if isinstance(entry, MarkerEntry) else loc
+            marker = self.make(point_place, body.__getitem__, point)
+        if marker is None or not isinstance(entry, MarkerEntry) or entry.axes is None:
+            return marker
+        axes = self.orientations(loc, {"axes": entry.axes})["axes"]
+        return None if axes is None else self.make((*loc, "axes"), marker.turned, axes)
+
+    def event(self, loc: Loc, name: str) -> Any:
+        """Return the event that switches a signal, None if there is none that can."""
+        events = self.known["events"]
+        try:
+            found = events.get(name)
+        except CircleError:
+            self.note(
+                loc,
+                f"event {name!r} watches a force, a coupling or a signal and cannot switch one; "
+                "let it watch a coordinate or the motion of a marker",
+            )
+            return None
+        if found is None:
+            self.unknown(loc, "events", "event", name, events)
+        return found
+
+
+class CircleError(Exception):
+    """An entry stands on itself."""
+
+
+class Section(Mapping[str, Any]):
+    """The objects of a section by their names, each made when it is named first.
+
+    Parameters
+    ----------
+    builder : Builder
+        Notes problems, and the names of entries that fail.
+    key : str
+        The section.
+    entries : iterable of (name, path, entry)
+        Its entries.
+    build : function
+        Returns the object of a path and an entry, None if anything is wrong with it.
+    """
+
+    def __init__(
+        self,
+        builder: Builder,
+        key: str,
+        entries: Iterable[tuple[str, Loc, Any]],
+        build: Callable[[Loc, Any], Any],
+    ) -> None:
+        self.builder, self.key, self.build = builder, key, build
+        self.entries = tuple(entries)
+        self.places = {name: i for i, (name, _, _) in enumerate(self.entries)}
+        self.made: dict[int, Any] = {}
+        self.open: set[int] = set()  # what is being made
+
+    def __getitem__(self, name: str) -> Any:
+        """Return an object; raise KeyError where none has that name or it cannot be made."""
+        found = self.object(self.places[name])
+        if found is None:
+            raise KeyError(name)
+        return found
+
+    def __iter__(self) -> Iterator[str]:
+        return (name for name, i in self.places.items() if self.made.get(i, i) is not None)
+
+    def __len__(self) -> int:
+        return len(list(iter(self)))
+
+    def entry(self, name: str) -> Any:
+        """Return the entry of a name."""
+        return self.entries[self.places[name]][2]
+
+    def object(self, i: int) -> Any:
+        """Return the object of an entry, None if anything is wrong with it."""
+        if i in self.open:
+            raise CircleError
+        if i not in self.made:
+            name, loc, entry = self.entries[i]
+            self.open.add(i)
+            try:
+                self.made[i] = self.build(loc, entry)
+            finally:
+                self.open.remove(i)
+            if self.made[i] is None:
+                self.builder.broken.add((self.key, name))
+        return self.made[i]
+
+    def all(self) -> list[tuple[Loc, Any]]:
+        """Return the objects of all entries that can be made, with their paths."""
+        found = []
+        for i, (name, loc, _) in enumerate(self.entries):
+            try:
+                item = self.object(i)
+            except CircleError:
+                self.builder.note(loc, f"{name!r} stands on itself")
+                item = self.made[i] = None
+            found.append((loc, item))
+        return [(loc, item) for loc, item in found if item is not None]
+
+
+def shorten(where: str, message: str, own: set[str], name: Any) -> str:
+    """Return the sentence of a constructor without the name of the object it is about."""
+    head = where.lower()
+    if not where or head in own or head.endswith((f" {name!r}".lower(), f" '{name}'".lower())):
+        return message
+    return f"{where}: {message}"

@@ -17,7 +17,7 @@ from jousto.schema.make.amounts import build_amount, per_second
 from jousto.schema.make.tables import build_table
 
 if TYPE_CHECKING:
-    from jousto.schema.make.context import Builder
+    from jousto.schema.make.builder import Builder
 
 Known: TypeAlias = Mapping[str, Any]
 """For each section the objects made before, by their names; the part or mesh that is read."""
@@ -242,6 +242,7 @@ FORMS: dict[str, Callable[[Place, Any], Any]] = {
     "damping": nested,
     "section": nested,
     "beam sections": each,
+    "shape functions": each,
     "file": file,
     "coordinate": coordinate,
     "coordinates": coordinates,

@@ -19,7 +19,7 @@ from jousto.schema.make.declared import Place, build_coordinate
 from jousto.schema.make.tables import build_table
 
 if TYPE_CHECKING:
-    from jousto.schema.make.context import Builder
+    from jousto.schema.make.builder import Builder
 
 
 def curve(place: Place, value: Any) -> Any:

@@ -5,13 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jousto.schema.entries.parts import MatricesEntry, SuperelementEntry
 from jousto.schema.file.document import Loc
 from jousto.schema.file.files import read_matrix, read_points
 from jousto.schema.make.declared import build_declared
 
 if TYPE_CHECKING:
-    from jousto.schema.make.context import Builder
+    from jousto.schema.make.builder import Builder
 
 # what only the files of other programs have
 FOREIGN = ("dofs", "format", "units")
@@ -21,10 +20,10 @@ ORDERED = ("dofs_per_node", "elements")
 
 def is_superelement(entry: Any) -> bool:
     """Whether an entry is reduced in the other program already."""
-    return isinstance(entry, MatricesEntry) and isinstance(entry.reduce, SuperelementEntry)
+    return bool(entry.type == "matrices" and entry.reduce.type == "superelement")
 
 
-def build_matrices(builder: Builder, loc: Loc, name: str, entry: MatricesEntry) -> Any:
+def build_matrices(builder: Builder, loc: Loc, name: str, entry: Any) -> Any:
     """Return the Part of an entry, None if anything is wrong with it."""
     from jousto.parts.matrices.plain import SUFFIXES
     from jousto.parts.part import Part
@@ -55,7 +54,7 @@ def build_matrices(builder: Builder, loc: Loc, name: str, entry: MatricesEntry) 
     return builder.make(loc, Part.from_matrices, **values, name=name)
 
 
-def build_superelement(builder: Builder, loc: Loc, name: str, entry: MatricesEntry) -> Any:
+def build_superelement(builder: Builder, loc: Loc, name: str, entry: Any) -> Any:
     """Return the ReducedPart of a superelement, None if anything is wrong with it."""
     from jousto.parts.matrices.read import read_matrices
     from jousto.reduction.superelement import reduce_superelement
@@ -75,7 +74,7 @@ def build_superelement(builder: Builder, loc: Loc, name: str, entry: MatricesEnt
     return builder.make((*loc, "reduce"), reduce_superelement, matrices, **limits)
 
 
-def _has_program(builder: Builder, entry: MatricesEntry) -> bool:
+def _has_program(builder: Builder, entry: Any) -> bool:
     """Whether a .mtx file is Abaqus's, or the nodes are those of a mesh."""
     from jousto.parts.matrices.abaqus import is_abaqus
     from jousto.parts.matrices.nodes import TABLES

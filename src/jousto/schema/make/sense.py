@@ -8,7 +8,7 @@ from typing import Any
 from jousto.materials.library import material
 from jousto.mechanism.sensors.gauge import Gauge
 from jousto.schema.entries.base import Entry
-from jousto.schema.entries.curves import build_curve, build_mean
+from jousto.schema.make.curves import build_curve, build_mean
 from jousto.schema.make.declared import Place, marker
 
 

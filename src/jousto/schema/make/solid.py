@@ -17,13 +17,13 @@ from jousto.schema.make.declared import Place, build_declared, build_material
 
 if TYPE_CHECKING:
     from jousto.mesh.mesh import Mesh
-    from jousto.schema.make.context import Builder
+    from jousto.schema.make.builder import Builder
 
 DIAMETER = 0.02  # share by which a hole may differ from the diameter that is asked for
 SHOWN = 6  # holes or sets named in a message
 
 
-def build_solid(builder: Builder, loc: Loc, name: str, entry: ss.SolidEntry) -> Any:
+def build_solid(builder: Builder, loc: Loc, name: str, entry: Any) -> Any:
     """Return the Part of an entry, None if anything is wrong with it."""
     from jousto.parts.part import Part
 
@@ -70,7 +70,7 @@ def build_solid(builder: Builder, loc: Loc, name: str, entry: ss.SolidEntry) -> 
     return part if part is None or not entry.welds else with_welds(builder, loc, part, entry)
 
 
-def with_welds(builder: Builder, loc: Loc, part: Any, entry: ss.SolidEntry) -> Any:
+def with_welds(builder: Builder, loc: Loc, part: Any, entry: ss.SolidChoices) -> Any:
     """Return the part with its weld toes as further stress sites, None if one is wrong."""
     from jousto.fatigue.welds.toes import weld_stress
 
@@ -83,7 +83,7 @@ def with_welds(builder: Builder, loc: Loc, part: Any, entry: ss.SolidEntry) -> A
     return None if stress is None else part.with_stress(stress)
 
 
-def with_stress_at(part: Any, entry: ss.SolidEntry) -> Any:
+def with_stress_at(part: Any, entry: ss.SolidChoices) -> Any:
     """Return the part that has stress data at the nodes that the entry asks for."""
     chosen = entry.stress or "surface"
     if chosen == "none":
@@ -99,7 +99,7 @@ def with_stress_at(part: Any, entry: ss.SolidEntry) -> Any:
     return replace(part, stress=part.stress.at(nodes))
 
 
-def solid_materials(builder: Builder, loc: Loc, entry: ss.SolidEntry) -> Any:
+def solid_materials(builder: Builder, loc: Loc, entry: ss.SolidChoices) -> Any:
     """Return the material of a solid, or a mapping of them by element set."""
     if entry.materials is None:
         return build_material(builder, (*loc, "material"), entry.material)
@@ -109,7 +109,7 @@ def solid_materials(builder: Builder, loc: Loc, entry: ss.SolidEntry) -> Any:
     }
 
 
-def read_solid_mesh(builder: Builder, loc: Loc, entry: ss.SolidEntry) -> Mesh | None:
+def read_solid_mesh(builder: Builder, loc: Loc, entry: ss.SolidChoices) -> Mesh | None:
     """Return the mesh of an entry, None with the problems noted if it cannot be read."""
     from jousto.mesh.readers.files import read_mesh
 
@@ -131,7 +131,7 @@ def pick(place: Place, value: Any) -> Any:
     return picked(place.builder, place.loc, value, mesh)
 
 
-def with_stress_set(builder: Builder, loc: Loc, entry: ss.SolidEntry, mesh: Mesh) -> Mesh:
+def with_stress_set(builder: Builder, loc: Loc, entry: ss.SolidChoices, mesh: Mesh) -> Mesh:
     """Return the mesh with the nodes of a pick for stress as a set, note what is not there."""
     if entry.stress is None or entry.stress in STRESS_WORDS:
         return mesh

@@ -12,7 +12,7 @@ from jousto.schema.file.document import Loc
 from jousto.schema.make.amounts import build_amount
 
 if TYPE_CHECKING:
-    from jousto.schema.make.context import Builder
+    from jousto.schema.make.builder import Builder
 
 
 def build_table(builder: Builder, loc: Loc, entry: Any, at: str, unit: str) -> Any:

@@ -16,7 +16,7 @@ from jousto.base.errors import InputError, Problem
 from jousto.model.model import Model
 from jousto.simulation.modes.large import MANY
 from jousto.simulation.modes.linear import modes
-from jousto.simulation.running.state import State
+from jousto.simulation.state import State
 
 
 @described

@@ -13,9 +13,8 @@ from jousto.base.arrays import Array, skew
 from jousto.base.rotations import rotation_matrix
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
-from jousto.simulation.modes.spectrum import nearest, saddle
-from jousto.simulation.running.state import State, put
-from jousto.simulation.statics.balance import newton_sparse
+from jousto.simulation.modes.spectrum import nearest, newton_sparse, saddle
+from jousto.simulation.state import State, put
 
 MANY = 600  # velocities and rows above which matrices are sparse
 USUAL = 20  # modes of large mechanisms

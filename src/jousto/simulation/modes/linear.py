@@ -15,7 +15,8 @@ from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.base.rotations import rotation_matrix
 from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
-from jousto.simulation.running.state import State, put
+from jousto.model.packing.foreign import without_fmus
+from jousto.simulation.state import State, put
 
 Eigenvalues = NDArray[np.complex128]
 NOTICED = 1e-3  # of the lowest frequency, rad/s: spin that changes a mode by as much
@@ -75,6 +76,10 @@ class MechanismModes:
         Shapes as increments of R (body frame), rotation (body frame) and p of every body.
     shapes : dict
         Body name to nodal displacements (k, nodes, 3), world frame; largest of a mode is 1.
+    model : Model
+        The mechanism.
+    state : State
+        About which it moves.
     """
 
     frequencies: Array
@@ -82,6 +87,8 @@ class MechanismModes:
     eigenvalues: Eigenvalues
     increments: NDArray[Any]
     shapes: dict[str, NDArray[Any]]
+    model: Model
+    state: State
 
     def __repr__(self) -> str:
         found = ", ".join(f"{f:.5g}" for f in self.frequencies[:6])
@@ -136,6 +143,7 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
     InputError
         If a body or joint is singular at the state.
     """
+    without_fmus(model, "linearise", "has no derivatives here")
     q, v, time = (model.q0, model.v0, 0.0) if state is None else (state.q, state.v, state.time)
     nv, T = model.nv, turning(model, q)
     engine, steps = Engine(model), Engine(model, complex_scalars=True)
@@ -216,6 +224,7 @@ def at_rest(model: Model, state: State) -> Rest:
     InputError
         If a body or joint is singular at the state.
     """
+    without_fmus(model, "modes", "has no derivatives here")
     still, T = replace(state, v=np.zeros(model.nv)), turning(model, state.q)
     engine, twin = Engine(model), Engine(model, complex_scalars=True)
     for one in (engine, twin):
@@ -404,6 +413,8 @@ def _modes(
         eigenvalues,
         increments,
         pictures(model, state.q, increments),
+        model,
+        state,
     )
 
 
@@ -426,6 +437,17 @@ def stiffness_modes(rest: Rest) -> tuple[NDArray[Any], NDArray[Any]]:
 
 def pictures(model: Model, q: Array, increments: NDArray[Any]) -> dict[str, NDArray[Any]]:
     """Return nodal displacements (k, nodes, 3) of every body, world, scaled to 1 by mode."""
+    out = nodal(model, q, increments)
+    largest = np.zeros(increments.shape[1])
+    for moved in out.values():
+        if moved.size:
+            largest = np.maximum(largest, np.abs(moved).max(axis=(1, 2)))
+    scale = np.where(largest > 0.0, largest, 1.0)
+    return {name: moved / scale[:, None, None] for name, moved in out.items()}
+
+
+def nodal(model: Model, q: Array, increments: NDArray[Any]) -> dict[str, NDArray[Any]]:
+    """Return what increments (nv, k) move the nodes by, (k, nodes, 3) of every body, world."""
     out: dict[str, NDArray[Any]] = {}
     for body, shape, A in zip(model.bodies, model.shapes, rotations(model, q), strict=True):
         dx = increments[body.iv : body.iv + 6 + body.n].T
@@ -436,9 +458,4 @@ def pictures(model: Model, q: Array, increments: NDArray[Any]) -> dict[str, NDAr
             flexible = np.einsum("icj,kj->kic", shape.modes, dx[:, 6:])
         local = dx[:, None, :3] + np.cross(dx[:, None, 3:6], u[None]) + flexible
         out[body.name] = local @ A.T
-    largest = np.zeros(increments.shape[1])
-    for moved in out.values():
-        if moved.size:
-            largest = np.maximum(largest, np.abs(moved).max(axis=(1, 2)))
-    scale = np.where(largest > 0.0, largest, 1.0)
-    return {name: moved / scale[:, None, None] for name, moved in out.items()}
+    return out

@@ -12,6 +12,7 @@ import scipy.sparse.linalg as spl
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
+from jousto.model.native.native import Engine
 
 blocks: Any = sp.bmat  # of which the type information knows too little
 DENSE = 360  # unknowns up to which all modes are computed
@@ -128,6 +129,14 @@ def _sparse(K: Any, M: Any, C: Any, count: int) -> Spectrum:
         values, vectors = spl.eigs(K, k=count, M=M, sigma=shift, OPinv=inverse, v0=start)
     order = np.argsort(np.abs(values), kind="stable")
     return Spectrum(values[order], _unit(vectors[:, order], M))
+
+
+def newton_sparse(engine: Engine, ca: float, cv: float, cq: float) -> Any:
+    """Return Newton's matrix of the engine as a sparse one."""
+    made = getattr(engine, "newton_sparse", None)
+    if made is not None:
+        return made(ca, cv, cq)
+    return sp.csr_matrix(engine.newton_matrix(ca, cv, cq))
 
 
 def saddle(A: Any, C: Any) -> Any:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from weakref import WeakKeyDictionary
 
 from jousto.model.model import Model
 from jousto.model.native.header import places
-from jousto.simulation.running.state import MEMORY, memory_sizes
+from jousto.simulation.state import MEMORY, memory_sizes
 
 DIAGNOSTICS = {
     "kinetic": ("J", "kinetic energy"),
@@ -42,8 +43,17 @@ class Column:
         return 1 if self.width is None else self.width
 
 
+_KNOWN: WeakKeyDictionary[Model, tuple[Column, ...]] = WeakKeyDictionary()
+
+
 def columns(model: Model) -> tuple[Column, ...]:
-    """Return the pieces of a row of this model, in the order of the engine."""
+    """Return the pieces of a row of this model, in the order of the engine, found once."""
+    if model not in _KNOWN:
+        _KNOWN[model] = _columns(model)
+    return _KNOWN[model]
+
+
+def _columns(model: Model) -> tuple[Column, ...]:
     found: list[Column] = []
 
     def add(place: str, width: int | None, **facts: str) -> None:

@@ -106,7 +106,8 @@ def _forces(model: Model) -> Iterator[tuple[str, str, int, int]]:
             yield force.name, "bushing", force.a, force.b
         if force.kind == "along":
             line = model.coordinates[force.coordinate]
-            if line.kind in ("along", "distance"):
+            moving = max(model.markers[line.a].body, model.markers[line.b].body) >= 0
+            if line.kind in ("along", "distance") and moving:
                 yield force.name, _force_kind(force), line.a, line.b
 
 

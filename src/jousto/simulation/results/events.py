@@ -85,6 +85,10 @@ class Chronicle:
         self._counts = np.zeros(len(sources(engine.model)), dtype=np.int64)
         self._counts[: len(engine.model.events)] = engine.happened
 
+    def follow(self, engine: Engine) -> None:
+        """Go on with another engine in the same state."""
+        self._engine = engine
+
     def read(self) -> NDArray[np.float64]:
         """Return time, source, value and count (k, 4) of what the last call of the engine did."""
         log = self._engine.happenings()

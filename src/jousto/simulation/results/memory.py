@@ -14,9 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
+from jousto.base.complexstep import real_parts
 from jousto.base.files import unwritable
 from jousto.model.beam_record import BeamShape
 from jousto.model.model import Model
+from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
 from jousto.simulation.results.columns import Column, columns
 from jousto.simulation.results.connections import Connection, connections
@@ -31,7 +33,7 @@ from jousto.simulation.results.writer import (
     Facts,
     ResultsWriter,
 )
-from jousto.simulation.running.state import MEMORY
+from jousto.simulation.state import MEMORY
 
 IN_MEMORY = 256 << 20  # bytes of results that stay in memory
 
@@ -144,6 +146,8 @@ class MemoryRecords:
                 np.array(shape.nodes),
                 np.array(shape.elements),
                 np.array(shape.modes),
+                float(body.mass[0]),
+                shape.frame,
             )
             for body, shape in zip(self.model.bodies, self.model.shapes, strict=True)
         )
@@ -159,6 +163,10 @@ class MemoryRecords:
     def connections(self) -> tuple[Connection, ...]:
         """Return what joins two points, for pictures."""
         return connections(self.model)
+
+    def symbols(self) -> tuple[SymbolShape, ...]:
+        """Return where joints, forces, sensors and named points are."""
+        return self.model.symbols
 
     def beam_places(self) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
         """Return where the nodes of each beam have their state in q and v."""
@@ -192,6 +200,13 @@ class MemoryRecords:
             writer.discard()
             raise unwritable(path, error) from error
         writer.close(bool(self.facts["complete"]), self.facts)
+
+
+def moved(run: Solution, along: float) -> Solution:
+    """Return the results of a run with derivatives as real numbers, moved along them."""
+    records: Any = run._records
+    model, rows = real_parts((records.model, records.rows), along)
+    return Solution(replace(records, model=model, rows=rows))
 
 
 class MemoryWriter:

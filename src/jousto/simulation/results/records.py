@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.model.beam_record import BeamShape
+from jousto.model.frame_record import FrameShape
+from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
 from jousto.simulation.results.connections import Connection
 from jousto.simulation.results.events import Happening
@@ -36,6 +38,10 @@ class BodyShape:
         Nodes of each element.
     modes : (nn, 3, n) array
         Translation mode shapes.
+    mass : float or None
+        kg; None in files of older versions.
+    frame : FrameShape or None
+        Elements of a modal body made of beams.
     """
 
     name: str
@@ -46,6 +52,8 @@ class BodyShape:
     nodes: Array
     elements: NDArray[np.int64]
     modes: Array
+    mass: float | None = None
+    frame: FrameShape | None = None
 
 
 class Records(Protocol):
@@ -96,6 +104,9 @@ class Records(Protocol):
 
     def connections(self) -> tuple[Connection, ...]:
         """Return what joins two points, for pictures."""
+
+    def symbols(self) -> tuple[SymbolShape, ...]:
+        """Return where joints, forces, sensors and named points are; none of older files."""
 
     def beam_places(self) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
         """Return where the nodes of each beam have their state in q and v."""

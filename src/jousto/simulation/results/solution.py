@@ -17,15 +17,16 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, count, suggest
 from jousto.model.beam_record import BeamShape
+from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
 from jousto.simulation.results import frames
 from jousto.simulation.results.connections import Connection
+from jousto.simulation.results.diagnostics import Energy, Residuals, Work
 from jousto.simulation.results.events import Happening
 from jousto.simulation.results.frames import Names, named, pick
 from jousto.simulation.results.records import BodyShape, Records
 from jousto.simulation.results.stored import FileRecords
-from jousto.simulation.running.diagnostics import Energy, Residuals, Work
-from jousto.simulation.running.state import State
+from jousto.simulation.state import State
 
 T = TypeVar("T")
 
@@ -252,6 +253,13 @@ class Solution(Mapping[str, Array]):
         )
 
     @property
+    def inputs(self) -> dict[str, Array]:
+        """Values (nt,) of the external inputs: up to an instant, at the first one from there on."""
+        names = self._records.inputs()
+        columns = self._records.read("state/input").T if names else ()
+        return dict(zip(names, columns, strict=True))
+
+    @property
     def sensors(self) -> tuple[str, ...]:
         """Names of the sensors."""
         return self._records.sensors
@@ -383,6 +391,11 @@ class Solution(Mapping[str, Array]):
         return self._records.connections()
 
     @property
+    def symbols(self) -> tuple[SymbolShape, ...]:
+        """Where joints, forces, sensors and named points are; none of files of older versions."""
+        return self._records.symbols()
+
+    @property
     def beams(self) -> tuple[BeamShape, ...]:
         """Beams: their nodes are bodies, numbered as in `bodies`."""
         return self._records.beams()
@@ -414,6 +427,22 @@ class Solution(Mapping[str, Array]):
             block = self._records.read(f"state/{place}", rows, near)
             found.append(np.asarray(block[:, (at - first)[:, None] + np.arange(width)]))
         return found[0], found[1]
+
+    @explained
+    def states(
+        self, rows: slice = slice(None), *, velocities: bool = True
+    ) -> tuple[Array, Array | None]:
+        """Return q (k, nq) and v (k, nv) at some stored instants; only these are read.
+
+        Parameters
+        ----------
+        rows : slice
+            Which instants; all of them if not given.
+        velocities : bool
+            Whether v is wanted; None instead if not.
+        """
+        q = self._records.read("state/q", rows)
+        return q, self._records.read("state/v", rows) if velocities else None
 
     @property
     def stressed(self) -> tuple[str, ...]:

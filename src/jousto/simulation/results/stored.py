@@ -15,6 +15,7 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import written
 from jousto.model.beam_record import BeamShape
+from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
 from jousto.simulation.results.connections import GROUP as CONNECTIONS, Connection, read_connections
 from jousto.simulation.results.events import Happening, happenings
@@ -24,11 +25,13 @@ from jousto.simulation.results.stress import (
     beam_knows_stress,
     knows_stress,
     read_beam,
+    read_frame,
     read_stress,
 )
+from jousto.simulation.results.symbols import GROUP as SYMBOLS, read_symbols
 from jousto.simulation.results.validate import examine, open_results
 from jousto.simulation.results.writer import EVENT_COLUMNS
-from jousto.simulation.running.state import MEMORY
+from jousto.simulation.state import MEMORY
 
 
 class FileRecords:
@@ -137,6 +140,8 @@ class FileRecords:
                     nodes=np.asarray(group["nodes"]),
                     elements=np.asarray(group["elements"]),
                     modes=np.asarray(group["mode_shapes"]),
+                    mass=float(group.attrs["mass"]) if "mass" in group.attrs else None,
+                    frame=read_frame(group),
                 )
                 for name, group in file["bodies"].items()
             )
@@ -166,6 +171,11 @@ class FileRecords:
         """Return what joins two points, for pictures."""
         with self._open() as file:
             return read_connections(file[CONNECTIONS]) if CONNECTIONS in file else ()
+
+    def symbols(self) -> tuple[SymbolShape, ...]:
+        """Return where joints, forces, sensors and named points are; none of older files."""
+        with self._open() as file:
+            return read_symbols(file[SYMBOLS]) if SYMBOLS in file else ()
 
     def beam_places(self) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
         """Return where the nodes of each beam have their state in q and v."""

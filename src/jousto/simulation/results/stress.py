@@ -1,4 +1,4 @@
-"""Stress modes and beams in a results file, so that stress follows from the file alone."""
+"""Stress modes, beams and frames in a results file, so that stress follows from the file alone."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from jousto.model.beam_record import BeamShape, SectionShape
+from jousto.model.frame_record import ARRAYS, FrameShape
 from jousto.reduction.fields.residual_stress import ResidualStress
 from jousto.reduction.fields.stress import StressModes
 
@@ -14,6 +15,7 @@ GROUP = "stress"
 
 
 BEAMS = "beams"
+FRAME = "frame"
 
 
 def stress_arrays(stress: StressModes) -> dict[str, Any]:
@@ -132,6 +134,24 @@ def read_beam(name: str, group: Any) -> BeamShape:
         group["frames"][()],
         tuple(found),
         group["which"][()],
+    )
+
+
+def frame_arrays(frame: FrameShape) -> dict[str, Any]:
+    """Return the datasets of the elements of a frame by their place in the group of a body."""
+    arrays: dict[str, Any] = {name: getattr(frame, name) for name in ARRAYS}
+    arrays |= {f"edges/{k}": edge for k, edge in enumerate(frame.edges)}
+    return {f"{FRAME}/{name}": array for name, array in arrays.items()}
+
+
+def read_frame(body: Any) -> FrameShape | None:
+    """Return the elements of the frame of a body (its HDF5 group), None if it has none."""
+    if FRAME not in body:
+        return None
+    group = body[FRAME]
+    arrays = {name: group[name][()] for name in ARRAYS}
+    return FrameShape(
+        **arrays, edges=tuple(group[f"edges/{k}"][()] for k in range(len(group["edges"])))
     )
 
 

@@ -16,7 +16,7 @@ from jousto.base.seal import Sealed, sealed
 from jousto.simulation.results.columns import DIAGNOSTICS
 from jousto.simulation.results.stress import BEAMS, knows_stress, read_beam, read_stress
 from jousto.simulation.results.writer import CONTENTS, EVENT_COLUMNS, FORMAT, FORMAT_VERSION
-from jousto.simulation.running.state import MEMORY
+from jousto.simulation.state import MEMORY
 
 TEXTS = ("name", "run", "solver")
 NUMBERS = ("complete",)

@@ -33,7 +33,8 @@ from jousto.simulation.results.connections import (
 )
 from jousto.simulation.results.events import joints_of, sources
 from jousto.simulation.results.image import SparseImage, reserve
-from jousto.simulation.results.stress import BEAMS, beam_arrays, stress_arrays
+from jousto.simulation.results.stress import BEAMS, beam_arrays, frame_arrays, stress_arrays
+from jousto.simulation.results.symbols import GROUP as SYMBOLS, symbol_arrays
 
 Facts = dict[str, Any]  # how a run ended: ended, wall_time, real_time_factor
 FORMAT = "jousto results"
@@ -70,7 +71,7 @@ class ResultsWriter:
         self._about = (model, {"run": uuid.uuid4().hex, **attributes}, text)
         running: Facts = {"ended": "running or killed", "wall_time": np.nan}
         image = self._begin(rows, running)
-        needed, free = image.size, _free_bytes(path)
+        needed, free = image.size, free_bytes(path)
         if needed > free:
             raise InputError(
                 Problem(
@@ -240,7 +241,7 @@ def uninterrupted() -> Iterator[None]:
         raise KeyboardInterrupt
 
 
-def _free_bytes(path: Path) -> int:
+def free_bytes(path: Path) -> int:
     """Return the room on the disk of the file, boundless if the folder does not exist."""
     try:
         return shutil.disk_usage(path.parent).free
@@ -378,6 +379,7 @@ def _describe(
         group.attrs["q_offset"] = body.iq
         group.attrs["v_offset"] = body.iv
         group.attrs["modes"] = body.n
+        group.attrs["mass"] = float(body.mass[0])
         arrays: dict[str, Any] = {
             "nodes": shape.nodes,
             "elements": shape.elements,
@@ -385,6 +387,8 @@ def _describe(
         }
         if shape.stress is not None:
             arrays |= stress_arrays(shape.stress)
+        if shape.frame is not None:
+            arrays |= frame_arrays(shape.frame)
         for name, array in arrays.items():
             content = (array.shape, array.dtype.str, array.tobytes())
             if content in known:
@@ -404,6 +408,10 @@ def _describe(
     if connected:
         group = file.create_group(CONNECTIONS)
         for name, array in connection_arrays(connected).items():
+            group.create_dataset(name, data=array)
+    if model.symbols:
+        group = file.create_group(SYMBOLS)
+        for name, array in symbol_arrays(model.symbols).items():
             group.create_dataset(name, data=array)
     joints = file.create_group("joints", track_order=True)
     for joint in model.joints:

@@ -4,22 +4,34 @@ from __future__ import annotations
 
 import time as clock
 import uuid
+from collections.abc import Callable, Hashable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from jousto.base.complexstep import plainly, real_parts
+from jousto.base.errors import NotAnalytic
 from jousto.model.model import Model
+from jousto.model.native.ensemble import structure
 from jousto.model.native.native import Engine
+from jousto.model.packing.foreign import without_fmus
+from jousto.model.stepped import has_steps
 from jousto.simulation.results.columns import columns
 from jousto.simulation.results.events import Chronicle
 from jousto.simulation.results.memory import IN_MEMORY, MemoryRecords
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.simulate import simulate
-from jousto.simulation.running.state import State, put
 from jousto.simulation.running.watch import Contradiction, RunWatch
 from jousto.simulation.solvers.choice import choose
 from jousto.simulation.solvers.explicit import prepared
 from jousto.simulation.solvers.schedule import schedule
+from jousto.simulation.state import State, put
+
+Started = tuple[Engine, Any, Callable[[], None]]
+
+FIXED_WORK = ("rk4", "ros2")
+"""Methods whose steps take the same operations whatever the state is."""
 
 
 class Repeated:
@@ -39,7 +51,15 @@ class Repeated:
     """
 
     def __init__(self, model: Model, t_end: float, **how: Any) -> None:
+        without_fmus(model, "study", "cannot be repeated with other values")
         self.model = model
+        self._stepped = has_steps(model)
+        with plainly():
+            model = real_parts(model) if self._stepped else model
+            self._prepare(model, t_end, how)
+
+    def _prepare(self, model: Model, t_end: float, how: dict[str, Any]) -> None:
+        self._plain_model = model
         self.t_end = float(t_end)
         self.how = {key: value for key, value in how.items() if value is not None}
         self._state: State | None = self.how.get("state")
@@ -49,10 +69,11 @@ class Repeated:
         if solver is None:
             solver, reason = choose(model, t_end, output, start)
         self._solver = solver
-        self._plan = plan = schedule(model, t_end, solver, output, start)
+        self.plan = plan = schedule(model, t_end, solver, output, start)
         self._rows = plan.steps // plan.every + 1
         last = columns(model)[-1]
         self._width = last.first + last.count
+        self._idle: list[Started] = []  # engines at the start, each for one thread at a time
         self._plain = not solver.adaptive and 8 * self._rows * self._width <= IN_MEMORY
         self._about = {
             "solver": repr(solver),
@@ -71,37 +92,104 @@ class Repeated:
         RunFailed
             If it cannot go on.
         """
+        stepped = self._stepped or any(np.iscomplexobj(x) for x in (inputs or {}).values())
+        if stepped:
+            return self._stepped_run(inputs or {})
         if self._plain:
             found = self._in_one_call(inputs or {})
             if found is not None:
                 return found
         return simulate(self.model, self.t_end, inputs=inputs or None, **self.how)
 
-    def _in_one_call(self, inputs: dict[str, float]) -> Solution | None:
+    def _stepped_run(self, inputs: dict[str, float]) -> Solution:
+        """Return results with derivatives.
+
+        Raises
+        ------
+        NotAnalytic
+            If the run takes decisions on its way, or cannot go on.
+        """
+        model = self._plain_model
+        if self._solver.adaptive:
+            raise NotAnalytic(f"{type(self._solver).__name__} chooses its steps")
+        if any(friction.sticks for friction in model.frictions):
+            raise NotAnalytic("friction sticks and slips")
+        if any(force.function is not None for force in model.forces):
+            raise NotAnalytic("a force is a function of Python")
+        if not self._plain:
+            raise NotAnalytic("the results do not fit into memory")
+        found = self._in_one_call(inputs, stepped=True)
+        if found is None:
+            raise NotAnalytic("the run does not reach its end")
+        if len(found.events):
+            raise NotAnalytic("events")
+        return found
+
+    def _in_one_call(self, inputs: dict[str, float], stepped: bool = False) -> Solution | None:
         """Return the results; None if something happened that `simulate` knows more of."""
-        plan, solver = self._plan, self._solver
-        engine = Engine(self.model)
-        if self._state is not None:
-            put(engine, self._state, "simulate")
-            engine.steps_done = plan.before
-        for name, value in inputs.items():
-            engine.input[self.model.inputs.index(name)] = value
-        native = prepared(engine, solver, plan.step)
-        rows = np.empty((self._rows, self._width))
+        plan, started = self.plan, self.begin(inputs, stepped)
+        engine, native, _ = started
+        rows: Any = np.empty((self._rows, self._width), engine.dtype)
         rows[0] = engine.row()
         chronicle = Chronicle(engine)
-        first, started = engine.steps_done, clock.perf_counter()
+        first, begin = engine.steps_done, clock.perf_counter()
         status, written = engine.run(native, plan.steps, plan.every, rows[1:])
-        wall = clock.perf_counter() - started
+        wall = clock.perf_counter() - begin
         if status != "ok" or engine.steps_done - first < plan.steps or written < self._rows - 1:
             return None
-        watch = RunWatch(self.model, projected=solver.projection)
+        return self.finish(started, rows, wall, chronicle)
+
+    @cached_property
+    def alike(self) -> Hashable:
+        """What runs that go together have in common; None: these go alone."""
+        kind = ""
+        if self._plain and not self._stepped and self._solver.method in FIXED_WORK:
+            kind = structure(self.model)
+        return (kind, repr(self._solver), self.plan) if kind else None
+
+    def begin(self, inputs: dict[str, float], stepped: bool = False) -> Started:
+        """Return an engine at the start with these inputs, for `finish`."""
+        started = self._idle.pop() if self._idle and not stepped else self._started(stepped)
+        for name, value in inputs.items():
+            started[0].input[self.model.inputs.index(name)] = value
+        return started
+
+    def finish(
+        self, started: Started, rows: Any, wall: float, chronicle: Chronicle
+    ) -> Solution | None:
+        """Return the results of a run to the end; None if they contradict themselves.
+
+        Parameters
+        ----------
+        started : tuple
+            From `begin`.
+        rows : (k, row_size) array
+            Of the engine.
+        wall : float
+            How long it took, s.
+        chronicle : Chronicle
+            Its events.
+        """
+        plan, (engine, _, rewind) = self.plan, started
+        watch = RunWatch(self._plain_model, projected=self._solver.projection)
         try:
-            watch.see(rows)
+            watch.see(rows.real)
         except Contradiction:
             return None
         watch.judge()
-        factor = (float(engine.time[0].real) - plan.start) / wall if wall > 0 else 0.0
+        factor = (float(rows[-1, 0].real) - plan.start) / wall if wall > 0 else 0.0
         facts = {"ended": "completed", "wall_time": wall, "real_time_factor": factor, "complete": 1}
         about = {**self._about, "run": uuid.uuid4().hex}
-        return Solution(MemoryRecords(self.model, rows, chronicle.read(), facts, about, ""))
+        found = MemoryRecords(self.model, rows, chronicle.read(), facts, about, "")
+        rewind()
+        if engine.dtype == np.float64:
+            self._idle.append(started)
+        return Solution(found)
+
+    def _started(self, stepped: bool = False) -> Started:
+        """Return an engine at the start, what steps it, and a function that takes it back there."""
+        engine = Engine(self.model, complex_scalars=stepped)
+        if self._state is not None:
+            put(engine, self._state, "simulate")
+            engine.steps_done = self.plan.before
+        return engine, prepared(engine, self._solver, self.plan.step), engine.mark()

@@ -12,9 +12,9 @@ from jousto.base.arrays import Array
 from jousto.base.errors import Problems, SimulationError, suggest
 from jousto.mechanism.signals.base import Constant, Input, Signal, leaves
 from jousto.mechanism.signals.switched import Switched
-from jousto.model.inputs import substitute
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
+from jousto.model.packing.inputs import substitute
 
 
 class InputFailed(SimulationError):

@@ -19,20 +19,23 @@ from jousto.model.model import Model
 from jousto.model.native.header import named
 from jousto.model.native.native import Engine
 from jousto.model.rank.redundancy import is_drive
+from jousto.simulation.foreign.coupling import Coupling, check_coupling
+from jousto.simulation.foreign.process import FmuFailed
+from jousto.simulation.progress import Report, reporter
 from jousto.simulation.results.events import Chronicle
 from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import EVENTS
-from jousto.simulation.running.beam_checks import warn_bent
+from jousto.simulation.running.coupled import Coupled
 from jousto.simulation.running.inputs import Feed, InputFailed, connect
-from jousto.simulation.running.progress import Report, reporter
-from jousto.simulation.running.state import State, put
 from jousto.simulation.running.watch import Contradiction, RunWatch
 from jousto.simulation.solvers.adaptive import LONGEST, follow, too_many_steps
+from jousto.simulation.solvers.beam_checks import warn_bent
 from jousto.simulation.solvers.choice import choose
 from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.solvers.schedule import Schedule, cautions, schedule
 from jousto.simulation.solvers.stability import stability_warning
+from jousto.simulation.state import State, put
 
 log = logging.getLogger(__name__)
 
@@ -146,6 +149,7 @@ def simulate(
         solver, reason = choose(model, t_end, output_step, start)
         log.info("%s: %r, since %s", model.name, solver, reason)
     plan = schedule(model, t_end, solver, output_step, start)
+    check_coupling(model, solver, plan, state, inputs)
     model, feed = connect(model, inputs, plan.steps, plan.every)
     for sentence in cautions(model, solver, plan):
         warn(f"simulate {model.name!r}", sentence)
@@ -262,7 +266,7 @@ def _run(
             f"stopped at {engine.time[0]:g} s; the results up to then are in {keeper.place}",
             solution,
         ) from None
-    except (_DiskError, Contradiction, InputFailed) as error:
+    except (_DiskError, Contradiction, InputFailed, FmuFailed) as error:
         ending = Ending(str(error))
     except BaseException as error:
         close(f"failed: {type(error).__name__} in the progress function")
@@ -325,6 +329,8 @@ def _loop(
     if solver.adaptive:
         native.largest = native.largest or LONGEST * plan.step * plan.steps
         return _adaptive(engine, solver, plan, native, rows, record, report, feed)
+    if model.fmus:
+        return _coupled(engine, solver, plan, native, record, report, feed)
     done = 0
     feed.set(engine, done)
     rows[0] = engine.row()
@@ -343,12 +349,36 @@ def _loop(
         if status == "event":
             return stopped(engine)
         if status != "ok":
-            return _cause(model, solver, plan, engine, status)
+            return cause(model, solver, plan, engine, status)
         count = engine.steps_done - first  # fewer if the log of events was full
         done += count
         report(float(engine.time[0].real), now - started)
         spent = max(now - before, 1e-6)
         call = max(1, min(int(count * WALL_PER_CALL / spent), 4 * call))
+    return None
+
+
+def _coupled(
+    engine: Engine,
+    solver: Solver,
+    plan: Schedule,
+    native: Any,
+    record: Record,
+    report: Report,
+    feed: Feed,
+) -> Ending | None:
+    """Do the same with functional mock-up units beside the engine."""
+    feed.set(engine, 0)
+    coupling = Coupling(engine, plan)
+    try:
+        status = Coupled(engine, native, plan, feed, coupling, record).run(report)
+    finally:
+        coupling.close()
+    if status == "event":
+        return stopped(engine)
+    if status != "ok":
+        return cause(engine.model, solver, plan, engine, status)
+    coupling.judge()
     return None
 
 
@@ -375,7 +405,7 @@ def _adaptive(
         if status == "step too small":
             return Ending(*too_many_steps(engine, plan.start + done * plan.step, plan.step))
         if status != "ok":
-            return _cause(engine.model, solver, plan, engine, status)
+            return cause(engine.model, solver, plan, engine, status)
         done += count
     return None
 
@@ -397,7 +427,7 @@ def stopped(engine: Engine) -> Ending:
     return Ending(f"stopped by event '{name}' at {engine.time[0]:.9g} s", failed=False)
 
 
-def _cause(model: Model, solver: Solver, plan: Schedule, engine: Engine, status: str) -> Ending:
+def cause(model: Model, solver: Solver, plan: Schedule, engine: Engine, status: str) -> Ending:
     """Return why the run cannot go on, and which body shows it."""
     if status == "no convergence":
         body = model.bodies[engine.error_index].name

@@ -12,9 +12,10 @@ from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, SimulationError, suggest
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
+from jousto.model.packing.foreign import without_fmus
 from jousto.simulation.results.events import Chronicle, Happening, happenings, joints_of, sources
-from jousto.simulation.running.state import State, put, take
 from jousto.simulation.solvers.explicit import ROS2, SOLVERS, Solver, prepared
+from jousto.simulation.state import State, put, take
 
 
 @explained
@@ -76,6 +77,7 @@ class Simulator:
                 f"{type(chosen).__name__} chooses its steps itself; take a method of fixed step",
             )
         problems.raise_if_any()
+        without_fmus(model, "Simulator", "steps in simulate alone")
         self.model = model
         self.events: tuple[Happening, ...] = ()
         self.stopped = ""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,7 +15,7 @@ LIMIT = 0.2
 
 
 class Spin:
-    """How fast a flexible body without geometric stiffening spins, in fixed memory.
+    """How fast a flexible body without geometric stiffening spins.
 
     Only the spin that stretches it counts, ``w^T J w / max(J)``: a shaft that turns about its own
     axis does not.
@@ -30,18 +32,15 @@ class Spin:
         J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         J = J - body.mass[0] * (c @ c * np.eye(3) - np.outer(c, c))
         self._shape = J / np.linalg.eigvalsh(J)[-1]
-        self._fastest = 0.0
 
-    def see(self, rows: NDArray[np.float64]) -> None:
-        """Look at rows of the engine."""
+    def squared(self, rows: NDArray[np.float64]) -> float:
+        """Return the square of the fastest spin in rows of the engine, (rad/s)2."""
         w = rows[:, self._columns]
-        squared = float(np.einsum("ti,ij,tj->t", w, self._shape, w).max(initial=0.0))
-        self._fastest = max(self._fastest, squared)
+        return float(np.einsum("ti,ti->t", w @ self._shape, w).max(initial=0.0))
 
-    @property
-    def sentence(self) -> str:
-        """What is wrong and what to do, empty if nothing is."""
-        speed = float(np.sqrt(self._fastest))
+    def sentence(self, squared: float) -> str:
+        """Return what is wrong with such a spin and what to do, empty if nothing is."""
+        speed = float(np.sqrt(squared))
         share = speed / self._lowest
         if share < LIMIT:
             return ""
@@ -52,3 +51,14 @@ class Spin:
             "with stiffening=True (parts of beams or solids), or cut it into several bodies fixed "
             "together"
         )
+
+
+_KNOWN: WeakKeyDictionary[Model, tuple[Spin, ...]] = WeakKeyDictionary()
+
+
+def spins(model: Model) -> tuple[Spin, ...]:
+    """Return the spins of a model that are looked at, found once."""
+    if model not in _KNOWN:
+        some = [k for k, body in enumerate(model.bodies) if body.n and not body.stiffening]
+        _KNOWN[model] = tuple(Spin(model, k) for k in some)
+    return _KNOWN[model]

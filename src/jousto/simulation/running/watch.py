@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 from jousto.base.errors import warn
 from jousto.mechanism.sensors.readings import ENERGIES
 from jousto.model.model import Model
-from jousto.model.native.header import named, places
+from jousto.model.native.header import places
 from jousto.model.rank.redundancy import disagreement
-from jousto.simulation.running.diagnostics import FAIR, STEADY, Energy
-from jousto.simulation.running.spin import Spin
+from jousto.simulation.results.diagnostics import FAIR, STEADY
+from jousto.simulation.running.spin import spins
 
+SIGNS = np.array([-1.0 if name == "work" else 1.0 for name in ENERGIES])  # of the balance
 GAP_LIMIT = 1e-9  # of the size of the mechanism, with projection
 OPEN_LIMIT = 1e-4  # the same: where repeated rows contradict one another the run ends
 
@@ -27,39 +28,45 @@ class RunWatch:
     def __init__(self, model: Model, *, projected: bool) -> None:
         self._model = model
         self._projected = projected
-        self._first = 1 + model.nq + model.nv + model.nrow
-        self._low = dict.fromkeys(ENERGIES, np.inf)
-        self._high = dict.fromkeys(ENERGIES, -np.inf)
+        first, at = 1 + model.nq + model.nv + model.nrow, places("jo_diagnostics")
+        self._terms = [first + at[name].start for name in ENERGIES]
+        self._gaps = first + at["position_residual"].start
+        self._low = np.full(len(ENERGIES), np.inf)
+        self._high = np.full(len(ENERGIES), -np.inf)
         self._start: float | None = None
         self._missed = 0.0
         self._gap = 0.0
         self._open: NDArray[np.float64] | None = None  # the row with the largest gap
-        self._spins = [
-            Spin(model, k) for k, b in enumerate(model.bodies) if b.n and not b.stiffening
-        ]
+        self._spins = spins(model)
+        self._turning = [0.0] * len(self._spins)
 
     def see(self, rows: NDArray[np.float64]) -> None:
         """Look at rows of the engine."""
         if not len(rows):
             return
-        found = named("jo_diagnostics", rows[:, self._first :])
-        energy = Energy(**{name: getattr(found, name) for name in ENERGIES})
-        balance = energy.total + energy.dissipated + energy.friction - energy.work
-        for name, term in vars(energy).items():
-            self._low[name] = min(self._low[name], float(term.min()))
-            self._high[name] = max(self._high[name], float(term.max()))
+        terms = rows[:, self._terms]
+        balance = terms @ SIGNS
+        self._low = np.fmin(self._low, terms.min(axis=0))
+        self._high = np.fmax(self._high, terms.max(axis=0))
         if self._start is None:
             self._start = float(balance[0])
         self._missed = max(self._missed, float(np.abs(balance - self._start).max()))
-        for spin in self._spins:
-            spin.see(rows)
-        gaps = found.position_residual
+        for k, spin in enumerate(self._spins):
+            self._turning[k] = max(self._turning[k], spin.squared(rows))
+        gaps = rows[:, self._gaps]
         if gaps.max() > self._gap:
             self._gap, self._open = float(gaps.max()), rows[int(np.argmax(gaps))].copy()
         if self._projected and self._model.redundant:
             limit = OPEN_LIMIT * self._model.size
             if self._gap > limit:
                 raise Contradiction(self._gaping(rows[int(np.argmax(gaps > limit))]))
+
+    def _small(self, level: float, potential: float) -> float:
+        """Return what is nothing beside energies of such a size, J."""
+        mass = sum(float(b.mass[0]) for b in self._model.bodies)
+        weight = mass * float(np.abs(self._model.gravity).max())
+        still = 1e-18 * mass  # a speed of 1 nm/s
+        return max(1e-6 * level, 1e-12 * potential, 1e-12 * weight * self._model.size, still)
 
     def _gaping(self, row: NDArray[np.float64]) -> str:
         """Return which joint is open at an instant, and why."""
@@ -68,28 +75,29 @@ class RunWatch:
     @property
     def rubbed(self) -> bool:
         """Whether friction took energy, or nothing moved."""
-        lost = self._high["friction"] > self._low["friction"]
-        return lost or not self._high["kinetic"] > 0.0
+        low, high = self._extremes()
+        return high["friction"] > low["friction"] or not high["kinetic"] > 0.0
+
+    def _extremes(self) -> tuple[dict[str, float], dict[str, float]]:
+        """Return the least and the largest value of each energy, J."""
+        low = dict(zip(ENERGIES, self._low.tolist(), strict=True))
+        return low, dict(zip(ENERGIES, self._high.tolist(), strict=True))
 
     def judge(self) -> None:
         """Warn if the balance misses a noticeable share of the energy exchanged or kinetic."""
         where = f"simulate {self._model.name!r}"
-        for sentence in filter(None, (spin.sentence for spin in self._spins)):
-            warn(where, sentence)
-        exchanged = sum(self._high[name] - self._low[name] for name in places("jo_energies"))
+        for spin, squared in zip(self._spins, self._turning, strict=True):
+            if sentence := spin.sentence(squared):
+                warn(where, sentence)
+        low, high = self._extremes()
+        exchanged = sum(high[name] - low[name] for name in places("jo_energies"))
         # shares of what moves only by round-off mean nothing
-        level = {name: max(abs(self._high[name]), abs(self._low[name])) for name in ENERGIES}
+        level = {name: max(abs(high[name]), abs(low[name])) for name in ENERGIES}
         potential, kinetic = level.pop("potential"), level["kinetic"]
-        mass = sum(float(b.mass[0]) for b in self._model.bodies)
-        weight = mass * np.abs(self._model.gravity).max()
-        small = max(
-            1e-6 * max(level.values()),
-            1e-12 * potential,
-            1e-12 * float(weight) * self._model.size,
-            1e-18 * mass,  # a speed of 1 nm/s
-        )
         scale = max(exchanged, STEADY * kinetic)
-        if self._missed > FAIR * scale and self._missed > small:
+        if self._missed > FAIR * scale and self._missed > self._small(
+            max(level.values()), potential
+        ):
             warn(
                 where,
                 f"the energy balance misses {self._missed:.3g} J of {exchanged:.3g} J exchanged "

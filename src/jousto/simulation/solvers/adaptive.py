@@ -13,7 +13,7 @@ from jousto.base.declare import Declared
 from jousto.base.fields import field
 from jousto.base.numbers import Duration, Number, OptionalDuration, OptionalNumber
 from jousto.model.native.native import Engine
-from jousto.simulation.running.progress import Report
+from jousto.simulation.progress import Report
 
 WALL_PER_CALL = 0.1  # s between looks at the clock, the bar and Ctrl-C
 LONGEST = 0.1  # of the run: largest step unless told

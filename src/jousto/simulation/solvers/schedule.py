@@ -11,7 +11,7 @@ import numpy as np
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.model.model import Model
 from jousto.model.native.header import named
-from jousto.simulation.running.beam_checks import beam_steps_warning
+from jousto.simulation.solvers.beam_checks import beam_steps_warning
 from jousto.simulation.solvers.explicit import SOLVERS, Solver
 from jousto.simulation.solvers.stability import (
     damper_warning,

@@ -15,8 +15,9 @@ from jousto.base.errors import Problems, suggest
 from jousto.base.rotations import parse_direction, rotation_matrix
 from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
-from jousto.simulation.modes.spectrum import blocks
-from jousto.simulation.running.state import State, put
+from jousto.model.packing.foreign import without_fmus
+from jousto.simulation.modes.spectrum import blocks, newton_sparse
+from jousto.simulation.state import State, put
 
 FIXED = 1e-9  # of the size: a rotation that the joints allow
 GRAVITY, TIME, SPEED = "gravity", "time", "speed"
@@ -59,6 +60,8 @@ class Balance:
         frictionless: bool = False,
     ) -> None:
         problems = Problems()
+        if isinstance(model, Model):
+            without_fmus(model, where, "has no state at rest that is known")
         kinds = [GRAVITY, TIME] + ([SPEED] if axis is not None else [])
         if not isinstance(model, Model):
             problems.add(where, f"model is a {type(model).__name__}, must be a Model from compile")
@@ -328,14 +331,6 @@ class Balance:
             inputs=kept,
         )
         return state, sensors
-
-
-def newton_sparse(engine: Engine, ca: float, cv: float, cq: float) -> Any:
-    """Return Newton's matrix of the engine as a sparse one."""
-    made = getattr(engine, "newton_sparse", None)
-    if made is not None:
-        return made(ca, cv, cq)
-    return sp.csr_matrix(engine.newton_matrix(ca, cv, cq))
 
 
 def skew_any(w: Any) -> Any:

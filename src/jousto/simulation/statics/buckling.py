@@ -18,7 +18,7 @@ from jousto.model.native.header import named
 from jousto.model.native.native import IMAGINARY, displaced
 from jousto.simulation.modes.linear import local, pictures
 from jousto.simulation.modes.spectrum import DENSE
-from jousto.simulation.running.state import State
+from jousto.simulation.state import State
 from jousto.simulation.statics.balance import Balance
 from jousto.simulation.statics.beam_strains import beam_strains
 from jousto.simulation.statics.continuation import Point, factor

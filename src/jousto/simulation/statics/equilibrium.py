@@ -8,10 +8,11 @@ from jousto.base.arguments import explained
 from jousto.base.errors import InputError, SimulationError
 from jousto.model.model import Model
 from jousto.model.native.native import Engine, displaced
+from jousto.model.packing.foreign import without_fmus
 from jousto.simulation.modes.large import MANY
 from jousto.simulation.modes.linear import at_rest, stiffness_modes, turning
 from jousto.simulation.running.bent import warn_far
-from jousto.simulation.running.state import State
+from jousto.simulation.state import State
 from jousto.simulation.statics.settle import settle
 
 ITERATIONS = 100
@@ -62,6 +63,7 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
 
 
 def _rest(model: Model, state: State | None, tolerance: float) -> State:
+    without_fmus(model, "equilibrium", "has no state at rest that is known")
     try:
         return settle(model, state)
     except (SimulationError, RuntimeError, InputError) as error:

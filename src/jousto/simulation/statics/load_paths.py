@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.errors import Problems, SimulationError, suggest
-from jousto.simulation.running.state import State
+from jousto.simulation.state import State
 
 
 @dataclass(frozen=True, eq=False, init=False)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from jousto.base.arguments import explained
 from jousto.base.errors import Problems
 from jousto.model.model import Model
-from jousto.simulation.running.state import State
+from jousto.simulation.state import State
 from jousto.simulation.statics.balance import Balance
 from jousto.simulation.statics.load_paths import ArcLength, LoadPath
 from jousto.simulation.statics.walk import Walk

@@ -11,7 +11,7 @@ from jousto.base.arguments import explained
 from jousto.base.errors import Problems, SimulationError
 from jousto.base.rotations import rotation_matrix
 from jousto.model.model import Model
-from jousto.simulation.running.state import State
+from jousto.simulation.state import State
 from jousto.simulation.statics.balance import SPEED, Balance
 from jousto.simulation.statics.continuation import NoConvergenceError, Point, at_load
 from jousto.simulation.statics.walk import Walk

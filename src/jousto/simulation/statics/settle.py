@@ -9,7 +9,7 @@ import scipy.sparse.linalg as spl
 from jousto.base.arrays import Array
 from jousto.base.errors import SimulationError
 from jousto.model.model import Model
-from jousto.simulation.running.state import State
+from jousto.simulation.state import State
 from jousto.simulation.statics.balance import TIME, Balance
 from jousto.simulation.statics.continuation import (
     PUSHED,

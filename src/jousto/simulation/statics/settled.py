@@ -12,9 +12,10 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, SimulationError
 from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
+from jousto.model.packing.foreign import without_fmus
 from jousto.model.start import MOST, modal_velocities
 from jousto.simulation.modes.linear import free_motions
-from jousto.simulation.running.state import State, put, take
+from jousto.simulation.state import State, put, take
 
 ITERATIONS = 60
 FRESH = 8  # iterations with one set of slopes
@@ -62,6 +63,7 @@ def settled(model: Model, state: State | None = None) -> State:
     --------
     ``run = jo.simulate(model, 2.0, state=jo.simulation.settled(model))``
     """
+    without_fmus(model, "settled", "has no state at rest that is known")
     if model.beams or model.nv > MOST:
         why = (
             "exact beams are not settled; start them from equilibrium or steady_rotation"

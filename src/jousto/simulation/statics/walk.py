@@ -13,7 +13,7 @@ import scipy.sparse.linalg as spl
 from jousto.base.arrays import Array
 from jousto.simulation.modes.linear import local, pictures
 from jousto.simulation.modes.spectrum import Spectrum, blocks
-from jousto.simulation.running.state import State
+from jousto.simulation.state import State
 from jousto.simulation.statics.balance import Balance
 from jousto.simulation.statics.continuation import (
     NoConvergenceError,

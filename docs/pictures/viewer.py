@@ -1,0 +1,54 @@
+"""Take pictures of the viewer's page, light and dark, with a headless Chromium.
+
+.venv/bin/python docs/pictures/viewer.py FOLDER
+"""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parent.parent.parent
+sys.path[0:1] = [str(ROOT / "tests"), str(ROOT / "examples")]
+warnings.simplefilter("ignore")
+
+import link_arm
+
+import jousto as jo
+from viewer.browser import chromium, opened
+
+SIZE = {"width": 1280, "height": 800}
+
+
+def main() -> None:
+    folder = Path(sys.argv[1])
+    _, arm = link_arm.reduced_arm()
+    middle = arm.stress.nearest((0.5 * link_arm.LENGTH, 0.5 * link_arm.DEPTH, 0.0))
+    lift = link_arm.lift(arm, middle)
+    with chromium() as browser:
+        for theme in ("light", "dark"):
+            take(browser, lift, folder / f"viewer_{theme}.png", theme)
+
+
+def take(browser: Any, thing: Any, path: Path, theme: str) -> None:
+    """Save a picture of the page at the instant of the worst stress, with its history."""
+    worst = jo.hot_spots(thing, count=1)[0]
+    view = jo.view(thing, open=False)
+    with opened(browser, view.address, viewport=SIZE, color_scheme=theme) as page:
+        page.evaluate("theme => window.jousto.app.store.set({theme})", theme)
+        page.evaluate("time => window.jousto.setTime(time)", worst.time)
+        page.wait_for_timeout(1500)
+        page.evaluate(
+            """async () => { const app = window.jousto.app;
+            const [spot] = await app.source.worst(0, 'von-mises', 1);
+            app.store.set({selection: {run: 0, body: spot.body, vertex: spot.vertex}}); }"""
+        )
+        page.wait_for_timeout(2500)
+        page.screenshot(path=str(path))
+    view.close()
+
+
+if __name__ == "__main__":
+    main()

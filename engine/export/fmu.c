@@ -1,0 +1,292 @@
+/* fmu.c - what both versions of the standard ask of an instance. */
+#include "fmu.h"
+#include "plant.h"
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MESSAGE = 400 };
+#define NEAR 1e-6           /* of a step: instants that differ by less are the same */
+
+static const char *const REASONS[] = {
+    "", "the motion diverged", "a body has no inertia", "a joint is in a singular position", "no memory", "a function failed",
+    "an implicit step did not converge", "friction found no solution", "an event stopped the machine", "the step is too small",
+    "events without end", "a beam is bent by half a turn"};
+
+static const char *reason(int status)
+{
+    return status > 0 && status < (int)(sizeof REASONS / sizeof *REASONS) ? REASONS[status] : "unknown";
+}
+
+int jo_fmu_say(jo_fmu *f, int status, const char *format, ...)
+{
+    static const char *const categories[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal"};
+    if (f && f->log && (f->logging || status >= JO_FMU_DISCARD)) {
+        char text[MESSAGE];
+        va_list values;
+        va_start(values, format);
+        vsnprintf(text, sizeof text, format, values);
+        va_end(values);
+        f->log(f->host, status, categories[status], text);
+    }
+    return status;
+}
+
+jo_fmu *jo_fmu_make(const char *name, const char *token, int exchange, int logging, jo_fmu_log log, void *host)
+{
+    jo_fmu silent = {.log = log, .host = host, .logging = logging};
+    if (!name || !*name) {
+        jo_fmu_say(&silent, JO_FMU_ERROR, "an instance needs a name");
+        return 0;
+    }
+    if (!token || strcmp(token, PLANT_TOKEN)) {
+        jo_fmu_say(&silent, JO_FMU_ERROR, "%s: the token is not %s: description and binary do not belong together", name, PLANT_TOKEN);
+        return 0;
+    }
+    const long long bytes = jo_machine_bytes(&PLANT);
+    const size_t states = (size_t)(PLANT.model->nq + PLANT.model->nv);
+    jo_fmu *f = calloc(1, sizeof *f + (size_t)bytes + 2 * states * sizeof(double) + 64);
+    if (!f) {
+        jo_fmu_say(&silent, JO_FMU_ERROR, "%s: no memory for %lld bytes", name, bytes);
+        return 0;
+    }
+    f->log = log;
+    f->host = host;
+    f->logging = logging;
+    f->exchange = exchange;
+    f->scratch = (double *)(f + 1);
+    f->machine = jo_machine_place(&PLANT, f->scratch + 2 * states, bytes);
+    f->mode = JO_FMU_MADE;
+    return f;
+}
+
+void jo_fmu_free(jo_fmu *f) { free(f); }
+
+int jo_fmu_may(jo_fmu *f, const char *function, int modes)
+{
+    if (!f) return 0;
+    if (f->mode & modes) return 1;
+    jo_fmu_say(f, JO_FMU_ERROR, "%s may not be called in this state of the instance", function);
+    return 0;
+}
+
+int jo_fmu_setup(jo_fmu *f, double start, int has_stop, double stop)
+{
+    if (!isfinite(start) || (has_stop && (!isfinite(stop) || stop < start)))
+        return jo_fmu_say(f, JO_FMU_ERROR, "the run shall start at %g s and stop at %g s", start, stop);
+    f->start = start;
+    f->has_stop = has_stop;
+    f->stop = stop;
+    *jo_data_time(jo_machine_data(f->machine)) = start;
+    return JO_FMU_OK;
+}
+
+int jo_fmu_reset(jo_fmu *f)
+{
+    jo_machine_reset(f->machine);
+    f->mode = JO_FMU_MADE;
+    f->current = 0;
+    return JO_FMU_OK;
+}
+
+static int failed(jo_fmu *f)
+{
+    f->mode = JO_FMU_BROKEN;
+    return jo_fmu_say(f, JO_FMU_ERROR, "at %.9g s: %s (object %d)", jo_machine_time(f->machine), reason(jo_machine_error(f->machine)),
+                      jo_machine_error_index(f->machine));
+}
+
+/* derivatives of the states, computed once for each of them */
+static const double *rates(jo_fmu *f)
+{
+    double *xdot = f->scratch + jo_machine_states(f->machine);
+    if (!f->current && jo_machine_rates(f->machine, PLANT_BAUMGARTE, xdot) != JO_MACHINE_OK) return 0;
+    f->current = 1;
+    return xdot;
+}
+
+int jo_fmu_rates(jo_fmu *f, double *xdot)
+{
+    const double *found = rates(f);
+    if (!found) return failed(f);
+    memcpy(xdot, found, sizeof(double) * (size_t)jo_machine_states(f->machine));
+    return JO_FMU_OK;
+}
+
+int jo_fmu_get(jo_fmu *f, const unsigned *refs, size_t count, double *values)
+{
+    const jo_plant *p = &PLANT;
+    const unsigned inputs = 1, outputs = inputs + (unsigned)p->ninput, parameters = outputs + (unsigned)p->noutput,
+                   states = parameters + (unsigned)p->nparameter;
+    const unsigned n = f->exchange ? (unsigned)jo_machine_states(f->machine) : 0;
+    if (count && (!refs || !values)) return jo_fmu_say(f, JO_FMU_ERROR, "no place for %u values", (unsigned)count);
+    for (size_t i = 0; i < count; i++) {
+        const unsigned ref = refs[i];
+        if (ref == 0) values[i] = jo_machine_time(f->machine);
+        else if (ref < outputs) values[i] = jo_machine_get_input(f->machine, (int)(ref - inputs));
+        else if (ref < parameters) {
+            if (jo_machine_get_output(f->machine, (int)(ref - outputs), &values[i]) != JO_MACHINE_OK) return failed(f);
+            f->current = 0;
+        } else if (ref < states) values[i] = jo_machine_get_parameter(f->machine, (int)(ref - parameters));
+        else if (ref < states + n) {
+            jo_machine_get_states(f->machine, f->scratch);
+            values[i] = f->scratch[ref - states];
+        } else if (ref < states + 2 * n) {
+            const double *xdot = rates(f);
+            if (!xdot) return failed(f);
+            values[i] = xdot[ref - states - n];
+        } else return jo_fmu_say(f, JO_FMU_ERROR, "there is no variable with the reference %u", ref);
+    }
+    return JO_FMU_OK;
+}
+
+int jo_fmu_set(jo_fmu *f, const unsigned *refs, size_t count, const double *values)
+{
+    const jo_plant *p = &PLANT;
+    const unsigned outputs = 1 + (unsigned)p->ninput, parameters = outputs + (unsigned)p->noutput,
+                   states = parameters + (unsigned)p->nparameter;
+    if (count && (!refs || !values)) return jo_fmu_say(f, JO_FMU_ERROR, "no values for %u variables", (unsigned)count);
+    for (size_t i = 0; i < count; i++) {
+        const unsigned ref = refs[i];
+        int status = JO_MACHINE_WRONG;
+        if (ref == 0 || ref >= states || (ref >= outputs && ref < parameters))
+            return jo_fmu_say(f, JO_FMU_ERROR, "the variable with the reference %u cannot be set", ref);
+        if (ref < outputs) status = jo_machine_set_input(f->machine, (int)(ref - 1), values[i]);
+        else status = jo_machine_set_parameter(f->machine, (int)(ref - parameters), values[i]);
+        if (status != JO_MACHINE_OK) return jo_fmu_say(f, JO_FMU_ERROR, "variable %u cannot be %g", ref, values[i]);
+        f->current = 0;
+    }
+    return JO_FMU_OK;
+}
+
+int jo_fmu_advance(jo_fmu *f, double time, double length, int *early, double *reached)
+{
+    const double now = jo_machine_time(f->machine), h = jo_machine_step_size(f->machine);
+    *early = 0;
+    *reached = now;
+    if (!isfinite(time) || !isfinite(length) || !(length > 0.0))
+        return jo_fmu_say(f, JO_FMU_ERROR, "a step of %g s at %g s is not possible", length, time);
+    if (fabs(time - now) > NEAR * h) return jo_fmu_say(f, JO_FMU_ERROR, "the step starts at %.9g s, the machine is at %.9g s", time, now);
+    if (f->has_stop && time + length > f->stop + NEAR * h)
+        return jo_fmu_say(f, JO_FMU_ERROR, "a step to %.9g s ends after the stop time, %.9g s", time + length, f->stop);
+    const double count = floor(length / h + 0.5);
+    if (!(count >= 1.0) || count > 9e15 || fabs(count * h - length) > NEAR * h)
+        return jo_fmu_say(f, JO_FMU_DISCARD, "a step of %.9g s is no multiple of the machine's own, %.9g s", length, h);
+    f->current = 0;
+    const int status = jo_machine_step(f->machine, (long long)count);
+    *reached = jo_machine_time(f->machine);
+    if (status == JO_MACHINE_STOPPED) {
+        *early = 1;
+        jo_fmu_say(f, JO_FMU_WARNING, "an event stops the machine at %.9g s", *reached);
+        return JO_FMU_OK;
+    }
+    return status == JO_MACHINE_OK ? JO_FMU_OK : failed(f);
+}
+
+/* -- saved states: mode, start, stop, then the machine --------------------------------------------------------- */
+
+enum { HEAD = 4 };
+
+size_t jo_fmu_bytes(const jo_fmu *f) { return sizeof(double) * (size_t)(HEAD + jo_machine_state_size(f->machine)); }
+
+int jo_fmu_save(jo_fmu *f, void *bytes)
+{
+    const double head[HEAD] = {f->mode, f->start, f->has_stop, f->stop};
+    double *state = malloc(jo_fmu_bytes(f));   /* bytes may lie at any address */
+    if (!state) return jo_fmu_say(f, JO_FMU_ERROR, "no memory for a state");
+    memcpy(state, head, sizeof head);
+    const int status = jo_machine_save(f->machine, state + HEAD);
+    if (status == JO_MACHINE_OK) memcpy(bytes, state, jo_fmu_bytes(f));
+    free(state);
+    f->current = 0;
+    return status == JO_MACHINE_OK ? JO_FMU_OK : failed(f);
+}
+
+int jo_fmu_load(jo_fmu *f, const void *bytes)
+{
+    double *state = malloc(jo_fmu_bytes(f));
+    if (!state) return jo_fmu_say(f, JO_FMU_ERROR, "no memory for a state");
+    memcpy(state, bytes, jo_fmu_bytes(f));
+    const double mode = state[0];
+    int status = JO_MACHINE_WRONG;
+    if (mode == JO_FMU_MADE || mode == JO_FMU_INITIALISING || mode == JO_FMU_EVENTS || mode == JO_FMU_CONTINUOUS
+        || mode == JO_FMU_STEPS || mode == JO_FMU_ENDED)
+        status = jo_machine_load(f->machine, state + HEAD);
+    if (status == JO_MACHINE_OK) {
+        f->mode = (int)mode;
+        f->start = state[1];
+        f->has_stop = state[2] != 0.0;
+        f->stop = state[3];
+    }
+    f->current = 0;
+    free(state);
+    return status == JO_MACHINE_OK ? JO_FMU_OK : jo_fmu_say(f, JO_FMU_ERROR, "this is no state of the machine");
+}
+
+int jo_fmu_take(jo_fmu *f, void **state)
+{
+    if (!state) return JO_FMU_ERROR;
+    void *bytes = *state ? *state : malloc(jo_fmu_bytes(f));
+    if (!bytes) return jo_fmu_say(f, JO_FMU_ERROR, "no memory for a state");
+    const int status = jo_fmu_save(f, bytes);
+    if (status == JO_FMU_OK) *state = bytes;
+    else if (!*state) free(bytes);
+    return status;
+}
+
+int jo_fmu_give(jo_fmu *f, const void *state)
+{
+    return state ? jo_fmu_load(f, state) : jo_fmu_say(f, JO_FMU_ERROR, "there is no state");
+}
+
+int jo_fmu_release(void **state)
+{
+    if (!state) return JO_FMU_OK;
+    free(*state);
+    *state = 0;
+    return JO_FMU_OK;
+}
+
+int jo_fmu_write(jo_fmu *f, const void *state, void *bytes, size_t size)
+{
+    if (!state || !bytes || size < jo_fmu_bytes(f)) return jo_fmu_say(f, JO_FMU_ERROR, "no room for a state");
+    memcpy(bytes, state, jo_fmu_bytes(f));
+    return JO_FMU_OK;
+}
+
+int jo_fmu_read(jo_fmu *f, const void *bytes, size_t size, void **state)
+{
+    if (!state || !bytes || size != jo_fmu_bytes(f)) return jo_fmu_say(f, JO_FMU_ERROR, "this is no state of the machine");
+    void *made = *state ? *state : malloc(size);
+    if (!made) return jo_fmu_say(f, JO_FMU_ERROR, "no memory for a state");
+    memcpy(made, bytes, size);
+    *state = made;
+    return JO_FMU_OK;
+}
+
+/* -- model exchange ---------------------------------------------------------------------------------------------- */
+
+int jo_fmu_set_time(jo_fmu *f, double time)
+{
+    if (!isfinite(time)) return jo_fmu_say(f, JO_FMU_ERROR, "time cannot be %g", time);
+    jo_machine_get_states(f->machine, f->scratch);
+    f->current = 0;
+    return jo_machine_set_states(f->machine, time, f->scratch) == JO_MACHINE_OK ? JO_FMU_OK : JO_FMU_ERROR;
+}
+
+int jo_fmu_count_states(jo_fmu *f, size_t count)
+{
+    if (!f->exchange) return jo_fmu_say(f, JO_FMU_ERROR, "states are those of model exchange");
+    if (count == (size_t)jo_machine_states(f->machine)) return JO_FMU_OK;
+    return jo_fmu_say(f, JO_FMU_ERROR, "there are %d states, not %u", jo_machine_states(f->machine), (unsigned)count);
+}
+
+int jo_fmu_set_states(jo_fmu *f, const double *states, size_t count)
+{
+    if (jo_fmu_count_states(f, count) != JO_FMU_OK || !states) return JO_FMU_ERROR;
+    f->current = 0;
+    if (jo_machine_set_states(f->machine, jo_machine_time(f->machine), states) == JO_MACHINE_OK) return JO_FMU_OK;
+    return jo_fmu_say(f, JO_FMU_DISCARD, "the states are not finite, or Euler parameters vanish");
+}

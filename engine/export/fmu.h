@@ -1,0 +1,62 @@
+/* fmu.h - one instance of a functional mock-up unit, for both versions of the standard (FMI 2.0.4, FMI 3.0.2).
+ *
+ * Value references: 0 is the time; then the inputs, outputs and parameters of the plant in their order; for model exchange the
+ * states [q v] and their derivatives follow.
+ */
+#ifndef JO_FMU_H
+#define JO_FMU_H
+
+#include "machine.h"
+#include <stddef.h>
+
+typedef enum { JO_FMU_OK = 0, JO_FMU_WARNING = 1, JO_FMU_DISCARD = 2, JO_FMU_ERROR = 3, JO_FMU_FATAL = 4 } jo_fmu_status;
+
+/* states of an instance as bits, so that a function can name those in which it may be called */
+enum { JO_FMU_MADE = 1, JO_FMU_INITIALISING = 2, JO_FMU_EVENTS = 4, JO_FMU_CONTINUOUS = 8, JO_FMU_STEPS = 16, JO_FMU_ENDED = 32,
+       JO_FMU_BROKEN = 64 };
+
+typedef struct jo_fmu jo_fmu;
+typedef void (*jo_fmu_log)(void *host, int status, const char *category, const char *text);
+struct jo_fmu {
+    jo_machine *machine;
+    int mode;
+    int exchange;           /* model exchange, else co-simulation */
+    int logging;
+    int first;              /* the next step is the first after initialisation */
+    double start, stop;     /* stop: 0 if there is none */
+    int has_stop;
+    double *scratch;        /* states and their derivatives */
+    int current;            /* the derivatives in it are those of the present states */
+    jo_fmu_log log;
+    void *host;             /* for log */
+    void *more;             /* of the version */
+};
+
+jo_fmu *jo_fmu_make(const char *name, const char *token, int exchange, int logging, jo_fmu_log log, void *host);
+void jo_fmu_free(jo_fmu *f);
+int jo_fmu_may(jo_fmu *f, const char *function, int modes);      /* whether it may be called now; says why not */
+int jo_fmu_say(jo_fmu *f, int status, const char *format, ...);  /* logs and returns the status */
+int jo_fmu_setup(jo_fmu *f, double start, int has_stop, double stop);
+int jo_fmu_reset(jo_fmu *f);
+int jo_fmu_get(jo_fmu *f, const unsigned *refs, size_t count, double *values);
+int jo_fmu_set(jo_fmu *f, const unsigned *refs, size_t count, const double *values);
+/* advance to time + length; `reached` the time; early: an event stops the machine before */
+int jo_fmu_advance(jo_fmu *f, double time, double length, int *early, double *reached);
+int jo_fmu_rates(jo_fmu *f, double *xdot);
+size_t jo_fmu_bytes(const jo_fmu *f);                            /* of a saved state */
+int jo_fmu_save(jo_fmu *f, void *bytes);
+int jo_fmu_load(jo_fmu *f, const void *bytes);
+
+/* The same in memory of their own, as both versions ask for them: `state` is made where it is 0. */
+int jo_fmu_take(jo_fmu *f, void **state);
+int jo_fmu_give(jo_fmu *f, const void *state);
+int jo_fmu_release(void **state);
+int jo_fmu_write(jo_fmu *f, const void *state, void *bytes, size_t size);
+int jo_fmu_read(jo_fmu *f, const void *bytes, size_t size, void **state);
+
+/* Model exchange: time and states are set by the importer. */
+int jo_fmu_set_time(jo_fmu *f, double time);
+int jo_fmu_count_states(jo_fmu *f, size_t count);                /* whether there are as many */
+int jo_fmu_set_states(jo_fmu *f, const double *states, size_t count);
+
+#endif

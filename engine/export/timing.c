@@ -1,0 +1,48 @@
+/* timing.c - how long single steps of the machine take on this computer: NAME steps; prints nanoseconds and how often. */
+#define _POSIX_C_SOURCE 200112L
+#include "plant.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum { BINS = 400 };        /* of 5 % each, from 100 ns on */
+static union { double number; char bytes[PLANT_BYTES]; } memory;
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
+}
+
+int main(int argc, char **argv)
+{
+    static long counts[BINS];
+    static double ends[BINS];
+    const long steps = argc > 1 ? atol(argv[1]) : 100000;
+    const long warm = steps / 10 < 1000 ? steps / 10 : 1000;   /* the caches fill */
+    jo_machine *machine = jo_machine_place(&PLANT, memory.bytes, (long long)sizeof memory.bytes);
+    if (!machine || steps < 1) return 2;
+    ends[0] = 100.0;
+    for (int i = 1; i < BINS; i++) ends[i] = 1.05 * ends[i - 1];
+    double sum = 0.0, worst = 0.0;
+    long done = 0;
+    for (long k = -warm; k < steps; k++) {
+        const double start = now();
+        const int status = jo_machine_step(machine, 1);
+        const double took = now() - start;
+        if (status == JO_MACHINE_FAILED) return 1;
+        if (status == JO_MACHINE_STOPPED) jo_machine_reset(machine);
+        if (k < 0) continue;
+        int bin = 0;
+        while (bin < BINS - 1 && took > ends[bin]) bin++;
+        counts[bin]++;
+        sum += took;
+        if (took > worst) worst = took;
+        done++;
+    }
+    printf("%ld %.17g %.17g %lld\n", done, sum, worst, jo_machine_bytes(&PLANT));
+    for (int i = 0; i < BINS; i++)
+        if (counts[i]) printf("%.17g %ld\n", ends[i], counts[i]);
+    return 0;
+}

@@ -1,0 +1,151 @@
+/* left_out.c - in place of the sources that machines side by side do not need: beams, frictions, events, damage meters, moving
+ * loads, functions of the user, implicit and adaptive steps. A model that has any of it is not run so (ensemble.py). */
+#include "../beam.h"
+#include "../force.h"
+
+/* beams */
+void jo_beam_accept(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
+int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a)
+{
+    (void)m; (void)d; (void)a;
+    return 0;
+}
+void jo_beam_forget(jo_data *d)
+{
+    (void)d;
+}
+jo_real jo_beam_kinetic(const jo_model *m, const jo_data *d)
+{
+    (void)m; (void)d;
+    return jo_same(0.0);
+}
+void jo_beam_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real *z)
+{
+    (void)m; (void)d; (void)x; (void)z;
+}
+void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y)
+{
+    (void)m; (void)d; (void)i; (void)y;
+}
+void jo_beam_setup(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
+jo_real jo_beam_stored(const jo_model *m, const jo_data *d)
+{
+    (void)m; (void)d;
+    return jo_same(0.0);
+}
+int jo_couples(const jo_model *m, const jo_stage *stage)
+{
+    (void)m; (void)stage;
+    return 0;
+}
+int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    (void)m; (void)d; (void)stage;
+    return JO_NO_CONVERGENCE;
+}
+void jo_coupled_correction(const jo_model *m, jo_data *d, jo_real *increment)
+{
+    (void)m; (void)d; (void)increment;
+}
+
+/* frictions, events, damage meters */
+int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    (void)m; (void)d; (void)stage;
+    return 0;
+}
+int jo_friction_settle(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+    return 0;
+}
+int jo_watched(const jo_model *m)
+{
+    (void)m;
+    return 0;
+}
+void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list)
+{
+    (void)m; (void)d; (void)list;
+}
+int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    (void)m; (void)d; (void)s;
+    return JO_NO_CONVERGENCE;
+}
+int jo_log_room(const jo_model *m)
+{
+    (void)m;
+    return 0;
+}
+int jo_log_has_room(const jo_model *m, const jo_data *d)
+{
+    (void)m; (void)d;
+    return 1;
+}
+int jo_damage_scratch(const jo_model *m)
+{
+    (void)m;
+    return 0;
+}
+void jo_damage_setup(const jo_model *m, jo_data *d, jo_sensor *list)
+{
+    (void)m; (void)d; (void)list;
+}
+int jo_measure(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+    return 0;
+}
+double jo_meter_damage(const jo_meter *r, const double *memory, int residue, double *scratch)
+{
+    (void)r; (void)memory; (void)residue; (void)scratch;
+    return 0.0;
+}
+
+/* Newton's matrix of implicit steps, and adaptive ones */
+jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y)
+{
+    (void)m; (void)d; (void)x; (void)y;
+    return (jo_block){0, 0};
+}
+void jo_element_start(jo_element *e, int a, int b)
+{
+    (void)e; (void)a; (void)b;
+}
+void jo_element_skew(jo_element *e, int i, int j, jo_real s, const jo_real *a)
+{
+    (void)e; (void)i; (void)j; (void)s; (void)a;
+}
+void jo_element_gradients(const jo_model *m, const jo_data *d, int coordinate, jo_gradients *g)
+{
+    (void)m; (void)d; (void)coordinate; (void)g;
+}
+void jo_element_along(const jo_data *d, jo_element *e, int coordinate, const jo_gradients *g, jo_real f, jo_real fs, jo_real frate)
+{
+    (void)d; (void)e; (void)coordinate; (void)g; (void)f; (void)fs; (void)frate;
+}
+void jo_element_finish(const jo_model *m, jo_data *d, const jo_element *e)
+{
+    (void)m; (void)d; (void)e;
+}
+int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    (void)m; (void)d; (void)s;
+    return JO_NO_CONVERGENCE;
+}
+int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen)
+{
+    (void)m; (void)d; (void)s; (void)h; (void)seen;
+    return JO_NO_CONVERGENCE;
+}
+
+/* kinds of force that no other file defines here */
+#define LEFT_OUT(name, ...) const jo_force_kind jo_force_##name __attribute__((weak)) = {0, 0, 0};
+JO_FORCES(LEFT_OUT)

@@ -1,0 +1,34 @@
+/** A picture of what is shown, as PNG. */
+
+import type { App } from "../app";
+import { legendLook } from "../panels/legend";
+import { caption, dress } from "./compose";
+
+export interface PictureOptions {
+  /** Pixels of the picture for one of the page. */
+  scale: number;
+  legend: boolean;
+  transparent: boolean;
+}
+
+export const isDark = (): boolean => document.documentElement.dataset["theme"] === "dark";
+
+export async function picture(app: App, options: PictureOptions): Promise<Blob> {
+  const { scale, legend, transparent } = options;
+  const bare = await app.view.picture(scale, { transparent });
+  if (!legend) return bare;
+  const image = await createImageBitmap(bare);
+  const canvas = document.createElement("canvas");
+  canvas.width = image.width;
+  canvas.height = image.height;
+  const ctx = canvas.getContext("2d")!;
+  ctx.drawImage(image, 0, 0);
+  dress(ctx, canvas.height, image.width / app.view.canvas.clientWidth, {
+    legend: legendLook(app),
+    title: caption(app),
+    dark: isDark() && !transparent,
+  });
+  return new Promise((resolve, reject) =>
+    canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The browser could not make the picture."))), "image/png"),
+  );
+}

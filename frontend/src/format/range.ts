@@ -1,0 +1,33 @@
+/** Ranges of colours and axes. */
+
+/** Return round numbers from low to high, about `count` of them, as a scale is marked. */
+export function ticks(low: number, high: number, count: number): number[] {
+  if (!(high > low)) return [low];
+  const raw = (high - low) / Math.max(1, count);
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const step = power * ([1, 2, 5, 10].find((m) => m * power >= raw * (1 - 1e-9)) ?? 10);
+  const first = Math.ceil(low / step - 1e-9);
+  const last = Math.floor(high / step + 1e-9);
+  return Array.from({ length: last - first + 1 }, (_, i) => (first + i) * step + 0);
+}
+
+/** Return a range that two typed numbers mean, or a sentence that says why they mean none. */
+export function typed(low: string, high: string): [number, number] | string {
+  const numbers = [low, high].map((text) => (text.trim() ? Number(text.replace(",", ".")) : NaN));
+  if (numbers.some((value) => !Number.isFinite(value))) return "Lowest and highest value must be numbers.";
+  if (!(numbers[0] < numbers[1])) return "The lowest value must be below the highest.";
+  return [numbers[0], numbers[1]];
+}
+
+/** Return a window zoomed by a factor about an instant, within the whole. */
+export function zoomed(
+  window: readonly [number, number],
+  whole: readonly [number, number],
+  centre: number,
+  factor: number,
+): [number, number] {
+  const length = Math.min((window[1] - window[0]) * factor, whole[1] - whole[0]);
+  const share = (centre - window[0]) / (window[1] - window[0] || 1);
+  const start = Math.min(Math.max(centre - share * length, whole[0]), whole[1] - length);
+  return [start, start + length];
+}

@@ -1,0 +1,38 @@
+/** What panels share beside the app: messages, plots and what is chosen. */
+
+import type { App } from "../app";
+import type { Place } from "../state";
+import type { Plots } from "./plots";
+import type { Say } from "./toasts";
+
+export interface Kit {
+  app: App;
+  say: Say;
+  plots: Plots;
+}
+
+export const bodyOf = (app: App, place: Place) => app.runs[place.run].scene.bodies[place.body];
+
+/** Name of a place for people: `boom, node 1203`. */
+export function placeName(app: App, place: Place): string {
+  const body = bodyOf(app, place);
+  const node = body.nodes ? body.nodes.data[place.vertex] : null;
+  const run = app.runs.length > 1 ? `${app.runs[place.run].title}: ` : "";
+  return `${run}${body.name}, ${node ? `node ${node}` : `point ${place.vertex + 1}`}`;
+}
+
+/** What the frames of the first run are apart on average, s. */
+export function spacing(app: App): number {
+  const frames = app.runs[0].scene.frames.data;
+  return frames.length > 1 ? (frames[frames.length - 1] - frames[0]) / (frames.length - 1) : 0;
+}
+
+/** Report what goes wrong with a request as a message. */
+export async function tried<T>(kit: Kit, work: Promise<T>): Promise<T | null> {
+  try {
+    return await work;
+  } catch (error) {
+    kit.say(error instanceof Error ? error.message : String(error), "error");
+    return null;
+  }
+}

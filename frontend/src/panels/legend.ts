@@ -1,0 +1,91 @@
+/** The legend over the picture: what colours mean, with round numbers in a unit that reads well. */
+
+import { measure } from "../format/measures";
+import { ticks } from "../format/range";
+import { mark, number, unitFor } from "../format/units";
+import type { App } from "../app";
+import { h } from "./dom";
+import type { Kit } from "./kit";
+
+const SHADES = 128;
+
+export interface LegendLook {
+  title: string;
+  unit: string;
+  /** Share of the height from below, 0 to 1, and what stands there. */
+  marks: { share: number; text: string }[];
+  /** CSS colours from below. */
+  shades: string[];
+  note: string;
+}
+
+/** What the legend shows now; null if colours mean nothing. */
+export function legendLook(app: App): LegendLook | null {
+  const { measure: name, range, rangeMode, map, bands, amplification } = app.store.state;
+  if (!name || !range) return null;
+  const [low, high] = range;
+  const known = measure(name);
+  const unit = unitFor(known.unit, Math.max(Math.abs(low), Math.abs(high)));
+  const count = bands || SHADES;
+  const shades = app.view.ramp(map, count).map(([r, g, b]) => `rgb(${r} ${g} ${b})`);
+  const span = high - low;
+  const values =
+    span > 0
+      ? [low, ...ticks(low * unit.factor, high * unit.factor, 5).map((v) => v / unit.factor), high]
+      : [low];
+  const marks: { share: number; text: string }[] = [];
+  for (const [i, value] of values.entries()) {
+    const share = span > 0 ? (value - low) / span : 0;
+    const end = i === 0 || i === values.length - 1;
+    // round numbers too near to the ends would cover these
+    if (!end && (share < 0.08 || share > 0.92)) continue;
+    marks.push({ share, text: end ? number(value * unit.factor, 3) : mark(value * unit.factor) });
+  }
+  const what = app.runs[0].scene.what;
+  const parts = [
+    what === "modes" ? "relative size only" : "",
+    rangeMode === "instant" ? "range of this instant" : rangeMode === "fixed" ? "fixed range" : "",
+    amplification !== 1 ? `deformation × ${number(amplification, 3)}` : "",
+  ];
+  return { title: known.label, unit: unit.label, marks, shades, note: parts.filter(Boolean).join(", ") };
+}
+
+export function mountLegend(kit: Kit): void {
+  const { app } = kit;
+  const title = h("div", "title");
+  const bar = h("div", "bar");
+  const marks = h("div", "marks");
+  const note = h("div", "note");
+  const element = h(
+    "div",
+    { class: "legend", attrs: { role: "img" } },
+    title,
+    h("div", "scale", bar, marks),
+    note,
+  );
+  app.slots.overlay.append(element);
+  let drawn = "";
+  app.store.watch(["measure", "range", "rangeMode", "map", "bands", "amplification"], () => {
+    const look = legendLook(app);
+    element.hidden = !look;
+    if (!look) return;
+    const state = JSON.stringify(look);
+    if (state === drawn) return;
+    drawn = state;
+    title.replaceChildren(look.title, h("span", { class: "unit", text: look.unit }));
+    const n = look.shades.length;
+    const stops = look.shades.map((shade, i) => `${shade} ${(100 * i) / n}% ${(100 * (i + 1)) / n}%`);
+    bar.style.background = `linear-gradient(to top, ${stops.join(", ")})`;
+    marks.replaceChildren(
+      ...look.marks.map(({ share, text }) => {
+        const mark = h("span", { text });
+        mark.style.bottom = `${100 * share}%`;
+        return mark;
+      }),
+    );
+    note.textContent = look.note;
+    note.hidden = !look.note;
+    const ends = [look.marks[0].text, look.marks[look.marks.length - 1].text];
+    element.setAttribute("aria-label", `${look.title} from ${ends[0]} to ${ends[1]} ${look.unit}`);
+  });
+}

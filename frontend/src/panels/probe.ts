@@ -1,0 +1,88 @@
+/** Numbers under the cursor, in double precision; asked for when the cursor rests. */
+
+import { measure } from "../format/measures";
+import { quantity } from "../format/units";
+import type { Place } from "../state";
+import { debounced, h } from "./dom";
+import type { Kit } from "./kit";
+import { placeName } from "./kit";
+
+export function mountProbe(kit: Kit): void {
+  const { app } = kit;
+  const { store, view, source, slots } = app;
+  const name = h("div", "name");
+  const figures = h("dl");
+  const element = h("div", { class: "probe" }, name, figures);
+  element.hidden = true;
+  slots.overlay.append(element);
+
+  let asked = 0;
+  const ask = debounced(80, async (place: Place, time: number) => {
+    const number = ++asked;
+    try {
+      const found = await source.probe(place.run, place.body, place.vertex, time);
+      if (number !== asked || store.state.hover?.vertex !== place.vertex) return;
+      const shift = Math.hypot(...found.displacement);
+      const lines: [string, string][] = [];
+      if (found["von-mises"] !== null) lines.push(["von Mises", quantity(found["von-mises"], "Pa")]);
+      const chosen = store.state.measure;
+      if (chosen && chosen !== "von-mises" && chosen !== "displacement" && !source.live) {
+        const value = view.value(place.run, place.body, place.vertex);
+        if (!Number.isNaN(value)) lines.push([measure(chosen).label, quantity(value, measure(chosen).unit)]);
+      }
+      if (Number.isFinite(shift) && shift > 0) lines.push(["displacement", quantity(shift, "m")]);
+      if (found.damage !== null) lines.push(["damage", quantity(found.damage, "1", 3)]);
+      lines.push(["x, y, z", `${found.position.map((x) => x.toFixed(4).replace("-", "−")).join(", ")} m`]);
+      figures.replaceChildren(...lines.flatMap(([term, text]) => [h("dt", { text: term }), h("dd", { text })]));
+    } catch {
+      // the place may be gone: another window, the end of the server
+      if (number === asked) figures.replaceChildren();
+    }
+  });
+  const place = (): void => {
+    const { hover } = store.state;
+    const at = hover && view.project(hover.run, hover.body, hover.vertex);
+    element.hidden = !at;
+    if (!at) return;
+    const { clientWidth, clientHeight } = slots.stage;
+    const [width, height] = [element.offsetWidth, element.offsetHeight];
+    const x = at[0] + 16 + width > clientWidth ? at[0] - 16 - width : at[0] + 16;
+    const y = Math.min(Math.max(8, at[1] + 14), clientHeight - height - 8);
+    element.style.transform = `translate(${Math.max(8, x).toFixed(0)}px, ${y.toFixed(0)}px)`;
+  };
+  let last: Place | null = null;
+  store.watch(["hover", "time"], ({ hover, time, playing }) => {
+    if (hover && (hover !== last || !playing)) {
+      if (hover !== last) {
+        name.textContent = placeName(app, hover);
+        figures.replaceChildren();
+      }
+      ask(hover, time);
+    }
+    last = hover;
+    place();
+  });
+  view.onDraw(place);
+
+  // symbols have a line of their own
+  const tip = h("div", { class: "probe tip" });
+  tip.hidden = true;
+  slots.overlay.append(tip);
+  const symbolAt = debounced(60, (x: number, y: number) => {
+    if (store.state.playing || store.state.hover) return;
+    const hit = view.pick(x, y);
+    const symbol = hit?.symbol;
+    tip.hidden = symbol === undefined || symbol === null;
+    if (symbol === undefined || symbol === null) return;
+    const known = typeof symbol === "number" ? app.runs[0].scene.symbols[symbol] : symbol;
+    tip.textContent = known.text || `${known.name} (${known.kind})`;
+    tip.style.transform = `translate(${x + 14}px, ${y + 12}px)`;
+  });
+  view.canvas.addEventListener("pointermove", (event) => {
+    tip.hidden = true;
+    if (event.pointerType === "touch" || event.buttons) return;
+    const box = view.canvas.getBoundingClientRect();
+    symbolAt(event.clientX - box.left, event.clientY - box.top);
+  });
+  view.canvas.addEventListener("pointerleave", () => (tip.hidden = true));
+}

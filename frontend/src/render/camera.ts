@@ -1,0 +1,157 @@
+/** The camera: a target, a distance and two angles about the upward direction. */
+
+import * as THREE from "three";
+
+const FIELD = (28 * Math.PI) / 180; // vertical field of view
+
+export type Direction = "x" | "-x" | "y" | "-y" | "z" | "-z" | "iso";
+
+export class Rig {
+  readonly perspective = new THREE.PerspectiveCamera((FIELD * 180) / Math.PI, 1, 0.1, 100);
+  readonly parallel = new THREE.OrthographicCamera();
+  target = new THREE.Vector3();
+  distance = 1;
+  azimuth = 0.7;
+  elevation = 0.42;
+  usesPerspective = true;
+  width = 1;
+  height = 1;
+  private up: THREE.Vector3;
+  private first: THREE.Vector3;
+  private second: THREE.Vector3;
+  private turning: { from: number[]; to: number[]; began: number } | null = null;
+
+  constructor(up: readonly [number, number, number]) {
+    this.up = new THREE.Vector3(...up).normalize();
+    // azimuth counts from the x axis if that lies across, as usual with z upward
+    const aside = Math.abs(this.up.x) < 0.9 ? new THREE.Vector3(1, 0, 0) : new THREE.Vector3(0, 0, 1);
+    this.first = aside.addScaledVector(this.up, -aside.dot(this.up)).normalize();
+    this.second = new THREE.Vector3().crossVectors(this.up, this.first);
+    this.azimuth = -Math.PI / 2 + 0.65;
+  }
+
+  get camera(): THREE.PerspectiveCamera | THREE.OrthographicCamera {
+    return this.usesPerspective ? this.perspective : this.parallel;
+  }
+
+  /** From the target to the camera. */
+  get backward(): THREE.Vector3 {
+    const { azimuth: a, elevation: e } = this;
+    return new THREE.Vector3()
+      .addScaledVector(this.first, Math.cos(e) * Math.cos(a))
+      .addScaledVector(this.second, Math.cos(e) * Math.sin(a))
+      .addScaledVector(this.up, Math.sin(e));
+  }
+
+  get rightward(): THREE.Vector3 {
+    const { azimuth: a } = this;
+    return new THREE.Vector3().addScaledVector(this.first, -Math.sin(a)).addScaledVector(this.second, Math.cos(a));
+  }
+
+  get upward(): THREE.Vector3 {
+    return this.backward.cross(this.rightward);
+  }
+
+  get above(): THREE.Vector3 {
+    return this.up;
+  }
+
+  /** Size of a CSS pixel at the target, m. */
+  get pixel(): number {
+    return (2 * this.distance * Math.tan(FIELD / 2)) / this.height;
+  }
+
+  /** Place both cameras so that a sphere lies between the near and the far plane. */
+  update(middle: THREE.Vector3, radius: number): void {
+    const back = this.backward, aspect = this.width / this.height;
+    const eye = this.target.clone().addScaledVector(back, this.distance);
+    const right = this.rightward, up = this.upward;
+    const away = eye.clone().sub(middle).dot(back);
+    for (const camera of [this.perspective, this.parallel]) {
+      camera.matrixAutoUpdate = false;
+      camera.matrix.makeBasis(right, up, back).setPosition(eye);
+      camera.matrixWorld.copy(camera.matrix);
+      camera.matrixWorldInverse.copy(camera.matrix).invert();
+    }
+    const far = Math.max(away + radius, 1e-9);
+    this.perspective.far = Math.max(far, this.distance * 1.01);
+    this.perspective.near = Math.max(away - radius, 2e-3 * this.distance, 1e-5 * this.perspective.far);
+    this.perspective.aspect = aspect;
+    this.perspective.updateProjectionMatrix();
+    const half = this.distance * Math.tan(FIELD / 2);
+    Object.assign(this.parallel, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
+    this.parallel.near = Math.min(away - radius, 0);
+    this.parallel.far = far;
+    this.parallel.updateProjectionMatrix();
+  }
+
+  /** Let the corners of a box fill the picture, seen as now. */
+  fit(corners: THREE.Vector3[]): void {
+    const right = this.rightward, up = this.upward, back = this.backward;
+    const room = 0.88; // of the picture
+    const tanUp = Math.tan(FIELD / 2) * room, tanRight = (tanUp * this.width) / this.height;
+    const ends = (v: THREE.Vector3): [number, number] => {
+      const at = corners.map((corner) => corner.dot(v));
+      return [Math.min(...at), Math.max(...at)];
+    };
+    const [left, far] = ends(right), [low, high] = ends(up), [behind, front] = ends(back);
+    this.target.set(0, 0, 0);
+    for (const [v, at] of [[right, (left + far) / 2], [up, (low + high) / 2], [back, (behind + front) / 2]] as const) {
+      this.target.addScaledVector(v, at);
+    }
+    // each corner asks for a distance at which it is still within the picture
+    this.distance = 1e-9;
+    for (const corner of corners) {
+      const x = corner.clone().sub(this.target);
+      const near = this.usesPerspective ? x.dot(back) : 0;
+      this.distance = Math.max(this.distance, near + Math.abs(x.dot(right)) / tanRight, near + Math.abs(x.dot(up)) / tanUp);
+    }
+  }
+
+  orbit(right: number, down: number): void {
+    this.turning = null;
+    this.azimuth -= right;
+    this.elevation = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, this.elevation + down));
+  }
+
+  /** Move the picture by CSS pixels. */
+  pan(right: number, down: number): void {
+    this.target.addScaledVector(this.rightward, -right * this.pixel).addScaledVector(this.upward, down * this.pixel);
+  }
+
+  /** Come nearer by a factor; what is at a point of the picture (from its middle, pixels) stays. */
+  zoom(factor: number, right: number, down: number): void {
+    const move = (1 - factor) * this.pixel;
+    this.target.addScaledVector(this.rightward, right * move).addScaledVector(this.upward, -down * move);
+    this.distance *= factor;
+  }
+
+  look(direction: Direction): void {
+    const quarter = Math.PI / 2;
+    const angles: Record<Direction, [number, number]> = {
+      x: [0, 0],
+      "-x": [Math.PI, 0],
+      y: [quarter, 0],
+      "-y": [-quarter, 0],
+      z: [-quarter, quarter],
+      "-z": [-quarter, -quarter],
+      iso: [-quarter + 0.65, 0.42],
+    };
+    const [azimuth, elevation] = angles[direction];
+    const turns = Math.round((this.azimuth - azimuth) / (2 * Math.PI));
+    this.turning = { from: [this.azimuth, this.elevation], to: [azimuth + 2 * Math.PI * turns, elevation], began: NaN };
+  }
+
+  /** Move on towards the direction asked for; whether it still turns. */
+  tick(now: number, still: boolean): boolean {
+    if (!this.turning) return false;
+    if (Number.isNaN(this.turning.began)) this.turning.began = now;
+    const share = still ? 1 : Math.min(1, (now - this.turning.began) / 0.28);
+    const f = share * share * (3 - 2 * share);
+    const { from, to } = this.turning;
+    this.azimuth = from[0] + f * (to[0] - from[0]);
+    this.elevation = from[1] + f * (to[1] - from[1]);
+    if (share >= 1) this.turning = null;
+    return true;
+  }
+}

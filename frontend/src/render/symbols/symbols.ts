@@ -1,0 +1,147 @@
+/** The symbols of a run: joints, forces, sensors and supports, placed by a row. */
+
+import * as THREE from "three";
+import { matrix, product, turn } from "../../math/rotation";
+import { sideAxes, sidePosition } from "../../motion/pose";
+import type { Scene, Symbol } from "../../protocol";
+import type { State } from "../../state";
+import { raw } from "../appearance";
+import type { Shared } from "../shared";
+import { Batch } from "./batch";
+import type { Shape } from "./glyphs";
+import type { Draw, Situation, Tint } from "./kinds";
+import { arrow, kindOf, normalTo } from "./kinds";
+
+const TINTS: Record<Tint, THREE.Color> = {
+  joint: raw("#e0a33e"),
+  accent: raw("#3f87c9"),
+  force: raw("#d9594c"),
+  steel: raw("#c3c9d1"),
+  dark: raw("#5b6470"),
+  ground: raw("#848c97"),
+  sensor: raw("#8a5fc0"),
+  cable: raw("#4c535c"),
+  moment: raw("#9a5fc4"),
+  motion: raw("#3fa66b"),
+};
+
+const TRIAD = [raw("#d64b45"), raw("#4da352"), raw("#4577d6")];
+
+/** An arrow of a sensor, at a point, world. */
+export interface Arrow {
+  at: THREE.Vector3;
+  value: THREE.Vector3;
+  /** Length of the largest one of its kind, m, a unit of value. */
+  scale: number;
+  kind: "force" | "moment" | "velocity" | "acceleration";
+  sensor: number;
+}
+
+const A = new Float64Array(9);
+const B = new Float64Array(9);
+const point = new Float64Array(3);
+
+export class Symbols {
+  readonly group = new THREE.Group();
+  readonly picks: THREE.Object3D[] = [];
+  private batches = new Map<Shape, Batch>();
+  private capacity: number;
+
+  constructor(
+    private scene: Scene,
+    private shared: Shared,
+    private middle: THREE.Vector3,
+    private radius: number,
+    private firstThing: number,
+  ) {
+    this.group.matrixAutoUpdate = false;
+    this.group.matrix.makeTranslation(middle.x, middle.y, middle.z);
+    const points = scene.symbols.reduce((n, symbol) => n + symbol.sides.length, 0);
+    this.capacity = 4 * (points + scene.symbols.length) + 6 * scene.markers.length + 4 * scene.sensors.length + 16;
+  }
+
+  /** Place all of them; `shown` says of which bodies symbols are hidden. */
+  update(row: ArrayLike<number>, state: Readonly<State>, arrows: Arrow[]): void {
+    for (const batch of this.batches.values()) batch.begin();
+    const up = new THREE.Vector3(...this.scene.up).normalize();
+    this.scene.symbols.forEach((symbol, i) => {
+      if (!state.symbols[symbol.group]) return;
+      kindOf(symbol.kind, symbol.group)(this.situation(symbol, row, state.amplification, up), this.painter(this.firstThing + i));
+    });
+    if (state.markers) this.markers(row, state);
+    if (state.arrows) {
+      for (const one of arrows) {
+        const length = one.value.length() * one.scale * state.arrowScale;
+        if (!(length > 1e-3 * this.radius)) continue;
+        const draw = this.painter(NOTHING);
+        const colour: Tint = one.kind === "force" ? "force" : one.kind === "moment" ? "moment" : "motion";
+        const along = one.value.clone().normalize();
+        arrow(draw, one.at.clone().sub(this.middle), along, length, 0.0065 * this.radius, colour, one.kind === "moment" ? 2 : 1);
+      }
+    }
+    for (const batch of this.batches.values()) batch.end();
+  }
+
+  private situation(symbol: Symbol, row: ArrayLike<number>, s: number, up: THREE.Vector3): Situation {
+    const points = symbol.sides.map((side) => this.local(sidePosition(side, row, s, point)));
+    if (symbol.fixed) matrix([1, 0, 0, 0], 0, A);
+    else sideAxes(symbol.sides[0], row, A);
+    const [x, y, z] = symbol.axis ?? [0, 0, 1];
+    turn(A, x, y, z, point);
+    const axis = new THREE.Vector3(point[0], point[1], point[2]);
+    if (axis.lengthSq() > 0) axis.normalize();
+    else axis.copy(up);
+    // across: as the first body turns, so that the eye sees it turn
+    const first = Math.abs(x) < 0.7 * Math.hypot(x, y, z) ? 1 : 0;
+    turn(A, first, 1 - first, 0, point);
+    const across = new THREE.Vector3(point[0], point[1], point[2]);
+    across.addScaledVector(axis, -across.dot(axis)).normalize();
+    if (!(across.lengthSq() > 0.5)) across.copy(normalTo(axis));
+    return { points, axis, across, third: axis.clone().cross(across), up, size: symbol.size ?? 0.028 * this.radius };
+  }
+
+  private local(world: ArrayLike<number>): THREE.Vector3 {
+    return new THREE.Vector3(world[0] - this.middle.x, world[1] - this.middle.y, world[2] - this.middle.z);
+  }
+
+  private markers(row: ArrayLike<number>, state: Readonly<State>): void {
+    const size = 0.07 * this.radius;
+    for (const { side } of this.scene.markers) {
+      const at = this.local(sidePosition(side, row, state.amplification, point));
+      product(sideAxes(side, row, A), matrix(side.frame), B);
+      for (let k = 0; k < 3; k++) {
+        const along = new THREE.Vector3(B[k], B[3 + k], B[6 + k]);
+        arrow(this.painter(NOTHING, TRIAD[k]), at, along, size, 0.04 * size, "steel");
+      }
+    }
+  }
+
+  private painter(tag: number, fixed?: THREE.Color): Draw {
+    return (shape, origin, x, y, z, tint) => {
+      placed.makeBasis(x, y, z).setPosition(origin);
+      this.batch(shape).add(placed, fixed ?? TINTS[tint], tag);
+    };
+  }
+
+  dispose(): void {
+    for (const batch of this.batches.values()) batch.dispose();
+  }
+
+  private batch(shape: Shape): Batch {
+    let batch = this.batches.get(shape);
+    if (!batch) {
+      batch = new Batch(shape, this.shared, this.capacity);
+      this.batches.set(shape, batch);
+      this.group.add(batch.solid, batch.hidden);
+      batch.pick.matrixWorldAutoUpdate = false;
+      batch.pick.matrixWorld = this.group.matrixWorld;
+      this.picks.push(batch.pick);
+    }
+    return batch;
+  }
+}
+
+/** Tag of what is not found under the mouse. */
+export const NOTHING = 0xfffffffe;
+
+const placed = new THREE.Matrix4();

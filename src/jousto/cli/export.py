@@ -1,0 +1,133 @@
+"""jousto export: parts, results and whole machines for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from jousto.base.errors import InputError, MissingFileError, Problem
+from jousto.cli.group import command
+from jousto.cli.options import Trust, amount, compile_model
+from jousto.cli.terminal import say
+
+if TYPE_CHECKING:
+    from jousto.model.model import Model as CompiledModel
+
+MODELS = (".yaml", ".yml", ".json")
+PROGRAMS = (".c", ".zip", ".fmu")
+KNOWN = {"reduced part": (".vtu", ".fem", ".sid"), "results": (".csv",), "model": PROGRAMS}
+
+
+@command()
+def export(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="Reduced part or results (HDF5), or a model.")
+    ],
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="File to write.")],
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[NAME]...", help="Sensors of results; all if none."),
+    ] = None,
+    step: Annotated[
+        str | None,
+        typer.Option("--step", metavar="TIME", help="Own step of a machine, '0.5 ms'."),
+    ] = None,
+    fmi: Annotated[int, typer.Option("--fmi", metavar="2|3", help="Version of an .fmu.")] = 3,
+    on: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--on",
+            metavar="PLATFORM",
+            help="Binaries of an .fmu: here, x86_64-linux, aarch64-linux, x86_64-windows, "
+            "x86_64-darwin, aarch64-darwin; 'none' for sources alone.",
+        ),
+    ] = None,
+    trust: Trust = False,
+) -> None:
+    """Write a reduced part, results or a machine for other programs; the ending selects which.
+
+    Reduced parts: .vtu (ParaView, with modes and modal stress), .fem (MBDyn), .sid (standard
+    input data). Results: .csv (time and sensors). Models: .c (one file of C99 and its header), .zip
+    (the same as a project), .fmu (functional mock-up unit); they run with the method and from the
+    start of the model file.
+    """
+    from jousto.schema.targets import REDUCED_PART, RESULTS, hdf5_format, output_path
+
+    if not file.is_file():
+        raise MissingFileError(Problem(str(file), "no such file"))
+    kind = hdf5_format(file)
+    what = {REDUCED_PART: "reduced part", RESULTS: "results"}.get(kind, "")
+    if not what and file.suffix.lower() in MODELS:
+        what = "model"
+    if not what:
+        raise InputError(
+            Problem(str(file), "is neither a reduced part, results of jousto nor a model file")
+        )
+    suffix = output.suffix.lower()
+    if suffix not in KNOWN[what]:
+        endings = ", ".join(KNOWN[what])
+        shown = what if what == "results" else f"a {what}"
+        raise InputError(Problem(str(output), f"must end with {endings} to export {shown}"))
+    if names and what != "results":
+        raise InputError(Problem(names[0], f"a {what} has no sensors to name"))
+    from jousto.output.write import write
+
+    output_path(output, file, suffix)
+    if what == "results":
+        from jousto.simulation.results.solution import load
+
+        write(load(file), output, *(names or ()))
+    elif what == "model":
+        _machine(file, output, amount(step, "s", "--step"), fmi, on, trust)
+    else:
+        from jousto.reduction.reduced import ReducedPart
+
+        write(ReducedPart.load(file), output)
+    say(f"written to {output}", style="green")
+
+
+def machine_of(
+    file: Path, step: float | None, trust: bool
+) -> tuple[CompiledModel, Any, Any, float | None]:
+    """Return a compiled model file, its method with a step in s, its start and its end."""
+    from dataclasses import replace
+
+    from jousto.schema.read import read_model
+    from jousto.simulation.solvers.explicit import ROS2
+
+    found = read_model(file, trust=trust)
+    model = compile_model(found.mechanism)
+    given: dict[str, Any] = {} if found.simulation is None else found.simulation.given(model)
+    solver: Any = given.get("solver") or ROS2()
+    if step is not None:
+        solver = replace(solver, step=step)
+    end = None if found.simulation is None else found.simulation.t_end
+    return model, solver, given.get("state"), end
+
+
+def _machine(
+    file: Path, output: Path, step: float | None, fmi: int, on: list[str] | None, trust: bool
+) -> None:
+    """Write a machine with the method, the start and the end of its model file."""
+    from jousto.output.write import write
+
+    if output.suffix.lower() != ".fmu" and (on or fmi != 3):
+        raise InputError(Problem(str(output), "--fmi and --on are of files .fmu"))
+    model, solver, state, end = machine_of(file, step, trust)
+    if output.suffix.lower() != ".fmu":
+        write(model, output, solver=solver, state=state)
+        return
+    places = () if on == ["none"] else tuple(on or ("here",))
+    documents = {f"resources/{file.name}": file.read_bytes()}
+    write(
+        model,
+        output,
+        solver=solver,
+        state=state,
+        version=fmi,
+        on=places,
+        stop=end or 1.0,
+        documents=documents,
+    )

@@ -1,0 +1,108 @@
+"""The command that runs a machine on a page: live."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from jousto.base.errors import InputError, Problem
+from jousto.cli.group import command
+from jousto.cli.options import Model, Trust, amount
+from jousto.cli.terminal import facts, say
+
+if TYPE_CHECKING:
+    from jousto.simulation.live.runner import Glance
+
+
+@command()
+def live(
+    model: Model,
+    step: Annotated[
+        str | None, typer.Option("--step", metavar="TIME", help="Step of the method, '1 ms'.")
+    ] = None,
+    rate: Annotated[
+        str | None,
+        typer.Option("--rate", metavar="FREQUENCY", help="Steps a second instead, '1 kHz'."),
+    ] = None,
+    speed: Annotated[
+        float,
+        typer.Option("--speed", min=0.0, help="Simulated per second; 0 is as fast as it can."),
+    ] = 1.0,
+    record: Annotated[
+        Path | None, typer.Option("--record", metavar="FILE.h5", help="Record from the start.")
+    ] = None,
+    inputs: Annotated[
+        list[str] | None,
+        typer.Option("--input", metavar="NAME=LOW..HIGH", help="Range of an input, in SI."),
+    ] = None,
+    paused: Annotated[bool, typer.Option("--paused", help="Wait for the page to play.")] = False,
+    urgent: Annotated[
+        bool, typer.Option("--urgent", help="Go before other programs, where that is allowed.")
+    ] = False,
+    no_open: Annotated[
+        bool, typer.Option("--no-open", help="Print the address and leave the browser alone.")
+    ] = False,
+    port: Annotated[
+        int, typer.Option("--port", min=0, max=65535, help="Where it listens; 0 for any free port.")
+    ] = 0,
+    trust: Trust = False,
+) -> None:
+    """Run a model in real time on a page in the browser, until Ctrl-C.
+
+    Inputs become sliders, the mouse pulls bodies; pause, step, reset, change parameters and record
+    there. At the end it prints how well it kept time.
+    """
+    from jousto.simulation.live.ranges import parse_ranges
+    from jousto.viewer.live.live import live as run
+
+    if step is not None and rate is not None:
+        raise InputError(Problem("--rate", "is 1 / --step; give one of them"))
+    if record is not None and record.exists() and record.samefile(model):
+        raise InputError(Problem("--record", f"{record} is the model, it would be overwritten"))
+    length = amount(step, "s", "--step")
+    if rate is not None:
+        length = 1.0 / amount(rate, "Hz", "--rate")
+    machine = run(
+        model,
+        step=length,
+        speed=speed,
+        ranges=parse_ranges(inputs or []),
+        record=record,
+        playing=not paused,
+        open=False,
+        port=port,
+        urgent=urgent,
+        trust=trust,
+    )
+    if machine.runner.refused:
+        say(f"not as urgent as asked: {machine.runner.refused}", error=True, style="yellow")
+    # the address stands alone on its line, so that it can be copied and read by programs
+    say(machine.address)
+    say("Ctrl-C ends it", error=True)
+    if not no_open and not machine.open():
+        say("no browser was found: open the address yourself", error=True, style="yellow")
+    machine.wait()
+    facts(timekeeping(machine.now))
+
+
+def timekeeping(glance: Glance) -> list[tuple[str, str]]:
+    """Return how well a machine kept time, by name."""
+    from jousto.simulation.live.pace import EDGES
+
+    total = max(1, sum(glance.late))
+    ends = [f"below {1e3 * edge:g} ms late" for edge in EDGES]
+    names = [*ends, f"{1e3 * EDGES[-1]:g} ms late or more"]
+    return [
+        ("simulated time (s)", f"{glance.time:.3f}"),
+        ("real-time factor of the last second", f"{glance.factor:.4f}"),
+        ("longest step (ms)", f"{1e3 * glance.worst:.3f}"),
+        ("largest lateness (ms)", f"{1e3 * glance.latest:.3f}"),
+        ("steps that ended after the next was due", str(glance.missed)),
+        *(
+            (f"  {name}", f"{count} ({100.0 * count / total:.2f} %)")
+            for name, count in zip(names, glance.late, strict=True)
+            if sum(glance.late)
+        ),
+    ]

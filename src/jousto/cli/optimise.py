@@ -1,0 +1,179 @@
+"""jousto optimise: dimensions of least mass within the limits of a model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from jousto.base.errors import InputError, Problem
+from jousto.cli.group import command
+from jousto.cli.hotspots import check_targets
+from jousto.cli.options import Drawing, End, Limits, Model, Output, Trust, Vary, amount, tell_files
+from jousto.cli.terminal import FAILED, columns, say
+from jousto.cli.varied import check_choice, limits_of, parameters_of, problems_of
+
+if TYPE_CHECKING:
+    from jousto.design.optimisation.optimum import Optimum
+    from jousto.design.studies.outcomes.requirement import Requirement
+
+METHODS = {"esl1": ("esl", 1), "esl0": ("esl", 0), "direct": ("direct", 1)}
+
+
+@command()
+def optimise(
+    model: Model,
+    limit: Limits = None,
+    vary: Vary = None,
+    minimise: Annotated[
+        str,
+        typer.Option(
+            metavar="COST", help="mass, mass(boom), or arithmetic of parameters, '2 * b + h'."
+        ),
+    ] = "mass",
+    method: Annotated[
+        str,
+        typer.Option(
+            metavar="esl1|esl0|direct",
+            help="Equivalent static loads of order 1 or 0, or the runs themselves.",
+        ),
+    ] = "esl1",
+    compare: Annotated[bool, typer.Option("--compare", help="All three, side by side.")] = False,
+    reliable: Annotated[
+        bool,
+        typer.Option("--reliable", help="Limits have an index of reliability, by SORA."),
+    ] = False,
+    target: Annotated[
+        float | None,
+        typer.Option(metavar="BETA", help="That index, instead of the model's reliability."),
+    ] = None,
+    tolerance: Annotated[
+        float, typer.Option(metavar="SHARE", help="Step, of the bounds, that ends.")
+    ] = 1e-4,
+    cycles: Annotated[int, typer.Option(min=1, help="At most.")] = 50,
+    t_end: End = None,
+    output: Output = None,
+    picture: Drawing = None,
+    trust: Trust = False,
+) -> None:
+    """Find the dimensions of least mass that keep the limits of a model at all instants.
+
+    What is varied are the parameters with bounds; limits of stress, deflection, frequency, life and
+    damage are those of the model file or of --limit. Printed are the design, what is active, and
+    the residual of the conditions of an optimum. -o writes the history (.csv), or a page with the
+    history and what is active (.html); --compare puts the three methods side by side in all of
+    these. With --reliable parameters with a distribution scatter, and each limit, of any outcome,
+    is exceeded as rarely as its index of reliability says.
+    """
+    from jousto.schema.read import read_model
+
+    problems: list[Problem] = []
+    for check in (
+        lambda: check_targets({output: ("csv",) if reliable else ("csv", "html"), picture: ()}),
+        lambda: amount(t_end, "s", "--t-end"),
+        lambda: check_choice("--method", method, tuple(METHODS)),
+    ):
+        problems += problems_of(check)
+    problems += _together(reliable, target, compare, method)
+    file = read_model(model, trust=trust)
+    limits, parameters = [], []
+    try:
+        limits = limits_of(limit, file)
+    except InputError as error:
+        problems += error.problems
+    wanted = ("bounds", "distribution") if reliable else ("bounds",)
+    try:
+        parameters = parameters_of(vary, file, *wanted)
+    except InputError as error:
+        problems += error.problems
+    if problems:
+        raise InputError(problems)
+    made = {"cost": minimise, "parameters": parameters, "t_end": amount(t_end, "s", "--t-end")}
+    how = {"tolerance": tolerance, "cycles": cycles}
+    if reliable:
+        _reliable(file, limits, made | how | {"target": target}, output, picture)
+        return
+    names = [method, *(name for name in METHODS if compare and name != method)]
+    _least(file, limits, made, how, names, output, picture)
+
+
+def _together(reliable: bool, target: float | None, compare: bool, method: str) -> list[Problem]:
+    """Return what is wrong with options that do not go together."""
+    problems = []
+    if not reliable and target is not None:
+        problems.append(Problem("--target", "is an index of reliability: add --reliable"))
+    if target is not None and not target > 0.0:
+        problems.append(Problem("--target", f"is {target:g}, must be positive"))
+    if reliable and (compare or method != "esl1"):
+        message = "is for designs without scatter; leave it out with --reliable"
+        problems.append(Problem("--compare" if compare else "--method", message))
+    return problems
+
+
+def _least(
+    file: Any,
+    limits: list[Requirement],
+    made: dict[str, Any],
+    how: dict[str, Any],
+    names: list[str],
+    output: Path | None,
+    picture: Path | None,
+) -> None:
+    """Optimise by one method or several; print and write what was found."""
+    from jousto.design.optimisation.comparison import Comparison
+    from jousto.design.optimisation.of_file import file_problem
+    from jousto.design.optimisation.optimise import optimise as best_of
+
+    found: list[Optimum] = []
+    for name in names:
+        way, order = METHODS[name]
+        problem = file_problem(file, limits, **made)
+        found.append(best_of(problem, way, order=order, **how))  # type: ignore[arg-type]
+    first = found[0]
+    _history(first)
+    say(str(first))
+    whole: Any = first
+    if len(found) > 1:
+        whole = Comparison(found)
+        say(str(whole))
+    if output is not None and output.suffix.lower() == ".html":
+        from jousto.output.write import write
+
+        say(f"page in {write(whole, output)}", style="green")
+    elif output is not None:
+        say(f"history in {whole.to_csv(output)}", style="green")
+    tell_files(whole, picture=picture)
+    if not first.converged:
+        raise typer.Exit(FAILED)
+
+
+def _reliable(
+    file: Any,
+    limits: list[Requirement],
+    options: dict[str, Any],
+    output: Path | None,
+    picture: Path | None,
+) -> None:
+    """Optimise for an index of reliability; print and write what was found."""
+    from jousto.design.reliability.errors import DesignPointError, LimitStateError
+    from jousto.design.reliability.of_file import file_rbdo
+
+    try:
+        found = file_rbdo(file, limits, **options)
+    except (DesignPointError, LimitStateError) as error:
+        say(str(error), error=True, style="red")
+        raise typer.Exit(FAILED) from None
+    say(str(found))
+    if output is not None:
+        say(f"history in {found.to_csv(output)}", style="green")
+    tell_files(found, picture=picture)
+
+
+def _history(found: Optimum) -> None:
+    """Print the cycles."""
+    rows = [("cycle", *found.values, "cost", "largest ratio", "runs")]
+    for i, one in enumerate(found.history):
+        values = [f"{value:.5g}" for value in one.values.values()]
+        rows.append((str(i), *values, f"{one.cost:.6g}", f"{one.ratio:.4f}", str(one.runs)))
+    columns(rows, ">")

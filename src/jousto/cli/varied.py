@@ -1,0 +1,180 @@
+"""Parameters that options of the command line vary, and checks that commands share."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from jousto.base.errors import InputError, Problem, suggest
+
+if TYPE_CHECKING:
+    from jousto.design.studies.outcomes.outcome import Outcome
+    from jousto.design.studies.outcomes.requirement import Requirement
+    from jousto.design.studies.parameters.parameter import Parameter
+    from jousto.schema.read import ModelFile
+
+RANGE = re.compile(r"(.+?)\.\.(.+?)(?:/\s*(\d+))?")
+WAYS = ("threads", "processes", "dask")
+
+
+def problems_of(check: Callable[[], Any]) -> list[Problem]:
+    """Return what is wrong, if anything is."""
+    try:
+        check()
+    except InputError as error:
+        return list(error.problems)
+    return []
+
+
+def check_choice(option: str, word: str, known: tuple[str, ...]) -> None:
+    """Raise InputError for a word that an option does not know."""
+    if word not in known:
+        raise InputError(Problem(option, f"is {word!r}{suggest(word, known)}"))
+
+
+def nothing_varied(known: dict[str, Any]) -> str:
+    """Return what to do where no parameter is named."""
+    if not known:
+        return "the model has no parameters; add parameters: {wall: 4 mm} and use ${wall}"
+    return f"name what is varied: {', '.join(known)}"
+
+
+def varied(text: str, known: dict[str, Parameter], axes: dict[str, list[float]]) -> Parameter:
+    """Return the parameter of an option; values of a grid go into `axes`."""
+    from jousto.design.studies.parameters.distributions import CALL, read_distribution
+
+    name, equals, values = (piece.strip() for piece in text.partition("="))
+    where = f"--vary {name}"
+    if name not in known:
+        tail = suggest(name, known) if known else f"; {nothing_varied(known)}"
+        raise InputError(Problem("--vary", f"no parameter {name!r}{tail}"))
+    own = known[name]
+    if not equals:
+        return own
+    if CALL.fullmatch(values):
+        made = read_distribution(values, own.value, own.exponents, where)
+        return replace(own, distribution=made)
+    match = RANGE.fullmatch(values)
+    if match is None:
+        axes[name] = _numbers(values.split(","), own, where)
+        return replace(own, bounds=None)
+    low, high = _numbers([match[1], match[2]], own, where)
+    if not low < high:
+        raise InputError(Problem(where, f"{low:g} must be below {high:g}"))
+    if match[3] is None:
+        value = min(max(own.value, low), high)
+        return replace(own, value=value, bounds=(low, high), distribution=None)
+    count = int(match[3])
+    if count < 2:
+        raise InputError(Problem(where, f"has {count} values, must have 2 or more"))
+    axes[name] = [low + (high - low) * k / (count - 1) for k in range(count)]
+    return replace(own, bounds=None)
+
+
+def limits_of(given: list[str] | None, file: ModelFile) -> list[Requirement]:
+    """Return the limits of options, those of the model file if there are none.
+
+    Raises
+    ------
+    InputError
+        If there are none at all, one is none, or two have the same name.
+    """
+    from jousto.design.studies.outcomes.outcomes import read_outcome
+    from jousto.design.studies.outcomes.requirement import read_requirement
+    from jousto.schema.make.blocks.limits import inlined
+
+    if not given:
+        if not file.limits:
+            message = "none: give --limit 'max(tip.y) <= 12 mm', or limits: [...] in the model file"
+            raise InputError(Problem("limits", message))
+        return list(file.limits)
+    problems: list[Problem] = []
+    found: list[Requirement] = []
+    for text in given:
+        try:
+            one = read_requirement(text)
+            read_outcome(one.left)
+            one = replace(one, bound=inlined(one.bound, file.variants.document.data))
+        except InputError as error:
+            problems += error.problems
+            continue
+        if one.name in [other.name for other in found]:
+            message = f"{one.name!r} is limited twice; name them: 'a = {one.text}'"
+            problems.append(Problem("--limit", message))
+        found.append(one)
+    if problems:
+        raise InputError(problems)
+    return found
+
+
+def outcomes_of(limits: Sequence[Requirement]) -> list[Outcome]:
+    """Return the outcomes that are limited, each once."""
+    found = {one.outcome.name: one.outcome for one in limits}
+    return list(found.values())
+
+
+def parameters_of(given: list[str] | None, file: ModelFile, *wanted: str) -> list[Parameter]:
+    """Return all parameters of a file, with what options say of them instead.
+
+    Parameters
+    ----------
+    given : list of str
+        Of the option ``--vary``.
+    file : ModelFile
+    *wanted : {"bounds", "distribution"}
+        What an option must give, one of them; each must belong to a parameter at least. If both
+        may be given, bounds leave a parameter its scatter, and a distribution its bounds.
+
+    Raises
+    ------
+    InputError
+        If an option gives something else.
+    """
+    known = {p.name: p for p in file.parameters}
+    chosen = dict(known)
+    problems: list[Problem] = []
+    such = {"bounds": "bounds such as 2..8mm", "distribution": "normal(sd=0.1 mm)"}
+    for text in given or ():
+        axes: dict[str, list[float]] = {}
+        try:
+            one = varied(text, chosen, axes)
+        except InputError as error:
+            problems += error.problems
+            continue
+        if axes or not any(getattr(one, what) is not None for what in wanted):
+            ways = " or ".join(such[what] for what in wanted)
+            message = f"has no {' or '.join(wanted)}: give {ways}"
+            problems.append(Problem(f"--vary {one.name}", message))
+        if len(wanted) > 1 and one.distribution is None:
+            one = replace(one, distribution=chosen[one.name].distribution)
+        chosen[one.name] = one
+    if problems:
+        raise InputError(problems)
+    for what in wanted:
+        if not any(getattr(p, what) is not None for p in chosen.values()):
+            message = f"no parameter has {what}; {nothing_varied(known)}"
+            problems.append(Problem("--vary", message))
+    if problems:
+        raise InputError(problems)
+    return list(chosen.values())
+
+
+def _numbers(texts: list[str], parameter: Parameter, where: str) -> list[float]:
+    """Return values in SI; the unit of the last one is that of those without."""
+    from jousto.base.expressions import NONE, ExpressionError, evaluate
+
+    unit = re.sub(r"^\s*[-+]?[\d._]+(?:[eE][-+]?\d+)?", "", texts[-1]).strip()
+    found = []
+    for text in texts:
+        try:
+            quantity = evaluate(text, {})
+            if unit and quantity.exponents == NONE:
+                quantity = evaluate(f"{text} {unit}", {})
+        except ExpressionError as error:
+            raise InputError(Problem(where, str(error))) from None
+        if quantity.exponents not in (NONE, parameter.exponents):
+            raise InputError(Problem(where, f"{quantity.said} must be in {parameter.unit}"))
+        found.append(quantity.value)
+    return found

@@ -1,0 +1,47 @@
+"""The command that compares the engine with a second formulation."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from jousto.cli.group import command
+from jousto.cli.options import Model, Trust, amount
+from jousto.cli.terminal import FAILED, say
+
+
+@command()
+def verify(
+    model: Model,
+    t_end: Annotated[
+        str | None,
+        typer.Option("--t-end", metavar="TIME", help="End of the runs such as 2 or '500 ms'."),
+    ] = None,
+    step: Annotated[
+        str | None, typer.Option("--step", metavar="TIME", help="Longer step of both; 1 ms.")
+    ] = None,
+    trust: Trust = False,
+) -> None:
+    """Compare the engine with a second formulation, the moving frame; exit code 1 if they differ.
+
+    Every sensor, acceleration, reaction and force at the same states, and runs with two steps. Both
+    start as the model file says.
+    """
+    from jousto.base.errors import InputError, Problem
+    from jousto.natural.verify import verify as compare
+    from jousto.schema.read import read_model
+
+    file = read_model(model, trust=trust)
+    end = amount(t_end, "s", "--t-end")
+    if end is None and file.simulation is not None:
+        end = file.simulation.t_end
+    if end is None:
+        raise InputError(Problem(model.name, "has no simulation with its end; give --t-end"))
+    longer = amount(step, "s", "--step")
+    begin = None if file.simulation is None else file.simulation.begin
+    found = compare(file.mechanism, end, step=1e-3 if longer is None else longer, begin=begin)
+    say(str(found).removesuffix(found.verdict).rstrip())
+    say(found.verdict, style="green" if found.agrees else "red")
+    if not found.agrees:
+        raise typer.Exit(FAILED)

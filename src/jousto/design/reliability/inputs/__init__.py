@@ -1,0 +1,1 @@
+"""Random inputs of a limit state, and the standard normal space of them."""

@@ -1,0 +1,1 @@
+"""Design for a target of reliability."""

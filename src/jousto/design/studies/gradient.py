@@ -1,0 +1,420 @@
+"""gradient: outcomes of a study with their derivatives by complex steps, or by differences."""
+
+from __future__ import annotations
+
+import sys
+import traceback
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from jousto.base.arguments import explained
+from jousto.base.arrays import Array
+from jousto.base.complexstep import STEP
+from jousto.base.described import described
+from jousto.base.errors import InputError, NotAnalytic, Problem, UnknownNameError, suggest
+from jousto.design.studies.parameters.parameter import Parameter
+from jousto.design.studies.running.evaluator import Evaluator, reason
+from jousto.design.studies.study import Study
+
+EXACT, MOTION, RUN = "complex step", "complex motion", "complex run"
+DIFFERENCES, NONE = "differences", "none"
+WAYS = {
+    EXACT: "Complex numbers all the way to the outcome",
+    MOTION: "Complex numbers up to the results of the run. What is said of these, at the same "
+    "place, at the same instant and by the same cycles, by differences of fourth order",
+    RUN: "The model by differences of fourth order between models beside it, complex numbers from "
+    "there on; the reason follows",
+    DIFFERENCES: "Central differences of whole runs with real numbers; the reason follows",
+    NONE: "There is no derivative, the number is NaN; the reason follows",
+}
+"""How derivatives are found, the words that `GradientResult.how` begins with."""
+
+RELATIVE = 6e-6
+"""Step of differences as a share of the value: about the cube root of the round-off."""
+CLOSE, WIDE = 0.1 * RELATIVE, 1e-3
+"""Steps of differences where RELATIVE does not do: beside a kink, and for noisy outcomes."""
+AGREES = 1e-3
+"""Of the size of a slope: complex steps that agree with differences, whose noise is smaller."""
+BENDS = 0.1
+"""Of the larger slope on the two sides of a point: what is no curvature."""
+
+NOISE, FLAT = 1e-10, 1e-6
+"""Of an outcome: its round-off, and what is no jump but noise."""
+STEPS = (EXACT, MOTION, RUN)
+OURS = ("jousto", "numpy", "scipy", "pydantic", "pydantic_core")
+"""Modules whose lines are no help to whoever wrote the model."""
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class GradientResult:
+    """Outcomes at a point with their derivatives by the parameters.
+
+    ``found["drift", "length"]`` is one derivative, ``found["drift"]`` the row (np,) of an outcome.
+
+    Attributes
+    ----------
+    values : (no,) array
+        Outcomes, SI.
+    jacobian : (no, np) array
+        Their derivatives by the parameters, SI.
+    how : tuple of tuple of str
+        (no, np): "complex step"; "complex motion" where stress, damage or a function of the user
+        is followed along a motion found so; "complex run: ", "differences: " or "none: " with the
+        reason. `WAYS` says what they mean.
+    outcomes, parameters : tuple of str
+        Names of rows and columns.
+    x : (np,) array
+        The point.
+    runs : dict of str to int
+        Points that were worked out, "real" and "complex", and "models" that were compiled for it.
+    """
+
+    values: Array
+    jacobian: Array
+    how: tuple[tuple[str, ...], ...]
+    outcomes: tuple[str, ...]
+    parameters: tuple[str, ...]
+    x: Array
+    runs: dict[str, int] = field(default_factory=dict)
+
+    def __getitem__(self, name: str | tuple[str, str]) -> Any:
+        """Return the derivatives of an outcome (np,), or that by one parameter.
+
+        Raises
+        ------
+        InputError
+            For an unknown name; close ones are suggested. A `KeyError`, too.
+        """
+        outcome, parameter = name if isinstance(name, tuple) else (name, None)
+        row = self.jacobian[_place("outcome", outcome, self.outcomes)]
+        return row if parameter is None else row[_place("parameter", parameter, self.parameters)]
+
+    @property
+    def exact(self) -> bool:
+        """Whether all derivatives are by complex steps, of the motion at least."""
+        return self._count == self.jacobian.size
+
+    @property
+    def _count(self) -> int:
+        return sum(how.partition(":")[0] in STEPS for row in self.how for how in row)
+
+    def _facts(self) -> str:
+        return f"{self._count} of {self.jacobian.size} derivatives by complex steps"
+
+    def __str__(self) -> str:
+        """Return all derivatives, and how those were found that are not by complex steps alone."""
+        width = max(map(len, (*self.outcomes, *self.parameters)))
+        lines = [repr(self)]
+        for i, outcome in enumerate(self.outcomes):
+            lines.append(f"  {outcome} = {self.values[i]:.6g}")
+            for j, parameter in enumerate(self.parameters):
+                said = "" if self.how[i][j] == EXACT else f"  {self.how[i][j]}"
+                lines.append(f"    by {parameter:<{width}}  {self.jacobian[i, j]: .6g}{said}")
+        used = {how.partition(":")[0] for row in self.how for how in row}
+        lines += [f"  {way}: {WAYS[way]}" for way in (MOTION, RUN) if way in used]
+        return "\n".join(lines)
+
+
+def _place(kind: str, name: str, known: Sequence[str]) -> int:
+    if name not in known:
+        raise UnknownNameError(Problem("gradient", f"no {kind} {name!r}{suggest(name, known)}"))
+    return known.index(name)
+
+
+@explained
+def gradient(
+    study: Study,
+    x: ArrayLike | None = None,
+    outcomes: str | Sequence[str] | None = None,
+    *,
+    check: bool = True,
+) -> GradientResult:
+    """Return the outcomes of a study at a point and their derivatives by its parameters.
+
+    ``dy/dx = Im y(x + i h) / h``: the machine is made, compiled, run and judged once for each
+    parameter with complex numbers (Squire and Trapp, SIAM Rev. 40, 1998), exact to round-off.
+    Where a machine can be made of real numbers only (``math.sin(x)``, ``float(x)``, solids, exact
+    beams), its model gets its derivative by differences of fourth order between four models beside
+    it, and the run is complex. What complex numbers cannot run (events, friction that sticks,
+    solvers that choose their steps), and results that complex steps and differences disagree on,
+    are differentiated by central differences, two real runs for a parameter. ``how`` of the result
+    has the reason.
+
+    A largest value over time is followed at its instant, a hot spot at its place, cycles of a
+    damage as they are counted at the point.
+
+    Parameters
+    ----------
+    study : Study
+        From `study`.
+    x : (np,) array, optional
+        The point; the nominal values if not given.
+    outcomes : str or sequence of str, optional
+        Names of the outcomes wanted; all if not given.
+    check : bool
+        Whether two further real runs, along one direction, check the complex steps: a function of
+        the user may lose derivatives without an error (``abs(x)``, ``x.real``).
+
+    Raises
+    ------
+    InputError
+        If the point makes no sense, or the machine cannot be made or run there.
+
+    Examples
+    --------
+    >>> import jousto as jo
+    >>> def block(mass):
+    ...     body = jo.RigidBody("block", mass, (1.0, 1.0, 1.0))
+    ...     slide = jo.Prismatic("slide", jo.ground["origin"], body["origin"], axis=(1, 0, 0))
+    ...     push = jo.JointForce("push", slide.displacement, 6.0)
+    ...     way = jo.CoordinateSensor("way", slide.displacement)
+    ...     return jo.Mechanism(body, slide, push, way)
+    >>> fall = jo.study(block, jo.Parameter("mass", 2.0, unit="kg"), "last(way)", t_end=1.0)
+    >>> found = gradient(fall)
+    >>> found.values.round(6), found.jacobian.round(6), found.how
+    (array([1.5]), array([[-0.75]]), (('complex step',),))
+    """
+    given: Any = study
+    if not isinstance(given, Study):
+        message = f"is {given!r:.60}, must be a Study; jo.study(model, ...) makes one"
+        raise InputError(Problem("study", message))
+    names = (outcomes,) if isinstance(outcomes, str) else outcomes
+    rows = list(range(len(study.outcomes)))
+    if names is not None:
+        rows = [_place("outcome", name, study.outcomes) for name in names]
+    if not rows:
+        raise InputError(Problem("gradient", "outcomes is empty, must name some or be left out"))
+    return Work(study._evaluator, study.point(x), rows).result(check)
+
+
+class Slopes:
+    """Derivatives of some outcomes of a study at any points, also outside of its bounds.
+
+    They are checked by differences at the first point.
+
+    Parameters
+    ----------
+    study : Study
+        From `study`.
+    rows : list of int
+        The outcomes; the rows of all others are zero.
+    """
+
+    def __init__(self, study: Study, rows: list[int]) -> None:
+        self._study, self._rows, self._check = study, rows, True
+        self._evaluator = study._evaluator.boundless()
+
+    def __call__(self, x: Array) -> Array:
+        """Return the derivatives (no, np) at a point (np,)."""
+        work = Work(self._evaluator, self._study.point(x), self._rows)
+        found = np.zeros((len(self._study.outcomes), len(self._study.parameters)))
+        found[self._rows] = work.result(self._check).jacobian
+        self._check = False
+        return found
+
+
+class Work:
+    """The derivatives of some outcomes at one point.
+
+    Parameters
+    ----------
+    evaluator : Evaluator
+        Makes, runs and judges machines.
+    x : (np,) array
+        The point.
+    rows : list of int
+        The outcomes.
+    """
+
+    def __init__(self, evaluator: Evaluator, x: Array, rows: list[int]) -> None:
+        self._evaluator = evaluator
+        self._x = x
+        self._outcomes = tuple(evaluator.outcomes[i] for i in rows)
+        self._parameters = evaluator.parameters
+        self._before = evaluator.counts["compilations"]
+        self.runs = {"real": 0, "complex": 0}
+        shape = (len(rows), len(x))
+        self._jacobian = np.full(shape, np.nan)
+        self._way = [[EXACT] * len(x) for _ in rows]
+        self._why = [[""] * len(x) for _ in rows]
+        self._values = np.full(len(rows), np.nan)
+
+    def result(self, check: bool) -> GradientResult:
+        """Return them all."""
+        if outside := self._evaluator.outside(self._x):
+            raise InputError(Problem("gradient", outside))
+        with np.errstate(invalid="ignore"):  # outcomes may be infinite
+            return self._result(check)
+
+    def _result(self, check: bool) -> GradientResult:
+        self._values = self._at(self._x)
+        for i, value in enumerate(self._values):
+            if not np.isfinite(value):
+                self._note([i], NONE, f"the outcome is {value}")
+        columns = range(len(self._x))
+        for j in columns:
+            self._step(j)
+        if check:
+            self._check()
+        for j in columns:
+            if any(row[j] == DIFFERENCES for row in self._way):
+                self._difference(j)
+        self.runs["models"] = self._evaluator.counts["compilations"] - self._before
+        said = [zip(*pair, strict=True) for pair in zip(self._way, self._why, strict=True)]
+        how = tuple(tuple(f"{way}: {why}" if why else way for way, why in row) for row in said)
+        return GradientResult(
+            self._values,
+            self._jacobian,
+            how,
+            tuple(outcome.name for outcome in self._outcomes),
+            tuple(parameter.name for parameter in self._parameters),
+            self._x,
+            self.runs,
+        )
+
+    def _at(self, x: Array) -> Array:
+        """Return the outcomes at a point."""
+        self.runs["real"] += 1
+        found = self._evaluator.outcomes_at(x, self._outcomes)
+        for one in found:
+            if one.error is not None:
+                raise one.error
+        return np.array([one.value for one in found], dtype=float)
+
+    def _note(self, rows: Iterable[int], way: str, why: str, j: int | None = None) -> None:
+        """Note how derivatives of some outcomes are found, unless that was said before."""
+        for i in rows:
+            for k in range(len(self._x)) if j is None else [j]:
+                if self._way[i][k] in STEPS:
+                    self._way[i][k], self._why[i][k] = way, why
+
+    def _step(self, j: int) -> None:
+        """Fill a column by a complex step, or note why not."""
+        x: Any = self._x.astype(np.complex128)
+        x[j] += 1j * STEP
+        found = self._evaluator.outcomes_at(x, self._outcomes)
+        self.runs["complex"] += any(one.error is None for one in found)
+        for i, one in enumerate(found):
+            if one.error is not None:
+                self._note([i], DIFFERENCES, needs_real(one.error), j)
+                continue
+            if self._way[i][j] == NONE:
+                continue
+            slope, value = one.value.imag / STEP, self._values[i]
+            scale = max(abs(value), abs(slope * self._size(j)))
+            if not np.isfinite(slope) or abs(one.value.real - value) > AGREES * scale:
+                why = f"with complex numbers it is another number, {one.value.real:.6g}"
+                self._note([i], DIFFERENCES, why, j)
+                continue
+            self._way[i][j] = MOTION if one.followed else EXACT
+            if one.between is not None:
+                self._way[i][j], self._why[i][j] = RUN, needs_real(one.between)
+            self._jacobian[i, j] = slope
+
+    def _size(self, j: int) -> float:
+        """Return a length along a parameter over which outcomes change."""
+        parameter: Parameter = self._parameters[j]
+        return parameter.reach(self._x[j])
+
+    def _check(self) -> None:
+        """Compare complex steps with differences along one direction.
+
+        Once more with a smaller step, where the first one may have gone across a kink.
+        """
+        columns = [j for j in range(len(self._x)) if any(row[j] in STEPS for row in self._way)]
+        # of an outcome with some derivatives by differences the others are not checked
+        known = [all(row[j] in STEPS for j in columns) for row in self._way]
+        rows = np.flatnonzero(known).tolist() if columns else []
+        # irregular shares, so that errors of several parameters do not cancel
+        sizes = np.array([self._size(j) * (1.0 + 0.37 * np.sin(1.0 + j)) for j in columns])
+        for share, noise in ((RELATIVE, NOISE), (CLOSE, 0.0)):
+            if not rows:
+                return
+            step = np.zeros(len(self._x))
+            step[columns] = share * sizes
+            try:
+                high, low = self._at(self._x + step), self._at(self._x - step)
+            except Exception as problem:
+                self._note(rows, DIFFERENCES, f"they could not be checked, {reason(problem)}")
+                return
+            terms = (self._jacobian[rows] * step)[:, columns]
+            size, y = np.abs(terms).sum(axis=1), self._values[rows]
+            error = np.abs(terms.sum(axis=1) - 0.5 * (high - low)[rows])
+            bend = np.abs((high + low)[rows] - 2.0 * y)
+            good = error <= AGREES * size + noise * np.abs(y)
+            good &= bend <= BENDS * size + 10.0 * NOISE * np.abs(y)
+            rows = np.array(rows)[~good].tolist()
+        self._note(rows, DIFFERENCES, "complex steps and differences disagree")
+
+    def _difference(self, j: int) -> None:
+        """Fill what a column lacks by differences, as far as the outcomes are smooth there."""
+        rows = [i for i, row in enumerate(self._way) if row[j] == DIFFERENCES]
+        gaps = np.zeros(len(self._values))
+        for share in (RELATIVE, CLOSE, WIDE):
+            h = share * self._size(j)
+            rise, fall, said = self._sides(j, h)
+            gap = np.abs(rise - fall)
+            larger = np.maximum(np.abs(rise), np.abs(fall))
+            bent = ~(gap <= BENDS * larger + 10.0 * NOISE * np.abs(self._values) / h)
+            if share == WIDE:
+                bent &= gap * h > FLAT * np.abs(self._values)
+            for i in rows:
+                self._jacobian[i, j] = 0.5 * (rise[i] + fall[i])
+                self._why[i][j] += said
+                if share == CLOSE and bent[i] and gap[i] < 3.0 * gaps[i]:
+                    bent[i] = False
+                    self._why[i][j] += f"; it bends here, slopes {fall[i]:.6g} and {rise[i]:.6g}"
+                elif share == WIDE and not bent[i]:
+                    self._why[i][j] += f"; it is noisy, steps of {h:.3g}"
+            rows, gaps = [i for i in rows if bent[i]], gap
+            if not rows:
+                return
+        for i in rows:
+            self._way[i][j], self._jacobian[i, j] = NONE, np.nan
+            self._why[i][j] += "; it jumps here"
+
+    def _sides(self, j: int, h: float) -> tuple[Array, Array, str]:
+        """Return the slopes above and below the point, and what is said of them.
+
+        Where one side fails, those of the other side, of second order.
+        """
+        failed: list[Exception] = []
+        found: list[Array] = []
+        for sign in (1.0, -1.0):
+            step = np.zeros(len(self._x))
+            step[j] = sign * h
+            try:
+                found.append((self._at(self._x + step) - self._values) / step[j])
+            except Exception as error:
+                failed.append(error)
+                continue
+            working = step
+        if len(failed) == 2:
+            raise failed[0]
+        if not failed:
+            return found[0], found[1], ""
+        far = (self._at(self._x + 2.0 * working) - self._values) / (2.0 * working[j])
+        slope = 2.0 * found[0] - far
+        side = "above" if working[j] < 0.0 else "below"
+        return slope, slope, f"; on one side, {side} it fails: {reason(failed[0])}"
+
+
+def needs_real(error: Exception) -> str:
+    """Return why a machine takes no complex numbers, with the last line of the user on the way."""
+    if isinstance(error, NotAnalytic):
+        return str(error)
+    chain: list[BaseException] = [error]
+    while (before := chain[-1].__cause__ or chain[-1].__context__) and before not in chain:
+        chain.append(before)
+    for one in reversed(chain):
+        for frame, line in reversed(list(traceback.walk_tb(one.__traceback__))):
+            module = str(frame.f_globals.get("__name__")).partition(".")[0]
+            if module not in OURS and module not in sys.stdlib_module_names:
+                return f"line {line} of {Path(frame.f_code.co_filename).name} needs real numbers"
+    return "something that depends on it needs real numbers"

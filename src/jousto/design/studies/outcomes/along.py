@@ -1,0 +1,48 @@
+"""What is said of runs with real numbers alone, followed along the derivative of the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from jousto.base.complexstep import STEP, plainly, stepped
+from jousto.design.studies.case import Case
+from jousto.simulation.results.memory import moved
+from jousto.simulation.results.solution import Solution
+
+SHARE = 1e-5
+"""Of a parameter, by which `along` moves results: small, so that cycles stay the same."""
+
+
+def has_slope(run: Solution) -> bool:
+    """Return whether the results of a run have derivatives."""
+    return stepped(getattr(run._records, "rows", None))
+
+
+def along(case: Case, judge: Callable[[Solution, float], float]) -> float:
+    """Return what somebody says of a run, with its derivative along that of the motion.
+
+    Differences of fourth order of `judge` alone, between results that are moved by their
+    derivatives: what follows a run needs real numbers, and is smooth where places, instants and
+    cycles stay.
+
+    Parameters
+    ----------
+    case : Case
+        With a parameter that has a derivative.
+    judge : callable
+        Of results and the change of the parameter, along which it may move numbers of its own.
+    """
+    run, size = case.run, SHARE * case.reach
+    case.followed = True
+    moves = has_slope(run)
+
+    def at(change: float) -> float:
+        return judge(moved(run, change) if moves else run, change)
+
+    with plainly():
+        found = [at(k * size) for k in (1, -1, 2, -2)]
+        value = at(0.0)
+    slope = (8.0 * (found[0] - found[1]) - (found[2] - found[3])) / (12.0 * size)
+    made: Any = value + 1j * STEP * slope
+    return made  # type: ignore[no-any-return]

@@ -1,0 +1,82 @@
+"""Outcomes that a Python function works out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arguments import explained
+from jousto.base.complexstep import is_stepping, scalar
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.names import check_name
+from jousto.design.studies.case import Case
+from jousto.design.studies.outcomes.along import along, has_slope
+from jousto.design.studies.outcomes.outcome import Outcome
+
+
+@explained
+@described
+@dataclass(frozen=True, eq=False)
+class Function(Outcome):
+    """A number that a Python function works out.
+
+    Parameters
+    ----------
+    name : str
+        Of its column.
+    function : callable
+        ``function(run)`` of the `Solution`, or of what `of` names.
+    of : {"run", "model", "mechanism", "case"}
+        What the function gets; only "run" and "case" need a simulation. A case has all of them
+        and ``case.values``.
+    measured_in : str
+        SI unit.
+
+    Examples
+    --------
+    ``Function("swing", lambda run: np.ptp(run["tip.x"]), measured_in="m")``
+    """
+
+    name: str
+    function: Callable[[Any], Any]
+    of: str = "run"
+    measured_in: str = "1"
+
+    def __post_init__(self) -> None:
+        problems = Problems()
+        where = check_name(problems, "outcome", self.name)
+        given: Any = self.function
+        if not callable(given):
+            problems.add(where, f"function is {given!r}, must be a function")
+        known = ("run", "model", "mechanism", "case")
+        if self.of not in known:
+            problems.add(where, f"of is {self.of!r}{suggest(str(self.of), known)}")
+        problems.raise_if_any()
+
+    @property
+    def needs_run(self) -> bool:  # type: ignore[override]
+        """Whether the model is simulated for it."""
+        return self.of in ("run", "case")
+
+    def value(self, case: Case) -> float:
+        """Return it for one point."""
+        given = case if self.of == "case" else getattr(case, self.of)
+        try:
+            found = self.function(given)
+        except Exception:
+            if self.of != "run" or not has_slope(case.run):
+                raise
+            return along(case, lambda run, _: float(self.function(run)))
+        array = np.asarray(found)
+        if array.size != 1 or array.dtype.kind not in ("fiubc" if is_stepping() else "fiub"):
+            message = f"its function returned {found!r:.60}, must be one number"
+            raise InputError(Problem(f"outcome '{self.name}'", message))
+        return scalar(array.reshape(()))
+
+    def unit(self, case: Case) -> str:
+        """Return what it is measured in."""
+        return self.measured_in

@@ -1,0 +1,1 @@
+"""Parameters of a study, their distributions, and samples of them."""

@@ -1,0 +1,229 @@
+"""Where the machines of a study come from: a function, a model file, or one model with inputs."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from jousto.base.arguments import DEEP
+from jousto.base.errors import InputError, JoustoError, Problem, suggest
+from jousto.design.studies.case import Counts, Machine, Settings
+from jousto.design.studies.parameters.parameter import Parameter
+from jousto.design.studies.running.keys import key_of
+from jousto.mechanism.mechanism import Mechanism
+from jousto.model.model import Model
+from jousto.reduction.files.recalled import Recalled
+from jousto.simulation.results.solution import Solution
+
+MADE = "a Mechanism, a Model or a Solution"
+
+
+class Memory:
+    """What the machines of a study share: reductions, and what else a source keeps.
+
+    Attributes
+    ----------
+    reductions : Recalled
+        Reduced parts by their content.
+    counts : dict
+        How often what was done.
+    kept : dict
+        What a source keeps.
+    """
+
+    def __init__(self) -> None:
+        self.reductions = Recalled()
+        self.counts: Counts = {"compilations": 0, "runs": 0}
+        self.kept: dict[Any, Any] = {}
+
+
+class Source(Protocol):
+    """Makes machines."""
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """What it knows of itself that may be varied."""
+
+    @property
+    def key(self) -> str:
+        """What says that another source is the same."""
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """Names of its parameters that its machines do not depend on."""
+
+    def takes(self, name: str) -> bool:
+        """Return whether a machine depends on a parameter, which is an external input else."""
+
+    def machine(self, values: Mapping[str, float], memory: Memory) -> Machine:
+        """Return the machine with values of what it takes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Made:
+    """A function of the user that makes a machine.
+
+    Parameters
+    ----------
+    function : callable
+        Called with the values of parameters by name.
+    settings : Settings
+        How it is run.
+    """
+
+    function: Callable[..., Any]
+    settings: Settings
+    parameters: tuple[Parameter, ...] = ()
+    unused: tuple[str, ...] = ()
+
+    @property
+    def key(self) -> str:
+        """Of the function and what it holds."""
+        return key_of(self.function)
+
+    def takes(self, name: str) -> bool:
+        """Return whether the function has an argument of that name."""
+        try:
+            known = inspect.signature(self.function).parameters
+        except (TypeError, ValueError):
+            return True
+        return name in known or any(p.kind is p.VAR_KEYWORD for p in known.values())
+
+    def machine(self, values: Mapping[str, float], memory: Memory) -> Machine:
+        """Return what the function makes."""
+        try:
+            made = self.function(**values)
+        except DEEP as error:
+            if isinstance(error, JoustoError):
+                raise
+            message = f"the function failed: {type(error).__name__}: {error}"
+            raise InputError(Problem("study", message)) from error
+        if not isinstance(made, Mechanism | Model | Solution):
+            kind = type(made).__name__
+            raise InputError(Problem("study", f"the function returned a {kind}, must be {MADE}"))
+        return Machine(made, self.settings, (), memory.counts)
+
+
+@dataclass(frozen=True, eq=False)
+class Fixed:
+    """One machine, whose external inputs are varied."""
+
+    made: Mechanism | Model
+    settings: Settings
+    parameters: tuple[Parameter, ...] = ()
+    unused: tuple[str, ...] = ()
+
+    @property
+    def key(self) -> str:
+        """Of all that the machine is made of."""
+        return key_of(self.made)
+
+    def takes(self, name: str) -> bool:
+        """Return False: everything is an input."""
+        return False
+
+    def machine(self, values: Mapping[str, float], memory: Memory) -> Machine:
+        """Return the machine."""
+        return Machine(self.made, self.settings, (), memory.counts)
+
+
+@dataclass(frozen=True, eq=False)
+class OfFile:
+    """A model file, by what makes its variants."""
+
+    variants: Any
+    settings: Settings
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Those of the file."""
+        found: tuple[Parameter, ...] = self.variants.parameters
+        return found
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """Names of parameters that only limits depend on."""
+        return tuple(self.variants.unused)
+
+    @property
+    def key(self) -> str:
+        """Of the text of the file, the files that it names and how it is read."""
+        return str(self.variants.key)
+
+    def takes(self, name: str) -> bool:
+        """Return whether the file has a parameter of that name."""
+        return any(parameter.name == name for parameter in self.parameters)
+
+    def machine(self, values: Mapping[str, float], memory: Memory) -> Machine:
+        """Return the machine that the file describes with these values."""
+        mechanism, simulation, checks = self.variants.make(values, memory.kept)
+        t_end, own = self.settings.t_end, {}
+        if simulation is not None:
+            t_end = simulation.t_end if t_end is None else t_end
+            own = {"solver": simulation.solver, "output_step": simulation.output_step}
+            own["state"] = simulation.begin
+        how = {key: value for key, value in own.items() if value is not None}
+        settings = Settings(t_end, how | dict(self.settings.how))
+        return Machine(mechanism, settings, checks, memory.counts)
+
+
+def source_of(model: Any, settings: Settings) -> Source:
+    """Return where the machines of a study come from.
+
+    Raises
+    ------
+    InputError
+        If it is nothing that makes machines.
+    """
+    variants = getattr(model, "variants", None)
+    if variants is not None:
+        return OfFile(variants, settings)
+    if isinstance(model, Mechanism | Model):
+        return Fixed(model, settings)
+    if callable(model):
+        return Made(model, settings)
+    message = (
+        f"model is {model!r:.60}, must be a function that returns {MADE}, a model with inputs, or "
+        "jo.read_model(path)"
+    )
+    raise InputError(Problem("study", message))
+
+
+def choose(source: Source, given: Any) -> tuple[Parameter, ...]:
+    """Return the parameters that are varied: given as such, by name, or those of the source.
+
+    Raises
+    ------
+    InputError
+        Everything that is wrong with them.
+    """
+    known = {parameter.name: parameter for parameter in source.parameters}
+    if given is None:
+        given = tuple(known)
+    if isinstance(given, (str, Parameter)):
+        given = (given,)
+    found: list[Parameter] = []
+    problems: list[Problem] = []
+    for item in given:
+        if isinstance(item, Parameter):
+            own = known.get(item.name)
+            if own is not None and own.exponents != item.exponents:
+                message = f"is in {item.unit}, in the model file in {own.unit}"
+                problems.append(Problem(f"parameter {item.name!r}", message))
+            found.append(item)
+        elif isinstance(item, str) and item in known:
+            found.append(known[item])
+        else:
+            tail = suggest(str(item), known) if known else "; give jo.Parameter(name, value)"
+            problems.append(Problem("study", f"no parameter {item!r}{tail}"))
+    names = [parameter.name for parameter in found]
+    for name in dict.fromkeys(names):
+        if names.count(name) > 1:
+            problems.append(Problem(f"parameter {name!r}", "given twice"))
+    if not found and not problems:
+        problems.append(Problem("study", "no parameters; give jo.Parameter(name, value)"))
+    if problems:
+        raise InputError(problems)
+    return tuple(found)

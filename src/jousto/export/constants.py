@@ -1,0 +1,284 @@
+"""The constants of a model as text of C: every array and struct that a jo_model points to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.model.model import Model
+from jousto.model.native.library import ffi, real_library
+from jousto.model.native.native import Engine
+
+A_ROW = 4  # numbers in a line
+TUNABLE = ("force", "friction", "signal")  # structs whose data a running machine may change
+
+
+@dataclass(frozen=True, eq=False)
+class Constants:
+    """The constants of a model in C.
+
+    Attributes
+    ----------
+    text : str
+        Definitions, all static, the last one ``static const jo_model model``.
+    tunable : (n,) array
+        Numbers that the program may change: gravity, data of forces, frictions and signals; in C
+        ``tunable``.
+    places : dict
+        Where the numbers of an object begin in `tunable`, by struct and index; gravity is
+        ``("gravity", 0)``.
+    """
+
+    text: str
+    tunable: NDArray[np.float64]
+    places: dict[tuple[str, int], int]
+
+    @property
+    def bytes(self) -> int:
+        """Length of the text."""
+        return len(self.text)
+
+
+def constants(model: Model, engine: Engine) -> Constants:
+    """Return the constants of a model in C, from the structs that an engine of it has filled."""
+    return _Writer(model, engine).written()
+
+
+def number(x: float) -> str:
+    """Return a double in C, exact to the last bit.
+
+    Examples
+    --------
+    >>> number(0.1), number(-2.0), number(float("inf"))
+    ('0x1.999999999999ap-4', '-2.0', 'INFINITY')
+    """
+    x = float(x)
+    if math.isnan(x):
+        return "NAN"
+    if math.isinf(x):
+        return "INFINITY" if x > 0 else "-INFINITY"
+    if x == int(x) and abs(x) < 1e9:
+        return "-0.0" if x == 0.0 and math.copysign(1.0, x) < 0 else f"{int(x)}.0"
+    return x.hex()
+
+
+def array(name: str, values: NDArray[np.float64], *, kind: str = "double") -> str:
+    """Return the definition of a constant array."""
+    flat = [number(x) if kind == "double" else str(int(x)) for x in np.ravel(values)]
+    width = A_ROW if kind == "double" else 16
+    lines = [", ".join(flat[i : i + width]) for i in range(0, len(flat), width)]
+    body = ",\n    ".join(lines)
+    return f"static const {kind} {name}[{len(flat)}] = {{\n    {body}\n}};\n"
+
+
+def text(value: str) -> str:
+    r"""Return a string literal in C.
+
+    Examples
+    --------
+    >>> print(text('a "b"'))
+    "a \"b\""
+    """
+    out = []
+    for byte in value.encode():
+        char = chr(byte)
+        if char in '"\\':
+            out.append("\\" + char)
+        elif 32 <= byte < 127 and char != "?":  # no trigraphs
+            out.append(char)
+        else:
+            out.append(f"\\{byte:03o}")
+    return '"' + "".join(out) + '"'
+
+
+@dataclass(eq=False)
+class _Writer:
+    model: Model
+    engine: Engine
+    pieces: list[str] = field(default_factory=list)
+    known: dict[tuple[int, int], str] = field(default_factory=dict)
+    tunable: list[float] = field(default_factory=list)
+    places: dict[tuple[str, int], int] = field(default_factory=dict)
+
+    def written(self) -> Constants:
+        self.ffi = ffi()
+        native = self.engine.native_model
+        tuned = self._tuned(native)
+        lengths = self._lengths(native)
+        fields = []
+        for name, about in self.ffi.typeof("jo_model").fields:
+            value = getattr(native, name)
+            if about.type.kind != "pointer":
+                fields.append((name, self._plain(value)))
+            elif name == "gravity":
+                fields.append((name, "tunable"))
+            elif name in tuned:
+                fields.append((name, tuned[name]))
+            else:
+                fields.append((name, self._array(name, about.type.item, value, lengths[name])))
+        body = ",\n".join(f"    .{name} = {value}" for name, value in fields)
+        self.pieces.append(f"static const jo_model model = {{\n{body}\n}};\n")
+        tunable = np.array(self.tunable)
+        first = array("tunable", tunable)
+        return Constants("\n".join([first, *self.pieces]), tunable, self.places)
+
+    def _tuned(self, native: Any) -> dict[str, str]:
+        """Collect the tunable numbers, then write the structs that point to them."""
+        m = self.model
+        gravity = [float(native.gravity[k]) for k in range(3)]
+        self.places["gravity", 0] = 0
+        self.tunable += gravity
+        sizes = {
+            "force": [self._force_size(i) for i in range(len(m.forces))],
+            "friction": [self.ffi.sizeof("jo_friction_data") // 8] * len(m.frictions),
+            "signal": [signal.data.size for signal in m.signals],
+        }
+        made = {}
+        for kind in TUNABLE:
+            structs, count = getattr(native, kind), len(sizes[kind])
+            pointers = []
+            for i, size in enumerate(sizes[kind]):
+                if size == 0 or structs[i].data == self.ffi.NULL:
+                    pointers.append("0")
+                    continue
+                at = len(self.tunable)
+                self.places[kind, i] = at
+                data = self.ffi.cast("double *", structs[i].data)
+                self.tunable += [float(data[k]) for k in range(size)]
+                cast = "(const jo_friction_data *)" if kind == "friction" else ""
+                pointers.append(f"{cast}(tunable + {at})")
+            made[kind] = self._structs(kind, f"jo_{kind}", structs, count, {"data": pointers})
+        return made
+
+    def _force_size(self, i: int) -> int:
+        force = self.model.forces[i]
+        if force.kind != "modal load":
+            return int(np.size(force.data))
+        n, pad = self.model.bodies[force.body].n, real_library().JO_PAD
+        return int(6 + -(-n // pad) * pad)
+
+    def _lengths(self, native: Any) -> dict[str, int]:
+        m = native
+        updates = m.update_first[m.ncolumn] if m.ncolumn else 0
+        branches = [m.node[i].first + m.node[i].count for i in range(m.nnode)]
+        return {
+            "body": m.nbody,
+            "beam": m.nbeam,
+            "marker": m.nmarker,
+            "coordinate": m.ncoordinate,
+            "joint": m.njoint,
+            "line": m.nline,
+            "pair": m.npair,
+            "column": m.ncolumn,
+            "below": m.nblock - m.ncolumn,
+            "update": updates,
+            "update_first": m.ncolumn + 1,
+            "node": m.nnode,
+            "branch": max(branches, default=0),
+            "fill": m.fill_first[m.nnode],
+            "fill_first": m.nnode + 1,
+            "place": m.nbody + m.njoint,
+            "event": m.nevent,
+            "sensor": m.nsensor,
+            "meter": m.nmeter,
+            "breaks": m.nbreak,
+        }
+
+    def _array(self, name: str, item: Any, pointer: Any, count: int) -> str:
+        """Write an array of numbers or of structs and return its name."""
+        if count == 0 or pointer == self.ffi.NULL:
+            return "0"
+        if item.kind == "primitive":
+            values = [pointer[i] for i in range(count)]
+            kind = "int" if item.cname == "int" else "double"
+            self.pieces.append(array(name, np.array(values), kind=kind))
+            return name
+        return self._structs(name, item.cname, pointer, count, {})
+
+    def _structs(
+        self, name: str, kind: str, structs: Any, count: int, given: dict[str, Sequence[str]]
+    ) -> str:
+        if count == 0:
+            return "0"
+        rows = []
+        for i in range(count):
+            struct, values = structs[i], []
+            for key, about in self.ffi.typeof(kind).fields:
+                if key in given:
+                    values.append(f".{key} = {given[key][i]}")
+                    continue
+                value = getattr(struct, key)
+                if about.type.cname.startswith("int(*)"):  # functions of a user are refused
+                    continue
+                if about.type.kind == "pointer":
+                    if about.type.item.kind == "void" or value == self.ffi.NULL:
+                        continue
+                    size = self._size(kind, key, struct, i)
+                    pointed = self._numbers(f"{name}_{i}_{key}", value, size)
+                    cast = (
+                        ""
+                        if about.type.item.kind == "primitive"
+                        else f"(const {about.type.item.cname} *)"
+                    )
+                    values.append(f".{key} = {cast}{pointed}")
+                else:
+                    values.append(f".{key} = {self._plain(value)}")
+            rows.append("    {" + ", ".join(values) + "}")
+        self.pieces.append(
+            f"static const {kind} {name}[{count}] = {{\n" + ",\n".join(rows) + "\n};\n"
+        )
+        return name
+
+    def _numbers(self, name: str, pointer: Any, size: int) -> str:
+        """Write the numbers behind a pointer once and return the name of their array."""
+        if size == 0:
+            return "0"
+        data = self.ffi.cast("double *", pointer)
+        key = (int(self.ffi.cast("uintptr_t", data)), size)
+        if key not in self.known:
+            values = np.frombuffer(self.ffi.buffer(data, 8 * size), np.float64)
+            self.pieces.append(array(name, values))
+            self.known[key] = name
+        return self.known[key]
+
+    def _size(self, kind: str, key: str, struct: Any, i: int) -> int:
+        """Return how many numbers a field of a struct points to, see jousto.h."""
+        if kind == "jo_body":
+            n, np_ = struct.n, struct.np
+            tiles = np_ // 4 * (np_ // 4 + 1) // 2 * 16
+            dense = np_ <= real_library().JO_DENSE
+            sizes = {"mass": 1, "S0": 3, "J0": 6, "I3": 3 * np_, "B0": 3 * np_, "D0": 6 * np_}
+            sizes |= {"ED": 6 * (np_ * n if dense else tiles), "K": np_, "D": np_}
+            return int((sizes | {"EB": sizes["ED"] // 2})[key])
+        if kind == "jo_marker":
+            body = self.model.markers[i].body
+            n = self.model.bodies[body].n if body >= 0 else 0
+            np_ = -(-n // real_library().JO_PAD) * real_library().JO_PAD
+            sizes = {"u0": 3, "A0": 9, "Phi": 3 * np_, "Psi": 3 * np_, "chi": 6 * n * np_}
+            return int(sizes[key])
+        if kind == "jo_beam":
+            return int(self.ffi.sizeof("jo_beam_data") // 8)
+        if kind == "jo_line":
+            return int(self.ffi.sizeof("jo_line_data") // 8)
+        if kind == "jo_sensor":
+            sensor = self.model.sensors[i]
+            n = self.model.bodies[sensor.object].n
+            np_ = -(-n // real_library().JO_PAD) * real_library().JO_PAD
+            assert sensor.rows is not None
+            return int(np.prod(sensor.rows.shape[:-1]) * np_)
+        raise AssertionError(f"{kind}.{key}")  # a new pointer of jousto.h
+
+    def _plain(self, value: Any) -> str:
+        if isinstance(value, bool | int):
+            return str(int(value))
+        if isinstance(value, float):
+            return number(value)
+        kind = self.ffi.typeof(value)
+        if kind.kind == "array":
+            return "{" + ", ".join(self._plain(x) for x in value) + "}"
+        raise AssertionError(f"{kind}")

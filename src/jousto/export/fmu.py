@@ -1,0 +1,166 @@
+"""Functional mock-up units: a machine as co-simulation and model exchange for other programs."""
+
+from __future__ import annotations
+
+import tempfile
+import zipfile
+from collections.abc import Iterable
+from html import escape
+from pathlib import Path
+from xml.etree import ElementTree as xml
+
+from jousto.base.errors import Problems
+from jousto.base.files import written
+from jousto.base.version import __version__
+from jousto.export.constants import number, text
+from jousto.export.description import description, token, variables
+from jousto.export.program import Program, program
+from jousto.export.project import flat
+from jousto.export.toolchain import build, platforms
+from jousto.model.model import Model
+from jousto.simulation.solvers.explicit import Solver
+from jousto.simulation.state import State
+
+BAUMGARTE = 20.0  # 1/s, draws joints together where somebody else integrates
+
+
+def write_fmu(
+    model: Model,
+    path: str | Path,
+    solver: Solver | None = None,
+    *,
+    state: State | None = None,
+    name: str = "",
+    version: int = 3,
+    on: Iterable[str] = ("here",),
+    stop: float = 1.0,
+    documents: dict[str, bytes] | None = None,
+) -> Path:
+    """Write a functional mock-up unit (FMI 2.0 or 3.0) of a model.
+
+    Co-simulation divides the importer's steps into those of the method; model exchange, for
+    machines without events, stick-slip friction and damage sensors, gives states and derivatives
+    to the importer's method, joints being drawn together by Baumgarte's terms. The sources are
+    part of the unit, so that it can be built elsewhere.
+
+    Parameters
+    ----------
+    model : Model
+        From `compile`.
+    path : path
+        File ``.fmu``.
+    solver : Solver, optional
+        Method of fixed step; None is ``ROS2(step=1e-3)``.
+    state : State, optional
+        Where it starts; None is the initial state of the model.
+    name : str
+        Identifier of the model; empty is the name of the file.
+    version : int
+        2 or 3.
+    on : iterable of str
+        Platforms of the binaries: "here", "x86_64-linux", "aarch64-linux", "x86_64-windows",
+        "x86_64-darwin", "aarch64-darwin"; others than this computer's need the package ziglang.
+        None at all makes a unit of sources only.
+    stop : float
+        End of the experiment that it proposes, s.
+    documents : dict, optional
+        Further files by their place in the unit: ``model.png``, ``resources/model.yaml``.
+
+    Returns
+    -------
+    Path
+        The file written.
+
+    Raises
+    ------
+    InputError
+        For what cannot be exported, unknown platforms, a missing compiler or an unwritable path.
+    """
+    problems = Problems()
+    if version not in (2, 3):
+        problems.add("fmu", f"version is {version!r}, must be 2 or 3")
+    problems.positive("fmu", "stop", float(stop), "s")
+    problems.raise_if_any()
+    out = Path(path)
+    chosen = platforms(on)
+    made = program(model, solver, state=state, name=name or out.stem)
+    exchange = not why_not_exchanged(model)
+    code = flat(made, "fmu.c", "fmu.h", f"fmi{version}.c")
+    identity = token(made, "".join(code.values()) + repr(sorted(made.fields.items())))
+    code["plant.h"] += (
+        f"#define PLANT_TOKEN {text(identity)}\n#define PLANT_BAUMGARTE {number(BAUMGARTE)}\n"
+    )
+    files: dict[str, bytes] = {
+        "modelDescription.xml": description(
+            made, version, identity, exchange=exchange, stop=float(stop)
+        ).encode(),
+        "documentation/index.html": _page(made, exchange=exchange).encode(),
+        "documentation/licenses/license.txt": LICENCE.encode(),
+    }
+    files |= {f"sources/{key}": value.encode() for key, value in code.items()}
+    if version == 3:
+        files["sources/buildDescription.xml"] = _recipe(made, code).encode()
+    files |= documents or {}
+    with tempfile.TemporaryDirectory(prefix="jousto-fmu-") as folder:
+        for platform in chosen:
+            binary = Path(folder) / f"{made.name}{platform.suffix}"
+            build(code, platform, binary, flags=("-DJO_NO_ALLOCATION",), shared=True)
+            place = platform.fmi3 if version == 3 else platform.fmi2
+            files[f"binaries/{place}/{binary.name}"] = binary.read_bytes()
+    with written(out) as beside, zipfile.ZipFile(beside, "w", zipfile.ZIP_DEFLATED) as archive:
+        for key, content in sorted(files.items()):
+            entry = zipfile.ZipInfo(key)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(entry, content)
+    return out
+
+
+def why_not_exchanged(model: Model) -> str:
+    """Return why a model is offered for co-simulation only; empty if for model exchange as well."""
+    if model.events:
+        return "events of the machine are found in its own steps"
+    if any(friction.sticks for friction in model.frictions):
+        return "friction that sticks changes with its own steps"
+    if model.meters:
+        return "damage is counted at its own steps"
+    return ""
+
+
+def _recipe(made: Program, code: dict[str, str]) -> str:
+    root = xml.Element("fmiBuildDescription", fmiVersion="3.0")
+    settings = xml.SubElement(root, "BuildConfiguration", modelIdentifier=made.name)
+    files = xml.SubElement(settings, "SourceFileSet", language="C99")
+    for name in sorted(code):
+        if name.endswith(".c"):
+            xml.SubElement(files, "SourceFile", name=name)
+    xml.SubElement(files, "PreprocessorDefinition", name="JO_NO_ALLOCATION")
+    xml.SubElement(settings, "Library", name="m")
+    xml.indent(root)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{xml.tostring(root, encoding="unicode")}\n'
+
+
+def _page(made: Program, *, exchange: bool) -> str:
+    rows = "\n".join(
+        f"<tr><td>{escape(x.name)}</td><td>{escape(x.unit)}</td><td>{x.causality}</td>"
+        f"<td>{escape(x.about)}</td></tr>"
+        for x in variables(made, exchange=False)
+    )
+    why = why_not_exchanged(made.model)
+    offered = "Co-simulation and model exchange." if exchange else f"Co-simulation only: {why}."
+    return f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>{escape(made.model.name)}</title>
+<style>body{{font:16px sans-serif;max-width:60em;margin:2em auto}}td{{padding:.2em .8em}}</style>
+</head><body><h1>{escape(made.model.name)}</h1>
+<p>A flexible multibody machine, written by jousto {__version__}. {escape(offered)}</p>
+<p>Its own step is {made.solver.step:g} s ({escape(type(made.solver).__name__)}); the importer's
+steps must be multiples of it. Numbers are in SI units. In model exchange joints are drawn together
+by Baumgarte's terms of {BAUMGARTE:g} 1/s.</p>
+<table><tr><th>variable</th><th>unit</th><th>causality</th><th>what it is</th></tr>
+{rows}</table></body></html>
+"""
+
+
+LICENCE = """\
+The engine in this unit is part of jousto, under the BSD-3-Clause licence (SPDX: BSD-3-Clause).
+The constants belong to whoever made the model.
+"""

@@ -1,0 +1,208 @@
+"""A model as a program of C: its constants, names and a main function that runs it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jousto.base.errors import InputError, Problem
+from jousto.base.version import __version__
+from jousto.export import sources
+from jousto.export.constants import Constants, array, constants, number, text
+from jousto.export.ports import Port, Ports, identifier, ports, refuse
+from jousto.model.model import Model
+from jousto.model.native.library import ffi
+from jousto.model.native.native import Engine
+from jousto.simulation.solvers.explicit import ROS2, Solver, prepared
+from jousto.simulation.state import State, put
+
+FIELDS = (
+    *("method", "projection", "step", "alpha", "beta", "alpha_m", "alpha_f", "newmark_beta"),
+    *("newmark_gamma", "tolerance", "absolute", "largest", "first", "iterations", "modified"),
+    "plain_inertia",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """A model in C, apart from the engine's sources.
+
+    Attributes
+    ----------
+    name : str
+        Identifier of C that its names begin with.
+    model : Model
+    solver : Solver
+        Method of fixed step.
+    constants : Constants
+    ports : Ports
+    bytes : int
+        Memory of one machine on a computer with 64 bits.
+    """
+
+    name: str
+    model: Model
+    solver: Solver
+    constants: Constants
+    ports: Ports
+    bytes: int
+    fields: dict[str, Any]
+
+    @property
+    def source(self) -> str:
+        """The file of data: all constants and one ``const jo_plant NAME_plant``."""
+        p, m = self.ports, self.model
+        solver = ", ".join(f".{key} = {_value(x)}" for key, x in self.fields.items())
+        pieces = [
+            f"/* {self.name}: the constants of a machine, written by jousto {__version__}. */",
+            '#include "machine.h"',
+            "#include <math.h>\n",
+            self.constants.text,
+            f"static const jo_solver solver = {{{solver}}};\n",
+            array("q0", m.q0) if m.nq else "static const double q0[1] = {0.0};\n",
+            array("v0", m.v0) if m.nv else "static const double v0[1] = {0.0};\n",
+        ]
+        rows = {}
+        for kind, found in (
+            ("inputs", p.inputs),
+            ("outputs", p.outputs),
+            ("parameters", p.parameters),
+        ):
+            rows[kind] = "0"
+            if found:
+                lines = ",\n".join(f"    {_port(x)}" for x in found)
+                pieces.append(f"static const jo_port {kind}[{len(found)}] = {{\n{lines}\n}};\n")
+                rows[kind] = kind
+        pieces.append(
+            f"const jo_plant {self.name}_plant = {{\n"
+            f"    .name = {text(m.name)},\n"
+            "    .model = &model,\n    .solver = &solver,\n    .q0 = q0,\n    .v0 = v0,\n"
+            f"    .ntunable = {len(self.constants.tunable)},\n    .tunable = tunable,\n"
+            f"    .ninput = {len(p.inputs)}, .noutput = {len(p.outputs)}, "
+            f".nparameter = {len(p.parameters)},\n"
+            f"    .input = {rows['inputs']}, .output = {rows['outputs']}, "
+            f".parameter = {rows['parameters']}\n}};\n"
+        )
+        return "\n".join(pieces)
+
+    @property
+    def header(self) -> str:
+        """The header: names of inputs, outputs and parameters with their units, and the memory."""
+        upper = self.name.upper()
+        pieces = [
+            f"/* {self.name}.h - {self.model.name}: names of its inputs, outputs and parameters.",
+            " * Numbers are in SI units; angles in rad. See machine.h for the functions. */",
+            f"#ifndef {upper}_H\n#define {upper}_H\n",
+            '#include "machine.h"\n',
+            f"extern const jo_plant {self.name}_plant;\n",
+            f"#define {upper}_STEP {number(self.solver.step)}   /* s, {self.solver.step:g} */",
+            f"#define {upper}_BYTES {self.bytes}   /* of memory for one machine, at most */\n",
+        ]
+        for word, found in (
+            ("input", self.ports.inputs),
+            ("output", self.ports.outputs),
+            ("parameter", self.ports.parameters),
+        ):
+            names = [f"{self.name}_{word}_{x.symbol}" for x in found]
+            lines = [
+                f"    {name} = {k},   /* {_comment(x)} */"
+                for k, (name, x) in enumerate(zip(names, found, strict=True))
+            ]
+            lines.append(f"    {self.name}_{word}s = {len(found)}")
+            pieces.append("enum {\n" + "\n".join(lines) + "\n};\n")
+        pieces.append("#endif\n")
+        return "\n".join(pieces)
+
+
+def program(
+    model: Model, solver: Solver | None = None, *, state: State | None = None, name: str = ""
+) -> Program:
+    """Return a model as a program of C.
+
+    Parameters
+    ----------
+    model : Model
+        From `compile`.
+    solver : Solver, optional
+        Method of fixed step; None is ``ROS2(step=1e-3)``, whose work in a step is bounded.
+    state : State, optional
+        Where it starts: its positions and velocities; None is the initial state of the model.
+    name : str
+        What the names in C begin with; empty is that of the mechanism.
+
+    Raises
+    ------
+    InputError
+        For functions of Python in the model and for methods that choose their steps.
+    """
+    chosen: Solver = ROS2() if solver is None else solver
+    if chosen.adaptive:
+        raise InputError(
+            Problem(
+                "export",
+                f"{type(chosen).__name__} chooses its steps itself; an exported program needs a "
+                "method of fixed step, such as ROS2(step=1e-3)",
+            )
+        )
+    refuse(model)
+    engine = Engine(model)
+    if state is not None:
+        put(engine, state, "export")
+        model = replace(model, q0=engine.q.copy(), v0=engine.v.copy())
+    native = prepared(engine, chosen, chosen.step)
+    fields = {key: getattr(native, key) for key in FIELDS}
+    found = constants(model, engine)
+    size = _bytes(engine, found)
+    return Program(
+        _own_name(identifier(name or model.name)),
+        model,
+        chosen,
+        found,
+        ports(model, found),
+        size,
+        fields,
+    )
+
+
+KEYWORDS = frozenset(
+    "auto break case char const continue default do double else enum extern float for goto if "
+    "inline int long main register restrict return short signed sizeof static struct switch "
+    "typedef union unsigned void volatile while".split()
+)
+
+
+def _own_name(name: str) -> str:
+    """Return a name that no file around a machine and no word of C has."""
+    files = {Path(key).stem for key in (*sources.headers(), *sources.engine())}
+    taken = files | sources.hosted() | KEYWORDS
+    return f"{name}_model" if name in taken or name.startswith("jo_") else name
+
+
+def _bytes(engine: Engine, found: Constants) -> int:
+    """Return the memory of a machine, see lay_out of machine.c, rounded up generously."""
+    size, m = ffi().sizeof, engine.model
+    structs = len(m.forces) * size("jo_force") + len(m.signals) * size("jo_signal")
+    structs += len(m.frictions) * size("jo_friction") + size("jo_model") + size("jo_solver")
+    return int(-(-(engine.bytes + 8 * len(found.tunable) + structs + 1024) // 64) * 64)
+
+
+def _value(x: Any) -> str:
+    return number(x) if isinstance(x, float) else str(int(x))
+
+
+def _port(port: Port) -> str:
+    words = ", ".join(text(x) for x in (port.name, port.unit, port.about))
+    return f"{{{words}, {port.place}, {number(port.start)}}}"
+
+
+def _comment(port: Port) -> str:
+    unit = "" if port.unit == "1" else f" ({port.unit})"
+    start = (
+        ""
+        if port.start == 0.0
+        else f", at first {np.format_float_positional(port.start, 6, trim='-', fractional=False)}"
+    )
+    return f"{port.name}{unit}: {port.about}{start}".replace("*/", "* /")

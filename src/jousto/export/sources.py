@@ -1,0 +1,113 @@
+"""The engine's sources, for programs that run without Python."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from pathlib import Path
+
+from jousto.base.errors import InputError, Problem
+from jousto.model.native import library
+
+LEFT_OUT = ("health.c", "planes.c", "recover.c")  # evaluate results; no step calls them
+HOST = "export"  # folder of what surrounds a machine
+
+
+@cache
+def folder() -> Path:
+    """Return the folder of the engine's sources.
+
+    Raises
+    ------
+    InputError
+        If they are not part of this installation.
+    """
+    here = Path(library.__file__).parent
+    for place in (here.parents[3] / "engine", here / "engine"):
+        if (place / "jousto.h").exists():
+            return place
+    raise InputError(
+        Problem("the engine's sources", "are missing from the installation; install jousto again")
+    )
+
+
+def headers() -> dict[str, str]:
+    """Return the engine's headers by name."""
+    found = {path.name: path.read_text(encoding="utf-8") for path in folder().glob("*.h")}
+    found["lanes/lanes.h"] = (folder() / "lanes" / "lanes.h").read_text(encoding="utf-8")
+    return found
+
+
+def engine() -> dict[str, str]:
+    """Return the engine's files that a step needs, by name, in order."""
+    return {
+        path.name: path.read_text(encoding="utf-8")
+        for path in sorted(folder().glob("*.c"))
+        if path.name not in LEFT_OUT
+    }
+
+
+def host(name: str) -> str:
+    """Return a file of what surrounds a machine."""
+    return (folder() / HOST / name).read_text(encoding="utf-8")
+
+
+def hosted() -> set[str]:
+    """Return the names of the files around a machine, without their endings."""
+    return {path.stem for path in (folder() / HOST).iterdir()} | {"plant"}
+
+
+INCLUDE = re.compile(r'^#include "([^"]+)".*$', flags=re.MULTILINE)
+STATIC = re.compile(r"^static [\w *]*?\b(\w+)(?:\(|\[| =)", flags=re.MULTILINE)
+TYPE = re.compile(r"^(?:\} (\w+);|typedef struct \{[^{}]*\} (\w+);)", flags=re.MULTILINE)
+ENUM = re.compile(r"^enum \{ ([^}]*) \};", flags=re.MULTILINE)
+DEFINE = re.compile(r"^#define (\w+)", flags=re.MULTILINE)
+
+
+def joined(files: dict[str, str], known: dict[str, str]) -> str:
+    """Return files of C as one: headers once, names of one file renamed where others have them.
+
+    Parameters
+    ----------
+    files : dict
+        Texts by name, in order.
+    known : dict
+        Headers that they may include, by name.
+    """
+    done: set[str] = set()
+
+    def included(text: str) -> str:
+        def one(match: re.Match[str]) -> str:
+            name = match.group(1)
+            if name in done or name not in known:
+                return "" if name in done else match.group(0)
+            done.add(name)
+            return included(known[name])
+
+        return INCLUDE.sub(one, text)
+
+    pieces = []
+    own = {name: _own(text) for name, text in files.items()}
+    count: dict[str, int] = {}
+    for names in own.values():
+        for name in names:
+            count[name] = count.get(name, 0) + 1
+    for name, text in files.items():
+        stem = re.sub(r"\W", "_", Path(name).stem)
+        heads = "".join(included(m.group(0)) + "\n" for m in INCLUDE.finditer(text))
+        body = INCLUDE.sub("", text)
+        for twice in sorted(x for x in own[name] if count[x] > 1):
+            # not the field of a struct of that name
+            body = re.sub(rf"(?<![\w.])(?<!->){twice}\b", f"{twice}_of_{stem}", body)
+        ended = "".join(f"#undef {x}\n" for x in sorted(set(DEFINE.findall(body))))
+        pieces.append(f"{heads}\n/* ---- {name} ---- */\n{body}\n{ended}")
+    return "\n".join(pieces)
+
+
+def _own(text: str) -> set[str]:
+    """Return the names that a file keeps to itself: static functions and data, types, numbers."""
+    found = set(STATIC.findall(text))
+    found |= {a or b for a, b in TYPE.findall(text)}
+    for names in ENUM.findall(text):
+        found |= set(re.findall(r"\b([A-Za-z_]\w*)", re.sub(r"/\*.*?\*/", "", names)))
+    return found

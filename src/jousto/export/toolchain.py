@@ -1,0 +1,177 @@
+"""Compilers: which one makes a binary for a platform, and with what options."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+
+from jousto.base.errors import InputError, Problem, suggest
+
+FLAGS = ("-std=c99", "-O3", "-DNDEBUG", "-fno-math-errno", "-fno-trapping-math")
+"""Those of the engine in Python; without instructions that fuse products, numbers are the same."""
+SECONDS = 600.0  # that a compiler may take
+
+
+@dataclass(frozen=True)
+class Platform:
+    """Where a binary shall run.
+
+    Attributes
+    ----------
+    name : str
+        As the command line knows it, ``x86_64-linux``.
+    target : str
+        Of the cross compiler.
+    suffix : str
+        Of shared libraries.
+    fmi2, fmi3 : str
+        Folder of binaries in functional mock-up units.
+    """
+
+    name: str
+    target: str
+    suffix: str
+    fmi2: str
+    fmi3: str
+
+
+PLATFORMS = {
+    p.name: p
+    for p in (
+        Platform("x86_64-linux", "x86_64-linux-gnu.2.17", ".so", "linux64", "x86_64-linux"),
+        Platform(
+            "aarch64-linux", "aarch64-linux-gnu.2.17", ".so", "aarch64-linux", "aarch64-linux"
+        ),
+        Platform("x86_64-windows", "x86_64-windows-gnu", ".dll", "win64", "x86_64-windows"),
+        Platform("x86_64-darwin", "x86_64-macos", ".dylib", "darwin64", "x86_64-darwin"),
+        Platform("aarch64-darwin", "aarch64-macos", ".dylib", "aarch64-darwin", "aarch64-darwin"),
+    )
+}
+
+
+def here() -> str:
+    """Return the name of this computer's platform."""
+    import platform
+
+    machine = platform.machine().lower()
+    cpu = {"amd64": "x86_64", "x86_64": "x86_64", "arm64": "aarch64", "aarch64": "aarch64"}
+    system = {"linux": "linux", "win32": "windows", "darwin": "darwin"}
+    return f"{cpu.get(machine, machine)}-{system.get(sys.platform, sys.platform)}"
+
+
+def platforms(names: Iterable[str]) -> tuple[Platform, ...]:
+    """Return platforms by name; "here" is this computer's.
+
+    Raises
+    ------
+    InputError
+        For unknown names.
+    """
+    found, problems = [], []
+    for name in names:
+        asked = here() if name == "here" else name
+        if asked in PLATFORMS:
+            found.append(PLATFORMS[asked])
+        else:
+            hint = suggest(asked, PLATFORMS)
+            known = ", ".join(PLATFORMS)
+            problems.append(Problem("platform", f"no {asked!r}{hint}; known: here, {known}"))
+    if problems:
+        raise InputError(problems)
+    return tuple(dict.fromkeys(found))
+
+
+@cache
+def compiler(platform: Platform) -> tuple[str, ...]:
+    """Return the command of a compiler for a platform: that of this computer, else Zig's.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    if platform.name == here() and sys.platform != "win32":
+        for name in (os.environ.get("CC", ""), "cc", "gcc", "clang"):
+            path = shutil.which(name.split()[0]) if name else None
+            if path:
+                return (path, *name.split()[1:])
+    if find_spec("ziglang") is not None:
+        return (sys.executable, "-m", "ziglang", "cc", "-target", platform.target)
+    raise InputError(
+        Problem(
+            "export",
+            f"there is no compiler for {platform.name}; install the package ziglang "
+            "(pip install ziglang), which compiles for all of them, or write the sources (.zip)",
+        )
+    )
+
+
+def build(
+    sources: Mapping[str, str],
+    platform: Platform,
+    out: Path,
+    *,
+    flags: Sequence[str] = (),
+    shared: bool = False,
+) -> None:
+    """Compile files of C into a program or a shared library.
+
+    Parameters
+    ----------
+    sources : mapping of str to str
+        Texts by name; names may have folders.
+    platform : Platform
+        Where it shall run.
+    out : Path
+        The binary.
+    flags : sequence of str
+        Further options of the compiler.
+    shared : bool
+        Make a shared library.
+
+    Raises
+    ------
+    InputError
+        If there is no compiler, or it fails; with what it wrote.
+    """
+    command = compiler(platform)
+    with tempfile.TemporaryDirectory(prefix="jousto-build-") as folder:
+        for name, text in sources.items():
+            path = Path(folder) / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+        files = [name for name in sources if name.endswith(".c")]
+        options = [*FLAGS, *flags, "-I."]
+        if shared:
+            options += ["-shared", "-fvisibility=hidden"]
+            options += [] if platform.suffix == ".dll" else ["-fPIC"]
+        if command[1:3] == ("-m", "ziglang"):
+            options += ["-s"]  # no names of what is inside: a quarter of the size
+        libraries = [] if platform.suffix == ".dll" else ["-lm"]
+        made = Path(folder) / f"made{platform.suffix if shared else ''}"
+        line = [*command, *options, *files, "-o", str(made), *libraries]
+        try:
+            done = subprocess.run(
+                line, cwd=folder, capture_output=True, text=True, timeout=SECONDS, check=False
+            )
+        except (OSError, subprocess.TimeoutExpired) as error:
+            raise InputError(Problem("export", f"the compiler failed: {error}")) from None
+        if done.returncode or not made.exists():
+            raise InputError(
+                Problem(
+                    "export",
+                    f"{Path(command[0]).name} failed for {platform.name}: {done.stderr[-2000:]}",
+                )
+            )
+        out.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(made, out)
+        if not shared:
+            out.chmod(0o755)

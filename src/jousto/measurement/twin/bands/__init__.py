@@ -1,0 +1,1 @@
+"""Bands of stress and damage from estimated modes."""

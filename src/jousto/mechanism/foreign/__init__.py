@@ -1,0 +1,1 @@
+"""Models of other programs in a mechanism: functional mock-up units."""

@@ -1,0 +1,246 @@
+"""What a functional mock-up unit says of itself: variables, units, abilities."""
+
+from __future__ import annotations
+
+import io
+import stat
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import Any
+
+from jousto.base.errors import InputError, Problem
+from jousto.base.files import check_file
+from jousto.base.names import harmless
+from jousto.base.units import KINDS, UnitError, converted, parse_unit
+
+LARGEST = 4 << 30  # bytes of all files of an archive
+REALS = ("Real", "Float64")
+BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of a unit; a value x of it is ``factor x + offset`` in SI.
+
+    Attributes
+    ----------
+    name, causality, variability, unit : str
+        As the description has them.
+    reference : int
+        Its number in calls.
+    real : bool
+        Whether it is one real number.
+    settable : bool
+        Whether it has a value before the start that may be replaced.
+    factor, offset : float
+        To SI.
+    dimension : str
+        SI unit, empty where the description does not say it.
+    """
+
+    name: str
+    causality: str
+    variability: str
+    unit: str
+    reference: int
+    real: bool
+    settable: bool
+    factor: float = 1.0
+    offset: float = 0.0
+    dimension: str = ""
+
+
+@dataclass(frozen=True)
+class Description:
+    """A unit for co-simulation.
+
+    Attributes
+    ----------
+    version : int
+        2 or 3, of FMI.
+    identifier, token : str
+        Name of its binary, and what it is recognised by.
+    variables : dict
+        By their names.
+    states : bool
+        Whether it can go back to a state.
+    variable_steps : bool
+        Whether its steps may differ.
+    """
+
+    version: int
+    identifier: str
+    token: str
+    variables: dict[str, Variable]
+    states: bool
+    variable_steps: bool
+
+    def named(self, *causality: str) -> list[str]:
+        """Return the names of the variables of some causality."""
+        return [x.name for x in self.variables.values() if x.causality in causality]
+
+
+def read_description(path: Path, where: str) -> Description:
+    """Return what a unit says of itself.
+
+    Raises
+    ------
+    InputError
+        If it is no unit for co-simulation of FMI 2 or 3 that runs here.
+    """
+    try:
+        import fmpy
+    except ImportError:
+        message = "functional mock-up units need the package FMPy: pip install fmpy"
+        raise InputError(Problem(where, message)) from None
+    check_file(path)
+    names = _names(path, where)
+    try:
+        with zipfile.ZipFile(path) as archive:
+            text = archive.read("modelDescription.xml")
+        with io.BytesIO() as alone:
+            with zipfile.ZipFile(alone, "w") as archive:
+                archive.writestr("modelDescription.xml", text)
+            alone.seek(0)
+            about = fmpy.read_model_description(alone, validate=False)
+    except Exception as error:  # the reader fails in many ways on what is no description
+        said = harmless(f"{error}").strip().splitlines() or [type(error).__name__]
+        message = f"its modelDescription.xml cannot be read: {said[0][:200]}"
+        raise InputError(Problem(where, message)) from None
+    version = int(str(about.fmiVersion).partition(".")[0])
+    if version not in (2, 3):
+        raise InputError(Problem(where, f"is of FMI {about.fmiVersion}; 2 and 3 are known"))
+    abilities = about.coSimulation
+    if abilities is None:
+        raise InputError(
+            Problem(
+                where,
+                "offers no co-simulation; export it with a method of its own (co-simulation)",
+            )
+        )
+    identifier = str(abilities.modelIdentifier)
+    if not identifier.isidentifier():
+        raise InputError(Problem(where, f"its identifier {identifier!r} is none of C"))
+    _check_binary(fmpy, version, identifier, names, where)
+    units = {unit.name: unit.baseUnit for unit in about.unitDefinitions}
+    found = (_variable(v, units) for v in about.modelVariables)
+    return Description(
+        version=version,
+        identifier=identifier,
+        token=str(about.guid if version == 2 else about.instantiationToken),
+        variables={x.name: x for x in found},
+        states=bool(abilities.canGetAndSetFMUstate),
+        variable_steps=bool(abilities.canHandleVariableCommunicationStepSize),
+    )
+
+
+def _names(path: Path, where: str) -> list[str]:
+    """Return the names of an archive's files, after a look at where they would go."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            members = archive.infolist()
+    except (zipfile.BadZipFile, OSError, ValueError) as error:
+        message = f"is no archive of a functional mock-up unit: {error}"
+        raise InputError(Problem(where, message)) from None
+    for member in members:
+        name = member.filename
+        posix, windows = PurePosixPath(name), PureWindowsPath(name)
+        outside = posix.is_absolute() or windows.drive or windows.root
+        link = stat.S_ISLNK(member.external_attr >> 16)
+        if outside or link or ".." in windows.parts:
+            raise InputError(
+                Problem(
+                    where,
+                    f"its archive has {harmless(name)!r}, which would be written outside of its "
+                    "folder; do not trust this file",
+                )
+            )
+    if sum(member.file_size for member in members) > LARGEST:
+        raise InputError(Problem(where, f"unpacks to more than {LARGEST >> 30} GB"))
+    return [member.filename for member in members]
+
+
+def _check_binary(fmpy: Any, version: int, identifier: str, names: list[str], where: str) -> None:
+    """Note that there is no binary for this computer."""
+    platform = fmpy.platform_tuple if version == 3 else fmpy.platform
+    wanted = f"binaries/{platform}/{identifier}{fmpy.sharedLibraryExtension}"
+    if wanted in names:
+        return
+    known = sorted({name.split("/")[1] for name in names if name.startswith("binaries/")})
+    there = f"it has {', '.join(map(harmless, known))}" if known else "it has none at all"
+    sources = any(name.startswith("sources/") and name.endswith(".c") for name in names)
+    remedy = (
+        "; its sources can be compiled, `fmpy compile FILE` does that" if sources else
+        "; ask for one for this computer"
+    )  # fmt: skip
+    raise InputError(Problem(where, f"has no binary for {platform}, {there}{remedy}"))
+
+
+def _variable(v: Any, units: dict[str, Any]) -> Variable:
+    unit = v.unit or (v.declaredType.unit if v.declaredType is not None else "") or ""
+    base = units.get(unit)
+    factor, offset, dimension = 1.0, 0.0, ""
+    if base is not None:
+        factor, offset = float(base.factor), float(base.offset)
+        powers = {word: int(getattr(base, word)) for word in BASE}
+        dimension = " ".join(f"{word}{n if n != 1 else ''}" for word, n in powers.items() if n)
+        try:
+            dimension = named(dimension or "1") or dimension
+        except UnitError:  # amounts of substance and light
+            pass
+    elif unit:
+        factor, dimension = _known(unit)
+    single = not getattr(v, "dimensions", None) and not getattr(v, "shape", None)
+    before = v.causality == "parameter" or v.initial in ("exact", "approx")
+    return Variable(
+        name=v.name,
+        causality=v.causality or "local",
+        variability=v.variability or "",
+        unit=unit,
+        reference=int(v.valueReference),
+        real=v.type in REALS and single,
+        settable=before and v.variability != "constant",
+        factor=factor,
+        offset=offset,
+        dimension=dimension,
+    )
+
+
+def _known(unit: str) -> tuple[float, str]:
+    """Return factor and SI unit of a unit without a definition; empty if it is not known."""
+    try:
+        dimension = named(unit)
+        return (converted(f"1 {unit}", dimension), dimension) if dimension else (1.0, "")
+    except UnitError:
+        return 1.0, ""
+
+
+def named(unit: str) -> str:
+    """Return the usual SI unit of the dimension of a unit; empty if there is none.
+
+    >>> named("kg m s-2"), named("bar"), named("mm/s")
+    ('N', 'Pa', 'm/s')
+    """
+    wanted = parse_unit(unit).dimensionality
+    return next((si for si in KINDS if parse_unit(si).dimensionality == wanted), "")
+
+
+def fits(a: str, b: str) -> bool:
+    """Return whether two units are of one dimension; also if one is not known.
+
+    >>> fits("kg m s-2", "N"), fits("m", "rad"), fits("1/s", "rad/s")
+    (True, False, True)
+    """
+    try:
+        # radians are numbers in most descriptions
+        return _bare(a) == _bare(b)
+    except UnitError:
+        return True
+
+
+def _bare(unit: str) -> dict[str, Any]:
+    found = dict(parse_unit(unit).dimensionality)
+    angle = found.pop("[angle]", 0)
+    # a number alone and an angle are the same only where something else stands beside
+    return found if found or not angle else {"[angle]": angle}

@@ -1,0 +1,251 @@
+"""Fmu: a model of another program that runs beside the mechanism."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from jousto.base.declare import Declared
+from jousto.base.errors import Problem, Problems, UnknownNameError, suggest, warn
+from jousto.base.fields import AnyField, Choice, Flag, OptionalText, field, kept
+from jousto.base.names import check_name
+from jousto.base.numbers import Duration, number
+from jousto.mechanism.event import component_of
+from jousto.mechanism.foreign.description import Description, Variable, fits, read_description
+from jousto.mechanism.sensors.base import Sensor
+from jousto.mechanism.sensors.readings import SignalSensor
+from jousto.mechanism.signals.base import Input
+
+ENERGIES = ("delivered", "received", "energy_error")
+
+
+class FmuSensor(SignalSensor):
+    """A value that a functional mock-up unit or its exchange has at the last communication.
+
+    Attributes
+    ----------
+    unit, description : str
+        Of the value.
+    """
+
+    unit = ""
+    description = ""
+
+    def __init__(self, name: str, unit: str, description: str) -> None:
+        super().__init__(name, Input(name))
+        object.__setattr__(self, "unit", unit)
+        object.__setattr__(self, "description", description)
+
+
+class Fmu(Declared, section="fmus"):
+    """A functional mock-up unit (FMI 2.0, 3.0, co-simulation) of another program.
+
+    Every `step` the unit gets values of sensors and gives values to inputs of the mechanism. In
+    between each side goes on alone with what it knows of the other: values are held, errors are of
+    order 1 in the step, or extrapolated by a straight line, of order 2. Values are in SI; units of
+    the description are converted.
+
+    The energy that crosses is ``int F v dt``. The unit computes it with its own force and the
+    velocity that it was given, the machine with its own velocity and the force that it was given;
+    the difference is energy that the exchange itself adds or takes (Sadjina, Kyllingstad, Skjong
+    and Pedersen, Engineering with Computers 33, 2017, 607-620). The results have it as the
+    sensors ``NAME.delivered``, ``NAME.received`` and ``NAME.energy_error`` for each `power`.
+
+    The unit runs in a process of its own. Its code is not checked: run only what you trust.
+    """
+
+    kind = "fmu"
+    file: AnyField = field("File ``.fmu``", form="file", noun="path")
+    name: OptionalText = field("Name; that of the file without one", default=None)
+    inputs: AnyField = field(
+        "Inputs or tunable parameters of the unit, each with a sensor of one number, (sensor, "
+        "component), or a number",
+        form="fmu inputs",
+        noun="dict",
+        default=None,
+        kw_only=True,
+    )
+    outputs: AnyField = field(
+        "Outputs of the unit, each with the Input of the mechanism that it sets, or None where "
+        "only the results have it",
+        form="fmu outputs",
+        noun="dict",
+        default=None,
+        kw_only=True,
+    )
+    parameters: AnyField = field(
+        "Values of parameters and start values, in SI",
+        form="fmu parameters",
+        noun="dict",
+        default=None,
+        kw_only=True,
+    )
+    power: AnyField = field(
+        "Output and input of the unit whose product is power into the mechanism, such as "
+        "{'force': 'speed'}",
+        form="fmu pairs",
+        noun="dict",
+        default=None,
+        kw_only=True,
+    )
+    step: Duration = field("Time between two exchanges", default=1e-3, kw_only=True)
+    between: Choice = field(
+        "What either side knows of the other between exchanges",
+        words=("hold", "linear"),
+        default="hold",
+        kw_only=True,
+    )
+    estimate: Flag = field(
+        "Whether each step is also made as two of half its length, which are kept; the difference "
+        "estimates the error of a step, ``NAME.OUTPUT.error`` in the results. The unit must be "
+        "able to go back to a state",
+        default=False,
+        kw_only=True,
+    )
+    description: Description = kept()
+    sensors: tuple[FmuSensor, ...] = kept()
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Read the description and compare with it."""
+        if not isinstance(self.file, str | os.PathLike):
+            problems.add("fmu", f"file is {self.file!r}, must be the path of a .fmu")
+            return
+        path = Path(self.file)
+        name = self.name or path.stem
+        where = check_name(problems, "fmu", name)
+        maps: dict[str, dict[str, Any]] = {}
+        for key in ("inputs", "outputs", "parameters", "power"):
+            given = getattr(self, key)
+            if given is not None and not isinstance(given, Mapping):
+                problems.add(where, f"{key} is {given!r}, must be a dict by names of variables")
+                given = None
+            maps[key] = dict(given or {})
+        problems.raise_if_any()
+        about = read_description(path, where)
+        for key, value in {**maps, "file": path, "name": name, "description": about}.items():
+            object.__setattr__(self, key, value)
+        self._check_inputs(problems, where)
+        self._check_outputs(problems, where)
+        self._check_parameters(problems, where)
+        for out, into in self.power.items():
+            if out not in self.outputs:
+                problems.add(where, f"power: {out!r} is not among its outputs here")
+            if into not in self.inputs or not isinstance(self.inputs.get(into), tuple):
+                problems.add(where, f"power: {into!r} is not among its inputs from sensors here")
+        if self.estimate and not about.states:
+            problems.add(
+                where,
+                "cannot go back to a state (canGetAndSetFMUState), which estimate=True needs; "
+                "leave it out and compare two runs with other steps",
+            )
+        object.__setattr__(self, "sensors", tuple(self._sensors()))
+
+    def _variable(self, problems: Problems, where: str, name: Any, *fit: str) -> Variable | None:
+        """Return a variable of some causality, or note that there is none."""
+        about = self.description
+        known = [x.name for x in about.variables.values() if x.causality in fit]
+        if "input" in fit:
+            known += [x.name for x in about.variables.values() if x.variability == "tunable"]
+        found = about.variables.get(name)
+        if found is None:
+            problems.add(where, f"has no {fit[0]} {name!r}{suggest(name, known)}")
+        elif name not in known:
+            problems.add(
+                where,
+                f"{name!r} has causality {found.causality}, no {fit[0]}{suggest(name, known)}",
+            )
+        elif not found.real:
+            problems.add(where, f"{fit[0]} {name!r} is not one real number; only these can cross")
+        else:
+            if found.unit and not found.dimension:
+                warn(where, f"{name!r} is in {found.unit!r}, which is not known: taken as SI")
+            return found
+        return None
+
+    def _check_inputs(self, problems: Problems, where: str) -> None:
+        for name, value in self.inputs.items():
+            variable = self._variable(problems, where, name, "input")
+            sensor, component = value if isinstance(value, tuple | list) else (value, None)
+            if isinstance(sensor, Sensor):
+                place = component_of(problems, f"{where}: input {name!r}", sensor, component)
+                self.inputs[name] = (sensor, place)
+                if variable and variable.dimension:
+                    unit = _unit_of(sensor, place)
+                    if unit != "1" and not fits(variable.dimension, unit):
+                        warn(
+                            where,
+                            f"input {name!r} is in {variable.unit}, sensor {sensor.name!r} "
+                            f"measures {unit}: is it the right one?",
+                        )
+            else:
+                self.inputs[name] = number(problems, where, f"input {name!r}", value)
+
+    def _check_outputs(self, problems: Problems, where: str) -> None:
+        for name, value in self.outputs.items():
+            self._variable(problems, where, name, "output")
+            if isinstance(value, str):
+                self.outputs[name] = Input(value)
+            elif value is not None and not isinstance(value, Input):
+                problems.add(
+                    where,
+                    f"output {name!r} is for {value!r}, must be an Input of the mechanism, or None",
+                )
+
+    def _check_parameters(self, problems: Problems, where: str) -> None:
+        about = self.description
+        known = [x.name for x in about.variables.values() if x.settable]
+        for name, value in self.parameters.items():
+            found = about.variables.get(name)
+            if found is None or not found.settable:
+                problems.add(where, f"has no parameter or start value {name!r}"
+                             f"{suggest(name, known)}")  # fmt: skip
+            elif not found.real:
+                problems.add(where, f"parameter {name!r} is not one real number")
+            else:
+                if found.unit and not found.dimension:
+                    warn(where, f"{name!r} is in {found.unit!r}, which is not known: taken as SI")
+                self.parameters[name] = number(problems, where, f"parameter {name!r}", value)
+
+    def _sensors(self) -> list[FmuSensor]:
+        made = []
+        for name in self.outputs:
+            found = self.description.variables.get(name)
+            unit = (found.dimension if found else "") or "1"
+            made.append(FmuSensor(f"{self.name}.{name}", unit, f"output {name} of {self.name}"))
+            if self.estimate:
+                said = f"estimated error of {name} in one step"
+                made.append(FmuSensor(f"{self.name}.{name}.error", unit, said))
+        if self.power:
+            texts = ("energy that it gave", "energy that the machine got", "received - delivered")
+            for key, text in zip(ENERGIES, texts, strict=True):
+                made.append(FmuSensor(f"{self.name}.{key}", "J", text))
+        return made
+
+    def __getitem__(self, name: str) -> FmuSensor:
+        """Return the sensor of an output, for inputs of other units."""
+        known = {sensor.name.removeprefix(f"{self.name}."): sensor for sensor in self.sensors}
+        if name not in known:
+            raise UnknownNameError(
+                Problem(f"fmu {self.name!r}", f"no output {name!r} here{suggest(name, known)}")
+            )
+        return known[name]
+
+    @cached_property
+    def driven(self) -> tuple[str, ...]:
+        """Names of the inputs of the mechanism that it sets."""
+        return tuple(x.name for x in self.outputs.values() if x is not None)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Fmu {self.name!r}: FMI {self.description.version}, {len(self.inputs)} inputs, "
+            f"{len(self.outputs)} outputs, a step of {self.step:g} s>"
+        )
+
+
+def _unit_of(sensor: Any, place: int) -> str:
+    units = [x.strip() for x in sensor.unit.split(",")]
+    half = len(sensor.components) // 2
+    return str(units[-1] if len(units) > 1 and place >= half else units[0])

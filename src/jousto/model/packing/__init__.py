@@ -1,0 +1,1 @@
+"""Entities of a mechanism, packed into the arrays of the engine."""

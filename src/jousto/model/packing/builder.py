@@ -1,0 +1,236 @@
+"""Builder: joints, forces, signals and coordinates in the small vocabulary of the engine."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.complexstep import floats
+from jousto.mechanism.bodies.body import FlexibleBody
+from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.event import Event
+from jousto.mechanism.forces.base import ForceElement, Push
+from jousto.mechanism.forces.friction import Friction
+from jousto.mechanism.joints.base import Joint
+from jousto.mechanism.joints.coordinate import Coordinate, Line
+from jousto.mechanism.joints.coupling import Coupler
+from jousto.mechanism.signals.base import Law, Signal
+from jousto.model.model import (
+    CoordinateModel,
+    EventModel,
+    ForceModel,
+    FrictionModel,
+    JointModel,
+    LineModel,
+    MarkerModel,
+    SignalModel,
+)
+from jousto.model.native.header import packed
+
+
+class Builder:
+    """Collects the engine's objects; what is used twice is kept once.
+
+    Parameters
+    ----------
+    bodies : dict of int to int
+        Index of every moving body by its id.
+    events : sequence of Event
+        All events.
+    """
+
+    def __init__(self, bodies: dict[int, int], events: Sequence[Event] = ()) -> None:
+        self._bodies = bodies
+        self._events = {id(event): i for i, event in enumerate(events)}
+        self._releases = {id(x): i for i, event in enumerate(events) for x in event.releases}
+        self.markers: list[MarkerModel] = []
+        self.coordinates: list[CoordinateModel] = []
+        self.joints: list[JointModel] = []
+        self.signals: list[SignalModel] = []
+        self.forces: list[ForceModel] = []
+        self.frictions: list[FrictionModel] = []
+        self.events: list[EventModel] = []
+        self.force_places: dict[int, int] = {}
+        self._places: dict[Any, int] = {}
+
+    def marker(self, marker: Marker, turns: bool, *, shared: bool = True) -> int:
+        """Return the index of the frame; `turns` if its rotation matters at every evaluation.
+
+        Frames that are `shared` are looked up first: joints at one node use one frame.
+        """
+        body = self._bodies.get(id(marker.body), -1)
+        Phi = Psi = chi = None
+        if isinstance(marker.body, FlexibleBody):
+            Phi = np.array(floats(marker.Phi))
+            Psi = np.array(floats(marker.Psi))
+            if not np.any(Psi):
+                Psi = None
+            chi = marker.chi
+        u0, A0 = np.array(floats(marker.position_local)), np.array(floats(marker.axes))
+        key = ("marker", body, marker.site, u0.tobytes(), A0.tobytes())
+        if shared and key in self._places:
+            place = self._places[key]
+            if turns:
+                self.markers[place] = replace(self.markers[place], turns=True, Psi=Psi)
+            return place
+        self.markers.append(MarkerModel(body, turns, u0, A0, Phi, Psi if turns else None, chi))
+        if shared:
+            self._places[key] = len(self.markers) - 1
+        return len(self.markers) - 1
+
+    def declared(self, coordinate: Coordinate) -> int:
+        """Return the index of a coordinate."""
+        a = self.marker(coordinate.a, coordinate.turns_a)
+        b = self.marker(coordinate.b, coordinate.turns_b)
+        key = ("coordinate", coordinate.engine, a, b, coordinate.column)
+        if key not in self._places:
+            self._places[key] = len(self.coordinates)
+            made = CoordinateModel(coordinate.name, coordinate.engine, a, b, coordinate.column)
+            self.coordinates.append(made)
+        return self._places[key]
+
+    def line(self, line: Line) -> LineModel:
+        """Return a row that is linear in coordinates."""
+        return LineModel(
+            coordinates=tuple(self.declared(s) for s in line.coordinates),
+            factors=tuple(line.factors),
+            offset=line.offset,
+            signal=self.signal(line.signal),
+        )
+
+    def joint(self, joint: Joint, *, used: bool = False) -> int:
+        """Return the index of a joint; `used` if something needs a coordinate of it."""
+        sides = tuple(
+            self.marker(marker, turns)
+            for marker, turns in zip(joint.frames, joint.turns, strict=True)
+        )
+        lines = tuple(self.line(line) for line in joint.lines)
+        place = self._rows(joint.name, sides, joint.coincident, joint.perpendicular, lines)
+        release = self._releases.get(id(joint), -1)
+        self.joints[place] = replace(self.joints[place], used=used, release=release)
+        return place
+
+    def coupling(self, coupling: Coupler) -> int:
+        """Return the index of a gear, rack, coupling or drive: one row, two or four markers."""
+        lines = tuple(self.line(line) for line in coupling.lines)
+        used = [self.coordinates[s] for line in lines for s in line.coordinates]
+        sides = tuple(marker for s in used for marker in (s.a, s.b))
+        place = self._rows(coupling.name, sides, False, (), lines)
+        release = self._releases.get(id(coupling), -1)
+        self.joints[place] = replace(self.joints[place], release=release)
+        return place
+
+    def friction(self, friction: Friction, joint: int) -> int:
+        """Return the index of a friction of joint `joint`; to be added after all other rows."""
+        places = [self.declared(s) for s in friction.coordinates]
+        law = friction.law
+        lock = -1
+        if law.sticks:  # rows that hold the coordinates while they stick
+            first = self.coordinates[places[0]]
+            lines = tuple(LineModel((place,), (1.0,)) for place in places)
+            count = sum(other.lock >= 0 for other in self.joints)
+            lock = self._rows(friction.name, (first.a, first.b), False, (), lines, lock=count)
+        self.frictions.append(
+            FrictionModel(
+                name=friction.name,
+                joint=joint,
+                coordinate=places[0],
+                other=places[1] if len(places) > 1 else -1,
+                sticks=lock >= 0,
+                lock=lock,
+                data=packed(
+                    "jo_friction_data",
+                    mu_kinetic=friction.mu_kinetic,
+                    mu_static=friction.mu_static,
+                    velocity=getattr(law, "velocity", 1.0),
+                    radius=friction.radius or 0.0,
+                    bearing=friction.bearing_length or 0.0,
+                    collar=friction.collar_radius or 0.0,
+                    preload=friction.preload,
+                ),
+            )
+        )
+        return len(self.frictions) - 1
+
+    def _rows(
+        self,
+        name: str,
+        sides: tuple[int, ...],
+        coincident: bool,
+        perpendicular: tuple[tuple[int, int], ...],
+        lines: tuple[LineModel, ...],
+        lock: int = -1,
+    ) -> int:
+        row = self.joints[-1].row + self.joints[-1].rows if self.joints else 0
+        self.joints.append(JointModel(name, sides, coincident, perpendicular, row, lines, lock))
+        return len(self.joints) - 1
+
+    def signal(self, signal: Signal | None) -> int:
+        """Return the index of a signal, -1 for none."""
+        if signal is None:
+            return -1
+        key = ("signal", id(signal))
+        if key not in self._places:
+            self._places[key] = self._signal(signal)
+        return self._places[key]
+
+    def _signal(self, signal: Signal) -> int:
+        """Append a signal after those it is made of; the engine takes two of them at a time."""
+        law = signal.law
+        count = law.count if law.event is None else self._events[id(law.event)]
+        if signal.parts:
+            place = self.signal(signal.parts[0])
+            for part in signal.parts[1:]:
+                children = (place, self.signal(part))
+                place = self._append(SignalModel(law.kind, np.zeros(1), count, children=children))
+            return place
+        key = (law.kind, law.name)
+        if law.name:
+            if key in self._places:
+                return self._places[key]
+            count = sum(other.kind == law.kind for other in self.signals)
+        place = self._append(
+            SignalModel(law.kind, numbers_of(law), count, law.degree, name=law.name)
+        )
+        return self._places.setdefault(key, place) if law.name else place
+
+    def _append(self, signal: SignalModel) -> int:
+        self.signals.append(signal)
+        return len(self.signals) - 1
+
+    def force(self, force: ForceElement) -> int:
+        """Return the index of what pushes, of the first of several laws."""
+        self.force_places[id(force)] = place = len(self.forces)
+        release = self._releases.get(id(force), -1)
+        made = (self._push(force.name, push) for push in force.pushes)
+        self.forces += [replace(push, release=release) for push in made]
+        return place
+
+    def _push(self, name: str, push: Push) -> ForceModel:
+        return ForceModel(
+            name=name,
+            kind=push.kind,
+            data=numbers_of(push),
+            coordinate=-1 if push.coordinate is None else self.declared(push.coordinate),
+            a=-1 if push.a is None else self.marker(push.a, True),
+            b=-1 if push.b is None else self.marker(push.b, push.turns),
+            body=-1 if push.body is None else self._bodies[id(push.body)],
+            follow=push.follow,
+            active=push.active,
+            spring=self.signal(push.spring),
+            damper=self.signal(push.damper),
+            signal=self.signal(push.signal),
+            reference=self.signal(push.reference),
+            function=push.function,
+        )
+
+
+def numbers_of(law: Law | Push) -> NDArray[np.float64]:
+    """Return the numbers of a law in the order of the header of the engine."""
+    if law.data:
+        return packed(f"jo_{law.kind.replace(' ', '_')}_data", *law.rest, **law.data)
+    return np.concatenate([np.ravel(x) for x in law.rest]) if law.rest else np.zeros(1)

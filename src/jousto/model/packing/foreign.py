@@ -1,0 +1,42 @@
+"""Models of other programs: where the model has what crosses, and who cannot run them."""
+
+from __future__ import annotations
+
+from jousto.base.errors import InputError, Problem
+from jousto.mechanism.mechanism import Mechanism
+from jousto.model.model import FmuModel, Model, SensorModel
+
+
+def fmu_models(mechanism: Mechanism, sensors: tuple[SensorModel, ...]) -> tuple[FmuModel, ...]:
+    """Return the foreign models of a mechanism; `sensors` are those of the model."""
+    offsets = {id(s): m.offset for s, m in zip(mechanism.sensors, sensors, strict=False)}
+    made = []
+    for fmu in mechanism.fmus:
+        links = fmu.inputs.items()
+        measured = {k: offsets[id(v[0])] + v[1] for k, v in links if isinstance(v, tuple)}
+        given = {k: float(v) for k, v in links if not isinstance(v, tuple)}
+        set_ = {k: v.name for k, v in fmu.outputs.items() if v is not None}
+        made.append(FmuModel(fmu, measured, given, set_))
+    return tuple(made)
+
+
+def without_fmus(model: Model | Mechanism, where: str, why: str) -> None:
+    """Refuse a model with foreign models.
+
+    Raises
+    ------
+    InputError
+        If it has one.
+    """
+    names = [x.fmu.name if isinstance(x, FmuModel) else x.name for x in model.fmus]
+    if names:
+        raise InputError(
+            [
+                Problem(
+                    where,
+                    f"fmu {name!r} {why}; only jo.simulate runs it; leave it out and give the "
+                    "inputs that it sets a value",
+                )
+                for name in names
+            ]
+        )

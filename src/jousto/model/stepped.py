@@ -1,0 +1,115 @@
+"""The start of a model whose constants are complex: derivatives of what closes its joints."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.complexstep import is_stepping, parts, plainly, real_parts
+from jousto.base.errors import NotAnalytic
+from jousto.base.rotations import rotation_matrix
+from jousto.model.model import Model
+from jousto.model.native.native import Engine
+from jousto.model.rank.redundancy import RANK, constraint_matrix
+from jousto.model.start import modal_velocities
+
+SMALL = 1e-9  # of what is compared
+
+
+def has_steps(model: Model) -> bool:
+    """Return whether anything in a model has a derivative."""
+    return is_stepping() and real_parts(model) is not model
+
+
+def with_start(model: Model, finish: Callable[[Model], Model], initials: Sequence[Any]) -> Model:
+    """Return a model with the start that `finish` gives it, and the derivatives of that.
+
+    Parameters
+    ----------
+    model : Model
+        With complex constants.
+    finish : callable
+        Returns a real model with its start: closed joints, velocities that fit.
+    initials : sequence of Initial
+        Coordinates whose values or rates were asked for.
+
+    Raises
+    ------
+    NotAnalytic
+        If the start is none that complex steps can follow.
+    """
+    if not has_steps(model):
+        return finish(model)
+    if initials:
+        raise NotAnalytic("initial values of coordinates are sought by iterations")
+    with plainly():
+        plain = real_parts(model)
+        given = plain.v0.copy()
+        made = finish(replace(plain, q0=plain.q0.copy(), v0=given.copy()))
+    engine = Engine(replace(model, redundant=made.redundant), complex_scalars=True)
+    engine.assemble()
+    if np.abs(engine.q.real - made.q0).max(initial=0.0) > SMALL * model.size:
+        raise NotAnalytic("its joints close on another way with complex numbers")
+    v = engine.v
+    modal = modal_velocities(plain)
+    if not given.any() and np.any(v[modal]):
+        v = _quiet(model, engine, np.asarray(model.v0))
+    if np.abs(v.real - made.v0).max(initial=0.0) > SMALL * max(1.0, float(np.abs(made.v0).max())):
+        raise NotAnalytic("the velocities at the start are none that complex steps can follow")
+    start: Any = (made.q0 + 1j * engine.q.imag, made.v0 + 1j * v.imag)
+    sensors = made.sensors if made.redundant else model.sensors
+    return replace(model, q0=start[0], v0=start[1], redundant=made.redundant, sensors=sensors)
+
+
+def _quiet(model: Model, engine: Engine, given: NDArray[Any]) -> NDArray[Any]:
+    """Return v (nv,) that fits joints and drives by rigid motions of least kinetic energy.
+
+    ``v = v0 + M^-1 G^T S^+ b`` with ``S = G M^-1 G^T``, G the columns of Cq of the rigid motions.
+    """
+    nearest = engine.v.copy()
+    Cq = constraint_matrix(model, engine)
+    engine.v[:] = given
+    b = -engine.constraints()[1][: len(Cq)]
+    engine.v[:] = nearest
+    modal = modal_velocities(model)
+    G = Cq.copy()
+    G[:, modal] = 0.0
+    W = np.zeros_like(G)  # G M^-1
+    for i, body in enumerate(model.bodies):
+        M = np.array(engine.mass_matrix(i))[:6, :6]
+        A = rotation_matrix(engine.q[body.iq + 3 : body.iq + 7])
+        M[:3] = A @ M[:3]  # R'' of the engine's matrix is resolved in the body
+        M[:, :3] = M[:, :3] @ A.T
+        columns = slice(body.iv, body.iv + 6)
+        W[:, columns] = np.linalg.solve(M, G[:, columns].T).T
+    y = least_norm(W @ G.T, b)
+    return np.asarray(given + W.T @ y)
+
+
+def least_norm(S: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
+    """Return ``y = S^+ b`` of a symmetric matrix of constant rank, with its derivative.
+
+    ``dy = S^+ (db - dS y) + S^+ S^+ dS (b - S y) + (E - S^+ S) dS S^+ y`` (Golub and Pereyra, SIAM
+    J. Numer. Anal. 10, 1973, eq. 4.12).
+
+    Raises
+    ------
+    NotAnalytic
+        If b is outside of what S reaches: then modes must move.
+    """
+    (S0, dS), (b0, db) = parts(S), parts(b)
+    size = np.sqrt(np.diag(S0))
+    size = np.where(size > 0.0, size, 1.0)
+    S0, dS, b0, db = S0 / np.outer(size, size), dS / np.outer(size, size), b0 / size, db / size
+    inverse = np.linalg.pinv(S0, rcond=RANK, hermitian=True)
+    y = inverse @ b0
+    dy = inverse @ (db - dS @ y) + (np.eye(len(y)) - inverse @ S0) @ dS @ inverse @ y
+    scales = (np.abs(b0).max(initial=0.0), np.abs(db - dS @ y).max(initial=0.0))
+    for rest, scale in zip((b0 - S0 @ y, db - dS @ y - S0 @ dy), scales, strict=True):
+        if np.abs(rest).max(initial=0.0) > SMALL * scale:
+            raise NotAnalytic("the modes must move at the start, since joints and drives ask it")
+    return np.asarray((y + 1j * dy) / size)

@@ -1,0 +1,246 @@
+"""Symbols of a mechanism: where its joints, forces and sensors are, and which way they point."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.complexstep import floats
+from jousto.mechanism.beams.body import BeamBody
+from jousto.mechanism.beams.pieces import BeamNode
+from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
+from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.forces.base import ForceElement
+from jousto.mechanism.forces.friction import Friction
+from jousto.mechanism.forces.line_load import LineLoad
+from jousto.mechanism.forces.loads import Force, PointLoad, Torque
+from jousto.mechanism.forces.moving import MovingLoad
+from jousto.mechanism.forces.springs import JointForce, Servo, Spring
+from jousto.mechanism.joints.base import Joint
+from jousto.mechanism.joints.coordinate import Angle, Coordinate
+from jousto.mechanism.joints.coupling import Coupler, Drive
+from jousto.mechanism.mechanism import Mechanism
+from jousto.mechanism.sensors.base import Sensor
+from jousto.mechanism.sensors.body import SiteSensor
+from jousto.mechanism.sensors.bridge import Bridge
+from jousto.mechanism.sensors.gauge import Attached
+from jousto.model.symbol_record import NO_TURN, SymbolPoint, SymbolShape
+
+MOST_SITES = 32  # places of stress that get a symbol
+
+
+def symbols(mechanism: Mechanism, index: Mapping[int, int]) -> tuple[SymbolShape, ...]:
+    """Return the symbols of a mechanism; `index` holds the place of every body by its id."""
+    make = SymbolMaker(index)
+    return (
+        *map(make.joint, mechanism.joints),
+        *map(make.coupling, mechanism.couplings),
+        *map(make.force, mechanism.forces),
+        *map(make.friction, mechanism.frictions),
+        *(symbol for sensor in mechanism.sensors for symbol in make.sensor(sensor)),
+        *(symbol for body in mechanism.bodies for symbol in make.named(body)),
+    )
+
+
+class SymbolMaker:
+    """Makes symbols of declarations.
+
+    Parameters
+    ----------
+    index : mapping of int to int
+        The place of every moving body by its id.
+    """
+
+    def __init__(self, index: Mapping[int, int]) -> None:
+        self._index = index
+
+    # -- one symbol each --------------------------------------------------------------------
+
+    def joint(self, joint: Joint) -> SymbolShape:
+        """Return the symbol of a joint: its own kind, and the z axis of its frame a."""
+        a, b = joint.frames
+        axis = np.array(floats(a.axes))[:, 2]
+        points = (self.point(a), self.point(b))
+        return SymbolShape(joint.name, joint.tag, "joint", points, axis, text=_text(joint))
+
+    def coupling(self, coupling: Coupler) -> SymbolShape:
+        """Return the symbol of a gear, rack, coupling or drive."""
+        kind = coupling.tag
+        if isinstance(coupling, Drive):
+            kind = "motor" if isinstance(coupling.coordinate, Angle) else "actuator"
+        points, axis = self._along(coupling.coordinates)
+        return SymbolShape(coupling.name, kind, "joint", points, axis, text=_text(coupling))
+
+    def force(self, force: ForceElement) -> SymbolShape:
+        """Return the symbol of what pushes."""
+        points, axis, fixed = self._pushed(force)
+        kind = force_kind(force)
+        return SymbolShape(force.name, kind, "force", points, axis, fixed, _text(force))
+
+    def friction(self, friction: Friction) -> SymbolShape:
+        """Return the symbol of friction, at its joint."""
+        made = self.joint(friction.joint)
+        text = f"friction '{friction.name}' of {friction.joint.name}"
+        return SymbolShape(friction.name, "friction", "force", made.points, made.axis, text=text)
+
+    def sensor(self, sensor: Sensor) -> Iterator[SymbolShape]:
+        """Return the symbol of a sensor; energies and signals are nowhere and have none."""
+        points, axis = self._sensed(sensor)
+        if points:
+            text = f"{sensor.name}: {sensor.description}"
+            kind = "force-sensor" if sensor.tag == "force" else sensor.tag  # it is no force
+            yield SymbolShape(
+                sensor.name, kind, "sensor", points, axis, text=text, sensor=sensor.name
+            )
+
+    def named(self, body: RigidBody | FlexibleBody) -> Iterator[SymbolShape]:
+        """Return the named points of a body: of a flexible one its interfaces."""
+        if isinstance(body, BeamNode):
+            return
+        if isinstance(body, FlexibleBody):
+            sets = body.reduced.node_sets
+            names: Sequence[str] = [x for x in body.reduced.interfaces if len(sets[x]) == 1]
+        else:
+            names = list(body.markers)
+        for name in names:
+            label = f"{body.name}.{name}"
+            yield SymbolShape(label, "marker", "marker", (self.point(body[name]),), text=label)
+
+    # -- where they are ---------------------------------------------------------------------
+
+    def point(self, marker: Marker) -> SymbolPoint:
+        """Return the frame of a marker."""
+        modes = None
+        if marker.followed is not None:
+            modes = np.array(floats(marker.Phi))
+        return SymbolPoint(
+            self._index.get(id(marker.body), -1),
+            np.array(floats(marker.position_local)),
+            np.array(floats(marker.axes)),
+            -1 if marker.node is None else marker.node,
+            modes,
+        )
+
+    def place(self, body: Any, position: Array) -> SymbolPoint:
+        """Return a point of a body: of a flexible one it moves as the section at its next node."""
+        place = self._index.get(id(body), -1)
+        if not isinstance(body, FlexibleBody):
+            return SymbolPoint(place, np.array(floats(position)), NO_TURN)
+        reduced = body.reduced
+        nodes = np.array(floats(reduced.nodes))
+        at = np.array(floats(position))
+        node = int(np.argmin(np.linalg.norm(nodes - at, axis=1)))
+        turn, arm = reduced.rotation(node), at - nodes[node]
+        if turn is None or not arm.any():
+            return SymbolPoint(place, at, NO_TURN, node)
+        modes = np.array(floats(reduced.modes[node])) + np.cross(floats(turn), arm, axis=0)
+        return SymbolPoint(place, at, NO_TURN, modes=modes)
+
+    def origin(self, body: Any) -> SymbolPoint:
+        """Return the middle of a body."""
+        if isinstance(body, BeamBody):
+            return self.point(body[f"node{len(body.bodies) // 2 + 1}"])
+        if isinstance(body, FlexibleBody):
+            return self.place(body, np.asarray(body.reduced.nodes).mean(axis=0))
+        return self.place(body, body.center)
+
+    def _along(
+        self, coordinates: Sequence[Coordinate]
+    ) -> tuple[tuple[SymbolPoint, ...], Array | None]:
+        """Return the points and the direction of what acts along coordinates."""
+        markers = [marker for s in coordinates for marker in (s.a, s.b)]
+        points = tuple(self.point(marker) for marker in markers)
+        first = coordinates[0]
+        if first.engine == "distance":
+            return points, None
+        return points, np.array(floats(first.a.axes))[:, first.column]
+
+    def _pushed(self, force: ForceElement) -> tuple[tuple[SymbolPoint, ...], Array | None, bool]:
+        """Return the points of a force, its direction, and whether that is fixed in the world."""
+        if isinstance(force, PointLoad):
+            vector = np.array(floats(getattr(force, "vector", (0.0, 0.0, 0.0))))
+            fixed = not force.follow
+            axis = vector if fixed else floats(force.marker.axes) @ vector
+            return (self.point(force.marker),), np.asarray(axis), fixed
+        if isinstance(force, MovingLoad):
+            points = [self.place(force.body, x) for x in force.points]
+            return tuple(points), np.array(floats(force.vector)), not force.follow
+        if isinstance(force, LineLoad):
+            mean = np.array(floats(force.force)).mean(axis=0)
+            markers = [force.beam[f"node{k + 1}"] for k in range(force.beam.n + 1)]
+            points = [self.point(marker) for marker in markers]
+            return tuple(points), mean if mean.any() else None, not force.follow
+        if force.coordinates:
+            return *self._along(force.coordinates), False
+        push = force.pushes[0]
+        if push.coordinate is not None:
+            return *self._along([push.coordinate]), False
+        ends = [marker for marker in (push.a, push.b) if marker is not None]
+        if ends:
+            return tuple(self.point(marker) for marker in ends), None, False
+        return (self.origin(push.body),), None, False
+
+    def _sensed(self, sensor: Sensor) -> tuple[tuple[SymbolPoint, ...], Array | None]:
+        """Return the points of a sensor and its direction; none if it is nowhere."""
+        if isinstance(sensor, Bridge):
+            points = [self.place(sensor.body, gauge.position) for gauge in sensor.gauges]
+            return tuple(points), np.array(floats(sensor.gauges[0].axis))
+        if isinstance(sensor, Attached):
+            place: Any = sensor
+            return (self.place(sensor.body, place.position),), np.array(floats(place.axis))
+        if isinstance(sensor, SiteSensor):
+            stress = sensor.body.reduced.stress
+            assert stress is not None
+            chosen = list(sensor.indices[:MOST_SITES])
+            return tuple(self.place(sensor.body, x) for x in stress.positions[chosen]), None
+        return self._read(sensor.reading.of, sensor)
+
+    def _read(self, of: Any, sensor: Sensor) -> tuple[tuple[SymbolPoint, ...], Array | None]:
+        if isinstance(of, Marker):
+            return (self.point(of),), None
+        if isinstance(of, Coordinate):
+            return self._along([of])
+        if isinstance(of, Joint):  # on the body of b, whose reaction it is
+            return (self.point(of.frames[1]),), None
+        if isinstance(of, Coupler):
+            return self._along(of.coordinates)
+        if isinstance(of, Friction):
+            return (self.point(of.joint.frames[1]),), None
+        if isinstance(of, ForceElement):
+            points = self._pushed(of)[0]
+            return points[-1:], None
+        if isinstance(of, BeamBody):
+            return (self.point(of[f"node{sensor.reading.at + 1}"]),), None
+        if isinstance(of, RigidBody | FlexibleBody):
+            return (self.origin(of),), None
+        if isinstance(of, Sensor) and of is not sensor:
+            return self._sensed(of)
+        meters = sensor.meters
+        return self._sensed(meters[0].sensor) if meters else ((), None)
+
+
+def force_kind(force: ForceElement) -> str:
+    """Return what a force is drawn as: its word in model files, or a finer one."""
+    turning = any(isinstance(s, Angle) for s in force.coordinates)
+    if isinstance(force, Spring):
+        soft = force.stiffness or force.table is not None
+        slow = force.damping or force.damper_table is not None
+        kind = "spring-damper" if soft and slow else "damper" if slow else "spring"
+        return f"torsion-{kind}" if turning else kind
+    if isinstance(force, JointForce | Servo):
+        return "motor" if turning else "actuator"
+    if isinstance(force, Force | Torque):
+        return "moment" if isinstance(force, Torque) else "force"
+    return force.tag
+
+
+def _text(thing: Any) -> str:
+    """Return one line about a declaration: ``revolute 'hinge': ground.origin - rod.origin``."""
+    given = vars(thing).values()
+    facts = [x.label for x in given if isinstance(x, Marker)]
+    facts = facts or [x.name for x in given if isinstance(x, Coordinate | BeamBody)]
+    facts = facts or [x.name for x in given if isinstance(x, RigidBody | FlexibleBody)]
+    return f"{thing.tag} '{thing.name}'" + (f": {' - '.join(facts)}" if facts else "")

@@ -1,0 +1,108 @@
+"""What the moving frame knows of a mechanism; everything else is refused by name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jousto.base.errors import Problems
+from jousto.mechanism.bodies.body import FlexibleBody
+from jousto.mechanism.checks import where
+from jousto.mechanism.forces.moving import MovingLoad
+from jousto.mechanism.joints.base import Joint
+from jousto.mechanism.joints.coordinate import Angle, Displacement, Distance
+from jousto.mechanism.joints.coupling import Coupler
+from jousto.mechanism.mechanism import Mechanism
+from jousto.mechanism.signals.base import Input, Signal, leaves
+from jousto.mechanism.signals.switched import Switched
+from jousto.natural.equations.laws import LAWS
+
+READINGS = (
+    *("position", "velocity", "acceleration", "acceleration parts"),
+    *("orientation", "angular velocity", "angular acceleration"),
+    *("modal", "deformation momentum", "stress", "von mises", "principal", "bridge"),
+    *("coordinate", "rate", "energy", "signal", "reaction", "multiplier", "element", "friction"),
+)
+"""Kinds of sensors that it reads."""
+
+
+def check_known(mechanism: Mechanism, *, sensors: bool = True) -> None:
+    """Raise InputError with everything in a mechanism that the moving frame does not know.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The mechanism.
+    sensors : bool
+        Whether sensors that it does not read count.
+    """
+    problems = Problems()
+    for beam in mechanism.beams:
+        problems.add(
+            where(beam), "the moving frame does not know exact beams; reduce the beam to modes"
+        )
+    for body in mechanism.bodies:
+        if isinstance(body, FlexibleBody) and body.reduced.stiffening is not None:
+            problems.add(
+                where(body),
+                "the moving frame does not know second-order displacements; reduce the part "
+                "without stiffening",
+            )
+    for friction in mechanism.frictions:
+        if friction.law.sticks:
+            problems.add(
+                where(friction), "the moving frame does not know StickSlip(); use Regularised()"
+            )
+    for event in mechanism.events:
+        if event.stop:
+            problems.add(where(event), "the moving frame does not stop at events; leave it out")
+        if event.releases:
+            names = ", ".join(f"{item.name!r}" for item in event.releases)
+            problems.add(
+                where(event),
+                f"the moving frame does not release {names} during a run; leave the event out, and "
+                "check the machine without what it releases on its own",
+            )
+    _check_forces(problems, mechanism)
+    for sensor in mechanism.sensors if sensors else ():
+        if not is_read(sensor):
+            problems.add(where(sensor), "the moving frame has no such sensor; leave it out")
+    problems.raise_if_any()
+
+
+def is_read(sensor: Any) -> bool:
+    """Return whether the moving frame reads a sensor."""
+    return sensor.reading.kind in READINGS
+
+
+def _check_forces(problems: Problems, mechanism: Mechanism) -> None:
+    held: tuple[Joint | Coupler, ...] = (*mechanism.joints, *mechanism.couplings)
+    for joint in held:
+        for line in joint.lines:
+            _check_signal(problems, joint, line.signal)
+            for s in line.coordinates:
+                if not isinstance(s, Angle | Displacement | Distance):
+                    problems.add(
+                        where(joint), f"the moving frame does not know {type(s).__name__}s"
+                    )
+    for force in mechanism.forces:
+        if isinstance(force, MovingLoad):
+            _check_signal(problems, force, force.signal)
+            _check_signal(problems, force, force.position)
+            continue
+        for push in force.pushes:
+            if push.kind not in LAWS:
+                problems.add(where(force), f"the moving frame does not know the law {push.kind!r}")
+            elif push.kind == "user" and not callable(push.function):
+                problems.add(
+                    where(force),
+                    "the moving frame calls functions of Python only, not compiled ones",
+                )
+            for signal in (push.signal, push.reference):
+                _check_signal(problems, force, signal)
+
+
+def _check_signal(problems: Problems, item: Any, signal: Signal | None) -> None:
+    for leaf in () if signal is None else leaves(signal):
+        if isinstance(leaf, Input | Switched):
+            kind = f"input {leaf.name!r}" if isinstance(leaf, Input) else "a switched signal"
+            problems.add(where(item), f"follows {kind}, whose value the moving frame does not know")

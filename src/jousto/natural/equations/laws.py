@@ -1,0 +1,298 @@
+"""Laws of forces: what each does to the points and axes of markers, and its slopes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from jousto.base.arrays import Array, crossed, skew
+from jousto.mechanism.forces.base import Push
+from jousto.mechanism.forces.moving import MovingLoad
+from jousto.natural.equations.bodies import FRAME
+from jousto.natural.equations.frames import Frames, Pose, tangent
+from jousto.natural.equations.scalars import Scalars
+
+
+@dataclass(eq=False)
+class Instant:
+    """Where a machine is when forces are asked for.
+
+    Attributes
+    ----------
+    t : float
+        Time, s.
+    q, v : arrays
+        Coordinates and velocities.
+    pose : Pose
+        Markers.
+    s, rate : arrays (ns,)
+        Scalar functions and their rates.
+    gradients : array (ns, 2, 4, 3)
+        Derivatives of scalar functions with respect to both markers.
+    lam : array (m,)
+        Multipliers.
+    """
+
+    t: float
+    q: Array
+    v: Array
+    pose: Pose
+    s: Array
+    rate: Array
+    gradients: Array
+    lam: Array
+
+    @property
+    def y(self) -> Array:
+        """Points and axes of all markers."""
+        return self.pose.y
+
+    @cached_property
+    def dy(self) -> Array:
+        """Rates of the points and axes of all markers."""
+        return self.pose.rates(self.v)
+
+
+@dataclass(eq=False)
+class Action:
+    """What forces do: sums over all of them.
+
+    Attributes
+    ----------
+    along : array (ns,)
+        Forces along scalar functions.
+    loads : array (nm, 4, 3)
+        Forces on the points and axes of markers.
+    direct : array (nb, 12 + n)
+        Forces on the coordinates of bodies.
+    stored, damping, rubbed, work : float
+        Energy in springs, J, and the powers of dampers, of friction, and put in, W.
+    felt : list
+        Of every law what a sensor shows.
+    slopes : list
+        Numbers of scalar functions, or bodies (k, 2) and derivatives (k, 2, 12 + n) of others,
+        with stiffness and damping (k, k) along them.
+    """
+
+    along: Array
+    loads: Array
+    direct: Array
+    stored: float = 0.0
+    damping: float = 0.0
+    rubbed: float = 0.0
+    work: float = 0.0
+    felt: list[Array] = field(default_factory=list)
+    slopes: list[tuple[Any, Array, Array]] = field(default_factory=list)
+
+
+Law = Callable[[Instant, Action], None]
+
+
+def moment(y: Array, T: Array) -> Array:
+    """Return the forces (4, 3) of a torque T on the axes of a marker: ``T x axis / 2``."""
+    out = np.zeros((4, 3))
+    out[1:] = 0.5 * crossed(T, y[1:])
+    return out
+
+
+def factor(signal: Any, t: float) -> float:
+    """Return the value of a signal, 1 for none."""
+    return 1.0 if signal is None else float(signal(t))
+
+
+def load(push: Push, frames: Frames, scalars: Scalars) -> Law:
+    """Return a force and a torque at a marker."""
+    assert push.b is not None
+    at = frames.place(push.b)
+    F, T = (np.asarray(push.data[key], dtype=float) for key in ("force", "torque"))
+
+    def apply(now: Instant, out: Action) -> None:
+        y = now.y[at]
+        now_F, now_T = (factor(push.signal, now.t) * x for x in (F, T))
+        if push.follow:
+            now_F, now_T = now_F @ y[1:], now_T @ y[1:]
+        both = moment(y, now_T)
+        both[0] = now_F
+        out.loads[at] += both
+        out.felt.append(np.concatenate([now_F, now_T]))
+        if np.any(both):
+            out.work += float(np.sum(both * now.dy[at]))
+
+    return apply
+
+
+def along(push: Push, frames: Frames, scalars: Scalars) -> Law:
+    """Return a spring, damper, servo or actuator along a coordinate."""
+    assert push.coordinate is not None
+    place = scalars.coordinate(push.coordinate)
+    k, c, free, preload, limit = (
+        float(np.asarray(push.data[key]))
+        for key in ("stiffness", "damping", "free", "preload", "limit")
+    )
+
+    def apply(now: Instant, out: Action) -> None:
+        i = scalars.number(place)
+        s, rate = float(now.s[i]), float(now.rate[i])
+        goal = [0.0, 0.0]
+        if push.reference is not None:
+            goal = [float(x) for x in push.reference.jet(np.array(now.t))[:2]]
+        f = k * (free + goal[0] - s) + c * (goal[1] - rate) + preload * factor(push.signal, now.t)
+        slope, steep, table, damper = -k, -c, 0.0, 0.0
+        if push.spring is not None:
+            table, rise, _ = (float(x) for x in push.spring.jet(np.array(s)))
+            f, slope = f + table, slope + rise
+        if push.damper is not None:
+            damper, rise, _ = (float(x) for x in push.damper.jet(np.array(rate)))
+            f, steep = f + damper, steep + rise
+        if limit > 0.0 and abs(f) >= limit:
+            f, slope, steep = float(np.copysign(limit, f)), 0.0, 0.0
+        out.along[i] += f
+        out.felt.append(np.array([f]))
+        out.slopes.append((np.array([i]), np.array([[-slope]]), np.array([[-steep]])))
+        if push.active:
+            out.work += f * rate
+        else:
+            out.stored += 0.5 * k * (s - free) ** 2 - preload * (s - free)
+            out.damping += rate * (c * rate - damper)
+            out.work += rate * table
+
+    return apply
+
+
+def relative(a: Array, b: Array) -> tuple[Array, Array, Array]:
+    """Return ``[d, theta]`` (6,) of b against a, resolved in a, and its gradients (6, 4, 3) each.
+
+    ``exp(theta~) = A_a^T A_b``; a turn ``delta`` of b against a, resolved in a, changes theta by
+    ``T(theta)^-1 delta`` with the T of ``exp(theta~)' = (T theta')~ exp(theta~)``.
+    """
+    d = b[0] - a[0]
+    theta = Rotation.from_matrix(a[1:] @ b[1:].T).as_rotvec()
+    ga, gb = np.zeros((6, 4, 3)), np.zeros((6, 4, 3))
+    for k in range(3):
+        ga[k, 0], ga[k, 1 + k], gb[k, 0] = -a[1 + k], d, a[1 + k]
+    # rows of back: world directions whose turn changes theta_k
+    back = np.linalg.inv(tangent(theta)) @ a[1:]
+    for k in range(3):
+        ga[3 + k, 1:] = -0.5 * crossed(back[k], a[1:])
+        gb[3 + k, 1:] = 0.5 * crossed(back[k], b[1:])
+    return np.concatenate([a[1:] @ d, theta]), ga, gb
+
+
+def bushing(push: Push, frames: Frames, scalars: Scalars) -> Law:
+    """Return a support in six directions."""
+    assert push.a is not None
+    assert push.b is not None
+    ends = np.array([frames.place(push.a), frames.place(push.b)])
+    K, D = (np.asarray(push.data[key], dtype=float).reshape(6, 6) for key in ("K", "D"))
+    preload = np.asarray(push.data["preload"], dtype=float)
+
+    def apply(now: Instant, out: Action) -> None:
+        a, b = now.y[ends]
+        x, ga, gb = relative(a, b)
+        da, db = now.dy[ends]
+        rate = np.sum(ga * da + gb * db, axis=(1, 2))
+        f = preload - K @ x - D @ rate
+        out.loads[ends[0]] += np.tensordot(f, ga, 1)
+        out.loads[ends[1]] += (on_b := np.tensordot(f, gb, 1))
+        out.felt.append(np.concatenate([on_b[0], crossed(b[1:], on_b[1:]).sum(axis=0)]))
+        blocks = now.pose.pulled(np.stack([ga, gb], axis=1), np.broadcast_to(ends, (6, 2)))
+        out.slopes.append(((np.broadcast_to(frames.body[ends], (6, 2)), blocks), K, D))
+        out.stored += float(x @ (0.5 * K @ x - preload))
+        out.damping += float(rate @ D @ rate)
+
+    return apply
+
+
+def modal_load(push: Push, frames: Frames, scalars: Scalars) -> Law:
+    """Return a pattern of nodal forces that turns with a body."""
+    assert push.body is not None
+    body = frames.index(push.body)
+    F, T = (np.asarray(push.data[key], dtype=float) for key in ("force", "torque"))
+    modal = np.asarray(push.rest[0], dtype=float)
+
+    def apply(now: Instant, out: Action) -> None:
+        X = frames.bodies.split(now.q)[0][body]
+        scale = factor(push.signal, now.t)
+        world_F, world_T = scale * (F @ X[1:]), scale * (T @ X[1:])
+        Q = np.zeros(frames.bodies.width)
+        both = moment(X, world_T)
+        both[0] = world_F
+        Q[:FRAME] = both.ravel()
+        Q[FRAME : FRAME + len(modal)] = scale * modal
+        out.direct[body] += Q
+        out.felt.append(np.concatenate([world_F, world_T]))
+        out.work += float(Q @ now.v.reshape(len(out.direct), -1)[body])
+
+    return apply
+
+
+def moving(force: MovingLoad, frames: Frames) -> Law:
+    """Return a force that travels along a path on a body."""
+    body = frames.index(force.body)
+    lengths, pieces, F = force.lengths, force.pieces, np.asarray(force.vector)
+
+    def apply(now: Instant, out: Action) -> None:
+        s = float(force.position(now.t))
+        if not 0.0 <= s <= lengths[-1]:
+            out.felt.append(np.zeros(6))
+            return
+        k = min(int(np.searchsorted(lengths, s, side="right")) - 1, len(lengths) - 2)
+        X, xi = (x[body] for x in frames.bodies.split(now.q))
+        place = pieces[k] @ (s - lengths[k]) ** np.arange(4)
+        Phi = place[1:].T
+        n = Phi.shape[1]
+        world = factor(force.signal, now.t) * (F @ X[1:] if force.follow else F)
+        Q = np.zeros(frames.bodies.width)
+        Q[:FRAME] = np.outer(np.append(1.0, place[0] + Phi @ xi[:n]), world).ravel()
+        Q[FRAME : FRAME + n] = Phi.T @ (X[1:] @ world)
+        out.direct[body] += Q
+        out.felt.append(np.append(world, np.zeros(3)))
+        out.work += float(Q @ now.v.reshape(len(out.direct), -1)[body])
+
+    return apply
+
+
+def user(push: Push, frames: Frames, scalars: Scalars) -> Law:
+    """Return a force by a function of Python."""
+    assert push.a is not None
+    assert push.b is not None
+    ends = frames.place(push.a), frames.place(push.b)
+
+    def apply(now: Instant, out: Action) -> None:
+        a, b = now.y[ends[0]], now.y[ends[1]]
+        da, db = (now.dy[k] for k in ends)
+        wa, wb = (0.5 * crossed(y[1:], dy[1:]).sum(axis=0) for y, dy in ((a, da), (b, db)))
+        axes, d = a[1:], b[0] - a[0]
+        x = np.concatenate(
+            [
+                axes @ d,
+                (axes @ b[1:].T).ravel(),
+                axes @ (db[0] - da[0] - skew(wa) @ d),
+                axes @ (wb - wa),
+            ]
+        )
+        y = np.asarray(push.function(now.t, x), dtype=float)
+        F, T = y[:3] @ axes, y[3:] @ axes
+        on_a, on_b = moment(a, -T - crossed(d, F)), moment(b, T)
+        on_a[0], on_b[0] = -F, F
+        out.loads[ends[0]] += on_a
+        out.loads[ends[1]] += on_b
+        out.felt.append(np.concatenate([F, T]))
+        out.work += float(np.sum(on_a * da) + np.sum(on_b * db))
+
+    return apply
+
+
+LAWS: dict[str, Callable[[Push, Frames, Scalars], Law]] = {
+    "load": load,
+    "along": along,
+    "bushing": bushing,
+    "modal load": modal_load,
+    "user": user,
+}
+"""Laws by the word of a `Push`; a `MovingLoad` has its own."""

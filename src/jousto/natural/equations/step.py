@@ -1,0 +1,282 @@
+"""A step of the trapezoidal rule with the augmented Lagrangian and two projections.
+
+The equations of motion ``M q'' + Cq^T (alpha C + lam*) = Q`` (S62) with the trapezoidal rule (S64,
+S65) are solved for the positions (S67-S71), lam* growing by ``alpha C`` at every iteration (S63);
+velocities and accelerations are then moved onto the constraints with the matrix of the last
+iteration (S72, S73).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.errors import SimulationError
+from jousto.natural.equations.laws import Action
+from jousto.natural.equations.linear import Solve, Term
+from jousto.natural.equations.machine import Machine, Place
+
+PENALTY = 1e6  # alpha h^2 / 4 over the mass that a constraint meets
+TOLERANCE = 1e-9
+PROJECTIONS = 5  # times that multipliers of velocities are improved
+MOST = 10  # most times, of those of accelerations
+FRICTION = 30  # most times if forces depend on multipliers
+AGREED = 1e-12  # change of multipliers, as a share of the largest, that is none
+
+
+@dataclass(eq=False)
+class Motion:
+    """State of a machine with what belongs to it.
+
+    Attributes
+    ----------
+    t : float
+        Time, s.
+    place : Place
+        Position.
+    v, a : arrays (N,)
+        Velocities and accelerations.
+    lam : array (m,)
+        Multipliers: forces of constraints are ``-Cq^T lam``.
+    lead : array (m,)
+        By how much those of the step are larger (`Stepper.step`).
+    action : Action
+        What forces do.
+    drift, bias : arrays (nm, 4, 3), (m,)
+        Second derivatives of points and axes of markers and of constraints without those of q.
+    iterations : int
+        Newton iterations of the step.
+    """
+
+    t: float
+    place: Place
+    v: Array
+    a: Array
+    lam: Array
+    lead: Array
+    action: Action
+    drift: Array
+    bias: Array
+    iterations: int = 0
+
+
+class Stepper:
+    """Steps of one size.
+
+    Parameters
+    ----------
+    machine : Machine
+        The machine.
+    h : float
+        Step, s.
+    start : Place
+        Where it begins, which scales the constraints.
+    penalty : float
+        ``alpha h^2 / 4`` over the mass that a constraint meets.
+    tolerance : float
+        Of an iteration: the largest last change of coordinates, and what constraints may miss,
+        relative to the size of the machine.
+    most : int
+        Most iterations.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        h: float,
+        start: Place,
+        *,
+        penalty: float = PENALTY,
+        tolerance: float = TOLERANCE,
+        most: int = 20,
+    ) -> None:
+        self.machine, self.h, self.tolerance, self.most = machine, h, tolerance, most
+        self.penalty = penalty
+        self._weighed: Place | None = None
+        self.weigh(start)
+        self.scale = self._scale()
+        self.limit = self._limit()
+
+    def weigh(self, place: Place) -> None:
+        """Take ``alpha h^2 / 4`` of every constraint from the mass that it meets at a position."""
+        if place is not self._weighed:
+            self.weight = self.penalty * self.machine.effective(place)
+            self.alpha = self.weight * 4.0 / self.h**2
+            self._weighed = place
+
+    def _scale(self) -> Array:
+        """Return what changes of coordinates (N,) are measured with."""
+        bodies, frames = self.machine.bodies, self.machine.frames
+        out = np.ones((len(bodies.mass), bodies.width))
+        out[:, :3] = self.machine.size
+        largest = np.zeros((len(bodies.mass) + 1, bodies.n))
+        np.maximum.at(largest, frames.body, np.abs(frames.Phi).max(axis=1, initial=0.0))
+        shape = largest[:-1]
+        out[:, 12:] = self.machine.size / np.where(shape > 0.0, shape, 1.0)
+        return np.asarray(out.ravel())
+
+    def _limit(self) -> Array:
+        """Return what constraints (m,) are measured with: lengths with the size of the machine."""
+        F = np.abs(self.machine.rows.F)
+        return np.asarray(np.maximum(1.0, F.max(axis=1, initial=1.0)) * max(1.0, self.machine.size))
+
+    def step(self, old: Motion) -> Motion:
+        """Return the motion one step later.
+
+        The multipliers of a step belong to the accelerations of the trapezoidal rule, which miss
+        those at its end by ``h/3 q'''``. Where friction or work depend on multipliers, those of the
+        equations of motion are found after the step; what a step adds to them, its lead, changes
+        little from one step to the next, and friction is pressed without it.
+
+        Raises
+        ------
+        SimulationError
+            If the iteration does not converge.
+        """
+        machine, h = self.machine, self.h
+        t, q0, v0, a0 = old.t + h, old.place.q, old.v, old.a
+        hat_v, hat_a = -(2.0 / h * q0 + v0), -(4.0 / h**2 * q0 + 4.0 / h * v0 + a0)
+        lam = old.lam + old.lead
+        self.weigh(old.place)
+        place = machine.place(q0 + h * v0 + 0.5 * h * h * a0, t, old.place.s)
+        for iteration in range(1, self.most + 1):
+            q = place.q
+            v, a = 2.0 / h * q + hat_v, 4.0 / h**2 * q + hat_a
+            Q, action = machine.act(place, v, t, lam - old.lead)
+            M = machine.mass(place)
+            pull = place.Cq.pulled(self.alpha * place.C + lam)
+            residual = 0.25 * h * h * (machine.times(M, a) + pull - Q)
+            solve = self._factor(M, place, action)
+            change = -solve(residual)
+            place = machine.place(q + change, t, old.place.s)
+            lam = lam + self.alpha * place.C
+            moved = float(np.abs(change / self.scale).max())
+            open_ = float(np.abs(place.C / self.limit).max())
+            if not np.isfinite(moved + open_):
+                break
+            if moved < self.tolerance and open_ < 1e-3 * self.tolerance:
+                return self._projected(old, place, lam, hat_v, hat_a, solve, iteration)
+        raise SimulationError(
+            f"the moving frame did not converge in {self.most} iterations at {t:.6g} s; take a "
+            "shorter step, or a larger penalty if a body has next to no inertia",
+            time=t,
+        )
+
+    def _factor(self, M: Array, place: Place, action: Action) -> Solve:
+        """Return the factors of ``W = M + h/2 D + h^2/4 (Cq^T alpha Cq + K)`` (S71)."""
+        machine, h = self.machine, self.h
+        own = M.copy()
+        n = machine.bodies.n
+        k = np.arange(12, 12 + n)
+        own[:, k, k] += 0.5 * h * machine.bodies.D + 0.25 * h * h * machine.bodies.K
+        terms = []
+        for where, K, D in action.slopes:
+            H = 0.25 * h * h * K + 0.5 * h * D
+            terms.append(
+                Term(where[0], where[1], H)
+                if isinstance(where, tuple)
+                else place.slopes.term(where, H)
+            )
+        return machine.layout.solver(own, place.Cq, self.weight, terms)
+
+    def _projected(
+        self,
+        old: Motion,
+        place: Place,
+        lam: Array,
+        hat_v: Array,
+        hat_a: Array,
+        solve: Solve,
+        iterations: int,
+    ) -> Motion:
+        """Return the motion with velocities and accelerations moved onto the constraints."""
+        machine, h, t = self.machine, self.h, old.t + self.h
+        v, a = 2.0 / h * place.q + hat_v, 4.0 / h**2 * place.q + hat_a
+        for _ in range(2):
+            gap = machine.velocity_gaps(place, v, t)
+            v = v - solve(place.Cq.pulled(self.weight * gap))
+        drift, bias = machine.drift(place, v, t)
+        for _ in range(2):
+            gap = place.Cq.times(a) + bias
+            a = a - solve(place.Cq.pulled(self.weight * gap))
+        _, action = machine.act(place, v, t, lam - old.lead)
+        none = np.zeros_like(lam)
+        motion = Motion(t, place, v, a, lam, none, action, drift, bias, iterations)
+        if not machine.pressed:
+            return motion
+        true = self.balanced(motion)
+        return replace(motion, lam=true.lam, lead=lam - true.lam, action=true.action)
+
+    def start(self, place: Place, v: Array, t: float) -> Motion:
+        """Return the motion with given positions and velocities, in balance."""
+        none = np.zeros(len(self.weight))
+        drift, bias = self.machine.drift(place, v, t)
+        _, action = self.machine.act(place, v, t, none)
+        return self.balanced(Motion(t, place, v, 0.0 * v, none, none, action, drift, bias))
+
+    def balanced(self, motion: Motion) -> Motion:
+        """Return the motion with the accelerations and multipliers of its equations.
+
+        ``M a + Cq^T (alpha C'' + lam) = Q``, lam growing by ``alpha C''`` until it vanishes: of
+        rows that repeat one another any share of the multiplier may be found.
+        """
+        machine, place, v, t, lam = self.machine, motion.place, motion.v, motion.t, motion.lam
+        self.weigh(place)
+        solve = self._solver(machine.mass(place), place)
+        bias = motion.bias
+        for _ in range(FRICTION if machine.rubs else 1):
+            Q, action = machine.act(place, v, t, lam)
+            before, last = lam, np.inf
+            for _ in range(MOST):
+                a = solve(Q - place.Cq.pulled(self.weight * bias + lam))
+                more = self.weight * (place.Cq.times(a) + bias)
+                lam = lam + more
+                left, last = last, float(np.abs(more).max())
+                least = AGREED * float(np.abs(lam).max())
+                if last <= least or last > 0.5 * left:  # nothing, or rounding that falls no more
+                    break
+            if float(np.abs(lam - before).max()) <= max(least, 2.0 * last):
+                break
+        return replace(motion, a=a, lam=lam, action=action)
+
+    def _solver(self, M: Array, place: Place) -> Solve:
+        return self.machine.layout.solver(M, place.Cq, self.weight, [])
+
+    def velocities(self, place: Place, v: Array, t: float) -> Array:
+        """Return velocities that the constraints allow, next to v in the metric of the masses.
+
+        Modes keep their rates as far as the frames alone can follow.
+        """
+        machine = self.machine
+        M = machine.mass(place)
+        wanted = v
+        for held in (True, False):
+            own = M.copy()
+            if held:
+                k = np.arange(12, machine.bodies.width)
+                own[:, k, k] *= 1e12
+            solve = self._solver(own, place)
+            lam = np.zeros(len(self.weight))
+            for _ in range(PROJECTIONS):
+                gap = machine.velocity_gaps(place, v, t)
+                v = v - solve(
+                    machine.times(own, v - wanted) + place.Cq.pulled(self.weight * gap + lam)
+                )
+                lam = lam + self.weight * machine.velocity_gaps(place, v, t)
+            gap = machine.velocity_gaps(place, v, t)
+            if float(np.abs(gap).max(initial=0.0)) <= 1e-9 * max(1.0, float(np.abs(v).max())):
+                return v
+        return v
+
+    def closed(self, q: Array, t: float, near: Array) -> Place:
+        """Return the position next to q where the constraints hold."""
+        machine = self.machine
+        place = machine.place(q, t, near)
+        for _ in range(self.most):
+            if float(np.abs(place.C / self.limit).max(initial=0.0)) < 1e-13:
+                break
+            solve = self._solver(machine.mass(place), place)
+            place = machine.place(place.q - solve(place.Cq.pulled(self.weight * place.C)), t, near)
+        return place

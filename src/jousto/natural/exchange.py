@@ -1,0 +1,133 @@
+"""The same mechanism with other parts in it: declared objects made anew with what they refer to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.declare import Declared
+from jousto.mechanism.bodies.body import FlexibleBody
+from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.mechanism import Mechanism
+from jousto.mechanism.signals.base import Constant, Input
+from jousto.reduction.frames.transfer import same_motion
+from jousto.reduction.reduced import ReducedPart
+from jousto.simulation.state import State
+
+
+class Exchange:
+    """Makes objects anew that refer to others for which there are new ones.
+
+    Parameters
+    ----------
+    new : mapping of int to object
+        What stands for an object, by the id of the old one.
+    hold : bool
+        Whether external inputs become constants of their initial values.
+    """
+
+    def __init__(self, new: Mapping[int, Any], *, hold: bool = False) -> None:
+        self.new, self.hold = dict(new), hold
+        self._kept: list[Any] = []  # what an id stands for must live
+
+    def __call__(self, old: Any) -> Any:
+        """Return the object that stands for one; the same where nothing of it is new."""
+        if id(old) not in self.new:
+            self._kept.append(old)
+            self.new[id(old)] = self._made(old)
+        return self.new[id(old)]
+
+    def _made(self, old: Any) -> Any:
+        if self.hold and isinstance(old, Input):
+            return Constant(old.initial)
+        if isinstance(old, tuple | list):
+            items = [self(item) for item in old]
+            same = all(a is b for a, b in zip(items, old, strict=True))
+            return old if same else type(old)(items)
+        if isinstance(old, Declared):
+            names = list(old.fields)
+        elif isinstance(old, Marker) or (is_dataclass(old) and _refers(old)):
+            names = [f.name for f in fields(old) if f.init]
+        else:
+            return old
+        values = {name: getattr(old, name) for name in names}
+        more = {name: self(value) for name, value in values.items()}
+        changed = {name: value for name, value in more.items() if value is not values[name]}
+        made: Any = old
+        return replace(made, **changed) if changed else old
+
+
+def _refers(old: Any) -> bool:
+    """Return whether an object is one of those that a mechanism is made of."""
+    return type(old).__module__.startswith("jousto.mechanism.")
+
+
+def held(mechanism: Mechanism) -> Mechanism:
+    """Return the mechanism with constants for its external inputs, their initial values."""
+    return _exchanged(mechanism, Exchange({}, hold=True))
+
+
+def exchanged(
+    mechanism: Mechanism, parts: Mapping[FlexibleBody, ReducedPart], **more: Any
+) -> Mechanism:
+    """Return the mechanism with other reduced parts in some of its bodies, which move alike.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    parts : mapping of FlexibleBody to ReducedPart
+        The same part by other modes that can make the motion of the old ones.
+    **more
+        What else is other of these bodies.
+    """
+    new = {}
+    for body, part in parts.items():
+        q, v = same_motion(body.reduced, part, *_declared(body))
+        new[id(body)] = replace(
+            body,
+            reduced=part,
+            position=q[:3],
+            orientation=q[3:7],
+            modal_coordinates=q[7:],
+            velocity=v[:3],
+            angular_velocity=v[3:6],
+            modal_velocities=v[6:],
+            **more,
+        )
+    return _exchanged(mechanism, Exchange(new))
+
+
+def _declared(body: FlexibleBody) -> tuple[Array, Array]:
+    q = np.concatenate([body.position, body.orientation, body.modal_coordinates])
+    v = np.concatenate([body.velocity, body.angular_velocity, body.modal_velocities])
+    return q, v
+
+
+def _exchanged(mechanism: Mechanism, change: Exchange) -> Mechanism:
+    items = [change(item) for item in mechanism.items]
+    if all(a is b for a, b in zip(items, mechanism.items, strict=True)):
+        return mechanism
+    return Mechanism(*items, name=mechanism.name)
+
+
+def moved(state: State, old: Mechanism, new: Mechanism) -> State:
+    """Return a state of a mechanism as one of the mechanism with other parts.
+
+    It remembers nothing of the way: friction decides anew, angles count from within half a turn.
+    """
+    qs, vs = [], []
+    iq = iv = 0
+    for before, after in zip(old.bodies, new.bodies, strict=True):
+        n = len(before.modal_coordinates)
+        q, v = state.q[iq : iq + 7 + n], state.v[iv : iv + 6 + n]
+        iq, iv = iq + 7 + n, iv + 6 + n
+        if isinstance(before, FlexibleBody) and isinstance(after, FlexibleBody):
+            if before.reduced is not after.reduced:
+                q, v = same_motion(before.reduced, after.reduced, q, v)
+        qs.append(q)
+        vs.append(v)
+    return State(np.concatenate(qs), np.concatenate(vs), state.lam, state.time, inputs=state.inputs)

@@ -1,0 +1,79 @@
+"""Single instants: what sensors read at a state by the equations in natural coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.mechanism.mechanism import Mechanism
+from jousto.mechanism.sensors.base import Sensor
+from jousto.natural.equations.machine import Machine
+from jousto.natural.equations.sensors import Reader
+from jousto.natural.equations.start import angles, given
+from jousto.natural.equations.step import PENALTY, Stepper
+from jousto.simulation.state import State
+
+
+@dataclass(frozen=True, eq=False)
+class Instants:
+    """What a machine does at given states.
+
+    Attributes
+    ----------
+    readings : dict of str to array (nt, k)
+        Values of every sensor.
+    names : tuple of str
+        What each constraint belongs to.
+    gaps, rates : arrays (m,)
+        Largest value of each constraint in any state, m or 1, and of its rate.
+    """
+
+    readings: dict[str, Array]
+    names: tuple[str, ...]
+    gaps: Array
+    rates: Array
+
+    def open_joints(self, most: float) -> tuple[str, ...]:
+        """Return the names of joints and drives that states leave open, m or 1."""
+        found = (name for name, gap in zip(self.names, self.gaps, strict=True) if gap > most)
+        return tuple(dict.fromkeys(found))
+
+
+def at_states(
+    mechanism: Mechanism, states: Iterable[State], sensors: tuple[Sensor, ...], every: int = 1
+) -> Instants:
+    """Return what sensors read at every `every`-th of consecutive states.
+
+    Accelerations and multipliers follow from ``M q'' + Cq^T lam = Q`` and ``C'' = 0`` in natural
+    coordinates: without a step of time, so that a second formulation with the same equations
+    gives the same numbers but for rounding. Work done since the start is not known: zero.
+    """
+    machine = Machine(mechanism)
+    reader = Reader(machine, sensors)
+    machine.close()
+    near, last = angles(machine), 0.0
+    rate: Array | None = None
+    stepper: Stepper | None = None
+    found: list[list[Array]] = []
+    gaps = rates = np.zeros(len(machine.rows.offset))
+    for k, state in enumerate(states):
+        q, v = given(machine, state)
+        place = machine.place(q, state.time, near)
+        before, rate = rate, place.slopes.times(v)
+        if before is not None:  # angles may grow by turns from one state to the next
+            near = near + 0.5 * (state.time - last) * (before + rate)
+            place = machine.place(q, state.time, near)
+        near, last = place.s, state.time
+        if k % every:
+            continue
+        if stepper is None:
+            stepper = Stepper(machine, 1.0, place, penalty=PENALTY)
+        motion = stepper.start(place, v, state.time)
+        gaps = np.maximum(gaps, np.abs(place.C))
+        rates = np.maximum(rates, np.abs(machine.velocity_gaps(place, v, state.time)))
+        found.append(reader.read(motion, machine.energies(motion)))
+    readings = {s.name: np.stack([row[i] for row in found]) for i, s in enumerate(sensors)}
+    return Instants(readings, tuple(machine.rows.names), gaps, rates)

@@ -1,0 +1,247 @@
+"""verify: run a mechanism by the engine and by the moving frame, and compare all that they read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arguments import explained
+from jousto.base.arrays import Array
+from jousto.base.errors import InputError, Problems
+from jousto.base.numbers import number
+from jousto.mechanism.mechanism import Mechanism
+from jousto.mechanism.sensors.base import Sensor
+from jousto.model.compile import compile
+from jousto.model.model import Model
+from jousto.model.native.native import Engine
+from jousto.model.packing.foreign import without_fmus
+from jousto.model.packing.measure import NOT_UNIQUE
+from jousto.natural.equations.known import check_known, is_read
+from jousto.natural.exchange import held
+from jousto.natural.instants import at_states
+from jousto.natural.measured import largest_of, measured, typical_sizes
+from jousto.natural.moving_frame import moving_frame
+from jousto.natural.run import NaturalRun
+from jousto.natural.verification import Compared, Verification, sizes
+from jousto.natural.ways import FOLLOWING, Course, by_other_method, others
+from jousto.simulation.results.frames import component_units
+from jousto.simulation.results.solution import Solution
+from jousto.simulation.running.simulate import simulate
+from jousto.simulation.solvers.choice import choose
+from jousto.simulation.solvers.explicit import Solver
+from jousto.simulation.state import State, put
+
+OUTPUTS, EVERY = 200, 10
+OPEN = 1e-8  # of the size of the mechanism: joints that are not closed
+DONE = ("dissipated", "friction", "work")
+
+
+@explained
+def verify(
+    mechanism: Mechanism,
+    t_end: float,
+    *,
+    step: float = 1e-3,
+    solver: Solver | None = None,
+    begin: Callable[[Model], State | None] | None = None,
+    beside: Mapping[str, Mechanism] | None = None,
+) -> Verification:
+    """Compare the engine with a second formulation of the same mechanism, the moving frame.
+
+    At 21 states of the run both formulations give the accelerations, reactions and readings that
+    belong to the same positions and velocities: they have to be equal but for rounding. Besides,
+    both run on their own with the step and with half of it, and their differences have to vanish
+    with the order of the methods. The engine runs by another method too, and flexible bodies in
+    another frame and, if their mesh is small, with twice the modes. What the moving frame does not
+    know leaves the methods of the engine, and the energy balance, to judge. Compared are all
+    sensors and, besides, the accelerations of all bodies, the reactions of all joints and drives,
+    all forces and the energies.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What is verified.
+    t_end : float
+        End of the runs, s.
+    step : float
+        Longer step of the moving frame and, without `solver`, of the engine, s.
+    solver : RK4, ROS2, GeneralizedAlpha, Newmark or DormandPrince, optional
+        Method of the engine and its longer step; None is what `simulate` would choose, with
+        `step` if that is shorter.
+    begin : callable, optional
+        Returns the state of the compiled model where both start, such as `equilibrium` or
+        `settled`; None for the one that the bodies declare.
+    beside : mapping of str to Mechanism, optional
+        The same machine made otherwise, such as with a finer mesh, by what is other: its sensors
+        are compared with those of the same name.
+
+    Returns
+    -------
+    Verification
+        A table of differences with their orders, energy, constraints, and a verdict: print it.
+
+    Raises
+    ------
+    InputError
+        If numbers make no sense, or the mechanism cannot be compiled.
+    RunFailed, SimulationError
+        If a run does not reach its end.
+
+    Examples
+    --------
+    >>> import jousto as jo
+    >>> ball = jo.RigidBody("ball", 1.0, (1, 1, 1), position=(1, 0, 0))
+    >>> rod = jo.Rod("rod", jo.ground["origin"], ball["origin"])
+    >>> found = verify(jo.Mechanism(ball, rod, jo.Gravity((0, -9.81, 0))), 0.1, step=2e-3)
+    >>> found.agrees
+    True
+    """
+    problems = Problems()
+    for name, value in {"t_end": t_end, "step": step}.items():
+        given = number(problems, "verify", name, value)
+        if given is not None and given <= 0.0:
+            problems.add("verify", f"{name} is {given:g} s, must be positive")
+    given_begin: object = begin
+    if given_begin is not None and not callable(given_begin):
+        problems.add("verify", f"begin is {begin!r}, must be a function such as jo.equilibrium")
+    given_beside: object = beside
+    if given_beside is not None and not (
+        isinstance(given_beside, Mapping)
+        and all(isinstance(other, Mechanism) for other in given_beside.values())
+    ):
+        problems.add("verify", "beside must be mechanisms by names, {'finer mesh': mechanism}")
+    problems.raise_if_any()
+    without_fmus(mechanism, "verify", "has no second formulation")
+    mechanism = held(mechanism)
+    unknown = not_known(mechanism)
+    left_out = tuple(s.name for s in mechanism.sensors if not is_read(s)) if not unknown else ()
+    whole = measured(mechanism, every=bool(unknown))
+    model = compile(whole)
+    state = None if begin is None else begin(model)
+    each = max(1, int(np.ceil(t_end / step / OUTPUTS * (1 - 1e-9))))
+    outputs = max(1, round(t_end / step / each))
+    every = max(1, outputs * EVERY // OUTPUTS)
+    output = t_end / outputs
+    step = output / each
+    if solver is None:
+        solver, _ = choose(model, t_end, output)
+        solver = at_step(solver, min(solver.step, step))
+    if (
+        not solver.adaptive
+    ):  # steps of which whole numbers fit between outputs, also of half of them
+        solver = at_step(solver, output / np.ceil(output / solver.step * (1 - 1e-9)))
+    runs = [
+        simulate(
+            model, t_end, solver=at_step(solver, solver.step / k), output_step=output, state=state
+        )
+        for k in (1, 2)
+    ]
+    begun = runs[0].state(0.0)
+    typical = typical_sizes(whole, t_end, largest_of(runs[1]))
+    course = Course(whole, runs, solver, t_end, output, begin, typical)
+    ways = (by_other_method(course, model), *others(course, beside or {}))
+    kept = Verification(
+        name=mechanism.name,
+        rows=ways[0].rows,
+        instants=len(runs[1].time[::every]),
+        step=float(step),
+        open_joints=(),
+        energy=(runs[0].energy.relative_error, runs[1].energy.relative_error, np.nan, np.nan),
+        residual=np.nan,
+        iterations=np.nan,
+        left_out=left_out,
+        ways=ways,
+        unknown=unknown,
+    )
+    if unknown:
+        return kept
+    frames = [
+        moving_frame(whole, t_end, step=step / k, output_step=output, state=begun) for k in (1, 2)
+    ]
+    states = (runs[1].state(float(t)) for t in runs[1].time)
+    found = at_states(whole, states, whole.sensors, every)
+    engine = by_engine(model, runs[1], every)
+    rows = tuple(
+        compared(s, runs, frames, (engine[s.name], found.readings[s.name]), every, typical)
+        for s in whole.sensors
+    )
+    return replace(
+        kept,
+        rows=rows,
+        open_joints=found.open_joints(OPEN * max(1.0, mechanism.size)),
+        energy=(
+            *kept.energy[:2],
+            frames[0].energy.relative_error,
+            frames[1].energy.relative_error,
+        ),
+        residual=float(frames[1].position_residual.max()),
+        iterations=float(np.mean(frames[0].iterations[1:])),
+    )
+
+
+def not_known(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return what the moving frame does not know of a mechanism, a sentence each."""
+    try:
+        check_known(mechanism, sensors=False)
+    except InputError as error:
+        return tuple(f"{problem.where}: {problem.message}" for problem in error.problems)
+    return ()
+
+
+def at_step(solver: Any, step: float) -> Any:
+    """Return a method with another step; adaptive ones keep theirs."""
+    return solver if solver.adaptive else replace(solver, step=step)
+
+
+def by_engine(model: Model, run: Solution, every: int) -> dict[str, Array]:
+    """Return what sensors read by the equations of the engine at every `every`-th state of a run.
+
+    Implicit methods keep accelerations of their own in a run, which hold the constraints on
+    velocities and miss these equations by the error of a step.
+    """
+    engine = Engine(model)
+    rows = []
+    for t in run.time[::every]:
+        put(engine, run.state(float(t)), "verify")
+        engine.row()
+        rows.append(np.array(engine.sensors()))
+    values = np.stack(rows)
+    return {s.name: values[:, s.offset : s.offset + s.count] for s in model.sensors}
+
+
+def compared(
+    sensor: Sensor,
+    runs: list[Solution],
+    frames: list[NaturalRun],
+    found: tuple[Array, Array],
+    every: int,
+    typical: dict[str, float],
+) -> Compared:
+    """Return how a reading differs: in the runs, and found by both at the same states."""
+    name = sensor.name
+    values = runs[1][name]
+    about = runs[1].about(name)
+    units = list(component_units(about))
+    size = sizes(values, units, typical)
+
+    def off(a: Array, b: Array) -> Array:
+        return np.asarray(np.abs(a - b).max(axis=1, initial=0.0, where=np.isfinite(a - b)))
+
+    apart = off(found[0] / size, found[1] / size)
+    worst = int(np.argmax(apart))
+    reading = sensor.reading
+    unknown = reading.kind == "energy" and reading.of in DONE
+    return Compared(
+        name=name,
+        size=float(np.abs(values).max(initial=0.0)),
+        unit=str(about["unit"]),
+        at_instants=np.nan if unknown else float(apart[worst]),
+        coarse=float(off(frames[0][name] / size, runs[0][name] / size).max()),
+        fine=float(off(frames[1][name] / size, values / size).max()),
+        unique=not about["description"].endswith(NOT_UNIQUE),
+        direct=reading.kind not in FOLLOWING,
+        worst=float(runs[1].time[::every][worst]),
+    )

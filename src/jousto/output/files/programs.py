@@ -1,0 +1,54 @@
+"""Compiled models as programs and units of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from jousto.model.model import Model
+    from jousto.simulation.solvers.explicit import Solver
+    from jousto.simulation.state import State
+
+
+def write_program(
+    model: Model,
+    path: str | Path,
+    *,
+    solver: Solver | None = None,
+    state: State | None = None,
+    name: str = "",
+) -> Path:
+    """Write a compiled model as C99, see `jousto.export.project.write_program`."""
+    from jousto.export.project import write_program as write
+
+    return write(model, path, solver, state=state, name=name)
+
+
+def write_fmu(
+    model: Model,
+    path: str | Path,
+    *,
+    solver: Solver | None = None,
+    state: State | None = None,
+    name: str = "",
+    version: int = 3,
+    on: Iterable[str] = ("here",),
+    stop: float = 1.0,
+    documents: dict[str, bytes] | None = None,
+) -> Path:
+    """Write a functional mock-up unit, see `jousto.export.fmu.write_fmu`."""
+    from jousto.export.fmu import write_fmu as write
+
+    return write(
+        model,
+        path,
+        solver,
+        state=state,
+        name=name,
+        version=version,
+        on=on,
+        stop=stop,
+        documents=documents,
+    )

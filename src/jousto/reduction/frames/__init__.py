@@ -1,0 +1,1 @@
+"""Reference conditions: how the frame of a flexible body follows it."""

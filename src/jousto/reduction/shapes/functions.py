@@ -1,0 +1,160 @@
+"""Families of shape functions: what all have in common, and the user's own."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.declare import Declared
+from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.fields import Field
+
+if TYPE_CHECKING:
+    from jousto.parts.part import Part
+
+Form = Callable[[Array], Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """Displacements of the nodes in some functions.
+
+    Parameters
+    ----------
+    names : tuple of str
+        What messages call each.
+    values : (nn, d, m) array
+        Translations, and rotations where d = 6. Any unit: only their shape counts.
+    turned : bool
+        Whether rotations are given; if not, those of least strain energy are taken.
+    """
+
+    names: tuple[str, ...]
+    values: Array
+    turned: bool = True
+
+
+class Family(Declared, section="shape functions", by_value=True):
+    """Functions of a kind, declared by what makes them.
+
+    Subclasses say their displacements in `columns`.
+    """
+
+    whole: ClassVar[bool] = False
+    """Whether rigid motions are among them by nature, so that some fall away without these."""
+
+    if TYPE_CHECKING:
+
+        def columns(self, part: Part) -> Columns: ...  # noqa: D102
+
+
+class Given:
+    """A user's function of position, or displacements by nodes, as part of a method.
+
+    Parameters
+    ----------
+    given : callable or (nn, 3), (nn, 6), (ndof,) or (ndof, m) array
+        A callable gets all positions (nn, 3), m, and returns (nn, 3) or (nn, 6).
+    """
+
+    whole: ClassVar[bool] = False
+
+    def __init__(self, given: Form | Array) -> None:
+        self.given = given
+        if callable(given):
+            self.name = str(getattr(given, "__name__", type(given).__name__))
+        else:
+            text = f"{given.shape}".encode() + np.ascontiguousarray(given).tobytes()
+            self.name = f"columns {hashlib.sha256(text).hexdigest()[:16]}"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Given):
+            return False
+        return self.given is other.given or (
+            not callable(self.given) and not callable(other.given) and self.name == other.name
+        )
+
+    def __hash__(self) -> int:
+        return hash(self.name)
+
+    def __repr__(self) -> str:
+        return f"<{self.name}>"
+
+    def columns(self, part: Part) -> Columns:
+        """Return what the function is at the nodes of a part."""
+        if callable(self.given):
+            return self._called(part)
+        nn, d = len(part.nodes), part.dofs_per_node
+        if len(self.given) != nn * d:
+            message = (
+                f"shape functions by columns have {len(self.given)} rows, the part has {nn * d} "
+                "degrees of freedom"
+            )
+            raise InputError(Problem(f"part '{part.name}'", message))
+        values = self.given.reshape(nn, d, -1)
+        names = tuple(f"column {j + 1}" for j in range(values.shape[2]))
+        return Columns(names, values)
+
+    def _called(self, part: Part) -> Columns:
+        where, nn, d = f"part '{part.name}'", len(part.nodes), part.dofs_per_node
+        assert callable(self.given)
+        try:
+            found = np.asarray(self.given(part.nodes.copy()), dtype=np.float64)
+        except Exception as error:
+            kind = type(error).__name__
+            message = f"shape function '{self.name}' failed at the nodes: {kind}: {error}"
+            raise InputError(Problem(where, message)) from error
+        shapes = [(nn, 3), (nn, 6)][: 1 + (d == 6)]
+        if found.shape not in shapes:
+            wanted = " or ".join(map(str, shapes))
+            message = (
+                f"shape function '{self.name}' returns an array {found.shape} for the {nn} nodes, "
+                f"must be {wanted}: translations of every node"
+                + (", and if they are known its rotations" if d == 6 else "")
+            )
+            raise InputError(Problem(where, message))
+        values = np.zeros((nn, d, 1))
+        values[:, : found.shape[1], 0] = found
+        return Columns((f"'{self.name}'",), values, turned=found.shape[1] == d)
+
+
+class Functions(Field[Any, "tuple[Any, ...]"]):
+    """Families of shape functions, functions of position and columns, or a single one."""
+
+    form = "shape functions"
+    noun = "sequence of BeamFunctions, Polynomials, Splines, callables and (ndof, m) arrays"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return them as a tuple."""
+        return read_functions(where, value, problems)
+
+
+def read_functions(where: str, given: Any, problems: Problems) -> tuple[Any, ...]:
+    """Return the functions of a method, or note what is wrong with them."""
+    items = given if isinstance(given, list | tuple) else (given,)
+    found: list[Any] = []
+    for item in items:
+        if isinstance(item, Family | Given):
+            found.append(item)
+        elif isinstance(item, np.ndarray):
+            columns = problems.array(
+                where, "columns of shape functions", item, (None,) * min(max(item.ndim, 1), 2)
+            )
+            if columns is not None:
+                found.append(Given(columns))
+        elif callable(item) and not isinstance(item, type):
+            found.append(Given(item))
+        else:
+            problems.add(
+                where,
+                f"function {item!r} is none: give BeamFunctions(...), Polynomials(...), "
+                "Splines(...), a function of the positions (nn, 3), or columns (ndof, m)",
+            )
+    if not items:
+        problems.add(where, "functions is empty, must be one or more")
+    return tuple(found)

@@ -1,0 +1,82 @@
+"""Polynomials in the coordinates of a part."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from jousto.base.errors import Problems
+from jousto.base.fields import Choice, field
+from jousto.base.numbers import OptionalWhole, Whole
+from jousto.reduction.shapes.functions import Columns, Family
+
+if TYPE_CHECKING:
+    from jousto.parts.part import Part
+
+FLAT = 1e-9
+"""Extent over the largest one below which a part has none along an axis."""
+
+MOTIONS = ("x", "y", "z", "turn x", "turn y", "turn z")
+
+
+class Polynomials(Family, tag="polynomials"):
+    """All polynomials in the coordinates up to an order, in every direction of motion.
+
+    They are products of Legendre polynomials over the extent of the part, so that high orders
+    stay independent in floating point. Nodes of beams have turns of their own, up to the same
+    order. Rigid motions are among them and go to the frame.
+
+    Raises
+    ------
+    InputError
+        An order below 2 or above 20, or an axis without a limit across it.
+
+    Examples
+    --------
+    >>> Polynomials(5, along="x", across=2)
+    Polynomials(order=5, along='x', across=2)
+    """
+
+    whole: ClassVar[bool] = True
+    order: Whole = field("Highest sum of the exponents", least=2, most=20)
+    along: Choice = field(
+        "Axis of a slender part: the exponents of the other coordinates have a limit of their own",
+        words=("all", "x", "y", "z"),
+        default="all",
+    )
+    across: OptionalWhole = field(
+        "This limit: the highest sum of these exponents; 2 lets sections warp and narrow",
+        least=0,
+        default=None,
+    )
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note a limit without an axis, or an axis without one."""
+        if (self.across is None) != (self.along == "all"):
+            problems.add(
+                where, 'along and across go together: give both, as in along="x", across=2'
+            )
+
+    def columns(self, part: Part) -> Columns:
+        """Return the functions at the nodes of a part."""
+        extent = np.ptp(part.nodes, axis=0)
+        middle = 0.5 * (part.nodes.max(axis=0) + part.nodes.min(axis=0))
+        axes = [a for a in range(3) if extent[a] > FLAT * extent.max()]
+        s = {a: 2.0 * (part.nodes[:, a] - middle[a]) / extent[a] for a in axes}
+        most = self.order if self.across is None else self.across
+        d, names, found = part.dofs_per_node, [], []
+        for powers in sorted(product(range(self.order + 1), repeat=len(axes)), key=sum):
+            beside = sum(k for a, k in zip(axes, powers, strict=True) if "xyz"[a] != self.along)
+            if sum(powers) > self.order or beside > most:
+                continue
+            value = np.ones(len(part.nodes))
+            for a, k in zip(axes, powers, strict=True):
+                value = value * legendre.Legendre.basis(k)(s[a])
+            text = " ".join(f"{'xyz'[a]}^{k}" for a, k in zip(axes, powers, strict=True) if k)
+            for j in range(d):
+                names.append(f"{text or '1'} in {MOTIONS[j]}")
+                found.append(value[:, None] * np.eye(d)[j])
+        return Columns(tuple(names), np.stack(found, axis=2))

@@ -1,0 +1,41 @@
+"""Damage over the bodies of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from jousto.base.errors import InputError, Problem, suggest
+from jousto.fatigue.miner.damage_field import DamageField
+from jousto.scene.scene import Body
+
+
+def damaged(bodies: Sequence[Body], fields: Sequence[DamageField]) -> tuple[Body, ...]:
+    """Return the bodies with damage at their vertices; nan where none was worked out.
+
+    A vertex has the largest damage of the places at its node.
+
+    Raises
+    ------
+    InputError
+        If a field is of a body that there is not, or knows no nodes.
+    """
+    found = {body.name: body for body in bodies}
+    for one in fields:
+        if one.body not in found:
+            message = f"there is no body '{one.body}'{suggest(one.body, found)}"
+            raise InputError(Problem("damage", message))
+        body = found[one.body]
+        if one.nodes is None or body.nodes is None:
+            raise InputError(
+                Problem("damage", f"of '{one.body}' is at places that are no nodes of the body")
+            )
+        at = np.full(int(max(body.nodes.max(), one.nodes.max() + 1)), np.nan)
+        there = one.nodes >= 0
+        at_nodes = np.full(len(at), -np.inf)
+        np.maximum.at(at_nodes, one.nodes[there], one.damage[there])
+        at[np.isfinite(at_nodes)] = at_nodes[np.isfinite(at_nodes)]
+        found[one.body] = replace(body, damage=at[body.nodes - 1])
+    return tuple(found[body.name] for body in bodies)

@@ -1,0 +1,208 @@
+"""Where the vertices and points of a scene are at some rows, and the stress there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from jousto.base.arrays import Array, Index
+from jousto.recovery.beams.strains import exponential, logarithm
+from jousto.recovery.shape import bracket, rotation_matrices
+from jousto.scene.scene import Body, Rings, Scene, Side
+
+BLOCK = 64 << 20  # bytes of rows that are read at once
+
+
+def rows_at(scene: Scene, times: ArrayLike) -> Array:
+    """Return the rows (nt, nr) of a run at instants, linear between the stored ones.
+
+    Of the two signs of Euler parameters that are the same rotation the nearer one counts.
+
+    Raises
+    ------
+    InputError
+        If an instant is outside the run.
+    """
+    assert scene.motion is not None and scene.run is not None
+    before, after, share = bracket(scene.run, times)
+    needed = np.unique([before, after])
+    found = np.empty((len(needed), len(scene.still)))
+    step = max(1, BLOCK // (8 * max(len(scene.still), 1)))
+    first = 0
+    while first < len(needed):
+        last = int(np.searchsorted(needed, needed[first] + step))
+        low, high = int(needed[first]), int(needed[last - 1]) + 1
+        found[first:last] = scene.motion.rows(slice(low, high))[needed[first:last] - low]
+        first = last
+    a, b = found[np.searchsorted(needed, before)], found[np.searchsorted(needed, after)]
+    e = turned(scene.bodies)[:, None] + np.arange(4)
+    b[:, e] *= np.where((a[:, e] * b[:, e]).sum(axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
+    return np.asarray((1.0 - share[:, None]) * a + share[:, None] * b)
+
+
+def turned(bodies: Sequence[Body]) -> Index:
+    """Return the first columns of all Euler parameters in a row."""
+    places = [np.array([body.place]) for body in bodies if body.place >= 0]
+    places += [body.rings.places for body in bodies if body.rings is not None]
+    return np.unique(np.concatenate([np.zeros(0, dtype=np.intp), *places])).astype(np.intp) + 3
+
+
+def vertices(body: Body, rows: Array, *, scale: float = 1.0) -> Array:
+    """Return where the vertices of a body are, (k, nv, 3) in the world, m.
+
+    Parameters
+    ----------
+    body : Body
+    rows : (k, nr) array
+    scale : float
+        Factor on the deformation in the frame of the body; exact beams are as they are.
+    """
+    if body.rings is not None:
+        r, Q = _swept(body.rings, rows)
+        v = body.rings.vertex_ring
+        return np.asarray(r[:, v] + np.einsum("tvij,vj->tvi", Q[:, v, :, 1:], body.rings.yz))
+    return moved(body.place, body.positions, body.shapes, rows, scale)
+
+
+def points(side: Side, rows: Array, *, scale: float = 1.0) -> Array:
+    """Return where a point is, (k, 3) in the world, m; see `vertices`."""
+    phi = None if side.phi is None else np.asarray(side.phi).T[:, None]
+    return moved(side.place, side.u[None], phi, rows, scale)[:, 0]
+
+
+def moved(place: int, x: Array, shapes: Array | None, rows: Array, scale: float = 1.0) -> Array:
+    """Return ``R + A(e) (x + scale phi p)`` (k, nv, 3) of points x (nv, 3), m."""
+    u = np.broadcast_to(x, (len(rows), *x.shape))
+    if place < 0:
+        return u
+    at = rows[:, place:]
+    if shapes is not None and len(shapes):
+        n = len(shapes)
+        u = u + scale * (at[:, 7 : 7 + n] @ shapes.reshape(n, -1)).reshape(u.shape)
+    A = rotation_matrices(at[:, 3:7])
+    return np.asarray(at[:, None, :3] + u @ np.swapaxes(A, 1, 2))
+
+
+def section_axes(rings: Rings, rows: Array) -> Array:
+    """Return the axes of the section at the vertices of a beam, world, as columns (k, nv, 3, 3)."""
+    return np.asarray(_swept(rings, rows)[1][:, rings.vertex_ring])
+
+
+def _swept(rings: Rings, rows: Array) -> tuple[Array, Array]:
+    """Return the axis (k, nring, 3), m, and the axes of the section there."""
+    node = rows[:, rings.places[:, None] + np.arange(7)]
+    R, A = node[..., :3], rotation_matrices(node[..., 3:])
+    own = rotation_matrices(rings.ends[..., 3:])
+    e, b = rings.element, rings.share[:, None]
+    ends = []
+    for side, at in ((0, e), (1, e + 1)):
+        arm = np.einsum("tnij,nj->tni", A[:, at], rings.ends[e, side, :3])
+        ends.append((R[:, at] + arm, A[:, at] @ own[e, side]))
+    (ra, Qa), (rb, Qb) = ends
+    Q = Qa @ exponential(b * logarithm(np.swapaxes(Qa, -1, -2) @ Qb))
+    size, a = np.linalg.norm(rb - ra, axis=-1, keepdims=True), 1.0 - b
+    r = a * a * (1 + 2 * b) * ra + b * b * (1 + 2 * a) * rb
+    return r + size * (a * a * b * Qa[..., 0] - a * b * b * Qb[..., 0]), Q
+
+
+def stresses(body: Body, rows: Array) -> Array | None:
+    """Return the stress (k, nv, 6) of the vertices, nan where unknown, Pa; None if it has none.
+
+    ``sigma = static + sum_j Sigma_j p_j``; of exact beams the rows of the section times the
+    resultants, which are linear along an element.
+    """
+    if body.rings is not None:
+        found = _ring_stress(body.rings, rows)
+    else:
+        found = None if body.static is None else np.tile(body.static, (len(rows), 1, 1))
+        if body.stress is not None and body.place >= 0:
+            n, nv = body.stress.shape[:2]
+            p = rows[:, body.place + 7 : body.place + 7 + n]
+            own = (p @ body.stress.reshape(n, -1)).reshape(-1, nv, 6)
+            found = own if found is None else found + own
+    if found is not None and body.known is not None:
+        found[:, ~body.known] = np.nan
+    return found
+
+
+def _ring_stress(rings: Rings, rows: Array) -> Array | None:
+    if rings.forces < 0:
+        return None
+    count = 12 * (len(rings.places) - 1)
+    ends = rows[:, rings.forces : rings.forces + count].reshape(len(rows), -1, 2, 6)
+    ends, b = ends[:, rings.element], rings.share[:, None]
+    p = ((1.0 - b) * ends[:, :, 0] + b * ends[:, :, 1])[:, rings.vertex_ring]
+    return np.asarray(np.einsum("vcj,tvj->tvc", rings.rows[rings.corner], p))
+
+
+def picked(body: Body, which: Index) -> Body:
+    """Return a body with some of its vertices, without triangles, lines and edges."""
+
+    def some(values: Array | None) -> Array | None:
+        return None if values is None else values[which]
+
+    def of_modes(values: Array | None) -> Array | None:
+        return None if values is None else values[:, which]
+
+    rings = body.rings
+    if rings is not None:
+        rings = replace(
+            rings,
+            vertex_ring=rings.vertex_ring[which],
+            yz=rings.yz[which],
+            corner=rings.corner[which],
+        )
+    return replace(
+        body,
+        positions=body.positions[which],
+        triangles=None,
+        lines=None,
+        edges=None,
+        shapes=of_modes(body.shapes),
+        stress=of_modes(body.stress),
+        static=some(body.static),
+        known=None if body.known is None else body.known[which],
+        nodes=None if body.nodes is None else body.nodes[which],
+        damage=some(body.damage),
+        section=None if body.section is None else body.section[which],
+        rings=rings,
+    )
+
+
+def thickened(body: Body, least: float) -> Body:
+    """Return a beam or frame whose sections are at least that thick, m, so that they are seen."""
+    rings = body.rings
+    if rings is not None:
+        yz = rings.yz * _factor(rings.yz, rings.vertex_ring, least)[:, None]
+        return replace(body, rings=replace(rings, yz=yz))
+    if body.section is None:
+        return body
+    at = body.section
+    centre = _means(body.positions, at)
+    factor = _factor(body.positions - centre, at, least)[:, None]
+    shapes = body.shapes
+    if shapes is not None:
+        # displacement is linear over a section
+        middle = np.stack([_means(shape, at) for shape in shapes]) if len(shapes) else shapes
+        shapes = middle + factor * (shapes - middle)
+    return replace(body, positions=centre + factor * (body.positions - centre), shapes=shapes)
+
+
+def _means(x: Array, group: Index) -> Array:
+    """Return for each row of x (nv, 3) the mean over its group."""
+    count = np.maximum(np.bincount(group), 1)
+    means = np.stack([np.bincount(group, column) / count for column in x.T], axis=1)
+    return np.asarray(means[group])
+
+
+def _factor(x: Array, group: Index, least: float) -> Array:
+    """Return the factor (nv,) that makes the extent of each group at least that large."""
+    low = np.full((int(group.max()) + 1, x.shape[1]), np.inf)
+    high = -low
+    np.minimum.at(low, group, x)
+    np.maximum.at(high, group, x)
+    extent = (high - low).max(axis=1)[group]
+    return np.asarray(np.maximum(1.0, least / np.maximum(extent, 1e-300)))

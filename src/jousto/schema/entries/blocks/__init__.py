@@ -1,0 +1,1 @@
+"""Entries of the blocks of a model file beside its mechanism."""

@@ -1,0 +1,21 @@
+"""Keys of what the reliability of limits needs to know."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from jousto.schema.entries.base import Entry, Number, Text
+
+
+class CorrelationEntry(Entry):
+    """How two parameters go together."""
+
+    of: tuple[Text, Text] = Field(description="Names of the two parameters")
+    value: Number = Field(description="Their correlation, between -1 and 1")
+
+
+class ReliabilityEntry(Entry):
+    """What the reliability of the limits needs to know."""
+
+    target: Number | None = Field(None, description="Reliability index that limits shall have")
+    correlations: tuple[CorrelationEntry, ...] | None = None

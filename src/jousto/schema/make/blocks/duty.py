@@ -1,0 +1,49 @@
+"""The file of a duty cycle, ``jousto fatigue --duty``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from jousto.base.declare import Declared
+from jousto.base.fields import AnyField, Choice, Items, OptionalText, field
+from jousto.base.numbers import Number
+from jousto.schema.entries.declared import entry_of
+from jousto.schema.file.document import read_document
+from jousto.schema.make.blocks.fatigue import built
+from jousto.schema.make.declared import build_declared
+
+
+class DutyLine(Declared):
+    """A result and how often it happens."""
+
+    result: AnyField = field("Results file, relative to this one", form="file")
+    repeats: Number = field("How often it happens", default=1.0)
+    name: OptionalText = field("For tables; that of the file if not given", default=None)
+
+
+class Duty(Declared):
+    """A duty cycle as a file says it."""
+
+    lines: Items[DutyLine] = field("The results, one after the other", key="events")
+    transitions: Choice = field(
+        "What happens between them", words=("separate", "sequence", "worst"), default=None
+    )
+
+    @property
+    def events(self) -> tuple[tuple[Path, float, str], ...]:
+        """Results file, repeats and name of each."""
+        return tuple((e.result, e.repeats, e.name or e.result.stem) for e in self.lines)
+
+
+def read_duty(path: str | Path) -> Duty:
+    """Read the YAML file of a duty cycle.
+
+    Raises
+    ------
+    InputError
+        What is wrong with it, with lines.
+    """
+    form: Any = entry_of(Duty)
+    found: Duty = built(read_document(path), form, lambda b, entry: build_declared(b, (), entry))
+    return found

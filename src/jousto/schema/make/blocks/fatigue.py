@@ -1,0 +1,181 @@
+"""What model files say about fatigue: S-N curves by name, and what is to be checked where."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from jousto.base.errors import suggest
+from jousto.fatigue.miner.check import FatigueCheck
+from jousto.materials.strength.sn import SN
+from jousto.schema.entries.blocks.fatigue import FatigueEntry
+from jousto.schema.entries.curves import CurveForm
+from jousto.schema.file.document import Document, Loc, parse_document, read_document
+from jousto.schema.file.explain import explain, finish
+from jousto.schema.make.builder import Builder
+from jousto.schema.make.curves import build_curve
+from jousto.schema.make.declared import Place, build_declared
+from jousto.schema.make.sense import FORMS as OF_SENSORS
+
+
+@dataclass(frozen=True, eq=False)
+class Fatigue:
+    """What a model file says about fatigue.
+
+    Attributes
+    ----------
+    curves : dict of str to SN
+        By name.
+    checks : tuple of FatigueCheck
+        In the order of the file.
+    """
+
+    curves: dict[str, SN]
+    checks: tuple[FatigueCheck, ...]
+
+
+def build_curves(builder: Builder, entry: FatigueEntry | None) -> dict[str, SN | None]:
+    """Return the curves of a file by name, None those that are wrong, which is noted."""
+    given = {} if entry is None or entry.curves is None else entry.curves
+    return {
+        name: build_curve(builder, ("fatigue", "curves", name), item, {})
+        for name, item in given.items()
+    }
+
+
+def build_fatigue(
+    builder: Builder,
+    entry: FatigueEntry,
+    bodies: Iterable[str] | None = None,
+    known_curves: dict[str, SN | None] | None = None,
+) -> Fatigue:
+    """Return the curves and checks of an entry; what is wrong is noted.
+
+    Parameters
+    ----------
+    builder : Builder
+        Notes problems with their lines.
+    entry : FatigueEntry
+    bodies : iterable of str, optional
+        Names of the flexible bodies; None does not check them.
+    known_curves : dict, optional
+        What `build_curves` made; None builds them here.
+    """
+    from jousto.fatigue.cycles.rainflow import check_residue
+
+    curves = build_curves(builder, entry) if known_curves is None else known_curves
+    known = None if bodies is None else list(bodies)
+    checks = []
+    for i, check in enumerate(entry.checks or ()):
+        loc: Loc = ("fatigue", "checks", i)
+        before = len(builder.found)
+        if known is not None and check.body not in known:
+            builder.unknown((*loc, "body"), "bodies", "flexible body", check.body, known)
+        made = build_declared(builder, loc, check, {"curves": curves})
+        builder.make(loc, check_residue, check.residue, "")
+        if made is not None and len(builder.found) == before:
+            checks.append(made)
+    return Fatigue({k: v for k, v in curves.items() if v is not None}, tuple(checks))
+
+
+def flexible_bodies(entry: Any) -> list[str]:
+    """Return the names of the flexible bodies of a model's entry."""
+    return [body.name for body in entry.bodies if getattr(body, "part", None) is not None]
+
+
+def criterion(place: Place, name: str) -> str:
+    """Return the name of a criterion, note one that there is not."""
+    from jousto.recovery.fields.criteria import criteria
+
+    allowed = (*criteria(), "critical-plane")
+    if name not in allowed:
+        place.builder.note(place.loc, f"no criterion {name!r}{suggest(name, allowed)}")
+    return name
+
+
+def plane(place: Place, normal: Any) -> Any:
+    """Return the plane of a normal, None with the problem noted if it cannot be."""
+    from jousto.recovery.fields.criteria import Plane
+
+    if place.values.get("criterion") is not None:
+        place.builder.note(place.loc, "give either criterion or plane, not both")
+    return place.builder.make(place.loc, Plane, normal)
+
+
+FORMS: Mapping[str, Callable[[Place, Any], Any]] = {"criterion": criterion, "plane": plane}
+"""How a value of each form becomes an object."""
+
+
+class FatigueBuilder(Builder):
+    """Builds what stands alone: the block of a model, or a file of a curve or a duty cycle."""
+
+    forms = {**OF_SENSORS, **FORMS}
+
+
+def built(
+    document: Document, form: Any, build: Callable[[Builder, Any], Any], prefix: Loc = ()
+) -> Any:
+    """Return what is built of the entry of a document, or of one of its blocks.
+
+    Parameters
+    ----------
+    document : Document
+    form : type
+        The entry.
+    build : function
+        Makes the object of a builder and a valid entry, and notes what is wrong.
+    prefix : tuple
+        Path of the block.
+
+    Raises
+    ------
+    InputError
+        What is wrong, with lines.
+    """
+    classes: dict[int, Any] = {}
+    data = document.at(prefix) if prefix else document.data
+    try:
+        entry = TypeAdapter(form).validate_python(data, context=classes)
+    except ValidationError as error:
+        finish(document, explain(error, document, classes, prefix=prefix), [])
+        raise AssertionError from None
+    builder = FatigueBuilder(document)
+    made = build(builder, entry)
+    finish(document, builder.found, builder.warnings)
+    return made
+
+
+def parse_fatigue(text: str, name: str = "model") -> Fatigue | None:
+    """Return what the text of a model says about fatigue, None if it says nothing.
+
+    Nothing else of the model is built, so that it is quick, and works for results whose meshes are
+    elsewhere.
+
+    Raises
+    ------
+    InputError
+        What is wrong with the block, with lines.
+    """
+    document = parse_document(text, name=name)
+    if document.data.get("fatigue") is None:
+        return None
+    found: Fatigue = built(document, FatigueEntry, build_fatigue, ("fatigue",))
+    return found
+
+
+def read_curve(path: str | Path) -> SN:
+    """Return the S-N curve of a YAML file with the keys of an entry of ``fatigue: curves``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or what is wrong with it, with lines.
+    """
+    found: SN = built(
+        read_document(path), CurveForm, lambda b, entry: build_curve(b, (), entry, {})
+    )
+    return found

@@ -1,0 +1,232 @@
+"""From validated entries to parts, bodies and a mechanism, through the Python constructors."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+
+from jousto.base.errors import InputError, Problems
+from jousto.base.names import check_name
+from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
+from jousto.mechanism.bodies.posed import Posed
+from jousto.mechanism.forces.loads import Gravity
+from jousto.mechanism.mechanism import Mechanism
+from jousto.schema.entries import model as sm, parts as sp
+from jousto.schema.file.document import Loc
+from jousto.schema.make.blocks.fatigue import FORMS as OF_FATIGUE, build_curves
+from jousto.schema.make.builder import Builder, Section
+from jousto.schema.make.declared import build_declared
+from jousto.schema.make.elements import FORMS as OF_FORCES
+from jousto.schema.make.matrices import build_matrices, build_superelement, is_superelement
+from jousto.schema.make.sense import FORMS as OF_SENSORS
+from jousto.schema.make.solid import FORMS as OF_PARTS, build_solid
+
+LISTS = ("bodies", "joints", "couplings", "forces", "frictions", "initial", "sensors", "events")
+
+MOST_KEPT = 64
+"""Reduced parts of variants of a file that are kept, the one made first goes first."""
+
+
+class ModelBuilder(Builder):
+    """Builds parts, bodies and the mechanism of a document."""
+
+    forms = {**OF_FORCES, **OF_SENSORS, **OF_PARTS, **OF_FATIGUE}
+
+    # -- parts ------------------------------------------------------------------------------
+
+    def part_name(self, loc: Loc, name: Any) -> bool:
+        """Return whether a part may have this name, which becomes that of a file; note if not."""
+        problems = Problems()
+        check_name(problems, "part", name)
+        for problem in problems.found:
+            self.note(loc, problem.message)
+        return not problems.found
+
+    def reduced(self, loc: Loc, name: str, entry: Any) -> Any:
+        """Return the ReducedPart of an entry of parts, None if anything is wrong with it."""
+        from jousto.reduction.reduced import ReducedPart
+
+        if entry.in_plane is not None and entry.keep is not None:
+            self.note((*loc, "keep"), "give either keep or in_plane, not both")
+            return None
+        if isinstance(entry, sp.ReducedEntry):
+            reduced = self.make((*loc, "file"), ReducedPart.load, self.file(entry.file))
+            return self.chosen(loc, entry, reduced)
+        if is_superelement(entry):
+            return self.chosen(loc, entry, build_superelement(self, loc, name, entry))
+        part = self.part(loc, name, entry)
+        method = self.method(loc, entry, part)
+        return self.reduction(loc, entry, part, method)
+
+    def recalled(self, loc: Loc, name: str, entry: Any) -> Any:
+        """Return the same, of an entry that another variant had what was made of it then."""
+        place = (name, repr(self.document.at(loc)))
+        if place not in self.kept:
+            reduced = self.reduced(loc, name, entry)
+            if reduced is None:
+                return None
+            self.kept[place] = reduced
+            while len(self.kept) > MOST_KEPT:
+                del self.kept[next(iter(self.kept))]
+        return self.kept[place]
+
+    def method(self, loc: Loc, entry: Any, part: Any = None) -> Any:
+        """Return the CraigBampton or FreeFree of an entry, None if it is wrong."""
+        return build_declared(self, (*loc, "reduce"), entry.reduce, {"part": part})
+
+    def reduction(self, loc: Loc, entry: Any, part: Any, method: Any) -> Any:
+        """Return the ReducedPart of a part as the entry asks for, None if anything is wrong."""
+        from jousto.reduction.reducer import reduce
+
+        if part is None or method is None:
+            return None
+        options: dict[str, Any] = {
+            key: value
+            for key in ("stiffening", "residual_stress", "solver", "cache")
+            if (value := getattr(entry, key, None)) is not None
+        }
+        options |= self.options
+        reduced = self.make((*loc, "reduce"), reduce, part, method, **options)
+        return self.chosen(loc, entry, reduced)
+
+    def chosen(self, loc: Loc, entry: Any, reduced: Any) -> Any:
+        """Return the ReducedPart with the modes that the entry keeps."""
+        if reduced is not None and entry.in_plane is not None:
+            modes = reduced.in_plane(entry.in_plane)
+            reduced = self.make((*loc, "in_plane"), reduced.keep, modes)
+        elif reduced is not None and entry.keep is not None:
+            reduced = self.make((*loc, "keep"), reduced.keep, entry.keep)
+        return reduced
+
+    def part(self, loc: Loc, name: str, entry: Any) -> Any:
+        """Return the Part of an entry with a mesh, None if anything is wrong with it."""
+        if entry.type == "matrices":
+            return build_matrices(self, loc, name, entry)
+        if entry.type == "solid":
+            return build_solid(self, loc, name, entry)
+        from jousto.parts.part import Part
+
+        form = build_declared(self, loc, entry, more={"name": name})
+        return None if form is None else self.make(loc, Part.of, form)
+
+    # -- mechanism --------------------------------------------------------------------------
+
+    def named_part(self, loc: Loc, entry: Any) -> Any:
+        """Return the ReducedPart of an entry of parts, None if anything is wrong with it."""
+        name: Any = loc[-1]
+        return self.recalled(loc, name, entry) if self.part_name(loc, name) else None
+
+    def item(self, loc: Loc, entry: Any) -> Any:
+        """Return the object of an entry of a list, None if anything is wrong with it."""
+        made = build_declared(self, loc, entry, self.known)
+        return rigid_body(made) if self.rigid and isinstance(made, FlexibleBody) else made
+
+    def mechanism(self, entry: sm.ModelEntry, index: dict[str, list[int]]) -> Any:
+        """Return the Mechanism of a file; None if anything is wrong.
+
+        Parameters
+        ----------
+        entry : ModelEntry
+            The validated file, or what is left of it without invalid entries.
+        index : dict
+            For each list the places of its entries in the file.
+        """
+        self.sensors = [e.name for e in entry.sensors or ()]
+        known = self.known
+        known["curves"] = self.curves = build_curves(self, entry.fatigue)
+        parts = [(name, ("parts", name), part) for name, part in (entry.parts or {}).items()]
+        known["parts"] = made = Section(self, "parts", parts, self.named_part)
+        sections = [made]
+        # a rigid body has neither modes nor stress, nor damage of what is gone with them
+        gone = [e.name for e in entry.sensors or () if self.rigid and e.declared.flexible]
+        for key in LISTS:
+            entries: list[tuple[Any, Loc, Any]] = [
+                (getattr(e, "name", None), (key, i), e)
+                for i, e in zip(index[key], getattr(entry, key) or (), strict=True)
+                if not (self.rigid and getattr(e.declared, "flexible", False))
+                and getattr(e, "sensor", None) not in gone
+            ]
+            known[key] = made = Section(self, key, entries, self.item)
+            sections.append(made)
+        items = [item for made in sections for item in made.all() if item[0][0] != "parts"]
+        if not known["bodies"] and (self.found or self.broken):
+            return None
+        gravity = [] if entry.gravity is None else [Gravity(entry.gravity)]
+        name = entry.name or "mechanism"
+        return self.checked(items, gravity, name)
+
+    def checked(self, items: list[tuple[Loc, Any]], gravity: list[Any], name: str) -> Any:
+        """Return the Mechanism; note its problems at the entries they belong to."""
+        from jousto.mechanism.mechanism import where
+
+        places = {where(item): loc for loc, item in items}
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            try:
+                made = Mechanism(
+                    *(item for _, item in items),
+                    *gravity,
+                    name=name,
+                )
+            except InputError as error:
+                for problem in error.problems:
+                    loc = places.get(problem.where, ())
+                    text = problem.message if loc else str(problem)
+                    self.note(self.refine(loc, problem.message) if loc else loc, text)
+                return None
+        # what is broken would only cause wrong warnings
+        if not (self.found or self.broken):
+            for item in caught:
+                text = str(item.message)
+                place = next((p for p in places if text.startswith(f"{p}: ")), "")
+                self.warn(places.get(place, ()), item, {place.lower()})
+        return made
+
+
+def rigid_body(body: FlexibleBody) -> RigidBody:
+    """Return the rigid body with mass, inertia and named nodes of a flexible one."""
+    reduced = body.reduced
+    invariants = reduced.invariants
+    mass, U = invariants.mass, invariants.second_moment
+    center = invariants.first_moment / mass
+    U = U - mass * np.outer(center, center)
+    nodes = {key: reduced.nodes[m[0]] for key, m in reduced.node_sets.items() if len(m) == 1}
+    return RigidBody(
+        **{key: getattr(body, key) for key in Posed.fields},
+        mass=mass,
+        inertia=np.trace(U) * np.eye(3) - U,
+        center=center,
+        markers=nodes,
+        outline=drawn_outline(reduced.nodes, reduced.elements),
+    )
+
+
+def drawn_outline(nodes: Any, elements: Any) -> Any:
+    """Return the triangles (nt, 3, 3) of a solid, else a polyline along all elements."""
+    if np.ndim(elements) == 2 and np.shape(elements)[1] == 3 and len(elements):
+        return np.asarray(nodes)[np.asarray(elements)]
+    return round_trip(nodes, elements)
+
+
+def round_trip(nodes: Any, elements: Any) -> Any:
+    """Return a polyline (k, 3) along all elements and back, None where there are none."""
+    if np.ndim(elements) != 2 or not len(elements):
+        return None
+    neighbours: dict[int, list[int]] = {}
+    for a, b in np.asarray(elements)[:, [0, -1]].tolist():
+        neighbours.setdefault(a, []).append(b)
+        neighbours.setdefault(b, []).append(a)
+    way, drawn, here = [int(elements[0][0])], set(), [int(elements[0][0])]
+    while here:
+        a = here[-1]
+        ahead = [b for b in neighbours[a] if frozenset((a, b)) not in drawn]
+        if ahead:
+            drawn.add(frozenset((a, ahead[0])))
+            here.append(ahead[0])
+        else:
+            here.pop()
+        if here:
+            way.append(here[-1])
+    return np.asarray(nodes)[way]

@@ -1,0 +1,68 @@
+"""Which entries of a model file are valid, and what is wrong with the others."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import ValidationError
+
+from jousto.base.errors import Problem
+from jousto.schema.entries.model import ModelEntry
+from jousto.schema.file.document import Document, Loc
+from jousto.schema.file.explain import explain
+from jousto.schema.make.model import LISTS
+
+
+def validate(
+    document: Document,
+) -> tuple[ModelEntry | None, dict[str, list[int]], list[tuple[Loc, Problem]], list[Any]]:
+    """Return what is valid of a document.
+
+    Returns
+    -------
+    entry : ModelEntry or None
+        The file without its invalid entries; None if that cannot be read either.
+    index : dict
+        For each list the places in the file of the entries that are left.
+    problems : list of (path, Problem)
+        What is wrong with the others.
+    broken : list of (section, name)
+        Names of the entries that were left out; None if any name may be missing.
+    """
+    data = document.data
+    lists = {key: data[key] for key in LISTS if isinstance(data.get(key), list)}
+    index = {key: list(range(len(lists.get(key, ())))) for key in LISTS}
+    classes: dict[int, Any] = {}
+    try:
+        return ModelEntry.model_validate(data, context=classes), index, [], []
+    except ValidationError as error:
+        problems = explain(error, document, classes)
+    # leave out what is wrong, so that references and the rest can be checked all the same
+    rest: dict[str, Any] = dict(data)
+    broken: list[Any] = []
+    for path in {loc[:2] for loc, _ in problems if loc}:
+        key: Any = path[0]
+        place: Any = path[1] if len(path) > 1 else None
+        if key == "parts" and place is not None:
+            broken.append((key, place))
+            rest[key] = {k: v for k, v in rest[key].items() if k != place}
+        elif key in lists and place is not None:
+            item = data[key][place]
+            name = item.get("name") if isinstance(item, dict) else None
+            broken.append((key, name if isinstance(name, str) else None))
+            index[key] = [i for i in index[key] if i != place]
+        else:
+            # whatever the section should have defined
+            broken.append((key, None))
+            index[key] = []
+            rest.pop(key, None)
+    for key, items in lists.items():
+        if key in rest:
+            rest[key] = [items[i] for i in index[key]]
+    if "bodies" not in rest:
+        rest["bodies"] = []
+        broken.append(("bodies", None))
+    try:
+        return ModelEntry.model_validate(rest, context=classes), index, problems, broken
+    except ValidationError:
+        return None, index, problems, broken

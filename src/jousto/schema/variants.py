@@ -1,0 +1,109 @@
+"""Variants: the machines of a model file for other values of its parameters."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jousto.base.described import described
+from jousto.base.errors import InputError
+from jousto.design.studies.parameters.parameter import Parameter
+from jousto.mechanism.mechanism import Mechanism
+from jousto.schema.file.document import Document, read_document
+from jousto.schema.file.parameters import expand
+
+if TYPE_CHECKING:
+    from jousto.parts.part import Part
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class Variants:
+    """A model file as a function of its parameters; can be pickled.
+
+    Parameters
+    ----------
+    build : function
+        Reads a document, `build_model`.
+    document : Document
+        The file, read once.
+    parameters : tuple of Parameter
+        What may be varied.
+    rigid, trust : bool
+        As in `read_model`.
+    unused : tuple of str
+        Names of parameters that the machine does not depend on.
+    """
+
+    build: Callable[..., Any]
+    document: Document
+    parameters: tuple[Parameter, ...]
+    rigid: bool = False
+    trust: bool = False
+    unused: tuple[str, ...] = ()
+
+    @property
+    def key(self) -> str:
+        """Hash of the text of the file, of every file that it names, and of how it is read."""
+        data = expand(self.document).document.data
+        files = contents(data, self.document.folder, {})
+        from jousto.reduction.files.cache import key  # of studies alone: it loads much
+
+        return key(self.document.text, files, self.rigid, self.trust)
+
+    def parts(self, values: Mapping[str, float]) -> dict[str, Part]:
+        """Return the part of each flexible body that has a mesh, by the name of the body."""
+        from jousto.schema.bodies import parts_of  # it reads files, which makes variants
+
+        return parts_of(self.document, values, self.trust)
+
+    def make(
+        self, values: Mapping[str, float], kept: dict[Any, Any]
+    ) -> tuple[Mechanism, Any, tuple[Any, ...]]:
+        """Return the mechanism, how it is simulated, and what is to be checked for fatigue.
+
+        Parameters
+        ----------
+        values : mapping
+            Values of parameters in SI.
+        kept : dict
+            Reduced parts of other variants by what the file says of them.
+
+        Raises
+        ------
+        InputError
+            What is wrong with these values, with lines.
+        """
+        file = self.build(
+            self.document, rigid=self.rigid, trust=self.trust, parameters=values, kept=kept
+        )
+        checks = () if file.fatigue is None else file.fatigue.checks
+        return file.mechanism, file.simulation, tuple(checks)
+
+
+def contents(data: Any, folder: Path, found: dict[str, str]) -> dict[str, str]:
+    """Return hashes of the files that texts in data name, and of those named in these, by path."""
+    if isinstance(data, Mapping):
+        data = list(data.values())
+    if isinstance(data, list):
+        for item in data:
+            contents(item, folder, found)
+    if not isinstance(data, str) or not data or "\0" in data or "\n" in data:
+        return found
+    try:
+        path = folder / data
+        name = str(path.resolve())
+        if name in found or not path.is_file():
+            return found
+        with path.open("rb") as file:
+            found[name] = hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:  # too long for a name, or nothing that can be read
+        return found
+    if path.suffix.lower() in (".yaml", ".yml", ".json"):
+        with suppress(InputError):  # whoever reads it says what is wrong
+            contents(read_document(path).data, path.parent, found)
+    return found

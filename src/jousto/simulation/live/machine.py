@@ -1,0 +1,267 @@
+"""LiveMachine: a model that is stepped while its inputs change, the same way every time.
+
+Inputs take effect at the instants of the rows alone. So the rows contain all that came from
+outside, and the same inputs give the same rows again, to the last bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arguments import explained
+from jousto.base.arrays import Array
+from jousto.base.described import described
+from jousto.base.errors import InputError, Problem, SimulationError, suggest
+from jousto.model.model import Model
+from jousto.model.native.native import Engine
+from jousto.simulation.live.hand import (
+    BODY,
+    NAMES,
+    TARGET,
+    Grip,
+    grip_at,
+    gripped,
+    placed,
+    with_hand,
+)
+from jousto.simulation.results.events import Chronicle
+from jousto.simulation.running.simulate import cause
+from jousto.simulation.solvers.choice import choose
+from jousto.simulation.solvers.explicit import Solver, prepared
+from jousto.simulation.solvers.schedule import Schedule
+from jousto.simulation.state import State, put, take
+
+INTERVAL = 0.01  # s between rows
+
+
+@explained
+@described
+class LiveMachine:
+    """A model that runs while somebody changes its inputs and pulls its bodies.
+
+    Parameters
+    ----------
+    model : Model
+        From `compile`.
+    solver : Solver, optional
+        Method of a fixed step; None chooses as `simulate` does.
+    step : float, optional
+        Its step, s; None is that of the solver.
+    interval : float, optional
+        Time between rows, s, a multiple of the step: inputs change there; None is about 10 ms.
+    state : State, optional
+        Where it starts, and where `reset` goes back to.
+
+    Attributes
+    ----------
+    model : Model
+        The model with its hand.
+    every : int
+        Steps between rows.
+    stopped : str
+        Name of the event at which the last steps ended, else empty.
+
+    Raises
+    ------
+    InputError
+        If a method chooses its steps itself.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        solver: Solver | None = None,
+        *,
+        step: float | None = None,
+        interval: float | None = None,
+        state: State | None = None,
+    ) -> None:
+        chosen: Any = choose(model, 1.0, None)[0] if solver is None else solver
+        if chosen.adaptive:
+            name = type(chosen).__name__
+            raise InputError(
+                Problem("live", f"{name} chooses its steps itself; take a method of fixed step")
+            )
+        self.solver: Any = chosen if step is None else replace(chosen, step=step)
+        self.step_size = float(self.solver.step)
+        self.every = max(1, round((interval or INTERVAL) / self.step_size))
+        self.model = with_hand(model)
+        self.stopped = ""
+        self._start = state
+        self.reset()
+
+    # -- where it stands -----------------------------------------------------------------------
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return float(self.engine.time[0])
+
+    @property
+    def between(self) -> bool:
+        """Whether it stands between two rows."""
+        return self.engine.steps_done % self.every != 0
+
+    @property
+    def interval(self) -> float:
+        """Time between rows, s."""
+        return self.every * self.step_size
+
+    @property
+    def inputs(self) -> dict[str, float]:
+        """Values of the inputs, as they will be from the next row on."""
+        return dict(self._wanted)
+
+    def state(self) -> State:
+        """Return where it stands."""
+        return take(self.engine)
+
+    # -- what comes from outside ---------------------------------------------------------------
+
+    def set(self, name: str, value: float) -> None:
+        """Set an input from the next row on.
+
+        Raises
+        ------
+        InputError
+            If there is no such input, or the value is not finite.
+        """
+        if name not in self._wanted:
+            known = [known for known in self._wanted if known not in NAMES]
+            raise InputError(Problem("live", f"no input {name!r}{suggest(name, known)}"))
+        number = float(value)
+        if not np.isfinite(number):
+            raise InputError(Problem(f"input {name!r}", f"is {value!r}, must be finite"))
+        self._wanted[name] = number
+
+    def pull(
+        self, body: int, point: Array, target: Array | None = None, *, speed: float = 1.0
+    ) -> Grip:
+        """Grip a point (undeformed, body frame, m) and pull it towards a target in the world, m.
+
+        Without a target it is held where it is.
+        """
+        state = self.state()
+        grip = grip_at(self.model, state, body, np.asarray(point), step=self.step_size, speed=speed)
+        self._wanted.update(grip.inputs)
+        self.aim(placed(self.model, state.q, body, np.asarray(point)) if target is None else target)
+        return grip
+
+    def aim(self, target: Array) -> None:
+        """Move the target of the hand, m in the world."""
+        for name, value in zip(TARGET, target, strict=True):
+            self.set(name, value)
+
+    def release(self) -> None:
+        """Let go from the next row on."""
+        self._wanted[BODY] = -1.0
+
+    # -- running -------------------------------------------------------------------------------
+
+    def reset(self) -> None:
+        """Go back to the start; the inputs keep their values, the hand lets go."""
+        kept = getattr(self, "_wanted", {})
+        self._begin(self._start, {**kept, BODY: -1.0})
+
+    def restart(self) -> None:
+        """Begin anew from here, as a run that starts from this state does: for a record."""
+        self._begin(self.state(), self._wanted)
+
+    def carry(self, state: State, inputs: Mapping[str, float]) -> None:
+        """Go on from a state of another machine of the same kind; gaps at joints are closed.
+
+        Raises
+        ------
+        InputError
+            If it does not fit.
+        """
+        self._begin(replace(state, inputs=None), inputs, close=True)
+
+    def step(self, count: int = 1) -> Array:
+        """Advance by some steps, or to an event that stops; return the rows on the way.
+
+        Raises
+        ------
+        SimulationError
+            If the motion diverges or the engine cannot go on; `reset` helps.
+        """
+        engine, found = self.engine, []
+        self.stopped = ""
+        goal = engine.steps_done + count
+        while engine.steps_done < goal:
+            if not self.between:
+                self._take_over()
+                engine = self.engine
+            left = min(goal - engine.steps_done, self.every - engine.steps_done % self.every)
+            status, written = engine.run(self._native, left, self.every, self._rows)
+            self.happened.append(self._chronicle.read())
+            if written:
+                self.row = self._rows[written - 1].copy()
+                found.append(self.row)
+            if status == "event":
+                self.stopped = self.model.events[engine.error_index].name
+                break
+            if status != "ok":
+                plan = Schedule(self.step_size, 1, self.every)
+                ending = cause(self.model, self.solver, plan, engine, status)
+                raise SimulationError(
+                    f"the machine stopped at {self.time:.6g} s: {ending.sentence}",
+                    time=self.time,
+                    body=ending.body,
+                )
+        return np.array(found).reshape(len(found), engine.row_size)
+
+    def events(self) -> Array:
+        """Return time, source, change and count (k, 4) of what happened since the last call."""
+        found = np.vstack([np.zeros((0, 4)), *self.happened])
+        self.happened.clear()
+        return found
+
+    def _before(self, time: float) -> int:
+        return Schedule(self.step_size, 1, self.every, time).before
+
+    def _begin(
+        self, state: State | None, inputs: Mapping[str, float], *, close: bool = False
+    ) -> None:
+        """Stand at a state with nothing behind, as `simulate` begins."""
+        grip = Grip.of(inputs) if BODY in inputs else None
+        engine = Engine(gripped(self.model, grip))
+        if state is not None:
+            put(engine, state, "live")
+            engine.steps_done = self._before(state.time)
+        known = dict(zip(self.model.inputs, map(float, engine.input), strict=True))
+        self._wanted = {**known, **{name: inputs[name] for name in known if name in inputs}}
+        if grip is None:
+            self._wanted[BODY] = -1.0
+        self._held = dict(self._wanted)
+        engine.input[:] = list(self._held.values())
+        if close:
+            engine.assemble()
+            engine.restart()
+        self._chronicle = Chronicle(engine)
+        self.happened: list[Array] = []
+        self._rows = np.zeros((2, engine.row_size))
+        self.stopped = ""
+        self._use(engine)
+        self.row = np.array(engine.row())
+
+    def _use(self, engine: Engine) -> None:
+        self.engine = engine
+        self._native = prepared(engine, self.solver, self.step_size)
+        self._chronicle.follow(engine)
+
+    def _take_over(self) -> None:
+        """Give the engine the inputs that are wanted; another grip is another model."""
+        if Grip.of(self._wanted) != Grip.of(self._held):
+            old = self.engine
+            engine = Engine(gripped(self.model, Grip.of(self._wanted)))
+            put(engine, take(old), "live")
+            engine.steps_done = old.steps_done
+            engine.counts[0] = old.counts[0]
+            self._use(engine)
+        self._held = dict(self._wanted)
+        self.engine.input[:] = list(self._held.values())

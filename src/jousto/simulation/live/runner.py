@@ -1,0 +1,360 @@
+"""Runner: a live machine in a thread of its own, at the pace of the watch."""
+
+from __future__ import annotations
+
+import queue
+import sys
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.errors import InputError, JoustoError, Problem
+from jousto.simulation.live.machine import LiveMachine
+from jousto.simulation.live.pace import Pace
+from jousto.simulation.live.recorder import Recorder
+from jousto.simulation.live.urgency import hurry
+
+PICTURES = 60.0  # a second
+SWITCH = 2e-4  # s that another thread of Python may keep a step waiting
+IDLE = 0.5  # s between looks at nothing
+CALL = 0.005  # s of the watch in one call of the engine, as fast as it can
+
+
+@dataclass(frozen=True, eq=False)
+class Glance:
+    """A live machine at an instant.
+
+    Attributes
+    ----------
+    time : float
+        Simulated time, s.
+    q : (nq,) array
+        Positions now.
+    row : (row_size,) array
+        The last row of the engine.
+    playing : bool
+        Whether it runs.
+    factor, worst, latest : float
+        Real-time factor; longest step and largest lateness, s.
+    late : tuple of int
+        Steps by lateness, in the classes of `pace.EDGES`.
+    missed : int
+        Steps that ended after the next one was due.
+    recording : str
+        File that is written, else empty.
+    message : str
+        What happened last: an event, what failed; else empty.
+    inputs : dict
+        Values of the inputs.
+    """
+
+    time: float
+    q: Array
+    row: Array
+    playing: bool
+    factor: float
+    worst: float
+    latest: float
+    late: tuple[int, ...]
+    missed: int
+    recording: str
+    message: str
+    inputs: dict[str, float]
+
+
+class Runner:
+    """Steps a live machine in its own thread until it is closed.
+
+    What is asked of it (`do`) happens between two steps, in the order in which it was asked.
+
+    Parameters
+    ----------
+    machine : LiveMachine
+        The machine; nobody else may touch it while it runs.
+    speed : float
+        Simulated seconds in a second of the watch; 0 is as fast as it can.
+    playing : bool
+        Whether it runs at once.
+    text : str
+        Text of the model file, for records.
+    pace : Pace, optional
+        Another clock, for tests.
+    urgent : bool
+        Ask the operating system that its thread goes before others; `refused` is what it did not
+        grant.
+
+    Examples
+    --------
+    >>> import jousto as jo
+    >>> cart = jo.RigidBody("cart", 2.0, (1, 1, 1))
+    >>> rail = jo.Prismatic("rail", jo.ground["origin"], cart["origin"], axis=(1, 0, 0))
+    >>> push = jo.JointForce("push", rail.displacement, jo.Input("force"))
+    >>> model = jo.compile(jo.Mechanism(cart, rail, push))
+    >>> runner = Runner(LiveMachine(model, jo.RK4(step=1e-3)), speed=0, playing=False)
+    >>> runner.do(lambda machine: machine.set("force", 8.0))
+    >>> runner.step()
+    >>> f"{runner.glance.q[0]:.6f} m after {runner.glance.time:.2f} s"
+    '0.000200 m after 0.01 s'
+    >>> runner.close()
+    """
+
+    def __init__(
+        self,
+        machine: LiveMachine,
+        *,
+        speed: float = 1.0,
+        playing: bool = True,
+        text: str = "",
+        pace: Pace | None = None,
+        urgent: bool = False,
+    ) -> None:
+        self.machine = machine
+        self.pace = Pace(machine.step_size, speed) if pace is None else pace
+        self.fresh = threading.Event()
+        self.refused = ""
+        self._text, self._playing, self._message = text, playing, ""
+        self._recorder: Recorder | None = None
+        self._records: list[Path] = []
+        self._orders: queue.SimpleQueue[tuple[Callable[[], Any], _Answer]] = queue.SimpleQueue()
+        self._woken, self._ended = threading.Event(), False
+        self._shown = 0.0
+        self._show()
+        self._switch = sys.getswitchinterval()
+        sys.setswitchinterval(SWITCH)
+        self._thread = threading.Thread(target=self._run, name="jousto-live", daemon=True)
+        self._thread.start()
+        if urgent:
+            self._ask(self._hurry)
+
+    # -- for any thread ------------------------------------------------------------------------
+
+    def do(self, order: Callable[[LiveMachine], Any]) -> Any:
+        """Call a function with the machine between two steps, and return what it returns.
+
+        Raises
+        ------
+        InputError
+            If the runner was closed.
+        """
+        return self._ask(lambda: order(self.machine))
+
+    def play(self) -> None:
+        """Run."""
+        self._ask(lambda: self._play(True))
+
+    def pause(self) -> None:
+        """Stand still."""
+        self._ask(lambda: self._play(False))
+
+    def step(self) -> None:
+        """Advance to the next row, and stand still."""
+
+        def one() -> None:
+            self._play(False)
+            machine = self.machine
+            self._advance(machine.every - machine.engine.steps_done % machine.every)
+
+        self._ask(one)
+
+    def reset(self) -> None:
+        """Go back to the start; a record goes on in another file."""
+        self._ask(self._reset)
+
+    def speed(self, factor: float) -> None:
+        """Set the simulated seconds in a second of the watch; 0 is as fast as it can.
+
+        Raises
+        ------
+        InputError
+            If it is negative or not finite.
+        """
+        value = float(factor)
+        if not (np.isfinite(value) and value >= 0.0):
+            raise InputError(Problem("live", f"speed is {factor!r}, must be positive, or 0"))
+        self._ask(lambda: self.pace.start(value))
+
+    def record(self, path: str | Path | None) -> None:
+        """Record to a file from now on, or end it with None.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written.
+        """
+        self._ask(lambda: self._record(path))
+
+    def replace(self, make: Callable[[LiveMachine], LiveMachine], text: str) -> None:
+        """Put another machine in place of this one; a record goes on in another file."""
+
+        def change() -> None:
+            made = make(self.machine)
+            self._renewed("completed", lambda: self._use(made, text))
+
+        self._ask(change)
+
+    def say(self, message: str) -> None:
+        """Show a message; an empty one takes the last away."""
+
+        def said() -> None:
+            self._message = message
+
+        self._ask(said)
+
+    def close(self) -> None:
+        """End it; a record is closed. May be called more than once."""
+        if not self._ended:
+            self._ended = True
+            self._woken.set()
+        self._thread.join()
+        sys.setswitchinterval(self._switch)
+
+    def _ask(self, order: Callable[[], Any]) -> Any:
+        answer = _Answer()
+        self._orders.put((order, answer))
+        self._woken.set()
+        while not answer.there.wait(IDLE):
+            if not self._thread.is_alive():
+                raise InputError(Problem("live", "the machine was closed"))
+        if answer.error is not None:
+            raise answer.error
+        return answer.value
+
+    # -- in its thread -------------------------------------------------------------------------
+
+    def _hurry(self) -> None:
+        self.refused = hurry()
+
+    def _run(self) -> None:
+        while not self._ended:
+            while not self._orders.empty():
+                order, answer = self._orders.get()
+                try:
+                    answer.value = order()
+                except Exception as error:  # belongs to whoever asked
+                    answer.error = error
+                self._show()
+                answer.there.set()
+            if not self._playing:
+                self._woken.wait(IDLE)
+                self._woken.clear()
+                continue
+            self.pace.wait()
+            count = self._count()
+            if self._advance(count):
+                self.pace.done(count)
+            if time.monotonic() - self._shown >= 0.9 / PICTURES:
+                self._show()
+        self._end_record("completed")
+
+    def _count(self) -> int:
+        """Return the steps of the next call: one, or as fast as it can several."""
+        if self.pace.speed:
+            return 1
+        fit = int(CALL / max(self.pace.worst, 1e-7))
+        return max(1, min(fit, self.machine.every))
+
+    def _play(self, playing: bool) -> None:
+        if playing and not self._playing:
+            self.pace.start()
+            self._message = ""
+        self._playing = playing
+
+    def _advance(self, count: int) -> bool:
+        """Step; on an event or a failure stand still and say so."""
+        machine = self.machine
+        try:
+            rows = machine.step(count)
+        except JoustoError as error:
+            self._stop(f"{error}; reset goes back to the start", f"failed: {error}")
+            return False
+        if self._recorder is not None:
+            self._recorder.add(rows, machine.events())
+            if self._recorder.failed:
+                self._stop(self._recorder.failed, "failed")
+            elif self._recorder.full:
+                self._renewed("completed", lambda: None)
+        else:
+            machine.happened.clear()
+        if machine.stopped:
+            said = f"stopped by event '{machine.stopped}' at {machine.time:.9g} s"
+            self._stop(f"{said}; it runs on if asked to", said)
+            return False
+        return True
+
+    def _stop(self, message: str, ended: str) -> None:
+        self._playing, self._message = False, message
+        self._end_record(ended)
+        self._show()
+
+    def _reset(self) -> None:
+        self._message = ""
+        self._renewed("completed", self.machine.reset)
+        self.pace.forget()
+
+    def _use(self, machine: LiveMachine, text: str) -> None:
+        self.machine, self._text = machine, text
+        self.pace.step = machine.step_size
+        self.pace.start()
+
+    def _renewed(self, ended: str, change: Callable[[], Any]) -> None:
+        """Close the record, change something, and go on with a record in another file."""
+        path = self._recorder.path if self._recorder is not None else None
+        self._end_record(ended)
+        change()
+        if path is not None:
+            self._record(self._next())
+        self.pace.start()
+
+    def _next(self) -> Path:
+        """Return the name of the file after one: crane.h5, crane-2.h5 ..."""
+        first = self._records[0]
+        number = len(self._records) + 1
+        return first.with_name(f"{first.stem}-{number}{first.suffix}")
+
+    def _record(self, path: str | Path | None) -> None:
+        self._end_record("completed")
+        if path is None:
+            self._records.clear()
+            return
+        self._recorder = Recorder(Path(path), self.machine, self._text)
+        self._records.append(Path(path))
+        self.pace.start()
+
+    def _end_record(self, ended: str) -> None:
+        if self._recorder is not None:
+            recorder, self._recorder = self._recorder, None
+            recorder.close(ended)
+
+    def _show(self) -> None:
+        machine, pace = self.machine, self.pace
+        self._shown = time.monotonic()
+        self.glance = Glance(
+            time=machine.time,
+            q=machine.engine.q.copy(),
+            row=machine.row,
+            playing=self._playing,
+            factor=pace.factor,
+            worst=pace.worst,
+            latest=pace.latest,
+            late=tuple(pace.late),
+            missed=pace.missed,
+            recording="" if self._recorder is None else str(self._recorder.path),
+            message=self._message,
+            inputs=machine.inputs,
+        )
+        self.fresh.set()
+
+
+class _Answer:
+    """What an order came to."""
+
+    def __init__(self) -> None:
+        self.there = threading.Event()
+        self.value: Any = None
+        self.error: Exception | None = None

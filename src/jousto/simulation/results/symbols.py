@@ -1,0 +1,66 @@
+"""Symbols of a mechanism in a results file, for pictures."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from jousto.model.symbol_record import SymbolPoint, SymbolShape
+
+GROUP = "symbols"
+WORDS = ("name", "kind", "group", "text", "sensor")
+
+
+def symbol_arrays(found: Sequence[SymbolShape]) -> dict[str, Any]:
+    """Return the datasets of symbols; points and modes of all stand behind one another."""
+    points = [point for one in found for point in one.points]
+    modes = [np.zeros((0, 3)) if x.modes is None else x.modes.T for x in points]
+    words = [[getattr(one, word) for one in found] for word in WORDS]
+    none = np.full(3, np.nan)
+    axes = np.array([point.axes for point in points]).reshape(-1, 3, 3)
+    turns = Rotation.from_matrix(axes).as_quat() if len(axes) else np.zeros((0, 4))
+    return {
+        "words": np.frombuffer(json.dumps(words, ensure_ascii=False).encode(), dtype=np.uint8),
+        "ends": np.cumsum([len(one.points) for one in found], dtype="<i8"),
+        "axes": np.array([none if one.axis is None else one.axis for one in found]),
+        "fixed": np.array([one.fixed for one in found], dtype=np.uint8),
+        "bodies": np.array([point.body for point in points], dtype="<i8"),
+        "nodes": np.array([point.node for point in points], dtype="<i8"),
+        "points": np.array([point.u0 for point in points]).reshape(-1, 3),
+        "turns": turns,
+        "modes": np.concatenate([*modes, np.zeros((0, 3))]),
+        "mode_ends": np.cumsum([len(some) for some in modes], dtype="<i8"),
+    }
+
+
+def read_symbols(group: Any) -> tuple[SymbolShape, ...]:
+    """Return the symbols of their HDF5 group."""
+    arrays = {name: group[name][()] for name in group}
+    axes = Rotation.from_quat(arrays["turns"]).as_matrix() if len(arrays["turns"]) else ()
+    cuts = np.concatenate([[0], arrays["mode_ends"]])
+    points = []
+    for k, (body, node, u0) in enumerate(
+        zip(arrays["bodies"], arrays["nodes"], arrays["points"], strict=True)
+    ):
+        modes = arrays["modes"][cuts[k] : cuts[k + 1]]
+        points.append(
+            SymbolPoint(int(body), u0, axes[k], int(node), modes.T if len(modes) else None)
+        )
+    words = json.loads(arrays["words"].tobytes().decode())
+    ends = np.concatenate([[0], arrays["ends"]])
+    found = []
+    for k, texts in enumerate(zip(*words, strict=True)):
+        axis = arrays["axes"][k]
+        found.append(
+            SymbolShape(
+                **dict(zip(WORDS, texts, strict=True)),
+                points=tuple(points[ends[k] : ends[k + 1]]),
+                axis=None if np.isnan(axis).any() else axis,
+                fixed=bool(arrays["fixed"][k]),
+            )
+        )
+    return tuple(found)

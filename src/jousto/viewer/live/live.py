@@ -1,0 +1,263 @@
+"""live: a machine that runs while it is steered and pulled, on a page in the browser."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from jousto.base.arguments import explained
+from jousto.base.arrays import Array
+from jousto.base.errors import Problems
+from jousto.base.progress import in_notebook
+from jousto.simulation.live.runner import Glance, Runner
+from jousto.viewer.live.desk import LiveDesk, Pusher
+from jousto.viewer.live.opened import Opened, opened
+from jousto.viewer.server import Server
+
+if TYPE_CHECKING:
+    from jousto.mechanism.mechanism import Mechanism
+    from jousto.model.model import Model
+
+HEIGHT = 640  # pixels of a cell
+
+
+class Live:
+    """A running machine and its page; made by `live`. It ends with `close`, or with the program."""
+
+    def __init__(
+        self,
+        made: Opened,
+        *,
+        step: float | None,
+        speed: float,
+        playing: bool,
+        ranges: Mapping[str, tuple[float, float]],
+        record: Path | None,
+        port: int,
+        urgent: bool,
+    ) -> None:
+        name = made.model.name or "machine"
+        machine = made.machine(step)
+        self.runner = Runner(machine, speed=speed, playing=False, text=made.text, urgent=urgent)
+        try:
+            later = Path(f"{name.replace(' ', '-')}-live.h5")
+            self._desk = LiveDesk(
+                made, self.runner, step=step, ranges=ranges, record=record or later
+            )
+            self._server = Server(self._desk, port)
+        except BaseException:
+            self.runner.close()
+            raise
+        self.pictures = Pusher(self._desk, self._server.push)
+        try:
+            if record is not None:
+                self.runner.record(record)
+            if playing:
+                self.runner.play()
+        except BaseException:
+            self.close()
+            raise
+
+    def __repr__(self) -> str:
+        where = self.address if self._server.running else "closed"
+        return f"<Live {self._desk.title!r}: {self.time:.2f} s, {where}>"
+
+    @property
+    def address(self) -> str:
+        """Address of the page on this computer; whoever knows it may steer the machine."""
+        return self._server.address
+
+    @property
+    def now(self) -> Glance:
+        """The machine at this instant: q, the last row, how well time is kept."""
+        return self.runner.glance
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return self.now.time
+
+    def set(self, name: str, value: float) -> None:
+        """Set an input.
+
+        Raises
+        ------
+        InputError
+            If there is no such input, or the value is not finite.
+        """
+        self._desk.set(name, value)
+
+    def pull(self, body: str, point: Any, target: Any) -> None:
+        """Pull a point of a body towards a target until `release`.
+
+        Parameters
+        ----------
+        body : str
+            Its name.
+        point : (3,) array_like
+            Undeformed position in the frame of the body, m.
+        target : (3,) array_like
+            In the world, m.
+
+        Raises
+        ------
+        InputError
+            If there is no such body, or these are no points.
+        """
+        problems = Problems()
+        names = [b.name for b in self.runner.machine.model.bodies]
+        if body not in names:
+            problems.add("pull", f"no body {body!r}; there are {', '.join(names)}")
+        at = problems.array("pull", "point", point, (3,))
+        to = problems.array("pull", "target", target, (3,))
+        problems.raise_if_any()
+        place, speed = names.index(body), self.runner.pace.speed
+        here: Array = np.asarray(at)
+        self.runner.do(lambda machine: machine.pull(place, here, to, speed=speed))
+
+    def release(self) -> None:
+        """Let go."""
+        self.runner.do(lambda machine: machine.release())
+
+    def play(self) -> None:
+        """Run."""
+        self.runner.play()
+
+    def pause(self) -> None:
+        """Stand still."""
+        self.runner.pause()
+
+    def reset(self) -> None:
+        """Go back to the start."""
+        self.runner.reset()
+
+    def record(self, path: str | Path | None) -> None:
+        """Record to a results file from now on; None ends it.
+
+        Raises
+        ------
+        InputError
+            If it cannot be written.
+        """
+        self.runner.record(path)
+
+    def change(self, parameter: str, value: float) -> None:
+        """Give a parameter of the model file another value, in SI.
+
+        Raises
+        ------
+        InputError
+            If there is no such parameter, or it makes no machine.
+        """
+        self._desk.change(parameter, value)
+
+    def open(self) -> bool:
+        """Open the page in the browser; return whether there is one."""
+        return self._server.open()
+
+    def wait(self) -> None:
+        """Wait until Ctrl-C is pressed, and end it: at the end of a script."""
+        try:
+            self._server.wait()
+        finally:
+            self.close()
+
+    def close(self) -> None:
+        """End the machine, its record and its page. May be called more than once."""
+        self._server.close()
+        self.pictures.close()
+        self.runner.close()
+
+    def _repr_html_(self) -> str:
+        """Return the page for the cell of a notebook."""
+        if not self._server.running:
+            return f"<em>{html.escape(repr(self))}</em>"
+        style = f"width: 100%; height: {HEIGHT}px; border: 0"
+        return f'<iframe style="{style}" src="{html.escape(self.address)}"></iframe>'
+
+
+@explained
+def live(
+    machine: str | Path | Mechanism | Model,
+    *,
+    step: float | None = None,
+    speed: float = 1.0,
+    ranges: Mapping[str, tuple[float, float]] | None = None,
+    record: str | Path | None = None,
+    playing: bool = True,
+    open: bool = True,
+    port: int = 0,
+    urgent: bool = False,
+    trust: bool = False,
+) -> Live:
+    """Run a machine in real time on a page: inputs become sliders, the mouse pulls its bodies.
+
+    The pull is a spring and a damper from a point of a body to the mouse,
+    ``F = k (x - r) - c r'``, k and c from the mass that it moves (`Live.pull`).
+
+    Parameters
+    ----------
+    machine : path, Mechanism or Model
+        What runs; of a file its parameters can be changed.
+    step : float, optional
+        Step of the method, s; None is that of the file, or what `simulate` would take.
+    speed : float
+        Simulated seconds in a second of the watch; 0 is as fast as it can.
+    ranges : dict of str to (float, float), optional
+        Ranges of inputs in SI; others follow from what they act on.
+    record : path, optional
+        Results file that is written from the start.
+    playing : bool
+        Whether it runs at once.
+    open : bool
+        Open the browser. In a notebook the page is shown in the cell instead.
+    port : int
+        Where the server listens, 0 for any free port.
+    urgent : bool
+        Ask the operating system that the machine goes before other programs;
+        ``.runner.refused`` says what it does not grant.
+    trust : bool
+        Whether Python functions that a model file names may run.
+
+    Returns
+    -------
+    Live
+        ``.set(name, value)``, ``.pull(...)``, ``.record(path)``, ``.wait()``, ``.close()``.
+
+    Raises
+    ------
+    InputError
+        For what cannot run, a range that is empty, a port that is taken, or if the page was not
+        built.
+
+    Examples
+    --------
+    ``jo.live("crane.yaml").wait()``, ``jo.live(mechanism, record="run.h5")``
+    """
+    problems = Problems()
+    if step is not None and problems.array("live", "step", step, ()) is not None:
+        problems.positive("live", "step", float(step), "s")
+    factor = problems.array("live", "speed", speed, ())
+    if factor is not None and not float(factor) >= 0.0:
+        problems.add("live", f"speed is {speed}, must be positive, or 0 for as fast as it can")
+    whole: Any = port
+    if isinstance(whole, bool) or not isinstance(whole, int) or not 0 <= whole < 65536:
+        problems.add("live", f"port is {port!r}, must be a whole number from 0 to 65535")
+    problems.raise_if_any()
+    made = Live(
+        opened(machine, trust=trust),
+        step=None if step is None else float(step),
+        speed=float(speed),
+        playing=playing,
+        ranges=dict(ranges or {}),
+        record=None if record is None else Path(record),
+        port=port,
+        urgent=urgent,
+    )
+    if open and not in_notebook():
+        made.open()
+    return made

@@ -1,0 +1,109 @@
+"""What can run live: a model file with its parameters, a mechanism, a compiled model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from jousto.base.errors import InputError, Problem, suggest
+from jousto.design.studies.parameters.parameter import Parameter
+from jousto.mechanism.mechanism import Mechanism
+from jousto.model.compile import compile
+from jousto.model.model import Model
+from jousto.simulation.live.machine import LiveMachine
+from jousto.simulation.state import State
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """A machine that can run live.
+
+    Attributes
+    ----------
+    model : Model
+        The compiled machine.
+    solver : Solver or None
+        Method of its file; None chooses.
+    interval : float or None
+        Time between rows, s, if the file says it.
+    state : State or None
+        Where it starts.
+    text : str
+        Text of its file.
+    parameters : tuple of Parameter
+        What may be changed.
+    values : dict
+        Values of parameters that were changed, in SI.
+    variants : Variants or None
+        Makes it with other values of them.
+    kept : dict
+        Reduced parts of all variants.
+    """
+
+    model: Model
+    solver: Any = None
+    interval: float | None = None
+    state: State | None = None
+    text: str = ""
+    parameters: tuple[Parameter, ...] = ()
+    values: dict[str, float] = field(default_factory=dict)
+    variants: Any = None
+    kept: dict[Any, Any] = field(default_factory=dict)
+
+    def machine(self, step: float | None) -> LiveMachine:
+        """Return it at its start."""
+        solver = None if self.solver is None or self.solver.adaptive else self.solver
+        return LiveMachine(self.model, solver, step=step, interval=self.interval, state=self.state)
+
+    def changed(self, name: str, value: float) -> Opened:
+        """Return the machine with another value of a parameter.
+
+        Raises
+        ------
+        InputError
+            If there is no such parameter, or it makes no machine.
+        """
+        known = [parameter.name for parameter in self.parameters]
+        if name not in known:
+            raise InputError(Problem("live", f"no parameter {name!r}{suggest(name, known)}"))
+        values = {**self.values, name: value}
+        mechanism, settings, _ = self.variants.make(values, self.kept)
+        return replace(self, values=values, **_compiled(mechanism, settings))
+
+
+def opened(thing: Any, *, trust: bool = False) -> Opened:
+    """Return what can run live from a path, a mechanism or a model.
+
+    Raises
+    ------
+    InputError
+        If it is none of these.
+    """
+    if isinstance(thing, str | Path):
+        from jousto.schema.read import read_model
+
+        file = read_model(thing, trust=trust)
+        return Opened(
+            **_compiled(file.mechanism, file.simulation),
+            text=file.text,
+            parameters=file.parameters,
+            variants=file.variants,
+        )
+    if isinstance(thing, Mechanism):
+        return Opened(compile(thing))
+    if isinstance(thing, Model):
+        return Opened(thing)
+    message = f"is a {type(thing).__name__}, must be a Mechanism, a Model or a path"
+    raise InputError(Problem("live", f"machine {message}"))
+
+
+def _compiled(mechanism: Mechanism, settings: Any) -> dict[str, Any]:
+    model = compile(mechanism)
+    given = {} if settings is None else settings.given(model)
+    return {
+        "model": model,
+        "solver": given.get("solver"),
+        "interval": given.get("output_step"),
+        "state": given.get("state"),
+    }

@@ -1,0 +1,115 @@
+"""A page in one file: opened from disk or sent by mail, with no reference to anything outside."""
+
+from __future__ import annotations
+
+import gzip
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from jousto.base.errors import InputError, JoustoError, Problem
+from jousto.base.files import written
+from jousto.viewer.bundle import standalone_page
+from jousto.viewer.container import pack
+from jousto.viewer.extremes import worst
+from jousto.viewer.frames import Frames, thinned
+from jousto.viewer.packing import scene_header
+
+if TYPE_CHECKING:
+    from jousto.scene.scene import Scene
+
+FRAMES = 400  # instants in a page
+WORST = 10  # places for each measure
+POINTS = 2000  # instants of a sensor
+ENDINGS = (".html", ".htm")
+LARGEST = 512 << 20  # bytes of what a browser unpacks
+
+
+def write_page(
+    scenes: Sequence[Scene], path: str | Path, *, frames: int = FRAMES, titles: Sequence[str] = ()
+) -> Path:
+    """Write scenes as one page and return its path.
+
+    Parameters
+    ----------
+    scenes : sequence of Scene
+    path : path
+        Ends with .html.
+    frames : int
+        Instants of each run that go into the page, at most.
+    titles : sequence of str, optional
+        Names of the scenes where there are several.
+
+    Raises
+    ------
+    InputError
+        For another ending, a page that would be too large, or a file that cannot be written.
+    """
+    out = Path(path)
+    if out.suffix.lower() not in ENDINGS:
+        raise InputError(Problem(str(out), "must end with .html"))
+    data = page(scenes, frames=frames, titles=titles)
+    with written(out) as beside:
+        beside.write_bytes(data)
+    return out
+
+
+def page(scenes: Sequence[Scene], *, frames: int = FRAMES, titles: Sequence[str] = ()) -> bytes:
+    """Return scenes as one page."""
+    stored = [contents(scene, frames) for scene in scenes]
+    title = " and ".join(titles) or scenes[0].title
+    header: dict[str, Any] = {"kind": "file", **stored[0]}
+    if len(stored) > 1:
+        names = list(titles) or [scene.title for scene in scenes]
+        header["scene"] = {**stored[0]["scene"], "runs": names}
+        header["runs"] = [{**stored[0], "scene": header["scene"]}, *stored[1:]]
+    data = pack(header)
+    if len(data) > LARGEST:
+        message = (
+            f"would unpack to {len(data) / 1e6:.0f} MB, more than {LARGEST >> 20} MiB, which a "
+            "browser may not manage: take fewer frames, or send the results file"
+        )
+        raise InputError(Problem("page", message))
+    return standalone_page(title, gzip.compress(data, 9, mtime=0)).encode()
+
+
+def contents(scene: Scene, frames: int) -> dict[str, Any]:
+    """Return what the page needs of a scene: its instants, sensors and worst places."""
+    width = len(scene.still)
+    time, rows, chosen = np.zeros(0), np.zeros((0, width)), None
+    if scene.motion is not None:
+        chosen = Frames.of(0, len(scene.motion.times), most=max(2, frames))
+        every = chosen.rows_of_all()
+        time, rows = scene.motion.times[every], scene.motion.rows(every)
+    return {
+        "scene": scene_header(scene, chosen, half=False),
+        "time": np.asarray(time, dtype=np.float64),
+        "rows": np.asarray(rows, dtype=np.float32),
+        "sensors": _sensors(scene),
+        "worst": _worst(scene),
+    }
+
+
+def _sensors(scene: Scene) -> dict[str, Any]:
+    run = scene.run
+    if run is None or not run.sensors:
+        return {"time": np.zeros(0), "values": {}}
+    series = {name: np.asarray(run[name]).reshape(run.nt, -1).T for name in run.sensors}
+    # one set of instants for all of them
+    kept = thinned(np.concatenate(list(series.values())), POINTS)
+    return {
+        "time": run.time[kept],
+        "values": {name: x[:, kept].astype(np.float32) for name, x in series.items()},
+    }
+
+
+def _worst(scene: Scene) -> dict[str, Any]:
+    found = {}
+    for measure in scene.measures:
+        try:
+            found[measure] = worst(scene, measure, WORST)
+        except JoustoError:
+            continue  # of models and parts there are none
+    return found

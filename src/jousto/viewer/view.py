@@ -1,0 +1,200 @@
+"""view: a run, a machine or a part in the browser, in a cell of a notebook, or as one file."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.progress import in_notebook
+from jousto.viewer.answers import Answers
+from jousto.viewer.server import Server
+from jousto.viewer.standalone import FRAMES, page, write_page
+from jousto.viewer.things import scenes_of
+
+if TYPE_CHECKING:
+    from jousto.fatigue.miner.damage_field import DamageField
+    from jousto.mechanism.mechanism import Mechanism
+    from jousto.mesh.mesh import Mesh
+    from jousto.model.model import Model
+    from jousto.parts.part import Part
+    from jousto.reduction.reduced import ReducedPart
+    from jousto.simulation.modes.linear import MechanismModes
+    from jousto.simulation.results.solution import Solution
+
+HEIGHT = 560  # pixels of a cell
+MOST = 4  # things over one another
+
+
+class View:
+    """A page that shows something: its address, its end, and the page as a file.
+
+    Made by `view`. It ends with `close`, or with the program.
+    """
+
+    def __init__(self, answers: Answers, *, port: int = 0, embed: bool = False) -> None:
+        self._answers, self._embed = answers, embed
+        self._server = None if embed else Server(answers, port)
+
+    def __repr__(self) -> str:
+        where = "embedded" if self._server is None else self.address
+        return f"<View {self._answers.title!r}: {where if self.running else 'closed'}>"
+
+    @property
+    def address(self) -> str:
+        """Address of the page on this computer; whoever knows it sees the page.
+
+        Raises
+        ------
+        InputError
+            If it is embedded in a notebook, and so has none.
+        """
+        if self._server is None:
+            raise InputError(Problem("view", "an embedded page has no address"))
+        return self._server.address
+
+    @property
+    def running(self) -> bool:
+        """Whether pages can still ask it."""
+        return self._server is None or self._server.running
+
+    def open(self) -> bool:
+        """Open the page in the browser; return whether there is one."""
+        return self._server is not None and self._server.open()
+
+    def wait(self) -> None:
+        """Wait until it is closed or Ctrl-C is pressed: at the end of a script."""
+        if self._server is not None:
+            self._server.wait()
+
+    def close(self) -> None:
+        """End it; an open page keeps what it has loaded."""
+        if self._server is not None:
+            self._server.close()
+
+    def save(self, path: str | Path, *, frames: int = FRAMES) -> Path:
+        """Write the page as one file, which needs no jousto and no network, and return its path.
+
+        Parameters
+        ----------
+        path : path
+            Ends with .html.
+        frames : int
+            Instants of each run at most.
+
+        Raises
+        ------
+        InputError
+            For another ending, a page that would be too large, or a file that cannot be written.
+        """
+        scenes, titles = self._answers.scenes, self._answers.titles
+        return write_page(scenes, path, frames=frames, titles=titles)
+
+    def _repr_html_(self) -> str:
+        """Return the page for the cell of a notebook."""
+        style = f"width: 100%; height: {HEIGHT}px; border: 0"
+        if self._server is None:
+            content = html.escape(self._answers.page().decode())
+            return f'<iframe style="{style}" srcdoc="{content}"></iframe>'
+        if not self.running:
+            return f"<em>{html.escape(repr(self))}</em>"
+        note = (
+            "The page comes from this computer. Of a notebook that runs elsewhere, or for one that "
+            "is sent, jo.view(..., embed=True) puts it into the cell."
+        )
+        frame = f'<iframe style="{style}" allow="fullscreen" src="{html.escape(self.address)}">'
+        return f'{frame}</iframe><div style="opacity: 0.6">{note}</div>'
+
+
+@explained
+def view(
+    thing: str | Path | Solution | Mechanism | Model | ReducedPart | Part | Mesh | MechanismModes,
+    *others: Any,
+    open: bool = True,
+    damage: DamageField | Sequence[DamageField] | None = None,
+    modes: bool = False,
+    port: int = 0,
+    embed: bool = False,
+) -> View:
+    """Show something that can be turned, played and asked: a page in the browser.
+
+    Parts, machines and runs are drawn with their shapes, deformation and stress
+    (``x = R + A (x0 + sum phi_j p_j)``, ``sigma = sum Sigma_j p_j``); numbers on the page are
+    worked out in double precision from the run. The page comes from a server on this computer; its
+    address contains a random token, without which it does not answer.
+
+    Parameters
+    ----------
+    thing : object or path
+        A run, a mechanism or compiled model, a part, reduced part or mesh, modes of a machine, or
+        the path of results, a model, a reduced part or a mesh.
+    *others : objects or paths
+        To compare it with, drawn over it; up to three.
+    open : bool
+        Open the browser. In a notebook the page is shown in the cell instead.
+    damage : DamageField or sequence of these, optional
+        Damage of bodies of the run, to be shown in colours.
+    modes : bool
+        Show the modes of vibration of the machine about its rest position.
+    port : int
+        Where the server listens, 0 for any free port.
+    embed : bool
+        In a notebook, put all of it into the cell, without a server: for notebooks that are sent
+        or run elsewhere.
+
+    Returns
+    -------
+    View
+        ``.address``, ``.save(path)``, ``.wait()`` at the end of a script, ``.close()``.
+
+    Raises
+    ------
+    InputError
+        For what cannot be shown, a port that is taken, or if the page was not built.
+
+    Examples
+    --------
+    ``jo.view(run)``, ``jo.view("crane.h5").save("crane.html")``, ``jo.view(before, after)``
+    """
+    things = (thing, *others)
+    problems = Problems()
+    whole: Any = port
+    if isinstance(whole, bool) or not isinstance(whole, int) or not 0 <= whole < 65536:
+        problems.add("view", f"port is {port!r}, must be a whole number from 0 to 65535")
+    switches: dict[str, Any] = {"open": open, "modes": modes, "embed": embed}
+    for name, value in switches.items():
+        if not isinstance(value, bool):
+            problems.add("view", f"{name} is {value!r}, must be True or False")
+    if len(things) > MOST:
+        problems.add("view", f"{len(things)} things, must be up to {MOST}")
+    problems.raise_if_any()
+    made = View(answers_of(things, damage=damage, modes=modes), port=port, embed=embed)
+    if open and not embed and not in_notebook():
+        made.open()
+    return made
+
+
+def answers_of(things: Sequence[Any], *, frames: int = FRAMES, **how: Any) -> Answers:
+    """Return what answers for things or files, see `scenes_of`."""
+    scenes = scenes_of(things, **how)
+    titles = distinct([scene.title for scene in scenes])
+    return Answers(scenes, titles, lambda: page(scenes, frames=frames, titles=titles))
+
+
+def distinct(titles: Sequence[str]) -> list[str]:
+    """Return titles of which equal ones are numbered.
+
+    Examples
+    --------
+    >>> distinct(["crane", "crane", "arm"])
+    ['crane 1', 'crane 2', 'arm']
+    """
+    number: dict[str, int] = {}
+    found = []
+    for title in titles:
+        number[title] = number.get(title, 0) + 1
+        found.append(title if titles.count(title) == 1 else f"{title} {number[title]}")
+    return found

@@ -1,0 +1,81 @@
+"""A machine that is exported in tests, and what the engine computes of it."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import jousto as jo
+
+CC = shutil.which("cc")
+WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror")
+FLAGS = ("-O1", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off")
+STEP = 1e-3
+
+
+def swinging_arm() -> jo.Mechanism:
+    """Return a driven flexible arm with friction that sticks, a spring, an event and damage."""
+    steel = jo.Material(E=210e9, nu=0.3, rho=7850)
+    part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.025), 4, steel)
+    arm = jo.FlexibleBody("arm", jo.reduce(part, jo.CraigBampton(("start", "end"), modes=3)))
+    ball = jo.RigidBody.sphere("ball", 0.05, mass=2.0, position=(1.0, 0, 0))
+    pin = jo.Revolute("pin", jo.ground["origin"], arm["start"], axis=(0, 1, 0))
+    hold = jo.Fixed("hold", arm["end"], ball["center"])
+    drive = jo.JointForce("drive", pin.angle, jo.Input("push", 1.5))
+    spring = jo.Spring.between("spring", jo.ground.at((0.5, 0, 1.0)), arm["end"], stiffness=300.0)
+    rub = jo.Friction(
+        "rub", pin, mu_kinetic=0.2, mu_static=0.3, radius=0.02, law=jo.mechanism.StickSlip()
+    )
+    tip = jo.PositionSensor("tip", ball["center"])
+    stress = jo.StressSensor("stress", arm, "e1.a.top")
+    steel_curve = jo.SN(S_D=100e6, N_D=1e6, k=5)
+    life = jo.mechanism.DamageSensor(
+        "life", stress, steel_curve, residue="half", components="e1.a.top:s11"
+    )
+    low = jo.mechanism.Event("low", tip, component="z", threshold=-0.2)
+    gravity = jo.Gravity((0, 0, -9.81))
+    return jo.Mechanism(
+        *(arm, ball, pin, hold, drive, spring, rub, tip, stress, life, low, gravity)
+    )
+
+
+def compiled(folder: Path, *sources: str, flags: tuple[str, ...] = FLAGS) -> Path:
+    out = folder / "program"
+    line = [str(CC), *WARNINGS, *flags, "-I.", *sources, "-o", str(out), "-lm"]
+    done = subprocess.run(line, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return out
+
+
+def table(program: Path, *arguments: str) -> np.ndarray:
+    done = subprocess.run([program, *arguments], capture_output=True, text=True, check=True)
+    return np.array([[float(x) for x in row.split(",")] for row in done.stdout.splitlines()[1:]])
+
+
+def expected(model: jo.Model, run: jo.Solution) -> np.ndarray:
+    values = [run[sensor.name] for sensor in model.sensors]
+    return np.concatenate([run.time[:, None], *values], axis=1)
+
+
+def engine_rows(folder: Path, end: float, rows: int) -> np.ndarray:
+    """Return time and sensors of a run in the baseline engine, in a process of its own."""
+    code = (
+        "import sys, numpy as np, jousto as jo\n"
+        "sys.path.insert(0, sys.argv[1])\n"
+        "import exported as t\n"
+        "m = jo.compile(t.swinging_arm())\n"
+        "end, rows = float(sys.argv[2]), int(sys.argv[3])\n"
+        "run = jo.simulate(m, end, solver=jo.ROS2(step=t.STEP), output_step=end / rows)\n"
+        "np.save(sys.argv[4], t.expected(m, run))\n"
+    )
+    out = folder / "rows.npy"
+    given = [str(Path(__file__).parent), repr(end), str(rows), str(out)]
+    environment = {**os.environ, "JOUSTO_CPU": "baseline"}
+    subprocess.run([sys.executable, "-c", code, *given], env=environment, check=True)
+    found: np.ndarray = np.load(out)
+    return found

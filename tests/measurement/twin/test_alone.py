@@ -1,0 +1,73 @@
+"""A part driven alone by a run (Altarriba 2010, eq. 42)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import jousto as jo
+
+RUBBER = jo.Material(E=2e9, nu=0.3, rho=1100.0)
+
+
+def spinning(speed):
+    """Return the run of a rigid rod of 1 m that spins evenly, with the reaction of its hinge."""
+    mass = 1100.0 * 0.02 * 0.02
+    arm = jo.RigidBody("arm", mass, (1e-3, mass / 12, mass / 12), center=(0.5, 0, 0))
+    pin = jo.Revolute("pin", jo.ground["origin"], arm["origin"], axis=(0, 0, 1))
+    even = jo.Drive("even", pin.angle, jo.Ramp(-1.0, 1.0, before=-speed, after=speed))
+    model = jo.compile(jo.Mechanism(arm, pin, even, jo.ReactionSensor("pin", pin)))
+    return jo.simulation.kinematics(model, np.linspace(0.0, 0.02, 201))
+
+
+def rod(modes=4):
+    part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.02), 8, RUBBER, name="rod")
+    return jo.reduce(part, jo.CraigBampton(("start", "end"), modes=modes))
+
+
+def test_a_spinning_rod_is_stretched_by_its_own_mass():
+    """N(x) = rho A w^2 (L^2 - x^2) / 2 stretches it by rho w^2 L^3 / 3E; linear, so small."""
+    speed, part = 20.0, rod()
+    run = spinning(speed)
+    p = jo.twin.drive_part(run, "arm", part, {"start": run["pin"]})
+    ends = part.modes[[part.node("start"), part.node("end")], 0]
+    stretch = (ends[1] - ends[0]) @ p.T
+    exact = 1100.0 * speed**2 / (3 * 2e9)
+    # less the centrifugal force of the stretch itself, and differences over 0.1 ms
+    np.testing.assert_allclose(stretch, exact, rtol=2e-4)
+
+
+def pendulum():
+    """Return a model of a soft flexible rod that falls, with the reaction of its hinge."""
+    arm = jo.FlexibleBody("arm", rod(2), damping=0.1)
+    pin = jo.Revolute("pin", jo.ground["origin"], arm["start"], axis=(0, 1, 0))
+    sensor = jo.ReactionSensor("pin", pin)
+    return jo.compile(jo.Mechanism(arm, pin, jo.Gravity((0, 0, -9.81)), sensor))
+
+
+def test_the_part_of_the_run_itself_moves_as_in_the_run():
+    """The same part under its own motion and reactions: the difference falls with h^2."""
+    model, part = pendulum(), rod(2)
+    errors = []
+    for h in (2e-3, 1e-3):
+        run = jo.simulate(model, 0.2, solver=jo.RK4(step=2e-5), output_step=h)
+        shape = run.bodies[0]
+        own = run.q[:, shape.q_offset + 7 : shape.q_offset + 7 + part.n]
+        p = jo.twin.drive_part(run, "arm", part, {"start": run["pin"]}, damping=0.1,
+                               start=(own[0], 0 * own[0]))  # fmt: skip
+        soft = int(np.argmax(np.abs(own).max(axis=0)))
+        errors.append(np.abs(p - own)[:, soft].max() / np.abs(own[:, soft]).max())
+    assert errors[1] < 0.02
+    assert errors[1] < 0.35 * errors[0]
+
+
+def test_what_does_not_fit_is_named():
+    run, part = spinning(20.0), rod()
+    with pytest.raises(jo.InputError, match=r"loads\['start'\] has shape \(3, 6\), must be"):
+        jo.twin.drive_part(run, "arm", part, {"start": np.zeros((3, 6))})
+    with pytest.raises(jo.InputError, match="no node 'strat'; did you mean 'start'"):
+        jo.twin.drive_part(run, "arm", part, {"strat": run["pin"]})
+    with pytest.raises(jo.InputError, match="start has 1 arrays, must be coordinates and vel"):
+        jo.twin.drive_part(run, "arm", part, {"start": run["pin"]}, start=(np.zeros(part.n),))
+    with pytest.raises(jo.InputError, match="no body 'arn'"):
+        jo.twin.drive_part(run, "arn", part, {})

@@ -1,0 +1,142 @@
+"""verify: sound machines agree, what was left out shows, what cannot be compared is said."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import jousto as jo
+from jousto.natural.verify import verify
+from natural.machines import SECTION, rod
+from verification.iftomm import bricard
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*not connected", "ignore:.*regularised friction")
+
+
+def machine() -> jo.Mechanism:
+    """Two bent bars that turn about skew axes; the elbow rubs."""
+    upper = jo.FlexibleBody("upper", rod(), angular_velocity=(0, 0, 6.0))
+    lower = jo.FlexibleBody(
+        "lower", upper.reduced, position=(1, 0, 0), velocity=(0, 6.0, 0), angular_velocity=(0, 2, 6)
+    )
+    hinge = jo.Revolute("hinge", jo.ground["origin"], upper["start"], axis=(0, 0, 1))
+    elbow = jo.Revolute("elbow", upper["end"], lower["start"], axis=(0, 1, 0))
+    law = jo.mechanism.Regularised(velocity=0.1)
+    rub = jo.Friction("rub", elbow, 0.1, radius=0.03, law=law)
+    sensors = (
+        jo.PositionSensor("tip", lower["end"]),
+        jo.OrientationSensor("tip turned", lower["end"]),
+        jo.StressSensor("stress", upper, "e2.a.top"),
+    )
+    push = jo.Force("push", lower["end"], (0, 0, 400.0))
+    return jo.Mechanism(upper, lower, hinge, elbow, rub, push, *sensors, name="arm")
+
+
+def found(mechanism: jo.Mechanism) -> jo.natural.Verification:
+    """Verification over 20 ms, in which the bars bend by centimetres."""
+    return verify(mechanism, 0.02, step=1e-3)
+
+
+@cache
+def sound() -> jo.natural.Verification:
+    return found(machine())
+
+
+def test_a_sound_machine_agrees() -> None:
+    result = sound()
+    assert result.agrees, result
+    assert result.verdict.startswith("the formulations agree: ")
+    assert result.instants == 21
+    assert all(row.at_instants < 1e-7 for row in result.rows), result
+    tip = next(row for row in result.rows if row.name == "tip")
+    assert tip.order == pytest.approx(2.0, abs=0.3)
+
+
+def test_implicit_methods_are_no_difference() -> None:
+    """Their own accelerations miss the equations of motion by the error of a step."""
+    result = verify(machine(), 0.02, step=1e-3, solver=jo.GeneralizedAlpha(1e-3))
+    assert result.agrees, result
+    assert max(row.at_instants for row in result.rows) < 1e-7
+
+
+def test_an_invariant_left_out_on_purpose_shows_too() -> None:
+    body = jo.FlexibleBody("bar", rod(), angular_velocity=(1, 5, 9), drop_invariants=("I9",))
+    push = jo.Force("push", body["end"], (0, 300.0, 200.0))
+    result = verify(jo.Mechanism(body, push), 0.02, step=1e-3)
+    assert not result.agrees
+
+
+@pytest.mark.filterwarnings("ignore:.*repeat")
+def test_reactions_that_are_not_unique_are_not_compared() -> None:
+    result = verify(bricard(), 0.02, step=2e-3)
+    assert result.agrees, result
+    shared = [row for row in result.rows if not row.unique]
+    assert {row.name for row in shared} == {f"reaction of hinge {k}" for k in range(6)}
+    assert "not unique" in str(result)
+
+
+def test_sensors_of_the_engine_alone_are_named() -> None:
+    body = jo.FlexibleBody("bar", rod(), angular_velocity=(0, 1, 2))
+    stress = jo.StressSensor("stress", body, "e2.a.top")
+    curve = jo.SN(S_D=50e6, N_D=2e6, k=5.0)
+    damage = jo.mechanism.DamageSensor("damage", stress, curve, residue="half", factor=1.0)
+    pin = jo.Spherical("pin", jo.ground["origin"], body["start"])
+    result = verify(jo.Mechanism(body, pin, stress, damage), 0.002)
+    assert result.left_out == ("damage",)
+    assert result.agrees
+
+
+def test_both_start_where_they_are_told() -> None:
+    bar = jo.FlexibleBody("bar", rod())
+    clamp = jo.Fixed("clamp", jo.ground["origin"], bar["start"])
+    push = jo.Force("push", bar["end"], (0, 0, 40.0))
+    mechanism = jo.Mechanism(bar, clamp, push, jo.StressSensor("stress", bar, "e2.a.top"))
+    at_rest = verify(mechanism, 0.01, step=1e-3, begin=jo.equilibrium)
+    assert at_rest.agrees, at_rest
+    free = verify(mechanism, 0.01, step=1e-3)
+    assert free.agrees, free
+    # element 2 begins a quarter of a metre from the clamp: 40 N over 0.75 m; let go, 10 ms are not
+    # long enough to bend it
+    stress = [next(row for row in one.rows if row.name == "stress").size for one in (at_rest, free)]
+    assert stress[0] == pytest.approx(40.0 * 0.75 * SECTION.height / 2 / SECTION.Iy, rel=1e-3)
+    assert stress[1] < 0.1 * stress[0]
+    with pytest.raises(jo.InputError, match="begin is 'rest', must be a function"):
+        verify(mechanism, 0.01, begin="rest")  # type: ignore[arg-type]
+
+
+def fast() -> jo.Mechanism:
+    """A drive turns an eccentric wheel by six radians between two states; a gear turns another."""
+    wheel = jo.RigidBody(
+        "wheel", 1.0, (0.01, 0.01, 0.02), center=(0.05, 0, 0), angular_velocity=(0, 0, 300)
+    )
+    other = jo.RigidBody(
+        "other", 1.0, (0.01, 0.01, 0.02), position=(0.5, 0, 0), angular_velocity=(0, 0, -210)
+    )
+    hinge = jo.Revolute("hinge", jo.ground["origin"], wheel["origin"], axis=(0, 0, 1))
+    second = jo.Revolute("second", jo.ground.at((0.5, 0, 0)), other["origin"], axis=(0, 0, 1))
+    gear = jo.Gear("gear", hinge.angle, second.angle, -0.7)
+    drive = jo.Drive("drive", hinge.angle, jo.ConstantSpeed(300.0))
+    turned = jo.CoordinateSensor("turned", second.angle)
+    return jo.Mechanism(wheel, other, hinge, second, gear, drive, turned, name="fast")
+
+
+def test_fast_machines_agree() -> None:
+    """Turns between two states count, and rounding of 4.5 kN is none of a torque that is zero."""
+    result = verify(fast(), 4.0, step=2e-3)
+    assert result.agrees, result
+    assert next(row for row in result.rows if row.name == "turned").size == pytest.approx(840.0)
+
+
+def test_the_page_stands_for_itself(tmp_path: Path) -> None:
+    text = jo.write(sound(), tmp_path / "arm.html").read_text(encoding="utf-8")
+    assert sound().verdict.replace("'", "&#x27;") in text
+    assert "<td>tip</td>" in text
+    assert "http" not in text.replace("http-equiv", "")
+
+
+def test_numbers_that_make_no_sense() -> None:
+    with pytest.raises(jo.InputError) as error:
+        verify(machine(), 0.0, step=-1.0)
+    assert len(error.value.problems) == 2

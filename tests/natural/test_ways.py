@@ -1,0 +1,167 @@
+"""verify by other ways: another method, frame, basis or mechanism, each with a planted fault."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+import jousto as jo
+from jousto.natural import ways
+from jousto.natural.exchange import exchanged, held
+from jousto.natural.verification import Verification, Way
+from jousto.natural.verify import verify
+from jousto.reduction import NodeFrame, in_frame
+
+Patch = pytest.MonkeyPatch
+STEEL = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:.*the energy balance misses", "ignore:.*not connected"
+)
+
+
+@cache
+def bar() -> jo.ReducedPart:
+    part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.02), 8, STEEL, name="bar")
+    return jo.reduce(part, jo.CraigBampton(("start", "end"), modes=2))
+
+
+def pushed(reduced: jo.ReducedPart | None = None, **more: Any) -> jo.Mechanism:
+    """A clamped bar that a growing force bends by a hundredth of its length, without a jolt."""
+    body = jo.FlexibleBody("bar", reduced or bar(), **more)
+    clamp = jo.Fixed("clamp", jo.ground["origin"], body["start"])
+    push = jo.Force("push", body["end"], (0, 0, 100.0), signal=jo.SCurve((0, 0.1), (0, 1)))
+    sensors = (
+        jo.PositionSensor("tip", body["end"]),
+        jo.ReactionSensor("at the clamp", clamp),
+        jo.StressSensor("stress", body, "e2.a.top"),
+    )
+    return jo.Mechanism(body, clamp, push, *sensors, name="bar")
+
+
+def ways_of(found: Verification) -> dict[str, Way]:
+    return {way.name: way for way in found.ways}
+
+
+def compare(mechanism: jo.Mechanism, **more: Any) -> Verification:
+    return verify(mechanism, 0.1, step=1e-3, **more)
+
+
+@cache
+def sound() -> Verification:
+    return compare(pushed())
+
+
+def test_all_ways_are_gone() -> None:
+    found = ways_of(sound())
+    assert list(found) == ["GeneralizedAlpha", "another frame", "finer basis"]
+    for way in found.values():
+        assert way.worst is not None, way.said
+        assert way.worst.fine < 5e-3, way.said
+    assert found["GeneralizedAlpha"].worst.order == pytest.approx(2.0, abs=0.3)  # type: ignore[union-attr]
+    for name, way in found.items():
+        assert f"{name}" in str(sound())
+        assert way.said in str(sound())
+
+
+def off(found: Verification, way: str, reading: str) -> float:
+    return next(row.fine for row in ways_of(found)[way].rows if row.name == reading)
+
+
+def test_a_method_with_a_fault_shows(monkeypatch: Patch) -> None:
+    """A Newmark method with too much weight on the new velocity is of order 1."""
+    bad = jo.simulation.Newmark(beta=0.6, gamma=1.0)
+    monkeypatch.setattr(ways, "another", lambda solver, model: bad)
+    way = ways_of(compare(pushed()))["Newmark"]
+    assert way.apart
+    assert way.worst is not None
+    assert way.worst.order < 1.4
+
+
+def test_a_frame_with_a_fault_shows(monkeypatch: Patch) -> None:
+    """Frequencies that are 2 % too high: 4 % more stiffness."""
+
+    def wrong(reduced: jo.ReducedPart, frame: Any) -> jo.ReducedPart:
+        part = in_frame(reduced, frame)
+        return replace(part, frequencies=1.02 * part.frequencies)
+
+    monkeypatch.setattr(ways, "in_frame", wrong)
+    broken = compare(pushed())
+    assert off(broken, "another frame", "stress") > 10 * off(sound(), "another frame", "stress")
+
+
+def test_a_basis_that_is_too_poor_shows() -> None:
+    """Without its slow modes the bar does not bend, and has no stress."""
+    poor = bar().keep(range(4, bar().n))
+    stiff = compare(pushed(poor))
+    assert off(stiff, "finer basis", "stress") > 0.3 > 10 * off(sound(), "finer basis", "stress")
+
+
+def test_a_given_mechanism_is_compared() -> None:
+    part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.02), 16, STEEL, name="bar")
+    mesh = pushed(jo.reduce(part, jo.CraigBampton(("start", "end"), modes=2)))
+    light = jo.Part.beam(
+        1.0, jo.Rectangle(0.02, 0.02), 8, replace(STEEL, rho=0.5 * STEEL.rho), name="bar"
+    )
+    wrong = pushed(jo.reduce(light, jo.CraigBampton(("start", "end"), modes=2)))
+    found = compare(pushed(), beside={"16 elements": mesh, "half the mass": wrong})
+    assert off(found, "16 elements", "tip") < 1e-4
+    assert off(found, "half the mass", "stress") > 1e-2
+    with pytest.raises(jo.InputError, match="beside must be mechanisms by names"):
+        compare(pushed(), beside={"fine": 3})
+
+
+def test_a_body_with_damping_is_compared_without_it() -> None:
+    """A damping ratio is that of the free body: of the modes of another frame it is another."""
+    found = compare(pushed(damping=0.05))
+    assert off(found, "another frame", "tip") == pytest.approx(
+        off(sound(), "another frame", "tip"), rel=0.5
+    )
+
+
+def test_exchanged_mechanisms_move_alike() -> None:
+    machine = pushed()
+    body = machine.bodies[0]
+    assert isinstance(body, jo.FlexibleBody)
+    other = exchanged(machine, {body: in_frame(bar(), NodeFrame("start"))})
+    assert other.bodies[0] is not body
+    assert other.joints[0].b.body is other.bodies[0]
+    assert other.sensors[1].reading.of is other.joints[0]
+    assert exchanged(machine, {}) is machine
+    assert held(machine) is machine
+
+
+def stop() -> jo.Mechanism:
+    machine = pushed()
+    tip = machine.sensors[0]
+    end = jo.mechanism.Event("low", tip, -10.0, component="z", stop=True)
+    return jo.Mechanism(*machine.items, end, name="bar")
+
+
+def test_two_methods_judge_what_the_moving_frame_does_not_know(monkeypatch: Patch) -> None:
+    found = compare(stop())
+    assert found.agrees, found
+    assert found.unknown == ("event 'low': the moving frame does not stop at events; leave it out",)
+    assert "does not know 1 thing of the machine; two methods of the engine agree" in found.verdict
+    assert "not known" in str(found)
+    monkeypatch.setattr(
+        ways, "another", lambda solver, model: jo.simulation.Newmark(beta=0.6, gamma=1.0)
+    )
+    broken = compare(stop())
+    assert not broken.agrees
+    assert "DISAGREE with a step of 0.0005 s in" in broken.verdict
+
+
+def test_inputs_are_held() -> None:
+    """A push of 3 N at the centre of 2 kg, the initial value of an input."""
+    ball = jo.RigidBody("ball", 2.0, (1, 1, 1))
+    push = jo.Force("push", ball["center"], (1, 0, 0), signal=jo.Input("load", 3.0))
+    machine = jo.Mechanism(ball, push, jo.AccelerationSensor("a", ball["center"]))
+    found = verify(machine, 0.01)
+    assert found.agrees, found
+    assert not found.unknown
+    (row,) = (row for row in found.rows if row.name == "a")
+    np.testing.assert_allclose(row.size, 1.5, rtol=1e-9)

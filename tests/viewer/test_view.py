@@ -1,0 +1,231 @@
+"""jo.view and `jousto view`: things and files, pages as one file, the end by Ctrl-C."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import html
+import re
+import signal
+import subprocess
+import sys
+import urllib.request
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import jousto as jo
+from jousto.base.errors import InputError, MissingFileError
+from jousto.cli.group import app
+from jousto.viewer import bundle
+from jousto.viewer.container import unpack
+from jousto.viewer.standalone import FRAMES
+from session import EXAMPLES
+from viewer.machines import bar, mechanism, swing
+
+
+@pytest.fixture(autouse=True)
+def built(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A page for the tests where Node did not build the real one."""
+    if not (bundle.FOLDER / bundle.JS).is_file():
+        (tmp_path / "page").mkdir()
+        (tmp_path / "page" / "viewer.js").write_text('let x = "</script><!--";')
+        (tmp_path / "page" / "viewer.css").write_text("body {}")
+        monkeypatch.setattr(bundle, "FOLDER", tmp_path / "page")
+
+
+def call(*words: Any) -> tuple[int, str]:
+    """Return exit code and output of a command."""
+    found = CliRunner().invoke(app, [str(word) for word in words], prog_name="jousto")
+    return found.exit_code, found.output
+
+
+def contents(path: Path) -> dict[str, Any]:
+    """Return what a page that stands alone contains."""
+    text = path.read_text("utf-8")
+    data = re.search(r'id="jousto-data">([^<]*)<', text)
+    assert data
+    return unpack(gzip.decompress(base64.b64decode(data[1])))
+
+
+# -- in Python ------------------------------------------------------------------------------
+
+
+def test_a_view_has_an_address_until_it_is_closed() -> None:
+    view = jo.view(swing(), open=False)
+    with urllib.request.urlopen(view.address) as page:
+        assert b"swing" in page.read()
+    assert view.running and view.address in repr(view)
+    view.close()
+    assert not view.running and "closed" in repr(view)
+    with pytest.raises(OSError):
+        urllib.request.urlopen(view.address, timeout=2)
+
+
+def test_the_browser_is_opened_unless_it_should_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr("webbrowser.open", lambda address: bool(opened.append(address)) or True)
+    view = jo.view(swing())
+    assert opened == [view.address]
+    view.close()
+
+
+@pytest.mark.parametrize("what", ["run", "mechanism", "model", "reduced", "part", "mesh", "modes"])
+def test_all_kinds_of_things_can_be_seen(what: str) -> None:
+    from session import objects
+
+    made = objects()
+    thing = {
+        "run": swing(),
+        "mechanism": mechanism(),
+        "model": made["model"],
+        "reduced": bar(),
+        "part": made["solid"],
+        "mesh": made["mesh"],
+        "modes": jo.modes(made["model"]),
+    }[what]
+    view = jo.view(thing, open=False, embed=True)
+    (scene,) = view._answers.scenes
+    assert scene.bodies and np.all(scene.box[1] >= scene.box[0])
+    page = html.unescape(view._repr_html_())
+    assert page.startswith("<iframe") and "jousto-data" in page
+
+
+def test_a_cell_shows_the_page_of_the_server() -> None:
+    view = jo.view(swing(), open=False)
+    cell = view._repr_html_()
+    assert f'src="{view.address}"' in cell and "embed=True" in cell
+    view.close()
+    assert "iframe" not in view._repr_html_()
+
+
+def test_several_runs_have_names_of_their_own(tmp_path: Path) -> None:
+    view = jo.view(swing(), swing(), open=False, embed=True)
+    found = contents(view.save(tmp_path / "two.html", frames=5))
+    assert found["scene"]["runs"] == ["swing 1", "swing 2"] and len(found["runs"]) == 2
+
+
+def test_a_page_has_rows_sensors_and_worst_places(tmp_path: Path) -> None:
+    run = swing()
+    found = contents(jo.view(run, open=False, embed=True).save(tmp_path / "run.html", frames=20))
+    every = -(-run.nt // 20)
+    np.testing.assert_array_equal(found["time"], run.time[::every])
+    np.testing.assert_array_equal(found["scene"]["frames"], found["time"])
+    assert found["scene"]["thinned"] == every and len(found["time"]) <= 20
+    np.testing.assert_array_equal(found["rows"][:, : run.q.shape[1]], run.q[::every].astype("f4"))
+    sensors = found["sensors"]
+    assert set(sensors["values"]) == set(run.sensors)
+    assert sensors["values"]["ball"].shape == (3, len(sensors["time"]))
+    assert found["worst"]["von-mises"][0]["value"] == pytest.approx(
+        jo.hot_spots(run, count=1)[0].value
+    )
+    shapes = found["scene"]["bodies"][0]["shapes"]
+    assert shapes.dtype == np.float32
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ({"port": -1}, "port is -1"),
+        ({"port": True}, "port is True"),
+        ({"open": "no"}, "open is 'no', must be True or False"),
+        ({"damage": 5}, "damage"),
+        ({"modes": True}, "modes: are those of a machine"),
+    ],
+)
+def test_wrong_options_are_named(how: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        jo.view(swing(), **({"open": False, "embed": True} | how))
+
+
+def test_what_cannot_be_seen_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot be seen"):
+        jo.view(5, open=False)
+    with pytest.raises(MissingFileError, match="no such file"):
+        jo.view(tmp_path / "none.h5", open=False)
+    (tmp_path / "text.txt").write_text("hello")
+    with pytest.raises(InputError, match="no kind that is read"):
+        jo.view(tmp_path / "text.txt", open=False)
+    (tmp_path / "other.h5").write_bytes(b"no HDF5")
+    with pytest.raises(InputError, match="neither results nor a reduced part"):
+        jo.view(tmp_path / "other.h5", open=False)
+    with pytest.raises(InputError, match="up to 4"):
+        jo.view(*[swing()] * 5, open=False)
+    with pytest.raises(InputError, match="must end with .html"):
+        jo.view(swing(), open=False, embed=True).save(tmp_path / "page.pdf")
+
+
+# -- on the command line --------------------------------------------------------------------
+
+
+def test_the_command_writes_a_page_and_says_what_was_left_out(tmp_path: Path) -> None:
+    file, page = tmp_path / "run.h5", tmp_path / "run.html"
+    swing().save(file)
+    code, text = call("view", file, "-o", page, "--frames", 50)
+    assert code == 0, text
+    size = page.stat().st_size / 1e6
+    assert f"page in {page}, {size:.1f} MB; one of 6 instants, --frames 251 takes all" in text
+    assert len(contents(page)["time"]) == 42
+    code, text = call("view", file, "-o", page)
+    assert code == 0 and "one of" not in text and FRAMES >= 251
+
+
+def test_the_command_colours_damage(tmp_path: Path) -> None:
+    file, page = tmp_path / "run.h5", tmp_path / "run.html"
+    swing().save(file)
+    code, text = call("view", file, "-o", page, "--sn", "fat71", "--residue", "half")
+    assert code == 0, text
+    assert "damage" in contents(page)["scene"]["measures"]
+    code, text = call("view", file, "-o", page, "--damage")
+    assert code == 2 and "fatigue" in text
+
+
+def test_the_command_names_what_is_wrong(tmp_path: Path) -> None:
+    code, text = call("view", tmp_path / "none.h5", "-o", tmp_path / "x.html")
+    assert code == 2 and "no such file" in text and "Traceback" not in text
+    file = tmp_path / "run.h5"
+    swing().save(file)
+    code, text = call("view", file, "-o", file)
+    assert code == 2 and "overwritten" in text
+    code, text = call("view", file, "-o", tmp_path / "x.pdf")
+    assert code == 2 and "must end with .html" in text
+
+
+def test_models_parts_and_modes_from_files(tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    code, text = call("view", EXAMPLES / "four_bar.yaml", "-o", page)
+    assert code == 0, text
+    assert contents(page)["scene"]["what"] == "model"
+    part = tmp_path / "bar.h5"
+    bar().save(part)
+    code, text = call("view", part, "-o", page)
+    assert code == 0, text
+    modes = contents(page)["scene"]["modes"]
+    frequencies = [mode["frequency"] for mode in modes]
+    np.testing.assert_allclose(frequencies, bar().frequencies, rtol=1e-9)
+    code, text = call("view", EXAMPLES / "flexible_pendulum.yaml", "--modes", "-o", page)
+    assert code == 0, text
+    assert contents(page)["scene"]["what"] == "modes"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_ctrl_c_ends_the_command(tmp_path: Path) -> None:
+    if not (Path(bundle.__file__).parent / "page" / "viewer.js").is_file():
+        pytest.skip("the page was not built: make page")
+    file = tmp_path / "run.h5"
+    swing().save(file)
+    command = [sys.executable, "-m", "jousto", "view", str(file), "--no-open"]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout and process.stderr
+        address = process.stdout.readline().strip()
+        with urllib.request.urlopen(address) as page:
+            assert page.status == 200
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=20)
+    assert process.returncode == 0
+    assert said == "Ctrl-C ends it\n"
