@@ -246,6 +246,8 @@ def test_all_mistakes_are_told(model: Path) -> None:
     ]
     with pytest.raises(InputError, match="is neither an outcome nor"):
         jo.design.file_problem(file, cost="hight")
+    with pytest.raises(InputError, match="the same for all designs; name .* bounds: height"):
+        jo.design.file_problem(file, cost="2 * 3 mm")
     with pytest.raises(InputError, match="no parameter has bounds"):
         jo.design.file_problem(file, parameters=[file.parameters[1]])
     code, out = jousto("optimise", model, "--limit", "frequency(1) >= 1 Hz")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -52,3 +53,17 @@ def test_a_model_without_an_end_asks_for_it(model: Path) -> None:
     code, out = run("verify", model)
     assert code == 2
     assert "give --t-end" in out
+
+
+def test_other_models_are_compared_by_their_sensors(model: Path, tmp_path: Path) -> None:
+    other = tmp_path / "heavy.yaml"
+    other.write_text(MODEL.replace("mass: 2", "mass: 3"), encoding="utf-8")
+    line = ["verify", model, "--t-end", "40 ms", "--step", "4 ms", "--beside"]
+    code, out = run(*line, model, "--beside", other)
+    assert code == 0, out
+    # the model itself does not differ; with another mass on the same spring the place does
+    same, heavy = re.findall(r"\.yaml +differs by (\S+) of the size", out)
+    assert float(same) < 1e-12 < 1e-5 < float(heavy)
+    code, out = run(*line, tmp_path / "none.yaml")
+    assert code == 2
+    assert "none.yaml" in out

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -21,12 +22,18 @@ def verify(
     step: Annotated[
         str | None, typer.Option("--step", metavar="TIME", help="Longer step of both; 1 ms.")
     ] = None,
+    beside: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--beside", metavar="MODEL", help="A model to compare it with, such as a finer mesh."
+        ),
+    ] = None,
     trust: Trust = False,
 ) -> None:
     """Compare the engine with a second formulation, the moving frame; exit code 1 if they differ.
 
     Every sensor, acceleration, reaction and force at the same states, and runs with two steps. Both
-    start as the model file says.
+    start as the model file says. Sensors of the models --beside are compared by their names.
     """
     from jousto.base.errors import InputError, Problem
     from jousto.natural.verify import verify as compare
@@ -40,7 +47,13 @@ def verify(
         raise InputError(Problem(model.name, "has no simulation with its end; give --t-end"))
     longer = amount(step, "s", "--step")
     begin = None if file.simulation is None else file.simulation.begin
-    found = compare(file.mechanism, end, step=1e-3 if longer is None else longer, begin=begin)
+    found = compare(
+        file.mechanism,
+        end,
+        step=1e-3 if longer is None else longer,
+        begin=begin,
+        beside={str(path): read_model(path, trust=trust).mechanism for path in beside or ()},
+    )
     say(str(found).removesuffix(found.verdict).rstrip())
     say(found.verdict, style="green" if found.agrees else "red")
     if not found.agrees:

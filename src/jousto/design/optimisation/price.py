@@ -22,7 +22,7 @@ def read_price(text: str, file: Any, every: Sequence[Parameter]) -> Price:
     Raises
     ------
     InputError
-        If it needs a run, or is nothing that is known.
+        If it needs a run, is nothing that is known, or the same for all designs.
     """
     where = f"cost {text!r}"
     kinds = {p.name: p.exponents for p in every}
@@ -31,10 +31,15 @@ def read_price(text: str, file: Any, every: Sequence[Parameter]) -> Price:
         outcome = read_outcome(text)
     except InputError:
         known = {p.name: Quantity(p.value, p.exponents) for p in every}
+        used: set[str] = set()
         try:
-            evaluate(text, known)
+            evaluate(text, known, used)
         except ExpressionError as error:
             raise InputError(Trouble(where, f"is neither an outcome nor: {error}")) from None
+        free = [p.name for p in every if p.bounds is not None]
+        if not used.intersection(free):
+            message = f"is the same for all designs; name parameters with bounds: {', '.join(free)}"
+            raise InputError(Trouble(where, message)) from None
 
         def arithmetic(values: Mapping[str, float], parts: Mapping[str, Part]) -> float:
             here = {name: Quantity(v, kinds[name]) for name, v in values.items() if name in kinds}
