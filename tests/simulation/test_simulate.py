@@ -24,6 +24,7 @@ from jousto.simulation.solvers.stability import (
     body_eigenvalues,
     largest_stable_step,
     mechanism_eigenvalues,
+    stability_warning,
 )
 from simulation.conftest import STEEL
 
@@ -190,6 +191,19 @@ def test_the_predicted_limit_is_sharp(pendulum):
     assert run.complete
     with pytest.warns(jo.JoustoWarning), pytest.raises(jo.simulation.RunFailed):
         jo.simulate(pendulum, 2000 * limit * 1.1, solver=jo.RK4(1.1 * limit))
+
+
+def test_friction_that_sticks_is_no_mode(rod, highest_frequency):
+    """Held or let go, it jumps at rest; the modes of the free hinge say how long steps may be."""
+    arm = jo.FlexibleBody("arm", rod)
+    hinge = jo.Revolute("hinge", jo.ground["origin"], arm["start"], axis=(0, 0, 1))
+    sticks = {"preload": 10.0, "law": jo.mechanism.StickSlip()}
+    friction = jo.Friction("brake", hinge, 0.2, 0.3, radius=0.05, **sticks)
+    models = [jo.compile(jo.Mechanism(arm, hinge, *f, name="arm")) for f in ((), (friction,))]
+    step = 6.0 / (2 * np.pi * highest_frequency)
+    free, held = (stability_warning(model, jo.RK4(step), step) for model in models)
+    assert "needs a step below" in free
+    assert held == free
 
 
 def test_ros2_runs_where_rk4_cannot(pendulum, highest_frequency):

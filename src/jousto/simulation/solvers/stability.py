@@ -79,9 +79,10 @@ def mechanism_eigenvalues(model: Model) -> Eigenvalues:
 
     Central differences of the engine's accelerations in the increments of q and v, scaled so that
     both are of one size. All eigenvalues of small mechanisms, else the four of largest magnitude
-    (Arnoldi iteration).
+    (Arnoldi iteration). Without friction: one that sticks jumps at rest and has no derivative
+    there; the smooth law is looked at by `friction_warning`.
     """
-    engine = Engine(model)
+    engine = Engine(replace(model, frictions=()))
     free = [body_eigenvalues(model, i) for i in range(len(model.bodies))]
     free += all_beam_eigenvalues(model)
     scale = max(1.0, *(np.abs(e).max(initial=0.0) for e in free))
