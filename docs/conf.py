@@ -29,6 +29,8 @@ extensions = [
     # equations without a network: MathJax lies beside the pages
     "sphinx-mathjax-offline",
     "sphinx.ext.viewcode",
+    # machines of the gallery that move
+    "moving",
 ]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 exclude_patterns = ["generated"]

@@ -80,6 +80,7 @@ async function open(parent: HTMLElement): Promise<App> {
   mountPanels(app);
   await player.ready();
   view.drawNow();
+  if (window.location.hash === "#play") player.play();
   return app;
 }
 
