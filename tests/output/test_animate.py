@@ -223,3 +223,16 @@ def test_palette_keeps_the_commonest_colours_exactly(rng: np.random.Generator) -
     back = np.asarray(Palette([frame]).index(frame).convert("RGB"))
     np.testing.assert_array_equal(back[:40], frame[:40])
     assert np.abs(back.astype(int) - frame).max() < 90
+
+
+def test_the_top_of_a_scale_of_colours_is_not_lost_among_many_shades() -> None:
+    frame = np.full((200, 300, 3), 255, dtype=np.uint8)
+    # hundreds of greenish blues, and a few pixels of other colours
+    y, x = np.mgrid[:180, :256]
+    frame[:180, :256] = np.stack([y // 2, x, 128 + (x + y) % 100], axis=2)
+    rare = [(199, 40, 45), (238, 138, 50), (245, 213, 71), (30, 160, 40), (160, 30, 160)]
+    frame[190, : len(rare)] = rare
+    back = np.asarray(Palette([frame]).index(frame).convert("RGB"))
+    off = np.abs(back.astype(int) - frame.astype(int)).max(axis=2)
+    assert off[190].max() < 16
+    assert off[:180, :256].mean() < 24

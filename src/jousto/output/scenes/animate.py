@@ -210,18 +210,16 @@ def overlay(ax: Axes, stage: Stage) -> None:
             shadow = LineCollection(moment.shadow_lines(), colors="#EDEFF2", linewidths=width)
             shadow.set_capstyle("round")
             ax.add_collection(shadow)
-            for k in range(len(stage.bodies)):
-                fallen = moment.shadow(k)
-                if fallen is not None:
-                    _add_skin(ax, fallen, plain(fallen, "#EDEFF2"), 1.5)
+            fallen = moment.shadow()
+            _add_skin(ax, fallen, plain(fallen, "#EDEFF2"), 1.5)
     for i, moment in enumerate(moments):
         share = 1.0 if count == 1 else 0.22 + 0.78 * (i / (count - 1)) ** 1.3
-        for k in moment.order():
-            skin = moment.skin(k, share)
-            if skin is not None:
-                _add_skin(ax, *skin, 3.0)
-            else:
-                _add_lines(ax, moment, k, share)
+        behind, before = moment.lined()
+        for k in behind:
+            _add_lines(ax, moment, k, share)
+        _add_skin(ax, *moment.skin(share), 3.0)
+        for k in before:
+            _add_lines(ax, moment, k, share)
         symbols = SymbolPen(ax, stage.symbols, size_of(stage.box), share)
         symbols.show(i)
 
@@ -272,14 +270,15 @@ def _frames(
         color=INK,
     )
     digits = int(np.clip(-np.floor(np.log10(speed / fps)), 0, 6))
-    pens = [_Pen(ax, k, stage) for k in range(len(stage.bodies))]
+    pens = {k: _Pen(ax, k, stage) for k, one in enumerate(stage.bodies) if not one.surface}
     shadow = LineCollection([], colors="#E3E6EA", linewidths=stage.line_width)
     shadow.set_capstyle("round")
     trails = [LineCollection([], linewidths=1.6) for _ in stage.trails]
     for artist in (shadow, *trails):
         ax.add_collection(artist)
-    fallen = Skin()
-    ax.add_artist(fallen)
+    fallen, skin = Skin(), Skin()
+    for triangles in (fallen, skin):
+        ax.add_artist(triangles)
     symbols = SymbolPen(ax, stage.symbols, size_of(stage.box))
     for i, t in enumerate(stage.times):
         canvas.restore_region(background)
@@ -287,20 +286,19 @@ def _frames(
         if not stage.flat:
             shadow.set_segments(moment.shadow_lines())
             ax.draw_artist(shadow)
-            for k in range(len(stage.bodies)):
-                below = moment.shadow(k)
-                if below is not None:
-                    fallen.show(below, plain(below, "#E3E6EA"))
-                    ax.draw_artist(fallen)
+            below = moment.shadow()
+            fallen.show(below, plain(below, "#E3E6EA"))
+            ax.draw_artist(fallen)
         for k, trail in enumerate(trails):
             _glow(trail, stage, k, float(t), AFTERGLOW * speed)
             ax.draw_artist(trail)
-        for k in moment.order():
-            skin = moment.skin(k)
-            if skin is not None:
-                pens[k].fill(*skin)
-            else:
-                pens[k].draw(*moment.lines(k))
+        behind, before = moment.lined()
+        for k in behind:
+            pens[k].draw(*moment.lines(k))
+        skin.show(*moment.skin())
+        ax.draw_artist(skin)
+        for k in before:
+            pens[k].draw(*moment.lines(k))
         symbols.show(i)
         symbols.draw()
         clock.set_text(f"{t:.{digits}f} s")
@@ -311,13 +309,11 @@ def _frames(
 
 
 class _Pen:
-    """Draws one body again and again: a white edge, the lines, the dots at its ends; a surface."""
+    """Draws one body again and again: a white edge, the lines, the dots at its ends."""
 
     def __init__(self, ax: Axes, k: int, stage: Stage) -> None:
         width, color = stage.line_width, body_color(k)
         self.ax = ax
-        self.skin = Skin()
-        ax.add_artist(self.skin)
         self.edge = LineCollection([], colors=PAPER, linewidths=width + 2.0)
         self.line = LineCollection([], colors=color, linewidths=width)
         for lines in (self.edge, self.line):
@@ -334,10 +330,6 @@ class _Pen:
             markeredgecolor=color,
             markeredgewidth=1.4,
         )
-
-    def fill(self, corners: Array, shades: Array) -> None:
-        self.skin.show(corners, shades)
-        self.ax.draw_artist(self.skin)
 
     def draw(self, lines: list[Array], dots: Array) -> None:
         for artist in (self.edge, self.line):

@@ -81,17 +81,20 @@ class Palette:
         codes, counts = np.unique(packed, return_counts=True)
         codes = codes[np.argsort(-counts, kind="stable")]
         colors = np.stack([codes >> 16, (codes >> 8) & 255, codes & 255], axis=1).astype(np.uint8)
-        # the commonest colour of each cell; the commonest of these, then a choice of the others,
-        # so that no thin line loses its colour
+        # the commonest colour of each cell; the commonest of these, then those that are least like
+        # what there is, so that no thin line loses its colour
         _, first = np.unique(self._cell(colors), return_index=True)
         colors = colors[np.sort(first)]
-        common, others = colors[: COLORS // 2], colors[COLORS // 2 :]
-        some = others[:: max(1, -(-len(others) // (COLORS // 2)))]
-        self.colors = np.concatenate([common, some])
+        chosen, wanted = list(range(min(len(colors), COLORS // 2))), colors.astype(np.float64)
+        away = np.min([((wanted - wanted[k]) ** 2).sum(axis=1) for k in chosen], axis=0)
+        while len(chosen) < min(COLORS, len(colors)):
+            chosen.append(int(away.argmax()))
+            away = np.minimum(away, ((wanted - wanted[chosen[-1]]) ** 2).sum(axis=1))
+        self.colors = colors[chosen]
         grid = np.arange(32, dtype=np.float64) * 8.0 + 3.5
         centres = np.stack(np.meshgrid(grid, grid, grid, indexing="ij"), axis=-1).reshape(-1, 3)
-        wanted = self.colors.astype(np.float64)
-        distance = (wanted**2).sum(axis=1) - 2.0 * centres @ wanted.T
+        kept = self.colors.astype(np.float64)
+        distance = (kept**2).sum(axis=1) - 2.0 * centres @ kept.T
         self._nearest = distance.argmin(axis=1).astype(np.uint8)
         self._nearest[self._cell(self.colors)] = np.arange(len(self.colors))
 

@@ -131,10 +131,28 @@ class Moment:
             for one in stage.bodies
         )
 
-    def order(self) -> list[int]:
-        """Return the numbers of the bodies, the farthest from the eye first."""
+    def skin(self, share: float = 1.0) -> tuple[Array, Array]:
+        """Return the triangles (k, 3, 3) of all bodies that are turned to the eye, and colours.
+
+        See `lit`; a share below 1 mixes the colours with white.
+        """
+        found = [self._skin(k, share) for k, one in enumerate(self.stage.bodies) if one.surface]
+        none = np.zeros((0, 3, 3)), np.zeros((0, 3, 4))
+        corners, shades = zip(none, *found, strict=True)
+        return np.concatenate(corners), np.concatenate(shades)
+
+    def lined(self) -> tuple[list[int], list[int]]:
+        """Return the bodies without surfaces, far ones first: behind the middle of what has some.
+
+        Of each list the farthest from the eye comes first.
+        """
         depth = [float(x[:, 2].mean()) for x in self.x]
-        return sorted(range(len(depth)), key=depth.__getitem__)
+        order = sorted(range(len(depth)), key=depth.__getitem__)
+        bodies = self.stage.bodies
+        solid = [depth[k] for k in order if bodies[k].surface]
+        middle = float(np.mean(solid)) if solid else -np.inf
+        rest = [k for k in order if not bodies[k].surface]
+        return [k for k in rest if depth[k] < middle], [k for k in rest if depth[k] >= middle]
 
     def lines(self, k: int) -> tuple[list[Array], Array]:
         """Return the lines (2, 2) of a body without a surface, and its dots (m, 2), m."""
@@ -143,14 +161,9 @@ class Moment:
             return list(x[pairs]), np.zeros((0, 2))
         return [], x if self.stage.bodies[k].surface is None else np.zeros((0, 2))
 
-    def skin(self, k: int, share: float = 1.0) -> tuple[Array, Array] | None:
-        """Return the visible triangles of body k and their colours, None if it has no surface.
-
-        See `lit`; a share below 1 mixes the colours with white.
-        """
+    def _skin(self, k: int, share: float) -> tuple[Array, Array]:
         one, limit = self.stage.bodies[k], self.stage.limit
-        if one.surface is None:
-            return None
+        assert one.surface is not None
         found = stresses(one.body, self.row) if limit else None
         if found is None:
             colors = np.array(to_rgb(UNKNOWN if limit else body_color(k)))
@@ -168,12 +181,15 @@ class Moment:
         stage = self.stage
         world = self.x[k] @ stage.view.axes
         world[:, stage.view.up] = stage.level
-        return stage.view.project(world)[:, :2]
+        return stage.view.project(world)
 
-    def shadow(self, k: int) -> Array | None:
-        """Return the triangles (nt, 3, 2) of body k straight down on the floor, if it has some."""
-        surface = self.stage.bodies[k].surface
-        return None if surface is None else self._below(k)[surface.triangles]
+    def shadow(self) -> Array:
+        """Return the triangles (k, 3, 3) of all bodies straight down on the floor, m."""
+        found = [np.zeros((0, 3, 3))]
+        for k, one in enumerate(self.stage.bodies):
+            if one.surface is not None:
+                found.append(self._below(k)[one.surface.triangles])
+        return np.concatenate(found)
 
     def shadow_lines(self) -> list[Array]:
         """Return the lines of all bodies straight down on the floor, m."""
@@ -181,7 +197,7 @@ class Moment:
             line
             for k, one in enumerate(self.stage.bodies)
             if len(one.lines)
-            for line in self._below(k)[one.lines]
+            for line in self._below(k)[one.lines, :2]
         ]
 
 

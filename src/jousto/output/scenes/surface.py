@@ -1,4 +1,4 @@
-"""Bodies as shaded surfaces: triangles seen from the eye, lit, far ones first."""
+"""Bodies as shaded surfaces: triangles seen from the eye, lit, the nearest in front."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.colors import Colormap, LinearSegmentedColormap, to_rgb
 
 from jousto.base.arrays import Array, Index
+from jousto.output.scenes.raster import rasterize
 
 MOST_TRIANGLES = 24_000  # of a body in a picture; finer surfaces are thinned
 CREASE = np.cos(np.deg2rad(35.0))  # faces that meet at a larger angle have an edge there
@@ -115,7 +116,7 @@ def _thinned(nodes: Array, triangles: Index, most: int) -> Index:
 
 
 def lit(surface: Surface, x: Array, colors: Array, darkest: float = DARKEST) -> tuple[Array, Array]:
-    """Return the visible triangles of a projected surface, the farthest first.
+    """Return the triangles of a projected surface that are turned to the eye.
 
     Parameters
     ----------
@@ -129,8 +130,8 @@ def lit(surface: Surface, x: Array, colors: Array, darkest: float = DARKEST) -> 
 
     Returns
     -------
-    corners : (k, 3, 2) array
-        Right and up of the corners, m.
+    corners : (k, 3, 3) array
+        Right, up and nearness of the corners, m.
     shades : (k, 3, 4) array
         Their colours with shade and light.
     """
@@ -138,8 +139,7 @@ def lit(surface: Surface, x: Array, colors: Array, darkest: float = DARKEST) -> 
     corners = x[triangles]
     normals = face_normals(corners)
     seen = np.flatnonzero(normals[:, 2] > 0.0) if surface.closed else np.arange(len(triangles))
-    order = seen[np.argsort(corners[seen, :, 2].mean(axis=1), kind="stable")]
-    smooth = (surface.smoothing @ normals).reshape(-1, 3, 3)[order]
+    smooth = (surface.smoothing @ normals).reshape(-1, 3, 3)[seen]
     smooth /= np.maximum(np.linalg.norm(smooth, axis=2, keepdims=True), 1e-300)
     if not surface.closed:
         smooth *= np.where(smooth[:, :, 2:] < 0.0, -1.0, 1.0)
@@ -147,34 +147,48 @@ def lit(surface: Surface, x: Array, colors: Array, darkest: float = DARKEST) -> 
     facing = np.clip(smooth @ light, 0.0, 1.0)
     shade = darkest + (1.0 - darkest) * facing
     gloss = GLOSS * np.clip(facing, 0.0, 1.0) ** 12
-    base = np.broadcast_to(colors, (len(x), 3))[triangles[order]]
-    shades = np.ones((len(order), 3, 4))
+    base = np.broadcast_to(colors, (len(x), 3))[triangles[seen]]
+    shades = np.ones((len(seen), 3, 4))
     shades[:, :, :3] = np.clip(base * shade[:, :, None] + gloss[:, :, None], 0.0, 1.0)
-    return corners[order, :, :2], shades
+    return corners[seen], shades
 
 
 class Skin(Artist):
-    """Triangles with a colour at each corner, drawn in their order."""
+    """Triangles with a colour at each corner, of which the nearest hide the others."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.corners: Array = np.zeros((0, 3, 2))
+        self.corners: Array = np.zeros((0, 3, 3))
         self.shades: Array = np.zeros((0, 3, 4))
 
     def show(self, corners: Array, shades: Array) -> None:
-        """Take the triangles (k, 3, 2) in data coordinates and their colours (k, 3, 4)."""
+        """Take triangles (k, 3, 3), right and up in data coordinates, and colours (k, 3, 4)."""
         self.corners, self.shades = corners, shades
         self.stale = True
 
     def draw(self, renderer: Any) -> None:
-        """Draw onto a canvas."""
+        """Draw onto a canvas; in files of lines it is a picture of their resolution."""
         if not self.get_visible() or not len(self.corners):
             return
         axes: Any = self.axes
-        gc = renderer.new_gc()
-        self._set_gc_clip(gc)  # type: ignore[attr-defined]
-        renderer.draw_gouraud_triangles(gc, self.corners, self.shades, axes.transData.frozen())
-        gc.restore()
+        corners = self.corners.copy()
+        corners[:, :, :2] = axes.transData.transform(corners[:, :, :2].reshape(-1, 2)).reshape(
+            -1, 3, 2
+        )
+        # no more of the axes than the triangles cover
+        box = axes.bbox.extents.reshape(2, 2)
+        low = np.floor(np.maximum(corners[:, :, :2].min(axis=(0, 1)), box[0]))
+        high = np.ceil(np.minimum(corners[:, :, :2].max(axis=(0, 1)), box[1]))
+        fineness = float(renderer.get_image_magnification())
+        width, height = (int(n) for n in np.ceil((high - low) * fineness))
+        if width > 0 and height > 0:
+            corners[:, :, :2] = (corners[:, :, :2] - low) * fineness
+            picture = rasterize(corners, self.shades, width, height)
+            gc = renderer.new_gc()
+            self._set_gc_clip(gc)  # type: ignore[attr-defined]
+            pixels = (255.0 * picture + 0.5).astype(np.uint8)
+            renderer.draw_image(gc, low[0], low[1], pixels)
+            gc.restore()
         self.stale = False
 
 
