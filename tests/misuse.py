@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import zipfile
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -72,7 +73,24 @@ def arguments(what: Callable[..., Any]) -> list[str]:
     return [x.name for x in inspect.signature(what).parameters.values() if x.kind not in kinds]
 
 
-def _machines(made: Made, _: Path) -> list[Call]:
+def unit(folder: Path) -> Path:
+    """Write a unit that can be declared, not run: its binary is empty."""
+    import fmpy
+
+    out = folder / "unit.fmu"
+    described = (
+        '<?xml version="1.0"?><fmiModelDescription fmiVersion="2.0" modelName="u" guid="u">'
+        '<CoSimulation modelIdentifier="u"/><ModelVariables><ScalarVariable name="x" '
+        'valueReference="0" causality="input"><Real start="0"/></ScalarVariable>'
+        "</ModelVariables><ModelStructure/></fmiModelDescription>"
+    )
+    with zipfile.ZipFile(out, "w") as archive:
+        archive.writestr("modelDescription.xml", described)
+        archive.writestr(f"binaries/{fmpy.platform}/u{fmpy.sharedLibraryExtension}", b"")
+    return out
+
+
+def _machines(made: Made, folder: Path) -> list[Call]:
     arm, ball = made["mechanism"].bodies
     hinge, wrist = made["mechanism"].joints
     a, b = jo.ground["origin"], ball["origin"]
@@ -153,6 +171,7 @@ def _machines(made: Made, _: Path) -> list[Call]:
         (jo.Coupling, {"name": "c", "coordinates": [angle, wrist.angle], "factors": [1.0, 2.0]}),
         (jo.Gear, {"name": "c", "a": angle, "b": wrist.angle, "ratio": 2.0}),
         (jo.Initial, {"coordinate": angle, "value": 0.1}),
+        (jo.Fmu, {"file": unit(folder), "inputs": {"x": 1.0}}),
         (jo.mechanism.Event, {"name": "e", "watch": angle}),
         (
             jo.mechanism.Switched,

@@ -39,6 +39,7 @@ WIDTHS = {  # pixels
     "rod_at_speed.png": 1100,
     "robot_arm_life.png": 800,
     "crane_life.png": 900,
+    "crane_drive.png": 900,
     "study_lines.png": 900,
     "study_surface.png": 700,
     "beam_benchmarks.png": 1300,

@@ -106,6 +106,10 @@ int fmi2DoStep(void *c, double t, double h, int keep)
         return 3;
     }
 #endif
+#ifdef HANG
+    while (x->steps > 5)
+        *(volatile double *)&x->steps += 1;
+#endif
 #ifdef NOT_A_NUMBER
     if (x->steps > 5)
         x->p = 0.0 / 0.0 * x->steps;

@@ -221,6 +221,14 @@ def test_a_unit_that_fails_is_one_sentence_and_the_results_stay(
     assert np.isclose(kept.time[-1], 0.005)
 
 
+def test_a_unit_that_hangs_is_one_sentence(tmp_path: Path) -> None:
+    bad = pack(tmp_path, "bad", "-DHANG")
+    said = r"fmu 'bad' at 0\.005 s: it gave no answer \(step\) within its patience of 1\.5 s"
+    model = jo.compile(cart(bad, patience=1.5))
+    with pytest.raises(jo.simulation.RunFailed, match=said):
+        jo.simulate(model, 0.2, solver=jo.RK4(step=2.5e-4))
+
+
 def test_the_file_of_results_has_the_outputs(tmp_path: Path, oil: Path) -> None:
     model = jo.compile(cart(oil))
     in_memory = jo.simulate(model, 0.02, solver=jo.RK4(step=5e-4), output_step=2e-3)
@@ -300,6 +308,97 @@ def test_a_machine_cut_at_a_joint_comes_to_the_whole(
     place, energy = ([row[k] for row in found] for k in (0, 1))
     assert abs(orders(place)[-1] - order) < 0.25, place
     assert abs(orders(energy)[-1] - order) < 0.5 or order == 2 and orders(energy)[-1] > 1.7, energy
+
+
+# -- in model files ---------------------------------------------------------------------------
+
+FILE = """
+bodies: [{name: cart, mass: 2 t, inertia: [1, 1, 1], velocity: [0.2, 0, 0]}]
+joints: [{type: prismatic, name: rail, a: ground.origin, b: cart.origin, axis: [1, 0, 0]}]
+forces:
+  - type: joint-force
+    name: push
+    coordinate: rail.displacement
+    signal: {type: input, name: push}
+sensors:
+  - {type: coordinate, name: place, coordinate: rail.displacement}
+  - {type: rate, name: speed, coordinate: rail.displacement}
+  - {type: velocity, name: motion, marker: cart.origin}
+fmus:
+  - name: oil
+    file: oil.fmu
+    inputs: {speed: speed, area: 1000 mm2}
+    outputs: {force: push, pressure: null}
+    parameters: {volume: 1e-3, pressure: 4 bar}
+    power: {force: speed}
+    step: 1 ms
+    between: linear
+"""
+
+
+def test_a_model_file_says_the_same_as_python(oil: Path) -> None:
+    (oil.parent / "cart.yaml").write_text(FILE)
+    file = jo.read_model(oil.parent / "cart.yaml")
+    fmu = file.mechanism.fmus[0]
+    assert fmu.parameters == {"volume": 1e-3, "pressure": 4e5} and fmu.patience == 60.0
+    model = jo.compile(file.mechanism)
+    found = jo.simulate(model, 0.05, solver=jo.RK4(step=2.5e-4))
+    how = {
+        "inputs": {"speed": cart(oil).sensors[1], "area": AREA},
+        "parameters": {"volume": VOLUME, "pressure": 4e5},
+        "between": "linear",
+    }
+    body = cart(oil)
+    how["inputs"]["speed"] = next(s for s in body.sensors if s.name == "speed")
+    items = [x for x in body.items if not isinstance(x, jo.Fmu)]
+    given = {"outputs": {"force": jo.Input("push"), "pressure": None}, "power": {"force": "speed"}}
+    same = jo.Mechanism(*items, jo.Fmu(oil, **how, **given))
+    wanted = jo.simulate(jo.compile(same), 0.05, solver=jo.RK4(step=2.5e-4))
+    assert np.array_equal(found["place"], wanted["place"])
+    assert np.array_equal(found["oil.pressure"], wanted["oil.pressure"])
+
+
+@pytest.mark.parametrize("speed,component", [("motion.x", 0), ("motion.0", 0), ("motion.z", 2)])
+def test_a_component_of_a_sensor_follows_a_dot(oil: Path, speed: str, component: int) -> None:
+    text = FILE.replace("speed: speed, area: 1000 mm2", f"speed: {speed}")
+    (oil.parent / "part.yaml").write_text(text)
+    fmu = jo.read_model(oil.parent / "part.yaml").mechanism.fmus[0]
+    sensor, place = fmu.inputs["speed"]
+    assert (sensor.name, place) == ("motion", component)
+
+
+def test_a_unit_measures_another_in_any_order_of_the_file(oil: Path) -> None:
+    first = "  - {name: second, file: oil.fmu, inputs: {speed: oil.pressure}}\n"
+    text = FILE.replace("fmus:\n", "fmus:\n" + first)
+    (oil.parent / "two.yaml").write_text(text)
+    with pytest.warns(jo.JoustoWarning, match="input 'speed' is in mm/s"):
+        mechanism = jo.read_model(oil.parent / "two.yaml").mechanism
+    second, one = mechanism.fmus
+    assert second.inputs["speed"][0] is one["pressure"]
+
+
+@pytest.mark.parametrize(
+    "old,new,said",
+    [
+        ("speed: speed,", "speed: spede,", "no sensor 'spede'; did you mean 'speed'?"),
+        ("area: 1000 mm2", "area: 1000 mm", "expects an area (m2), got 1000 mm (a length)"),
+        ("speed: speed,", "sped: speed,", "has no input 'sped'; did you mean 'speed'?"),
+        ("speed: speed,", "speed: motion.q,", "no component 'q'"),
+        ("pressure: 4 bar", "pressure: 4 N", "expects a pressure (Pa), got 4 N (a force)"),
+        ("file: oil.fmu", "file: none.fmu", "none.fmu"),
+        ("force: push", "force: puhs", "sets input 'puhs', which nothing in the mechanism uses"),
+        ("step: 1 ms", "stop: 1 ms", "unknown key 'stop'"),
+        ("speed: speed,", "speed: oil.force,", "wait for each other"),
+    ],
+)
+def test_what_a_model_file_says_wrong_has_its_line(
+    oil: Path, old: str, new: str, said: str
+) -> None:
+    (oil.parent / "bad.yaml").write_text(FILE.replace(old, new, 1))
+    with pytest.raises(jo.InputError) as found:
+        jo.read_model(oil.parent / "bad.yaml")
+    assert said in str(found.value), found.value
+    assert "bad.yaml:" in str(found.value)
 
 
 # -- what is refused --------------------------------------------------------------------------

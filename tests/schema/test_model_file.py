@@ -20,6 +20,7 @@ from jousto.mechanism.bodies.body import FlexibleBody, RigidBody, ground
 from jousto.mechanism.event import Event
 from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.forces.loads import Force, Gravity, Torque
+from jousto.mechanism.foreign.fmu import Fmu
 from jousto.mechanism.initial import Initial
 from jousto.mechanism.joints.hinges import Revolute
 from jousto.mechanism.joints.points import Spherical
@@ -200,6 +201,7 @@ def test_every_class_can_be_said_in_a_file():
     assert [cls for cls in loose if not keys(cls) <= given(cls)] == []
     forces = kinds("forces", "jousto.mechanism.forces").values()
     exact = [*sensors, *forces, *couplings, *joints, *signals, *SOLVERS, Friction, Initial, Event]
+    exact.append(Fmu)
     assert [cls for cls in exact if keys(cls) != given(cls)] == []
 
 
@@ -350,8 +352,8 @@ def test_the_schema_knows_every_key_of_the_file():
     schema = model_schema()
     assert set(schema["properties"]) == {
         "$schema", "name", "parts", "bodies", "joints", "couplings", "forces", "frictions",
-        "parameters", "gravity", "sensors", "events", "initial", "simulation", "fatigue", "monitor",
-        "limits", "reliability",
+        "parameters", "gravity", "sensors", "events", "fmus", "initial", "simulation", "fatigue",
+        "monitor", "limits", "reliability",
     }  # fmt: skip
     assert schema["required"] == ["bodies"]
     assert schema["additionalProperties"] is False

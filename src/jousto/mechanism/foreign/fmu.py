@@ -105,6 +105,12 @@ class Fmu(Declared, section="fmus"):
         default=False,
         kw_only=True,
     )
+    patience: Duration = field(
+        "Time of the watch that the unit may take for one answer, and a minute at least to load; a "
+        "run ends where it takes more",
+        default=60.0,
+        kw_only=True,
+    )
     description: Description = kept()
     sensors: tuple[FmuSensor, ...] = kept()
 

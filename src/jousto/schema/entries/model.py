@@ -8,6 +8,7 @@ from pydantic import Field, Tag
 
 from jousto.mechanism.event import Event
 from jousto.mechanism.forces.friction import Friction
+from jousto.mechanism.foreign.fmu import Fmu
 from jousto.mechanism.initial import Initial
 from jousto.reduction.damping import Rayleigh
 from jousto.schema.entries import beams as beams, connections as connections
@@ -71,6 +72,16 @@ CouplerEntry: Any = one_of("couplings", JOINTS)
 FrictionEntry: Any = alone(Friction)
 InitialEntry: Any = alone(Initial)
 EventEntry: Any = alone(Event)
+# names of variables of a unit, with what they are joined to
+FORMS.update(
+    {
+        "fmu inputs": lambda field: dict[Text, Amount],
+        "fmu outputs": lambda field: dict[Text, Text | None],
+        "fmu parameters": lambda field: dict[Text, Amount],
+        "fmu pairs": lambda field: dict[Text, Text],
+    }
+)
+FmuEntry: Any = alone(Fmu)
 ForceEntry: Any = one_of("forces", "jousto.mechanism.forces")
 
 
@@ -107,6 +118,7 @@ class ModelEntry(Entry):
     gravity: Acceleration3 | None = None
     sensors: tuple[SensorEntry, ...] | None = None
     events: tuple[EventEntry, ...] | None = None
+    fmus: tuple[FmuEntry, ...] | None = None
     simulation: SimulationEntry | None = None
     fatigue: Annotated[FatigueEntry, Later()] | None = None
     monitor: MonitorEntry | None = None

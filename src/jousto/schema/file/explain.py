@@ -110,6 +110,7 @@ SINGULAR = {
     "initial": "initial",
     "sensors": "sensor",
     "events": "event",
+    "fmus": "fmu",
     "sections": "section",
     "reduce": "reduction",
 }

@@ -19,11 +19,15 @@ from jousto.schema.make.blocks.fatigue import FORMS as OF_FATIGUE, build_curves
 from jousto.schema.make.builder import Builder, Section
 from jousto.schema.make.declared import build_declared
 from jousto.schema.make.elements import FORMS as OF_FORCES
+from jousto.schema.make.foreign import FORMS as OF_FMUS
 from jousto.schema.make.matrices import build_matrices, build_superelement, is_superelement
 from jousto.schema.make.sense import FORMS as OF_SENSORS
 from jousto.schema.make.solid import FORMS as OF_PARTS, build_solid
 
-LISTS = ("bodies", "joints", "couplings", "forces", "frictions", "initial", "sensors", "events")
+LISTS = (
+    *("bodies", "joints", "couplings", "forces", "frictions", "initial", "sensors", "events"),
+    "fmus",
+)
 
 MOST_KEPT = 64
 """Reduced parts of variants of a file that are kept, the one made first goes first."""
@@ -32,7 +36,7 @@ MOST_KEPT = 64
 class ModelBuilder(Builder):
     """Builds parts, bodies and the mechanism of a document."""
 
-    forms = {**OF_FORCES, **OF_SENSORS, **OF_PARTS, **OF_FATIGUE}
+    forms = {**OF_FORCES, **OF_SENSORS, **OF_FMUS, **OF_PARTS, **OF_FATIGUE}
 
     # -- parts ------------------------------------------------------------------------------
 

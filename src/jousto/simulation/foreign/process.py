@@ -9,6 +9,8 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
+import time as clock
 import zipfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -26,6 +28,8 @@ log = logging.getLogger(__name__)
 MOST_LOG = 20
 """Lines of a unit's log that are kept for a message."""
 PATIENCE = 5.0  # s that a process gets to end
+OPENING = 60.0  # s that loading may take at least
+LOOKS = 4  # how often the watch is looked at within the time that an answer may take
 
 
 class FmuFailed(JoustoError):
@@ -72,6 +76,11 @@ class FmuProcess:
             encoding="utf-8",
             start_new_session=True,
         )
+        self._until: float | None = None  # on the watch: when an answer must be here
+        self._late = False
+        self._closed = threading.Event()
+        self._guard = threading.Thread(target=self._watch, name="jousto-fmu", daemon=True)
+        self._guard.start()
         self._into = [about.variables[name] for name in (*model.measured, *model.given)]
         self._out = [about.variables[name] for name in self.fmu.outputs]
         chosen = [about.variables[name] for name in self.fmu.parameters]
@@ -127,6 +136,8 @@ class FmuProcess:
             except (OSError, subprocess.TimeoutExpired):
                 process.kill()
                 process.wait()
+        self._closed.set()
+        self._guard.join()
         for stream in (process.stdin, process.stdout, self._printed):
             try:
                 stream.close()  # type: ignore[union-attr]
@@ -134,18 +145,40 @@ class FmuProcess:
                 pass
         self._folder.cleanup()
 
+    def _watch(self) -> None:
+        """End the process if an answer takes too long; whoever waits for it reads its end."""
+        while not self._closed.wait(min(1.0, self.fmu.patience / LOOKS)):
+            until = self._until
+            if until is not None and clock.monotonic() > until:
+                self._late = True
+                self._process.kill()
+                return
+
     def _theirs(self, values: Array) -> list[float]:
         pairs = zip(self._into, values.tolist(), strict=True)
         return [(x - v.offset) / v.factor for v, x in pairs]
 
     def _ask(self, do: str, time: float, **task: Any) -> Array:
         process = self._process
+        patience = max(self.fmu.patience, OPENING if do == "open" else 0.0)
+        self._until = clock.monotonic() + patience
         try:
             process.stdin.write(json.dumps({"do": do, **task}) + "\n")  # type: ignore[union-attr]
             process.stdin.flush()  # type: ignore[union-attr]
             line = process.stdout.readline()  # type: ignore[union-attr]
         except (BrokenPipeError, OSError):
             line = ""
+        finally:
+            self._until = None
+        if self._late:
+            process.wait()
+            raise FmuFailed(
+                self._sentence(
+                    time,
+                    f"it gave no answer ({do}) within its patience of {patience:g} s and "
+                    f"was ended{self._said()}",
+                )
+            )
         if not line:
             raise FmuFailed(self._sentence(time, _ending(process.wait()) + self._said()))
         answer = json.loads(line)
