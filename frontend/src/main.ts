@@ -7,7 +7,8 @@ import { LiveTrack, ModeTrack, makeTrack } from "./motion/track";
 import { mountPanels } from "./panels/index";
 import { View } from "./render/view";
 import { slots } from "./slots";
-import { FileSource } from "./source/file";
+import { EngineSource, isMachine } from "./source/engine";
+import { FileSource, unpack } from "./source/file";
 import { SocketSource } from "./source/socket";
 import type { Source } from "./source/source";
 import { Store, initial } from "./state";
@@ -15,9 +16,9 @@ import { Store, initial } from "./state";
 async function openSource(store: Store): Promise<Source> {
   const data = document.getElementById("jousto-data");
   if (data) {
-    const source = await FileSource.open(data.textContent);
+    const content = await unpack(data.textContent);
     data.remove(); // its text needs as much memory as the data
-    return source;
+    return isMachine(content) ? EngineSource.open(content) : new FileSource(content);
   }
   return SocketSource.open((message) => store.set({ playing: false, message }));
 }

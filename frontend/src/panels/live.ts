@@ -13,6 +13,8 @@ import { mountPad } from "./pad";
 /** Keys of the first inputs: one lowers, the other raises. */
 const KEYS = [["a", "q"], ["s", "w"], ["z", "x"], ["r", "v"]] as const;
 
+const FEW = 8; // parameters that are shown at once
+
 export function mountLive(kit: Kit): void {
   const { app } = kit;
   const { source, store, slots, view } = app;
@@ -34,7 +36,7 @@ export function mountLive(kit: Kit): void {
     speed.append(h("option", { text, attrs: { value } }));
   }
   speed.addEventListener("change", () => order({ do: "speed", value: Number(speed.value) }));
-  const foot = h("div", "timeline live", h("div", "group", play, step, reset, record), note, h("span", "grow"), h("div", "group", now, speed, factor));
+  const foot = h("div", "timeline live", h("div", "group", play, step, reset, source.served ? record : ""), note, h("span", "grow"), h("div", "group", now, speed, factor));
   slots.bottom.replaceChildren(...[...slots.bottom.children].filter((child) => !child.classList.contains("still")), foot);
 
   const inputs = mountInputs(kit, order);
@@ -46,13 +48,13 @@ export function mountLive(kit: Kit): void {
   const panels = [
     inputs,
     mountParameters(kit, order),
-    section("Pull", true, pulling.element, hint("Drag a body: a spring and a damper pull it towards the cursor.")),
-    section("Time keeping", true, state, h("p", { class: "hint", text: "How late steps were:" }), lateness.element),
+    source.served ? section("Pull", true, pulling.element, hint("Drag a body: a spring and a damper pull it towards the cursor.")) : null,
+    section("Time keeping", true, state, ...(source.served ? [h("p", { class: "hint", text: "How late steps were:" }), lateness.element] : [])),
   ];
   const damages = section("Damage", true, damage);
   damages.hidden = true;
   slots.right.prepend(...panels.filter((panel) => panel !== null), damages);
-  mountPull(kit, order);
+  if (source.served) mountPull(kit, order);
 
   window.addEventListener("keydown", (event) => {
     const { target } = event;
@@ -207,7 +209,7 @@ function mountParameters(kit: Kit, order: (what: Record<string, unknown>) => voi
     });
     return h("label", "row parameter", h("span", { text: name }), input, h("span", { class: "unit", text: unit === "1" ? "" : unit }));
   });
-  return section("Parameters", true, hint("A change takes effect at once; the machine keeps its state."), ...rows);
+  return section("Parameters", rows.length <= FEW, hint("A change takes effect at once; the machine keeps its state."), ...rows);
 }
 
 function mountPull(kit: Kit, order: (what: Record<string, unknown>) => void): void {

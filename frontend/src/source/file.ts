@@ -27,15 +27,12 @@ export async function unpack(text: string): Promise<ArrayBuffer> {
 export class FileSource implements Source {
   readonly exact = false;
   readonly live = false;
+  readonly served = false;
   private runs: Stored[];
 
   constructor(content: ArrayBuffer) {
     const file = decode(content) as unknown as Stored & { runs?: Stored[] };
     this.runs = file.runs ?? [file];
-  }
-
-  static async open(text: string): Promise<FileSource> {
-    return new FileSource(await unpack(text));
   }
 
   async scene(run: number): Promise<Scene> {

@@ -11,6 +11,7 @@ interface Waiting {
 
 export class SocketSource implements Source {
   readonly exact = true;
+  readonly served = true;
   live = false;
   private count = 0;
   private waiting = new Map<number, Waiting>();

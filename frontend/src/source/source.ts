@@ -1,4 +1,7 @@
-/** Where scenes and numbers come from: a server (`socket.ts`) or the page itself (`file.ts`). */
+/**
+ * Where scenes and numbers come from: a server (`socket.ts`), data in the page (`file.ts`) or a
+ * machine that runs in it (`engine.ts`).
+ */
 
 import type { History, Live, Probe, Rows, Scene, Window, Worst } from "../protocol";
 
@@ -7,6 +10,8 @@ export interface Source {
   readonly exact: boolean;
   /** Whether a machine runs behind it. */
   readonly live: boolean;
+  /** Whether a server answers. */
+  readonly served: boolean;
   scene(run: number): Promise<Scene>;
   /** Rows of `count` frames from number `first`, one in `every`. */
   rows(run: number, first: number, count: number, every: number): Promise<Rows>;

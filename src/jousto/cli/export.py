@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from jousto.model.model import Model as CompiledModel
 
 MODELS = (".yaml", ".yml", ".json")
-PROGRAMS = (".c", ".zip", ".fmu")
+PROGRAMS = (".c", ".zip", ".fmu", ".html")
 KNOWN = {"reduced part": (".vtu", ".fem", ".sid"), "results": (".csv",), "model": PROGRAMS}
 
 
@@ -44,14 +44,21 @@ def export(
             "x86_64-darwin, aarch64-darwin; 'none' for sources alone.",
         ),
     ] = None,
+    inputs: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--input", metavar="NAME=LOW..HIGH", help="Range of an input in an .html, in SI."
+        ),
+    ] = None,
     trust: Trust = False,
 ) -> None:
     """Write a reduced part, results or a machine for other programs; the ending selects which.
 
     Reduced parts: .vtu (ParaView, with modes and modal stress), .fem (MBDyn), .sid (standard
     input data). Results: .csv (time and sensors). Models: .c (one file of C99 and its header), .zip
-    (the same as a project), .fmu (functional mock-up unit); they run with the method and from the
-    start of the model file.
+    (the same as a project), .fmu (functional mock-up unit), .html (a page in which the machine
+    runs, with a slider for each input); they run with the method and from the start of the model
+    file.
     """
     from jousto.schema.targets import REDUCED_PART, RESULTS, hdf5_format, output_path
 
@@ -70,6 +77,10 @@ def export(
         endings = ", ".join(KNOWN[what])
         shown = what if what == "results" else f"a {what}"
         raise InputError(Problem(str(output), f"must end with {endings} to export {shown}"))
+    if suffix != ".fmu" and (on or fmi != 3):
+        raise InputError(Problem(str(output), "--fmi and --on are of files .fmu"))
+    if suffix != ".html" and inputs:
+        raise InputError(Problem(str(output), "--input is of files .html"))
     if names and what != "results":
         raise InputError(Problem(names[0], f"a {what} has no sensors to name"))
     from jousto.output.write import write
@@ -80,7 +91,11 @@ def export(
 
         write(load(file), output, *(names or ()))
     elif what == "model":
-        _machine(file, output, amount(step, "s", "--step"), fmi, on, trust)
+        length = amount(step, "s", "--step")
+        if suffix == ".html":
+            _page(file, output, length, inputs or [], trust)
+        else:
+            _machine(file, output, length, fmi, on, trust)
     else:
         from jousto.reduction.reduced import ReducedPart
 
@@ -113,8 +128,6 @@ def _machine(
     """Write a machine with the method, the start and the end of its model file."""
     from jousto.output.write import write
 
-    if output.suffix.lower() != ".fmu" and (on or fmi != 3):
-        raise InputError(Problem(str(output), "--fmi and --on are of files .fmu"))
     model, solver, state, end = machine_of(file, step, trust)
     if output.suffix.lower() != ".fmu":
         write(model, output, solver=solver, state=state)
@@ -131,3 +144,13 @@ def _machine(
         stop=end or 1.0,
         documents=documents,
     )
+
+
+def _page(file: Path, output: Path, step: float | None, inputs: list[str], trust: bool) -> None:
+    """Write a machine as a page in which it runs."""
+    from jousto.output.write import write
+    from jousto.simulation.live.ranges import parse_ranges
+
+    ranges = parse_ranges(inputs)
+    model, solver, state, _ = machine_of(file, step, trust)
+    write(model, output, solver=solver, state=state, ranges=ranges)

@@ -57,6 +57,10 @@ PLATFORMS = {
 }
 
 
+WEB = Platform("wasm32", "wasm32-wasi", ".wasm", "", "")
+"""Pages in a browser."""
+
+
 def here() -> str:
     """Return the name of this computer's platform."""
     import platform
@@ -105,6 +109,12 @@ def compiler(platform: Platform) -> tuple[str, ...]:
                 return (path, *name.split()[1:])
     if find_spec("ziglang") is not None:
         return (sys.executable, "-m", "ziglang", "cc", "-target", platform.target)
+    if platform is WEB:
+        message = (
+            "a machine that runs in a page is compiled by the package ziglang, which is not "
+            "installed: pip install 'jousto[cross]'"
+        )
+        raise InputError(Problem("export", message))
     raise InputError(
         Problem(
             "export",
@@ -150,7 +160,10 @@ def build(
             path.write_text(text, encoding="utf-8")
         files = [name for name in sources if name.endswith(".c")]
         options = [*FLAGS, *flags, "-I."]
-        if shared:
+        if platform is WEB:
+            # a library: nothing is called before the page calls it
+            options += ["-mexec-model=reactor", "-fvisibility=hidden"]
+        elif shared:
             options += ["-shared", "-fvisibility=hidden"]
             options += [] if platform.suffix == ".dll" else ["-fPIC"]
         if command[1:3] == ("-m", "ziglang"):

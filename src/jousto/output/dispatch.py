@@ -28,9 +28,10 @@ def found(table: Mapping[str, T], thing: object, verb: str) -> tuple[str, T]:
 
 
 def implementation(place: str) -> Callable[..., Any]:
-    """Return ``module.function`` of this room."""
+    """Return ``module.function`` of this room, or of another that is named from the top."""
     module, _, name = place.rpartition(".")
-    function: Callable[..., Any] = getattr(import_module(f"jousto.output.{module}"), name)
+    whole = module if module.startswith("jousto.") else f"jousto.output.{module}"
+    function: Callable[..., Any] = getattr(import_module(whole), name)
     return function
 
 

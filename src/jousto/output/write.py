@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
@@ -45,7 +45,12 @@ WRITTEN = {
     "HotSpots": {"vtu": "figures.hotspots.write_hotspots"},
     "DamageField": {"vtu": "figures.damage.write_damage"},
     "LoadPath": {"csv": "figures.load_path.write_load_path"},
-    "Model": {"c": PROGRAM, "zip": PROGRAM, "fmu": "files.programs.write_fmu"},
+    "Model": {
+        "c": PROGRAM,
+        "zip": PROGRAM,
+        "fmu": "files.programs.write_fmu",
+        "html": "jousto.viewer.running.write_running",
+    },
     "Mesh": dict.fromkeys(MESHES, "files.meshes.write_mesh"),
     "ReducedPart": {
         "fem": "files.mbdyn.write_fem",
@@ -79,7 +84,7 @@ def write(thing: Mesh, path: File, *, unit: str = ...) -> Path: ...
 @overload
 def write(thing: ReducedPart, path: File, *, nodes: Sequence[str | int] | None = ..., damping: float | Sequence[float] = ..., invariants: bool = ..., stress: bool = ...) -> Path: ...  # noqa: E501
 @overload
-def write(thing: Model, path: File, *, solver: Solver | None = ..., state: State | None = ..., name: str = ..., version: int = ..., on: Iterable[str] = ..., stop: float = ..., documents: dict[str, bytes] | None = ...) -> Path: ...  # noqa: E501
+def write(thing: Model, path: File, *, solver: Solver | None = ..., state: State | None = ..., name: str = ..., version: int = ..., on: Iterable[str] = ..., stop: float = ..., documents: dict[str, bytes] | None = ..., ranges: Mapping[str, tuple[float, float]] | None = ...) -> Path: ...  # noqa: E501
 @overload
 def write(thing: LoadPath | Certificate | Verification | Optimum | Comparison, path: File) -> Path: ...  # noqa: E501
 # fmt: on
@@ -113,6 +118,8 @@ def write(thing: Any, path: File, *what: Any, **options: Any) -> Path:
         compiled model    .c .zip             a program of C99: `solver`, `state`, `name`
                           .fmu                the same and `version` (2, 3), platforms `on`, `stop`,
                                               further `documents` by their place in it
+                          .html               a page in which it runs: `solver`, `state`, `ranges`
+                                              of inputs
         ================  ==================  ======================================================
     path : path
     *what

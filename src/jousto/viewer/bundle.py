@@ -17,6 +17,7 @@ DATA = "jousto-data"  # the element that contains the data of a page that stands
 # a notebook shows the page in a frame; whoever shows it needs the token of its address
 FRAMED = "frame-ancestors 'self' http://localhost:* http://127.0.0.1:* vscode-webview:"
 PICTURES = "img-src data: blob:; media-src blob:; font-src data:"
+WASM = " 'wasm-unsafe-eval'"  # machines, not text that is made a script
 NOTHING_ELSE = "default-src 'none'; base-uri 'none'; form-action 'none'"
 
 
@@ -67,7 +68,7 @@ def served_page(title: str, query: str) -> str:
     )
 
 
-def standalone_page(title: str, data: bytes) -> str:
+def standalone_page(title: str, data: bytes, *, runs: bool = False) -> str:
     """Return the HTML of a page with everything in it.
 
     Its policy allows its own script and style, by their hashes, and no connection.
@@ -78,6 +79,8 @@ def standalone_page(title: str, data: bytes) -> str:
         Title of the page.
     data : bytes
         Compressed container, see `jousto.viewer.standalone`.
+    runs : bool
+        Whether WebAssembly in it may run.
 
     Raises
     ------
@@ -91,7 +94,7 @@ def standalone_page(title: str, data: bytes) -> str:
     allowed = "; ".join(
         (
             NOTHING_ELSE,
-            f"script-src {_hash(script)}",
+            f"script-src {_hash(script)}{WASM if runs else ''}",
             f"style-src {_hash(style)}",
             PICTURES,
         )

@@ -13,8 +13,8 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.rotations import rotation_matrix
-from jousto.scene.machine import at_state, rows_of, run_scene
-from jousto.scene.scene import Motion, Scene
+from jousto.scene.machine import rows_of
+from jousto.scene.scene import Motion
 from jousto.simulation.live.machine import LiveMachine
 from jousto.simulation.live.ranges import input_ranges
 from jousto.simulation.live.runner import Glance, Runner
@@ -22,10 +22,10 @@ from jousto.simulation.results.columns import columns
 from jousto.viewer.answers import Answers
 from jousto.viewer.container import pack
 from jousto.viewer.live.opened import Opened
+from jousto.viewer.live.seen import damages, inputs_header, scene_at
 from jousto.viewer.packing import scene_header
 from jousto.viewer.requests import Asked
 
-AROUND = 0.15  # of the box at rest on every side: the machine will move
 STALE = 0.5  # s after which a picture is sent although nothing was done
 
 
@@ -112,16 +112,7 @@ class LiveDesk:
     def _header(self) -> dict[str, Any]:
         header = scene_header(self.scene, None, half=True)
         values = self.runner.glance.inputs
-        header["inputs"] = [
-            {
-                "name": x.name,
-                "unit": x.unit,
-                "low": x.low,
-                "high": x.high,
-                "value": values.get(x.name, x.value),
-            }
-            for x in self._inputs
-        ]
+        header["inputs"] = inputs_header(self._inputs, values)
         made = self._made
         header["parameters"] = [
             {
@@ -228,20 +219,9 @@ class LiveDesk:
     def _take(self, made: Opened) -> None:
         self._made = made
         self._inputs = input_ranges(made.model, self._ranges)
-        run = at_state(made.model, made.state)
-        scene = run_scene(run)
-        low, high = np.asarray(scene.box)
-        edge = AROUND * float(np.linalg.norm(high - low))
+        run, self.scene = scene_at(made.model, made.state, self.title)
         self._rows = rows_of(run)[0]
         self._known = {c.place: c for c in columns(made.model)}
-        self.scene: Scene = replace(
-            scene,
-            what="live",
-            title=self.title,
-            box=np.array([low - edge, high + edge]),
-            motion=None,
-            run=None,
-        )
         self._number += 1
 
     def _row(self, glance: Glance) -> Array:
@@ -255,10 +235,7 @@ class LiveDesk:
         first = self._known[f"sensors/{model.sensors[0].name}"].first if model.sensors else 0
         values = glance.row[first : first + model.nout]
         damage = [
-            {"name": f"{sensor.name} {label}", "value": float(values[sensor.offset + 2 * k])}
-            for sensor in model.sensors
-            if sensor.kind == "damage"
-            for k, label in enumerate(sensor.components[::2])
+            {"name": name, "value": float(values[place])} for name, place in damages(model).items()
         ]
         return {
             "kind": "live",

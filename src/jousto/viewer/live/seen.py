@@ -1,0 +1,55 @@
+"""What a page shows of a machine before it runs: its scene, its inputs, its damage meters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from jousto.model.model import Model
+from jousto.scene.machine import at_state, run_scene
+from jousto.scene.scene import Scene
+from jousto.simulation.live.ranges import InputRange
+from jousto.simulation.results.solution import Solution
+from jousto.simulation.state import State
+
+AROUND = 0.15  # of the box at rest on every side: the machine will move
+
+
+def scene_at(model: Model, state: State | None, title: str) -> tuple[Solution, Scene]:
+    """Return a machine at its start, as results of one instant and as a scene that will move."""
+    run = at_state(model, state)
+    scene = run_scene(run)
+    low, high = np.asarray(scene.box)
+    edge = AROUND * float(np.linalg.norm(high - low))
+    box = np.array([low - edge, high + edge])
+    seen: Scene = replace(scene, what="live", title=title, box=box, motion=None, run=None)
+    return run, seen
+
+
+def inputs_header(
+    inputs: Iterable[InputRange], values: Mapping[str, float]
+) -> list[dict[str, Any]]:
+    """Return the inputs as the page has them, with values that were changed."""
+    return [
+        {
+            "name": x.name,
+            "unit": x.unit,
+            "low": x.low,
+            "high": x.high,
+            "value": values.get(x.name, x.value),
+        }
+        for x in inputs
+    ]
+
+
+def damages(model: Model) -> dict[str, int]:
+    """Return damage meters by the names that the page shows, and their places among the sensors."""
+    return {
+        f"{sensor.name} {label}": sensor.offset + 2 * k
+        for sensor in model.sensors
+        if sensor.kind == "damage"
+        for k, label in enumerate(sensor.components[::2])
+    }
