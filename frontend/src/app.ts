@@ -23,4 +23,6 @@ export interface App {
   view: View;
   player: Player;
   slots: Slots;
+  /** Called with the scene of a running machine when a parameter has changed it. */
+  renewed: Set<(scene: Scene) => void>;
 }

@@ -6,6 +6,7 @@ import { thicken } from "./motion/thicken";
 import { LiveTrack, ModeTrack, makeTrack } from "./motion/track";
 import { mountPanels } from "./panels/index";
 import { View } from "./render/view";
+import type { Scene } from "./protocol";
 import { slots } from "./slots";
 import { EngineSource, isMachine } from "./source/engine";
 import { FileSource, unpack } from "./source/file";
@@ -52,7 +53,7 @@ async function open(parent: HTMLElement): Promise<App> {
   const player = new Player(store, () => runs.map((run) => run.track));
   const places = slots(parent);
   const view = new View(places.stage, store, runs, player, source);
-  const app: App = { store, source, runs, view, player, slots: places };
+  const app: App = { store, source, runs, view, player, slots: places, renewed: new Set() };
   if (track instanceof ModeTrack) {
     let shown = -1;
     store.watch(["mode"], ({ mode }) => {
@@ -67,9 +68,12 @@ async function open(parent: HTMLElement): Promise<App> {
     if (version !== undefined && live.scene !== undefined && live.scene !== version) {
       source.scene(0).then(
         (changed) => {
+          // a machine of other things needs another page
+          if (listed(changed) !== listed(runs[0].scene)) window.location.reload();
           thicken(changed);
           runs[0].scene = changed;
           view.build(runs[0], 0);
+          for (const call of app.renewed) call(changed);
         },
         (error: unknown) => store.set({ message: (error as Error).message }),
       );
@@ -84,6 +88,10 @@ async function open(parent: HTMLElement): Promise<App> {
   if (window.location.hash === "#play") player.play();
   return app;
 }
+
+/** What a scene consists of, by name. */
+const listed = (scene: Scene): string =>
+  JSON.stringify([scene.row, ...[scene.bodies, scene.symbols, scene.sensors].map((list) => list.map(({ name }) => name))]);
 
 /** For tests: what the page shows, in numbers. */
 export interface Hooks {

@@ -1,7 +1,7 @@
 /** A running machine: play, inputs, parameters, pulling, recording, and how well time is kept. */
 
 import { clock, number, quantity } from "../format/units";
-import type { Input, Live, Vec3 } from "../protocol";
+import type { Input, Live } from "../protocol";
 import { button, h, hint, press, section, slider, toggle } from "./dom";
 import type { Slider } from "./dom";
 import { icon } from "./icons";
@@ -9,6 +9,8 @@ import type { Kit } from "./kit";
 import { tried } from "./kit";
 import { Lateness } from "./lateness";
 import { mountPad } from "./pad";
+import { mountPull } from "./pull";
+import { mountReadings } from "./readings";
 
 /** Keys of the first inputs: one lowers, the other raises. */
 const KEYS = [["a", "q"], ["s", "w"], ["z", "x"], ["r", "v"]] as const;
@@ -27,6 +29,8 @@ export function mountLive(kit: Kit): void {
   const step = button("One step", () => order({ do: "step" }), { icon: "next", key: "→" });
   const reset = button("Back to the start", () => order({ do: "reset" }), { icon: "reset" });
   let recording = false;
+  let file = "";
+  let since = 0;
   const record = button("Record to a file", () => order({ do: "record", on: !recording }), { icon: "record", text: true, class: "record" });
   const now = h("output", { class: "now", attrs: { "aria-label": "Time of the machine" } });
   const factor = h("output", { class: "now", title: "Seconds of the machine a second of the watch" });
@@ -45,10 +49,12 @@ export function mountLive(kit: Kit): void {
   const lateness = new Lateness();
   const pulling = toggle("Pull with the mouse", (on) => store.set({ tool: on ? "pull" : "select" }));
   store.watch(["tool"], ({ tool }) => pulling.set(tool === "pull"));
+  const readings = mountReadings(kit);
   const panels = [
     inputs,
-    mountParameters(kit, order),
+    mountParameters(kit),
     source.served ? section("Pull", true, pulling.element, hint("Drag a body: a spring and a damper pull it towards the cursor.")) : null,
+    readings.element,
     section("Time keeping", true, state, ...(source.served ? [h("p", { class: "hint", text: "How late steps were:" }), lateness.element] : [])),
   ];
   const damages = section("Damage", true, damage);
@@ -67,27 +73,33 @@ export function mountLive(kit: Kit): void {
   });
 
   let last = 0;
+  let told = 0;
   let said = "";
-  let made: number | undefined;
   source.onLive((live: Live) => {
-    // bodies may have changed with a parameter: the page asks for them again
-    if (made !== undefined && live.scene !== made) window.location.reload();
-    made = live.scene;
     if (playing !== live.playing) {
       playing = live.playing;
       play.replaceChildren(icon(playing ? "pause" : "play"));
       play.setAttribute("aria-label", playing ? "Pause" : "Run");
       step.disabled = playing;
     }
-    recording = live.recording !== null;
-    press(record, recording);
-    note.textContent = live.recording ? `Recording to ${live.recording}` : "";
+    if ((live.recording ?? "") !== file) {
+      if (file) kit.say(`${clock(Math.max(0, last - since), 0.01)} s are recorded in ${file}.`);
+      if (live.recording) kit.say(`Recording to ${live.recording}.`);
+      since = live.time;
+      file = live.recording ?? "";
+      recording = !!file;
+      press(record, recording);
+      label(record, recording ? "End the record" : "Record to a file");
+    }
+    last = live.time;
+    note.textContent = file ? `${clock(Math.max(0, live.time - since), 0.1)} s in ${file}` : "";
     if (live.message && live.message !== said) kit.say(live.message, "error");
     said = live.message;
     plot(kit, live);
     // text ten times a second: faster nobody reads
-    if (performance.now() - last < 100) return;
-    last = performance.now();
+    if (performance.now() - told < 100) return;
+    told = performance.now();
+    readings.show(live);
     now.textContent = `${clock(live.time, 0.01)} s`;
     factor.textContent = playing ? `× ${number(live.factor, 3)}` : "paused";
     factor.classList.toggle("wrong", playing && speed.value === "1" && live.factor < 0.95);
@@ -102,6 +114,13 @@ export function mountLive(kit: Kit): void {
     damage.replaceChildren(...live.damage.map(({ name, value }) => bar(name, value)));
   });
   view.redraw();
+}
+
+/** Give a button another word. */
+function label(element: HTMLElement, text: string): void {
+  element.title = text;
+  element.setAttribute("aria-label", text);
+  element.querySelector("span")!.textContent = text;
 }
 
 /** Curves of sensors grow while the machine runs. */
@@ -196,37 +215,37 @@ function steer(inputs: readonly Input[], values: readonly number[], set: (k: num
   window.addEventListener("blur", () => held.clear());
 }
 
-function mountParameters(kit: Kit, order: (what: Record<string, unknown>) => void): HTMLElement | null {
+function mountParameters(kit: Kit): HTMLElement | null {
   const parameters = kit.app.runs[0].scene.parameters ?? [];
   if (!parameters.length) return null;
   const rows = parameters.map(({ name, value, unit, low, high }) => {
     const input = h("input", {
       attrs: { type: "number", step: "any", value: String(value), "aria-label": name, ...(low === null ? {} : { min: `${low}` }), ...(high === null ? {} : { max: `${high}` }) },
     });
-    input.addEventListener("change", () => {
-      if (input.checkValidity() && input.value) order({ do: "parameter", name, value: Number(input.value) });
-      else kit.say(`${name} must be a number${low === null ? "" : ` from ${low}`}${high === null ? "" : ` to ${high}`}.`, "error");
+    let holds = value;
+    const back = (): void => void (input.value = String(holds));
+    const change = async (): Promise<void> => {
+      if (!input.checkValidity() || !input.value) {
+        kit.say(`${name} must be a number${low === null ? "" : ` from ${low}`}${high === null ? "" : ` to ${high}`}; it stays ${holds}.`, "error");
+        back();
+        return;
+      }
+      const wanted = Number(input.value);
+      try {
+        await kit.app.source.order({ do: "parameter", name, value: wanted });
+        holds = wanted;
+      } catch (error) {
+        kit.say(`${(error as Error).message}. ${name} stays ${holds}${unit === "1" ? "" : ` ${unit}`}.`, "error");
+        back();
+      }
+    };
+    input.addEventListener("change", () => void change());
+    // another page may have changed it
+    kit.app.renewed.add((scene) => {
+      holds = scene.parameters?.find((parameter) => parameter.name === name)?.value ?? holds;
+      if (document.activeElement !== input) back();
     });
     return h("label", "row parameter", h("span", { text: name }), input, h("span", { class: "unit", text: unit === "1" ? "" : unit }));
   });
   return section("Parameters", rows.length <= FEW, hint("A change takes effect at once; the machine keeps its state."), ...rows);
-}
-
-function mountPull(kit: Kit, order: (what: Record<string, unknown>) => void): void {
-  const { view, store } = kit.app;
-  let held: { body: number; vertex: number } | null = null;
-  let sent = 0;
-  view.onDrag(({ phase, hit, point }) => {
-    if (store.state.tool !== "pull") return;
-    if (phase === "start") held = hit && { body: hit.body, vertex: hit.vertex };
-    if (!held) return;
-    if (phase === "end") {
-      order({ do: "release" });
-      held = null;
-      return;
-    }
-    if (phase === "move" && performance.now() - sent < 15) return;
-    sent = performance.now();
-    order({ do: "pull", ...held, point: Array.from(point) as Vec3 });
-  });
 }

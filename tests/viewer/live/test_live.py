@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
@@ -16,7 +18,7 @@ from websockets.sync.client import ClientConnection, connect
 import jousto as jo
 from jousto.simulation.live.hand import placed
 from jousto.viewer import server as server_module
-from jousto.viewer.container import unpack
+from jousto.viewer.container import pack, unpack
 from jousto.viewer.live.live import Live, live
 
 PATIENCE = 60.0  # s, for machines that are busy
@@ -67,7 +69,7 @@ class Page:
 
     def __init__(self, address: str) -> None:
         url = address.replace("http", "ws", 1).replace("/?", "/socket?")
-        self._open = connect(url, origin=address.split("/?")[0], max_size=None)
+        self._open = connect(url, origin=address.split("/?")[0], max_size=None, close_timeout=1)
         self.socket: ClientConnection = self._open.__enter__()
         self.pictures: list[dict[str, Any]] = []
         self.number = 0
@@ -276,3 +278,32 @@ def test_wrong_arguments_are_sentences(model: Path, given: dict[str, Any], sente
     with pytest.raises(jo.InputError, match=sentence):
         live(**{"machine": model, "open": False, **given})
     assert threading.active_count() == before
+
+
+def test_a_page_that_reads_nothing_does_not_slow_the_machine(running: Live) -> None:
+    """Pictures for a page that does not read them are dropped, not kept, and stop nobody."""
+    address = urlsplit(running.address)
+    deaf = socket.socket()
+    deaf.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    deaf.connect((address.hostname, address.port))
+    deaf.sendall(
+        f"GET /socket?{address.query} HTTP/1.1\r\nHost: {address.netloc}\r\n"
+        f"Origin: http://{address.netloc}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n".encode()
+    )
+    assert deaf.recv(12) == b"HTTP/1.1 101"
+    page = Page(running.address)
+    # far more pictures than the buffers of a connection hold
+    picture, pushed = pack({"kind": "live", "time": 0.0, "more": np.zeros(1 << 17)}), 64
+    for _ in range(pushed):
+        running._server.push(picture)
+        page.ask(do="pause")  # one after the other
+    page.ask(do="play")
+    # the machine runs, the other page sees it, and both are answered
+    page.until(lambda p: p["time"] > 2.0)
+    page.ask(do="pause")
+    client = min(running._server._clients, key=lambda c: c.number)
+    waits = client.connection.transport.get_write_buffer_size()
+    assert 0 < waits < 4 * len(picture)  # some of one or two pictures
+    page.close()
+    deaf.close()
