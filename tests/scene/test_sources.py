@@ -14,6 +14,7 @@ import jousto as jo
 from jousto.base.errors import InputError
 from jousto.scene import machine
 from jousto.scene.make import make_scene
+from jousto.scene.posed import points
 from scene.machines import STEEL, ball, corner, everything, reduced
 
 pytestmark = pytest.mark.filterwarnings("ignore::jousto.base.errors.JoustoWarning")
@@ -63,22 +64,64 @@ def test_a_machine_at_its_start_is_the_first_instant_of_its_run(saved):
     assert (scene.what, scene.motion) == ("model", None)
 
 
-def test_files_of_older_versions_still_have_a_scene(saved, tmp_path):
-    """They know no symbols, frames and masses: lines and what joins two points."""
-    old = tmp_path / "old.h5"
-    old.write_bytes(saved.read_bytes())
+KINDS = ("hinge", "slide", "fixed", "rod", "spring", "damper", "actuator", "bushing")
+
+
+def older(new: Path, old: Path) -> Path:
+    """Write a results file as older versions did: without symbols, frames and masses of bodies.
+
+    `/connections` had what joins two points: `names` and `kinds` (k,), the body (k, 2), -1 for the
+    ground, and the place in its frame (k, 2, 3) of each point, and displacements (m, 3) in the
+    modes of the bodies, those of all points behind one another, with their `ends` (k, 2).
+    """
+    old.write_bytes(new.read_bytes())
     with h5py.File(old, "r+") as file:
-        del file["symbols"], file["bodies/arm/frame"]
+        arm = file["bodies/arm"]
+        nodes, phi = arm["nodes"][()], np.moveaxis(arm["mode_shapes"][()], 2, 1)
+        ground, none = np.zeros(3), np.zeros((0, 3))
+        found = [  # name, kind, (body, place, modes) of either point
+            ("hinge", "hinge", (-1, ground + (0, 0, 1), none), (0, nodes[0], phi[0])),
+            ("slide", "slide", (-1, ground + (0, 2, 0), none), (1, ground, none)),
+            ("spring", "spring", (0, nodes[-1], phi[-1]), (1, ground + (0.3, 0, 0), none)),
+        ]
+        sides = [side for *_, a, b in found for side in (a, b)]
+        group = file.create_group("connections")
+        group["names"] = np.array([name.encode() for name, *_ in found])
+        group["kinds"] = np.array([KINDS.index(kind) for _, kind, *_ in found])
+        group["bodies"] = np.array([body for body, *_ in sides]).reshape(-1, 2)
+        group["points"] = np.array([x for _, x, _ in sides]).reshape(-1, 2, 3)
+        group["modes"] = np.concatenate([modes for *_, modes in sides])
+        group["ends"] = np.cumsum([len(modes) for *_, modes in sides]).reshape(-1, 2)
+        del file["symbols"], arm["frame"]
         for body in file["bodies"].values():
             del body.attrs["mass"]
-    scene, new = make_scene(jo.load(old)), make_scene(jo.load(saved))
+    return old
+
+
+def test_files_of_older_versions_still_have_a_scene(saved, tmp_path):
+    """They know no symbols, frames and masses: lines and what joins two points."""
+    with h5py.File(saved) as file:
+        assert "connections" not in file
+    run = jo.load(older(saved, tmp_path / "old.h5"))
+    scene, new = make_scene(run), make_scene(jo.load(saved))
     arm = scene.bodies[0]
     assert (arm.kind, arm.triangles, len(arm.lines), arm.mass) == ("frame", None, 4, None)
-    assert {"hinge", "slide", "spring"} < {one.name for one in scene.symbols}
-    assert {one.kind for one in scene.symbols} < {one.kind for one in new.symbols} | {
-        *("hinge", "slide", "spring", "damper")
-    }
     np.testing.assert_allclose(scene.still, new.still, rtol=0, atol=1e-15)
+    symbols = {one.name: one for one in scene.symbols if one.group != "ground"}
+    assert {name: (one.kind, one.group, one.axis) for name, one in symbols.items()} == {
+        "hinge": ("hinge", "joint", None),
+        "slide": ("slide", "joint", None),
+        "spring": ("spring", "force", None),
+    }
+    # the points move with the bodies and their deformation: there is a sensor at this one
+    rows = scene.motion.rows(slice(None))
+    assert np.ptp(run.q[:, 7:10], axis=0).max() > 1e-9
+    end, root = symbols["spring"].sides[0], symbols["hinge"].sides[1]
+    np.testing.assert_allclose(points(end, rows), run["position"], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(points(root, rows), [[0, 0, 1]] * len(rows), rtol=0, atol=1e-9)
+    supports = [one.sides[0].u for one in scene.symbols if one.group == "ground"]
+    np.testing.assert_array_equal(supports, [[0, 0, 1], [0, 2, 0]])
+    assert jo.still(run, tmp_path / "old.png", times=1).stat().st_size > 1000
 
 
 @pytest.mark.parametrize("place", ["symbols/turns", "symbols/words", "bodies/arm/frame/phi"])

@@ -19,7 +19,7 @@ from jousto.scene.frames import frame_body
 from jousto.scene.motion import Rows, run_motion
 from jousto.scene.rings import Resultants, beam_body
 from jousto.scene.scene import MEASURES, Body, Happened, Scene, Sensor, Side, Symbol
-from jousto.scene.symbols import drawn_symbols, from_connections, grounds, held_points
+from jousto.scene.symbols import drawn_symbols, grounds, held_points
 from jousto.simulation.results.columns import columns
 from jousto.simulation.results.frames import component_units
 from jousto.simulation.results.memory import MemoryRecords
@@ -102,8 +102,6 @@ def _machine(run: Solution, firsts: Sequence[int], rows: Array) -> Scene:
     if not shapes:
         raise InputError(Problem(run.where, "there are no bodies to see"))
     made, marks = drawn_symbols(run.symbols, shapes)
-    if not made:  # files of older versions
-        made = from_connections(run.connections, shapes)
     symbols = (*made, *grounds(made))
     bodies = _bodies(run, shapes, beams, firsts, symbols, rows[0])
     gravity = run.attributes.get("gravity")

@@ -10,10 +10,7 @@ from jousto.base.arrays import Array
 from jousto.base.rotations import euler_parameters
 from jousto.model.symbol_record import SymbolPoint, SymbolShape
 from jousto.scene.scene import Mark, Side, Symbol
-from jousto.simulation.results.connections import Connection, Side as Point
 from jousto.simulation.results.records import BodyShape
-
-FORCES = ("spring", "damper", "actuator", "bushing")
 
 
 def drawn_symbols(
@@ -52,28 +49,6 @@ def side_of(point: SymbolPoint, bodies: Sequence[BodyShape]) -> Side:
     if phi is None and point.node >= 0 and shape.n:
         phi = np.asarray(shape.modes[point.node])
     return Side(shape.q_offset, shape.n, np.asarray(point.u0), phi, frame)
-
-
-def from_connections(
-    found: Sequence[Connection], bodies: Sequence[BodyShape]
-) -> tuple[Symbol, ...]:
-    """Return the symbols of files of older versions, which know no axes."""
-    return tuple(
-        Symbol(
-            name=one.name,
-            kind=one.kind,
-            group="force" if one.kind in FORCES else "joint",
-            sides=tuple(_end(point, bodies) for point in (one.a, one.b)),
-            text=f"{one.kind} '{one.name}'",
-        )
-        for one in found
-    )
-
-
-def _end(point: Point, bodies: Sequence[BodyShape]) -> Side:
-    place = -1 if point.body < 0 else bodies[point.body].q_offset
-    n = point.modes.shape[1]
-    return Side(place, n, np.asarray(point.u0), np.asarray(point.modes) if n else None)
 
 
 def grounds(symbols: Sequence[Symbol]) -> tuple[Symbol, ...]:

@@ -21,7 +21,6 @@ from jousto.model.model import Model
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
 from jousto.simulation.results.columns import Column, columns
-from jousto.simulation.results.connections import Connection, connections
 from jousto.simulation.results.events import Happening, happenings, joints_of, sources
 from jousto.simulation.results.records import ALL, BodyShape
 from jousto.simulation.results.solution import Solution
@@ -159,10 +158,6 @@ class MemoryRecords:
     def beams(self) -> tuple[BeamShape, ...]:
         """Return the beams."""
         return self.model.beam_shapes
-
-    def connections(self) -> tuple[Connection, ...]:
-        """Return what joins two points, for pictures."""
-        return connections(self.model)
 
     def symbols(self) -> tuple[SymbolShape, ...]:
         """Return where joints, forces, sensors and named points are."""

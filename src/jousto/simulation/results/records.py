@@ -15,7 +15,6 @@ from jousto.model.beam_record import BeamShape
 from jousto.model.frame_record import FrameShape
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
-from jousto.simulation.results.connections import Connection
 from jousto.simulation.results.events import Happening
 
 ALL = slice(None)
@@ -102,11 +101,8 @@ class Records(Protocol):
     def beams(self) -> tuple[BeamShape, ...]:
         """Return the beams."""
 
-    def connections(self) -> tuple[Connection, ...]:
-        """Return what joins two points, for pictures."""
-
     def symbols(self) -> tuple[SymbolShape, ...]:
-        """Return where joints, forces, sensors and named points are; none of older files."""
+        """Return where joints, forces, sensors and named points are."""
 
     def beam_places(self) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
         """Return where the nodes of each beam have their state in q and v."""

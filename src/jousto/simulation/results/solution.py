@@ -20,7 +20,6 @@ from jousto.model.beam_record import BeamShape
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
 from jousto.simulation.results import frames
-from jousto.simulation.results.connections import Connection
 from jousto.simulation.results.diagnostics import Energy, Residuals, Work
 from jousto.simulation.results.events import Happening
 from jousto.simulation.results.frames import Names, named, pick
@@ -386,13 +385,8 @@ class Solution(Mapping[str, Array]):
         return self._records.bodies()
 
     @property
-    def connections(self) -> tuple[Connection, ...]:
-        """What joins two points, joints, springs and actuators, for pictures."""
-        return self._records.connections()
-
-    @property
     def symbols(self) -> tuple[SymbolShape, ...]:
-        """Where joints, forces, sensors and named points are; none of files of older versions."""
+        """Where joints, forces, sensors and named points are, for pictures."""
         return self._records.symbols()
 
     @property

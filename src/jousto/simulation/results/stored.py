@@ -17,7 +17,7 @@ from jousto.base.files import written
 from jousto.model.beam_record import BeamShape
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
-from jousto.simulation.results.connections import GROUP as CONNECTIONS, Connection, read_connections
+from jousto.simulation.results.connections import GROUP as CONNECTIONS, read_connections
 from jousto.simulation.results.events import Happening, happenings
 from jousto.simulation.results.records import ALL, BodyShape
 from jousto.simulation.results.stress import (
@@ -167,15 +167,12 @@ class FileRecords:
                 return ()
             return tuple(read_beam(name, group) for name, group in file[BEAMS].items())
 
-    def connections(self) -> tuple[Connection, ...]:
-        """Return what joins two points, for pictures."""
-        with self._open() as file:
-            return read_connections(file[CONNECTIONS]) if CONNECTIONS in file else ()
-
     def symbols(self) -> tuple[SymbolShape, ...]:
-        """Return where joints, forces, sensors and named points are; none of older files."""
+        """Return where joints, forces, sensors and named points are."""
         with self._open() as file:
-            return read_symbols(file[SYMBOLS]) if SYMBOLS in file else ()
+            if SYMBOLS in file:
+                return read_symbols(file[SYMBOLS])
+            return read_connections(file[CONNECTIONS]) if CONNECTIONS in file else ()
 
     def beam_places(self) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
         """Return where the nodes of each beam have their state in q and v."""

@@ -26,11 +26,6 @@ from jousto.base.seal import Seal
 from jousto.base.version import __version__
 from jousto.model.model import Model
 from jousto.simulation.results.columns import Column, columns
-from jousto.simulation.results.connections import (
-    GROUP as CONNECTIONS,
-    connection_arrays,
-    connections,
-)
 from jousto.simulation.results.events import joints_of, sources
 from jousto.simulation.results.image import SparseImage, reserve
 from jousto.simulation.results.stress import BEAMS, beam_arrays, frame_arrays, stress_arrays
@@ -404,11 +399,6 @@ def _describe(
             # where the states of the nodes are
             group["iq"] = np.array([model.bodies[k].iq for k in beam.bodies])
             group["iv"] = np.array([model.bodies[k].iv for k in beam.bodies])
-    connected = connections(model)
-    if connected:
-        group = file.create_group(CONNECTIONS)
-        for name, array in connection_arrays(connected).items():
-            group.create_dataset(name, data=array)
     if model.symbols:
         group = file.create_group(SYMBOLS)
         for name, array in symbol_arrays(model.symbols).items():
