@@ -412,6 +412,17 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out);     /* (nout), aft
  * written there. Does fewer steps when the log of events is full. Returns a jo_status. */
 int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
            long long *count, int *written, jo_real *rows);
+/* How steps keep time by the watch; s of it. */
+typedef struct {
+    double step, farthest;     /* between two steps; behind at most: further behind it returns */
+    double ahead;              /* until the next step is due, below 0 if that was before: in and out */
+    double latest, worst;      /* largest lateness and longest step so far */
+    long long missed, done;    /* steps so far that ended after the next one was due; steps of the last call */
+} jo_pace;
+/* jo_run, at most nsteps, each of them when it is due. Counts in late (nedge + 1) the steps that began late by less than each
+ * of the rising edges. Returns after a step in which something happened as well. */
+int jo_paced(const jo_model *m, jo_data *d, const jo_solver *s, jo_pace *p, int nsteps, int nedge, const double *edge,
+             long long *late, long long every, long long *count, int *written, jo_real *rows);
 /* With error control (DOPRI): rows at start + k step, k = *count .. last, from steps of their own length. *count = 0 begins
  * at the present state, which is the first row; later calls go on where the one before stopped. Stops after `tries`
  * steps or `room` rows as well. */

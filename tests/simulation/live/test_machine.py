@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import h5py
@@ -19,6 +20,7 @@ from jousto.simulation.live.hand import (
     with_hand,
 )
 from jousto.simulation.live.machine import LiveMachine
+from jousto.simulation.live.pace import Pace
 from jousto.simulation.live.recorder import Recorder, repeat
 
 STEP = 1e-3
@@ -273,3 +275,38 @@ def test_sensors_keep_their_frames_beside_the_hand() -> None:
         engine.row()
     assert np.abs(plain.sensors()).max() > 0.5
     np.testing.assert_array_equal(plain.sensors(), handed.sensors())
+
+
+def test_steps_that_the_engine_times_are_the_same_and_counted_once() -> None:
+    plain, paced = (LiveMachine(oscillator(), jo.ROS2(STEP)) for _ in range(2))
+    pace = Pace(STEP, speed=2.0)
+    assert pace.native
+    for k in range(12):
+        for machine, how in ((plain, None), (paced, pace)):
+            machine.set("force", 3.0 * k)
+            rows = machine.step(7, how)  # across the rows at every tenth step
+            if how is None:
+                wanted = rows
+        assert rows.tobytes() == wanted.tobytes()
+    assert paced.state().q.tobytes() == plain.state().q.tobytes()
+    assert sum(pace.late) == 12 * 7
+    assert pace.worst > 0.0
+    assert pace.latest >= 0.0
+
+
+def test_steps_that_the_engine_times_last_as_long_as_the_watch_says() -> None:
+    machine, pace = LiveMachine(oscillator(), jo.ROS2(STEP)), Pace(STEP, speed=0.5)
+    began = time.monotonic()
+    machine.step(20, pace)
+    # the last of 20 steps begins 19 steps after the first, each of 2 ms: never before
+    assert time.monotonic() - began >= 19 * 2e-3
+
+
+def test_what_is_too_late_is_given_up_by_the_engine_too() -> None:
+    machine, pace = LiveMachine(oscillator(), jo.ROS2(STEP)), Pace(STEP)
+    machine.step(1, pace)
+    time.sleep(0.3)  # somebody held it up for longer than a quarter of a second
+    machine.step(9, pace)
+    assert pace.given_up >= 1
+    assert sum(pace.late) == 10
+    assert pace.latest >= 0.29  # a step that was due a millisecond after the first

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,6 +28,8 @@ STATE = (
     *("q", "v", "a", "lam", "time", "input", "turn", "happened"),
     *("locked", "held", "slip", "direction"),
 )
+# fields of jo_pace
+PACE = ("step", "farthest", "ahead", "latest", "worst", "missed", "done")
 IMAGINARY = 1e-30  # imaginary step: derivatives to round-off
 
 
@@ -159,6 +161,48 @@ class Engine:
         ValueError
             If `rows` is not a contiguous array of the engine's scalars with enough rows.
         """
+        self._fits(steps, every, rows)
+        written = self._ffi.new("int *", 0)
+        pointer = self._pointer(rows)
+        status = self._library.jo_run(
+            self._model, self._data, solver, steps, every, self._count, written, pointer
+        )
+        return kind("jo_status", status), int(written[0])
+
+    def paced(
+        self, solver: Any, steps: int, every: int, rows: Scalars, pace: Mapping[str, Any]
+    ) -> tuple[str, int, dict[str, float]]:
+        """Do what `run` does, each step when it is due by the watch; other threads run meanwhile.
+
+        Parameters
+        ----------
+        pace : mapping
+            Fields of ``jo_pace`` by name, and ``edges`` and ``late``, contiguous arrays (k,) and
+            (k + 1,): steps are counted in `late` by how late they began.
+
+        Returns
+        -------
+        status : str
+            As of `run`.
+        written : int
+            Rows written.
+        pace : dict
+            The fields of ``jo_pace``; "done" of the steps were done. It returns early where
+            something happened or the steps are too far behind.
+        """
+        self._fits(steps, every, rows)
+        written = self._ffi.new("int *", 0)
+        given = self._ffi.new("jo_pace *", {k: v for k, v in pace.items() if k in PACE})
+        edges = self._ffi.from_buffer("double *", pace["edges"])
+        late = self._ffi.from_buffer("long long *", pace["late"])
+        status = self._library.jo_paced(
+            *(self._model, self._data, solver, given, steps, len(pace["edges"]), edges, late),
+            *(every, self._count, written, self._pointer(rows)),
+        )
+        found = {name: getattr(given, name) for name in PACE}
+        return kind("jo_status", status), int(written[0]), found
+
+    def _fits(self, steps: int, every: int, rows: Scalars) -> None:
         needed = (self.steps_done % max(every, 1) + steps) // max(every, 1)
         needed += any(event.stop for event in self.model.events)
         good = rows.ndim == 2 and rows.shape[0] >= needed and rows.shape[1] == self.row_size
@@ -167,12 +211,6 @@ class Engine:
                 f"rows must be a contiguous ({needed} or more, {self.row_size}) array of "
                 f"{self.dtype}, and every at least 1"
             )
-        written = self._ffi.new("int *", 0)
-        pointer = self._pointer(rows)
-        status = self._library.jo_run(
-            self._model, self._data, solver, steps, every, self._count, written, pointer
-        )
-        return kind("jo_status", status), int(written[0])
 
     def happenings(self) -> NDArray[np.float64]:
         """Return time, event and direction (k, 3) of what happened in the last `run` or `step`."""

@@ -28,6 +28,7 @@ from jousto.simulation.live.hand import (
     placed,
     with_hand,
 )
+from jousto.simulation.live.pace import Pace
 from jousto.simulation.results.events import Chronicle
 from jousto.simulation.running.simulate import cause
 from jousto.simulation.solvers.choice import choose
@@ -181,15 +182,17 @@ class LiveMachine:
         """
         self._begin(replace(state, inputs=None), inputs, close=True)
 
-    def step(self, count: int = 1) -> Array:
+    def step(self, count: int = 1, pace: Pace | None = None) -> Array:
         """Advance by some steps, or to an event that stops; return the rows on the way.
+
+        With a pace each step waits for its time in the engine, and other threads run meanwhile.
 
         Raises
         ------
         SimulationError
             If the motion diverges or the engine cannot go on; `reset` helps.
         """
-        engine, found = self.engine, []
+        engine, rows = self.engine, []
         self.stopped = ""
         goal = engine.steps_done + count
         while engine.steps_done < goal:
@@ -197,11 +200,17 @@ class LiveMachine:
                 self._take_over()
                 engine = self.engine
             left = min(goal - engine.steps_done, self.every - engine.steps_done % self.every)
-            status, written = engine.run(self._native, left, self.every, self._rows)
+            if pace is None:
+                status, written = engine.run(self._native, left, self.every, self._rows)
+            else:
+                status, written, found = engine.paced(
+                    self._native, left, self.every, self._rows, pace.given()
+                )
+                pace.took(found)
             self.happened.append(self._chronicle.read())
             if written:
                 self.row = self._rows[written - 1].copy()
-                found.append(self.row)
+                rows.append(self.row)
             if status == "event":
                 self.stopped = self.model.events[engine.error_index].name
                 break
@@ -213,7 +222,7 @@ class LiveMachine:
                     time=self.time,
                     body=ending.body,
                 )
-        return np.array(found).reshape(len(found), engine.row_size)
+        return np.array(rows).reshape(len(rows), engine.row_size)
 
     def events(self) -> Array:
         """Return time, source, change and count (k, 4) of what happened since the last call."""

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import time
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
 
 EDGES = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2)
 """Upper ends of the classes of lateness, s; the last class has none."""
@@ -31,8 +34,8 @@ class Pace:
 
     Attributes
     ----------
-    late : list of int
-        Steps by lateness, in the classes of `EDGES`.
+    native : bool
+        Whether the engine may wait itself (see `given`): not with another clock.
     latest, worst : float
         Largest lateness, and longest time that a step took, s.
     missed : int
@@ -64,11 +67,13 @@ class Pace:
     ) -> None:
         self.step, self.speed = step, speed
         self._clock, self._sleep = clock, sleep
+        self.native = clock is time.monotonic and sleep is time.sleep
+        self._edges, self._late = np.array(EDGES), np.zeros(len(EDGES) + 1, np.int64)
         self.forget()
 
     def forget(self) -> None:
         """Count anew."""
-        self.late = [0] * (len(EDGES) + 1)
+        self._late[:] = 0
         self.latest = self.worst = 0.0
         self.missed = self.given_up = 0
         self.start()
@@ -91,7 +96,7 @@ class Pace:
                 self._sleep(self._due - now)
                 now = self._clock()
             late = now - self._due
-            self.late[bisect_right(EDGES, late)] += 1
+            self._late[bisect_right(EDGES, late)] += 1
             self.latest = max(self.latest, late)
         self._began = now
 
@@ -103,14 +108,51 @@ class Pace:
         if self.speed:
             self._due += steps * self.step / self.speed
             self.missed += now > self._due
-            if now - self._due > FARTHEST:
-                self._due = now
-                self.given_up += 1
+            self._plan(now)
+        self._count(now, steps)
+
+    def given(self) -> dict[str, Any]:
+        """Return what `Engine.paced` needs, which waits instead of `wait` and `done`."""
+        now = self._clock()
+        if self._due is None:
+            self._due = now
+        return {
+            "step": self.step / self.speed,
+            "farthest": FARTHEST,
+            "ahead": self._due - now,
+            "latest": self.latest,
+            "worst": self.worst,
+            "missed": self.missed,
+            "edges": self._edges,
+            "late": self._late,
+        }
+
+    def took(self, found: Mapping[str, float]) -> None:
+        """Note what `Engine.paced` returned."""
+        now = self._clock()
+        self._due = now + found["ahead"]
+        self.latest, self.worst = found["latest"], found["worst"]
+        self.missed = int(found["missed"])
+        self._plan(now)
+        self._count(now, int(found["done"]))
+
+    def _plan(self, now: float) -> None:
+        """Give up what is too far behind."""
+        if self._due is not None and now - self._due > FARTHEST:
+            self._due = now
+            self.given_up += 1
+
+    def _count(self, now: float, steps: int) -> None:
         self._steps += steps
         if not self._seen or now - self._seen[-1][0] > 0.05 * WINDOW:
             self._seen.append((now, self._steps))
         while len(self._seen) > 2 and now - self._seen[1][0] >= WINDOW:
             self._seen.pop(0)
+
+    @property
+    def late(self) -> list[int]:
+        """Steps by lateness, in the classes of `EDGES`."""
+        return list(map(int, self._late))
 
     @property
     def factor(self) -> float:

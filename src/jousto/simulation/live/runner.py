@@ -23,6 +23,7 @@ from jousto.simulation.live.urgency import hurry
 PICTURES = 60.0  # a second
 SWITCH = 2e-4  # s that another thread of Python may keep a step waiting
 IDLE = 0.5  # s between looks at nothing
+ALONE = 0.02  # s of the watch that the engine keeps time alone; orders wait that long at most
 CALL = 0.005  # s of the watch in one call of the engine, as fast as it can
 
 
@@ -244,13 +245,26 @@ class Runner:
                 self._woken.wait(IDLE)
                 self._woken.clear()
                 continue
-            self.pace.wait()
-            count = self._count()
-            if self._advance(count):
-                self.pace.done(count)
+            if self.pace.native and self.pace.speed:
+                self._advance(self._together(), self.pace)
+            else:
+                self._waited()
             if time.monotonic() - self._shown >= 0.9 / PICTURES:
                 self._show()
         self._end_record("completed")
+
+    def _waited(self) -> None:
+        """Step when it is time by a clock of Python, or at once."""
+        self.pace.wait()
+        count = self._count()
+        if self._advance(count):
+            self.pace.done(count)
+
+    def _together(self) -> int:
+        """Return the steps that the engine keeps time with alone: to the next row at most."""
+        machine, pace = self.machine, self.pace
+        left = machine.every - machine.engine.steps_done % machine.every
+        return max(1, min(left, int(ALONE * pace.speed / pace.step)))
 
     def _count(self) -> int:
         """Return the steps of the next call: one, or as fast as it can several."""
@@ -265,11 +279,11 @@ class Runner:
             self._message = ""
         self._playing = playing
 
-    def _advance(self, count: int) -> bool:
+    def _advance(self, count: int, pace: Pace | None = None) -> bool:
         """Step; on an event or a failure stand still and say so."""
         machine = self.machine
         try:
-            rows = machine.step(count)
+            rows = machine.step(count, pace)
         except JoustoError as error:
             self._stop(f"{error}; reset goes back to the start", f"failed: {error}")
             return False
