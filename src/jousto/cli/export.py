@@ -50,6 +50,12 @@ def export(
             "--input", metavar="NAME=LOW..HIGH", help="Range of an input in an .html, in SI."
         ),
     ] = None,
+    twin: Annotated[
+        bool,
+        typer.Option(
+            "--twin", help="Not the machine but the twin of its block monitor (.c, .zip)."
+        ),
+    ] = False,
     trust: Trust = False,
 ) -> None:
     """Write a reduced part, results or a machine for other programs; the ending selects which.
@@ -58,7 +64,8 @@ def export(
     input data). Results: .csv (time and sensors). Models: .c (one file of C99 and its header), .zip
     (the same as a project), .fmu (functional mock-up unit), .html (a page in which the machine
     runs, with a slider for each input); they run with the method and from the start of the model
-    file.
+    file. With --twin, a program that reads the strains of the block monitor and tells stress
+    with its band and damage.
     """
     from jousto.schema.targets import REDUCED_PART, RESULTS, hdf5_format, output_path
 
@@ -90,6 +97,8 @@ def export(
         from jousto.simulation.results.solution import load
 
         write(load(file), output, *(names or ()))
+    elif twin:
+        _twin(file, output, what, trust)
     elif what == "model":
         length = amount(step, "s", "--step")
         if suffix == ".html":
@@ -101,6 +110,25 @@ def export(
 
         write(ReducedPart.load(file), output)
     say(f"written to {output}", style="green")
+
+
+def _twin(file: Path, output: Path, what: str, trust: bool) -> None:
+    """Write the twin of a model's block monitor."""
+    from jousto.cli.monitor import reference_run
+    from jousto.output.write import write
+    from jousto.schema.read import read_model
+
+    if what != "model" or output.suffix.lower() == ".fmu":
+        raise InputError(Problem("--twin", "makes .c or .zip of a model file"))
+    found = read_model(file, trust=trust)
+    if found.monitor is None:
+        raise InputError(
+            Problem(
+                file.name,
+                "has no block monitor; add monitor: {spots: [..], ..}, see docs/model-file.md",
+            )
+        )
+    write(found.monitor.monitor(reference_run(found, file, True)), output)
 
 
 def machine_of(

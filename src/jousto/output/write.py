@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from jousto.design.optimisation.comparison import Comparison
     from jousto.design.optimisation.optimum import Optimum
     from jousto.fatigue.miner.damage_field import DamageField
+    from jousto.measurement.monitor.monitor import Monitor
     from jousto.mesh.mesh import Mesh
     from jousto.model.model import Model
     from jousto.natural.verification import Verification
@@ -33,11 +34,12 @@ if TYPE_CHECKING:
 File = str | Path
 
 MESHES = ("vtu", "vtk", "inp", "msh", "med", "bdf", "nas", "stl")
-SID, CONTOUR, BEAM, PROGRAM = (
+SID, CONTOUR, BEAM, PROGRAM, TWIN = (
     "files.sid.write_sid",
     "files.contour.write_contour",
     "figures.beams.write_beam",
     "files.programs.write_program",
+    "files.programs.write_twin",
 )
 WRITTEN = {
     "Solution": {"csv": "files.table.write_csv", "vtu": BEAM, "pvd": BEAM},
@@ -51,6 +53,7 @@ WRITTEN = {
         "fmu": "files.programs.write_fmu",
         "html": "jousto.viewer.running.write_running",
     },
+    "Monitor": {"c": TWIN, "zip": TWIN},
     "Mesh": dict.fromkeys(MESHES, "files.meshes.write_mesh"),
     "ReducedPart": {
         "fem": "files.mbdyn.write_fem",
@@ -86,6 +89,8 @@ def write(thing: ReducedPart, path: File, *, nodes: Sequence[str | int] | None =
 @overload
 def write(thing: Model, path: File, *, solver: Solver | None = ..., state: State | None = ..., name: str = ..., version: int = ..., on: Iterable[str] = ..., stop: float = ..., documents: dict[str, bytes] | None = ..., ranges: Mapping[str, tuple[float, float]] | None = ...) -> Path: ...  # noqa: E501
 @overload
+def write(thing: Monitor, path: File, *, name: str = ...) -> Path: ...
+@overload
 def write(thing: LoadPath | Certificate | Verification | Optimum | Comparison, path: File) -> Path: ...  # noqa: E501
 # fmt: on
 @explained
@@ -120,6 +125,7 @@ def write(thing: Any, path: File, *what: Any, **options: Any) -> Path:
                                               further `documents` by their place in it
                           .html               a page in which it runs: `solver`, `state`, `ranges`
                                               of inputs
+        monitor           .c .zip             its twin as a program of C99: `name`
         ================  ==================  ======================================================
     path : path
     *what

@@ -112,6 +112,11 @@ class Health:
         self._memory[[rows["last"], rows["good"]]] = np.nan
         self._engine = HealthCheck(self.rules, cells=(EMPTY, INFINITE))
 
+    @property
+    def native(self) -> Any:
+        """The rules as the engine has them, a jo_health."""
+        return self._engine.rule
+
     def save(self) -> Array:
         """Return all that is remembered, for `load`."""
         return np.concatenate([self.state[None].astype(np.float64), self._memory])

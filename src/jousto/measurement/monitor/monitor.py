@@ -170,7 +170,7 @@ class Monitor:
             known.elasticity if known.elasticity is None else known.elasticity[at],
         )
         stress_band(_nothing(self.modes), self.modes, criterion, level=level, scale=scale)
-        self._band = SpotBand(
+        self.band = SpotBand(
             self.modes, criterion, float(level), float(scale), self.estimator.missed
         )
         self.channels = self.estimator.names
@@ -267,14 +267,14 @@ class Monitor:
         moved = p.deviations(slice(None))
         told = np.isfinite(p.p)
         if len(p.covariances) == 1 and np.count_nonzero(told) == told.size:
-            return self._band(p.p, p.covariances[0], moved)
+            return self.band(p.p, p.covariances[0], moved)
         found = tuple(np.full((len(p), len(self.spots)), np.nan) for _ in range(3))
         whole = told.all(axis=1)
         for m, P in enumerate(p.covariances):
             rows = whole & (p.which == m)
             if rows.any():
                 own = None if moved is None else moved[rows]
-                for all_, part in zip(found, self._band(p.p[rows], P, own), strict=True):
+                for all_, part in zip(found, self.band(p.p[rows], P, own), strict=True):
                     all_[rows] = part
         return found
 

@@ -204,9 +204,9 @@ class Observer:
             float(lasting),
         )
         self._force = InertialForce(reduced.invariants)
-        self._J = reduced.invariants.I7
+        self.inertia = reduced.invariants.I7
         check_balance(balance, self.system, reference)
-        self._arms = np.concatenate(
+        self.arms = np.concatenate(
             [np.zeros((3, 0, reduced.n)), *(load.arms(reduced) for load in found)], axis=1
         )
         self.channels = channels_of(self.system, B, R, self.names, self.accelerometers, balance)
@@ -411,7 +411,7 @@ class Observer:
         if self.balance is not None:
             loads = x[system.places] + system.mean
             carried = system.wrenches @ system.mean - self._inertia(motion)
-            carried[3:] += (self._arms @ (system.shape @ x + static)) @ loads
+            carried[3:] += (self.arms @ (system.shape @ x + static)) @ loads
             parts.append(carried)
         return np.concatenate(parts)
 
@@ -419,7 +419,7 @@ class Observer:
         """Return force and moment (6,) about the frame's origin that the motion takes."""
         a, w, dw = motion
         I = self.reduced.invariants
-        S, J = I.first_moment, self._J
+        S, J = I.first_moment, self.inertia
         force = I.mass * a + cross(dw, S) + cross(w, cross(w, S))
         return np.concatenate([force, cross(S, a) + J @ dw + cross(w, J @ w)])
 

@@ -31,7 +31,7 @@ class HealthCheck:
         r.empty, r.infinite = cells
         r.range, r.stuck, r.spike, r.back = rules.range, rules.stuck, rules.spike, rules.back
         r.follow, r.warm, r.persist = FOLLOW, WARM, PERSIST
-        self._rule = r
+        self.rule = r
 
     def __call__(
         self,
@@ -58,7 +58,7 @@ class HealthCheck:
         states = np.empty(x.shape, dtype=np.uint8)
         view = self._ffi.from_buffer
         self._library.jo_health_check(
-            self._rule,
+            self.rule,
             view("double[]", memory),
             view("unsigned char[]", old),
             view("double[]", x),

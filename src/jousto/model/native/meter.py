@@ -132,7 +132,7 @@ class DamageMeter:
         self.rule = rule
         self.n = int(n)
         self._library, self._ffi = library.real_library(), library.ffi()
-        self._rule = native_rule(self._ffi, rule)
+        self.native = native_rule(self._ffi, rule)
         self._memory = np.zeros((self.n, meter_size(rule)))
         self._start = self._pointer(self._memory)
         self._scratch = np.zeros(self._library.JO_METER + 2 * rule.depth + 2)
@@ -188,7 +188,7 @@ class DamageMeter:
         """
         x = self._columns(block)
         self._library.jo_meter_block(
-            self._rule, self._start, self._ffi.from_buffer("double[]", x), len(x), self.n
+            self.native, self._start, self._ffi.from_buffer("double[]", x), len(x), self.n
         )
 
     def trace(self, samples: ArrayLike) -> Array:
@@ -203,7 +203,7 @@ class DamageMeter:
         x = self._columns(samples)
         cycles = np.zeros((len(x) // 2 + self.rule.depth, 2))
         closed = self._library.jo_meter_trace(
-            self._rule,
+            self.native,
             self._pointer(self._memory),
             self._pointer(x),
             len(x),
@@ -225,7 +225,7 @@ class DamageMeter:
         problems.raise_if_any()
         out = np.zeros(self.n)
         self._library.jo_meter_damages(
-            self._rule,
+            self.native,
             self._pointer(self._memory),
             self.n,
             kinds("jo_residue")[rule],
@@ -331,7 +331,7 @@ class DamageMeter:
                 )
         problems.raise_if_any()
         for i, one in enumerate(found):
-            if not self._library.jo_meter_valid(self._rule, self._pointer(one)):
+            if not self._library.jo_meter_valid(self.native, self._pointer(one)):
                 raise InputError(Problem(where, f"row {i} of memory is not that of a meter"))
         self._memory[:] = found
 

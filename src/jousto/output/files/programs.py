@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from jousto.measurement.monitor.monitor import Monitor
     from jousto.model.model import Model
     from jousto.simulation.solvers.explicit import Solver
     from jousto.simulation.state import State
@@ -24,6 +25,13 @@ def write_program(
     from jousto.export.project import write_program as write
 
     return write(model, path, solver, state=state, name=name)
+
+
+def write_twin(monitor: Monitor, path: str | Path, *, name: str = "") -> Path:
+    """Write a monitor as C99, see `jousto.measurement.program.project.write_twin`."""
+    from jousto.measurement.program.project import write_twin as write
+
+    return write(monitor, path, name=name)
 
 
 def write_fmu(

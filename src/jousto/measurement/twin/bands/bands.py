@@ -24,6 +24,8 @@ from jousto.reduction.reduced import ReducedPart
 BLOCK_BYTES = 64 << 20
 DRAWS = 128
 """Points with which the distribution of a criterion is sampled."""
+TINY = 1e-12
+"""Share of the variance of a component below which it has none of its own."""
 BENT = 0.05
 """Share of the standard deviation that the second-order bias of a criterion may reach before it
 is sampled instead of linearised."""
@@ -219,9 +221,21 @@ def _blocks(
 
 
 def root_of(cov: Array) -> Array:
-    """Return roots (..., 6, 6) of covariances: their columns are independent deviations."""
-    values, vectors = np.linalg.eigh(cov)
-    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :])
+    """Return roots (..., 6, 6) of covariances: their columns are independent deviations.
+
+    Cholesky's, the same by whatever it is computed, also where directions are equally uncertain;
+    what earlier components determine to a millionth has no deviation of its own.
+    """
+    L = np.zeros_like(cov)
+    for j in range(cov.shape[-1]):
+        row = L[..., j, :j]
+        rest = cov[..., j, j] - np.sum(row * row, axis=-1)
+        own = np.sqrt(np.where(rest > TINY * cov[..., j, j], rest, 0.0))
+        L[..., j, j] = own
+        below = cov[..., j + 1 :, j] - np.sum(L[..., j + 1 :, :j] * row[..., None, :], axis=-1)
+        inverse = np.divide(1.0, own, out=np.zeros_like(own), where=own > 0.0)
+        L[..., j + 1 :, j] = below * inverse[..., None]
+    return L
 
 
 def criterion_band(
@@ -243,7 +257,7 @@ def criterion_band(
     bent = np.argwhere(far)
     k = root.shape[-1]
     root = np.broadcast_to(root, (*s.shape, k))
-    points = _points(k)
+    points = points_of(k)
     step = max(1, BLOCK_BYTES // (8 * k * len(points)))
     for first in range(0, len(bent), step):
         t, k = bent[first : first + step].T
@@ -288,7 +302,7 @@ def floored(low: Array, criterion: Criterion) -> Array:
 
 
 @cache
-def _points(k: int) -> Array:
+def points_of(k: int) -> Array:
     """Return normally distributed points (DRAWS, k), the same ones always."""
     u = qmc.Sobol(k, scramble=True, rng=1).random(DRAWS)
     return np.asarray(ndtri(np.clip(u, 1e-9, 1.0 - 1e-9)))

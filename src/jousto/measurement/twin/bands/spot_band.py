@@ -61,6 +61,23 @@ class SpotBand:
         self._kept: dict[bytes, Array] = {}
         self._kernels: dict[bytes, tuple[Recovery, Array, Array]] = {}
 
+    @property
+    def linear(self) -> bool:
+        """Whether the criterion is a weighted sum of components."""
+        return self._weights is not None
+
+    @property
+    def quantile(self) -> float:
+        """How many standard deviations from the middle the ends are."""
+        return self._z
+
+    @property
+    def rows(self) -> tuple[Array, Array]:
+        """Rows of the modes and variances of what they miss: (ns, n) and (ns,), else with 6."""
+        if self._weights is None:
+            return self.S, self._missed**2
+        return self._rows.T, self._missed**2 @ self._weights**2
+
     def __call__(self, p: Array, P: Array, moved: Array | None = None) -> tuple[Array, ...]:
         """Return value, low and high (k, ns), Pa.
 

@@ -1,0 +1,144 @@
+"""A monitor as files of C: one file with its header, or a project with a recipe to build it."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+
+from jousto.base.files import written
+from jousto.base.version import __version__
+from jousto.export import sources
+from jousto.export.ports import identifier
+from jousto.export.program import KEYWORDS
+from jousto.export.project import CMAKE, MAKEFILE
+from jousto.measurement.monitor.monitor import Monitor
+from jousto.measurement.program.plan import Plan, plan_of
+
+ENGINE = ("health.c", "meter.c", "recover.c")
+ENGINE_HEADERS = ("jousto.h", "rainflow.h")
+HOSTED = ("gauged_twin.h", "gauged_twin.c", "bands.h", "bands.c", "watch.c")
+
+
+def _plant(made: Plan) -> str:
+    upper = made.name.upper()
+    return (
+        f'#include "{made.name}.h"\n#define PLANT {made.name}_plan\n'
+        f"#define PLANT_BYTES {upper}_BYTES\n#define PLANT_INPUTS {upper}_INPUTS\n"
+    )
+
+
+def _headers(made: Plan) -> dict[str, str]:
+    """Return all headers by name."""
+    everything = sources.headers()
+    return {
+        **{name: everything[name] for name in ENGINE_HEADERS},
+        "gauged_twin.h": sources.host("gauged_twin.h"),
+        "bands.h": sources.host("bands.h"),
+        f"{made.name}.h": made.header,
+        "plant.h": _plant(made),
+    }
+
+
+def _code(made: Plan) -> dict[str, str]:
+    """Return all files of C by name, in order."""
+    engine = {name: (sources.folder() / name).read_text(encoding="utf-8") for name in ENGINE}
+    hosted = {name: sources.host(name) for name in HOSTED if name.endswith(".c")}
+    return {**engine, f"{made.name}_data.c": made.source, **hosted}
+
+
+def one_file(made: Plan) -> str:
+    """Return everything as one file of C."""
+    about = (
+        f"/* A twin of gauges in one file of C99, written by jousto {__version__}.\n *\n"
+        f" * cc -O2 -DMAIN {made.name}.c -o {made.name} -lm && ./{made.name} samples.csv  reads "
+        "strains and prints stress and damage;\n"
+        f" * without MAIN it is a part of your program, see {made.name}.h.\n"
+        " * The engine in it is under the BSD-3-Clause licence of jousto. */\n"
+    )
+    head = "#define JO_ONE_FILE\n#include <math.h>\n"
+    return f"{about}{head}{sources.joined(_code(made), _headers(made))}"
+
+
+def public_header(made: Plan) -> str:
+    """Return the header for users of `one_file`."""
+    body = sources.joined({f"{made.name}_h": f'#include "{made.name}.h"\n'}, _headers(made))
+    guard = f"{made.name.upper()}_TWIN_H"
+    return f"#ifndef {guard}\n#define {guard}\n{body}\n#endif\n"
+
+
+def project(made: Plan) -> dict[str, str]:
+    """Return a project by the names of its files: sources, a main program, recipes to build."""
+    inner = {*ENGINE, *ENGINE_HEADERS}
+    files = {
+        (f"engine/{name}" if name in inner else name): text
+        for name, text in {**_headers(made), **_code(made)}.items()
+    }
+    cmake = CMAKE.replace(
+        "NAME_machine STATIC machine.c", "NAME_machine STATIC gauged_twin.c bands.c"
+    )
+    return files | {
+        "Makefile": MAKEFILE.replace("NAME", made.name),
+        "CMakeLists.txt": cmake.replace("main.c", "watch.c").replace("NAME", made.name),
+        "README.txt": _readme(made),
+    }
+
+
+def _readme(made: Plan) -> str:
+    lines = [
+        f"a twin of gauges in C99, written by jousto {__version__}",
+        "",
+        f"memory    {made.bytes} bytes for one twin, given by the caller; nothing is allocated",
+        "build     make, or cmake -B build && cmake --build build",
+        f"run       ./{made.name} samples.csv [memory] prints stress, bands and damage as a table",
+        f"use       gauged_twin.h has the functions, {made.name}.h the names of inputs and outputs",
+        "",
+    ]
+    for title, found in (("inputs", made.inputs), ("outputs", made.outputs)):
+        lines.append(f"{title}: {len(found)}")
+        lines += [f"  {x.name} ({x.unit}): {x.about}" for x in found]
+    return "\n".join([*lines, ""])
+
+
+def own_name(name: str) -> str:
+    """Return a name that no file of a twin and no word of C has."""
+    made = identifier(name)
+    files = {Path(key).stem for key in (*ENGINE, *ENGINE_HEADERS)} | sources.hosted()
+    return f"{made}_plan" if made in files | KEYWORDS or made.startswith("jo_") else made
+
+
+def write_twin(monitor: Monitor, path: str | Path, *, name: str = "") -> Path:
+    """Write a monitor as a program of C99 that needs no files, no allocation and no Python.
+
+    Parameters
+    ----------
+    monitor : Monitor
+        With a `Reconstruction` or an `Observer`. Its alarms stay behind.
+    path : path
+        ``.c``: one file, and its header ``.h`` beside it; ``.zip``: a project with the sources, a
+        main program, a Makefile and a CMakeLists.txt.
+    name : str
+        What the names in C begin with; empty is the name of the file.
+
+    Returns
+    -------
+    Path
+        The file written.
+
+    Raises
+    ------
+    InputError
+        If the path cannot be written.
+    """
+    out = Path(path)
+    made = plan_of(monitor, own_name(name or out.stem))
+    if out.suffix.lower() == ".zip":
+        with written(out) as beside, zipfile.ZipFile(beside, "w", zipfile.ZIP_DEFLATED) as file:
+            for key, text in sorted(project(made).items()):
+                entry = zipfile.ZipInfo(f"{made.name}/{key}")  # the same bytes each time
+                entry.compress_type = zipfile.ZIP_DEFLATED
+                file.writestr(entry, text)
+        return out
+    for place, text in ((out.with_suffix(".h"), public_header(made)), (out, one_file(made))):
+        with written(place) as beside:
+            beside.write_text(text, encoding="utf-8")
+    return out
