@@ -18,7 +18,7 @@ from jousto.output.plot import BEAM, DRAWN
 from jousto.output.write import WRITTEN
 from jousto.schema.read import parse_model
 from measurement.monitor import watched
-from session import EXAMPLES, STEEL, falling, objects, turn
+from session import EXAMPLES, ROBOT, STEEL, falling, objects, turn
 
 DRAW = {kind: implementation(place) for kind, place in DRAWN.items()}
 WRITE = {
@@ -60,7 +60,17 @@ def calls(folder: Path) -> dict[str, Call]:
     """Return calls by the name of what is called; arguments left out have defaults."""
     made = objects()
     found: dict[str, Call] = {}
-    for part in (_machines, _parts, _analyses, _recovery, _fatigue, _twins, _studies, _design):
+    for part in (
+        _machines,
+        _parts,
+        _analyses,
+        _recovery,
+        _fatigue,
+        _twins,
+        _studies,
+        _design,
+        _robots,
+    ):
         for what, given in part(made, folder):
             name = what.__qualname__
             found[name] = (what, given)
@@ -198,6 +208,30 @@ def _machines(made: Made, folder: Path) -> list[Call]:
                 "vector": (0, 0, 1),
             },
         ),
+    ]
+
+
+def _robots(made: Made, folder: Path) -> list[Call]:
+    tree, robot = made["tree"], made["robot"]
+    path = folder / "robot.urdf"
+    path.write_text(ROBOT, encoding="utf-8")
+    return [
+        (jo.robots.read_urdf, {"path": path}),
+        (jo.robots.mechanism, {"robot": robot}),
+        (jo.robots.Tree, {"machine": robot}),
+        (
+            jo.robots.inverse_kinematics,
+            {"tree": tree, "frame": "tip", "position": (0.0, 1.0, 0.0)},
+        ),
+        (tree.forward_kinematics, {"q": [0.0]}),
+        (tree.pose, {"frame": "tip", "q": [0.0]}),
+        (tree.jacobian, {"frame": "tip", "q": [0.0]}),
+        (tree.moved, {"q": [0.0], "step": [0.1]}),
+        (tree.mass_matrix, {"q": [0.0]}),
+        (tree.bias_forces, {"q": [0.0], "v": [0.0]}),
+        (tree.gravity_forces, {"q": [0.0]}),
+        (tree.inverse_dynamics, {"q": [0.0], "v": [0.0], "a": [0.0]}),
+        (tree.forward_dynamics, {"q": [0.0], "v": [0.0], "tau": [0.0]}),
     ]
 
 

@@ -48,6 +48,7 @@ def objects() -> Objects:
             optimisation,
             studies,
             reliability,
+            robots,
         ):
             found |= stage(found, Path(folder))
     return found
@@ -354,3 +355,28 @@ def planar(_: Objects, __: Path) -> Objects:
             frame, 0.01, PlanarGeneralizedAlpha(1e-3, rho=0.8), start=path.state()
         ),
     }
+
+
+def robots(_: Objects, folder: Path) -> Objects:
+    """A robot of one link, its tree and where its tip comes to."""
+    path = folder / "robot.urdf"
+    path.write_text(ROBOT, encoding="utf-8")
+    robot = jo.robots.read_urdf(path)
+    tree = jo.robots.Tree(robot)
+    return {
+        "robot": robot,
+        "link": robot.links[1],
+        "robot joint": robot.joints[0],
+        "mimic": jo.robots.Mimic("j"),
+        "tree": tree,
+        "frame": tree.pose("arm", [0.0]),
+        "reached": jo.robots.inverse_kinematics(tree, "tip", (0.0, 1.0, 0.0)),
+    }
+
+
+ROBOT = """<robot name="r"><link name="base"/><link name="arm"><inertial><mass value="1"/>
+<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link><link name="tip"/>
+<joint name="j" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+</joint>
+<joint name="k" type="fixed"><parent link="arm"/><child link="tip"/><origin xyz="1 0 0"/></joint>
+</robot>"""

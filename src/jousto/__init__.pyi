@@ -12,6 +12,7 @@ from . import (
     planar as planar,
     recovery as recovery,
     reduction as reduction,
+    robots as robots,
     sections as sections,
     simulation as simulation,
 )

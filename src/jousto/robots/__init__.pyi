@@ -1,0 +1,12 @@
+# names of jo.robots; they are loaded from here when they are first used
+from .build import mechanism as mechanism
+from .description import (
+    Frame as Frame,
+    Link as Link,
+    Mimic as Mimic,
+    Robot as Robot,
+    RobotJoint as RobotJoint,
+)
+from .inverse import Reached as Reached, inverse_kinematics as inverse_kinematics
+from .tree import Tree as Tree
+from .urdf import read_urdf as read_urdf

@@ -1,0 +1,272 @@
+"""Inverse kinematics: coordinates that bring a frame to a place, within their limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from jousto.base.arguments import explained
+from jousto.base.arrays import Array, read_only
+from jousto.base.described import described
+from jousto.base.errors import Problems
+from jousto.base.rotations import euler_parameters, parse_orientation, rotation_matrix
+from jousto.mechanism.bodies.marker import Marker
+from jousto.robots.tree import Tree
+
+SMALLEST, LARGEST = 1e-12, 1e8  # damping, in squares of the largest column
+SEED = 20
+STALLED = 1e-10  # gain of an iteration below which a start is given up
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class Reached:
+    """Where inverse kinematics came to.
+
+    Parameters
+    ----------
+    q : (nq,) array
+        Positions of the tree, within their limits.
+    reached : bool
+        Whether the frame is there within the tolerances.
+    distance : float
+        From the wanted position, m.
+    angle : float
+        From the wanted axes, rad; zero if none were wanted.
+    at_limit : tuple of str
+        Coordinates that stand at a limit.
+    iterations : int
+        In all.
+    starts : int
+        From how many places it was tried.
+    """
+
+    q: Array
+    reached: bool
+    distance: float
+    angle: float
+    at_limit: tuple[str, ...]
+    iterations: int
+    starts: int
+
+    def __bool__(self) -> bool:
+        return self.reached
+
+    def __str__(self) -> str:
+        word = "reached" if self.reached else "not reached"
+        text = f"{word}: {self.distance:.3g} m and {self.angle:.3g} rad off"
+        if not self.reached and self.at_limit:
+            text += f", with {', '.join(self.at_limit)} at the limit"
+        return f"{text} ({self.iterations} iterations from {self.starts} starts)"
+
+
+@explained
+def inverse_kinematics(
+    tree: Tree,
+    frame: str | Marker,
+    position: ArrayLike | None = None,
+    axes: Any = None,
+    *,
+    start: ArrayLike | None = None,
+    tolerance: float = 1e-8,
+    angle_tolerance: float = 1e-8,
+    starts: int = 20,
+    iterations: int = 200,
+) -> Reached:
+    """Find coordinates with which a frame is at a position, has axes, or both.
+
+    Damped least squares: ``dq = (J^T W J + d D)^-1 J^T W e``, D being the diagonal of the
+    first matrix (Levenberg and Marquardt); d grows where a step does not bring the frame nearer.
+    Coordinates at a limit that would leave it stand still in that step. Where a start leads to
+    no solution, others within the limits are tried, always the same ones.
+
+    Parameters
+    ----------
+    tree : Tree
+        The machine.
+    frame : str or Marker
+        What is to be there, as for ``tree.jacobian``.
+    position : (3,) array_like, optional
+        Where its origin shall be in the world, m; None for anywhere.
+    axes : orientation, optional
+        Its axes in the world: Euler parameters, a rotation matrix, `Rotate`; None for any.
+    start : (nq,) array_like, optional
+        Positions to begin with; None for those of the machine's declaration. What is found first
+        counts, so that a start nearby keeps the branch.
+    tolerance, angle_tolerance : float
+        How near it shall come, m and rad.
+    starts : int
+        From how many places it is tried.
+    iterations : int
+        For each of them.
+
+    Returns
+    -------
+    Reached
+        The best that was found; its ``reached`` says whether that is near enough.
+
+    Raises
+    ------
+    InputError
+        If neither position nor axes are given, or anything is no number.
+    """
+    where, problems = "inverse_kinematics", Problems()
+    r = None if position is None else problems.array(where, "position", position, (3,))
+    e = None if axes is None else parse_orientation(problems, where, "axes", axes)
+    q = problems.array(where, "start", tree.initial if start is None else start, (tree.nq,))
+    problems.positive(where, "tolerance", tolerance, "m")
+    problems.positive(where, "angle_tolerance", angle_tolerance, "rad")
+    for name, value in (("starts", starts), ("iterations", iterations)):
+        if value != int(value) or value < 1:
+            problems.add(where, f"{name} is {value!r}, must be a whole number above zero")
+    if position is None and axes is None:
+        problems.add(where, "give a position, axes, or both")
+    problems.raise_if_any()
+    assert q is not None
+    target = _Target(tree, frame, r, None if e is None else rotation_matrix(e))
+    near = (tolerance, angle_tolerance)
+    rng = np.random.default_rng(SEED)
+    best, used, tried = target.inside(q), 0, 0
+    best, used = target.descend(best, iterations, near)
+    tried = 1
+    while tried < starts and not target.there(best, near):
+        found, more = target.descend(target.drawn(q, rng), iterations, near)
+        used, tried = used + more, tried + 1
+        if target.size(found) < target.size(best):
+            best = found
+    distance, angle = target.off(best)
+    stuck = target.at_limit(best)
+    names = tuple(name for name, there in zip(tree.velocities, stuck, strict=True) if there)
+    return Reached(read_only(best), target.there(best, near), distance, angle, names, used, tried)
+
+
+class _Target:
+    """Where a frame shall be, and how far it is away."""
+
+    def __init__(self, tree: Tree, frame: str | Marker, r: Array | None, A: Array | None) -> None:
+        self.tree, self.frame, self.r, self.A = tree, frame, r, A
+        poses = tree.forward_kinematics(tree.initial).values()
+        here = tree.pose(frame, tree.initial).r
+        # an angle of 1 rad counts as so many m
+        self.length = max([float(np.linalg.norm(here - x.r)) for x in poses], default=1.0) or 1.0
+        self.index = {
+            tree.velocities.index(name): tree.positions.index(name)
+            for name in tree.velocities
+            if name in tree.positions
+        }
+
+    def error(self, q: Array) -> Array:
+        """Return what is missing: position, m, and turn times the length of the machine, m."""
+        here = self.tree.pose(self.frame, q)
+        parts = [] if self.r is None else [self.r - here.r]
+        if self.A is not None:
+            parts.append(self.length * turn_vector(self.A @ here.A.T))
+        return np.concatenate(parts)
+
+    def rows(self, q: Array) -> Array:
+        """Return the Jacobian of what counts."""
+        J = self.tree.jacobian(self.frame, q)
+        parts = [] if self.r is None else [J[:3]]
+        if self.A is not None:
+            parts.append(self.length * J[3:])
+        return np.concatenate(parts)
+
+    def size(self, q: Array) -> float:
+        """Return how far it is away, m."""
+        return float(np.linalg.norm(self.error(q)))
+
+    def off(self, q: Array) -> tuple[float, float]:
+        """Return the distance, m, and the angle, rad."""
+        e = self.error(q)
+        distance = 0.0 if self.r is None else float(np.linalg.norm(e[:3]))
+        return distance, 0.0 if self.A is None else float(np.linalg.norm(e[-3:])) / self.length
+
+    def there(self, q: Array, near: tuple[float, float]) -> bool:
+        """Return whether it is near enough."""
+        distance, angle = self.off(q)
+        return distance <= near[0] and angle <= near[1]
+
+    def inside(self, q: Array) -> Array:
+        """Return positions within their limits."""
+        found = np.array(q)
+        for i, place in self.index.items():
+            found[place] = np.clip(found[place], self.tree.lower[i], self.tree.upper[i])
+        return found
+
+    def at_limit(self, q: Array, step: Array | None = None) -> Array:
+        """Return which coordinates stand at a limit, and would leave it by a step (nv,)."""
+        tree = self.tree
+        found = np.zeros(tree.nv, dtype=bool)
+        for i, place in self.index.items():
+            low, high = q[place] <= tree.lower[i], q[place] >= tree.upper[i]
+            if step is not None:
+                low, high = low and step[i] < 0.0, high and step[i] > 0.0
+            found[i] = low or high
+        return found
+
+    def drawn(self, q: Array, rng: np.random.Generator) -> Array:
+        """Return other positions within the limits."""
+        tree = self.tree
+        found = tree.moved(q, rng.uniform(-np.pi, np.pi, tree.nv))
+        for i, place in self.index.items():
+            low, high = tree.lower[i], tree.upper[i]
+            if np.isfinite(low) and np.isfinite(high):
+                found[place] = rng.uniform(low, high)
+        return self.inside(found)
+
+    def descend(self, q: Array, most: int, near: tuple[float, float]) -> tuple[Array, int]:
+        """Return where damped least squares ends, and after how many iterations."""
+        damping, size = 1e-3, self.size(q)
+        for k in range(most):
+            if self.there(q, near):
+                return q, k
+            e, J = self.error(q), self.rows(q)
+            while True:
+                step = self.step(q, J, e, damping)
+                new = self.inside(self.tree.moved(q, step))
+                there = self.size(new)
+                if there < size or damping > LARGEST:
+                    break
+                damping *= 4.0
+            if there >= size * (1.0 - STALLED):
+                return (new if there < size else q), k + 1
+            q, size, damping = new, there, max(0.2 * damping, SMALLEST)
+        return q, most
+
+    def step(self, q: Array, J: Array, e: Array, damping: float) -> Array:
+        """Return a step (nv,) that leaves no limit."""
+        held = np.zeros(self.tree.nv, dtype=bool)
+        step = np.zeros(self.tree.nv)
+        for _ in range(self.tree.nv + 1):
+            K = J[:, ~held]
+            H = K.T @ K
+            top = float(np.diag(H).max(initial=0.0))
+            if top == 0.0:
+                return np.zeros(self.tree.nv)
+            H += damping * np.diag(np.maximum(np.diag(H), 1e-6 * top))
+            step[:] = 0.0
+            step[~held] = np.linalg.solve(H, K.T @ e)
+            more = self.at_limit(q, step) & ~held
+            if not more.any():
+                break
+            held |= more
+        # a turn by more than a radian says nothing of where it leads
+        return step / max(1.0, float(np.abs(step).max(initial=0.0)))
+
+
+def turn_vector(R: Array) -> Array:
+    """Return the rotation vector (3,), rad, of a rotation matrix: its angle is at most half a turn.
+
+    Examples
+    --------
+    >>> turn_vector(np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])).round(6)
+    array([0.      , 0.      , 1.570796])
+    """
+    e = euler_parameters(R)
+    sine = float(np.linalg.norm(e[1:]))
+    if sine < 1e-12:
+        return np.asarray(2.0 * e[1:])
+    return np.asarray(2.0 * np.arctan2(sine, e[0]) / sine * e[1:])

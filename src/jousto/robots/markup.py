@@ -1,0 +1,246 @@
+"""XML of descriptions: read without entities, network or surprises, with the line of everything."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.parsers import expat
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.errors import InputError, MissingFileError, Problem, warn
+from jousto.base.files import check_file
+from jousto.base.names import harmless
+
+LARGEST = 64 * 2**20  # bytes of a file
+MOST = 200_000  # elements
+DEEPEST = 100
+
+
+@dataclass
+class Element:
+    """An element of a file.
+
+    Parameters
+    ----------
+    tag : str
+        Its name.
+    given : dict of str to str
+        Its attributes.
+    line : int
+        Where it begins, from 1.
+    children : list of Element
+        In their order.
+    text : str
+        What stands in it besides them.
+    """
+
+    tag: str
+    given: dict[str, str]
+    line: int
+    children: list[Element] = field(default_factory=list)
+    text: str = ""
+
+    def all(self, *tags: str) -> Iterator[Element]:
+        """Yield the children of some names."""
+        return (child for child in self.children if child.tag in tags)
+
+    def first(self, tag: str) -> Element | None:
+        """Return the first child of a name, or None."""
+        return next(self.all(tag), None)
+
+
+class Refused(Exception):
+    """What a file must not contain; carries a sentence."""
+
+
+class _Builder:
+    """Builds elements from the events of a parser."""
+
+    def __init__(self) -> None:
+        self.parser = expat.ParserCreate()
+        self.root: Element | None = None
+        self.open: list[Element] = []
+        self.count = 0
+        self.parser.StartElementHandler = self.start
+        self.parser.EndElementHandler = self.end
+        self.parser.CharacterDataHandler = self.characters
+        self.parser.StartDoctypeDeclHandler = self.doctype
+
+    def start(self, tag: str, given: dict[str, str]) -> None:
+        """Begin an element."""
+        self.count += 1
+        if self.count > MOST or len(self.open) >= DEEPEST:
+            raise Refused(f"has more than {MOST} elements, or {DEEPEST} within each other")
+        # names of files end up in messages
+        known = {key: harmless(value) for key, value in given.items()}
+        element = Element(harmless(tag), known, self.parser.CurrentLineNumber)
+        if self.open:
+            self.open[-1].children.append(element)
+        elif self.root is None:
+            self.root = element
+        self.open.append(element)
+
+    def end(self, _: str) -> None:
+        """End the innermost element."""
+        self.open.pop()
+
+    def characters(self, text: str) -> None:
+        """Add text to the innermost element."""
+        if self.open:
+            self.open[-1].text += text
+
+    def doctype(self, *_: object) -> None:
+        """Refuse declarations of entities."""
+        raise Refused("has a DOCTYPE, through which a file could reach for others; remove it")
+
+
+def parse_file(path: Path) -> Element:
+    """Return the root of an XML file.
+
+    Raises
+    ------
+    InputError
+        If it is no file, too large, no XML, or declares a document type.
+    """
+    where = harmless(path.name)
+    try:
+        check_file(path)
+        if not path.exists():
+            raise MissingFileError(Problem(where, f"no such file '{path}'"))
+        if path.stat().st_size > LARGEST:
+            size = path.stat().st_size / 2**20
+            raise InputError(
+                Problem(where, f"has {size:.0f} MB, at most {LARGEST // 2**20} are read")
+            )
+        data = path.read_bytes()
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(Problem(where, f"cannot be read: {error}")) from None
+    return parse_bytes(data, where)
+
+
+def parse_bytes(data: bytes, where: str) -> Element:
+    """Return the root of XML, see `parse_file`."""
+    builder = _Builder()
+    try:
+        builder.parser.Parse(data, True)
+    except Refused as error:
+        raise InputError(
+            Problem(f"{where}:{builder.parser.CurrentLineNumber}", str(error))
+        ) from None
+    except (expat.ExpatError, LookupError, ValueError) as error:
+        line = getattr(error, "lineno", builder.parser.CurrentLineNumber)
+        text = harmless(str(error).partition(":")[0])
+        raise InputError(
+            Problem(f"{where}:{line}", f"is no XML that can be read: {text}")
+        ) from None
+    if builder.root is None:
+        raise InputError(Problem(where, "is empty"))
+    return builder.root
+
+
+class Reading:
+    """What is found while a file is read: problems, and what is only odd.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.problems: list[Problem] = []
+        self.odd: list[Problem] = []
+        self.ignored: dict[str, tuple[int, int]] = {}
+
+    def where(self, element: Element | None, what: str = "") -> str:
+        """Return the beginning of messages, ``arm.urdf:12: joint 'elbow'``."""
+        file = harmless(self.path.name)
+        if element is None:
+            return file if not what else f"{file}: {what}"
+        name = element.given.get("name", "")
+        what = what or (f"{element.tag} {name!r}" if name else element.tag)
+        return f"{file}:{element.line}: {what}"
+
+    def add(self, element: Element | None, message: str, what: str = "") -> None:
+        """Note a problem."""
+        self.problems.append(Problem(self.where(element, what), message))
+
+    def note(self, element: Element | None, message: str, what: str = "") -> None:
+        """Note what is odd."""
+        self.odd.append(Problem(self.where(element, what), message))
+
+    def leave_out(self, element: Element, name: str = "") -> None:
+        """Note an element that is not read; all of one name are told together."""
+        name = name or element.tag
+        line, times = self.ignored.get(name, (element.line, 0))
+        self.ignored[name] = (line, times + 1)
+
+    def finish(self) -> tuple[Problem, ...]:
+        """Raise InputError with all problems, or warn of what is odd and return it."""
+        if self.problems:
+            raise InputError(self.problems)
+        file = harmless(self.path.name)
+        for name, (line, times) in self.ignored.items():
+            again = f" and {times - 1} more" if times > 1 else ""
+            self.odd.append(Problem(f"{file}:{line}", f"<{name}>{again} is not read, left out"))
+        for odd in self.odd:
+            warn(odd.where, odd.message)
+        return tuple(self.odd)
+
+    # -- values -----------------------------------------------------------------------------
+
+    def numbers(
+        self, element: Element, text: str | None, what: str, count: int, default: Array | None
+    ) -> Array:
+        """Return the numbers of a text, or note a problem and return the default or zeros."""
+        spare = np.zeros(count) if default is None else np.array(default, dtype=np.float64)
+        if text is None:
+            if default is None:
+                self.add(element, f"{what} is missing")
+            return spare
+        words = text.split()
+        try:
+            if any("_" in word for word in words):
+                raise ValueError
+            values = np.array([float(word) for word in words])
+        except ValueError:
+            self.add(element, f"{what} is {text.strip()[:60]!r}, must be {_wanted(count)}")
+            return spare
+        if len(values) != count:
+            self.add(element, f"{what} has {len(values)} numbers, must be {_wanted(count)}")
+            return spare
+        # beyond, squares overflow
+        if not np.isfinite(values).all() or np.abs(values).max() > 1e100:
+            self.add(element, f"{what} is {text.strip()[:60]!r}, must be finite")
+            return spare
+        return values
+
+    def vector(self, element: Element, key: str, default: tuple[float, ...] | None) -> Array:
+        """Return three numbers of an attribute."""
+        spare = None if default is None else np.array(default)
+        return self.numbers(element, element.given.get(key), key, 3, spare)
+
+    def number(self, element: Element, key: str, default: float | None = None) -> float:
+        """Return the number of an attribute."""
+        spare = None if default is None else np.array([default])
+        if default is not None and not math.isfinite(default) and key not in element.given:
+            return default
+        return float(self.numbers(element, element.given.get(key), key, 1, spare)[0])
+
+    def limit(self, element: Element, key: str, default: float) -> float:
+        """Return the number of an attribute that may be infinite."""
+        text = element.given.get(key)
+        if text is not None and text.strip().lower().lstrip("+-") in ("inf", "infinity"):
+            return -math.inf if text.strip().startswith("-") else math.inf
+        return default if text is None else self.number(element, key)
+
+
+def _wanted(count: int) -> str:
+    return "a number" if count == 1 else f"{count} numbers"

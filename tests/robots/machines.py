@@ -1,0 +1,108 @@
+"""Robots written for the tests."""
+
+# ruff: noqa: E501
+
+from __future__ import annotations
+
+ARM = """
+<robot name="arm">
+  <link name="base"><inertial><mass value="9"/><inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="l1">
+    <inertial><origin xyz="0.01 -0.02 0.11" rpy="0.3 -0.2 0.5"/><mass value="4.1"/>
+      <inertia ixx="0.031" ixy="0.001" ixz="-0.002" iyy="0.029" iyz="0.0005" izz="0.012"/></inertial>
+    <visual><origin xyz="0 0 0.1" rpy="0 0.2 0"/><geometry><cylinder radius="0.05" length="0.2"/></geometry></visual>
+  </link>
+  <link name="l2">
+    <inertial><origin xyz="0.2 0.01 0.03" rpy="0 1.1 0.2"/><mass value="5.2"/>
+      <inertia ixx="0.012" ixy="0.001" ixz="0.003" iyy="0.091" iyz="-0.0005" izz="0.093"/></inertial>
+    <visual><geometry><box size="0.4 0.06 0.08"/></geometry></visual>
+  </link>
+  <link name="l3">
+    <inertial><origin xyz="0.15 0 0.02"/><mass value="2.6"/>
+      <inertia ixx="0.006" iyy="0.031" izz="0.029" ixy="0" ixz="0" iyz="0"/></inertial>
+  </link>
+  <link name="l4">
+    <inertial><origin xyz="0 0 0.02" rpy="0.1 0.1 0.1"/><mass value="1.3"/>
+      <inertia ixx="0.003" iyy="0.0025" izz="0.0015" ixy="0" ixz="0" iyz="0"/></inertial>
+  </link>
+  <link name="l5">
+    <inertial><origin xyz="0 0.02 0"/><mass value="0.9"/>
+      <inertia ixx="0.0012" iyy="0.0011" izz="0.0009" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><geometry><sphere radius="0.04"/></geometry></visual>
+  </link>
+  <link name="l6">
+    <inertial><origin xyz="0.03 0 0.05"/><mass value="0.4"/>
+      <inertia ixx="0.0004" iyy="0.0005" izz="0.0003" ixy="0" ixz="0" iyz="0"/></inertial>
+  </link>
+  <link name="tool">
+    <inertial><origin xyz="0 0.01 0.04" rpy="0.4 0 0"/><mass value="0.7"/>
+      <inertia ixx="0.0008" iyy="0.0007" izz="0.0004" ixy="0" ixz="0" iyz="0"/></inertial>
+  </link>
+  <link name="tcp"/>
+  <joint name="j1" type="revolute"><parent link="base"/><child link="l1"/>
+    <origin xyz="0 0 0.2"/><axis xyz="0 0 1"/><limit lower="-2.9" upper="2.9" velocity="3" effort="200"/>
+    <dynamics damping="0.5" friction="0.3"/></joint>
+  <joint name="j2" type="revolute"><parent link="l1"/><child link="l2"/>
+    <origin xyz="0.05 0.02 0.25" rpy="0 -0.4 0"/><axis xyz="0 1 0"/><limit lower="-1.5" upper="2.0" velocity="3" effort="200"/></joint>
+  <joint name="j3" type="revolute"><parent link="l2"/><child link="l3"/>
+    <origin xyz="0.4 0 0.03" rpy="0.1 0.9 -0.2"/><axis xyz="0 1 0.1"/><limit lower="-2.2" upper="2.2" velocity="3" effort="100"/></joint>
+  <joint name="j4" type="continuous"><parent link="l3"/><child link="l4"/>
+    <origin xyz="0.3 0 0" rpy="1.57 0 1.57"/></joint>
+  <joint name="j5" type="revolute"><parent link="l4"/><child link="l5"/>
+    <origin xyz="0 0 0.08"/><axis xyz="0.2 -1 0"/><limit lower="-1.9" upper="1.9" velocity="4" effort="50"/></joint>
+  <joint name="j6" type="revolute"><parent link="l5"/><child link="l6"/>
+    <origin xyz="0 0 0.07" rpy="0 0 0.3"/><axis xyz="0 0 -1"/><limit lower="-3" upper="3" velocity="6" effort="20"/></joint>
+  <joint name="flange" type="fixed"><parent link="l6"/><child link="tool"/>
+    <origin xyz="0 0 0.06" rpy="0.2 0.1 -0.3"/></joint>
+  <joint name="tip" type="fixed"><parent link="tool"/><child link="tcp"/><origin xyz="0.01 0 0.1" rpy="0 1.2 0"/></joint>
+</robot>
+"""
+
+SCARA = """
+<robot name="scara">
+  <link name="base"/>
+  <link name="upper"><inertial><origin xyz="0.2 0 0"/><mass value="6"/>
+    <inertia ixx="0.02" iyy="0.09" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="fore"><inertial><origin xyz="0.14 0 0.02" rpy="0 0.1 0"/><mass value="4"/>
+    <inertia ixx="0.01" iyy="0.05" izz="0.055" ixz="0.004" ixy="0" iyz="0"/></inertial></link>
+  <link name="quill"><inertial><origin xyz="0 0 -0.1"/><mass value="1.1"/>
+    <inertia ixx="0.01" iyy="0.01" izz="0.0006" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="spindle"><inertial><origin xyz="0.02 0 -0.02"/><mass value="0.6"/>
+    <inertia ixx="0.0006" iyy="0.0007" izz="0.0004" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/>
+    <origin xyz="0 0 0.4"/><axis xyz="0 0 1"/><limit lower="-2.4" upper="2.4" velocity="6" effort="100"/></joint>
+  <joint name="elbow" type="revolute"><parent link="upper"/><child link="fore"/>
+    <origin xyz="0.4 0 0.05"/><axis xyz="0 0 1"/><limit lower="-2.6" upper="2.6" velocity="9" effort="60"/></joint>
+  <joint name="lift" type="prismatic"><parent link="fore"/><child link="quill"/>
+    <origin xyz="0.28 0 0"/><axis xyz="0 0 -1"/><limit lower="0" upper="0.2" velocity="1" effort="200"/></joint>
+  <joint name="spin" type="continuous"><parent link="quill"/><child link="spindle"/>
+    <origin xyz="0 0 -0.2"/><axis xyz="0 0 1"/></joint>
+</robot>
+"""
+
+GRIPPER = """
+<robot name="gripper">
+  <link name="body"><inertial><origin xyz="0.02 0.01 0.3" rpy="0.1 0.2 0.3"/><mass value="12"/>
+    <inertia ixx="0.3" iyy="0.25" izz="0.2" ixy="0.01" ixz="0" iyz="0"/></inertial></link>
+  <link name="arm"><inertial><origin xyz="0 0 -0.2"/><mass value="3"/>
+    <inertia ixx="0.05" iyy="0.05" izz="0.004" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="hand"><inertial><origin xyz="0.01 0 -0.05"/><mass value="0.8"/>
+    <inertia ixx="0.002" iyy="0.0018" izz="0.0009" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="left"><inertial><origin xyz="0 0.01 -0.03"/><mass value="0.1"/>
+    <inertia ixx="6e-5" iyy="6e-5" izz="2e-5" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="right"><inertial><origin xyz="0 -0.01 -0.03"/><mass value="0.12"/>
+    <inertia ixx="6e-5" iyy="6e-5" izz="2e-5" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="tail"><inertial><origin xyz="-0.1 0 0.05"/><mass value="1.5"/>
+    <inertia ixx="0.003" iyy="0.012" izz="0.013" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="shoulder" type="revolute"><parent link="body"/><child link="arm"/>
+    <origin xyz="0 0.2 0.5" rpy="0.2 0 0"/><axis xyz="1 0 0"/><limit lower="-3" upper="3" velocity="6" effort="100"/></joint>
+  <joint name="wrist" type="continuous"><parent link="arm"/><child link="hand"/>
+    <origin xyz="0 0 -0.4" rpy="0 0 1"/><axis xyz="0 1 1"/></joint>
+  <joint name="slide1" type="prismatic"><parent link="hand"/><child link="left"/>
+    <origin xyz="0 0.02 -0.1"/><axis xyz="0 1 0"/><limit lower="0" upper="0.04" velocity="0.2" effort="40"/></joint>
+  <joint name="slide2" type="prismatic"><parent link="hand"/><child link="right"/>
+    <origin xyz="0 -0.02 -0.1"/><axis xyz="0 -1 0"/><limit lower="0" upper="0.04" velocity="0.2" effort="40"/></joint>
+  <joint name="wag" type="revolute"><parent link="body"/><child link="tail"/>
+    <origin xyz="-0.1 0 0.1" rpy="0 0.3 0"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="6" effort="10"/></joint>
+</robot>
+"""

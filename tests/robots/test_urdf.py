@@ -1,0 +1,255 @@
+"""URDF files: what they say, what is refused, what is odd, and what they may not do."""
+
+# ruff: noqa: E501
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import jousto as jo
+from jousto.robots import Tree, mechanism, read_urdf
+from robots.damage import damaged, watched
+from robots.machines import ARM, GRIPPER, SCARA
+
+BALL = '<inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+HINGE = '<joint name="h" type="continuous"><parent link="a"/><child link="b"/>{}</joint>'
+LINKS = f'<link name="a"/><link name="b">{BALL}</link>'
+
+Write = Callable[..., Path]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    def write(text: str, *, whole: bool = False) -> Path:
+        path = tmp_path / "robot.urdf"
+        path.write_text(text if whole else f'<robot name="r">{text}</robot>', encoding="utf-8")
+        return path
+
+    return write
+
+
+def sentences(path: Path, **options: Any) -> str:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", jo.JoustoWarning)
+        with pytest.raises(jo.InputError) as error:
+            read_urdf(path, **options)
+    return str(error.value)
+
+
+def test_turns_and_inertia_are_those_of_the_format(write: Write) -> None:
+    # scipy's "xyz" are fixed axes: roll about x first, yaw about z last
+    A = Rotation.from_euler("xyz", [0.3, -0.2, 0.5]).as_matrix()
+    robot = read_urdf(write(ARM, whole=True))
+    assert repr(robot) == "<Robot 'arm': 7 links, 6 moving joints>"
+    link = robot.links[1]
+    local = np.array([[31, 1, -2], [1, 29, 0.5], [-2, 0.5, 12]]) * 1e-3
+    np.testing.assert_allclose(link.inertia, A @ local @ A.T, atol=1e-15)
+    np.testing.assert_array_equal(link.center, [0.01, -0.02, 0.11])
+    joint = robot.joints[2]
+    turn = Rotation.from_euler("xyz", [0.1, 0.9, -0.2]).as_matrix()
+    np.testing.assert_allclose(joint.origin.A, turn, atol=1e-15)
+    assert (joint.lower, joint.upper, joint.effort, joint.velocity) == (-2.2, 2.2, 100.0, 3.0)
+    assert (robot.joints[0].damping, robot.joints[0].friction) == (0.5, 0.3)
+    # an axis that is left out is x
+    np.testing.assert_array_equal(robot.joints[3].axis, [1, 0, 0])
+    # 9 kg of the base and 0.7 kg of the tool, which is merged
+    assert robot.mass == pytest.approx(9 + 4.1 + 5.2 + 2.6 + 1.3 + 0.9 + 0.4 + 0.7)
+    assert set(robot.links[-1].frames) == {"tool", "tcp"}
+    kept = read_urdf(write(ARM, whole=True), merge=False)
+    assert len(kept.links) == 9 and kept.mass == pytest.approx(robot.mass)
+
+
+def test_a_joint_that_follows_is_a_coupling(write: Write) -> None:
+    text = f"""{LINKS}<link name="c">{BALL}</link>{HINGE.format("")}
+    <joint name="f" type="prismatic"><parent link="b"/><child link="c"/>
+    <limit lower="-1" upper="1" effort="5" velocity="1"/>
+    <mimic joint="h" multiplier="0.5" offset="0.2"/></joint>"""
+    robot = read_urdf(write(text))
+    tree = Tree(robot)
+    assert tree.velocities == ("h.angle",)
+    # b turns, c with it and along it: I = 1 + 1 + 2 kg 0.25 m2
+    assert tree.mass_matrix([0.3]) == pytest.approx(np.array([[2.5]]), abs=1e-14)
+    assert tree.pose("c", [0.3]).r == pytest.approx([0.35, 0.0, 0.0], abs=1e-15)
+    # the limits of the follower are those of what leads: (+-1 - 0.2) / 0.5
+    assert (tree.lower[0], tree.upper[0]) == pytest.approx((-2.4, 1.6))
+    machine = mechanism(robot, at={"h": 0.4})
+    run = jo.simulate(jo.compile(machine), 0.01)
+    assert run["f"][-1, 0] == pytest.approx(0.5 * run["h"][-1, 0] + 0.2, abs=1e-9)
+
+
+def test_everything_wrong_is_said_at_once(write: Write) -> None:
+    bad = """
+<link name="a"/>
+<link name="flat"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="3" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="minus"><inertial><mass value="1"/><inertia ixx="-1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="empty"/>
+<link name="nan"><inertial><mass value="nan"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="1" type="revolute"><parent link="a"/><child link="flat"/><limit lower="2" upper="1" effort="1" velocity="1"/></joint>
+<joint name="2" type="revolut"><parent link="a"/><child link="minus"/></joint>
+<joint name="3" type="continuous"><parent link="a"/><child link="emty"/></joint>
+<joint name="4" type="continuous"><parent link="a"/><child link="nan"/><axis xyz="0 0 0"/></joint>
+<joint name="4" type="fixed"><parent link="a"/><child link="flat"/></joint>
+"""
+    said = sentences(write(bad))
+    for part in (
+        "joint '1': lower limit 2 lies above the upper one, 1",
+        "type is 'revolut', must be one of revolute, continuous",
+        "child: no link 'emty'; did you mean 'empty'?",
+        "mass: value is 'nan', must be finite",
+        "axis is (0, 0, 0), must have a direction",
+        "2 joints are called '4'; rename them",
+        "link 'flat' is the child of joint '1' already",
+        "2 links have no parent: 'a', 'empty'",
+    ):
+        assert part in said
+    # each with its line in the file
+    assert said.splitlines()[0].startswith("robot.urdf:6: ")
+
+
+def test_masses_that_no_body_has(write: Write) -> None:
+    flat, minus = BALL.replace('izz="1"', 'izz="3"'), BALL.replace('ixx="1"', 'ixx="-1"')
+    links = f'<link name="a"/><link name="flat">{flat}</link><link name="minus">{minus}</link>'
+    joints = "".join(
+        f'<joint name="{i}" type="continuous"><parent link="a"/><child link="{name}"/></joint>'
+        for i, name in enumerate(("flat", "minus", "empty"))
+    )
+    said = sentences(write(f'{links}<link name="empty"/>{joints}'))
+    for part in (
+        "link 'flat': inertia breaks the triangle inequality: principal moments 1, 1, 3",
+        "link 'minus': inertia is not positive",
+        "link 'empty': moves with joint '2', but neither it nor what it carries has a mass",
+    ):
+        assert part in said
+
+
+@pytest.mark.parametrize(
+    ("joints", "said"),
+    [
+        (HINGE.format("") + HINGE.format("").replace('"h"', '"i"'), "a loop cannot be a tree"),
+        (
+            HINGE.format("")
+            + '<joint name="i" type="fixed"><parent link="b"/><child link="a"/></joint>',
+            "go round in a circle: no link is without a parent",
+        ),
+        ('<joint name="i" type="fixed"><parent link="b"/><child link="b"/></joint>', "with itself"),
+        (HINGE.format('<mimic joint="h"/>'), "'h' follows 'h', itself"),
+        (HINGE.format('<mimic joint="x"/>'), "mimic: no joint 'x'"),
+        (HINGE.format('<origin xyz="0 0"/>'), "xyz has 2 numbers, must be 3 numbers"),
+        (HINGE.format('<dynamics damping="-1"/>'), "damping is -1, must not be negative"),
+        (HINGE.format("") + "<xacro:arm/>", "is a macro; run xacro first"),
+        ('<joint name="h" type="fixed"><parent link="a"/></joint>', "<child link=...> is missing"),
+    ],
+)
+def test_what_cannot_run_is_refused(joints: str, said: str, write: Write) -> None:
+    assert said in sentences(write(LINKS + joints))
+
+
+def test_what_is_odd_is_told(write: Write, tmp_path: Path) -> None:
+    heavy = BALL.replace('"2"', '"2e6"')
+    thin = BALL.replace('"2"', '"0.0001"')
+    text = f"""<link name="a"><visual><geometry><mesh filename="gone.stl"/></geometry></visual>
+    <visual><geometry><mesh filename="package://other/x.stl"/></geometry></visual>
+    <visual><geometry><mesh filename="http://a.b/x.stl"/></geometry></visual></link>
+    <link name="b">{heavy}</link><link name="c.d">{thin}</link>
+    <joint name="h" type="revolute"><parent link="a"/><child link="b"/></joint>
+    <joint name="i" type="continuous"><parent link="b"/><child link="c.d"/><origin xyz="1 0 0"/></joint>
+    <spaceship/><transmission/>"""
+    with pytest.warns(jo.JoustoWarning) as found:
+        robot = read_urdf(write(text))
+    said = "\n".join(str(one.message) for one in found)
+    for part in (
+        "the mesh 'gone.stl' is not there; the shape is left out",
+        "is in package 'other'; say where, packages={'other': folder}",
+        "is at http://, only files are read",
+        "link 'b': mass is 2e+06 kg; was it given in g?",
+        "its radius of gyration is 122 m, the robot itself 1 m long",
+        "'c.d' is called 'c_d' here",
+        "a revolute joint has no <limit>; it moves without end",
+        "<spaceship> is not read, left out",
+    ):
+        assert part in said
+    assert len(robot.odd) == len(found)
+
+
+def test_shapes_are_drawn_and_stand_in_the_link(write: Write, tmp_path: Path) -> None:
+    import meshio
+
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    (tmp_path / "meshes").mkdir()
+    meshio.Mesh(points, [("triangle", faces)]).write(tmp_path / "meshes" / "tip.stl")
+    text = f"""<link name="a"/><link name="b">{BALL}
+    <visual><origin xyz="0 0 2"/><geometry><box size="1 2 3"/></geometry></visual>
+    <visual><origin xyz="5 0 0"/><geometry><mesh filename="package://mine/tip.stl" scale="0.1 0.1 0.1"/></geometry></visual>
+    <visual><geometry><cylinder radius="0.1" length="4"/></geometry></visual>
+    <visual><geometry><sphere radius="0.5"/></geometry></visual></link>{HINGE.format("")}"""
+    robot = read_urdf(write(text), packages={"mine": tmp_path / "meshes"})
+    box, tip, rod, ball = robot.links[1].shapes
+    np.testing.assert_allclose([box.min((0, 1)), box.max((0, 1))], [[-0.5, -1, 0.5], [0.5, 1, 3.5]])
+    np.testing.assert_allclose(tip.max((0, 1)), [5.1, 0.1, 0.1], atol=1e-6)  # STL has 32 bits
+    assert np.ptp(rod, axis=(0, 1))[2] == pytest.approx(4.0)
+    assert np.abs(ball).max() == pytest.approx(0.5)
+    body = mechanism(robot).bodies[0]
+    assert len(body.outline) == sum(len(shape) for shape in robot.links[1].shapes)
+
+
+def test_no_entities_and_no_files_from_elsewhere(write: Write, tmp_path: Path) -> None:
+    bomb = '<!DOCTYPE r [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]><robot name="&b;"/>'
+    assert "has a DOCTYPE, through which a file could reach" in sentences(write(bomb, whole=True))
+    outside = '<!DOCTYPE r SYSTEM "file:///etc/hostname"><robot name="r"/>'
+    assert "has a DOCTYPE" in sentences(write(outside, whole=True))
+    deep = "<a>" * 3000
+    assert "within each other" in sentences(write(deep, whole=True))
+    assert "is no XML that can be read" in sentences(write("<robot", whole=True))
+    assert "no such file" in sentences(tmp_path / "none.urdf")
+    assert "is a folder" in sentences(tmp_path)
+    home = tmp_path / "home"
+    home.mkdir()
+    (tmp_path / "secret.stl").write_text("solid", encoding="utf-8")
+    (home / "link.stl").symlink_to(tmp_path / "secret.stl")
+    for name in (
+        "../secret.stl",
+        "link.stl",
+        str(tmp_path / "secret.stl"),
+        f"file://{tmp_path}/secret.stl",
+    ):
+        path = home / "robot.urdf"
+        path.write_text(
+            f'<robot name="r"><link name="a"><visual><geometry><mesh filename="{name}"/></geometry>'
+            "</visual></link></robot>",
+            encoding="utf-8",
+        )
+        with pytest.warns(jo.JoustoWarning, match="lies outside the folder of the robot"):
+            read_urdf(path)
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("count", [200, pytest.param(10_000, marks=pytest.mark.slow)])
+def test_damaged_files_are_told_in_sentences(count: int, tmp_path: Path) -> None:
+    """Files with flipped, lost and doubled letters, numbers, elements: an error of ours or none."""
+    path = tmp_path / "robot.urdf"
+    rng = np.random.default_rng(count)
+    path.write_text(ARM, encoding="utf-8")
+    Tree(mechanism(read_urdf(path)))  # loads what is loaded on first use
+    refused = 0
+    with watched() as seen:
+        for i in range(count):
+            data = damaged((ARM, SCARA, GRIPPER)[i % 3], rng)
+            path.write_bytes(data)
+            try:
+                robot = read_urdf(path, fixed_base=bool(i % 2))
+                tree = Tree(robot)
+                assert np.isfinite(tree.mass_matrix(tree.initial)).all()
+                mechanism(robot)
+            except jo.InputError as error:
+                refused += 1
+                assert all(problem.message for problem in error.problems)
+    assert {name for name in seen if Path(name).parent != tmp_path} == set()
+    assert 0.2 * count < refused < count
