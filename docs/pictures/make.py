@@ -14,11 +14,14 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numpy as np
 from PIL import Image, ImageOps, ImageSequence
+
+from jousto.output.scenes.film import Palette
 
 HERE = Path(__file__).parent
 EXAMPLES = HERE.parent.parent / "examples"
-COLOURS = 128
+DITHER = Image.Dither.FLOYDSTEINBERG
 THUMB = (220, 150)  # pixels
 WIDTHS = {  # pixels
     "pendulum.png": 1000,
@@ -65,6 +68,7 @@ WIDTHS = {  # pixels
     "robot_still.png": 700,
     "robot_hose.png": 1200,
     "robot_hose_still.png": 700,
+    "lcd_robot_still.png": 800,
     "rail_frame.png": 1100,
     "arch_path.png": 900,
     "importance.png": 900,
@@ -96,17 +100,19 @@ SMOOTH = (
 def shrink(source: Path, target: Path, width: int) -> None:
     """Write a smaller copy of a picture or film."""
     smooth = target.name in SMOOTH
-    count = 256 if smooth else COLOURS
-    method = Image.Quantize.MEDIANCUT if smooth else Image.Quantize.MAXCOVERAGE
-    dither = Image.Dither.FLOYDSTEINBERG if smooth else Image.Dither.NONE
     with Image.open(source) as image:
         size = (width, round(width * image.height / image.width))
-        frames = [
-            frame.convert("RGB")
-            .resize(size, Image.Resampling.LANCZOS)
-            .quantize(count, method, dither=dither)
+        small = [
+            frame.convert("RGB").resize(size, Image.Resampling.LANCZOS)
             for frame in ImageSequence.Iterator(image)
         ]
+        if smooth:
+            how = Image.Quantize.MEDIANCUT
+            frames = [frame.quantize(256, how, dither=DITHER) for frame in small]
+        else:  # paper, ink and shadows keep their colours
+            pixels = [np.asarray(frame) for frame in small]
+            palette = Palette([pixels[i] for i in range(0, len(small), max(1, len(small) // 5))])
+            frames = [palette.index(frame) for frame in pixels]
         if target.suffix == ".gif":
             # every second frame is enough
             settings = {"duration": 2 * image.info.get("duration", 40), "loop": 0}

@@ -6,12 +6,14 @@ import pickle
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import jousto as jo
+from jousto.output.scenes.backdrop import new_picture
 from jousto.output.scenes.stage import make_stage
 from jousto.output.scenes.symbols import SymbolPen, coil, ground_lines, make_symbols, size_of
 from jousto.output.scenes.view import View
-from jousto.output.style import Picture
+from jousto.output.style import Picture, styled
 from jousto.scene.make import make_scene
 from jousto.scene.posed import rows_at
 
@@ -131,7 +133,28 @@ def test_a_cylinder_keeps_its_length_while_its_rod_moves(run):
 def test_they_change_the_picture(run, tmp_path, monkeypatch, name):
     view = View((1, 1, 1))
     with_them = jo.animate(run, tmp_path / name, view=view, stills=2, fps=5, speed=0.2).read_bytes()
-    monkeypatch.setattr("jousto.output.scenes.backdrop.draw_grounds", lambda *_: None)
+    monkeypatch.setattr("jousto.output.scenes.symbols.draw_grounds", lambda *_: [])
     monkeypatch.setattr(SymbolPen, "show", lambda *_: None)
     without = jo.animate(run, tmp_path / name, view=view, stills=2, fps=5, speed=0.2).read_bytes()
     assert with_them != without
+
+
+@pytest.mark.parametrize("name", ["m.png", "m.gif"])
+def test_a_support_within_a_body_is_seen(tmp_path, name):
+    box = jo.RigidBody.box("box", (1.0, 1.0, 1.0), mass=1.0)
+    hinge = jo.Revolute("hinge", jo.ground["origin"], box["origin"], axis=(0, 0, 1))
+    run = jo.simulate(jo.compile(jo.Mechanism(box, hinge, jo.Gravity((0, 0, -9.81)))), 0.1)
+    path = jo.animate(run, tmp_path / name, view="xz", stills=2)
+    with Image.open(path) as image:
+        pixels = np.asarray(image.convert("RGB"), dtype=int)
+    stage = make_stage(run, run.time[:2], scale=1.0, view="xz", trail=None)
+    with styled():
+        figure, ax = new_picture(stage, "", "")
+    size = size_of(stage.box)
+    # the middle of the triangle is paper, the box beside it has its colour
+    for x, paper in ((0.0, True), (-4.0 * size, False)):
+        place = ax.transData.transform((x, -1.2 * size))
+        share = figure.transFigure.inverted().transform(place)
+        rows, columns = pixels.shape[:2]
+        seen = pixels[int((1.0 - share[1]) * rows), int(share[0] * columns)]
+        assert (seen.min() > 240) == paper, (x, seen)

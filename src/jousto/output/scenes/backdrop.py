@@ -1,4 +1,4 @@
-"""The paper of a picture: rulers or a floor, the world frame, supports, colours of stress."""
+"""The paper of a picture: rulers or a floor, the world frame, colours of stress."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from matplotlib.ticker import MaxNLocator
 
 from jousto.output.scenes.stage import Stage
 from jousto.output.scenes.surface import STRESS_COLORS
-from jousto.output.scenes.symbols import draw_grounds, size_of
 from jousto.output.scenes.view import View
 from jousto.output.style import MUTED, Picture, scale_at
 
@@ -35,7 +34,6 @@ def new_picture(stage: Stage, title: str, note: str) -> tuple[Picture, Axes]:
         ax.axis("off")
         _draw_floor(ax, stage)
     _origin(ax, stage)
-    draw_grounds(ax, stage.symbols, size_of(stage.box))
     figure.text(left / WIDTH, 1 - 0.3 / total, title, fontsize=10.5, fontweight="bold", va="center")
     if note:
         x = 1 - right / WIDTH  # beside the colours of stress, never below them

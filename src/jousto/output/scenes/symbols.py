@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
+from matplotlib.collections import Collection, LineCollection, PolyCollection
 from matplotlib.lines import Line2D
 
 from jousto.base.arrays import Array
@@ -103,11 +103,17 @@ def ground_lines(point: Array, size: float) -> Lines:
     return [np.array(line) for line in (triangle, base, *hatch)]
 
 
-def draw_grounds(ax: Axes, symbols: Symbols, size: float) -> None:
-    """Draw the supports; they do not move."""
-    lines = [line for point in symbols.grounds for line in ground_lines(point, size)]
-    if lines:
-        ax.add_collection(LineCollection(lines, colors=MUTED, linewidths=0.9, zorder=1.5))
+def draw_grounds(ax: Axes, symbols: Symbols, size: float, order: float) -> list[Collection]:
+    """Draw the supports, which do not move, before the bodies that would hide them."""
+    found = [ground_lines(point, size) for point in symbols.grounds]
+    if not found:
+        return []
+    paper = PolyCollection([lines[0] for lines in found], facecolors=PAPER, zorder=order)
+    inked = [line for lines in found for line in lines]
+    lines = LineCollection(inked, colors=MUTED, linewidths=0.9, zorder=order + 0.01)
+    for part in (paper, lines):
+        ax.add_collection(part)
+    return [paper, lines]
 
 
 class SymbolPen:
@@ -136,7 +142,9 @@ class SymbolPen:
         self.barrels = BARREL * lengths.min(axis=0, initial=np.inf)
         self.thin = LineCollection([], colors=[ink], linewidths=1.3, zorder=order)
         self.thick = LineCollection([], colors=[steel], linewidths=5.0, zorder=order + 0.05)
-        self.artists: list[LineCollection | Line2D] = [self.thin, self.thick]
+        # of several instants in a picture the last has the supports
+        still = draw_grounds(ax, symbols, size, order - 0.1) if share == 1.0 else []
+        self.artists: list[Collection | Line2D] = [*still, self.thin, self.thick]
         for lines in (self.thin, self.thick):
             ax.add_collection(lines)
         self.marks: dict[str, Line2D] = {}
