@@ -211,6 +211,18 @@ def test_models_parts_and_modes_from_files(tmp_path: Path) -> None:
     assert contents(page)["scene"]["what"] == "modes"
 
 
+@pytest.mark.slow
+def test_the_page_of_the_link_arm_can_be_sent_by_mail(tmp_path: Path) -> None:
+    """It has 7000 vertices with 18 modes of displacement and stress, and 400 instants: 5 MB."""
+    pytest.importorskip("gmsh")
+    results, out = tmp_path / "arm.h5", tmp_path / "arm.html"
+    assert call("run", EXAMPLES / "link_arm.yaml", "-o", results, "--quiet")[0] == 0
+    assert call("view", results, "-o", out)[0] == 0
+    arm = next(body for body in contents(out)["scene"]["bodies"] if body["name"] == "arm")
+    assert len(arm["positions"]) > 6000 and len(arm["shapes"]) == 18
+    assert out.stat().st_size < 5_000_000
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_ctrl_c_ends_the_command(tmp_path: Path) -> None:
     if not (Path(bundle.__file__).parent / "page" / "viewer.js").is_file():
