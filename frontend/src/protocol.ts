@@ -133,6 +133,8 @@ export interface Scene {
   limits: Record<string, [number, number] | null>;
   parameters?: Parameter[];
   runs?: string[];
+  /** What a user should know of the run, such as that it has no end. */
+  note?: string;
 }
 
 export interface Rows {
@@ -198,6 +200,8 @@ export interface Failure {
   id: number;
   kind: "error";
   message: string;
+  /** The files contain something else now. */
+  renewed?: boolean;
 }
 
 const MAGIC = "JOV1";

@@ -310,3 +310,16 @@ def test_worst_places_of_compared_runs_are_those_of_all(browser: Any) -> None:
         page.wait_for_selector("ol.worst li")
         listed = page.eval_on_selector_all("ol.worst small", "all => all.map(x => x.textContent)")
     assert len(listed) == 6 and all(text.endswith(" in swing 2") for text in listed), listed
+
+
+def test_a_page_shows_the_run_that_takes_the_place_of_its_file(
+    browser: Any, tmp_path: Path
+) -> None:
+    path = tmp_path / "run.h5"
+    swing().save(path)
+    with jo_view(path) as view, opened(browser, view.address) as page:
+        frames = "() => window.jousto.app.runs[0].scene.frames.data.length"
+        assert page.evaluate(frames) == swing().nt
+        jo.simulate(jo.compile(mechanism()), 0.02, output_step=2e-3, path=path)
+        page.get_by_text(re.compile(r"run.h5: was written anew: the page shows what")).wait_for()
+        assert page.evaluate(frames) == 11

@@ -9,6 +9,7 @@ import re
 import signal
 import subprocess
 import sys
+import time
 import urllib.request
 from pathlib import Path
 from typing import Any
@@ -20,9 +21,13 @@ from typer.testing import CliRunner
 import jousto as jo
 from jousto.base.errors import InputError, MissingFileError
 from jousto.cli.group import app
+from jousto.simulation.live.machine import LiveMachine
+from jousto.simulation.live.recorder import Recorder
 from jousto.viewer import bundle
 from jousto.viewer.container import unpack
 from jousto.viewer.standalone import FRAMES
+from jousto.viewer.view import answers_of
+from jousto.viewer.watched import Renewed
 from session import EXAMPLES
 from viewer.machines import bar, mechanism, swing
 
@@ -147,15 +152,86 @@ def test_what_cannot_be_seen_is_named(tmp_path: Path) -> None:
     with pytest.raises(MissingFileError, match="no such file"):
         jo.view(tmp_path / "none.h5", open=False)
     (tmp_path / "text.txt").write_text("hello")
-    with pytest.raises(InputError, match="no kind that is read"):
+    with pytest.raises(InputError, match=r"no kind that is shown; known: .*\.h5 .*\.yaml .*\.msh"):
         jo.view(tmp_path / "text.txt", open=False)
     (tmp_path / "other.h5").write_bytes(b"no HDF5")
-    with pytest.raises(InputError, match="neither results nor a reduced part"):
+    with pytest.raises(InputError, match="no HDF5 file"):
         jo.view(tmp_path / "other.h5", open=False)
+    with pytest.raises(InputError, match="is a folder; name a file in it, such as other.h5"):
+        jo.view(tmp_path, open=False)
+    whole = swing().save(tmp_path / "run.h5").read_bytes()
+    (tmp_path / "cut.h5").write_bytes(whole[: len(whole) // 3])
+    with pytest.raises(InputError, match="cut.h5: is cut off or damaged"):
+        jo.view(tmp_path / "cut.h5", open=False)
+    with pytest.raises(InputError, match="'swing' is a run, 'bar.*' is modes: only things of one"):
+        jo.view(swing(), bar(), open=False)
     with pytest.raises(InputError, match="up to 4"):
         jo.view(*[swing()] * 5, open=False)
     with pytest.raises(InputError, match="must end with .html"):
         jo.view(swing(), open=False, embed=True).save(tmp_path / "page.pdf")
+
+
+def test_compared_files_have_their_names(tmp_path: Path) -> None:
+    (tmp_path / "new").mkdir()
+    first, second = tmp_path / "before.h5", tmp_path / "new" / "before.h5"
+    for path in (first, second, tmp_path / "after.h5"):
+        swing().save(path)
+    assert answers_of([first, tmp_path / "after.h5"]).titles == ["before.h5", "after.h5"]
+    assert answers_of([first, second]).titles == [str(first), str(second)]
+    assert answers_of([jo.load(first), swing()]).titles == ["before.h5", "swing"]
+    assert answers_of([first]).titles == ["swing"]
+
+
+def test_a_file_that_another_run_takes_is_shown_anew(tmp_path: Path) -> None:
+    path = tmp_path / "run.h5"
+    swing().save(path)
+    shown = answers_of([path])
+    one = {"id": 1, "page": 1}
+    assert len(shown.answer({**one, "ask": "scene"})["frames"]) == swing().nt
+    path.touch()  # the same run
+    assert shown.answer({**one, "ask": "still"}) == {"kind": "done"}
+    path.write_bytes(path.read_bytes()[:5000])  # just being written
+    assert shown.answer({**one, "ask": "still"}) == {"kind": "done"}
+    jo.simulate(jo.compile(mechanism()), 0.02, output_step=2e-3, path=path)
+    for ask in ("still", "rows"):
+        with pytest.raises(Renewed, match=r"run.h5: was written anew"):
+            shown.answer({**one, "ask": ask, "first": 0, "count": 5})
+    # a page that begins now sees the new run, and so does the old one when it is loaded again
+    for page in (2, 1):
+        assert len(shown.answer({"id": 1, "page": page, "ask": "scene"})["frames"]) == 11
+        assert shown.answer({"id": 1, "page": page, "ask": "still"}) == {"kind": "done"}
+
+
+def test_a_model_file_that_was_edited_is_shown_anew(tmp_path: Path) -> None:
+    path = tmp_path / "model.yaml"
+    text = (
+        "name: ball\nbodies: [{name: ball, mass: 1, inertia: [1, 1, 1]}]\n"
+        "joints: [{type: revolute, name: pin, a: ground.origin, b: ball.origin, axis: [0, 1, 0]}]\n"
+    )
+    path.write_text(text)
+    shown = answers_of([path])
+    shown.answer({"id": 1, "page": 1, "ask": "scene"})
+    path.write_text(text + "gravity: [0, 0\n")
+    with pytest.raises(InputError, match=r"model.yaml: has changed, and what it contains now"):
+        shown.answer({"id": 1, "page": 1, "ask": "still"})
+    path.write_text(text.replace("ball", "disc"))
+    with pytest.raises(Renewed):
+        shown.answer({"id": 1, "page": 1, "ask": "still"})
+    assert shown.answer({"id": 1, "page": 1, "ask": "scene"})["bodies"][0]["name"] == "disc"
+
+
+def test_a_run_without_an_end_is_said_to_have_none(tmp_path: Path) -> None:
+    machine = LiveMachine(jo.compile(mechanism()), jo.GeneralizedAlpha(1e-3))
+    recorder = Recorder(tmp_path / "killed.h5", machine)
+    recorder.add(machine.step(30), machine.events())
+    end = time.monotonic() + 60.0
+    while jo.load(recorder.path).nt < 4:  # by a thread of the recorder
+        assert time.monotonic() < end
+    # as it is now a program leaves it that is killed
+    scene = answers_of([recorder.path]).answer({"id": 1, "ask": "scene"})
+    assert "no end, it still goes on or was killed; the 4 instants up to 0.03 s" in scene["note"]
+    recorder.close()
+    assert "note" not in answers_of([recorder.path]).answer({"id": 1, "ask": "scene"})
 
 
 # -- on the command line --------------------------------------------------------------------

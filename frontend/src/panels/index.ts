@@ -16,12 +16,13 @@ import { mountProbe } from "./probe";
 import { mountSelection } from "./selection";
 import { mountTheme } from "./theme";
 import { mountTimeline } from "./timeline";
+import type { Say } from "./toasts";
 import { mountToasts } from "./toasts";
 import { mountToolbar } from "./toolbar";
 import { mountTree } from "./tree";
 import { mountWorst } from "./worst";
 
-export function mountPanels(app: App): void {
+export function mountPanels(app: App): Say {
   const say = mountToasts(app);
   const plots = new Plots(app, say, (place) => placeName(app, place));
   const kit: Kit = { app, say, plots };
@@ -46,4 +47,5 @@ export function mountPanels(app: App): void {
     const box = pressed.querySelector<HTMLElement>("input[type=checkbox]");
     (box ?? pressed).blur();
   });
+  return say;
 }

@@ -3,6 +3,9 @@
 import type { Failure, History, Live, Probe, Rows, Scene, Window, Worst } from "../protocol";
 import { decode } from "../protocol";
 import type { Source } from "./source";
+import { keep } from "./said";
+
+const LOOK = 2000; // ms between looks at the files
 
 interface Waiting {
   resolve: (value: Record<string, unknown>) => void;
@@ -21,6 +24,7 @@ export class SocketSource implements Source {
     private socket: WebSocket,
     private lost: (message: string) => void,
   ) {
+    window.setInterval(() => void this.look(), LOOK);
     socket.onmessage = (event) => this.receive(event.data);
     socket.onclose = () => this.closed();
   }
@@ -83,6 +87,16 @@ export class SocketSource implements Source {
     return () => this.listeners.delete(call);
   }
 
+  /** Ask whether the server still shows the same files. */
+  private async look(): Promise<void> {
+    if (this.live || this.socket.readyState !== WebSocket.OPEN || this.waiting.size) return;
+    try {
+      await this.ask("still", {});
+    } catch (error) {
+      if (this.socket.readyState === WebSocket.OPEN) this.lost((error as Error).message);
+    }
+  }
+
   private ask(ask: string, parameters: Record<string, unknown>): Promise<Record<string, unknown>> {
     return this.send({ ask, ...parameters });
   }
@@ -106,6 +120,13 @@ export class SocketSource implements Source {
     const waiting = this.waiting.get(id);
     if (!waiting) return;
     this.waiting.delete(id);
+    if (message["renewed"]) {
+      // what is shown is gone: the page begins anew with what there is
+      const said = (message as unknown as Failure).message.replace(/^page: /, "");
+      keep(`${said}: the page shows what is in it now.`);
+      window.location.reload();
+      return;
+    }
     if (message["kind"] === "error") waiting.reject(new Error((message as unknown as Failure).message));
     else waiting.resolve(message);
   }

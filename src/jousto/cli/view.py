@@ -58,11 +58,15 @@ def view(
     from jousto.viewer.server import Server
     from jousto.viewer.standalone import write_page
     from jousto.viewer.view import answers_of
+    from jousto.viewer.watched import unended
 
     fields: list[DamageField] = []
     if damage or sn is not None:
         fields = damage_of(files[0], sn, residue)
     answers = answers_of(files, frames=frames, damage=fields, modes=modes, trust=trust)
+    for scene in answers.scenes:
+        if note := unended(scene.run):
+            say(note, error=True, style="yellow")
     if output is not None:
         if any(output.exists() and output.samefile(file) for file in files):
             raise InputError(Problem(str(output), "is the input, it would be overwritten"))

@@ -20,6 +20,7 @@ from jousto.viewer.measures import CRITERIA, NUMBERED, SHIFTS, unit_of
 from jousto.viewer.packing import frames_header, scene_header
 from jousto.viewer.points import Point, rows_of
 from jousto.viewer.requests import Asked
+from jousto.viewer.watched import Renewed, Watched, unended
 
 if TYPE_CHECKING:
     from jousto.scene.scene import Body, Scene
@@ -41,6 +42,8 @@ class Answers:
         Their names where there are several.
     page : callable, optional
         Returns all of it as one page.
+    watched : Watched, optional
+        The files that are shown: where another run takes their place it is shown instead.
     """
 
     def __init__(
@@ -48,10 +51,13 @@ class Answers:
         scenes: Sequence[Scene],
         titles: Sequence[str] = (),
         page: Callable[[], bytes] | None = None,
+        watched: Watched | None = None,
     ) -> None:
         self.scenes = tuple(scenes)
         self.titles = list(titles) or [scene.title for scene in scenes]
-        self._page = page
+        self._page, self._watched = page, watched
+        self._said = ""
+        self._made, self._shown = 0, dict[int, int]()  # how often anew; that which a page has
         self._windows: dict[tuple[int, int], Frames] = {}
         self._known: dict[tuple[Any, ...], dict[str, Any]] = {}  # what takes long, by what it is
 
@@ -73,8 +79,11 @@ class Answers:
         ------
         InputError
             With the sentence that the page shows.
+        Renewed
+            If it shows what is no longer in its files.
         """
         asked = Asked(request)
+        self._renew(asked, request.get("ask") == "scene")
         known: dict[str, Callable[[Asked, int], dict[str, Any]]] = {
             "scene": self._scene,
             "rows": self._rows,
@@ -84,6 +93,7 @@ class Answers:
             "sensor": self._sensor,
             "worst": self._worst,
             "extent": self._extent,
+            "still": lambda _, __: {"kind": "done"},
         }
         what = asked.name("ask") if "ask" in request else ""
         if what not in known:
@@ -103,6 +113,8 @@ class Answers:
         header = scene_header(self.scenes[run], self._frames(asked, run), half=True)
         if len(self.scenes) > 1:
             header["runs"] = self.titles
+        if note := unended(self.scenes[run].run):
+            header["note"] = note
         return header
 
     def _window(self, asked: Asked, run: int) -> dict[str, Any]:
@@ -134,6 +146,24 @@ class Answers:
             "time": time,
             "rows": np.asarray(rows, dtype=np.float32),
         }
+
+    def _renew(self, asked: Asked, begins: bool) -> None:
+        """Open what has been written anew; a page that shows what was before has to know."""
+        page = asked.whole("page", 1 << 62, default=0)
+        if self._watched is not None and (file := self._watched.changed()) is not None:
+            try:
+                self.scenes = tuple(self._watched.scenes())
+            except InputError as error:
+                message = f"has changed, and what it contains now cannot be shown: {error}"
+                raise InputError(Problem(str(file), message)) from None
+            self._made += 1
+            self._windows.clear()
+            self._known.clear()
+            self._said = f"{file}: was written anew; this is what it contains now"
+        if begins:
+            self._shown[page] = self._made
+        elif self._shown.get(page, self._made) != self._made:
+            raise Renewed(Problem("page", self._said.partition(";")[0]))
 
     # -- points -----------------------------------------------------------------------------
 

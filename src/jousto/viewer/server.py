@@ -27,6 +27,7 @@ from websockets.http11 import Request, Response
 from jousto.base.errors import InputError, JoustoError, Problem
 from jousto.viewer.bundle import CSS, JS, policy, read_bundle, served_page
 from jousto.viewer.container import pack
+from jousto.viewer.watched import Renewed
 
 HOST = "127.0.0.1"
 LONGEST = 1 << 20  # bytes of a request
@@ -251,6 +252,7 @@ class Server:
     async def _answer(self, text: str | bytes, page: int) -> bytes | str:
         """Return the answer to a message of a page."""
         known: Any = None
+        more: dict[str, Any] = {}
         try:
             request = _request(text) | {"page": page}
             known = request["id"]
@@ -258,10 +260,11 @@ class Server:
             return await self._loop.run_in_executor(threads, self._worked_out, request)
         except JoustoError as error:
             message = str(error)
+            more = {"renewed": True} if isinstance(error, Renewed) else {}
         except Exception as error:
             LOG.exception("a request failed")
             message = unexpected(error)
-        return json.dumps({"id": known, "kind": "error", "message": message})
+        return json.dumps({"id": known, "kind": "error", "message": message, **more})
 
     def _worked_out(self, request: dict[str, Any]) -> bytes:
         return pack(self._desk.answer(request) | {"id": request["id"]})

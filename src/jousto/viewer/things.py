@@ -11,13 +11,17 @@ from jousto.fatigue.miner.damage_field import DamageField
 from jousto.reduction.reduced import SID, ReducedPart
 from jousto.schema.file.document import is_hdf5
 from jousto.schema.read import ModelFile
-from jousto.schema.targets import REDUCED_PART, RESULTS, hdf5_format
+from jousto.schema.targets import DAMAGED, REDUCED_PART, RESULTS, hdf5_format
 from jousto.simulation.results.solution import load
+from jousto.viewer.watched import alike
 
 if TYPE_CHECKING:
     from jousto.scene.scene import Scene
 
 MODELS = (".yaml", ".yml", ".json")
+HDF5 = (".h5", ".hdf5")
+CAD = (".step", ".stp", ".brep", ".iges", ".igs")
+SHOWN = (*HDF5, *MODELS)
 
 
 def scenes_of(
@@ -59,6 +63,7 @@ def scenes_of(
         if modes:
             opened = modes_of(opened)
         found.append(make_scene(opened, damage=fields if k == 0 else ()))
+    alike(found)
     return found
 
 
@@ -71,14 +76,23 @@ def read(path: Path, *, trust: bool = False) -> Any:
         If it is not there, or nothing that can be shown.
     """
     suffix = path.suffix.lower()
+    if path.is_dir():
+        inside = [file.name for file in sorted(path.iterdir()) if file.suffix in SHOWN]
+        hint = f", such as {inside[0]}" if inside else ""
+        raise InputError(Problem(str(path), f"is a folder; name a file in it{hint}"))
     if not path.is_file():
         raise MissingFileError(Problem(str(path), "no such file"))
     kind = hdf5_format(path) if is_hdf5(path) else ""
+    if kind == DAMAGED:
+        message = "is cut off or damaged: copy it again, or run what has written it again"
+        raise InputError(Problem(str(path), message))
     if kind == RESULTS:
         return load(path)
     if kind == REDUCED_PART or suffix in SID:
         return ReducedPart.load(path)
-    if kind or suffix in (".h5", ".hdf5"):
+    if not kind and suffix in HDF5 and not is_hdf5(path):
+        raise InputError(Problem(str(path), "is no HDF5 file, whatever its name says"))
+    if kind or suffix in HDF5:
         message = "shows nothing: it contains neither results nor a reduced part"
         raise InputError(Problem(str(path), message))
     if suffix in MODELS:
@@ -87,7 +101,30 @@ def read(path: Path, *, trust: bool = False) -> Any:
         return read_model(path, trust=trust)
     from jousto.mesh.readers.files import read_mesh
 
+    if not _is_mesh(path):
+        message = (
+            f"is of no kind that is shown; known: results and reduced parts {' '.join(HDF5)}, "
+            f"models {' '.join(MODELS)}, meshes {' '.join(_meshes())}"
+        )
+        raise InputError(Problem(str(path), message))
     return read_mesh(path)
+
+
+def _meshes() -> list[str]:
+    from jousto.mesh.readers.files import FORMATS
+
+    return [suffix for known in FORMATS for suffix in known.suffixes]
+
+
+def _is_mesh(path: Path) -> bool:
+    """Return whether a file may be a mesh, or a shape of which one can be made."""
+    from jousto.mesh.readers.files import FORMATS
+
+    if path.suffix.lower() in (*_meshes(), *CAD):
+        return True
+    with path.open("rb") as file:
+        head = file.read(65536)
+    return not head.strip() or any(known.begins(head) for known in FORMATS)
 
 
 def modes_of(thing: Any) -> Any:

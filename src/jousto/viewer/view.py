@@ -14,6 +14,7 @@ from jousto.viewer.answers import Answers
 from jousto.viewer.server import Server
 from jousto.viewer.standalone import FRAMES, page, write_page
 from jousto.viewer.things import scenes_of
+from jousto.viewer.watched import Watched
 
 if TYPE_CHECKING:
     from jousto.fatigue.miner.damage_field import DamageField
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from jousto.model.model import Model
     from jousto.parts.part import Part
     from jousto.reduction.reduced import ReducedPart
+    from jousto.scene.scene import Scene
     from jousto.simulation.modes.linear import MechanismModes
     from jousto.simulation.results.solution import Solution
 
@@ -179,9 +181,40 @@ def view(
 
 def answers_of(things: Sequence[Any], *, frames: int = FRAMES, **how: Any) -> Answers:
     """Return what answers for things or files, see `scenes_of`."""
+    paths = [Path(thing) for thing in things if isinstance(thing, str | Path)]
+
+    def anew() -> list[Scene]:
+        if how.get("damage"):
+            message = "the damage is that of the run before; end the command and give it again"
+            raise InputError(Problem("view", message))
+        return scenes_of(things, **how)
+
+    watched = Watched(paths, anew)
     scenes = scenes_of(things, **how)
-    titles = distinct([scene.title for scene in scenes])
-    return Answers(scenes, titles, lambda: page(scenes, frames=frames, titles=titles))
+    titles = distinct(names_of(things, scenes))
+
+    def whole() -> bytes:
+        return page(made.scenes, frames=frames, titles=titles)
+
+    made = Answers(scenes, titles, whole, watched if paths else None)
+    return made
+
+
+def names_of(things: Sequence[Any], scenes: Sequence[Scene]) -> list[str]:
+    """Return how things are told apart: by their files, else by their titles."""
+    if len(things) == 1:
+        return [scenes[0].title]
+    found, files = [], []
+    for thing, scene in zip(things, scenes, strict=True):
+        run = scene.run
+        where = str(thing) if isinstance(thing, str | Path) else run.where if run else ""
+        files.append(where if where and Path(where).is_file() else "")
+        found.append(Path(where).name if files[-1] else scene.title)
+    # files of one name in several folders
+    return [
+        file if file and found.count(name) > 1 else name
+        for file, name in zip(files, found, strict=True)
+    ]
 
 
 def distinct(titles: Sequence[str]) -> list[str]:
