@@ -2,7 +2,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { csv } from "../src/format/csv";
 import { ticks, typed, zoomed } from "../src/format/range";
-import { clock, mark, number, quantity, unitFor } from "../src/format/units";
+import { clock, fixed, mark, number, quantity, unitFor } from "../src/format/units";
+import { limit } from "../src/format/range";
 
 test("stress gets the prefix of its size", () => {
   assert.equal(unitFor("Pa", 291.5e6).label, "MPa");
@@ -77,4 +78,17 @@ test("CSV joins curves by time, with cells quoted where needed", () => {
     { label: "u", unit: "m", time: [0.5, 1, 1], values: [1, 2, 3] },
   ]);
   assert.equal(text, 'time [s],"stress, ""top"" [Pa]",u [m]\r\n0,1.5,\r\n0.5,,1\r\n1,,3\r\n');
+});
+
+test("what rounds to zero has no sign", () => {
+  assert.equal(fixed(-0.00001, 4), "0.0000");
+  assert.equal(fixed(-0.25, 2), "−0.25");
+  assert.equal(clock(-1e-9, 0.001), "0.000");
+});
+
+test("the ends of a range are told apart", () => {
+  assert.equal(limit(14.63, 14.63), "14.6");
+  assert.equal(limit(101.23, 0.7), "101.23");
+  assert.equal(limit(-1e-14, 5), "0");
+  assert.equal(limit(250, 250), "250");
 });

@@ -9,6 +9,8 @@ export interface Dress {
   title: string;
   /** Whether the picture is dark behind: text is light then. */
   dark: boolean;
+  /** Ends of the axes in the corner, CSS pixels from the lower left corner. */
+  ends: readonly (readonly [number, number])[];
 }
 
 /** Text at the foot: title, and the time or the mode. */
@@ -29,7 +31,11 @@ export function dress(ctx: CanvasRenderingContext2D, h: number, k: number, what:
   ctx.textBaseline = "middle";
   ctx.fillStyle = muted;
   ctx.font = `${12 * k}px ${face}`;
-  ctx.fillText(what.title, 16 * k, h - 18 * k);
+  const axes = Math.max(0, ...what.ends.map(([x]) => x));
+  if (what.title) ctx.fillText(what.title, (axes + 16) * k, h - 18 * k);
+  ctx.textAlign = "center";
+  what.ends.forEach(([x, y], i) => ctx.fillText("xyz"[i], x * k, h - y * k));
+  ctx.textAlign = "left";
   const { legend } = what;
   if (legend) {
     const [x, top, width] = [16 * k, 48 * k, 16 * k];

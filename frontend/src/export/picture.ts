@@ -16,7 +16,6 @@ export const isDark = (): boolean => document.documentElement.dataset["theme"] =
 export async function picture(app: App, options: PictureOptions): Promise<Blob> {
   const { scale, legend, transparent } = options;
   const bare = await app.view.picture(scale, { transparent });
-  if (!legend) return bare;
   const image = await createImageBitmap(bare);
   const canvas = document.createElement("canvas");
   canvas.width = image.width;
@@ -24,8 +23,9 @@ export async function picture(app: App, options: PictureOptions): Promise<Blob> 
   const ctx = canvas.getContext("2d")!;
   ctx.drawImage(image, 0, 0);
   dress(ctx, canvas.height, image.width / app.view.canvas.clientWidth, {
-    legend: legendLook(app),
-    title: caption(app),
+    legend: legend ? legendLook(app) : null,
+    title: legend ? caption(app) : "",
+    ends: app.view.axisEnds,
     dark: isDark() && !transparent,
   });
   return new Promise((resolve, reject) =>

@@ -44,7 +44,8 @@ export async function video(app: App, options: VideoOptions): Promise<Blob | nul
     await app.player.seek(time);
     app.view.drawNow();
     ctx.drawImage(app.view.canvas, 0, 0);
-    if (options.legend) dress(ctx, h, k, { legend: legendLook(app), title: caption(app), dark: isDark() });
+    const [legend, title] = options.legend ? [legendLook(app), caption(app)] : [null, ""];
+    dress(ctx, h, k, { legend, title, dark: isDark(), ends: app.view.axisEnds });
   };
   const before = app.store.state;
   app.player.pause();

@@ -1,5 +1,7 @@
 /** Ranges of colours and axes. */
 
+import { mark } from "./units";
+
 /** Return round numbers from low to high, about `count` of them, as a scale is marked. */
 export function ticks(low: number, high: number, count: number): number[] {
   if (!(high > low)) return [low];
@@ -30,4 +32,11 @@ export function zoomed(
   const share = (centre - window[0]) / (window[1] - window[0] || 1);
   const start = Math.min(Math.max(centre - share * length, whole[0]), whole[1] - length);
   return [start, start + length];
+}
+
+/** An end of a range: with three digits, and with as many more as tell it from the other end. */
+export function limit(value: number, span: number): string {
+  if (Math.abs(value) < 1e-9 * Math.abs(span)) return "0";
+  const more = span > 0 ? Math.floor(Math.log10(Math.abs(value))) - Math.floor(Math.log10(span)) : 0;
+  return mark(value, Math.min(12, Math.max(3, more + 2)));
 }

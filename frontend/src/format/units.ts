@@ -79,8 +79,8 @@ export function number(value: number | null | undefined, digits = 4): string {
 }
 
 /** Return a round number of a scale without zeros at its end. */
-export function mark(value: number): string {
-  const text = number(value, 6);
+export function mark(value: number, digits = 6): string {
+  const text = number(value, digits);
   return text.includes(".") ? text.replace(/\.?0+(?=$|·)/, "") : text;
 }
 
@@ -100,8 +100,14 @@ export function quantity(value: number | null | undefined, unit: string, digits 
   return `${number(value * shown.factor, digits)}${shown.label ? ` ${shown.label}` : ""}`;
 }
 
+/** Return a number with so many decimals; what rounds to zero has no sign. */
+export function fixed(value: number, places: number): string {
+  const text = value.toFixed(places);
+  return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−");
+}
+
 /** Return an instant of a run with as many decimals as its frames are apart. */
 export function clock(time: number, spacing: number): string {
   const places = spacing > 0 ? Math.ceil(-Math.log10(spacing) - 1e-9) : 3;
-  return time.toFixed(Math.min(Math.max(places, 0), 6)).replace("-", "−");
+  return fixed(time, Math.min(Math.max(places, 0), 6));
 }

@@ -149,7 +149,7 @@ export class Chart {
       height: 150,
       pxAlign: false,
       legend: { show: false },
-      padding: [6, 18, 0, 0],
+      padding: [6, 36, 0, 0],
       cursor: {
         sync: { key: "jousto" },
         y: false,
@@ -167,7 +167,7 @@ export class Chart {
       scales: { x: { time: false, range: (_, min, max) => (min === null ? [0, 1] : [min, max]) } },
       axes: [
         { ...axis, size: 26, values: (_, values) => values.map((v) => `${mark(v)} s`) },
-        { ...axis, size: 58, values: (_, values) => values.map(mark) },
+        { ...axis, size: 58, values: (_, values) => values.map((v) => mark(v)) },
       ],
       series: [
         {},

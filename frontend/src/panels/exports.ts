@@ -23,12 +23,17 @@ function menu(label: string, symbol: string, content: HTMLElement): HTMLElement 
   document.addEventListener("pointerdown", (event) => {
     if (!panel.hidden && !box.contains(event.target as Node)) set(false);
   });
-  box.addEventListener("keydown", (event) => {
-    if (event.key !== "Escape" || panel.hidden) return;
-    event.stopPropagation();
-    set(false);
-    opener.focus();
-  });
+  // wherever the focus is: what the mouse has pressed does not keep it
+  window.addEventListener(
+    "keydown",
+    (event) => {
+      if (event.key !== "Escape" || panel.hidden) return;
+      event.stopPropagation();
+      if (box.contains(document.activeElement)) opener.focus();
+      set(false);
+    },
+    { capture: true },
+  );
   return box;
 }
 

@@ -73,7 +73,7 @@ function table(kit: Kit): Key[] {
     { keys: ["t"], shown: "T", label: "path of the chosen point", call: () => toggleTrace(kit) },
     { keys: ["k"], shown: "K", label: "section plane", call: () => store.set({ clip: { ...store.state.clip, on: !store.state.clip.on } }) },
     { keys: ["g"], shown: "G", label: "grid", call: () => store.set({ grid: !store.state.grid }) },
-    { keys: ["d"], shown: "D", label: "light, dark, as the system", call: () => nextTheme(kit) },
+    { keys: ["d"], shown: "D", label: "light or dark", call: () => nextTheme(kit) },
     {
       keys: ["Escape"],
       shown: "Esc",

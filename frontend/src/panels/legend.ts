@@ -1,7 +1,7 @@
 /** The legend over the picture: what colours mean, with round numbers in a unit that reads well. */
 
 import { measure } from "../format/measures";
-import { ticks } from "../format/range";
+import { limit, ticks } from "../format/range";
 import { mark, number, unitFor } from "../format/units";
 import type { App } from "../app";
 import { h } from "./dom";
@@ -39,7 +39,7 @@ export function legendLook(app: App): LegendLook | null {
     const end = i === 0 || i === values.length - 1;
     // round numbers too near to the ends would cover these
     if (!end && (share < 0.08 || share > 0.92)) continue;
-    marks.push({ share, text: end ? number(value * unit.factor, 3) : mark(value * unit.factor) });
+    marks.push({ share, text: end ? limit(value * unit.factor, span * unit.factor) : mark(value * unit.factor) });
   }
   const what = app.runs[0].scene.what;
   const parts = [

@@ -1,7 +1,7 @@
 /** Numbers under the cursor, in double precision; asked for when the cursor rests. */
 
 import { measure } from "../format/measures";
-import { quantity } from "../format/units";
+import { fixed, quantity } from "../format/units";
 import type { Place } from "../state";
 import { debounced, h } from "./dom";
 import type { Kit } from "./kit";
@@ -32,7 +32,7 @@ export function mountProbe(kit: Kit): void {
       }
       if (Number.isFinite(shift) && shift > 0) lines.push(["displacement", quantity(shift, "m")]);
       if (found.damage !== null) lines.push(["damage", quantity(found.damage, "1", 3)]);
-      lines.push(["x, y, z", `${found.position.map((x) => x.toFixed(4).replace("-", "−")).join(", ")} m`]);
+      lines.push(["x, y, z", `${found.position.map((x) => fixed(x, 4)).join(", ")} m`]);
       figures.replaceChildren(...lines.flatMap(([term, text]) => [h("dt", { text: term }), h("dd", { text })]));
     } catch {
       // the place may be gone: another window, the end of the server
@@ -71,10 +71,9 @@ export function mountProbe(kit: Kit): void {
   const symbolAt = debounced(60, (x: number, y: number) => {
     if (store.state.playing || store.state.hover) return;
     const hit = view.pick(x, y);
-    const symbol = hit?.symbol;
-    tip.hidden = symbol === undefined || symbol === null;
-    if (symbol === undefined || symbol === null) return;
-    const known = typeof symbol === "number" ? app.runs[0].scene.symbols[symbol] : symbol;
+    const known = hit?.symbol === undefined ? undefined : app.runs[hit.run].scene.symbols[hit.symbol];
+    tip.hidden = !known;
+    if (!known) return;
     tip.textContent = known.text || `${known.name} (${known.kind})`;
     tip.style.transform = `translate(${x + 14}px, ${y + 12}px)`;
   });

@@ -36,9 +36,10 @@ export function mountTheme(kit: Kit): void {
   });
 }
 
-/** The next of the three. */
+/** The other one: what the system does not want, or as the system is again. */
 export function nextTheme(kit: Kit): void {
   const { store } = kit.app;
-  const order: State["theme"][] = ["auto", "light", "dark"];
-  store.set({ theme: order[(order.indexOf(store.state.theme) + 1) % 3] });
+  const system: State["theme"] = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
+  const other: State["theme"] = system === "dark" ? "light" : "dark";
+  store.set({ theme: store.state.theme === other ? "auto" : other });
 }

@@ -5,7 +5,7 @@ import { clock, quantity } from "../format/units";
 import type { Worst } from "../protocol";
 import { button, h, hint, section, toggle } from "./dom";
 import type { Kit } from "./kit";
-import { tried } from "./kit";
+import { placeName, tried } from "./kit";
 
 const COUNT = 6;
 type Place = Worst & { run: number };
@@ -74,7 +74,7 @@ export function mountWorst(kit: Kit): void {
             "button",
             { attrs: { type: "button" }, on: { click: () => go(worst) } },
             h("strong", { text: quantity(worst.value, measure(name).unit) }),
-            h("span", { text: worst.label || scene.bodies[worst.body].name }),
+            h("span", { text: placeName(app, worst) }),
             h("small", { text: when }),
           ),
         );
@@ -85,7 +85,7 @@ export function mountWorst(kit: Kit): void {
         h("button", {
           class: "worst-label takes",
           text: `${k + 1}`,
-          title: `${quantity(worst.value, measure(name).unit)}, ${worst.label}`,
+          title: `${quantity(worst.value, measure(name).unit)}, ${placeName(app, worst)}`,
           attrs: { type: "button", "aria-label": `Worst place ${k + 1}` },
           on: { click: () => go(worst) },
         }),

@@ -46,7 +46,7 @@ export class Machine {
         : new BodyView(body, shared, firstThing + i),
     );
     for (const view of this.bodies) this.group.add(view.group);
-    this.symbols = new Symbols(run.scene, shared, middle, radius, firstThing + this.bodies.length);
+    this.symbols = new Symbols(run.scene, shared, middle, radius, firstThing + this.bodies.length, run.index);
     this.arrows = new Arrows(run.scene, radius);
     this.group.add(this.symbols.group);
   }

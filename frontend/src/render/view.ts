@@ -118,6 +118,7 @@ export class View {
       if (!changed.has("time") || changed.size > 1) this.looksChanged = true;
       this.redraw();
     });
+    this.store.watch(["offset"], () => this.counters.frames && this.fit());
     this.mouse = new Mouse(this, store);
     control(this.canvas, this.rig, this.mouse, () => {
       this.fitted = false;
@@ -191,7 +192,9 @@ export class View {
   /** Place cameras about what is drawn. */
   private place(): void {
     this.rig.usesPerspective = this.store.state.perspective;
-    this.rig.update(this.middle, 3.4 * this.radius);
+    const { offset, runs } = this.store.state;
+    const apart = Math.hypot(...offset) * (runs.length - 1);
+    this.rig.update(this.middle, 3.4 * this.radius + apart);
     const { uniforms } = this.shared;
     uniforms.parallel.value = !this.rig.usesPerspective;
     uniforms.sky.value.copy(this.rig.above).transformDirection(this.rig.camera.matrixWorldInverse);
@@ -321,11 +324,19 @@ export class View {
     return [out[0], out[1], out[2]];
   }
 
+  /** Ends of the axes in the corner, CSS pixels from the lower left corner, for their letters. */
+  get axisEnds(): readonly (readonly [number, number])[] {
+    return this.compass.ends;
+  }
+
   // ---- the camera ----
 
   fit(): void {
-    this.rig.usesPerspective = this.store.state.perspective;
-    this.rig.fit(this.corners);
+    const { perspective, offset, runs } = this.store.state;
+    this.rig.usesPerspective = perspective;
+    // runs that stand beside the first
+    const last = new THREE.Vector3(...offset).multiplyScalar(Math.max(0, runs.lastIndexOf(true)));
+    this.rig.fit(last.lengthSq() ? [...this.corners, ...this.corners.map((at) => at.clone().add(last))] : this.corners);
     this.fitted = true;
     this.followed = null;
     this.redraw();

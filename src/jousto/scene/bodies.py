@@ -128,5 +128,5 @@ def rigid_body(shape: BodyShape, joints: Array, size: float) -> Body:
         triangles=triangles,
         edges=np.zeros((0, 2), dtype=np.intp),
         mass=shape.mass,
-        about="no shape was declared" if star else "",
+        about="no surface was declared" if star else "",
     )

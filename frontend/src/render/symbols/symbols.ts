@@ -3,8 +3,9 @@
 import * as THREE from "three";
 import { matrix, product, turn } from "../../math/rotation";
 import { sideAxes, sidePosition } from "../../motion/pose";
-import type { Scene, Symbol } from "../../protocol";
+import type { Scene, Side, Symbol } from "../../protocol";
 import type { State } from "../../state";
+import { key } from "../../state";
 import { raw } from "../appearance";
 import type { Shared } from "../shared";
 import { Batch } from "./batch";
@@ -53,6 +54,7 @@ export class Symbols {
     private middle: THREE.Vector3,
     private radius: number,
     private firstThing: number,
+    private run: number,
   ) {
     this.group.matrixAutoUpdate = false;
     this.group.matrix.makeTranslation(middle.x, middle.y, middle.z);
@@ -63,14 +65,17 @@ export class Symbols {
   /** Place all of them; `shown` says of which bodies symbols are hidden. */
   update(row: ArrayLike<number>, state: Readonly<State>, arrows: Arrow[]): void {
     for (const batch of this.batches.values()) batch.begin();
+    const gone = this.gone(state);
+    const away = (sides: readonly Side[]): boolean => gone !== null && sides.every(({ place }) => gone(place));
     const up = new THREE.Vector3(...this.scene.up).normalize();
     this.scene.symbols.forEach((symbol, i) => {
-      if (!state.symbols[symbol.group]) return;
+      if (!state.symbols[symbol.group] || (symbol.sides.length && away(symbol.sides))) return;
       kindOf(symbol.kind, symbol.group)(this.situation(symbol, row, state.amplification, up), this.painter(this.firstThing + i));
     });
-    if (state.markers) this.markers(row, state);
+    if (state.markers) this.markers(row, state, away);
     if (state.arrows) {
       for (const one of arrows) {
+        if (away([this.scene.sensors[one.sensor].side!])) continue;
         const length = one.value.length() * one.scale * state.arrowScale;
         if (!(length > 1e-3 * this.radius)) continue;
         const draw = this.painter(NOTHING);
@@ -80,6 +85,24 @@ export class Symbols {
       }
     }
     for (const batch of this.batches.values()) batch.end();
+  }
+
+  /** Whether what stands on the body at a place is hidden with it; null if none is. */
+  private gone(state: Readonly<State>): ((place: number) => boolean) | null {
+    const { isolated, looks } = state;
+    if (isolated === null && !Object.values(looks).some((look) => look.hidden)) return null;
+    const seen = new Set<number>();
+    this.scene.bodies.forEach((body, i) => {
+      const name = key(this.run, i);
+      if (isolated === null ? looks[name]?.hidden : isolated !== name) return;
+      seen.add(body.place);
+      for (const place of body.rings?.places.data ?? []) seen.add(place);
+    });
+    // what stands on the ground alone goes where one body is shown alone
+    if (isolated === null) seen.add(-1);
+    else if (!this.scene.bodies.some((body, i) => body.place < 0 && isolated === key(this.run, i))) seen.delete(-1);
+    const known = new Set(this.scene.bodies.flatMap((body) => [body.place, ...(body.rings?.places.data ?? [])]));
+    return (place) => !seen.has(place) && (isolated !== null || known.has(place));
   }
 
   private situation(symbol: Symbol, row: ArrayLike<number>, s: number, up: THREE.Vector3): Situation {
@@ -104,9 +127,10 @@ export class Symbols {
     return new THREE.Vector3(world[0] - this.middle.x, world[1] - this.middle.y, world[2] - this.middle.z);
   }
 
-  private markers(row: ArrayLike<number>, state: Readonly<State>): void {
+  private markers(row: ArrayLike<number>, state: Readonly<State>, away: (sides: readonly Side[]) => boolean): void {
     const size = 0.07 * this.radius;
     for (const { side } of this.scene.markers) {
+      if (away([side])) continue;
       const at = this.local(sidePosition(side, row, state.amplification, point));
       product(sideAxes(side, row, A), matrix(side.frame), B);
       for (let k = 0; k < 3; k++) {
