@@ -41,6 +41,16 @@ def live(
     urgent: Annotated[
         bool, typer.Option("--urgent", help="Go before other programs, where that is allowed.")
     ] = False,
+    udp: Annotated[
+        int | None,
+        typer.Option(
+            "--udp",
+            metavar="PORT",
+            min=0,
+            max=65535,
+            help="Take inputs and send outputs as datagrams at this port, each step.",
+        ),
+    ] = None,
     no_open: Annotated[
         bool, typer.Option("--no-open", help="Print the address and leave the browser alone.")
     ] = False,
@@ -74,17 +84,22 @@ def live(
         open=False,
         port=port,
         urgent=urgent,
+        udp=udp,
         trust=trust,
     )
     if machine.runner.refused:
         say(f"not as urgent as asked: {machine.runner.refused}", error=True, style="yellow")
     # the address stands alone on its line, so that it can be copied and read by programs
     say(machine.address)
+    link = machine.runner.link
+    if link is not None:
+        say(f"frames on 127.0.0.1:{link.port}", error=True)
     say("Ctrl-C ends it", error=True)
     if not no_open and not machine.open():
         say("no browser was found: open the address yourself", error=True, style="yellow")
     machine.wait()
-    facts(timekeeping(machine.now))
+    frames = [] if link is None else [("frames", str(link.received))]
+    facts([*timekeeping(machine.now), *frames])
 
 
 def timekeeping(glance: Glance) -> list[tuple[str, str]]:

@@ -15,6 +15,7 @@ from jousto.simulation.state import State
 
 LIMIT = "#define JO_NO_ALLOCATION\n#define JO_ONE_FILE\n"
 HOSTED = ("machine.h", "machine.c", "main.c")
+HARDWARE = ("frame.h", "frame.c", "hardware.c")  # POSIX: a program beside the machine's own
 
 
 def plant_header(made: Program) -> str:
@@ -78,6 +79,7 @@ def project(made: Program) -> dict[str, str]:
     files = {f"{head}{name}": text for name, text in sources.headers().items()}
     files |= {f"{head}{name}": text for name, text in sources.engine().items()}
     files |= {name: sources.host(name) for name in HOSTED}
+    files |= {f"hardware/{name}": sources.host(name) for name in HARDWARE}
     files |= {
         f"{made.name}.h": made.header,
         f"{made.name}_data.c": made.source,
@@ -94,8 +96,12 @@ CC ?= cc
 CFLAGS ?= -O2
 NAME: *.c *.h engine/*.c engine/*.h
 \t$(CC) -std=c99 $(CFLAGS) -DJO_NO_ALLOCATION -I. -Iengine *.c engine/*.c -o $@ -lm
+# the machine beside hardware, by datagrams or shared memory; on POSIX systems
+NAME_hardware: *.c *.h engine/*.c engine/*.h hardware/*.c hardware/*.h
+\t$(CC) -std=c99 $(CFLAGS) -DJO_NO_ALLOCATION -I. -Iengine -Ihardware \\
+\t  $(filter-out main.c,$(wildcard *.c)) engine/*.c hardware/*.c -o $@ -lm
 clean:
-\trm -f NAME
+\trm -f NAME NAME_hardware
 .PHONY: clean
 """
 
@@ -127,6 +133,9 @@ def _readme(made: Program) -> str:
         f"memory    {made.bytes} bytes for one machine, given by the caller; nothing is allocated",
         "build     make, or cmake -B build && cmake --build build",
         f"run       ./{made.name} [seconds [rows]] prints the outputs as a table",
+        f"hardware  make {made.name}_hardware (POSIX, not Windows), then "
+        f"./{made.name}_hardware udp PORT",
+        "          or shared FILE, see hardware/frame.h and hardware/hardware.c",
         "use       machine.h has the functions, "
         f"{made.name}.h the names of inputs, outputs, parameters",
         "",

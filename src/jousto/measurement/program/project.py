@@ -10,13 +10,24 @@ from jousto.base.version import __version__
 from jousto.export import sources
 from jousto.export.ports import identifier
 from jousto.export.program import KEYWORDS
-from jousto.export.project import CMAKE, MAKEFILE
+from jousto.export.project import CMAKE
 from jousto.measurement.monitor.monitor import Monitor
 from jousto.measurement.program.plan import Plan, plan_of
 
 ENGINE = ("health.c", "meter.c", "recover.c")
 ENGINE_HEADERS = ("jousto.h", "rainflow.h")
 HOSTED = ("gauged_twin.h", "gauged_twin.c", "bands.h", "bands.c", "watch.c")
+
+
+RECIPE = """\
+CC ?= cc
+CFLAGS ?= -O2
+NAME: *.c *.h engine/*.c engine/*.h
+\t$(CC) -std=c99 $(CFLAGS) -I. -Iengine *.c engine/*.c -o $@ -lm
+clean:
+\trm -f NAME
+.PHONY: clean
+"""
 
 
 def _plant(made: Plan) -> str:
@@ -77,7 +88,7 @@ def project(made: Plan) -> dict[str, str]:
         "NAME_machine STATIC machine.c", "NAME_machine STATIC gauged_twin.c bands.c"
     )
     return files | {
-        "Makefile": MAKEFILE.replace("NAME", made.name),
+        "Makefile": RECIPE.replace("NAME", made.name),
         "CMakeLists.txt": cmake.replace("main.c", "watch.c").replace("NAME", made.name),
         "README.txt": _readme(made),
     }

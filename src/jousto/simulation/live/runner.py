@@ -15,6 +15,7 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, JoustoError, Problem
+from jousto.simulation.live.datagrams import Datagrams
 from jousto.simulation.live.machine import LiveMachine
 from jousto.simulation.live.pace import Pace
 from jousto.simulation.live.recorder import Recorder
@@ -86,6 +87,8 @@ class Runner:
         Text of the model file, for records.
     pace : Pace, optional
         Another clock, for tests.
+    link : Datagrams, optional
+        Takes inputs before each step and sends outputs after it.
     urgent : bool
         Ask the operating system that its thread goes before others; `refused` is what it did not
         grant.
@@ -113,10 +116,12 @@ class Runner:
         playing: bool = True,
         text: str = "",
         pace: Pace | None = None,
+        link: Datagrams | None = None,
         urgent: bool = False,
     ) -> None:
         self.machine = machine
         self.pace = Pace(machine.step_size, speed) if pace is None else pace
+        self.link = link
         self.fresh = threading.Event()
         self.refused = ""
         self._text, self._playing, self._message = text, playing, ""
@@ -245,20 +250,26 @@ class Runner:
                 self._woken.wait(IDLE)
                 self._woken.clear()
                 continue
-            if self.pace.native and self.pace.speed:
+            if self.pace.native and self.pace.speed and self.link is None:
                 self._advance(self._together(), self.pace)
             else:
                 self._waited()
             if time.monotonic() - self._shown >= 0.9 / PICTURES:
                 self._show()
         self._end_record("completed")
+        if self.link is not None:
+            self.link.close()
 
     def _waited(self) -> None:
-        """Step when it is time by a clock of Python, or at once."""
+        """Step when it is time by a clock of Python, or at once, with a frame of the link each."""
         self.pace.wait()
         count = self._count()
+        if self.link is not None:
+            self.link.before(self.machine)
         if self._advance(count):
             self.pace.done(count)
+            if self.link is not None:
+                self.link.after(self.machine)
 
     def _together(self) -> int:
         """Return the steps that the engine keeps time with alone: to the next row at most."""
@@ -268,7 +279,7 @@ class Runner:
 
     def _count(self) -> int:
         """Return the steps of the next call: one, or as fast as it can several."""
-        if self.pace.speed:
+        if self.pace.speed or self.link is not None:
             return 1
         fit = int(CALL / max(self.pace.worst, 1e-7))
         return max(1, min(fit, self.machine.every))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import Problems
 from jousto.base.progress import in_notebook
+from jousto.simulation.live.datagrams import Datagrams
 from jousto.simulation.live.runner import Glance, Runner
 from jousto.viewer.live.desk import LiveDesk, Pusher
 from jousto.viewer.live.opened import Opened, opened
@@ -39,10 +41,15 @@ class Live:
         record: Path | None,
         port: int,
         urgent: bool,
+        udp: int | None,
     ) -> None:
         name = made.model.name or "machine"
+        made = replace(made, rows=udp is not None)
         machine = made.machine(step)
-        self.runner = Runner(machine, speed=speed, playing=False, text=made.text, urgent=urgent)
+        link = None if udp is None else Datagrams(machine, udp)
+        self.runner = Runner(
+            machine, speed=speed, playing=False, text=made.text, urgent=urgent, link=link
+        )
         try:
             later = Path(f"{name.replace(' ', '-')}-live.h5")
             self._desk = LiveDesk(
@@ -192,6 +199,7 @@ def live(
     open: bool = True,
     port: int = 0,
     urgent: bool = False,
+    udp: int | None = None,
     trust: bool = False,
 ) -> Live:
     """Run a machine in real time on a page: inputs become sliders, the mouse pulls its bodies.
@@ -220,6 +228,9 @@ def live(
     urgent : bool
         Ask the operating system that the machine goes before other programs;
         ``.runner.refused`` says what it does not grant.
+    udp : int, optional
+        Port of this computer on which frames of inputs are taken and outputs sent, one a step; 0
+        for any free port. ``.runner.link`` has the port and what was lost.
     trust : bool
         Whether Python functions that a model file names may run.
 
@@ -244,9 +255,10 @@ def live(
     factor = problems.array("live", "speed", speed, ())
     if factor is not None and not float(factor) >= 0.0:
         problems.add("live", f"speed is {speed}, must be positive, or 0 for as fast as it can")
-    whole: Any = port
-    if isinstance(whole, bool) or not isinstance(whole, int) or not 0 <= whole < 65536:
-        problems.add("live", f"port is {port!r}, must be a whole number from 0 to 65535")
+    for key, whole in (("port", port), ("udp", 0 if udp is None else udp)):
+        given: Any = whole
+        if isinstance(given, bool) or not isinstance(given, int) or not 0 <= given < 65536:
+            problems.add("live", f"{key} is {given!r}, must be a whole number from 0 to 65535")
     problems.raise_if_any()
     made = Live(
         opened(machine, trust=trust),
@@ -257,6 +269,7 @@ def live(
         record=None if record is None else Path(record),
         port=port,
         urgent=urgent,
+        udp=udp,
     )
     if open and not in_notebook():
         made.open()

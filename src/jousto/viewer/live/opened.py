@@ -51,10 +51,16 @@ class Opened:
     variants: Any = None
     kept: dict[Any, Any] = field(default_factory=dict)
 
+    rows: bool = False
+    """Whether every step makes a row, and takes inputs."""
+
     def machine(self, step: float | None) -> LiveMachine:
         """Return it at its start."""
         solver = None if self.solver is None or self.solver.adaptive else self.solver
-        return LiveMachine(self.model, solver, step=step, interval=self.interval, state=self.state)
+        made = LiveMachine(self.model, solver, step=step, interval=self.interval, state=self.state)
+        if not self.rows or made.every == 1:
+            return made
+        return LiveMachine(self.model, solver, step=step, interval=made.step_size, state=self.state)
 
     def changed(self, name: str, value: float) -> Opened:
         """Return the machine with another value of a parameter.

@@ -1,0 +1,116 @@
+"""Frames: inputs and outputs of a machine as bytes, the same as engine/export/frame.h writes."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from jousto.base.arrays import Array
+
+HEAD = struct.Struct("<4sHHIIQd")
+"""Mark "JOFR", version, kind, checksum of the names, count, sequence number, time stamp."""
+VERSION = 1
+INPUTS, OUTPUTS = 0, 1
+"""Kinds of frames: to a machine, and from it."""
+
+
+def mark_of(inputs: Sequence[str], outputs: Sequence[str]) -> int:
+    """Return the checksum by which both sides know that they mean the same machine.
+
+    Examples
+    --------
+    >>> hex(mark_of(["push"], ["tip.x"]))
+    '0x45d16cf6'
+    """
+    text = "".join(f"{name}\n" for name in [*inputs, "", *outputs])
+    return zlib.crc32(text.encode())
+
+
+def pack(kind: int, mark: int, sequence: int, time: float, values: ArrayLike) -> bytes:
+    """Return the bytes of a frame; `values` are doubles in the order of the names."""
+    numbers = np.asarray(values, dtype="<f8")
+    return HEAD.pack(b"JOFR", VERSION, kind, mark, len(numbers), sequence, time) + numbers.tobytes()
+
+
+@dataclass
+class Received:
+    """Reads the frames of one sender and counts those that are not taken.
+
+    Parameters
+    ----------
+    kind : int
+        INPUTS or OUTPUTS.
+    mark : int
+        From `mark_of`.
+    count : int
+        Numbers in a frame.
+
+    Attributes
+    ----------
+    taken, wrong, old, lost : int
+        Frames: taken; of another size, version or machine, or not finite; with a sequence number
+        that is not above the last; missing between two numbers.
+    last : int
+        Sequence number of the last one that was taken.
+    time : float
+        Its time stamp, s.
+
+    Examples
+    --------
+    The second frame of three is lost, the first comes again:
+
+    >>> frames = [pack(INPUTS, 7, k, 0.1 * k, [float(k)]) for k in range(3)]
+    >>> reader = Received(INPUTS, 7, 1)
+    >>> [reader.read(frames[k]) is not None for k in (0, 2, 1)]
+    [True, True, False]
+    >>> str(reader)
+    '2 taken, 1 lost, 1 old, 0 wrong'
+    """
+
+    kind: int
+    mark: int
+    count: int
+    taken: int = 0
+    wrong: int = 0
+    old: int = 0
+    lost: int = 0
+    last: int = 0
+    time: float = 0.0
+
+    def read(self, frame: bytes) -> Array | None:
+        """Return the numbers of a frame (count,), None if it is not taken."""
+        values = self._fitting(frame)
+        if values is None:
+            self.wrong += 1
+            return None
+        sequence, time = HEAD.unpack_from(frame)[5:]
+        if sequence and self.taken:
+            if sequence <= self.last:
+                self.old += 1
+                return None
+            self.lost += sequence - self.last - 1
+        self.taken, self.last, self.time = self.taken + 1, sequence, time
+        return values
+
+    def _fitting(self, frame: bytes) -> Array | None:
+        if len(frame) != HEAD.size + 8 * self.count:
+            return None
+        name, version, kind, mark, count, _, time = HEAD.unpack_from(frame)
+        if (name, version, kind, mark, count) != (
+            b"JOFR",
+            VERSION,
+            self.kind,
+            self.mark,
+            self.count,
+        ):
+            return None
+        values = np.frombuffer(frame, "<f8", offset=HEAD.size).astype(np.float64)
+        return values if np.isfinite(time) and np.isfinite(values).all() else None
+
+    def __str__(self) -> str:
+        return f"{self.taken} taken, {self.lost} lost, {self.old} old, {self.wrong} wrong"
