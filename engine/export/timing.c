@@ -1,12 +1,32 @@
-/* timing.c - how long single steps of the machine take on this computer: NAME steps; prints nanoseconds and how often. */
+/* timing.c - how long single steps of the machine take on this computer: NAME steps [urgent]; prints nanoseconds and how often.
+ *
+ * Urgent, it asks to go before other programs and for memory that stays in place, and prints what it was granted: 1 the one, 2 the other. */
 #define _POSIX_C_SOURCE 200112L
 #include "plant.h"
+#ifdef __linux__
+#include <sched.h>
+#include <sys/mman.h>
+#endif
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 
 enum { BINS = 400 };        /* of 5 % each, from 100 ns on */
 static union { double number; char bytes[PLANT_BYTES]; } memory;
+
+enum { PRIORITY = 10 };     /* of 1 .. 99, below what drives devices */
+
+static int hurry(void)
+{
+    int granted = 0;
+#ifdef __linux__
+    struct sched_param wish = {0};
+    wish.sched_priority = PRIORITY;
+    if (!sched_setscheduler(0, SCHED_FIFO, &wish)) granted |= 1;
+    if (!mlockall(MCL_CURRENT | MCL_FUTURE)) granted |= 2;
+#endif
+    return granted;
+}
 
 static double now(void)
 {
@@ -23,6 +43,7 @@ int main(int argc, char **argv)
     const long warm = steps / 10 < 1000 ? steps / 10 : 1000;   /* the caches fill */
     jo_machine *machine = jo_machine_place(&PLANT, memory.bytes, (long long)sizeof memory.bytes);
     if (!machine || steps < 1) return 2;
+    const int granted = argc > 2 ? hurry() : 0;
     ends[0] = 100.0;
     for (int i = 1; i < BINS; i++) ends[i] = 1.05 * ends[i - 1];
     double sum = 0.0, worst = 0.0;
@@ -41,7 +62,7 @@ int main(int argc, char **argv)
         if (took > worst) worst = took;
         done++;
     }
-    printf("%ld %.17g %.17g %lld\n", done, sum, worst, jo_machine_bytes(&PLANT));
+    printf("%ld %.17g %.17g %lld %d\n", done, sum, worst, jo_machine_bytes(&PLANT), granted);
     for (int i = 0; i < BINS; i++)
         if (counts[i]) printf("%.17g %ld\n", ends[i], counts[i]);
     return 0;

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -10,6 +13,7 @@ import pytest
 
 import jousto as jo
 from exported import CC
+from jousto.export.work import by_file
 
 MODEL = """
 bodies: [{name: mass, mass: 1 kg, inertia: [1, 1, 1], position: [1, 0, 0]}]
@@ -37,6 +41,24 @@ def test_steps_of_a_model_file_are_timed(tmp_path: Path, capsys: pytest.CaptureF
         app(["realtime", str(path), "--steps", "2000", "--step", "0.5 ms"])
     out = capsys.readouterr().out
     assert end.value.code in (0, None) and "2000 steps of 0.0005 s" in out
+    if shutil.which("valgrind"):
+        assert re.search(r"bodies +\d+, .* each of 1\n", out)
+        assert re.search(r"work +\d+ instructions a step", out)
+    else:
+        assert "instructions are not counted: that needs Valgrind" in out
+    if sys.platform == "linux":
+        assert re.search(r"memory stays in place: (yes|not allowed here)", out)
+
+
+@pytest.mark.skipif(shutil.which("valgrind") is None, reason="no Valgrind")
+def test_instructions_of_files_add_up_to_those_of_the_program(tmp_path: Path) -> None:
+    """Callgrind's own total stands at the end of what it writes."""
+    out = tmp_path / "out"
+    line = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", "true"]
+    subprocess.run(line, check=True, capture_output=True)
+    text = out.read_text()
+    total = int(re.findall(r"^totals: (\d+)", text, flags=re.MULTILINE)[-1])
+    assert sum(by_file(text).values()) == total
 
 
 def test_too_few_steps_are_refused() -> None:

@@ -17,21 +17,27 @@ def realtime(
     step: Annotated[
         str | None, typer.Option("--step", metavar="TIME", help="Own step, '0.5 ms'.")
     ] = None,
-    steps: Annotated[int, typer.Option("--steps", min=1000, help="How many are timed.")] = 100_000,
+    steps: Annotated[
+        int, typer.Option("--steps", min=1000, help="How many are timed.")
+    ] = 1_000_000,
     margin: Annotated[
         float, typer.Option("--margin", min=1.0, help="Of the rate that is held.")
     ] = 2.0,
+    urgent: Annotated[
+        bool, typer.Option("--urgent/--ordinary", help="Go before other programs, where allowed.")
+    ] = True,
     trust: Trust = False,
 ) -> None:
     """Time single steps of a machine as a program of C: what this computer holds in real time.
 
-    Printed are the median and the longest steps, the memory, and the rate at which all but one of
-    10,000 steps keep the margin. Other programs on the same cores make the longest steps longer.
+    Printed are the median and the longest steps, the memory, the rate at which all but one of
+    10,000 steps keep the margin, and, where Valgrind is installed, the instructions of a step by
+    kinds of elements. Other programs on the same cores make the longest steps longer.
     """
     from jousto.cli.export import machine_of
     from jousto.export.realtime import realtime as measure
 
     compiled, solver, state = machine_of(model, amount(step, "s", "--step"), trust)[:3]
-    found = measure(compiled, solver, state=state, steps=steps)
+    found = measure(compiled, solver, state=state, steps=steps, urgent=urgent)
     say(str(found))
     say(f"with a margin of {margin:g}: {found.rate(margin):.0f} steps a second")

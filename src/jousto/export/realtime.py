@@ -16,12 +16,14 @@ from jousto.base.errors import InputError, Problem, Problems
 from jousto.export.program import program
 from jousto.export.project import flat
 from jousto.export.toolchain import build, here, platforms
+from jousto.export.work import Work, work_of
 from jousto.model.model import Model
 from jousto.simulation.solvers.explicit import Solver
 from jousto.simulation.state import State
 
 NO_ALLOCATION = ("-DJO_NO_ALLOCATION",)
 SECONDS = 600.0  # that the measurement may take
+ASKED = {"goes before other programs (SCHED_FIFO)": 1, "memory stays in place": 2}
 
 
 @described
@@ -43,6 +45,10 @@ class StepTimes:
         Upper ends of classes of 5 %, s, and how many steps fell into each.
     bytes : int
         Memory of one machine; nothing is allocated.
+    granted : tuple of (str, bool)
+        What was asked of the operating system, and whether it was granted; empty if nothing was.
+    work : Work or None
+        Instructions of a step; None without Valgrind.
     """
 
     name: str
@@ -53,6 +59,8 @@ class StepTimes:
     times: Array
     counts: Array
     bytes: int
+    granted: tuple[tuple[str, bool], ...] = ()
+    work: Work | None = None
 
     def share(self, part: float) -> float:
         """Return the time that a part of the steps, such as 0.999, stayed below, s."""
@@ -78,10 +86,18 @@ class StepTimes:
             f"{self.name}: {self.steps} steps of {self.step:g} s on {here()}",
             f"a step     median {micro * self.median:.3g} us, mean {micro * self.mean:.3g} us",
             f"           99.9 % below {micro * self.share(0.999):.3g} us, 99.99 % below "
-            f"{micro * self.share(0.9999):.3g} us, worst {micro * self.worst:.3g} us",
+            f"{micro * self.share(0.9999):.3g} us, worst {micro * self.worst:.3g} us, "
+            f"{self.worst / self.median:.3g} medians",
             f"memory     {self.bytes / 1024:.1f} KiB for one machine, nothing is allocated",
             f"real time  {self.step / self.mean:.3g} times; holds {self.rate():.0f} steps a second "
             "with a margin of 2",
+            *(
+                f"{what}: {'yes' if allowed else 'not allowed here'}"
+                for what, allowed in self.granted
+            ),
+            str(self.work)
+            if self.work is not None
+            else "instructions are not counted: that needs Valgrind",
         ]
         return "\n".join(lines)
 
@@ -92,7 +108,8 @@ def realtime(
     solver: Solver | None = None,
     *,
     state: State | None = None,
-    steps: int = 100_000,
+    steps: int = 1_000_000,
+    urgent: bool = True,
 ) -> StepTimes:
     """Compile a machine for this computer and time its single steps.
 
@@ -106,6 +123,9 @@ def realtime(
         Where it starts; None is the initial state of the model.
     steps : int
         How many steps are timed.
+    urgent : bool
+        Ask the operating system that the program goes before others (SCHED_FIFO) and that its
+        memory stays in place; `StepTimes.granted` is what it allowed. Linux.
 
     Raises
     ------
@@ -119,20 +139,22 @@ def realtime(
     made = program(model, solver, state=state, name="machine")
     with tempfile.TemporaryDirectory(prefix="jousto-realtime-") as folder:
         binary = Path(folder) / "timing"
-        build(flat(made, "timing.c"), platforms(["here"])[0], binary, flags=NO_ALLOCATION)
+        flags = (*NO_ALLOCATION, "-g")  # its lines say whose the instructions are
+        build(flat(made, "timing.c"), platforms(["here"])[0], binary, flags=flags)
+        line = [str(binary), str(int(steps)), *(["urgent"] if urgent else [])]
         try:
-            done = subprocess.run(
-                [binary, str(int(steps))], capture_output=True, text=True, timeout=SECONDS
-            )
+            done = subprocess.run(line, capture_output=True, text=True, timeout=SECONDS)
         except subprocess.TimeoutExpired:
             message = f"{steps} steps took more than {SECONDS:g} s; time fewer"
             raise InputError(Problem("realtime", message)) from None
+        work = None if done.returncode else work_of(model, binary, Path(folder))
     if done.returncode:
         raise InputError(
             Problem("realtime", "the motion of the machine diverges; simulate it first")
         )
     first, *rest = done.stdout.splitlines()
-    count, total, worst, size = first.split()
+    count, total, worst, size, allowed = first.split()
+    asked = tuple((what, bool(int(allowed) & bit)) for what, bit in ASKED.items())
     table = np.array([[float(x) for x in row.split()] for row in rest])
     return StepTimes(
         model.name,
@@ -143,4 +165,6 @@ def realtime(
         1e-9 * table[:, 0],
         table[:, 1],
         int(size),
+        asked if urgent else (),
+        work,
     )

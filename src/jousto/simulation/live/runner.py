@@ -46,8 +46,8 @@ class Glance:
         Real-time factor; longest step and largest lateness, s.
     late : tuple of int
         Steps by lateness, in the classes of `pace.EDGES`.
-    missed : int
-        Steps that ended after the next one was due.
+    missed, given_up : int
+        Steps that ended after the next one was due; how often what was missing was given up.
     recording : str
         File that is written, else empty.
     message : str
@@ -65,6 +65,7 @@ class Glance:
     latest: float
     late: tuple[int, ...]
     missed: int
+    given_up: int
     recording: str
     message: str
     inputs: dict[str, float]
@@ -369,6 +370,7 @@ class Runner:
             latest=pace.latest,
             late=tuple(pace.late),
             missed=pace.missed,
+            given_up=pace.given_up,
             recording="" if self._recorder is None else str(self._recorder.path),
             message=self._message,
             inputs=machine.inputs,
